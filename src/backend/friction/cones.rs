@@ -1,0 +1,165 @@
+//! The supports as cones in scaled units: distinct points with positive limits.
+
+use crate::math::{Mat3, Vec2, Vec3};
+use crate::model::Ground;
+use crate::model::support::{slip_velocity, wrench_of};
+
+/// Supports on the same point act as one with the sum of their limits; those without a limit do not act at all.
+#[derive(Clone, Debug)]
+pub(super) struct Cones {
+    /// Positions over `length`.
+    pub offsets: Vec<Vec2>,
+    /// Limits over `force`; they add up to one.
+    pub limits: Vec<f64>,
+    /// Cone of each support and the share of its limit there; `None` for a support without a limit.
+    shares: Vec<Option<(usize, f64)>>,
+    /// Unit of length (m): the largest distance of a support from the origin.
+    length: f64,
+    /// Unit of force (N): the sum of the limits.
+    force: f64,
+    /// (sum_i c_i^2 B_i' B_i)^-1, if there is one: least-norm forces for a wrench, each in units of its limit.
+    balance: Option<Mat3>,
+}
+
+/// Supports nearer to each other than this share of their extent are one: no solver could tell them apart.
+const SAME_POINT: f64 = 1e-12;
+
+impl Cones {
+    pub fn new(ground: &Ground, length_scale: f64) -> Self {
+        let force: f64 = ground.slip_limits().sum();
+        let extent = ground.supports.iter().map(|s| s.offset.norm()).fold(0.0, f64::max);
+        let length = if extent > 0.0 { extent } else { length_scale };
+        let mut cones = Cones {
+            offsets: Vec::new(),
+            limits: Vec::new(),
+            shares: Vec::new(),
+            length,
+            force: if force > 0.0 { force } else { 1.0 },
+            balance: None,
+        };
+        for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
+            let share = (limit > 0.0).then(|| cones.merge(support.offset / length, limit / cones.force));
+            cones.shares.push(share);
+        }
+        for (cone, share) in cones.shares.iter_mut().flatten() {
+            *share /= cones.limits[*cone];
+        }
+        cones.balance = cones.balance_matrix();
+        cones
+    }
+
+    pub fn len(&self) -> usize {
+        self.limits.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.limits.is_empty()
+    }
+
+    /// The cone that a support joins, and its limit there.
+    fn merge(&mut self, offset: Vec2, limit: f64) -> (usize, f64) {
+        if let Some(k) = self.offsets.iter().position(|known| (known - offset).norm() <= SAME_POINT) {
+            self.limits[k] += limit;
+            return (k, limit);
+        }
+        self.offsets.push(offset);
+        self.limits.push(limit);
+        (self.len() - 1, limit)
+    }
+
+    fn balance_matrix(&self) -> Option<Mat3> {
+        if self.len() < 2 {
+            return None;
+        }
+        let mut gram = Mat3::zeros();
+        for (offset, limit) in self.offsets.iter().zip(&self.limits) {
+            gram += limit * limit * slip_gram(offset);
+        }
+        gram.try_inverse()
+    }
+
+    /// H and w in scaled units: energies over length times force.
+    pub fn scaled(&self, hessian: &Mat3, drive: &Vec3) -> (Mat3, Vec3) {
+        let units = self.twist_units();
+        let energy = self.length * self.force;
+        let h = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j] / energy);
+        (h, drive.component_mul(&units) / energy)
+    }
+
+    pub fn unscaled_twist(&self, twist: &Vec3) -> Vec3 {
+        twist.component_mul(&self.twist_units())
+    }
+
+    fn twist_units(&self) -> Vec3 {
+        Vec3::new(self.length, self.length, 1.0)
+    }
+
+    pub fn first_support_of(&self, cone: usize) -> usize {
+        self.shares.iter().position(|share| share.is_some_and(|(k, _)| k == cone)).expect("a cone comes from a support")
+    }
+
+    /// Forces on the supports (N) from the cones' f_i.
+    pub fn share_forces(&self, cone_forces: &[Vec2], support_forces: &mut [Vec2]) {
+        for (force, share) in support_forces.iter_mut().zip(&self.shares) {
+            *force = share.map_or(Vec2::zeros(), |(cone, share)| -cone_forces[cone] * (share * self.force));
+        }
+    }
+
+    /// Slip of cone k.
+    pub fn slip(&self, k: usize, twist: &Vec3) -> Vec2 {
+        slip_velocity(&self.offsets[k], twist)
+    }
+
+    /// sum_i B_i' f_i.
+    pub fn wrench(&self, forces: &[Vec2]) -> Vec3 {
+        self.offsets.iter().zip(forces).map(|(offset, force)| wrench_of(offset, force)).sum()
+    }
+
+    /// Index of the cone that slips least.
+    pub fn slowest(&self, twist: &Vec3) -> usize {
+        let speed = |k: usize| self.slip(k, twist).norm_squared();
+        (0..self.len()).min_by(|a, b| speed(*a).total_cmp(&speed(*b))).expect("there is a cone")
+    }
+
+    /// Whether forces within all limits balance w, found from the ones given by the least change in units of the limits. The answer no proves
+    /// nothing: the forces are then left as they were.
+    pub fn stick_forces(&self, w: &Vec3, forces: &mut [Vec2]) -> bool {
+        let Some(balance) = &self.balance else { return false };
+        let correction = balance * (w - self.wrench(forces));
+        let corrected = |k: usize| forces[k] + self.limits[k] * self.limits[k] * self.slip(k, &correction);
+        let fits = (0..self.len()).all(|k| corrected(k).norm_squared() <= self.limits[k] * self.limits[k]);
+        if fits {
+            for k in 0..self.len() {
+                forces[k] += self.limits[k] * self.limits[k] * self.slip(k, &correction);
+            }
+        }
+        fits
+    }
+
+    /// Largest violation of the optimality conditions by (twist, forces), over the forces in them.
+    pub fn residual(&self, h: &Mat3, w: &Vec3, twist: &Vec3, forces: &[Vec2]) -> f64 {
+        let elastic = h * twist;
+        let balance = (elastic - w + self.wrench(forces)).amax();
+        let cones = (0..self.len()).map(|k| {
+            let (slip, force, limit) = (self.slip(k, twist), forces[k], self.limits[k]);
+            let above = (force.norm() - limit).max(0.0);
+            let speed = slip.norm();
+            // A slipping support's force is its limit along the slip; speeds within rounding of the twist have no direction.
+            let aligned = speed <= 1e-15 * twist.amax();
+            let misaligned = if aligned { 0.0 } else { limit - force.dot(&slip) / speed };
+            above.max(misaligned)
+        });
+        cones.fold(balance, f64::max) / self.force_scale(h, w, twist)
+    }
+
+    /// Size of the terms of the balance, from which rounding is counted: |w|, the limits and the largest product in H x.
+    pub fn force_scale(&self, h: &Mat3, w: &Vec3, twist: &Vec3) -> f64 {
+        let products = (0..3).map(|j| h.column(j).amax() * twist[j].abs()).fold(0.0, f64::max);
+        w.amax() + 1.0 + products
+    }
+}
+
+/// B'B of one support.
+fn slip_gram(offset: &Vec2) -> Mat3 {
+    Mat3::new(1.0, 0.0, -offset.y, 0.0, 1.0, offset.x, -offset.y, offset.x, offset.norm_squared())
+}

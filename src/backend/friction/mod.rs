@@ -1,0 +1,186 @@
+//! The exact cone problem in three variables, used by all backends.
+//!
+//! For a symmetric H and a wrench w, both in load axes, the body-twist increment x of the load minimises
+//!
+//! ```text
+//! 1/2 x'Hx - w'x + sum_i c_i |B_i x|        B_i x: slip of support i, Eq. (12);  c_i = mu N_i: its slip limit, Eq. (13)
+//! ```
+//!
+//! At the minimum `H x - w + sum_i B_i' f_i = 0`, with `f_i = c_i B_i x / |B_i x|` where support i slips and `|f_i| <= c_i` where it sticks. The
+//! problem is convex, so whatever satisfies these conditions is the answer, and the order of the attempts below is one of cost only:
+//!
+//! 1. [`Cones::stick_forces`]: forces within all limits that balance w. Nothing moves.
+//! 2. [`pinned`]: rotation about one support that sticks. With two distinct ones sticking, all do.
+//! 3. [`slipping`]: all supports slip, or stick close to it. Newton's method in coordinates in which the kink at a slow support is smooth.
+//! 4. [`smoothed`]: continuation over rounded cones, which gives the others a start where they have none.
+//!
+//! All of it happens in units of the supports' extent and of the sum of the limits, so that no tolerance has a dimension.
+
+mod cones;
+mod pinned;
+mod slipping;
+mod smoothed;
+
+use serde::{Deserialize, Serialize};
+
+use super::RestoreError;
+use crate::math::{Mat3, Vec2, Vec3};
+use crate::model::Ground;
+
+use cones::Cones;
+
+/// Solves the cone problem for one set of supports, starting from its last answer.
+#[derive(Clone, Debug)]
+pub struct FrictionSolver {
+    cones: Cones,
+    last: WarmStart,
+    support_forces: Vec<Vec2>,
+}
+
+/// The last answer (scaled). Where the next one starts decides its last bits, so this belongs to the state of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WarmStart {
+    /// Twist of the last slipping answer: the next one is likely to be near.
+    twist: Option<Vec3>,
+    /// Cone that the load turned about, if it did.
+    pin: Option<usize>,
+    /// Forces f_i, one a cone.
+    forces: Vec<Vec2>,
+}
+
+/// The minimiser and what it means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionSolution {
+    /// Body-twist increment (m, m, rad).
+    pub increment: Vec3,
+    pub regime: Regime,
+    /// Largest violation of the optimality conditions, relative to the forces in them (1).
+    pub residual: f64,
+    /// Newton iterations.
+    pub n_iterations: u32,
+}
+
+/// Which supports stick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Regime {
+    /// All of them: nothing moves.
+    Stick,
+    /// One: the load turns about the support of this index (of those that stand on the same point, the first).
+    Pinned(usize),
+    /// None.
+    Slip,
+}
+
+/// A candidate in scaled units; its forces stand in the solver's warm start.
+struct Candidate {
+    twist: Vec3,
+    regime: Regime,
+}
+
+/// Residual up to which an answer counts as exact: some tens of roundings of the sums in it.
+const EXACT: f64 = 1e-13;
+
+impl FrictionSolver {
+    /// `length_scale` (m) stands in where the supports have no extent of their own.
+    pub fn new(ground: &Ground, length_scale: f64) -> Self {
+        let cones = Cones::new(ground, length_scale);
+        Self {
+            last: WarmStart { twist: None, pin: None, forces: vec![Vec2::zeros(); cones.len()] },
+            support_forces: vec![Vec2::zeros(); ground.supports.len()],
+            cones,
+        }
+    }
+
+    /// Minimises for `hessian` (N/m, N, N m/rad; positive semidefinite) and `drive` w (N, N, N m), both over a body-twist increment
+    /// (m, m, rad). Where no support has a slip limit the answer is the linear one.
+    pub fn solve(&mut self, hessian: &Mat3, drive: &Vec3) -> FrictionSolution {
+        let (h, w) = self.cones.scaled(hessian, drive);
+        let mut n_iterations = 0;
+        let candidate = self.search(&h, &w, &mut n_iterations);
+        let residual = self.cones.residual(&h, &w, &candidate.twist, &self.last.forces);
+        self.keep(&candidate);
+        FrictionSolution {
+            increment: self.cones.unscaled_twist(&candidate.twist),
+            regime: match candidate.regime {
+                Regime::Pinned(cone) => Regime::Pinned(self.cones.first_support_of(cone)),
+                other => other,
+            },
+            residual,
+            n_iterations,
+        }
+    }
+
+    /// Friction force on each support of the ground in the last solution (N, load axes): opposite to its slip.
+    pub fn forces(&self) -> &[Vec2] {
+        &self.support_forces
+    }
+
+    pub fn warm_start(&self) -> &WarmStart {
+        &self.last
+    }
+
+    /// Goes on as the solver would whose [`FrictionSolver::warm_start`] this is.
+    ///
+    /// # Errors
+    /// When it belongs to other supports.
+    pub fn set_warm_start(&mut self, start: WarmStart) -> Result<(), RestoreError> {
+        if start.forces.len() != self.cones.len() || start.pin.is_some_and(|k| k >= self.cones.len()) {
+            return Err(RestoreError(format!("friction of {} supports, not of {}", start.forces.len(), self.cones.len())));
+        }
+        self.cones.share_forces(&start.forces, &mut self.support_forces);
+        self.last = start;
+        Ok(())
+    }
+
+    fn search(&mut self, h: &Mat3, w: &Vec3, n_iterations: &mut u32) -> Candidate {
+        if self.cones.is_empty() {
+            return Candidate { twist: linear_answer(h, w), regime: Regime::Slip };
+        }
+        if self.cones.stick_forces(w, &mut self.last.forces) {
+            return Candidate { twist: Vec3::zeros(), regime: Regime::Stick };
+        }
+        let start = self.last.twist.unwrap_or_else(|| linear_answer(h, w));
+        if let Some(found) = self.pin(h, w) {
+            return found;
+        }
+        let forces = &mut self.last.forces;
+        slipping::slip(&self.cones, h, w, &start, forces, n_iterations)
+            .or_else(|| slipping::stick(&self.cones, w, &start, forces, n_iterations))
+            .unwrap_or_else(|| smoothed::search(&self.cones, h, w, forces, n_iterations))
+    }
+
+    /// Tries the last pin first. With many supports only that one is tried here, since the continuation finds the others at less cost.
+    fn pin(&mut self, h: &Mat3, w: &Vec3) -> Option<Candidate> {
+        const FEW: usize = 8;
+        let others = if self.cones.len() <= FEW { self.cones.len() } else { 0 };
+        let order = self.last.pin.into_iter().chain((0..others).filter(|k| Some(*k) != self.last.pin));
+        for k in order {
+            let found = pinned::about(&self.cones, k, h, w, &mut self.last.forces);
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
+    }
+
+    fn keep(&mut self, candidate: &Candidate) {
+        self.last.pin = match candidate.regime {
+            Regime::Pinned(k) => Some(k),
+            _ => None,
+        };
+        if candidate.regime == Regime::Slip {
+            self.last.twist = Some(candidate.twist);
+        }
+        self.cones.share_forces(&self.last.forces, &mut self.support_forces);
+    }
+}
+
+/// The minimiser without friction, with a ridge of 1e-12 of the largest diagonal entry where H is singular.
+fn linear_answer(h: &Mat3, w: &Vec3) -> Vec3 {
+    let ridge = 1e-12 * h.diagonal().amax();
+    h.cholesky()
+        .or_else(|| (h + Mat3::from_diagonal_element(ridge)).cholesky())
+        .map(|factor| factor.solve(w))
+        .filter(|twist| twist.iter().all(|v| v.is_finite()))
+        .unwrap_or(*w)
+}

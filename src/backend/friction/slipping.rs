@@ -1,0 +1,177 @@
+//! All supports slip: Newton's method in polar coordinates about the slowest one.
+//!
+//! The twist is written by the velocity of the slowest support k and the turn rate, (v_k, omega), and that triple in polar form,
+//! `v_k = s sin(psi) (cos phi, sin phi)`, `omega = s cos(psi) / L` with L the largest distance of a support from k. The friction of k then has the
+//! direction (cos phi, sin phi) whatever its speed, and that of the others depends on psi and phi alone: the residual is smooth through v_k = 0
+//! and linear in s, and neither slow slip nor the edge of sticking spoils convergence.
+//!
+//! The same coordinates tell sticking from slipping near that edge: with f_i the full friction forces of a direction (psi, phi), the share g for which
+//! `g sum_i B_i' f_i = w` is the gauge of the limit surface. With g <= 1, the forces g f_i balance w and nothing moves.
+
+use super::cones::Cones;
+use super::{Candidate, EXACT, Regime};
+use crate::math::{Mat2, Mat3, Vec2, Vec3, direction};
+use crate::model::support::{slip_velocity, wrench_of};
+
+/// An angle that changes by more in one step has left the region where Newton's method is to be trusted (rad).
+const LONGEST_TURN: f64 = 1.5;
+/// So often the residual may fail to fall in a row.
+const PATIENCE: u32 = 4;
+const MOST_ITERATIONS: u32 = 40;
+
+/// The problem seen from the slowest support.
+struct Rebased<'a> {
+    cones: &'a Cones,
+    k: usize,
+    /// Largest distance of a support from k; one where there is no other.
+    reach: f64,
+    /// T'HT and T'w, where T maps (v_k, omega) to the twist at the origin.
+    h: Mat3,
+    w: Vec3,
+}
+
+/// Polar coordinates (s, psi, phi).
+#[derive(Clone, Copy)]
+struct Polar {
+    speed: f64,
+    tilt: f64,
+    course: f64,
+}
+
+/// The slip found from `start`, with the cones' forces written; `None`, with the forces as they were, when Newton's method ends elsewhere.
+pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
+    let problem = Rebased::new(cones, cones.slowest(start), h, w);
+    let at = problem.newton(|at| problem.balance(at), problem.polar_of(start)?, n_iterations)?;
+    problem.write_forces(&at, 1.0, forces);
+    Some(Candidate { twist: problem.twist_at(&at), regime: Regime::Slip })
+}
+
+/// Rest, when the gauge found from the direction of `start` is at most one, with the cones' forces written; `None`, with the forces as they were,
+/// when it is not or was not found.
+pub(super) fn stick(cones: &Cones, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
+    let problem = Rebased::new(cones, cones.slowest(start), &Mat3::zeros(), w);
+    let start = Polar { speed: 1.0, ..problem.polar_of(start)? };
+    let at = problem.newton(|at| problem.gauge(at), start, n_iterations).filter(|at| at.speed <= 1.0)?;
+    problem.write_forces(&at, at.speed, forces);
+    Some(Candidate { twist: Vec3::zeros(), regime: Regime::Stick })
+}
+
+impl<'a> Rebased<'a> {
+    fn new(cones: &'a Cones, k: usize, h: &Mat3, w: &Vec3) -> Self {
+        let pivot = cones.offsets[k];
+        let map = Mat3::new(1.0, 0.0, pivot.y, 0.0, 1.0, -pivot.x, 0.0, 0.0, 1.0);
+        let reach = cones.offsets.iter().map(|offset| (offset - pivot).norm()).fold(0.0, f64::max);
+        Self { cones, k, reach: if reach > 0.0 { reach } else { 1.0 }, h: map.transpose() * h * map, w: map.tr_mul(w) }
+    }
+
+    fn pivot(&self) -> Vec2 {
+        self.cones.offsets[self.k]
+    }
+
+    fn polar_of(&self, twist: &Vec3) -> Option<Polar> {
+        let slip = slip_velocity(&self.pivot(), twist);
+        let turn = self.reach * twist.z;
+        let speed = slip.norm().hypot(turn);
+        (speed > 0.0 && speed.is_finite()).then(|| Polar { speed, tilt: slip.norm().atan2(turn), course: slip.y.atan2(slip.x) })
+    }
+
+    fn twist_at(&self, at: &Polar) -> Vec3 {
+        let slip_and_turn = at.speed * self.unit_twist(at);
+        let at_origin = slip_and_turn.xy() + slip_and_turn.z * Vec2::new(self.pivot().y, -self.pivot().x);
+        Vec3::new(at_origin.x, at_origin.y, slip_and_turn.z)
+    }
+
+    /// (v_k, omega) at s = 1.
+    fn unit_twist(&self, at: &Polar) -> Vec3 {
+        let (sin, cos) = at.tilt.sin_cos();
+        let course = direction(at.course);
+        Vec3::new(sin * course.x, sin * course.y, cos / self.reach)
+    }
+
+    /// A zero of `residual`, which also gives the derivative by (s, psi, phi).
+    fn newton(&self, residual: impl Fn(&Polar) -> (Vec3, Mat3), mut at: Polar, n_iterations: &mut u32) -> Option<Polar> {
+        let (mut best, mut best_residual, mut waited) = (at, f64::INFINITY, 0);
+        for _ in 0..MOST_ITERATIONS {
+            let (value, jacobian) = residual(&at);
+            let size = value.amax();
+            let scale = self.cones.force_scale(&self.h, &self.w, &(at.speed * self.unit_twist(&at)));
+            waited = if size < best_residual { 0 } else { waited + 1 };
+            if size < best_residual {
+                (best, best_residual) = (at, size);
+            }
+            // One step beyond the tolerance costs little and takes the last digits.
+            if size <= 1e-16 * scale || waited > 0 && best_residual <= EXACT * scale {
+                break;
+            }
+            if waited >= PATIENCE {
+                return None;
+            }
+            *n_iterations += 1;
+            let step = jacobian.lu().solve(&value)?;
+            if !(step.y.abs() <= LONGEST_TURN && step.z.abs() <= LONGEST_TURN && step.x.is_finite()) {
+                return None;
+            }
+            at = Polar { speed: at.speed - step.x, tilt: at.tilt - step.y, course: at.course - step.z };
+        }
+        let scale = self.cones.force_scale(&self.h, &self.w, &(best.speed * self.unit_twist(&best)));
+        (best_residual <= EXACT * scale && best.speed >= 0.0 && best.tilt.sin() >= 0.0).then_some(best)
+    }
+
+    /// `s H' d - w' + friction`: the balance about support k of a slip.
+    fn balance(&self, at: &Polar) -> (Vec3, Mat3) {
+        let (unit_twist, by_tilt, by_course) = self.unit_twist_derivatives(at);
+        let (friction, friction_by_tilt, friction_by_course) = self.friction(at);
+        let residual = at.speed * (self.h * unit_twist) - self.w + friction;
+        let tilt_column = at.speed * (self.h * by_tilt) + friction_by_tilt;
+        let course_column = at.speed * (self.h * by_course) + friction_by_course;
+        (residual, Mat3::from_columns(&[self.h * unit_twist, tilt_column, course_column]))
+    }
+
+    /// `g friction - w'`, with g in the place of s.
+    fn gauge(&self, at: &Polar) -> (Vec3, Mat3) {
+        let (friction, by_tilt, by_course) = self.friction(at);
+        (at.speed * friction - self.w, Mat3::from_columns(&[friction, at.speed * by_tilt, at.speed * by_course]))
+    }
+
+    fn unit_twist_derivatives(&self, at: &Polar) -> (Vec3, Vec3, Vec3) {
+        let (sin, cos) = at.tilt.sin_cos();
+        let course = direction(at.course);
+        let by_tilt = Vec3::new(cos * course.x, cos * course.y, -sin / self.reach);
+        let by_course = Vec3::new(-sin * course.y, sin * course.x, 0.0);
+        (self.unit_twist(at), by_tilt, by_course)
+    }
+
+    /// Wrench of the full friction forces about support k, and its derivatives by psi and phi.
+    fn friction(&self, at: &Polar) -> (Vec3, Vec3, Vec3) {
+        let (unit_twist, by_tilt, by_course) = self.unit_twist_derivatives(at);
+        let (course, limit) = (direction(at.course), self.cones.limits[self.k]);
+        let mut wrench = limit * Vec3::new(course.x, course.y, 0.0);
+        let mut wrench_by_tilt = Vec3::zeros();
+        let mut wrench_by_course = limit * Vec3::new(-course.y, course.x, 0.0);
+        for (arm, limit) in self.others() {
+            let slip = slip_velocity(&arm, &unit_twist);
+            let speed = slip.norm().max(f64::MIN_POSITIVE);
+            let unit = slip / speed;
+            let turning = (limit / speed) * (Mat2::identity() - unit * unit.transpose());
+            wrench += wrench_of(&arm, &(limit * unit));
+            wrench_by_tilt += wrench_of(&arm, &(turning * slip_velocity(&arm, &by_tilt)));
+            wrench_by_course += wrench_of(&arm, &(turning * slip_velocity(&arm, &by_course)));
+        }
+        (wrench, wrench_by_tilt, wrench_by_course)
+    }
+
+    /// Arms from support k and limits of the other supports.
+    fn others(&self) -> impl Iterator<Item = (Vec2, f64)> + '_ {
+        let pivot = self.pivot();
+        (0..self.cones.len()).filter(|i| *i != self.k).map(move |i| (self.cones.offsets[i] - pivot, self.cones.limits[i]))
+    }
+
+    fn write_forces(&self, at: &Polar, share: f64, forces: &mut [Vec2]) {
+        let unit_twist = self.unit_twist(at);
+        for (i, force) in forces.iter_mut().enumerate() {
+            let arm = self.cones.offsets[i] - self.pivot();
+            let course = if i == self.k { direction(at.course) } else { slip_velocity(&arm, &unit_twist).normalize() };
+            *force = share * self.cones.limits[i] * course;
+        }
+    }
+}

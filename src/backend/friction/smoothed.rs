@@ -1,0 +1,151 @@
+//! Continuation over rounded cones: |v| becomes sqrt(v^2 + eps^2), with eps falling tenfold from stage to stage.
+//!
+//! Each stage is a smooth convex problem for damped Newton. Its forces lie strictly inside the cones and its twist near the answer's, so each stage
+//! offers the exact methods a start. What still has no exact answer after the last stage moves by less than the last eps, or lies on the edge
+//! between two regimes within rounding.
+
+use super::cones::Cones;
+use super::{Candidate, EXACT, Regime, linear_answer, pinned, slipping};
+use crate::math::{Mat2, Mat3, Vec2, Vec3};
+use crate::model::support::wrench_of;
+
+const N_STAGES: i32 = 15;
+const MOST_ITERATIONS: u32 = 60;
+
+/// The answer found on the way, or the best one at its end, with the cones' forces written.
+pub(super) fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
+    let free = linear_answer(h, w);
+    let scale = extent(&free).min(extent_of_motion(h, w));
+    let mut twist = Vec3::zeros();
+    for stage in 0..N_STAGES {
+        let rounding = scale * 10f64.powi(-stage);
+        twist = minimise(&Rounded { cones, h, w, rounding }, twist, n_iterations);
+        if let Some(found) = exact_from(cones, h, w, &twist, rounding, forces, n_iterations) {
+            return found;
+        }
+    }
+    best_of_both(cones, h, w, &twist, scale * 10f64.powi(1 - N_STAGES), forces)
+}
+
+/// Largest displacement of a twist, with supports at distance one.
+fn extent(twist: &Vec3) -> f64 {
+    twist.xy().norm() + twist.z.abs()
+}
+
+/// How far the load would go along w itself without friction: stands in where H is nearly singular and the linear answer huge.
+fn extent_of_motion(h: &Mat3, w: &Vec3) -> f64 {
+    let stiffness = w.dot(&(h * w));
+    if stiffness > 0.0 { extent(w) * w.norm_squared() / stiffness } else { f64::INFINITY }
+}
+
+/// The exact methods, started from a stage's answer.
+fn exact_from(
+    cones: &Cones,
+    h: &Mat3,
+    w: &Vec3,
+    twist: &Vec3,
+    rounding: f64,
+    forces: &mut [Vec2],
+    n_iterations: &mut u32,
+) -> Option<Candidate> {
+    let rounded = Rounded { cones, h, w, rounding };
+    (0..cones.len()).for_each(|k| forces[k] = rounded.force(k, twist));
+    if cones.stick_forces(w, forces) {
+        return Some(Candidate { twist: Vec3::zeros(), regime: Regime::Stick });
+    }
+    let slowest = cones.slowest(twist);
+    let started = pinned::about(cones, slowest, h, w, forces);
+    if started.is_some() || cones.slip(slowest, twist).norm() <= rounding {
+        return started;
+    }
+    slipping::slip(cones, h, w, twist, forces, n_iterations).or_else(|| slipping::stick(cones, w, twist, forces, n_iterations))
+}
+
+/// Where no regime holds exactly: rest or the last stage's motion, whichever violates the conditions less.
+fn best_of_both(cones: &Cones, h: &Mat3, w: &Vec3, twist: &Vec3, rounding: f64, forces: &mut [Vec2]) -> Candidate {
+    let rounded = Rounded { cones, h, w, rounding };
+    (0..cones.len()).for_each(|k| forces[k] = rounded.force(k, twist));
+    let rest = cones.residual(h, w, &Vec3::zeros(), forces);
+    let moving = cones.residual(h, w, twist, forces);
+    if rest <= moving.max(EXACT) {
+        Candidate { twist: Vec3::zeros(), regime: Regime::Stick }
+    } else {
+        Candidate { twist: *twist, regime: Regime::Slip }
+    }
+}
+
+/// The rounded problem.
+struct Rounded<'a> {
+    cones: &'a Cones,
+    h: &'a Mat3,
+    w: &'a Vec3,
+    rounding: f64,
+}
+
+impl Rounded<'_> {
+    fn speed(&self, slip: &Vec2) -> f64 {
+        slip.norm().hypot(self.rounding)
+    }
+
+    fn force(&self, k: usize, twist: &Vec3) -> Vec2 {
+        let slip = self.cones.slip(k, twist);
+        self.cones.limits[k] / self.speed(&slip) * slip
+    }
+
+    fn objective(&self, twist: &Vec3) -> f64 {
+        let friction: f64 = (0..self.cones.len()).map(|k| self.cones.limits[k] * self.speed(&self.cones.slip(k, twist))).sum();
+        0.5 * twist.dot(&(self.h * twist)) - self.w.dot(twist) + friction
+    }
+
+    fn derivatives(&self, twist: &Vec3) -> (Vec3, Mat3) {
+        let mut gradient = self.h * twist - self.w;
+        let mut hessian = *self.h;
+        for k in 0..self.cones.len() {
+            let (offset, slip, limit) = (self.cones.offsets[k], self.cones.slip(k, twist), self.cones.limits[k]);
+            let speed = self.speed(&slip);
+            let unit = slip / speed;
+            let curvature = (limit / speed) * (Mat2::identity() - unit * unit.transpose());
+            gradient += wrench_of(&offset, &(limit * unit));
+            let columns = [Vec2::x(), Vec2::y(), Vec2::new(-offset.y, offset.x)].map(|column| wrench_of(&offset, &(curvature * column)));
+            hessian += Mat3::from_columns(&columns);
+        }
+        (gradient, hessian)
+    }
+}
+
+/// Damped Newton: a step counts when the objective falls by Armijo's rule, or when it has reached its rounding and the gradient still falls.
+fn minimise(problem: &Rounded, start: Vec3, n_iterations: &mut u32) -> Vec3 {
+    let mut twist = start;
+    let (mut gradient, mut hessian) = problem.derivatives(&twist);
+    for _ in 0..MOST_ITERATIONS {
+        let scale = problem.cones.force_scale(problem.h, problem.w, &twist);
+        if gradient.amax() <= EXACT * scale {
+            break;
+        }
+        *n_iterations += 1;
+        let ridge = 1e-15 * hessian.diagonal().amax();
+        let Some(factor) = (hessian + Mat3::from_diagonal_element(ridge)).cholesky() else { break };
+        let step = -factor.solve(&gradient);
+        let Some(next) = descend(problem, &twist, &gradient, &step) else { break };
+        twist = next;
+        (gradient, hessian) = problem.derivatives(&twist);
+    }
+    twist
+}
+
+fn descend(problem: &Rounded, twist: &Vec3, gradient: &Vec3, step: &Vec3) -> Option<Vec3> {
+    let before = problem.objective(twist);
+    let slope = gradient.dot(step);
+    let rounding = 1e-15 * (before.abs() + problem.w.dot(twist).abs());
+    let mut share = 1.0;
+    for _ in 0..40 {
+        let next = twist + share * step;
+        let after = problem.objective(&next);
+        let falls = after <= before + 1e-4 * share * slope;
+        if falls || after <= before + rounding && problem.derivatives(&next).0.amax() <= 0.7 * gradient.amax() {
+            return Some(next);
+        }
+        share *= 0.5;
+    }
+    None
+}

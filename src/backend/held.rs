@@ -1,0 +1,124 @@
+//! The springs that are held now: tips, branches of their swings, energy and forces. Shared by all backends.
+
+use serde::{Deserialize, Serialize};
+
+use super::RestoreError;
+use crate::math::{Pose, Vec2};
+use crate::model::{PolarSpring, Reaction, SpringShape};
+
+/// One held spring.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grip {
+    pub spring: usize,
+    /// Tip (m, world).
+    pub tip: Vec2,
+    /// Swing at the last accepted pose (rad): tells which branch the next one lies on.
+    pub swing: f64,
+}
+
+/// All held springs in the order of their index. What depends on their sum does not depend on the order of grasping.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct HeldSprings {
+    grips: Vec<Grip>,
+}
+
+impl HeldSprings {
+    pub fn grips(&self) -> &[Grip] {
+        &self.grips
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.grips.is_empty()
+    }
+
+    pub fn get(&self, spring: usize) -> Option<&Grip> {
+        self.grips.binary_search_by_key(&spring, |grip| grip.spring).ok().map(|at| &self.grips[at])
+    }
+
+    /// Adds a grip on the principal branch of its swing and returns the elastic energy that it brings (J).
+    ///
+    /// # Panics
+    /// When the spring is held already or does not exist.
+    pub fn grasp(&mut self, springs: &[PolarSpring], spring: usize, tip: Vec2, pose: &Pose) -> f64 {
+        assert!(spring < springs.len(), "spring {spring} of {} springs", springs.len());
+        let at = self.grips.binary_search_by_key(&spring, |grip| grip.spring).expect_err("a spring is grasped once");
+        let shape = springs[spring].shape(pose, &tip, 0.0);
+        self.grips.insert(at, Grip { spring, tip, swing: shape.swing });
+        springs[spring].energy(&shape)
+    }
+
+    /// Removes a grip and returns the elastic energy that goes with it (J).
+    ///
+    /// # Panics
+    /// When the spring is not held.
+    pub fn release(&mut self, springs: &[PolarSpring], spring: usize, pose: &Pose) -> f64 {
+        let at = self.grips.binary_search_by_key(&spring, |grip| grip.spring).expect("only a held spring is released");
+        let grip = self.grips.remove(at);
+        springs[spring].energy(&grip.shape(springs, pose))
+    }
+
+    /// Elastic energy at `pose` (J).
+    pub fn energy(&self, springs: &[PolarSpring], pose: &Pose) -> f64 {
+        self.grips.iter().map(|grip| springs[grip.spring].energy(&grip.shape(springs, pose))).sum()
+    }
+
+    /// Sum of the reactions of all held springs at `pose`.
+    pub fn reaction(&self, springs: &[PolarSpring], pose: &Pose) -> Reaction {
+        let mut sum = Reaction::ZERO;
+        for grip in &self.grips {
+            sum.add(&springs[grip.spring].reaction(pose, &grip.shape(springs, pose)));
+        }
+        sum
+    }
+
+    /// Force of a spring on its tip (N, world); zero when it is free.
+    pub fn force_on_tip(&self, springs: &[PolarSpring], spring: usize, pose: &Pose) -> Vec2 {
+        self.get(spring).map_or(Vec2::zeros(), |grip| springs[spring].force_on_tip(pose, &grip.shape(springs, pose)))
+    }
+
+    /// Puts every tip a `share` of the way from `from` to its entry of `targets`; a share of one lands exactly there.
+    pub fn place_tips(&mut self, from: &[Grip], targets: &[Vec2], share: f64) {
+        for (grip, start) in self.grips.iter_mut().zip(from) {
+            let target = targets[grip.spring];
+            grip.tip = if share == 1.0 { target } else { start.tip + share * (target - start.tip) };
+        }
+    }
+
+    /// Whether no held tip differs from its entry of `targets`.
+    pub fn tips_are_at(&self, targets: &[Vec2]) -> bool {
+        self.grips.iter().all(|grip| grip.tip == targets[grip.spring])
+    }
+
+    /// Work of the holders (J) while the tips went from where `from` has them to where they are, and the load from `before` to `after`: mean of
+    /// the pulls at both ends times the way.
+    pub fn trapezoid_work(&self, springs: &[PolarSpring], from: &[Grip], before: &Pose, after: &Pose) -> f64 {
+        let work = |(now, last): (&Grip, &Grip)| {
+            let spring = &springs[now.spring];
+            let pulls = spring.force_on_tip(before, &last.shape(springs, before)) + spring.force_on_tip(after, &now.shape(springs, after));
+            -0.5 * pulls.dot(&(now.tip - last.tip))
+        };
+        self.grips.iter().zip(from).map(work).sum()
+    }
+
+    /// # Errors
+    /// When these are not grips of distinct ones of `springs` in the order of their index.
+    pub fn check(&self, springs: &[PolarSpring]) -> Result<(), RestoreError> {
+        let in_order = self.grips.windows(2).all(|pair| pair[0].spring < pair[1].spring);
+        let exist = self.grips.iter().all(|grip| grip.spring < springs.len());
+        if in_order && exist { Ok(()) } else { Err(RestoreError(format!("grips that are not of {} springs", springs.len()))) }
+    }
+
+    /// Keeps the branch of every swing at the accepted `pose`.
+    pub fn accept(&mut self, springs: &[PolarSpring], pose: &Pose) {
+        for grip in &mut self.grips {
+            grip.swing = grip.shape(springs, pose).swing;
+        }
+    }
+}
+
+impl Grip {
+    pub fn shape(&self, springs: &[PolarSpring], pose: &Pose) -> SpringShape {
+        springs[self.spring].shape(pose, &self.tip, self.swing)
+    }
+}

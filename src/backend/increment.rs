@@ -1,0 +1,191 @@
+//! One time-incremental step: the body-twist increment that minimises potential plus friction.
+//!
+//! ```text
+//! minimise over x    E(q exp x) + sum_i c_i |B_i x|
+//! ```
+//!
+//! E is the elastic energy with the tips where they are at the end of the step and, with inertia, half the mass matrix over the squared step about
+//! the pose that the load would coast to. Without inertia this is the paper's max-min principle, Eq. (15), in its time-incremental form: the printed
+//! instantaneous form fixes a direction but no speed. `Deviation:` Eq. (11)-(16) are posed for increments, not velocities.
+//!
+//! The constant-twist path from q to q exp x dissipates just sum_i c_i |B_i x| with constant B_i, so the problem is the same in every world frame.
+//! E is not convex in general. The minimum wanted is the one that descent from rest reaches, by proximal Newton: the cone problem with the
+//! Hessian of E, made positive definite where it is not, and a line search on the true objective.
+
+use super::friction::FrictionSolver;
+use super::held::HeldSprings;
+use super::{Status, StepReport};
+use crate::math::{Mat3, Pose, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
+use crate::model::support::slip_velocity;
+use crate::model::{Ground, PolarSpring, Reaction};
+
+/// What the increment is to minimise, besides friction.
+pub struct Potential<'a> {
+    /// Pose at the start of the step.
+    pub start: Pose,
+    /// Springs with their tips at the end of the step. Several sets act side by side.
+    pub springs: &'a [(&'a [PolarSpring], &'a HeldSprings)],
+    /// `None` neglects inertia.
+    pub inertia: Option<Coasting>,
+}
+
+/// The inertia of the load as a spring to where it would coast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coasting {
+    /// Pose at the end of the step if no force acted.
+    pub pose: Pose,
+    /// Mass and moment of inertia over the squared step (N/m, N m/rad).
+    pub stiffness: (f64, f64),
+}
+
+/// The increment found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Increment {
+    /// Body-twist increment (m, m, rad).
+    pub twist: Vec3,
+    /// Energy lost to friction (J).
+    pub friction: f64,
+    pub report: StepReport,
+}
+
+/// Size of a Newton step, over the size of the increment, at which the increment is exact to rounding.
+const RELATIVE_TOLERANCE: f64 = 1e-12;
+/// The same over the extent of the load, for increments that are themselves near rounding.
+const ABSOLUTE_TOLERANCE: f64 = 1e-15;
+/// Residual above which a step counts as not converged: the tolerance on the step times the curvature leaves it far below.
+const LARGEST_RESIDUAL: f64 = 1e-9;
+const MOST_ITERATIONS: u64 = 60;
+/// Longest turn in one Newton step (rad): the quadratic model says little beyond.
+const LONGEST_TURN: f64 = 0.5;
+
+/// Minimises over increments from rest. `length` (m) is the extent of the load, which makes turns and shifts comparable.
+pub fn minimise(potential: &Potential, ground: &Ground, solver: &mut FrictionSolver, length: f64) -> Increment {
+    let size = |twist: &Vec3| twist.xy().norm() / length + twist.z.abs();
+    let mut at = Vec3::zeros();
+    let mut report = StepReport { n_steps: 1, ..StepReport::default() };
+    let mut residual = f64::INFINITY;
+    for _ in 0..MOST_ITERATIONS {
+        let local = potential.at(&at);
+        let hessian = positive_definite(&local.hessian, length);
+        let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
+        report.n_solves += 1;
+        report.n_iterations += u64::from(solution.n_iterations);
+        let step = shortened(solution.increment - at);
+        if !step.iter().all(|v| v.is_finite()) {
+            break;
+        }
+        let is_last = size(&step) <= RELATIVE_TOLERANCE * size(&solution.increment) + ABSOLUTE_TOLERANCE;
+        residual = solution.residual.max(size(&step) / (size(&solution.increment) + ABSOLUTE_TOLERANCE).max(1.0));
+        let Some(next) = descend(potential, ground, &local, &at, &step) else { break };
+        at = next;
+        if is_last || at == Vec3::zeros() {
+            break;
+        }
+    }
+    report.residual = if residual.is_finite() { residual } else { 1.0 };
+    report.status = if residual <= LARGEST_RESIDUAL { Status::Converged } else { Status::NotConverged };
+    report.n_not_converged = u64::from(report.status != Status::Converged);
+    Increment { twist: at, friction: friction_loss(ground, &at), report }
+}
+
+/// Energy that the supports lose along a constant-twist path (J).
+pub fn friction_loss(ground: &Ground, twist: &Vec3) -> f64 {
+    ground.supports.iter().zip(ground.slip_limits()).map(|(support, limit)| limit * slip_velocity(&support.offset, twist).norm()).sum()
+}
+
+impl Potential<'_> {
+    /// Energy (J), gradient and Hessian by the body-twist increment, at the increment `twist`.
+    fn at(&self, twist: &Vec3) -> Reaction {
+        let pose = self.start.moved_by(twist);
+        let mut world = Reaction::ZERO;
+        for (springs, held) in self.springs {
+            world.add(&held.reaction(springs, &pose));
+        }
+        if let Some(coasting) = &self.inertia {
+            world.add(&coasting.reaction(&pose));
+        }
+        in_body_increments(&world, self.start.heading, twist)
+    }
+
+    fn energy(&self, twist: &Vec3) -> f64 {
+        let pose = self.start.moved_by(twist);
+        let elastic: f64 = self.springs.iter().map(|(springs, held)| held.energy(springs, &pose)).sum();
+        elastic + self.inertia.map_or(0.0, |coasting| coasting.reaction(&pose).energy)
+    }
+}
+
+impl Coasting {
+    fn reaction(&self, pose: &Pose) -> Reaction {
+        let (linear, angular) = self.stiffness;
+        let away = pose.position - self.pose.position;
+        let turn = pose.heading - self.pose.heading;
+        Reaction {
+            energy: 0.5 * linear * away.norm_squared() + 0.5 * angular * turn * turn,
+            gradient: Vec3::new(linear * away.x, linear * away.y, angular * turn),
+            hessian: Mat3::from_diagonal(&Vec3::new(linear, linear, angular)),
+        }
+    }
+}
+
+/// Derivatives by (x, y, heading) turned into derivatives by the increment (u, delta) of
+/// `x = x_0 + R(heading_0) V(delta) u`, `heading = heading_0 + delta`.
+fn in_body_increments(world: &Reaction, heading: f64, twist: &Vec3) -> Reaction {
+    let turn = rotation(heading);
+    let (first, second) = mean_rotation_derivatives(twist.z);
+    let by_shift = turn * mean_rotation(twist.z);
+    let by_turn = turn * first * twist.xy();
+    let map = Mat3::new(
+        by_shift.m11,
+        by_shift.m12,
+        by_turn.x, //
+        by_shift.m21,
+        by_shift.m22,
+        by_turn.y, //
+        0.0,
+        0.0,
+        1.0,
+    );
+    let force = world.gradient.xy();
+    let mixed = (turn * first).tr_mul(&force);
+    let twice = force.dot(&(turn * second * twist.xy()));
+    let curvature = Mat3::new(0.0, 0.0, mixed.x, 0.0, 0.0, mixed.y, mixed.x, mixed.y, twice);
+    Reaction { energy: world.energy, gradient: map.tr_mul(&world.gradient), hessian: map.transpose() * world.hessian * map + curvature }
+}
+
+/// `hessian` with the least of the shifts 0, 1e-12, 1e-11 ... of its size, in units where lengths count in `length`, that makes it positive definite.
+fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
+    let units = Vec3::new(length, length, 1.0);
+    let unit = Mat3::from_diagonal(&units.map(|u| 1.0 / (u * u)));
+    let scaled = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]);
+    let size = scaled.amax().max(f64::MIN_POSITIVE);
+    // A pivot below rounding of the whole says no more than a negative one.
+    let is_definite = |shift: f64| (scaled + Mat3::from_diagonal_element(shift - 1e-13 * size)).cholesky().is_some();
+    let mut shift = 0.0;
+    while !is_definite(shift) && shift < 1e3 * size {
+        shift = if shift == 0.0 { 1e-12 * size } else { 10.0 * shift };
+    }
+    hessian + shift * unit
+}
+
+fn shortened(step: Vec3) -> Vec3 {
+    if step.z.abs() > LONGEST_TURN { step * (LONGEST_TURN / step.z.abs()) } else { step }
+}
+
+/// The first of the points at 1, 1/2, 1/4 ... of the step where the objective has fallen by Armijo's rule, or by nothing but rounding; `None` when
+/// there is none.
+fn descend(potential: &Potential, ground: &Ground, local: &Reaction, at: &Vec3, step: &Vec3) -> Option<Vec3> {
+    let friction = friction_loss(ground, at);
+    let before = local.energy + friction;
+    let predicted = local.gradient.dot(step) + friction_loss(ground, &(at + step)) - friction;
+    let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_loss(ground, &(at + step)));
+    let mut share = 1.0;
+    for _ in 0..40 {
+        let next = at + share * step;
+        let after = potential.energy(&next) + friction_loss(ground, &next);
+        if after <= before + 1e-4 * share * predicted.min(0.0) + rounding {
+            return Some(next);
+        }
+        share *= 0.5;
+    }
+    None
+}

@@ -1,0 +1,221 @@
+//! Floor 2: what moves the load. One question to all, one kind of answer from all.
+//!
+//! A backend owns the load, its springs and the friction under it. It is told which springs are held and where their tips go, and knows
+//! neither ants nor scenario files. Between two calls of [`Backend::advance`] nothing moves.
+
+pub mod friction;
+pub mod held;
+pub mod increment;
+pub mod inertial;
+pub mod quasi_static;
+pub mod rapier;
+
+use serde::{Deserialize, Serialize};
+
+use crate::math::{Pose, Twist, Vec2};
+use crate::model::System;
+
+pub use rapier::RapierOptions;
+
+/// Where the load is and how it moves, in world axes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    pub pose: Pose,
+    pub twist: Twist,
+}
+
+/// What moves the load.
+///
+/// A spring is named by its index in [`System::springs`]. Grasping a held spring or releasing a free one is a broken promise of the caller and
+/// panics.
+pub trait Backend {
+    /// Puts the tip of a free spring at `tip` (m, world) and holds it there.
+    fn grasp(&mut self, spring: usize, tip: Vec2);
+
+    /// Lets go of a held spring: it relaxes to its rest shape at once and pulls no more.
+    fn release(&mut self, spring: usize);
+
+    /// Moves the tips of all held springs in straight lines, at constant speed, to `tip_targets` (m, world, one entry a spring; those of
+    /// free springs are not read) within `duration` (s), and the load with them.
+    ///
+    /// Targets, not velocities: the path of the tips then has no rounding that depends on how time was cut.
+    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport;
+
+    /// Pose and twist of the load now. The twist of a method without inertia is the last displacement over its time.
+    fn motion(&self) -> Motion;
+
+    /// Tip of a held spring (m, world); `None` for a free one.
+    fn tip(&self, spring: usize) -> Option<Vec2>;
+
+    /// Force of the spring on its tip (N, world), Eq. (10), its dashpot's included; zero for a free spring. The ant pulls with its opposite.
+    fn force_on_tip(&self, spring: usize) -> Vec2;
+
+    /// Friction force of the ground on each support (N, world), averaged over the last step.
+    fn friction_forces(&self) -> Vec<Vec2>;
+
+    fn energy(&self) -> EnergyLedger;
+
+    /// The whole state. A backend of the same system and options that restores it goes on bit for bit as this one would.
+    fn save(&self) -> SavedState;
+
+    /// # Errors
+    /// When the state is not one that a backend of this kind and system saved.
+    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError>;
+}
+
+/// A backend's state as a JSON value: floats are written with all their digits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct SavedState(pub serde_json::Value);
+
+impl SavedState {
+    /// # Panics
+    /// When `state` holds a number that JSON cannot.
+    pub fn of<T: Serialize>(state: &T) -> Self {
+        SavedState(serde_json::to_value(state).expect("a backend's state is plain data"))
+    }
+
+    /// # Errors
+    /// When the value has another shape than `T`.
+    pub fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T, RestoreError> {
+        T::deserialize(&self.0).map_err(|error| RestoreError(error.to_string()))
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("saved state does not fit this run: {0}")]
+pub struct RestoreError(pub String);
+
+/// Where the energy of a run is and where it went (J).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergyLedger {
+    /// In the held springs now.
+    pub elastic: f64,
+    /// In the moving load now; zero for a method without inertia.
+    pub kinetic: f64,
+    /// Lost to the ground by friction so far.
+    pub friction: f64,
+    /// Lost in the springs' dashpots so far.
+    pub damping: f64,
+    /// Lost with springs that were let go so far: a free spring relaxes by itself.
+    pub released: f64,
+    /// Done by the tips' holders so far, grasps of deformed springs included.
+    pub tip_work: f64,
+    /// At the start, kinetic.
+    pub initial: f64,
+}
+
+impl EnergyLedger {
+    /// All that was lost on purpose: friction, damping and released springs (J).
+    pub fn dissipated(&self) -> f64 {
+        self.friction + self.damping + self.released
+    }
+
+    /// Energy that appeared from nowhere (J): negative is numerical damping, or a jump of a method without inertia.
+    pub fn defect(&self) -> f64 {
+        self.elastic + self.kinetic + self.dissipated() - self.tip_work - self.initial
+    }
+}
+
+/// How an advance ended. The order is that of severity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Every step met its tolerance.
+    #[default]
+    Converged,
+    /// Some step ended above its tolerance; its best point was kept.
+    NotConverged,
+    /// Some step had no finite answer: the load stayed where it was.
+    Failed,
+}
+
+/// What an advance cost and how well it ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    pub status: Status,
+    /// Largest residual of a step, relative to the forces in it (1).
+    pub residual: f64,
+    /// Steps of the backend's own.
+    pub n_steps: u64,
+    /// Solutions of the friction problem.
+    pub n_solves: u64,
+    /// Newton iterations over all of them.
+    pub n_iterations: u64,
+    /// Steps that were known without solving.
+    pub n_skipped: u64,
+    /// Steps that did not converge.
+    pub n_not_converged: u64,
+}
+
+impl StepReport {
+    pub fn add(&mut self, other: &StepReport) {
+        self.status = self.status.max(other.status);
+        self.residual = self.residual.max(other.residual);
+        self.n_steps += other.n_steps;
+        self.n_solves += other.n_solves;
+        self.n_iterations += other.n_iterations;
+        self.n_skipped += other.n_skipped;
+        self.n_not_converged += other.n_not_converged;
+    }
+}
+
+/// The ways to move a load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum BackendKind {
+    /// The paper's max-min step: no inertia.
+    QuasiStatic,
+    /// The same step with the mass matrix: the reference dynamics.
+    Inertial,
+    /// The rigid-body engine rapier2d.
+    Rapier,
+}
+
+impl BackendKind {
+    pub const ALL: [BackendKind; 3] = [BackendKind::QuasiStatic, BackendKind::Inertial, BackendKind::Rapier];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            BackendKind::QuasiStatic => "quasi-static",
+            BackendKind::Inertial => "inertial",
+            BackendKind::Rapier => "rapier",
+        }
+    }
+}
+
+/// How to move the load.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BackendOptions {
+    pub kind: BackendKind,
+    /// Longest step (s): a duration is cut into the fewest equal steps that do not exceed it.
+    pub step_s: f64,
+    pub rapier: RapierOptions,
+}
+
+/// The step (s) for who asks for none: the control period, and with inertia no more than a tenth of a radian of the fastest oscillation (its
+/// numerical damping ratio is then 0.05 at most), but no less than a 64th of the control period and no more than a millisecond.
+pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> f64 {
+    match kind {
+        BackendKind::QuasiStatic => control_period,
+        BackendKind::Inertial | BackendKind::Rapier => {
+            let resolving = (0.1 / system.fastest_rate()).min(1e-3);
+            resolving.clamp(control_period / 64.0, control_period)
+        }
+    }
+}
+
+/// The one place that joins kinds and code.
+pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
+    match options.kind {
+        BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system.clone(), start, options.step_s)),
+        BackendKind::Inertial => Box::new(inertial::Inertial::new(system.clone(), start, options.step_s)),
+        BackendKind::Rapier => rapier::build(system.clone(), start, options.step_s, &options.rapier),
+    }
+}
+
+/// The fewest equal steps of at most `longest` (s) that make up `duration` (s): their number. A share of 1e-9 of a step is forgiven, so that
+/// a period that is a multiple of the step up to rounding is cut into just that many.
+pub fn n_steps_in(duration: f64, longest: f64) -> u64 {
+    (duration / longest - 1e-9).ceil().max(1.0) as u64
+}

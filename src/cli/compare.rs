@@ -1,0 +1,115 @@
+//! `cohaul compare`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Instant, SystemTime};
+
+use clap::Args;
+
+use super::{CliError, EngineArgs, interrupt, print, read_scenario, step};
+use crate::backend::BackendKind;
+use crate::compare::{Settings, Tier, closed_loop, prescribed, replayed};
+use crate::report::figure::Scene;
+use crate::report::{Comparison, Manifest, Progress, check_target, compare_text, write_comparison};
+use crate::scenario::{Drive, Scenario};
+
+#[derive(Args)]
+pub struct CompareArgs {
+    /// Scenario file
+    scenario: PathBuf,
+    /// Tiers to compare in; without it all that the scenario has: prescribed for tips, replayed and closed-loop for ants
+    #[arg(long, value_name = "TIER")]
+    tier: Vec<Tier>,
+    /// Longest step of all backends (s), the first of those that are halved; without it each backend's default
+    #[arg(long, value_name = "H", value_parser = step)]
+    step_s: Option<f64>,
+    /// Seed of all chance, in place of the scenario's; the first of those of the closed loop
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Number of seeds of the closed loop
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    seeds: usize,
+    /// Backend whose run is replayed into the others
+    #[arg(long, value_name = "BACKEND", default_value = "quasi-static")]
+    recorded_from: BackendKind,
+    /// Difference that counts as agreement, over the length of the load's path (1)
+    #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = step)]
+    agreement: f64,
+    /// Folder for traces, figures, summary and manifest
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    engine: EngineArgs,
+}
+
+pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
+    let scenario = read_scenario(&args.scenario, args.seed)?;
+    let tiers = tiers_of(&scenario, &args.tier)?;
+    if args.seeds == 0 {
+        return Err(CliError::Usage("--seeds: must be at least 1, found 0".into()));
+    }
+    if let Some(out) = &args.out {
+        check_target(out)?;
+    }
+    let settings =
+        Settings { step_s: args.step_s, rapier: args.engine.options(), recorded_from: args.recorded_from, agreement: args.agreement };
+    let (started, clock) = (SystemTime::now(), Instant::now());
+    let mut comparison = Comparison::new(&scenario, &settings);
+    for tier in tiers {
+        add(&mut comparison, tier, &scenario, &settings, args.seeds)?;
+    }
+    comparison.wall_s = clock.elapsed().as_secs_f64();
+    comparison.check_finite()?;
+    if let Some(out) = &args.out {
+        let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
+        let options = settings.options(&scenario, BackendKind::Rapier);
+        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, &options, std::env::args().collect(), started);
+        write_comparison(out, &comparison, &Scene::of(&scenario), scenario.system.springs.len(), &manifest)?;
+    }
+    print(&if args.json { comparison.to_json() } else { compare_text(&comparison) })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The tiers asked for, or all that the scenario has.
+fn tiers_of(scenario: &Scenario, asked: &[Tier]) -> Result<Vec<Tier>, CliError> {
+    let possible: &[Tier] = match scenario.drive {
+        Drive::Tips(_) => &[Tier::Prescribed],
+        Drive::Ants(_) => &[Tier::Replayed, Tier::ClosedLoop],
+    };
+    if let Some(tier) = asked.iter().find(|tier| !possible.contains(tier)) {
+        return Err(CliError::Usage(format!("--tier: a scenario with this drive has the tiers {possible:?}, found {tier:?}")));
+    }
+    Ok(if asked.is_empty() { possible.to_vec() } else { asked.to_vec() })
+}
+
+fn add(comparison: &mut Comparison, tier: Tier, scenario: &Scenario, settings: &Settings, n_seeds: usize) -> Result<(), CliError> {
+    let label = match tier {
+        Tier::Prescribed => "prescribed",
+        Tier::Replayed => "replayed",
+        Tier::ClosedLoop => "closed loop",
+    };
+    let progress = Mutex::new(Progress::start(1.0, label));
+    let watch = |share: f64| {
+        // Only one thread draws; the others need not wait for it.
+        if let Ok(mut progress) = progress.try_lock() {
+            progress.at(share);
+        }
+        !interrupt::asked()
+    };
+    let n_done = AtomicUsize::new(0);
+    let watch_run = || watch((n_done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / (3 * n_seeds) as f64);
+    match tier {
+        Tier::Prescribed => comparison.tiers.prescribed = Some(prescribed(scenario, settings, watch).ok_or(CliError::Interrupted)?),
+        Tier::Replayed => comparison.tiers.replayed = Some(replayed(scenario, settings, watch).ok_or(CliError::Interrupted)?),
+        Tier::ClosedLoop => {
+            comparison.tiers.closed_loop = Some(closed_loop(scenario, settings, n_seeds, watch_run).ok_or(CliError::Interrupted)?);
+        }
+    }
+    progress.into_inner().expect("no thread panicked while it drew").finish();
+    Ok(())
+}

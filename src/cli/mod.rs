@@ -1,0 +1,147 @@
+//! Floor 6: the command line. One subcommand, one function.
+//!
+//! Exit codes: 0 done, 1 the run missed what it was asked to check, 2 usage or input, 3 internal. Results go to standard output, everything
+//! else to standard error.
+
+mod compare;
+mod interrupt;
+mod run;
+mod scenario;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::backend::rapier::{FrictionModel, Precision, SpringModel};
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, RestoreError, default_step};
+use crate::report::{FolderError, NotFinite};
+use crate::scenario::{Scenario, ScenarioError};
+
+#[derive(Parser)]
+#[command(name = "cohaul", version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const LONG_ABOUT: &str = "Collective transport of a load by ants: runs one behaviour model on a quasi-static solver, on a reference with inertia and on the \
+rigid-body engine rapier2d, and says where they agree, where inertia makes them differ, and how much is only a solver's error.";
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run missed what it was asked to check; 2 usage or input; 3 internal.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run one scenario on one backend
+    Run(run::RunArgs),
+    /// Run one scenario on all backends and say why they differ
+    Compare(compare::CompareArgs),
+    /// Look at scenario files
+    #[command(subcommand)]
+    Scenario(scenario::ScenarioCommand),
+}
+
+/// Options of all commands that run something.
+#[derive(Args)]
+struct EngineArgs {
+    /// Friction under rapier's load
+    #[arg(long, value_name = "MODEL", default_value = "aligned")]
+    friction: FrictionModel,
+    /// Springs on rapier's load
+    #[arg(long, value_name = "MODEL", default_value = "joint")]
+    springs: SpringModel,
+    /// Floating point of rapier
+    #[arg(long, value_name = "WIDTH", default_value = "f64")]
+    precision: Precision,
+}
+
+impl EngineArgs {
+    fn options(&self) -> RapierOptions {
+        RapierOptions { friction: self.friction, springs: self.springs, precision: self.precision }
+    }
+}
+
+/// Why a command ended without its result.
+#[derive(Debug, thiserror::Error)]
+enum CliError {
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    #[error("{path}: {source}")]
+    File { path: PathBuf, source: std::io::Error },
+    #[error("{path}: not a saved run: {source}")]
+    NotASavedRun { path: PathBuf, source: serde_json::Error },
+    #[error("{path}: {source}")]
+    Restore { path: PathBuf, source: RestoreError },
+    #[error("{0}")]
+    Usage(String),
+    #[error("interrupted")]
+    Interrupted,
+    #[error("a result is not finite: {0}")]
+    NotFinite(#[from] NotFinite),
+    #[error("cannot write to standard output: {0}")]
+    Output(#[from] std::io::Error),
+}
+
+impl CliError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            CliError::NotFinite(_) | CliError::Output(_) => 3,
+            // As shells count a process that a keyboard interrupt ended.
+            CliError::Interrupted => 130,
+            _ => 2,
+        }
+    }
+}
+
+/// Parses the command line, runs the command and says how it went.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Nobody is left to tell when standard error is closed.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let done = match &cli.command {
+        Command::Run(args) => run::run(args),
+        Command::Compare(args) => compare::compare(args),
+        Command::Scenario(command) => scenario::scenario(command),
+    };
+    match done {
+        Ok(code) => code,
+        // A reader that has seen enough, such as `head`, is no failure.
+        Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// Reads a scenario, with the seed of the command line if it has one.
+fn read_scenario(path: &std::path::Path, seed: Option<u64>) -> Result<Scenario, ScenarioError> {
+    let scenario = Scenario::read(path)?;
+    Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })
+}
+
+fn backend_options(scenario: &Scenario, kind: BackendKind, step_s: Option<f64>, engine: &EngineArgs) -> BackendOptions {
+    let step_s = step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
+    BackendOptions { kind, step_s, rapier: engine.options() }
+}
+
+/// A step that a user may ask for (s).
+fn step(text: &str) -> Result<f64, String> {
+    let step: f64 = text.parse().map_err(|_| format!("must be a number of seconds, found {text}"))?;
+    if step.is_finite() && step > 0.0 { Ok(step) } else { Err(format!("must be positive and finite, found {text}")) }
+}
+
+/// Writes a result to standard output.
+fn print(text: &str) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()?;
+    Ok(())
+}

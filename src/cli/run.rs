@@ -1,0 +1,100 @@
+//! `cohaul run`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Instant, SystemTime};
+
+use clap::Args;
+
+use super::{CliError, EngineArgs, backend_options, interrupt, print, read_scenario, step};
+use crate::backend::{BackendKind, BackendOptions};
+use crate::report::figure::Scene;
+use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, run_text, write_run};
+use crate::scenario::Scenario;
+use crate::simulation::{Keep, SavedRun, Simulation};
+
+#[derive(Args)]
+pub struct RunArgs {
+    /// Scenario file
+    scenario: PathBuf,
+    /// What moves the load
+    #[arg(long, default_value = "quasi-static")]
+    backend: BackendKind,
+    /// Longest step of the backend (s); without it the control period for quasi-static, and a tenth of a radian of the fastest oscillation else
+    #[arg(long, value_name = "H", value_parser = step)]
+    step_s: Option<f64>,
+    /// Seed of all chance, in place of the scenario's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Folder for trace, events, figures, summary and manifest
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    json: bool,
+    /// State of the run: resumed from if the file is there, written when the run is interrupted, removed when it is done
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    /// Interrupt the run at this simulated time (s)
+    #[arg(long, value_name = "T", requires = "state", value_parser = step)]
+    stop_s: Option<f64>,
+    #[command(flatten)]
+    engine: EngineArgs,
+}
+
+pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
+    let scenario = read_scenario(&args.scenario, args.seed)?;
+    let options = backend_options(&scenario, args.backend, args.step_s, &args.engine);
+    if let Some(out) = &args.out {
+        check_target(out)?;
+    }
+    let keep = if args.out.is_some() { Keep::Trace } else { Keep::Outcome };
+    let (started, clock) = (SystemTime::now(), Instant::now());
+    let mut run = start(&scenario, &options, keep, args.state.as_deref())?;
+    let mut progress = Progress::start(scenario.duration, args.backend.name());
+    run.run(|time| {
+        progress.at(time);
+        !interrupt::asked() && args.stop_s.is_none_or(|stop| time < stop)
+    });
+    progress.finish();
+    if !run.is_finished() {
+        return interrupted(&run, args.state.as_deref());
+    }
+    let (trace, outcome) = run.into_results();
+    let summary = RunSummary::new(&scenario.name, &options, scenario.seed, &outcome, clock.elapsed().as_secs_f64())?;
+    if let Some(out) = &args.out {
+        let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
+        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, &options, std::env::args().collect(), started);
+        let n_springs = scenario.system.springs.len();
+        write_run(out, &RunFiles { summary: &summary, trace: &trace, n_springs, scene: &Scene::of(&scenario), manifest: &manifest })?;
+    }
+    if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
+        std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
+    }
+    print(&if args.json { summary.to_json() } else { run_text(&summary) })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A new run, or the one whose state is there.
+fn start<'a>(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, state: Option<&Path>) -> Result<Simulation<'a>, CliError> {
+    let Some(path) = state.filter(|path| path.exists()) else { return Ok(Simulation::new(scenario, options, keep)) };
+    let text = std::fs::read_to_string(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
+    let saved: SavedRun = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path.to_owned(), source })?;
+    if saved.options != *options {
+        let (saved, asked) = (serde_json::to_string(&saved.options), serde_json::to_string(options));
+        let text = format!("{}: saved with {}, asked for {}", path.display(), saved.unwrap_or_default(), asked.unwrap_or_default());
+        return Err(CliError::Usage(text));
+    }
+    Simulation::resume(scenario, &saved, keep).map_err(|source| CliError::Restore { path: path.to_owned(), source })
+}
+
+/// Keeps the state for the next call, if there is a file for it.
+fn interrupted(run: &Simulation, state: Option<&Path>) -> Result<ExitCode, CliError> {
+    let Some(path) = state else { return Err(CliError::Interrupted) };
+    let text = serde_json::to_string(&run.save()).expect("a state is plain data");
+    let partial = path.with_extension("partial");
+    let write = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path));
+    write.map_err(|source| CliError::File { path: path.to_owned(), source })?;
+    eprintln!("stopped at {} s; the same command goes on from {}", run.time(), path.display());
+    Ok(ExitCode::from(130))
+}

@@ -1,0 +1,184 @@
+//! The closed-loop tier: paired seeds, compared as distributions.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Settings, Tier, Verdict};
+use crate::backend::{BackendKind, Status};
+use crate::math::{Interval, Summary, mean_interval};
+use crate::scenario::Scenario;
+use crate::simulation::{Keep, Outcome, Simulation, Trace};
+
+/// What paired closed-loop runs found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClosedLoop {
+    pub tier: Tier,
+    pub n_seeds: usize,
+    pub first_seed: u64,
+    pub measures: Vec<Measure>,
+    /// First time (s) at which the decisions of the inertial run differ from those of another, over the seeds: earliest; `null` when they never do.
+    pub decisions_part: DecisionsPart,
+    pub verdict: Verdict,
+    /// The worst ending of a step in all runs.
+    pub status: Status,
+    /// One run a backend at the first seed, in the order of [`BackendKind::ALL`], for figures.
+    #[serde(skip)]
+    pub traces: Vec<Trace>,
+}
+
+/// One quantity of a run, over seeds: mean of each backend, and of the paired differences, with 95 % intervals.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measure {
+    pub name: &'static str,
+    pub quasi_static: Distribution,
+    pub inertial: Distribution,
+    pub rapier: Distribution,
+    /// Inertial minus quasi-static.
+    pub inertia_effect: Distribution,
+    /// Rapier minus inertial.
+    pub engine_error: Distribution,
+}
+
+/// Mean, spread and interval of the mean; `n` counts the seeds in which the quantity exists.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Distribution {
+    pub n: u64,
+    pub mean: f64,
+    pub sd: f64,
+    /// `null` below two seeds.
+    pub mean_interval_95: Option<Interval>,
+    /// Whether the mean differs from zero at the 95 % level for all measures together (Bonferroni).
+    pub is_shifted: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DecisionsPart {
+    pub quasi_static_s: Option<f64>,
+    pub rapier_s: Option<f64>,
+}
+
+/// One run's quantities; `None` where it has none.
+struct Run {
+    values: Vec<Option<f64>>,
+    trace: Trace,
+    status: Status,
+}
+
+/// What measures are taken from.
+struct Facts<'a> {
+    outcome: &'a Outcome,
+    trace: &'a Trace,
+    scenario: &'a Scenario,
+}
+
+type Take = fn(&Facts) -> Option<f64>;
+
+/// Name and value of every measure. SI units stand in the names.
+const MEASURES: [(&str, Take); 5] = [
+    ("time_to_nest_s", |run| (run.outcome.arrived == Some(true)).then_some(run.outcome.time)),
+    ("mean_speed_m_per_s", |run| {
+        let travelled = (run.outcome.motion.pose.position - run.scenario.start.pose.position).norm();
+        (run.outcome.time > 0.0).then(|| travelled / run.outcome.time)
+    }),
+    ("pull_mean_n", |run| (run.outcome.pulls.n() > 0).then(|| run.outcome.pulls.mean())),
+    ("pull_sd_n", |run| (run.outcome.pulls.n() > 1).then(|| run.outcome.pulls.sd())),
+    ("n_transporting", |run| {
+        let mut holders = Summary::default();
+        holders.extend(run.trace.rows.iter().map(|row| row.tips.len() as f64));
+        (holders.n() > 0).then(|| holders.mean())
+    }),
+];
+
+/// Runs `n_seeds` seeds from the scenario's own on all backends. `watch` is told of every run that ended, and says whether to go on; `None` when
+/// it said no.
+pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, watch: impl Fn() -> bool + Sync) -> Option<ClosedLoop> {
+    let runs: Option<Vec<[Run; 3]>> = (0..n_seeds)
+        .into_par_iter()
+        .map(|at| {
+            let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
+            let run = |kind| run_of(&seeded, settings, kind, &watch);
+            Some([run(BackendKind::QuasiStatic)?, run(BackendKind::Inertial)?, run(BackendKind::Rapier)?])
+        })
+        .collect();
+    Some(judged(scenario.seed, runs?))
+}
+
+fn run_of(scenario: &Scenario, settings: &Settings, kind: BackendKind, watch: &(impl Fn() -> bool + Sync)) -> Option<Run> {
+    let mut run = Simulation::new(scenario, &settings.options(scenario, kind), Keep::Trace);
+    run.run(|_| true);
+    let (trace, outcome) = run.into_results();
+    let facts = Facts { outcome: &outcome, trace: &trace, scenario };
+    let values = MEASURES.iter().map(|(_, take)| take(&facts)).collect();
+    watch().then_some(Run { values, trace, status: outcome.steps.status })
+}
+
+fn judged(first_seed: u64, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
+    let measures: Vec<Measure> = (0..MEASURES.len()).map(|at| measure(at, &runs)).collect();
+    let earliest = |other: usize| {
+        let part = |run: &[Run; 3]| decisions_part(&run[1].trace, &run[other].trace);
+        runs.iter().filter_map(part).min_by(f64::total_cmp)
+    };
+    let decisions_part = DecisionsPart { quasi_static_s: earliest(0), rapier_s: earliest(2) };
+    let status = runs.iter().flatten().map(|run| run.status).max().unwrap_or_default();
+    let verdict = verdict(&measures, runs.len());
+    let n_seeds = runs.len();
+    let traces = runs.swap_remove(0).map(|run| run.trace).into();
+    ClosedLoop { tier: Tier::ClosedLoop, n_seeds, first_seed, measures, decisions_part, verdict, status, traces }
+}
+
+fn measure(at: usize, runs: &[[Run; 3]]) -> Measure {
+    let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run[kind].values[at]).collect());
+    let paired = |a: usize, b: usize| {
+        let difference = |run: &[Run; 3]| Some(run[a].values[at]? - run[b].values[at]?);
+        Distribution::of(runs.iter().filter_map(difference).collect())
+    };
+    Measure {
+        name: MEASURES[at].0,
+        quasi_static: of(0),
+        inertial: of(1),
+        rapier: of(2),
+        inertia_effect: paired(1, 0),
+        engine_error: paired(2, 1),
+    }
+}
+
+impl Distribution {
+    fn of(values: Vec<f64>) -> Self {
+        let mut summary = Summary::default();
+        summary.extend(values.iter().copied());
+        Self {
+            n: summary.n(),
+            mean: summary.mean(),
+            sd: summary.sd(),
+            mean_interval_95: mean_interval(&values, 0.95),
+            is_shifted: is_shifted(&values),
+        }
+    }
+}
+
+fn is_shifted(values: &[f64]) -> bool {
+    let level = 1.0 - 0.05 / MEASURES.len() as f64;
+    mean_interval(values, level).is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0)
+}
+
+/// First time (s) at which the events of two runs differ.
+fn decisions_part(a: &Trace, b: &Trace) -> Option<f64> {
+    let mut events = a.events.iter().zip(&b.events);
+    let differ = events.find(|(a, b)| (a.time, a.spring, a.ant, a.kind) != (b.time, b.spring, b.ant, b.kind));
+    let beyond = || a.events.len().min(b.events.len());
+    let first_unpaired = || a.events.get(beyond()).or(b.events.get(beyond())).map(|event| event.time);
+    differ.map(|(a, b)| a.time.min(b.time)).or_else(first_unpaired)
+}
+
+/// Paths have decorrelated; what remains is whether means differ. With one seed nothing can be said of them.
+fn verdict(measures: &[Measure], n_seeds: usize) -> Verdict {
+    if n_seeds < 2 {
+        Verdict::Decorrelated
+    } else if measures.iter().any(|measure| measure.inertia_effect.is_shifted) {
+        Verdict::Inertia
+    } else if measures.iter().any(|measure| measure.engine_error.is_shifted) {
+        Verdict::Engine
+    } else {
+        Verdict::Agree
+    }
+}

@@ -1,0 +1,61 @@
+//! Floor 4: where backends agree, where inertia makes them differ, and how much of a difference is only a solver's error.
+//!
+//! Comparison has three tiers, because closed-loop paths decorrelate at the first release that falls differently: [`Tier::Prescribed`] tips,
+//! compared pathwise; [`Tier::Replayed`] grasps, releases and tip motions of one recorded run, compared pathwise; [`Tier::ClosedLoop`] runs of paired
+//! seeds, compared as distributions.
+//!
+//! ```text
+//! solution.rs   a backend's path with its own error, from runs with halved steps
+//! difference.rs how far two paths lie apart, and when they first part
+//! numbers.rs    epsilon, Phi and zeta of a run, and what theory predicts from them
+//! pathwise.rs   the prescribed and the replayed tier
+//! ensemble.rs   the closed-loop tier
+//! verdict.rs    what it amounts to
+//! ```
+
+mod difference;
+mod ensemble;
+mod numbers;
+mod pathwise;
+mod solution;
+mod verdict;
+
+use serde::{Deserialize, Serialize};
+
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, default_step};
+use crate::scenario::Scenario;
+
+pub use difference::{Difference, Occasion, Parting};
+pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, closed_loop};
+pub use numbers::{Numbers, Predicted};
+pub use pathwise::{OwnErrors, Partings, Pathwise, prescribed, replayed};
+pub use solution::Solution;
+pub use verdict::Verdict;
+
+/// How backends are made to answer the same question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Tier {
+    Prescribed,
+    Replayed,
+    ClosedLoop,
+}
+
+/// Steps and settings of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Longest step of all backends (s); `None` is the default of each.
+    pub step_s: Option<f64>,
+    pub rapier: RapierOptions,
+    /// Backend whose run is replayed into the others.
+    pub recorded_from: BackendKind,
+    /// Difference that counts as agreement, over the length of the load's path (1).
+    pub agreement: f64,
+}
+
+impl Settings {
+    pub fn options(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
+        let step_s = self.step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
+        BackendOptions { kind, step_s, rapier: self.rapier }
+    }
+}

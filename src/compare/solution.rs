@@ -1,0 +1,113 @@
+//! A backend's path with its own error, from runs with halved steps.
+//!
+//! The exact methods are first order with a clean expansion in the step, through sticking, pinning and slipping, as long as grasps and releases fall on
+//! nodes, as they do here. With p(h) the path at the step h, `2 p(h/2) - p(h)` is second order; the same at h/4 is the solution given, and the distance between
+//! the two bounds its error. An engine is shown at the step that its user asked for: what it changes when the step is halved is half of its error.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
+use crate::math::Vec2;
+use crate::scenario::Scenario;
+use crate::simulation::{Driver, Keep, Row, Simulation, Trace};
+
+/// Path of a load with its own error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    pub kind: BackendKind,
+    pub points: Vec<Point>,
+    /// The run with the shortest step for the exact methods, with the step asked for with an engine: forces, events and figures come from it.
+    pub trace: Trace,
+    /// Step of that run (s).
+    pub step_s: f64,
+    pub steps: StepReport,
+}
+
+/// Where the load is at one instant, and how far that may be wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// (s)
+    pub time: f64,
+    /// (m, world)
+    pub position: Vec2,
+    /// (rad)
+    pub heading: f64,
+    /// (m)
+    pub position_error: f64,
+    /// (rad)
+    pub heading_error: f64,
+}
+
+impl Solution {
+    /// Runs `scenario` with the drivers that `driver` makes, at the step of `options` and at halves of it; `watch` as in [`Simulation::run`], with the
+    /// share done (1). `None` when it said to stop.
+    pub fn find(
+        scenario: &Scenario,
+        options: &BackendOptions,
+        driver: impl Fn() -> Box<dyn Driver> + Sync,
+        watch: impl Fn(f64) -> bool + Sync,
+    ) -> Option<Self> {
+        let n_levels = if options.kind == BackendKind::Rapier { 2 } else { 3 };
+        let cost_of_all = f64::from((1 << n_levels) - 1);
+        let done: Vec<AtomicU64> = (0..n_levels).map(|_| AtomicU64::new(0)).collect();
+        let level = |level: u32| {
+            let options = BackendOptions { step_s: options.step_s / f64::from(1 << level), ..*options };
+            let mut run = Simulation::driven(scenario, &options, Keep::Trace, driver());
+            let share = f64::from(1 << level) / cost_of_all;
+            run.run(|time| {
+                done[level as usize].store((share * time / scenario.duration).to_bits(), Relaxed);
+                watch(done.iter().map(|part| f64::from_bits(part.load(Relaxed))).sum())
+            });
+            run.is_finished().then(|| (options.step_s, run.into_results()))
+        };
+        // The longest first: two threads then end at about the same time.
+        let mut levels: Vec<_> = (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(level).collect::<Option<Vec<_>>>()?;
+        levels.reverse();
+        let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
+        let points = match rows.as_slice() {
+            [coarse, fine] => (0..coarse.len()).map(|i| as_run(&coarse[i], &fine[i])).collect(),
+            [coarse, middle, fine] => (0..coarse.len()).map(|i| extrapolated(&coarse[i], &middle[i], &fine[i])).collect(),
+            _ => unreachable!("two or three levels"),
+        };
+        let shown = if n_levels == 2 { 0 } else { 2 };
+        let (step_s, (trace, outcome)) = levels.swap_remove(shown);
+        Some(Self { kind: options.kind, points, trace, step_s, steps: outcome.steps })
+    }
+
+    pub fn status(&self) -> Status {
+        self.steps.status
+    }
+
+    /// Length of the load's path (m).
+    pub fn path_length(&self) -> f64 {
+        self.points.windows(2).map(|pair| (pair[1].position - pair[0].position).norm()).sum()
+    }
+}
+
+/// The path at the step asked for; twice what halving changes is its error.
+fn as_run(coarse: &Row, fine: &Row) -> Point {
+    let (a, b) = (coarse.motion.pose, fine.motion.pose);
+    Point {
+        time: coarse.time,
+        position: a.position,
+        heading: a.heading,
+        position_error: 2.0 * (a.position - b.position).norm(),
+        heading_error: 2.0 * (a.heading - b.heading).abs(),
+    }
+}
+
+/// The path in the limit of small steps; its distance from the same out of one level less bounds its error.
+fn extrapolated(coarse: &Row, middle: &Row, fine: &Row) -> Point {
+    let [a, b, c] = [coarse, middle, fine].map(|row| row.motion.pose);
+    let (before, position) = (2.0 * b.position - a.position, 2.0 * c.position - b.position);
+    let (heading_before, heading) = (2.0 * b.heading - a.heading, 2.0 * c.heading - b.heading);
+    Point {
+        time: coarse.time,
+        position,
+        heading,
+        position_error: (position - before).norm(),
+        heading_error: (heading - heading_before).abs(),
+    }
+}

@@ -1,0 +1,23 @@
+//! Collective transport of a load by ants: one behaviour model, several ways of moving the load, and a comparison that says where they agree.
+//!
+//! A quasi-static run neglects the load's inertia. A run of a rigid-body engine has inertia, and the engine's numerical error. A third run, the same
+//! springs and exact friction with the mass matrix added, tells the two apart:
+//!
+//! ```text
+//! inertia effect = inertial - quasi-static
+//! engine error   = rapier   - inertial
+//! own error      = what each run still changes when its step is halved
+//! ```
+//!
+//! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
+//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`compare`], [`report`], [`cli`].
+#![forbid(unsafe_code)]
+
+pub mod backend;
+pub mod cli;
+pub mod compare;
+pub mod math;
+pub mod model;
+pub mod report;
+pub mod scenario;
+pub mod simulation;

@@ -1,0 +1,58 @@
+//! Angles: counter-clockwise, in radians, and the plane rotations that go with them.
+
+use std::f64::consts::{PI, TAU};
+
+use super::{Mat2, Vec2};
+
+/// The angle in (-pi, pi] that differs from `angle` by whole turns (rad).
+pub fn wrap_to_pi(angle: f64) -> f64 {
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
+/// The value of `angle` plus whole turns that lies nearest to `near` (rad): follows a branch instead of jumping at pi.
+pub fn unwrap_near(angle: f64, near: f64) -> f64 {
+    angle + ((near - angle) / TAU).round() * TAU
+}
+
+/// The unit vector at `angle` from the x axis.
+pub fn direction(angle: f64) -> Vec2 {
+    let (sin, cos) = angle.sin_cos();
+    Vec2::new(cos, sin)
+}
+
+/// `v` turned by a quarter turn counter-clockwise: the velocity at `v` of a unit turn rate about the origin.
+pub fn perpendicular(v: &Vec2) -> Vec2 {
+    Vec2::new(-v.y, v.x)
+}
+
+/// The rotation matrix by `angle`: its columns are the turned axes.
+pub fn rotation(angle: f64) -> Mat2 {
+    let (sin, cos) = angle.sin_cos();
+    Mat2::new(cos, -sin, sin, cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrapping_keeps_plus_pi_and_maps_minus_pi_onto_it() {
+        assert_eq!(wrap_to_pi(PI), PI);
+        assert_eq!(wrap_to_pi(-PI), PI);
+        // Two ulps of 3 turns: the only rounding is that of the whole turns taken off.
+        assert!((wrap_to_pi(3.0 * TAU + 0.5) - 0.5).abs() < 8e-15);
+        assert!((wrap_to_pi(-0.25) + 0.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn unwrapping_follows_the_branch_through_many_turns() {
+        let mut branch = 0.0;
+        for step in 1..=1000 {
+            let truth = 0.05 * step as f64;
+            branch = unwrap_near(wrap_to_pi(truth), branch);
+            // The wrapped angle carries the rounding of up to eight whole turns.
+            assert!((branch - truth).abs() < 1e-13, "{branch} {truth}");
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! Floor 0: plane geometry, angles, keyed random draws and statistics. Knows nothing of ants, loads or files.
+
+mod angle;
+mod chance;
+mod pose;
+mod statistics;
+
+pub use angle::{direction, perpendicular, rotation, unwrap_near, wrap_to_pi};
+pub use chance::{Chance, Stream};
+pub use pose::{Pose, Twist, Wrench, mean_rotation, mean_rotation_derivatives};
+pub use statistics::{Interval, Summary, mean_interval};
+
+/// A point or a free vector in the plane.
+pub type Vec2 = nalgebra::Vector2<f64>;
+/// A twist, wrench or gradient as a column: two linear entries, then the angular one.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// A linear map of plane vectors.
+pub type Mat2 = nalgebra::Matrix2<f64>;
+/// A symmetric stiffness or mass over (x, y, heading).
+pub type Mat3 = nalgebra::Matrix3<f64>;

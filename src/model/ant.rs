@@ -1,0 +1,89 @@
+//! An ant as a point that walks (Eq. 17) and steers (Eq. 20).
+
+use serde::{Deserialize, Serialize};
+
+use crate::math::{Pose, Vec2, Vec3, direction, perpendicular};
+
+/// What an ant is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "mode")]
+pub enum Mode {
+    /// Walks towards where it believes the load to be, and grasps the tip of a free spring in reach.
+    Search,
+    /// Holds the tip of one spring and walks backwards with it.
+    Transport { spring: usize, grasp_tick: u64 },
+}
+
+/// An ant between two ticks. Its position (m, world) is that of its mandibles: the tip it holds, while it holds one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ant {
+    pub position: Vec2,
+    /// Direction it faces (rad, world). It pulls towards heading + pi.
+    pub heading: f64,
+    pub mode: Mode,
+    /// Offset of the believed from the true position of the load (m), redrawn now and then.
+    pub belief_error: Vec2,
+}
+
+/// What an ant does until the next tick: velocity along its heading (m/s; negative is backwards) and turn rate (rad/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Command {
+    pub velocity: f64,
+    pub turn_rate: f64,
+}
+
+impl Ant {
+    /// Where a walking ant stands after `duration` (s): an arc of constant velocity and turn rate, Eq. (17).
+    pub fn walked(&self, command: &Command, duration: f64) -> Ant {
+        let pose = Pose { position: self.position, heading: self.heading };
+        let arc = Vec3::new(command.velocity * duration, 0.0, command.turn_rate * duration);
+        let reached = pose.moved_by(&arc);
+        Ant { position: reached.position, heading: reached.heading, ..*self }
+    }
+
+    /// Velocity of the tip in the mandibles of a pulling ant (m/s, world), Eq. (21): backwards along the heading, and sideways when
+    /// the ant turns about a point `control_offset` (m) behind its mandibles.
+    pub fn tip_velocity(&self, command: &Command, control_offset: f64) -> Vec2 {
+        let ahead = direction(self.heading);
+        command.velocity * ahead + command.turn_rate * control_offset * perpendicular(&ahead)
+    }
+}
+
+/// Turn rate (rad/s), Eq. (20): gain (1/s) times heading error (rad), as its mean over `duration` (s) while the desired heading stands
+/// still: the error then decays as exp(-gain t). No choice of control period makes it overshoot.
+pub fn steering_turn_rate(heading_error: f64, steering_gain: f64, duration: f64) -> f64 {
+    -heading_error * (-steering_gain * duration).exp_m1() / duration
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const START: Ant = Ant { position: Vec2::new(0.0, 0.0), heading: 0.0, mode: Mode::Search, belief_error: Vec2::new(0.0, 0.0) };
+
+    #[test]
+    fn a_quarter_circle_has_the_radius_velocity_over_turn_rate() {
+        let quarter = Command { velocity: 0.08, turn_rate: 2.0 };
+        let reached = START.walked(&quarter, std::f64::consts::FRAC_PI_4);
+        // Radius 0.04 m: rounding only.
+        assert!((reached.position - Vec2::new(0.04, 0.04)).norm() < 1e-16);
+    }
+
+    #[test]
+    fn steering_does_not_depend_on_the_control_period() {
+        let error_after = |n: u32| {
+            let duration = 0.1 / f64::from(n);
+            (0..n).fold(1.0, |error, _| error - duration * steering_turn_rate(error, 8.0, duration))
+        };
+        for n in [1, 7, 100] {
+            assert!((error_after(n) - (-0.8f64).exp()).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_pulling_ant_drags_the_tip_backwards() {
+        let back = Command { velocity: -0.03, turn_rate: 1.0 };
+        assert_eq!(START.tip_velocity(&back, 0.0), Vec2::new(-0.03, 0.0));
+        assert_eq!(START.tip_velocity(&back, 0.004), Vec2::new(-0.03, 0.004));
+    }
+}

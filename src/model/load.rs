@@ -1,0 +1,59 @@
+//! The load, and the whole mechanism a backend moves: load, ground and springs.
+
+use super::{Ground, PolarSpring};
+use crate::math::Mat3;
+
+/// A rigid body in the plane; its frame's origin is its centre of mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Mass (kg).
+    pub mass: f64,
+    /// Moment of inertia about the origin (kg m^2).
+    pub inertia: f64,
+    /// Radius of the outline, a disc (m). It carries no force: it draws the load and sets the default inertia.
+    pub radius: f64,
+}
+
+impl Load {
+    /// Mass matrix over (x, y, heading): diag(m, m, I) in (kg, kg, kg m^2).
+    pub fn mass_matrix(&self) -> Mat3 {
+        Mat3::from_diagonal(&[self.mass, self.mass, self.inertia].into())
+    }
+}
+
+/// What a backend moves. Nothing here changes during a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct System {
+    pub load: Load,
+    pub ground: Ground,
+    pub springs: Vec<PolarSpring>,
+}
+
+impl System {
+    /// Sum of the slip limits, mu m g on level ground (N).
+    pub fn total_slip_limit(&self) -> f64 {
+        self.ground.slip_limits().sum()
+    }
+
+    /// Upper estimate of the fastest oscillation of the load on all its springs at rest, in translation or turning (rad/s); zero without springs.
+    pub fn fastest_rate(&self) -> f64 {
+        let (mut linear, mut angular) = (0.0, 0.0);
+        for spring in &self.springs {
+            let across = if spring.rest_length > 0.0 { spring.torsional_stiffness / spring.rest_length.powi(2) } else { 0.0 };
+            let stiffness = spring.radial_stiffness.max(across);
+            linear += stiffness;
+            angular += stiffness * spring.rest_tip().norm_squared();
+        }
+        (linear / self.load.mass).max(angular / self.load.inertia).sqrt()
+    }
+
+    /// Dashpot coefficients (radial in N s/m, torsional in N m s/rad) of a spring with this damping ratio on this load:
+    /// stiffness times 2 zeta / omega_n with omega_n = sqrt(radial stiffness / mass).
+    pub fn dashpot(&self, spring: &PolarSpring) -> (f64, f64) {
+        if spring.damping_ratio == 0.0 || spring.radial_stiffness == 0.0 {
+            return (0.0, 0.0);
+        }
+        let time = 2.0 * spring.damping_ratio * (self.load.mass / spring.radial_stiffness).sqrt();
+        (time * spring.radial_stiffness, time * spring.torsional_stiffness)
+    }
+}

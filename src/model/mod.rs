@@ -1,0 +1,18 @@
+//! Floor 1: the paper's laws, pure and stateless: springs, load, supports, ants and their decisions.
+//!
+//! Equation numbers are those of Berman, Lindsey, Sakar, Kumar, Pratt, "Study of group food retrieval by ants as a model for multi-robot
+//! collective transport strategies", Robotics: Science and Systems VI, 2010.
+
+pub mod ant;
+pub mod behaviour;
+pub mod interaction;
+pub mod load;
+pub mod spring;
+pub mod spring_design;
+pub mod support;
+
+pub use interaction::interaction_force;
+pub use load::{Load, System};
+pub use spring::{PolarSpring, Reaction, SpringShape};
+pub use spring_design::SpringDesign;
+pub use support::{Ground, SupportPoint};

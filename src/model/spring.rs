@@ -1,0 +1,274 @@
+//! The polar spring (Eq. 8-10) as an energy, with gradient and Hessian by the load's pose.
+//!
+//! The root R is fixed to the load, the undeformed spring points along `bearing` there. With Q the rotation by heading + bearing, the
+//! tip seen from the root is `d = Q^T (p - x) - a`, where `a` is the root in axes turned by the bearing. In polar form d = (length, swing) and
+//!
+//! ```text
+//! U = 1/2 k_r (l - l_0)^2 + 1/2 k_t psi^2          f = dU/dd = k_r (l - l_0) e_r + (k_t psi / l) e_t
+//! H_d = k_r e_r e_r' + (k_r (1 - l_0 / l) + k_t / l^2) e_t e_t' - (k_t psi / l^2) (e_r e_t' + e_t e_r')
+//! dd/dx = -Q^T,  dd/dtheta = -J (d + a)            with J a quarter turn
+//! ```
+//!
+//! Deviation: Eq. (8) sets the tip frame to the world's orientation, so that an undeformed spring beside the load would carry 27 mN; the swing
+//! here is the polar angle of the tip in the root's frame. Deviation: Eq. (16) pairs a body twist with a wrench about the root, which counts
+//! the couple twice; forces here are derivatives of one energy, so power and energy agree. Eq. (10) is the force on the tip; the
+//! load gets its opposite.
+
+use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, direction, perpendicular, rotation, unwrap_near};
+
+/// One spring of the load. Nothing here changes during a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PolarSpring {
+    /// Root in the load's frame (m).
+    pub root: Vec2,
+    /// Direction of the undeformed spring in the load's frame (rad).
+    pub bearing: f64,
+    /// Length without force (m). With zero torsional stiffness, zero makes the isotropic spring of the test scenes.
+    pub rest_length: f64,
+    /// Stiffness against change of length (N/m).
+    pub radial_stiffness: f64,
+    /// Stiffness against swing about the root (N m/rad).
+    pub torsional_stiffness: f64,
+    /// Damping over critical damping of the load's mass on this spring (1); 0 is undamped.
+    pub damping_ratio: f64,
+}
+
+/// A held spring's tip as the spring sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringShape {
+    /// Tip from root in the frame turned by the bearing (m).
+    pub tip_in_root: Vec2,
+    /// Distance from root to tip (m).
+    pub length: f64,
+    /// Polar angle of the tip there (rad), continued over whole turns.
+    pub swing: f64,
+}
+
+/// What a held spring answers at one pose of the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reaction {
+    /// Elastic energy (J).
+    pub energy: f64,
+    /// Derivative of the energy by (x, y, heading) in world axes (N, N, N m): minus the wrench on the load.
+    pub gradient: Vec3,
+    /// Second derivative by (x, y, heading) (N/m, N, N m/rad).
+    pub hessian: Mat3,
+}
+
+impl Reaction {
+    pub const ZERO: Reaction =
+        Reaction { energy: 0.0, gradient: Vec3::new(0.0, 0.0, 0.0), hessian: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) };
+
+    pub fn add(&mut self, other: &Reaction) {
+        self.energy += other.energy;
+        self.gradient += other.gradient;
+        self.hessian += other.hessian;
+    }
+}
+
+/// Below this share of the rest length the direction of the spring is no longer a physical quantity: the polar law is continued with the
+/// tip kept at this distance, so that forces stay finite.
+const SHORTEST_LENGTH: f64 = 1e-6;
+
+impl PolarSpring {
+    /// Without rest length and torsion the law is linear in the tip's position and has no preferred direction.
+    pub fn is_isotropic(&self) -> bool {
+        self.rest_length == 0.0 && self.torsional_stiffness == 0.0
+    }
+
+    /// A spring with the same root that is undeformed in `shape`, with stiffnesses (N/m, N m/rad) of its own.
+    pub fn about(&self, shape: &SpringShape, radial_stiffness: f64, torsional_stiffness: f64) -> PolarSpring {
+        let softened = PolarSpring { radial_stiffness, torsional_stiffness, damping_ratio: 0.0, ..*self };
+        if self.is_isotropic() {
+            PolarSpring { root: self.root + rotation(self.bearing) * shape.tip_in_root, ..softened }
+        } else {
+            PolarSpring { bearing: self.bearing + shape.swing, rest_length: shape.length, ..softened }
+        }
+    }
+
+    /// The tip of the undeformed spring in the load's frame (m).
+    pub fn rest_tip(&self) -> Vec2 {
+        self.root + self.rest_length * direction(self.bearing)
+    }
+
+    /// Shape of the spring between the load at `pose` and `tip` (m, world), on the branch of the swing nearest to `swing_near`.
+    pub fn shape(&self, pose: &Pose, tip: &Vec2, swing_near: f64) -> SpringShape {
+        let tip_in_root = rotation(pose.heading + self.bearing).tr_mul(&(tip - pose.position)) - self.root_in_bearing();
+        let length = tip_in_root.norm();
+        let swing = if length > 0.0 { unwrap_near(tip_in_root.y.atan2(tip_in_root.x), swing_near) } else { swing_near };
+        SpringShape { tip_in_root, length, swing }
+    }
+
+    /// Elastic energy (J).
+    pub fn energy(&self, shape: &SpringShape) -> f64 {
+        let stretch = shape.length - self.rest_length;
+        0.5 * self.radial_stiffness * stretch * stretch + 0.5 * self.torsional_stiffness * shape.swing * shape.swing
+    }
+
+    /// dU/dd (N) in the frame turned by the bearing: the force that moves the tip out, and the force the load feels at the tip. Eq. (10) is
+    /// its opposite.
+    pub fn pull_in_root(&self, shape: &SpringShape) -> Vec2 {
+        if self.is_isotropic() {
+            return self.radial_stiffness * shape.tip_in_root;
+        }
+        let (length, radial) = self.polar_axis(shape);
+        let torsional = self.torsional_stiffness * shape.swing / length;
+        self.radial_stiffness * (length - self.rest_length) * radial + torsional * perpendicular(&radial)
+    }
+
+    /// Force of the spring on the tip (N, world axes), Eq. (10).
+    pub fn force_on_tip(&self, pose: &Pose, shape: &SpringShape) -> Vec2 {
+        -(rotation(pose.heading + self.bearing) * self.pull_in_root(shape))
+    }
+
+    /// Energy with its first and second derivatives by the pose of the load, for a tip that stands still.
+    pub fn reaction(&self, pose: &Pose, shape: &SpringShape) -> Reaction {
+        let turn = rotation(pose.heading + self.bearing);
+        let pull = self.pull_in_root(shape);
+        let arm = shape.tip_in_root + self.root_in_bearing();
+        let by_heading = -perpendicular(&arm);
+        let stiffness = self.stiffness_in_root(shape);
+
+        let force = turn * pull;
+        let mixed = -(turn * (perpendicular(&pull) + stiffness * by_heading));
+        let linear = turn * stiffness * turn.transpose();
+        let angular = by_heading.dot(&(stiffness * by_heading)) - pull.dot(&arm);
+        Reaction {
+            energy: self.energy(shape),
+            gradient: Vec3::new(-force.x, -force.y, pull.dot(&by_heading)),
+            hessian: Mat3::new(
+                linear.m11, linear.m12, mixed.x, //
+                linear.m21, linear.m22, mixed.y, //
+                mixed.x, mixed.y, angular,
+            ),
+        }
+    }
+
+    /// H_d: second derivative of the energy by the tip's position in the frame turned by the bearing (N/m).
+    fn stiffness_in_root(&self, shape: &SpringShape) -> Mat2 {
+        if self.is_isotropic() {
+            return Mat2::from_diagonal_element(self.radial_stiffness);
+        }
+        let (length, radial) = self.polar_axis(shape);
+        let tangential = perpendicular(&radial);
+        let torsion = self.torsional_stiffness / (length * length);
+        let across = self.radial_stiffness * (1.0 - self.rest_length / length) + torsion;
+        let coupling = radial * tangential.transpose();
+        self.radial_stiffness * radial * radial.transpose() + across * tangential * tangential.transpose()
+            - torsion * shape.swing * (coupling + coupling.transpose())
+    }
+
+    /// Length kept away from zero, and the unit vector from root to tip.
+    fn polar_axis(&self, shape: &SpringShape) -> (f64, Vec2) {
+        let shortest = SHORTEST_LENGTH * self.rest_length;
+        if shape.length > shortest {
+            (shape.length, shape.tip_in_root / shape.length)
+        } else {
+            (shortest.max(f64::MIN_POSITIVE), direction(shape.swing))
+        }
+    }
+
+    fn root_in_bearing(&self) -> Vec2 {
+        rotation(self.bearing).tr_mul(&self.root)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAPER: PolarSpring = PolarSpring {
+        root: Vec2::new(0.0122, 0.0),
+        bearing: 0.0,
+        rest_length: 0.0263,
+        radial_stiffness: 0.664,
+        torsional_stiffness: 4.52e-4,
+        damping_ratio: 0.0,
+    };
+
+    fn energy_at(spring: &PolarSpring, q: Vec3, tip: &Vec2, near: f64) -> f64 {
+        spring.energy(&spring.shape(&Pose::new(q.x, q.y, q.z), tip, near))
+    }
+
+    /// The Hessian is symmetric by construction, so differences of the energy check all of it.
+    #[test]
+    fn gradient_and_hessian_are_the_derivatives_of_the_energy() {
+        let spring = PolarSpring { root: Vec2::new(0.003, 0.0116), bearing: 1.4, ..PAPER };
+        let at = Vec3::new(0.004, -0.003, 0.35);
+        let tip = Vec2::new(0.02, 0.047);
+        let pose = Pose::new(at.x, at.y, at.z);
+        let shape = spring.shape(&pose, &tip, 0.0);
+        let reaction = spring.reaction(&pose, &shape);
+        let scale = Vec3::new(0.0263, 0.0263, 1.0);
+        let step = 1e-3;
+        for i in 0..3 {
+            let e = Vec3::ith(i, scale[i] * step);
+            let along = |t: f64| energy_at(&spring, at + t * e, &tip, shape.swing);
+            // Fourth-order differences; energy 1e-4 J: truncation 1e-12 of it, rounding 1e-16 / step relative.
+            let slope = (8.0 * (along(1.0) - along(-1.0)) - along(2.0) + along(-2.0)) / 12.0;
+            assert!((slope - reaction.gradient.dot(&e)).abs() < 1e-9 * 1e-4 * step.sqrt(), "{i}: {slope}");
+            for j in 0..3 {
+                let f = Vec3::ith(j, scale[j] * step);
+                let gradient = |t: f64| {
+                    let q = at + t * f;
+                    let pose = Pose::new(q.x, q.y, q.z);
+                    spring.reaction(&pose, &spring.shape(&pose, &tip, shape.swing)).gradient[i] * scale[i]
+                };
+                let slope = (8.0 * (gradient(1.0) - gradient(-1.0)) - gradient(2.0) + gradient(-2.0)) / 12.0;
+                let exact = reaction.hessian[(i, j)] * scale[i] * scale[j] * step;
+                assert!((slope - exact).abs() < 1e-13, "{i},{j}: {slope} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_undeformed_spring_carries_nothing_at_any_bearing() {
+        for bearing in [0.0, 1.0, 2.5, -3.0] {
+            let spring = PolarSpring { root: 0.0122 * direction(bearing), bearing, ..PAPER };
+            let pose = Pose::new(0.2, 0.1, 0.8);
+            let shape = spring.shape(&pose, &pose.to_world(&spring.rest_tip()), 0.0);
+            // Rounding of positions of order 0.2 m times 0.66 N/m.
+            assert!(spring.pull_in_root(&shape).norm() < 1e-16);
+        }
+    }
+
+    /// physics.md 2.1: at rest the rotational stiffness is (k_t / l_0^2) (R_L + l_0)^2 = 9.69e-4 N m/rad.
+    #[test]
+    fn rest_stiffness_in_rotation() {
+        let pose = Pose::new(0.0, 0.0, 0.0);
+        let shape = PAPER.shape(&pose, &PAPER.rest_tip(), 0.0);
+        let stiffness = PAPER.reaction(&pose, &shape).hessian.m33;
+        assert!((stiffness - 4.52e-4 / 0.0263f64.powi(2) * 0.0385f64.powi(2)).abs() < 1e-18 * 1e3);
+        // Printed with three digits.
+        assert!((stiffness - 9.69e-4).abs() < 5e-7);
+    }
+
+    /// physics.md 1.4: at l = l_0 the tip Hessian loses definiteness at a swing of 1.00802 rad.
+    #[test]
+    fn convexity_is_lost_at_the_critical_swing() {
+        let determinant = |swing: f64| {
+            let shape = SpringShape { tip_in_root: 0.0263 * direction(swing), length: 0.0263, swing };
+            PAPER.stiffness_in_root(&shape).determinant()
+        };
+        assert!(determinant(1.00801) > 0.0);
+        assert!(determinant(1.00803) < 0.0);
+    }
+
+    #[test]
+    fn the_swing_follows_its_branch_over_a_whole_turn() {
+        let pose = Pose::new(0.0, 0.0, 0.0);
+        let mut swing = 0.0;
+        for step in 0..=100 {
+            let tip = PAPER.root + 0.0263 * direction(0.1 * f64::from(step));
+            swing = PAPER.shape(&pose, &tip, swing).swing;
+        }
+        assert!((swing - 10.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_tip_on_its_root_gives_finite_answers() {
+        let pose = Pose::new(0.0, 0.0, 0.0);
+        let reaction = PAPER.reaction(&pose, &PAPER.shape(&pose, &PAPER.root, 0.3));
+        assert!(reaction.energy.is_finite() && reaction.gradient.norm().is_finite() && reaction.hessian.norm().is_finite());
+    }
+}

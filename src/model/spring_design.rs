@@ -1,0 +1,153 @@
+//! Pseudo-rigid-body design of the paper's planar springs (Section III, Eq. 1-3).
+//!
+//! A spring is one short member, two folded members and stiff links between, cut from a sheet. Each member bends at characteristic pivots:
+//! one at the short member (k_1) and one at either end of both folded members (k_2 ... k_5), each with `k_i = 2 gamma K_Theta E I / l_i`.
+//!
+//! * Radial pull r turns the four folded pivots by phi, with r = 2 l_2 sin phi (Eq. 1).
+//! * Tangential push turns either one folded pivot by phi (case 2, Eq. 2) or the short member's pivot (case 3, Eq. 3).
+//!
+//! The forces below follow from virtual work on these mechanisms, which reproduces Eq. (1)-(3) as printed.
+
+/// Dimensions and material of one spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringDesign {
+    /// Young's modulus E (Pa).
+    pub youngs_modulus: f64,
+    /// Width h of a member in the plane of bending (m).
+    pub member_width: f64,
+    /// Depth b of the sheet across that plane (m).
+    pub member_depth: f64,
+    /// Length l_1 of the short member, whose pivot is at the root (m).
+    pub short_member_length: f64,
+    /// Length l_2 = l_4 of the folded members (m).
+    pub folded_member_length: f64,
+    /// Length l_3 + l_5 of the stiff links beyond the short member (m).
+    pub link_length: f64,
+    /// gamma (1).
+    pub characteristic_radius_factor: f64,
+    /// K_Theta (1).
+    pub stiffness_coefficient: f64,
+}
+
+impl SpringDesign {
+    /// The paper's spring (Fig. 2, Table I): E = 1.66 MPa, h = 0.8 mm, b = 3.2 mm, l_0 = 26.3 mm.
+    pub const PAPER: SpringDesign = SpringDesign {
+        youngs_modulus: 1.66e6,
+        member_width: 0.8e-3,
+        member_depth: 3.2e-3,
+        short_member_length: 9.8e-3,
+        folded_member_length: 11.9e-3,
+        link_length: 16.5e-3,
+        characteristic_radius_factor: 0.85,
+        stiffness_coefficient: 2.68,
+    };
+
+    /// I = h^3 b / 12 (m^4).
+    pub fn second_moment_of_area(&self) -> f64 {
+        self.member_width.powi(3) * self.member_depth / 12.0
+    }
+
+    /// l_0 = l_1 + l_3 + l_5, root to tip without force (m).
+    pub fn rest_length(&self) -> f64 {
+        self.short_member_length + self.link_length
+    }
+
+    /// k_1 ... k_5 (N m/rad).
+    pub fn pivot_stiffnesses(&self) -> [f64; 5] {
+        let bending =
+            2.0 * self.characteristic_radius_factor * self.stiffness_coefficient * self.youngs_modulus * self.second_moment_of_area();
+        let (short, folded) = (bending / self.short_member_length, bending / self.folded_member_length);
+        [short, folded, folded, folded, folded]
+    }
+
+    /// kappa_tau as the sum of all pivot stiffnesses (N m/rad): the identification that gives the printed 4.52e-4.
+    pub fn torsional_stiffness(&self) -> f64 {
+        self.pivot_stiffnesses().iter().sum()
+    }
+
+    /// F_r at a radial stretch (N), Eq. (1).
+    ///
+    /// # Panics
+    /// When the stretch is not below twice the folded length, where the members are straight.
+    pub fn radial_force(&self, stretch: f64) -> f64 {
+        let span = 2.0 * self.folded_member_length;
+        assert!(stretch.abs() < span, "a stretch of {stretch} m would straighten members that span {span} m");
+        let turn = (stretch / span).asin();
+        self.folded_stiffness() * turn / (span * turn.cos())
+    }
+
+    /// Secant stiffness F_r / r (N/m): linear kappa_rho identified at one stretch. The limit at zero stretch is the tangent.
+    pub fn secant_radial_stiffness(&self, stretch: f64) -> f64 {
+        if stretch == 0.0 { self.initial_radial_stiffness() } else { self.radial_force(stretch) / stretch }
+    }
+
+    /// Tangent dF_r / dr (N/m).
+    pub fn tangent_radial_stiffness(&self, stretch: f64) -> f64 {
+        let turn = (stretch / (2.0 * self.folded_member_length)).asin();
+        let cos = turn.cos();
+        self.initial_radial_stiffness() * (1.0 + turn * turn.tan()) / (cos * cos)
+    }
+
+    /// Case 2, Eq. (2): polar angle of the tip about the root (rad) and force across the spring (N) when one folded pivot, at the end of the
+    /// short member, has turned by `turn` (rad).
+    pub fn tangential_case_2(&self, turn: f64) -> (f64, f64) {
+        let (short, link) = (self.short_member_length, self.link_length);
+        let (sin, cos) = turn.sin_cos();
+        let (along, across) = (short + link * cos, link * sin);
+        let length = along.hypot(across);
+        let angle_per_turn = (link * link + short * link * cos) / (length * length);
+        let couple = self.pivot_stiffnesses()[1] * turn;
+        (across.atan2(along), couple / (length * angle_per_turn))
+    }
+
+    /// Case 3, Eq. (3): force across the spring (N) when the whole spring has swung by `swing` (rad) about the short member's pivot.
+    pub fn tangential_case_3(&self, swing: f64) -> f64 {
+        self.pivot_stiffnesses()[0] * swing / self.rest_length()
+    }
+
+    fn folded_stiffness(&self) -> f64 {
+        self.pivot_stiffnesses()[1..].iter().sum()
+    }
+
+    fn initial_radial_stiffness(&self) -> f64 {
+        self.folded_stiffness() / (2.0 * self.folded_member_length).powi(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const DESIGN: SpringDesign = SpringDesign::PAPER;
+
+    /// Values of an independent derivation, printed with six or seven digits: the tolerances are half of the last one.
+    #[test]
+    fn pivots_and_torsional_stiffness() {
+        assert_relative_eq!(DESIGN.second_moment_of_area(), 1.36533e-13, max_relative = 4e-6);
+        let pivots = DESIGN.pivot_stiffnesses();
+        assert_relative_eq!(pivots[0], 1.053670e-4, max_relative = 5e-7);
+        assert_relative_eq!(pivots[4], 8.677278e-5, max_relative = 1e-7);
+        assert_relative_eq!(DESIGN.torsional_stiffness(), 4.524581e-4, max_relative = 2e-7);
+    }
+
+    #[test]
+    fn radial_force_and_its_secant_at_eight_millimetres() {
+        assert_relative_eq!(DESIGN.secant_radial_stiffness(8e-3), 0.66354, max_relative = 8e-6);
+        assert_relative_eq!(DESIGN.secant_radial_stiffness(0.0), 0.612759, max_relative = 1e-6);
+        for (stretch, force, tangent) in [(2e-3, 1.23132e-3, 0.62150), (6e-3, 3.84071e-3, 0.69779), (12e-3, 8.92423e-3, 1.07514)] {
+            assert_relative_eq!(DESIGN.radial_force(stretch), force, max_relative = 5e-6);
+            assert_relative_eq!(DESIGN.tangent_radial_stiffness(stretch), tangent, max_relative = 1e-5);
+        }
+    }
+
+    #[test]
+    fn tangential_forces_of_both_cases() {
+        for (turn, angle, force) in [(0.2, 0.1256, 1.05471e-3), (0.6, 0.3786, 3.23429e-3), (1.2, 0.7726, 6.93468e-3)] {
+            let (swing, across) = DESIGN.tangential_case_2(turn);
+            assert_relative_eq!(swing, angle, epsilon = 5e-5);
+            assert_relative_eq!(across, force, max_relative = 5e-6);
+        }
+        assert_relative_eq!(DESIGN.tangential_case_3(-0.4), -1.60254e-3, max_relative = 5e-6);
+    }
+}

@@ -1,0 +1,294 @@
+//! Panels -> SVG: the only file that knows the plotting library, kuva.
+//!
+//! kuva draws axes, ticks and curves of one panel. Ranges and ticks are computed here (its log axis ends at 1e-10 and its automatic ranges
+//! need not fit equal scales); panels are put side by side here, and the legend stands below them where it covers nothing.
+
+use std::sync::Arc;
+
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::{LinePlot, LineStyle};
+use kuva::render::color::Color;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
+
+use super::axis::{Axis, power_label};
+use super::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
+use super::thin;
+use crate::report::quantity;
+
+/// A panel and its place on the sheet (px).
+#[derive(Clone, Copy, Debug)]
+pub struct Cell<'a> {
+    pub panel: &'a Panel,
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+/// Panels on their way to SVG.
+pub struct Sheet<'a> {
+    width: f64,
+    height: f64,
+    cells: Vec<Cell<'a>>,
+    lettered: bool,
+}
+
+/// Space for labels around the axes of a panel (px).
+const LEFT: f64 = 72.0;
+const RIGHT: f64 = 16.0;
+const TOP: f64 = 24.0;
+const BOTTOM: f64 = 44.0;
+const TEXT: u32 = 12;
+
+impl<'a> Sheet<'a> {
+    pub fn new(width: f64, height: f64) -> Self {
+        Self { width, height, cells: Vec::new(), lettered: false }
+    }
+
+    pub fn add(&mut self, cell: Cell<'a>) {
+        self.cells.push(cell);
+    }
+
+    /// Puts a, b, c ... beside the panels, in the order they were added.
+    pub fn letter_panels(&mut self) {
+        self.lettered = true;
+    }
+
+    /// The SVG with the groups of the `legend` below the panels, each from a new line.
+    pub fn into_svg(self, legend: &[Vec<Entry>]) -> String {
+        let mut scene = Scene::new(self.width, self.height);
+        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".to_owned());
+        scene.text_color = Some("black".to_owned());
+        for (cell, letter) in self.cells.iter().zip('a'..) {
+            draw_cell(&mut scene, cell);
+            if self.lettered {
+                add_text(&mut scene, cell.left + 6.0, cell.top + 16.0, letter.to_string(), TextAnchor::Start, true);
+            }
+        }
+        scene.height = add_legend(&mut scene, legend);
+        SvgBackend::new().render_scene(&scene)
+    }
+}
+
+/// Height (px) at which a panel in the plane of that `width` fits its content, within reason.
+pub fn natural_height(panel: &Panel, width: f64) -> f64 {
+    let along = |axis: usize| Axis::around(panel.curves.iter().flat_map(|curve| &curve.points).map(|point| point[axis]), 1.0).span();
+    ((width - LEFT - RIGHT) * along(1) / along(0)).clamp(160.0, 560.0) + TOP + BOTTOM
+}
+
+fn draw_cell(scene: &mut Scene, cell: &Cell) {
+    let (plots, layout) = (plots(cell), layout(cell));
+    let mut drawn = render_multiple(plots, layout);
+    name_clips_by_content(&mut drawn);
+    scene.defs.append(&mut drawn.defs);
+    scene.add(Primitive::GroupStart { transform: Some(format!("translate({},{})", cell.left, cell.top)), title: None, extra_attrs: None });
+    scene.elements.append(&mut drawn.elements);
+    scene.add(Primitive::GroupEnd);
+    if let Some(note) = note(cell) {
+        add_text(scene, cell.left + cell.width - RIGHT, cell.top + TOP - 8.0, note, TextAnchor::End, false);
+    }
+}
+
+/// The panel's own note, and how a dense panel is to be read.
+fn note(cell: &Cell) -> Option<String> {
+    let (x, y) = axes(cell);
+    let (width, _) = area(cell);
+    let reading = is_dense(cell, &y).then(|| format!("mean and range over {} each", quantity(x.span() * DENSE_COLUMN / width, "s")));
+    let notes: Vec<String> = reading.into_iter().chain(cell.panel.note.clone()).collect();
+    (!notes.is_empty()).then(|| notes.join("; "))
+}
+
+/// kuva numbers its clip regions through the life of the program. Named after their size instead, they make equal figures equal, and
+/// two figures on one page can share a name only where they share the region.
+fn name_clips_by_content(scene: &mut Scene) {
+    for element in &mut scene.elements {
+        if let Primitive::ClipStart { x, y, width, height, id } = element {
+            let name = format!("clip-{x:.0}-{y:.0}-{width:.0}-{height:.0}");
+            for definition in &mut scene.defs {
+                *definition = definition.replace(&format!("id=\"{id}\""), &format!("id=\"{name}\""));
+            }
+            *id = name;
+        }
+    }
+}
+
+fn layout(cell: &Cell) -> Layout {
+    let panel = cell.panel;
+    let (x, y) = axes(cell);
+    let y_ticks = if panel.scale == Scale::Log { ticks(power_label) } else { ticks(move |value| y.label(value)) };
+    let mut layout = Layout::new((x.low, x.high), (y.low, y.high))
+        .with_width(cell.width)
+        .with_height(cell.height)
+        .with_force_margins(LEFT, RIGHT)
+        .with_force_margins_y(TOP, BOTTOM)
+        .with_x_axis_min(x.low)
+        .with_x_axis_max(x.high)
+        .with_y_axis_min(y.low)
+        .with_y_axis_max(y.high)
+        .with_x_tick_step(x.step)
+        .with_y_tick_step(y.step)
+        .with_x_tick_format(ticks(move |value| x.label(value)))
+        .with_y_tick_format(y_ticks)
+        .with_x_label(plain(&panel.x_label))
+        .with_y_label(plain(&panel.y_label))
+        .with_show_grid(false)
+        .with_label_size(13)
+        .with_tick_size(11)
+        .with_box_axes();
+    layout.show_legend = false;
+    layout
+}
+
+fn ticks(format: impl Fn(f64) -> String + Send + Sync + 'static) -> TickFormat {
+    TickFormat::Custom(Arc::new(format))
+}
+
+fn area(cell: &Cell) -> (f64, f64) {
+    (cell.width - LEFT - RIGHT, cell.height - TOP - BOTTOM)
+}
+
+fn axes(cell: &Cell) -> (Axis, Axis) {
+    let panel = cell.panel;
+    let (width, height) = area(cell);
+    let xs = || panel.curves.iter().flat_map(|curve| &curve.points).map(|point| point[0]);
+    let levels = panel.marks.iter().filter_map(|mark| match mark.at {
+        Across::Horizontal(level) => Some(level),
+        Across::Vertical(_) => None,
+    });
+    let ceiling = panel.ceiling.unwrap_or(f64::INFINITY);
+    let ys = panel.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).chain(levels).map(|y| y.min(ceiling));
+    // A tick every 55 px or more to the right, every 26 px upwards.
+    let (n_right, n_up) = (width / 55.0, height / 26.0);
+    match panel.scale {
+        Scale::Linear => (Axis::tight(xs(), n_right), Axis::around(ys, n_up)),
+        Scale::FromZero => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up)),
+        Scale::Count => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up).whole()),
+        Scale::Log => (Axis::tight(xs(), n_right), Axis::decades(ys.map(f64::log10), n_up)),
+        Scale::Plane => Axis::equal(Axis::around(xs(), n_right), Axis::around(ys, n_up), width, height),
+    }
+}
+
+/// Marks first, so that they lie under the curves.
+fn plots(cell: &Cell) -> Vec<Plot> {
+    let (x, y) = axes(cell);
+    let marks = cell.panel.marks.iter().map(|mark| mark_plot(mark, &x, &y));
+    let dense = is_dense(cell, &y);
+    let curves = cell.panel.curves.iter().flat_map(|curve| curve_plots(curve, cell, &x, dense));
+    let plots: Vec<Plot> = marks.chain(curves).collect();
+    // Without any plot kuva draws no axes.
+    if plots.is_empty() { vec![LinePlot::new().into()] } else { plots }
+}
+
+fn mark_plot(mark: &Mark, x: &Axis, y: &Axis) -> Plot {
+    let ends = match mark.at {
+        Across::Vertical(at) => [(at, y.low), (at, y.high)],
+        Across::Horizontal(at) => [(x.low, at), (x.high, at)],
+    };
+    line(&mark.style).with_data(ends).into()
+}
+
+/// A curve without its gaps: one line for each run of finite points, thinned to what the panel can show.
+fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
+    let (width, _) = area(cell);
+    let upright = |point: &[f64; 2]| if cell.panel.scale == Scale::Log { [point[0], point[1].log10()] } else { *point };
+    let points: Vec<[f64; 2]> = curve.points.iter().map(upright).collect();
+    let runs = finite_runs(&points);
+    if dense {
+        return runs.map(|run| band(&curve.style, &thin::columns(run, (width / DENSE_COLUMN) as usize))).collect();
+    }
+    let thinned = |run: &[[f64; 2]]| match curve.shape {
+        // Columns of two pixels: lines are about that wide.
+        Shape::Graph | Shape::Steps => thin::by_column(run, (width / 2.0) as usize),
+        // A third of a pixel.
+        Shape::Path => thin::by_distance(run, x.span() / width / 3.0),
+    };
+    let plot = |run: &[[f64; 2]]| {
+        let mut plot = line(&curve.style).with_data(thinned(run).into_iter().map(|[x, y]| (x, y)));
+        plot.step = curve.shape == Shape::Steps;
+        plot.into()
+    };
+    runs.map(plot).collect()
+}
+
+fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
+    points.split(|point| !(point[0].is_finite() && point[1].is_finite())).filter(|run| !run.is_empty())
+}
+
+/// Width of the columns of which a dense graph shows range and mean (px).
+const DENSE_COLUMN: f64 = 6.0;
+/// A graph that crosses the panel oftener than this in every column is dense: as a line it would be a wall of ink.
+const CROSSINGS_PER_COLUMN: f64 = 0.7;
+
+/// Whether some graph of the panel is dense; all of them are then shown as ranges with means.
+fn is_dense(cell: &Cell, y: &Axis) -> bool {
+    let (width, _) = area(cell);
+    let most = CROSSINGS_PER_COLUMN * width / DENSE_COLUMN;
+    let is_dense = |curve: &Curve| {
+        let n: f64 = finite_runs(&curve.points).map(|run| thin::n_crossings(run, y.low, y.high)).sum();
+        curve.shape != Shape::Path && n > most
+    };
+    cell.panel.scale != Scale::Log && cell.panel.curves.iter().any(is_dense)
+}
+
+fn band(style: &Style, columns: &[thin::Column]) -> Plot {
+    let ends = |of: fn(&thin::Column) -> f64| columns.iter().map(of).collect::<Vec<f64>>();
+    let means = line(style).with_data(columns.iter().map(|column| (column.x, column.mean)));
+    let mut plot = means.with_band(ends(|column| column.low), ends(|column| column.high));
+    if let Some(band) = &mut plot.band {
+        // Light enough for three of them over each other.
+        band.opacity = 0.13;
+    }
+    plot.into()
+}
+
+fn line(style: &Style) -> LinePlot {
+    let dashes = if style.dash.is_empty() { LineStyle::Solid } else { LineStyle::Custom(style.dash.to_owned()) };
+    LinePlot::new().with_color(style.color).with_stroke_width(style.width).with_line_style(dashes)
+}
+
+/// Length of a sample, gap after it, and between two entries (px).
+const SAMPLE: f64 = 30.0;
+const GAP: f64 = 7.0;
+const BETWEEN: f64 = 24.0;
+const LINE_HEIGHT: f64 = 19.0;
+/// Mean advance of a letter over the size of the text, on the wide side.
+const LETTER_WIDTH: f64 = 0.62;
+
+/// Adds the legend below everything and returns the height of the whole (px).
+fn add_legend(scene: &mut Scene, legend: &[Vec<Entry>]) -> f64 {
+    let mut y = scene.height;
+    for group in legend.iter().filter(|group| !group.is_empty()) {
+        let mut x = LEFT;
+        y += LINE_HEIGHT;
+        for entry in group {
+            let length = SAMPLE + GAP + LETTER_WIDTH * f64::from(TEXT) * entry.label.chars().count() as f64;
+            if x > LEFT && x + length > scene.width - RIGHT {
+                (x, y) = (LEFT, y + LINE_HEIGHT);
+            }
+            add_sample(scene, entry, x, y - 4.0);
+            add_text(scene, x + SAMPLE + GAP, y, entry.label.clone(), TextAnchor::Start, false);
+            x += length + BETWEEN;
+        }
+    }
+    y + 10.0
+}
+
+fn add_sample(scene: &mut Scene, entry: &Entry, x: f64, y: f64) {
+    let middle = x + 0.5 * SAMPLE;
+    let (x1, y1, x2, y2) = if entry.upright { (middle, y - 8.0, middle, y + 8.0) } else { (x, y, x + SAMPLE, y) };
+    let dash = (!entry.style.dash.is_empty()).then(|| entry.style.dash.to_owned());
+    let stroke = Color::from(entry.style.color);
+    scene.add(Primitive::Line { x1, y1, x2, y2, stroke, stroke_width: entry.style.width, stroke_dasharray: dash });
+}
+
+fn add_text(scene: &mut Scene, x: f64, y: f64, text: String, anchor: TextAnchor, bold: bool) {
+    let size = if bold { TEXT + 2 } else { TEXT };
+    scene.add(Primitive::Text { x, y, content: plain(&text), size, anchor, rotate: None, bold, color: None });
+}
+
+/// kuva reads `$` as the start of a formula.
+fn plain(text: &str) -> String {
+    text.replace('$', "\\$")
+}

@@ -1,0 +1,167 @@
+//! SVG figures over one or several traces: the load's path, its heading, speed and pulls over time, and how far traces lie apart.
+//!
+//! Every function returns a whole SVG document without scripts and without fonts of its own; the same traces give the same bytes. Axes are in
+//! mm, mN and rad. Curves differ in colour (Okabe and Ito's set, made for colour-blind readers) and in dashes. Curves of many points are
+//! thinned to what can be seen, extremes kept: see [`thin`]. Where a line would be a wall of ink, a panel shows means and ranges and says so.
+//!
+//! ```text
+//! panels.rs      traces -> panels: what is shown
+//! difference.rs  distance of two traces over time
+//! panel.rs       a panel as data: labels, curves, marks
+//! axis.rs        ranges, ticks and their labels
+//! thin.rs        fewer points, same picture
+//! canvas.rs      panels -> SVG; the only file that knows the plotting library
+//! ```
+
+mod axis;
+mod canvas;
+mod difference;
+mod panel;
+mod panels;
+pub mod thin;
+
+use canvas::{Cell, Sheet};
+use panel::{Entry, Panel};
+
+use crate::math::Vec2;
+use crate::scenario::{Drive, Scenario};
+use crate::simulation::Trace;
+
+/// A trace and the name it has in legends.
+#[derive(Clone, Copy, Debug)]
+pub struct Labelled<'a> {
+    pub label: &'a str,
+    pub trace: &'a Trace,
+}
+
+/// What stands around a trace. Nothing is drawn of what is zero or `None`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Radius of the load's outline (m).
+    pub load_radius: f64,
+    /// Sum of the slip limits: the net pull that moves the load (N).
+    pub slip_limit: f64,
+    pub nest: Option<Nest>,
+}
+
+/// Where ants take the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nest {
+    /// (m, world)
+    pub position: Vec2,
+    /// (m)
+    pub arrival_radius: f64,
+}
+
+impl Scene {
+    pub fn of(scenario: &Scenario) -> Self {
+        let nest = match &scenario.drive {
+            Drive::Ants(ants) => Some(Nest { position: ants.nest_position, arrival_radius: ants.arrival_radius }),
+            Drive::Tips(_) => None,
+        };
+        Self { load_radius: scenario.system.load.radius, slip_limit: scenario.system.total_slip_limit(), nest }
+    }
+}
+
+/// Path of the load's origin in the plane, equal scales, with the load's outline at the start (grey) and at each end. The radius in an
+/// outline points along the heading.
+pub fn path(traces: &[Labelled], scene: &Scene) -> String {
+    let panel = panels::path(traces, scene);
+    let legend = vec![panels::trace_entries(traces), panels::scene_entries(scene)];
+    alone(&panel, legend, canvas::natural_height(&panel, WIDTH))
+}
+
+/// Heading over time, whole turns counted (rad).
+pub fn heading(traces: &[Labelled]) -> String {
+    over_time(&panels::heading(traces), traces)
+}
+
+/// Speed of the load's origin over time (mm/s). Where a few peaks exceed all else by far, the axis cuts them and a note says how high they are.
+pub fn speed(traces: &[Labelled]) -> String {
+    over_time(&panels::speed(traces), traces)
+}
+
+/// Size of the sum of all pulls over time (mN) under the force that moves the load.
+pub fn net_pull(traces: &[Labelled], scene: &Scene) -> String {
+    let marks = [panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
+    alone(&panels::net_pull(traces, scene), vec![panels::trace_entries(traces), marks], TIME_HEIGHT)
+}
+
+/// Sum of the sizes of all pulls over time (mN): what the holders spend, working against each other included.
+pub fn total_pull(traces: &[Labelled]) -> String {
+    over_time(&panels::total_pull(traces), traces)
+}
+
+/// Number of held springs over time.
+pub fn holders(traces: &[Labelled]) -> String {
+    over_time(&panels::holders(traces), traces)
+}
+
+/// Energy over time (mJ) of one trace: done by the tips, dissipated, elastic.
+pub fn energy(trace: &Labelled) -> String {
+    alone(&panels::energy(trace), vec![panels::energy_entries(), panels::event_entries(&[*trace])], TIME_HEIGHT)
+}
+
+/// Distance of the load's positions between traces over time (m, log axis): all pairs of up to three traces, else each against the first.
+/// Where two traces agree to the last digit there is a gap.
+pub fn position_difference(traces: &[Labelled]) -> String {
+    between(&panels::position_difference(traces), traces)
+}
+
+/// Difference of heading between traces over time (rad, log axis); pairs and gaps as in [`position_difference`].
+pub fn heading_difference(traces: &[Labelled]) -> String {
+    between(&panels::heading_difference(traces), traces)
+}
+
+/// All of it on one sheet: differences with two traces and more, the energy with one.
+pub fn overview(traces: &[Labelled], scene: &Scene) -> String {
+    let (left, right) = columns(traces, scene);
+    let n_rows = right.len() as f64;
+    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, n_rows * ROW_HEIGHT);
+    // The path is as high as two of the others.
+    let tops = [0.0, 2.0, 3.0];
+    for (panel, top) in left.iter().zip(tops) {
+        let height = if top == 0.0 { 2.0 * ROW_HEIGHT } else { ROW_HEIGHT };
+        sheet.add(Cell { panel, left: 0.0, top: top * ROW_HEIGHT, width: COLUMN_WIDTH, height });
+    }
+    for (row, panel) in right.iter().enumerate() {
+        sheet.add(Cell { panel, left: COLUMN_WIDTH, top: row as f64 * ROW_HEIGHT, width: COLUMN_WIDTH, height: ROW_HEIGHT });
+    }
+    sheet.letter_panels();
+    let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries() };
+    let marks = [panels::scene_entries(scene), panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
+    sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
+}
+
+const COLUMN_WIDTH: f64 = 480.0;
+const ROW_HEIGHT: f64 = 220.0;
+/// Size of a figure of one panel.
+const WIDTH: f64 = 680.0;
+const TIME_HEIGHT: f64 = 360.0;
+
+fn columns(traces: &[Labelled], scene: &Scene) -> (Vec<Panel>, Vec<Panel>) {
+    let path = panels::path(traces, scene);
+    let right = vec![panels::heading(traces), panels::speed(traces), panels::net_pull(traces, scene), panels::holders(traces)];
+    let left = match traces {
+        [one] => vec![path, panels::total_pull(traces), panels::energy(one)],
+        _ => vec![path, panels::position_difference(traces), panels::heading_difference(traces)],
+    };
+    (left, right)
+}
+
+fn over_time(panel: &Panel, traces: &[Labelled]) -> String {
+    alone(panel, vec![panels::trace_entries(traces), panels::event_entries(traces)], TIME_HEIGHT)
+}
+
+fn between(panel: &Panel, traces: &[Labelled]) -> String {
+    alone(panel, vec![panels::pair_entries(traces), panels::event_entries(traces)], TIME_HEIGHT)
+}
+
+fn alone(panel: &Panel, legend: Vec<Vec<Entry>>, height: f64) -> String {
+    let mut sheet = Sheet::new(WIDTH, height);
+    sheet.add(Cell { panel, left: 0.0, top: 0.0, width: WIDTH, height });
+    sheet.into_svg(&legend)
+}
+
+#[cfg(test)]
+mod tests;

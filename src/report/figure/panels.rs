@@ -1,0 +1,192 @@
+//! Traces -> panels: what each figure shows, in print units.
+
+use std::f64::consts::TAU;
+
+use super::difference::{self, Difference};
+use super::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
+use super::{Labelled, Scene};
+use crate::math::{Pose, Vec2, direction};
+use crate::report::quantity;
+use crate::simulation::{EventKind, Row};
+
+/// Events are marked when there are at most this many at different instants: more would be a grey wall.
+const MOST_EVENTS: usize = 40;
+
+const MILLI: f64 = 1e3;
+
+pub fn path(traces: &[Labelled], scene: &Scene) -> Panel {
+    let mut panel = Panel::new("x (mm)", "y (mm)", Scale::Plane);
+    if let Some(nest) = scene.nest {
+        panel.add(circle(nest.position, nest.arrival_radius), Style::NEST, Shape::Path);
+    }
+    for (index, rows) in traces.iter().map(|one| &one.trace.rows).enumerate() {
+        let Some((first, last)) = rows.first().zip(rows.last()) else { continue };
+        if index == 0 {
+            panel.add(outline(&first.motion.pose, scene.load_radius), Style::START, Shape::Path);
+        }
+        let style = Style::of_trace(index);
+        panel.add(rows.iter().map(|row| in_mm(row.motion.pose.position)).collect(), style, Shape::Path);
+        panel.add(outline(&last.motion.pose, scene.load_radius), style.thin(), Shape::Path);
+    }
+    panel
+}
+
+pub fn heading(traces: &[Labelled]) -> Panel {
+    of_rows(traces, "heading (rad)", Scale::Linear, Shape::Graph, |row| row.motion.pose.heading)
+}
+
+pub fn speed(traces: &[Labelled]) -> Panel {
+    let mut panel = of_rows(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, |row| MILLI * row.motion.twist.linear.norm());
+    panel.cut_rare_peaks(|peak| format!("peaks up to {} cut off", quantity(peak / MILLI, "m/s")));
+    panel
+}
+
+pub fn net_pull(traces: &[Labelled], scene: &Scene) -> Panel {
+    let net = |row: &Row| MILLI * row.tips.iter().map(|tip| tip.pull).sum::<Vec2>().norm();
+    let mut panel = of_rows(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, net);
+    if scene.slip_limit > 0.0 {
+        panel.marks.push(Mark { at: Across::Horizontal(MILLI * scene.slip_limit), style: Style::SLIP_LIMIT });
+    }
+    panel
+}
+
+pub fn total_pull(traces: &[Labelled]) -> Panel {
+    let total = |row: &Row| MILLI * row.tips.iter().map(|tip| tip.pull.norm()).sum::<f64>();
+    of_rows(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, total)
+}
+
+pub fn holders(traces: &[Labelled]) -> Panel {
+    of_rows(traces, "held springs", Scale::Count, Shape::Steps, |row| row.tips.len() as f64)
+}
+
+pub fn energy(one: &Labelled) -> Panel {
+    let mut panel = Panel::new("time (s)", "energy (mJ)", Scale::FromZero);
+    panel.mark_events(&[*one]);
+    let kinds: [fn(&Row) -> f64; 3] = [|row| row.energy.tip_work, |row| row.energy.dissipated(), |row| row.energy.elastic];
+    for (index, kind) in kinds.iter().enumerate() {
+        let points = one.trace.rows.iter().map(|row| [row.time, MILLI * kind(row)]).collect();
+        panel.add(points, Style::of_pair(index), Shape::Graph);
+    }
+    panel
+}
+
+pub fn position_difference(traces: &[Labelled]) -> Panel {
+    of_pairs(traces, "position apart (m)", |difference| difference.position)
+}
+
+pub fn heading_difference(traces: &[Labelled]) -> Panel {
+    of_pairs(traces, "heading apart (rad)", |difference| difference.heading)
+}
+
+pub fn trace_entries(traces: &[Labelled]) -> Vec<Entry> {
+    traces.iter().enumerate().map(|(index, one)| Entry::line(one.label, Style::of_trace(index))).collect()
+}
+
+pub fn pair_entries(traces: &[Labelled]) -> Vec<Entry> {
+    let label = |(from, to): (usize, usize)| format!("{} − {}", traces[to].label, traces[from].label);
+    pairs(traces.len()).into_iter().enumerate().map(|(index, pair)| Entry::line(label(pair), Style::of_pair(index))).collect()
+}
+
+pub fn energy_entries() -> Vec<Entry> {
+    let names = ["work of the tips", "dissipated", "elastic"];
+    names.into_iter().enumerate().map(|(index, name)| Entry::line(name, Style::of_pair(index))).collect()
+}
+
+pub fn scene_entries(scene: &Scene) -> Vec<Entry> {
+    let start = (scene.load_radius > 0.0).then(|| Entry::line("load at start", Style::START));
+    let nest = scene.nest.map(|_| Entry::line("nest", Style::NEST));
+    start.into_iter().chain(nest).collect()
+}
+
+pub fn slip_limit_entry(scene: &Scene) -> Vec<Entry> {
+    if scene.slip_limit > 0.0 { vec![Entry::line("slip limit", Style::SLIP_LIMIT)] } else { Vec::new() }
+}
+
+pub fn event_entries(traces: &[Labelled]) -> Vec<Entry> {
+    if event_marks(traces).is_empty() {
+        return Vec::new();
+    }
+    vec![Entry::upright("grasp", Style::GRASP), Entry::upright("release", Style::RELEASE)]
+}
+
+/// Indices of the traces that are compared: (from, to), all pairs of up to three traces, else each with the first.
+fn pairs(n_traces: usize) -> Vec<(usize, usize)> {
+    let n_from = if n_traces <= 3 { n_traces } else { 1 };
+    (0..n_from).flat_map(|from| (from + 1..n_traces).map(move |to| (from, to))).collect()
+}
+
+fn of_rows(traces: &[Labelled], y_label: &str, scale: Scale, shape: Shape, y: impl Fn(&Row) -> f64) -> Panel {
+    let mut panel = Panel::new("time (s)", y_label, scale);
+    panel.mark_events(traces);
+    for (index, one) in traces.iter().enumerate() {
+        let points = one.trace.rows.iter().map(|row| [row.time, y(row)]).collect();
+        panel.add(points, Style::of_trace(index), shape);
+    }
+    panel
+}
+
+fn of_pairs(traces: &[Labelled], y_label: &str, y: impl Fn(&Difference) -> f64) -> Panel {
+    let mut panel = Panel::new("time (s)", y_label, Scale::Log);
+    panel.mark_events(traces);
+    for (index, (from, to)) in pairs(traces.len()).into_iter().enumerate() {
+        let differences = difference::over_time(traces[from].trace, traces[to].trace);
+        let points = differences.iter().map(|one| [one.time, y(one)]).collect();
+        panel.add(points, Style::of_pair(index), Shape::Graph);
+    }
+    panel
+}
+
+/// One mark for each instant and kind, in the order of time; none when there are too many.
+fn event_marks(traces: &[Labelled]) -> Vec<Mark> {
+    let mut events: Vec<_> =
+        traces.iter().flat_map(|one| &one.trace.events).map(|event| (event.time, event.kind == EventKind::Grasp)).collect();
+    events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    events.dedup();
+    if events.len() > MOST_EVENTS {
+        return Vec::new();
+    }
+    let style = |grasp| if grasp { Style::GRASP } else { Style::RELEASE };
+    events.into_iter().map(|(time, grasp)| Mark { at: Across::Vertical(time), style: style(grasp) }).collect()
+}
+
+fn in_mm(point: Vec2) -> [f64; 2] {
+    [MILLI * point.x, MILLI * point.y]
+}
+
+fn circle(centre: Vec2, radius: f64) -> Vec<[f64; 2]> {
+    (0..=72).map(|k| in_mm(centre + radius * direction(TAU * f64::from(k) / 72.0))).collect()
+}
+
+/// Rim of the load and the radius along its heading, in one line.
+fn outline(pose: &Pose, radius: f64) -> Vec<[f64; 2]> {
+    let rim = (0..=72).map(|k| pose.position + radius * direction(pose.heading + TAU * f64::from(k) / 72.0));
+    rim.chain([pose.position]).map(in_mm).collect()
+}
+
+impl Panel {
+    fn new(x_label: &str, y_label: &str, scale: Scale) -> Self {
+        let (x_label, y_label) = (x_label.to_owned(), y_label.to_owned());
+        Self { x_label, y_label, scale, marks: Vec::new(), curves: Vec::new(), ceiling: None, note: None }
+    }
+
+    fn add(&mut self, points: Vec<[f64; 2]>, style: Style, shape: Shape) {
+        self.curves.push(Curve { points, style, shape });
+    }
+
+    fn mark_events(&mut self, traces: &[Labelled]) {
+        self.marks.extend(event_marks(traces));
+    }
+
+    /// Cuts the y axis when less than half a percent of all points lie beyond three times the height of the rest.
+    fn cut_rare_peaks(&mut self, note: impl Fn(f64) -> String) {
+        let mut heights: Vec<f64> =
+            self.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).filter(|y| y.is_finite()).collect();
+        heights.sort_by(f64::total_cmp);
+        let Some(&peak) = heights.last() else { return };
+        let usual = heights[(heights.len() - 1) * 995 / 1000];
+        if usual > 0.0 && peak > 3.0 * usual {
+            self.ceiling = Some(1.3 * usual);
+            self.note = Some(note(peak));
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Fewer points, same picture.
+
+/// A graph (x not decreasing) with at most four points in each of `n_columns` equal columns: the first, the lowest, the highest and the last
+/// one, in their order (M4: Jugel, Jerzak, Hackenbroich, Markl, VLDB 2014). No extreme of any column is lost, so a line drawn that many
+/// pixels wide is the same. Points must be finite.
+pub fn by_column(points: &[[f64; 2]], n_columns: usize) -> Vec<[f64; 2]> {
+    if points.len() <= 4 * n_columns {
+        return points.to_vec();
+    }
+    chunks(points, n_columns).flat_map(extremes).collect()
+}
+
+/// First, lowest, highest and last point of a column, each once.
+fn extremes(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
+    let by_height = |a: &usize, b: &usize| points[*a][1].total_cmp(&points[*b][1]);
+    let lowest = (0..points.len()).min_by(by_height).unwrap_or(0);
+    let highest = (0..points.len()).max_by(by_height).unwrap_or(0);
+    let mut kept = [0, lowest, highest, points.len() - 1];
+    kept.sort_unstable();
+    let kept: Vec<_> = kept.chunk_by(|a, b| a == b).map(|same| points[same[0]]).collect();
+    kept.into_iter()
+}
+
+/// What is left of one column of a graph that is too dense to follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// Middle of its points.
+    pub x: f64,
+    pub low: f64,
+    pub mean: f64,
+    pub high: f64,
+}
+
+/// Range and mean of a graph (x not decreasing) in each of `n_columns` equal columns that has points. Points must be finite.
+pub fn columns(points: &[[f64; 2]], n_columns: usize) -> Vec<Column> {
+    chunks(points, n_columns).map(column_of).collect()
+}
+
+/// How often the graph, cut at `low` and `high`, runs from one to the other.
+pub fn n_crossings(points: &[[f64; 2]], low: f64, high: f64) -> f64 {
+    let inside = |point: &[f64; 2]| point[1].clamp(low, high);
+    points.windows(2).map(|pair| (inside(&pair[1]) - inside(&pair[0])).abs()).sum::<f64>() / (high - low)
+}
+
+/// Points of the same column of `n_columns` between the first and the last point.
+fn chunks(points: &[[f64; 2]], n_columns: usize) -> impl Iterator<Item = &[[f64; 2]]> {
+    let first = points.first().map_or(0.0, |point| point[0]);
+    let width = points.last().map_or(0.0, |point| point[0] - first) / n_columns as f64;
+    // The last point stands on the far edge of the last column.
+    let column = move |point: &[f64; 2]| (((point[0] - first) / width) as usize).min(n_columns - 1);
+    points.chunk_by(move |a, b| column(a) == column(b))
+}
+
+fn column_of(points: &[[f64; 2]]) -> Column {
+    let n = points.len() as f64;
+    let heights = || points.iter().map(|point| point[1]);
+    Column {
+        x: 0.5 * (points[0][0] + points[points.len() - 1][0]),
+        low: heights().fold(f64::INFINITY, f64::min),
+        mean: heights().sum::<f64>() / n,
+        high: heights().fold(f64::NEG_INFINITY, f64::max),
+    }
+}
+
+/// A line in the plane without the points that lie within `tolerance` of the one kept before them; its ends stay. No point of the line is
+/// further than `tolerance` from a kept one.
+pub fn by_distance(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+    let Some((last, others)) = points.split_last() else { return Vec::new() };
+    let mut kept: Vec<[f64; 2]> = Vec::new();
+    for point in others {
+        if kept.last().is_none_or(|before| (point[0] - before[0]).hypot(point[1] - before[1]) > tolerance) {
+            kept.push(*point);
+        }
+    }
+    kept.push(*last);
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(n: usize) -> Vec<[f64; 2]> {
+        let mut points: Vec<_> = (0..n).map(|k| [k as f64 * 0.01, (k as f64 * 0.7).sin() + (k as f64 * 1e-3).cos()]).collect();
+        points[n / 3][1] = 40.0;
+        points[n / 2][1] = -70.0;
+        points
+    }
+
+    fn range(points: &[[f64; 2]]) -> (f64, f64) {
+        points.iter().fold((f64::MAX, f64::MIN), |(low, high), point| (low.min(point[1]), high.max(point[1])))
+    }
+
+    #[test]
+    fn every_extreme_of_every_column_survives() {
+        let points = wave(120_001);
+        let thinned = by_column(&points, 400);
+        assert!(thinned.len() <= 1600, "{}", thinned.len());
+        assert_eq!((thinned.first(), thinned.last()), (points.first(), points.last()));
+        assert!(thinned.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+        for column in 0..400 {
+            // The last point stands on the far edge of the last column.
+            let inside = |point: &&[f64; 2]| ((point[0] / (1200.0 / 400.0)) as usize).min(399) == column;
+            let all: Vec<_> = points.iter().filter(inside).copied().collect();
+            let kept: Vec<_> = thinned.iter().filter(inside).copied().collect();
+            assert_eq!(range(&kept), range(&all), "{column}");
+        }
+        assert_eq!(range(&thinned), (-70.0, 40.0));
+    }
+
+    #[test]
+    fn columns_keep_the_range_and_the_mean() {
+        let points = wave(120_001);
+        let columns = columns(&points, 100);
+        assert_eq!(columns.len(), 100);
+        let low = columns.iter().map(|column| column.low).fold(f64::MAX, f64::min);
+        let high = columns.iter().map(|column| column.high).fold(f64::MIN, f64::max);
+        assert_eq!((low, high), range(&points));
+        assert!(columns.iter().all(|column| column.low <= column.mean && column.mean <= column.high));
+        let mean = points.iter().map(|point| point[1]).sum::<f64>() / points.len() as f64;
+        // Columns have 1200 points each, the last one 1201.
+        assert!((columns.iter().map(|column| column.mean).sum::<f64>() / 100.0 - mean).abs() < 1e-4);
+        assert_eq!(n_crossings(&[[0.0, 0.0], [1.0, 2.0], [2.0, -1.0]], -1.0, 1.0), 1.5);
+    }
+
+    #[test]
+    fn few_points_stay_as_they_are() {
+        let points = wave(50);
+        assert_eq!(by_column(&points, 400), points);
+        assert_eq!(by_column(&[], 400), Vec::<[f64; 2]>::new());
+        assert_eq!(by_column(&[[1.0, 2.0]; 5000], 400), [[1.0, 2.0]; 2], "one instant has two ends");
+    }
+
+    #[test]
+    fn no_point_of_a_path_is_far_from_a_kept_one() {
+        let path: Vec<[f64; 2]> =
+            (0..5000).map(|k| (k as f64 * 0.01).sin_cos().into()).map(|[s, c]: [f64; 2]| [40.0 * s, 30.0 * c * c]).collect();
+        let kept = by_distance(&path, 0.5);
+        assert!(kept.len() < path.len() / 2);
+        assert_eq!((kept.first(), kept.last()), (path.first(), path.last()));
+        for point in &path {
+            assert!(kept.iter().any(|near| (point[0] - near[0]).hypot(point[1] - near[1]) <= 0.5));
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! An output folder that is there whole or not at all.
+//!
+//! Files go into a hidden folder beside the target, which takes the target's name at the end. An error before that leaves the target as it
+//! was and nothing beside it. `manifest.json` is written last and lists every other file with its hash, so that a later run can tell an
+//! earlier output, which it may replace, from a folder with somebody's own files in it, which it may not.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::Manifest;
+use super::manifest::PROGRAM;
+
+pub const MANIFEST: &str = "manifest.json";
+
+/// Why an output folder was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: io::Error },
+    #[error("{}: {source}", path.display())]
+    Content { path: PathBuf, source: Box<dyn std::error::Error + Send + Sync> },
+    #[error("{}: is a file; an output folder needs a name of its own", path.display())]
+    IsFile { path: PathBuf },
+    #[error("{}: is not empty and no earlier output of this program: it has no {MANIFEST} of it", path.display())]
+    Foreign { path: PathBuf },
+    #[error("{}: is not part of the earlier output beside it; move it away, or write to another folder", path.display())]
+    ForeignFile { path: PathBuf },
+    #[error("{}: is or holds the working folder; write to a folder inside it", path.display())]
+    WorkingFolder { path: PathBuf },
+}
+
+/// A folder being written. Dropped before [`OutputFolder::finish`] it leaves nothing.
+#[derive(Debug)]
+pub struct OutputFolder {
+    target: PathBuf,
+    partial: PathBuf,
+    /// SHA-256 of each file written so far, in hexadecimal.
+    files: BTreeMap<String, String>,
+}
+
+/// The manifest as written, and as much of it as is read back.
+#[derive(Serialize)]
+struct Listed<'a> {
+    #[serde(flatten)]
+    manifest: &'a Manifest,
+    files: &'a BTreeMap<String, String>,
+}
+
+#[derive(Deserialize)]
+struct Earlier {
+    program: String,
+    files: BTreeMap<String, String>,
+}
+
+/// Whether an output may be written to `target`: it is missing, empty, or an earlier output that holds nothing else. Changes nothing: ask
+/// before a long run.
+///
+/// # Errors
+/// When it may not.
+pub fn check_target(target: &Path) -> Result<(), FolderError> {
+    let metadata = match fs::metadata(target) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        other => other.map_err(at(target))?,
+    };
+    if !metadata.is_dir() {
+        return Err(FolderError::IsFile { path: target.to_owned() });
+    }
+    let whole = fs::canonicalize(target).map_err(at(target))?;
+    if std::env::current_dir().is_ok_and(|here| here.starts_with(&whole)) {
+        return Err(FolderError::WorkingFolder { path: target.to_owned() });
+    }
+    let mut names = Vec::new();
+    for entry in fs::read_dir(target).map_err(at(target))? {
+        names.push(entry.map_err(at(target))?.file_name());
+    }
+    if names.is_empty() {
+        return Ok(());
+    }
+    let earlier = earlier_output(target).ok_or_else(|| FolderError::Foreign { path: target.to_owned() })?;
+    let belongs = |name: &str| name == MANIFEST || earlier.files.contains_key(name);
+    match names.iter().find(|name| !name.to_str().is_some_and(belongs)) {
+        Some(foreign) => Err(FolderError::ForeignFile { path: target.join(foreign) }),
+        None => Ok(()),
+    }
+}
+
+fn earlier_output(folder: &Path) -> Option<Earlier> {
+    let text = fs::read(folder.join(MANIFEST)).ok()?;
+    serde_json::from_slice(&text).ok().filter(|earlier: &Earlier| earlier.program == PROGRAM)
+}
+
+impl OutputFolder {
+    /// Begins an output that will stand at `target`. Folders above it are made when they are missing.
+    ///
+    /// # Errors
+    /// When [`check_target`] says no, or the folder beside the target cannot be made.
+    pub fn create(target: &Path) -> Result<Self, FolderError> {
+        check_target(target)?;
+        // The folder itself, not a link to it, is what gets replaced.
+        let target = fs::canonicalize(target).or_else(|_| std::path::absolute(target)).map_err(at(target))?;
+        let parent = target.parent().ok_or_else(|| FolderError::Foreign { path: target.clone() })?;
+        fs::create_dir_all(parent).map_err(at(parent))?;
+        let partial = make_sibling(&target, "partial")?;
+        Ok(Self { target, partial, files: BTreeMap::new() })
+    }
+
+    /// Writes one file through `content`.
+    ///
+    /// # Errors
+    /// When `content` or the disk fails; the error names the file.
+    ///
+    /// # Panics
+    /// When `name` is not a plain file name, is taken, or is the manifest's.
+    pub fn write<E>(&mut self, name: &str, content: impl FnOnce(&mut dyn Write) -> Result<(), E>) -> Result<(), FolderError>
+    where
+        E: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        assert!(Path::new(name).file_name().is_some_and(|plain| plain == name), "{name:?} is a plain file name");
+        assert!(name != MANIFEST && !self.files.contains_key(name), "{name} is written once");
+        let hash = self.write_hashed(name, content)?;
+        self.files.insert(name.to_owned(), hash);
+        Ok(())
+    }
+
+    /// Writes the manifest and puts the folder in its place; an earlier output there is gone afterwards.
+    ///
+    /// # Errors
+    /// When the disk fails. The target is then as it was.
+    pub fn finish(mut self, manifest: &Manifest) -> Result<(), FolderError> {
+        let mut text = serde_json::to_vec_pretty(&Listed { manifest, files: &self.files }).expect("a manifest is plain data");
+        text.push(b'\n');
+        self.write_hashed(MANIFEST, |out| out.write_all(&text))?;
+        // Again: somebody may have put a file there during the run.
+        check_target(&self.target)?;
+        self.replace_target()
+    }
+
+    /// Through a buffer to the disk, hashed on the way.
+    fn write_hashed<E>(&mut self, name: &str, content: impl FnOnce(&mut dyn Write) -> Result<(), E>) -> Result<String, FolderError>
+    where
+        E: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        let (file, shown) = (self.partial.join(name), self.target.join(name));
+        let mut out = Hashed { hash: Sha256::new(), file: BufWriter::new(File::create(&file).map_err(at(&shown))?) };
+        content(&mut out).map_err(|error| FolderError::Content { path: shown.clone(), source: error.into() })?;
+        out.flush().and_then(|()| out.file.get_ref().sync_all()).map_err(at(&shown))?;
+        Ok(out.hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+
+    fn replace_target(&mut self) -> Result<(), FolderError> {
+        let target = self.target.clone();
+        if !target.exists() {
+            return fs::rename(&self.partial, &target).map_err(at(&target));
+        }
+        let aside = make_sibling(&target, "replaced")?;
+        fs::rename(&target, &aside).inspect_err(|_| drop(fs::remove_dir(&aside))).map_err(at(&target))?;
+        // On failure the earlier output goes back to where it was.
+        fs::rename(&self.partial, &target).inspect_err(|_| drop(fs::rename(&aside, &target))).map_err(at(&target))?;
+        fs::remove_dir_all(&aside).map_err(at(&aside))
+    }
+}
+
+impl Drop for OutputFolder {
+    /// After a rename there is nothing left to remove.
+    fn drop(&mut self) {
+        drop(fs::remove_dir_all(&self.partial));
+    }
+}
+
+/// Everything that is written, on its way to the file.
+struct Hashed {
+    hash: Sha256,
+    file: BufWriter<File>,
+}
+
+impl Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.file.write(bytes)?;
+        self.hash.update(&bytes[..n]);
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// A new empty hidden folder beside `target`, named after it and this process.
+fn make_sibling(target: &Path, role: &str) -> Result<PathBuf, FolderError> {
+    let name = target.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    // Numbers differ between the outputs of one process, and from what a killed process of the same id left.
+    let mut n = 0;
+    loop {
+        let sibling = target.with_file_name(format!(".{name}.{role}-{}-{n}", std::process::id()));
+        match fs::create_dir(&sibling) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => n += 1,
+            Err(error) => return Err(at(&sibling)(error)),
+            Ok(()) => return Ok(sibling),
+        }
+    }
+}
+
+fn at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
+    let path = path.to_owned();
+    move |source| FolderError::Io { path, source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::manifest::tests::manifest;
+    use crate::report::sha256_hex;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn output(target: &Path, text: &str) -> Result<(), FolderError> {
+        let mut folder = OutputFolder::create(target)?;
+        folder.write("a.txt", |out| out.write_all(text.as_bytes()))?;
+        folder.finish(&manifest())
+    }
+
+    #[test]
+    fn an_output_is_whole_and_its_manifest_hashes_it() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("deep/out");
+        output(&target, "one").unwrap();
+        assert_eq!(names(&target), ["a.txt", MANIFEST]);
+        assert_eq!(names(&room.path().join("deep")), ["out"]);
+        let manifest: serde_json::Value = serde_json::from_slice(&fs::read(target.join(MANIFEST)).unwrap()).unwrap();
+        assert_eq!(manifest["files"]["a.txt"], sha256_hex(b"one"));
+        assert_eq!((&manifest["program"], &manifest["scenario"]["name"]), (&"cohaul".into(), &"four ants".into()));
+    }
+
+    #[test]
+    fn an_error_in_the_middle_leaves_nothing_new_and_the_earlier_output_whole() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        for earlier in [None, Some("one")] {
+            if let Some(text) = earlier {
+                output(&target, text).unwrap();
+            }
+            let mut folder = OutputFolder::create(&target).unwrap();
+            folder.write("a.txt", |out| out.write_all(b"two")).unwrap();
+            let error = folder.write("b.txt", |out| out.write_all(b"half of it").and(Err(io::Error::other("power cut"))));
+            drop(folder);
+            let text = error.unwrap_err().to_string();
+            assert!(text.contains("out/b.txt") && text.contains("power cut"), "{text}");
+            assert_eq!(names(room.path()), earlier.map_or(vec![], |_| vec!["out".to_owned()]));
+            assert_eq!(fs::read_to_string(target.join("a.txt")).ok().as_deref(), earlier);
+        }
+    }
+
+    #[test]
+    fn an_earlier_output_is_replaced_and_an_empty_folder_is_used() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        fs::create_dir(&target).unwrap();
+        for text in ["one", "two"] {
+            output(&target, text).unwrap();
+            assert_eq!(fs::read_to_string(target.join("a.txt")).unwrap(), text);
+            assert_eq!(names(room.path()), ["out"]);
+        }
+    }
+
+    #[test]
+    fn what_is_not_an_earlier_output_stays() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        fs::write(&target, "mine").unwrap();
+        assert!(matches!(output(&target, ""), Err(FolderError::IsFile { .. })));
+        fs::remove_file(&target).unwrap();
+        fs::create_dir(&target).unwrap();
+        for manifest in [None, Some("{}"), Some(r#"{"program": "other", "files": {}}"#), Some("not json")] {
+            fs::write(target.join("thesis.txt"), "mine").unwrap();
+            if let Some(text) = manifest {
+                fs::write(target.join(MANIFEST), text).unwrap();
+            }
+            assert!(matches!(output(&target, ""), Err(FolderError::Foreign { .. })), "{manifest:?}");
+        }
+        fs::remove_dir_all(&target).unwrap();
+        output(&target, "one").unwrap();
+        fs::write(target.join("notes.txt"), "mine").unwrap();
+        let error = output(&target, "two").unwrap_err();
+        assert!(matches!(&error, FolderError::ForeignFile { path } if path.ends_with("out/notes.txt")), "{error}");
+        assert_eq!(names(&target), ["a.txt", MANIFEST, "notes.txt"]);
+        assert_eq!(names(room.path()), ["out"]);
+    }
+
+    #[test]
+    fn the_working_folder_is_not_pulled_away() {
+        let here = std::env::current_dir().unwrap();
+        for target in [here.as_path(), Path::new("."), Path::new("..")] {
+            assert!(matches!(check_target(target), Err(FolderError::WorkingFolder { .. })), "{}", target.display());
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! What a run amounts to, as the JSON object that `run --json` prints and `summary.json` holds.
+
+use serde::Serialize;
+
+use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, RapierOptions, Status, StepReport};
+use crate::math::Summary;
+use crate::simulation::Outcome;
+
+/// One run in SI units; names of fields are those of the JSON object.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunSummary {
+    pub scenario: String,
+    pub backend: BackendKind,
+    pub step_s: f64,
+    /// Only of a run by rapier: the others do not read it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rapier: Option<RapierOptions>,
+    pub seed: u64,
+    #[serde(rename = "final")]
+    pub end: FinalState,
+    pub energy: EnergySummary,
+    pub steps: StepSummary,
+    pub wall_s: f64,
+    /// Only of a run with ants.
+    #[serde(flatten)]
+    pub ants: Option<AntSummary>,
+}
+
+/// Where and when the load ended, in world axes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FinalState {
+    pub time_s: f64,
+    pub position_m: [f64; 2],
+    /// Counts whole turns.
+    pub heading_rad: f64,
+    pub velocity_m_per_s: [f64; 2],
+    pub turn_rate_rad_per_s: f64,
+}
+
+/// The ledger at the end: `defect_j = elastic_j + kinetic_j + dissipated_j - tip_work_j - initial_j`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EnergySummary {
+    pub elastic_j: f64,
+    pub kinetic_j: f64,
+    /// The sum of the next three.
+    pub dissipated_j: f64,
+    pub friction_j: f64,
+    pub damping_j: f64,
+    pub released_j: f64,
+    pub tip_work_j: f64,
+    pub initial_j: f64,
+    /// Energy from nowhere; negative is numerical damping, or a jump of a method without inertia.
+    pub defect_j: f64,
+}
+
+/// What the run cost and how well its steps ended.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StepSummary {
+    /// The worst of all steps.
+    pub status: Status,
+    /// Largest relative residual; `null` only beside the status `failed`, when a step had no finite residual.
+    pub residual: Option<f64>,
+    pub n_steps: u64,
+    pub n_solves: u64,
+    pub n_iterations: u64,
+    pub n_skipped: u64,
+    pub n_not_converged: u64,
+}
+
+/// What the ants achieved.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AntSummary {
+    pub arrived: bool,
+    /// `null` when the load did not arrive.
+    pub time_to_nest_s: Option<f64>,
+    pub pull_force_n: PullForce,
+}
+
+/// Size of the pulls at the ants' release decisions. An empty sample has zeros beside `n` = 0.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PullForce {
+    pub mean: f64,
+    pub sd: f64,
+    pub max: f64,
+    pub n: u64,
+}
+
+/// A result that no file may hold.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{field} is {value}: results must be finite numbers")]
+pub struct NotFinite {
+    pub field: String,
+    pub value: f64,
+}
+
+/// `value`, when it is finite.
+///
+/// # Errors
+/// When it is NaN or infinite: JSON would turn it into `null` without a word.
+pub fn finite(field: &str, value: f64) -> Result<f64, NotFinite> {
+    if value.is_finite() { Ok(value) } else { Err(NotFinite { field: field.to_owned(), value }) }
+}
+
+impl RunSummary {
+    /// The summary of a run that took `wall_s` (s) of real time.
+    ///
+    /// # Errors
+    /// When a number of the outcome is not finite. Backends promise that none is, whatever their status.
+    pub fn new(scenario: &str, options: &BackendOptions, seed: u64, outcome: &Outcome, wall_s: f64) -> Result<Self, NotFinite> {
+        Ok(Self {
+            scenario: scenario.to_owned(),
+            backend: options.kind,
+            step_s: finite("step_s", options.step_s)?,
+            rapier: (options.kind == BackendKind::Rapier).then_some(options.rapier),
+            seed,
+            end: FinalState::new(outcome.time, &outcome.motion)?,
+            energy: EnergySummary::new(&outcome.energy)?,
+            steps: StepSummary::new(&outcome.steps)?,
+            wall_s: finite("wall_s", wall_s)?,
+            ants: outcome.arrived.map(|arrived| AntSummary::new(arrived, outcome)).transpose()?,
+        })
+    }
+
+    /// The object over several lines, with a line end.
+    ///
+    /// # Panics
+    /// Never: a summary is plain data with text keys.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
+        text.push('\n');
+        text
+    }
+}
+
+impl FinalState {
+    fn new(time: f64, motion: &Motion) -> Result<Self, NotFinite> {
+        let (pose, twist) = (&motion.pose, &motion.twist);
+        Ok(Self {
+            time_s: finite("final.time_s", time)?,
+            position_m: [finite("final.position_m[0]", pose.position.x)?, finite("final.position_m[1]", pose.position.y)?],
+            heading_rad: finite("final.heading_rad", pose.heading)?,
+            velocity_m_per_s: [finite("final.velocity_m_per_s[0]", twist.linear.x)?, finite("final.velocity_m_per_s[1]", twist.linear.y)?],
+            turn_rate_rad_per_s: finite("final.turn_rate_rad_per_s", twist.angular)?,
+        })
+    }
+}
+
+impl EnergySummary {
+    fn new(ledger: &EnergyLedger) -> Result<Self, NotFinite> {
+        Ok(Self {
+            elastic_j: finite("energy.elastic_j", ledger.elastic)?,
+            kinetic_j: finite("energy.kinetic_j", ledger.kinetic)?,
+            friction_j: finite("energy.friction_j", ledger.friction)?,
+            damping_j: finite("energy.damping_j", ledger.damping)?,
+            released_j: finite("energy.released_j", ledger.released)?,
+            dissipated_j: finite("energy.dissipated_j", ledger.dissipated())?,
+            tip_work_j: finite("energy.tip_work_j", ledger.tip_work)?,
+            initial_j: finite("energy.initial_j", ledger.initial)?,
+            defect_j: finite("energy.defect_j", ledger.defect())?,
+        })
+    }
+}
+
+impl StepSummary {
+    fn new(report: &StepReport) -> Result<Self, NotFinite> {
+        let residual = match report.status {
+            Status::Failed if !report.residual.is_finite() => None,
+            _ => Some(finite("steps.residual", report.residual)?),
+        };
+        Ok(Self {
+            status: report.status,
+            residual,
+            n_steps: report.n_steps,
+            n_solves: report.n_solves,
+            n_iterations: report.n_iterations,
+            n_skipped: report.n_skipped,
+            n_not_converged: report.n_not_converged,
+        })
+    }
+}
+
+impl AntSummary {
+    fn new(arrived: bool, outcome: &Outcome) -> Result<Self, NotFinite> {
+        Ok(Self { arrived, time_to_nest_s: arrived.then_some(outcome.time), pull_force_n: PullForce::new(&outcome.pulls)? })
+    }
+}
+
+impl PullForce {
+    fn new(pulls: &Summary) -> Result<Self, NotFinite> {
+        Ok(Self {
+            mean: finite("pull_force_n.mean", pulls.mean())?,
+            sd: finite("pull_force_n.sd", pulls.sd())?,
+            max: finite("pull_force_n.max", pulls.max())?,
+            n: pulls.n(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value;
+
+    use super::*;
+    use crate::report::synthetic;
+
+    fn summary(kind: BackendKind, outcome: &Outcome) -> Result<RunSummary, NotFinite> {
+        RunSummary::new("four ants", &synthetic::options(kind), 7, outcome, 0.25)
+    }
+
+    fn json(kind: BackendKind, outcome: &Outcome) -> Value {
+        serde_json::from_str(&summary(kind, outcome).unwrap().to_json()).unwrap()
+    }
+
+    #[test]
+    fn the_contract_of_run_json_holds_for_ants() {
+        let value = json(BackendKind::QuasiStatic, &synthetic::outcome(Some(false)));
+        for pointer in [
+            "/final/time_s",
+            "/final/position_m/1",
+            "/final/heading_rad",
+            "/final/velocity_m_per_s/1",
+            "/final/turn_rate_rad_per_s",
+            "/steps/n_steps",
+            "/steps/n_solves",
+            "/steps/n_skipped",
+            "/steps/n_not_converged",
+            "/wall_s",
+            "/seed",
+            "/pull_force_n/mean",
+            "/pull_force_n/sd",
+            "/pull_force_n/max",
+            "/pull_force_n/n",
+        ] {
+            assert!(value.pointer(pointer).is_some_and(Value::is_number), "{pointer}");
+        }
+        assert_eq!(value["scenario"], "four ants");
+        assert_eq!(value["backend"], "quasi-static");
+        assert_eq!(value["arrived"], false);
+        assert_eq!(value.get("time_to_nest_s"), Some(&Value::Null));
+        assert_eq!(value.get("rapier"), None);
+    }
+
+    #[test]
+    fn time_to_nest_is_the_end_of_a_run_that_arrived() {
+        let value = json(BackendKind::Rapier, &synthetic::outcome(Some(true)));
+        assert_eq!(value["time_to_nest_s"], value["final"]["time_s"]);
+        assert!(value["rapier"].is_object());
+    }
+
+    #[test]
+    fn prescribed_tips_have_no_ant_fields() {
+        let value = json(BackendKind::Inertial, &synthetic::outcome(None));
+        for key in ["arrived", "time_to_nest_s", "pull_force_n", "ants"] {
+            assert_eq!(value.get(key), None, "{key}");
+        }
+    }
+
+    /// Exactly, not nearly: the file holds every digit and the sum is taken in the ledger's order.
+    #[test]
+    fn the_energy_defect_follows_from_the_printed_numbers() {
+        let energy = &json(BackendKind::Rapier, &synthetic::outcome(None))["energy"];
+        let of = |key: &str| energy[key].as_f64().unwrap();
+        assert_eq!(of("dissipated_j"), of("friction_j") + of("damping_j") + of("released_j"));
+        let defect = of("elastic_j") + of("kinetic_j") + of("dissipated_j") - of("tip_work_j") - of("initial_j");
+        assert_eq!(of("defect_j"), defect);
+        assert_ne!(defect, 0.0);
+    }
+
+    #[test]
+    fn no_number_leaves_that_is_not_finite() {
+        type Poison = fn(&mut Outcome, f64);
+        let poisons: [(&str, Poison); 12] = [
+            ("final.time_s", |o, v| o.time = v),
+            ("final.position_m[0]", |o, v| o.motion.pose.position.x = v),
+            ("final.position_m[1]", |o, v| o.motion.pose.position.y = v),
+            ("final.heading_rad", |o, v| o.motion.pose.heading = v),
+            ("final.velocity_m_per_s[0]", |o, v| o.motion.twist.linear.x = v),
+            ("final.velocity_m_per_s[1]", |o, v| o.motion.twist.linear.y = v),
+            ("final.turn_rate_rad_per_s", |o, v| o.motion.twist.angular = v),
+            ("energy.kinetic_j", |o, v| o.energy.kinetic = v),
+            ("energy.released_j", |o, v| o.energy.released = v),
+            ("energy.initial_j", |o, v| o.energy.initial = v),
+            ("steps.residual", |o, v| o.steps.residual = v),
+            ("pull_force_n.mean", |o, v| o.pulls.add(v)),
+        ];
+        for (field, poison) in poisons {
+            for value in [f64::NAN, f64::INFINITY] {
+                let mut outcome = synthetic::outcome(Some(true));
+                poison(&mut outcome, value);
+                assert_eq!(summary(BackendKind::Inertial, &outcome).unwrap_err().field, field);
+            }
+        }
+        // Sums of finite numbers can overflow too.
+        let mut outcome = synthetic::outcome(None);
+        (outcome.energy.elastic, outcome.energy.kinetic) = (f64::MAX, f64::MAX);
+        assert_eq!(summary(BackendKind::Inertial, &outcome).unwrap_err().field, "energy.defect_j");
+    }
+
+    #[test]
+    fn a_failed_run_has_a_status_where_it_has_no_residual() {
+        let mut outcome = synthetic::outcome(None);
+        (outcome.steps.status, outcome.steps.residual) = (Status::Failed, f64::INFINITY);
+        let steps = &json(BackendKind::Rapier, &outcome)["steps"];
+        assert_eq!((&steps["status"], &steps["residual"]), (&Value::from("failed"), &Value::Null));
+    }
+}

@@ -1,0 +1,40 @@
+//! Floor 5: what people and programs read of a run: JSON, tables, figures, an output folder and a progress bar.
+//!
+//! Everything here takes results that exist and moves nothing. Numbers leave for programs in SI units with all their digits (JSON, CSV), for
+//! people with four digits and SI prefixes (text, figures). A number that is not finite never leaves silently: JSON and CSV refuse it by name.
+//!
+//! ```text
+//! json.rs      RunSummary: the object that `run --json` prints
+//! table.rs     trace.csv and events.csv
+//! manifest.rs  where a result comes from: scenario, seed, versions, machine, command
+//! folder.rs    an output folder that is there whole or not at all
+//! run.rs       the files of one run, put into such a folder
+//! figure/      SVG figures over one or several traces
+//! quantity.rs  a number with its unit, for people
+//! comparison.rs  a comparison: JSON, text and files
+//! text.rs      a run summary as a text table
+//! progress.rs  a progress bar on standard error
+//! ```
+
+mod comparison;
+pub mod figure;
+mod folder;
+mod json;
+mod manifest;
+mod progress;
+mod quantity;
+mod run;
+pub mod table;
+mod text;
+
+#[cfg(test)]
+pub(crate) mod synthetic;
+
+pub use comparison::{Comparison, Tiers, compare_text, write_comparison};
+pub use folder::{FolderError, OutputFolder, check_target};
+pub use json::{AntSummary, EnergySummary, FinalState, NotFinite, PullForce, RunSummary, StepSummary, finite};
+pub use manifest::{Libraries, Machine, Manifest, sha256_hex};
+pub use progress::Progress;
+pub use quantity::{number, quantity};
+pub use run::{RunFiles, write_run};
+pub use text::run_text;

@@ -1,0 +1,117 @@
+//! A progress bar on standard error: only on a terminal, and only for work that lasts.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Work shorter than this shows no bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Calls of [`Progress::at`] between two looks at the clock.
+const CALLS_PER_LOOK: u32 = 16;
+
+/// Progress of one run through simulated time. Cheap enough to be told every control tick.
+pub struct Progress {
+    label: String,
+    total: f64,
+    started: Instant,
+    calls: u32,
+    display: Display,
+}
+
+enum Display {
+    /// Nobody looks.
+    Off,
+    /// Somebody looks, but it may be over soon.
+    Waiting,
+    On(ProgressBar),
+}
+
+impl Progress {
+    /// Progress towards `total` (s, simulated), shown under `label`.
+    pub fn start(total: f64, label: &str) -> Self {
+        let display = if std::io::stderr().is_terminal() { Display::Waiting } else { Display::Off };
+        Self { label: label.to_owned(), total, started: Instant::now(), calls: 0, display }
+    }
+
+    /// The run has reached `time` (s, simulated).
+    pub fn at(&mut self, time: f64) {
+        if matches!(self.display, Display::Off) {
+            return;
+        }
+        self.calls += 1;
+        if self.calls.is_multiple_of(CALLS_PER_LOOK) {
+            self.show(time, self.started.elapsed());
+        }
+    }
+
+    /// The run is over: the bar vanishes.
+    pub fn finish(self) {
+        if let Display::On(bar) = self.display {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn show(&mut self, time: f64, elapsed: Duration) {
+        if matches!(self.display, Display::Waiting) && elapsed >= PATIENCE {
+            self.display = Display::On(bar(&self.label));
+        }
+        if let Display::On(bar) = &self.display {
+            bar.set_position((1000.0 * share(time, self.total)) as u64);
+            bar.set_message(message(time, self.total, elapsed));
+        }
+    }
+}
+
+/// A bar of a thousand parts, drawn at most ten times a second.
+fn bar(label: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix} [{bar:30}] {msg}").expect("the template is a constant").progress_chars("=> ");
+    ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr_with_hz(10)).with_style(style).with_prefix(label.to_owned())
+}
+
+fn share(time: f64, total: f64) -> f64 {
+    if total > 0.0 { (time / total).clamp(0.0, 1.0) } else { 1.0 }
+}
+
+/// Share of simulated time, rate, and time to come at that rate. A run of ants may end sooner.
+fn message(time: f64, total: f64, elapsed: Duration) -> String {
+    let rate = time / elapsed.as_secs_f64();
+    let percent = 100.0 * share(time, total);
+    if rate <= 0.0 || !rate.is_finite() {
+        return format!("{percent:3.0} % of {total} s");
+    }
+    let left = ((total - time) / rate).max(0.0).ceil() as u64;
+    format!("{percent:3.0} % of {total} s, {rate:.3} s/s, {}:{:02} left", left / 60, left % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn progress(display: Display) -> Progress {
+        Progress { label: "run".to_owned(), total: 300.0, started: Instant::now(), calls: 0, display }
+    }
+
+    #[test]
+    fn a_bar_comes_only_after_the_patience_is_over() {
+        let mut watched = progress(Display::Waiting);
+        watched.show(1.0, PATIENCE - Duration::from_millis(1));
+        assert!(matches!(watched.display, Display::Waiting));
+        watched.show(30.0, PATIENCE);
+        let Display::On(bar) = &watched.display else { panic!("no bar") };
+        assert_eq!(bar.position(), 100);
+        watched.finish();
+        let mut alone = progress(Display::Off);
+        alone.show(30.0, 10 * PATIENCE);
+        assert!(matches!(alone.display, Display::Off));
+    }
+
+    #[test]
+    fn rate_and_remaining_time_follow_from_what_was_done() {
+        // 60 s in 20 s: the other 240 s take 80 s.
+        assert_eq!(message(60.0, 300.0, Duration::from_secs(20)), " 20 % of 300 s, 3.000 s/s, 1:20 left");
+        assert_eq!(message(0.0, 300.0, Duration::from_secs(20)), "  0 % of 300 s");
+        assert_eq!(message(300.1, 300.0, Duration::from_secs(20)), "100 % of 300 s, 15.005 s/s, 0:00 left");
+        assert_eq!(share(0.0, 0.0), 1.0);
+    }
+}

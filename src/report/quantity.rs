@@ -1,0 +1,128 @@
+//! A number with its unit, for people: four significant digits and an SI prefix.
+
+/// `value` in `unit` with four significant digits and the prefix that puts one to three digits before the point: `12.35 mm`.
+///
+/// Values of 1000 and above keep the plain unit, as `3600 s`. Kilograms count in grams. A unit that begins with a power, as `m^2`, has no
+/// prefix, for the prefix would be raised with it.
+pub fn quantity(value: f64, unit: &str) -> String {
+    if let Some(rest) = unit.strip_prefix("kg") {
+        return quantity(1e3 * value, &format!("g{rest}"));
+    }
+    let Some(digits) = Digits::of(value) else { return format!("{} {unit}", number(value)) };
+    let head = unit.split([' ', '/']).next().unwrap_or_default();
+    let thousands = digits.exponent.div_euclid(3);
+    let prefix = match thousands {
+        0 => "",
+        -1 => "m",
+        -2 => "µ",
+        -3 => "n",
+        -4 => "p",
+        _ => return format!("{} {unit}", number(value)),
+    };
+    if thousands < 0 && head.contains('^') {
+        return format!("{} {unit}", number(value));
+    }
+    format!("{} {prefix}{unit}", digits.times_ten_to(-3 * thousands))
+}
+
+/// `value` with four significant digits; in powers of ten below 1e-3 and from 1e7. Whole numbers between keep all their digits.
+pub fn number(value: f64) -> String {
+    match Digits::of(value) {
+        None if value == 0.0 => "0".to_owned(),
+        None => format!("{value}"),
+        Some(digits) if (-3..3).contains(&digits.exponent) => digits.times_ten_to(0),
+        Some(digits) if (3..7).contains(&digits.exponent) => format!("{value:.0}"),
+        Some(_) => format!("{value:.3e}"),
+    }
+}
+
+/// A number rounded to four significant digits: `significand` in [1, 10) times a power of ten. Rounding comes first, so that 0.99996 mm is
+/// 1.000 mm and not 1000.0 µm.
+struct Digits {
+    significand: String,
+    exponent: i32,
+}
+
+impl Digits {
+    /// `None` for zero and what is not finite.
+    fn of(value: f64) -> Option<Self> {
+        if value == 0.0 || !value.is_finite() {
+            return None;
+        }
+        let text = format!("{value:.3e}");
+        let (significand, exponent) = text.split_once('e')?;
+        Some(Self { significand: significand.to_owned(), exponent: exponent.parse().ok()? })
+    }
+
+    /// The number times ten to the `power`, its digits shifted and not computed anew. For results from 0.001 to below 1000.
+    fn times_ten_to(&self, power: i32) -> String {
+        let exponent = self.exponent + power;
+        let sign = if self.significand.starts_with('-') { "-" } else { "" };
+        let digits: String = self.significand.chars().filter(char::is_ascii_digit).collect();
+        if exponent < 0 {
+            return format!("{sign}0.{}{digits}", "0".repeat((-exponent - 1) as usize));
+        }
+        let (whole, part) = digits.split_at(exponent as usize + 1);
+        format!("{sign}{whole}.{part}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_prefix_changes_at_thousands_after_rounding() {
+        for (value, text) in [
+            (0.012345, "12.35 mm"),
+            (1.0, "1.000 m"),
+            (999.94, "999.9 m"),
+            (0.99994, "999.9 mm"),
+            (0.99996, "1.000 m"),
+            (1e-3, "1.000 mm"),
+            (0.99994e-3, "999.9 µm"),
+            (0.99996e-3, "1.000 mm"),
+            (1e-6, "1.000 µm"),
+            (0.99994e-6, "999.9 nm"),
+            (1e-12, "1.000 pm"),
+        ] {
+            assert_eq!(quantity(value, "m"), text);
+            assert_eq!(quantity(-value, "m"), format!("-{text}"));
+        }
+    }
+
+    #[test]
+    fn zero_tiny_large_and_broken_values_have_no_prefix() {
+        for (value, text) in [
+            (0.0, "0 s"),
+            (-0.0, "0 s"),
+            (2.5e-13, "2.500e-13 s"),
+            (f64::from_bits(1), "4.941e-324 s"),
+            (999.96, "1000 s"),
+            (3600.0, "3600 s"),
+            (123_456.0, "123456 s"),
+            (1.5e9, "1.500e9 s"),
+            (f64::NAN, "NaN s"),
+            (f64::NEG_INFINITY, "-inf s"),
+        ] {
+            assert_eq!(quantity(value, "s"), text);
+        }
+    }
+
+    #[test]
+    fn kilograms_count_in_grams_and_powers_keep_their_unit() {
+        assert_eq!(quantity(0.0016, "kg"), "1.600 g");
+        assert_eq!(quantity(1.19e-7, "kg m^2"), "119.0 µg m^2");
+        assert_eq!(quantity(0.01, "m^2"), "0.01000 m^2");
+        assert_eq!(quantity(2e-5, "m^2"), "2.000e-5 m^2");
+        assert_eq!(quantity(0.03, "m/s"), "30.00 mm/s");
+        assert_eq!(quantity(2.25e-3, "m/s^2"), "2.250 mm/s^2");
+    }
+
+    #[test]
+    fn plain_numbers_keep_four_digits() {
+        for (value, text) in [(0.0, "0"), (0.5, "0.5000"), (-0.0012345, "-0.001234"), (3e-13, "3.000e-13"), (30440.0, "30440")] {
+            assert_eq!(number(value), text);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The files of one run in an output folder.
+
+use std::path::Path;
+
+use super::figure::{self, Labelled, Scene};
+use super::{FolderError, Manifest, OutputFolder, RunSummary, table};
+use crate::simulation::Trace;
+
+/// What is written of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct RunFiles<'a> {
+    pub summary: &'a RunSummary,
+    pub trace: &'a Trace,
+    pub n_springs: usize,
+    pub scene: &'a Scene,
+    pub manifest: &'a Manifest,
+}
+
+/// Writes `summary.json`, `trace.csv`, `events.csv`, `overview.svg` and `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// When the folder may not be written (see [`super::check_target`]), a number of the trace is not finite, or the disk fails.
+pub fn write_run(target: &Path, files: &RunFiles) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
+    folder.write("trace.csv", |out| table::write_trace(files.trace, files.n_springs, out))?;
+    folder.write("events.csv", |out| table::write_events(files.trace, out))?;
+    let labelled = [Labelled { label: files.summary.backend.name(), trace: files.trace }];
+    folder.write("overview.svg", |out| out.write_all(figure::overview(&labelled, files.scene).as_bytes()))?;
+    folder.finish(files.manifest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::BackendKind;
+    use crate::report::manifest::tests::manifest;
+    use crate::report::synthetic;
+
+    #[test]
+    fn a_broken_trace_leaves_no_folder_and_names_file_and_column() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        let options = synthetic::options(BackendKind::Rapier);
+        let summary = RunSummary::new("four ants", &options, 7, &synthetic::outcome(None), 0.1).unwrap();
+        let (mut trace, scene, manifest) = (synthetic::trace(200, 1.0), Scene::default(), manifest());
+        trace.rows[150].motion.twist.angular = f64::INFINITY;
+        let write = |trace: &Trace| {
+            let files = RunFiles { summary: &summary, trace, n_springs: 4, scene: &scene, manifest: &manifest };
+            write_run(&target, &files)
+        };
+        let error = write(&trace).unwrap_err().to_string();
+        assert!(error.contains("out/trace.csv: turn_rate_rad_per_s is inf"), "{error}");
+        assert_eq!(std::fs::read_dir(room.path()).unwrap().count(), 0);
+
+        trace.rows[150].motion.twist.angular = 0.0;
+        write(&trace).unwrap();
+        assert_eq!(std::fs::read_dir(&target).unwrap().count(), 5);
+    }
+}

@@ -1,0 +1,187 @@
+//! A trace as CSV tables: `trace.csv` with a row at every control tick, `events.csv` with every grasp and release.
+//!
+//! Floats are written with the fewest digits that read back as the same number. An empty field means "there is none": the pull on a spring
+//! that nobody holds, the ant of a prescribed path.
+
+use std::io::Write;
+
+use super::{NotFinite, finite};
+use crate::simulation::{EventKind, Row, Trace};
+
+/// Above this number of springs `trace.csv` has no columns of pulls: they would be most of the file. `n_transporting` stays.
+pub const MOST_SPRINGS_WITH_COLUMNS: usize = 32;
+
+/// Columns of `trace.csv` that every run has.
+pub const TRACE_COLUMNS: [&str; 13] = [
+    "time_s",
+    "x_m",
+    "y_m",
+    "heading_rad",
+    "vx_m_per_s",
+    "vy_m_per_s",
+    "turn_rate_rad_per_s",
+    "elastic_j",
+    "kinetic_j",
+    "dissipated_j",
+    "tip_work_j",
+    "defect_j",
+    "n_transporting",
+];
+
+/// Columns of `events.csv`.
+pub const EVENT_COLUMNS: [&str; 6] = ["time_s", "event", "spring", "ant", "tip_x_m", "tip_y_m"];
+
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+}
+
+/// Writes `trace.csv`: [`TRACE_COLUMNS`], then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force of its holder on its tip (world axes),
+/// unless there are more than [`MOST_SPRINGS_WITH_COLUMNS`].
+///
+/// # Errors
+/// When a number is not finite, or `out` fails.
+pub fn write_trace(trace: &Trace, n_springs: usize, out: impl Write) -> Result<(), TableError> {
+    let n_pulls = if n_springs <= MOST_SPRINGS_WITH_COLUMNS { n_springs } else { 0 };
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    let pulls = (0..n_pulls).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
+    writer.write_record(TRACE_COLUMNS.iter().map(|name| (*name).to_owned()).chain(pulls))?;
+    for row in &trace.rows {
+        let state = state_of(row);
+        for (name, value) in TRACE_COLUMNS.iter().zip(state) {
+            finite(name, value)?;
+        }
+        writer.serialize((state, row.tips.len(), pulls_of(row, n_pulls)?))?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// Writes `events.csv` with [`EVENT_COLUMNS`], in the order of time.
+///
+/// # Errors
+/// When a number is not finite, or `out` fails.
+pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    writer.write_record(EVENT_COLUMNS)?;
+    for event in &trace.events {
+        let name = match event.kind {
+            EventKind::Grasp => "grasp",
+            EventKind::Release => "release",
+        };
+        let time = finite("time_s", event.time)?;
+        let tip = [finite("tip_x_m", event.tip.x)?, finite("tip_y_m", event.tip.y)?];
+        writer.serialize((time, name, event.spring, event.ant, tip))?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// All of [`TRACE_COLUMNS`] but the count at their end.
+fn state_of(row: &Row) -> [f64; TRACE_COLUMNS.len() - 1] {
+    let (pose, twist, energy) = (&row.motion.pose, &row.motion.twist, &row.energy);
+    [
+        row.time,
+        pose.position.x,
+        pose.position.y,
+        pose.heading,
+        twist.linear.x,
+        twist.linear.y,
+        twist.angular,
+        energy.elastic,
+        energy.kinetic,
+        energy.dissipated(),
+        energy.tip_work,
+        energy.defect(),
+    ]
+}
+
+/// Pulls on the first `n_pulls` springs (N, world); `None` where nobody holds.
+fn pulls_of(row: &Row, n_pulls: usize) -> Result<Vec<[Option<f64>; 2]>, NotFinite> {
+    let mut pulls = vec![[None; 2]; n_pulls];
+    for tip in row.tips.iter().filter(|tip| tip.spring < n_pulls) {
+        pulls[tip.spring] = [Some(finite("pull_x_n", tip.pull.x)?), Some(finite("pull_y_n", tip.pull.y)?)];
+    }
+    Ok(pulls)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec2;
+    use crate::report::synthetic;
+
+    fn text(trace: &Trace, n_springs: usize) -> String {
+        let mut bytes = Vec::new();
+        write_trace(trace, n_springs, &mut bytes).unwrap();
+        String::from_utf8(bytes).unwrap()
+    }
+
+    fn columns(text: &str) -> Vec<String> {
+        csv::Reader::from_reader(text.as_bytes()).headers().unwrap().iter().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn every_number_reads_back_as_it_was() {
+        let mut trace = synthetic::trace(400, 1.0);
+        // The hard cases: no short decimal, smallest subnormal, largest, negative zero.
+        trace.rows[0].motion.pose.position = Vec2::new(0.1 + 0.2, f64::from_bits(1));
+        trace.rows[0].motion.twist.linear = Vec2::new(-f64::MAX, -0.0);
+        let text = text(&trace, 4);
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let mut n = 0;
+        for (row, record) in trace.rows.iter().zip(reader.records()) {
+            let record = record.unwrap();
+            for (value, field) in state_of(row).iter().zip(&record) {
+                assert_eq!(field.parse::<f64>().unwrap().to_bits(), value.to_bits(), "{field}");
+            }
+            assert_eq!(record[12].parse::<usize>().unwrap(), row.tips.len());
+            for j in 0..4 {
+                let pull = row.tips.iter().find(|tip| tip.spring == j).map(|tip| tip.pull);
+                assert_eq!(record[13 + 2 * j].parse().ok(), pull.map(|pull| pull.x));
+                assert_eq!(record[14 + 2 * j].parse().ok(), pull.map(|pull| pull.y));
+            }
+            n += 1;
+        }
+        assert_eq!(n, trace.rows.len());
+        assert!(trace.rows.iter().any(|row| row.tips.is_empty()) && trace.rows.iter().any(|row| row.tips.len() > 1));
+    }
+
+    #[test]
+    fn the_contract_of_trace_csv_holds_and_many_springs_have_no_columns() {
+        let trace = synthetic::trace(3, 1.0);
+        let contract = "time_s,x_m,y_m,heading_rad,vx_m_per_s,vy_m_per_s,turn_rate_rad_per_s,";
+        assert!(text(&trace, 1).starts_with(contract));
+        assert_eq!(columns(&text(&trace, 1))[13..], ["pull_x_0_n", "pull_y_0_n"]);
+        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS)).len(), 13 + 64);
+        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS + 1)).len(), 13);
+    }
+
+    #[test]
+    fn events_name_the_ant_only_where_there_is_one() {
+        let mut trace = synthetic::trace(400, 1.0);
+        trace.events[0].ant = None;
+        let mut bytes = Vec::new();
+        write_events(&trace, &mut bytes).unwrap();
+        let mut reader = csv::Reader::from_reader(&bytes[..]);
+        assert_eq!(reader.headers().unwrap().iter().collect::<Vec<_>>(), EVENT_COLUMNS);
+        let records: Vec<_> = reader.records().map(Result::unwrap).collect();
+        assert_eq!(records.len(), trace.events.len());
+        assert_eq!((&records[0][1], &records[0][3]), ("grasp", ""));
+        assert_eq!(records[1][3], trace.events[1].ant.unwrap().to_string());
+        assert_eq!(records[0][0].parse(), Ok(trace.events[0].time));
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_refused_by_name() {
+        let mut trace = synthetic::trace(5, 1.0);
+        trace.rows[3].motion.pose.heading = f64::NAN;
+        let error = write_trace(&trace, 1, Vec::new()).unwrap_err();
+        assert!(error.to_string().starts_with("heading_rad is NaN"), "{error}");
+    }
+}

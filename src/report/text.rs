@@ -1,0 +1,126 @@
+//! A run summary as a text table for people.
+
+use std::fmt::Write;
+
+use super::{AntSummary, RunSummary, number, quantity};
+use crate::backend::Status;
+
+/// The summary over aligned lines, with a line end.
+pub fn run_text(summary: &RunSummary) -> String {
+    let mut lines = Lines::default();
+    lines.section("run");
+    lines.row("scenario", &summary.scenario);
+    lines.row("backend", &format!("{}, steps of {}", summary.backend.name(), quantity(summary.step_s, "s")));
+    lines.row("seed", &summary.seed.to_string());
+    end(summary, &mut lines);
+    if let Some(ants) = &summary.ants {
+        of_ants(ants, &mut lines);
+    }
+    energy(summary, &mut lines);
+    cost(summary, &mut lines);
+    lines.text
+}
+
+fn end(summary: &RunSummary, lines: &mut Lines) {
+    let end = &summary.end;
+    let pair = |[x, y]: [f64; 2], unit| format!("({}, {})", quantity(x, unit), quantity(y, unit));
+    lines.section("end");
+    lines.row("time", &quantity(end.time_s, "s"));
+    lines.row("position", &pair(end.position_m, "m"));
+    lines.row("heading", &quantity(end.heading_rad, "rad"));
+    lines.row("velocity", &pair(end.velocity_m_per_s, "m/s"));
+    lines.row("turn rate", &quantity(end.turn_rate_rad_per_s, "rad/s"));
+}
+
+fn of_ants(ants: &AntSummary, lines: &mut Lines) {
+    let pull = &ants.pull_force_n;
+    lines.section("ants");
+    match ants.time_to_nest_s {
+        Some(time) => lines.row("nest", &format!("reached after {}", quantity(time, "s"))),
+        None => lines.row("nest", "not reached"),
+    }
+    if pull.n == 0 {
+        lines.row("pull", "no decisions");
+        return;
+    }
+    let (mean, sd, max) = (quantity(pull.mean, "N"), quantity(pull.sd, "N"), quantity(pull.max, "N"));
+    lines.row("pull", &format!("{mean} mean, {sd} standard deviation, {max} largest of {}", pull.n));
+}
+
+fn energy(summary: &RunSummary, lines: &mut Lines) {
+    let energy = &summary.energy;
+    lines.section("energy");
+    lines.row("tip work", &quantity(energy.tip_work_j, "J"));
+    lines.row("dissipated", &quantity(energy.dissipated_j, "J"));
+    lines.row("  friction", &quantity(energy.friction_j, "J"));
+    lines.row("  damping", &quantity(energy.damping_j, "J"));
+    lines.row("  released", &quantity(energy.released_j, "J"));
+    lines.row("elastic", &quantity(energy.elastic_j, "J"));
+    lines.row("kinetic", &quantity(energy.kinetic_j, "J"));
+    lines.row("initial", &quantity(energy.initial_j, "J"));
+    lines.row("defect", &quantity(energy.defect_j, "J"));
+}
+
+fn cost(summary: &RunSummary, lines: &mut Lines) {
+    let steps = &summary.steps;
+    let status = match steps.status {
+        Status::Converged => "all converged",
+        Status::NotConverged => "some did not converge",
+        Status::Failed => "some failed",
+    };
+    lines.section("steps");
+    lines.row("status", status);
+    lines.row("residual", &steps.residual.map_or("none".to_owned(), number));
+    lines.row("steps", &format!("{}, {} known without solving", steps.n_steps, steps.n_skipped));
+    lines.row("not converged", &steps.n_not_converged.to_string());
+    lines.row("solves", &format!("{} in {} iterations", steps.n_solves, steps.n_iterations));
+    lines.row("wall time", &quantity(summary.wall_s, "s"));
+}
+
+/// Two columns, in sections.
+#[derive(Default)]
+pub(super) struct Lines {
+    pub text: String,
+}
+
+impl Lines {
+    const LABEL_WIDTH: usize = 14;
+
+    pub fn section(&mut self, name: &str) {
+        self.text.push_str(name);
+        self.text.push('\n');
+    }
+
+    pub fn row(&mut self, label: &str, value: &str) {
+        writeln!(self.text, "  {label:<width$}  {value}", width = Self::LABEL_WIDTH).expect("a string takes all");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::BackendKind;
+    use crate::report::synthetic;
+
+    fn text(arrived: Option<bool>) -> String {
+        let outcome = synthetic::outcome(arrived);
+        run_text(&RunSummary::new("four ants", &synthetic::options(BackendKind::Rapier), 7, &outcome, 0.25).unwrap())
+    }
+
+    #[test]
+    fn values_stand_in_one_column_with_their_units() {
+        let text = text(Some(true));
+        assert!(text.contains("\n  position        (252.5 mm, -3.100 mm)\n"), "{text}");
+        assert!(text.contains("\n  nest            reached after 76.10 s\n"), "{text}");
+        let column = 2 + Lines::LABEL_WIDTH + 2;
+        for line in text.lines().filter(|line| line.starts_with(' ')) {
+            assert!(line.chars().nth(column).is_some_and(|c| c != ' ') && line.chars().nth(column - 1) == Some(' '), "{line:?}");
+        }
+    }
+
+    #[test]
+    fn ants_are_named_only_where_there_are_any() {
+        assert!(text(Some(false)).contains("not reached"));
+        assert!(!text(None).contains("ants\n  nest"));
+    }
+}

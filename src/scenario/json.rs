@@ -1,0 +1,116 @@
+//! Text to a JSON value. A key given twice is a finding: plain reading would drop one of the two without a word.
+
+use std::fmt;
+
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value};
+
+use super::error::{Findings, ScenarioError};
+
+/// Text that is not JSON.
+pub struct SyntaxError(serde_json::Error);
+
+impl SyntaxError {
+    pub fn of_file(self, file: &str) -> ScenarioError {
+        let (line, column) = (self.0.line(), self.0.column());
+        let told = self.0.to_string();
+        // serde_json appends the place, which has its own fields here.
+        let reason = told.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&told).to_string();
+        ScenarioError::NotJson { file: file.to_string(), line, column, reason }
+    }
+}
+
+/// The value in `text`, with a finding for each key that is given twice.
+///
+/// # Errors
+/// When the text is not JSON, or a number in it is too large for a float.
+pub fn read(text: &str) -> Result<(Value, Findings), SyntaxError> {
+    let mut findings = Findings::default();
+    let mut source = serde_json::Deserializer::from_str(text);
+    let place = Place { path: String::new(), findings: &mut findings };
+    let value = place.deserialize(&mut source).map_err(SyntaxError)?;
+    source.end().map_err(SyntaxError)?;
+    Ok((value, findings))
+}
+
+/// `key` inside of `path`.
+pub fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
+}
+
+/// Where the reader is.
+struct Place<'a> {
+    path: String,
+    findings: &'a mut Findings,
+}
+
+impl Place<'_> {
+    fn at(&mut self, path: String) -> Place<'_> {
+        Place { path, findings: self.findings }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Place<'_> {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, source: D) -> Result<Value, D::Error> {
+        source.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Place<'_> {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    /// Minus zero becomes zero, so that equal scenarios have equal hashes.
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok((value + 0.0).into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut source: A) -> Result<Value, A::Error> {
+        let mut list = Vec::new();
+        loop {
+            let path = format!("{}[{}]", self.path, list.len());
+            match source.next_element_seed(self.at(path))? {
+                Some(value) => list.push(value),
+                None => return Ok(list.into()),
+            }
+        }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(mut self, mut source: A) -> Result<Value, A::Error> {
+        let mut map = Map::new();
+        while let Some(key) = source.next_key::<String>()? {
+            let path = join(&self.path, &key);
+            let value = source.next_value_seed(self.at(path.clone()))?;
+            if map.contains_key(&key) {
+                self.findings.report(path, "must be given once", "it again");
+            }
+            map.insert(key, value);
+        }
+        Ok(map.into())
+    }
+}

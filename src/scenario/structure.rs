@@ -1,0 +1,228 @@
+//! The shape of a file against the format's own schema: every key that is missing, unknown or of the wrong type, each where it stands.
+//!
+//! Reading into the format's types would stop at the first of them, and could not say where inside an alternative it stood (serde issue
+//! 1621). Only those parts of JSON Schema are known that the format's schema uses.
+
+use serde_json::{Map, Value};
+
+use super::error::Findings;
+use super::format;
+use super::json::join;
+
+/// Reports every difference in shape and takes unknown keys out of `value`, so that the rest can still be read. What comes back are the
+/// paths whose value cannot be read.
+pub fn compare(value: &mut Value, findings: &mut Findings) -> Vec<String> {
+    let schema = format::schema();
+    let mut comparison = Comparison { schema: &schema, findings, misfits: Vec::new() };
+    comparison.visit(&schema, value, "");
+    comparison.misfits
+}
+
+struct Comparison<'a> {
+    schema: &'a Value,
+    findings: &'a mut Findings,
+    misfits: Vec<String>,
+}
+
+impl<'a> Comparison<'a> {
+    fn visit(&mut self, schema: &'a Value, value: &mut Value, path: &str) {
+        let schema = self.resolved(schema);
+        if let Some(words) = words(schema) {
+            if !value.as_str().is_some_and(|word| words.contains(&word)) {
+                self.misfit(path, &one_of(&words), &said(value));
+            }
+        } else if let Some(branches) = schema["anyOf"].as_array() {
+            self.visit_alternative(branches, value, path);
+        } else if !fits_type(schema, value) {
+            self.misfit(path, &format!("must be {}", type_name(schema)), &said(value));
+        } else if let Value::Object(map) = value {
+            self.visit_object(schema, map, path);
+        } else if let Value::Array(list) = value {
+            self.visit_array(schema, list, path);
+        }
+    }
+
+    fn visit_object(&mut self, schema: &'a Value, map: &mut Map<String, Value>, path: &str) {
+        let Some(properties) = schema["properties"].as_object() else { return };
+        map.retain(|key, value| {
+            let known = properties.contains_key(key);
+            if !known {
+                self.findings.report(join(path, key), unknown_key(key, properties), said(value));
+            }
+            known
+        });
+        for key in schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+            if !map.contains_key(key) {
+                self.misfit(&join(path, key), "is required", "nothing");
+            }
+        }
+        for (key, value) in map {
+            self.visit(&properties[key], value, &join(path, key));
+        }
+    }
+
+    fn visit_array(&mut self, schema: &'a Value, list: &mut [Value], path: &str) {
+        if let Some(length) = schema["minItems"].as_u64().filter(|&length| length != list.len() as u64) {
+            return self.misfit(path, &format!("must be a list of {length} numbers"), &said_list(list));
+        }
+        for (index, value) in list.iter_mut().enumerate() {
+            self.visit(&schema["items"], value, &format!("{path}[{index}]"));
+        }
+    }
+
+    /// Goes on with the branch that `value` is meant for.
+    fn visit_alternative(&mut self, branches: &'a [Value], value: &mut Value, path: &str) {
+        let branches: Vec<&'a Value> = branches.iter().map(|branch| self.resolved(branch)).collect();
+        let Some(key) = self.discriminator(&branches) else {
+            return match nearest_branch(&branches, value) {
+                Some(branch) => self.visit(branch, value, path),
+                None => {
+                    let mut types: Vec<_> = branches.iter().map(|branch| type_name(branch)).collect();
+                    types.dedup();
+                    self.misfit(path, &format!("must be {}", types.join(" or ")), &said(value))
+                }
+            };
+        };
+        let kinds: Vec<&str> = branches.iter().filter_map(|branch| words(self.resolved(&branch["properties"][key]))).flatten().collect();
+        match value.get(key) {
+            None if value.is_object() => self.misfit(&join(path, key), &format!("is required and {}", one_of(&kinds)), "nothing"),
+            None => self.misfit(path, "must be an object", &said(value)),
+            Some(kind) => match kinds.iter().position(|word| kind == word) {
+                Some(index) => self.visit(branches[index], value, path),
+                None => self.misfit(&join(path, key), &one_of(&kinds), &said(kind)),
+            },
+        }
+    }
+
+    /// The key that tells the branches apart: in each of them it takes one word only.
+    fn discriminator(&self, branches: &[&'a Value]) -> Option<&'a str> {
+        let is_word = |branch: &&'a Value, key: &str| {
+            let property = branch.get("properties").and_then(|properties| properties.get(key));
+            property.is_some_and(|schema| words(self.resolved(schema)).is_some_and(|words| words.len() == 1))
+        };
+        let keys = branches.first()?.get("properties")?.as_object()?.keys();
+        keys.map(String::as_str).find(|key| branches.iter().all(|branch| is_word(branch, key)))
+    }
+
+    fn resolved(&self, schema: &'a Value) -> &'a Value {
+        let target = schema.get("$ref").and_then(Value::as_str).and_then(|reference| reference.strip_prefix('#'));
+        match target {
+            Some(pointer) => self.schema.pointer(pointer).expect("the schema refers to its own definitions"),
+            None => schema,
+        }
+    }
+
+    fn misfit(&mut self, path: &str, rule: &str, found: &str) {
+        self.findings.report(path, rule, found);
+        self.misfits.push(path.to_string());
+    }
+}
+
+/// The words that a schema allows, when it allows words only.
+fn words(schema: &Value) -> Option<Vec<&str>> {
+    if let Some(word) = schema["const"].as_str() {
+        return Some(vec![word]);
+    }
+    if let Some(list) = schema["enum"].as_array() {
+        return list.iter().map(Value::as_str).collect();
+    }
+    let branches = schema["oneOf"].as_array()?;
+    Some(branches.iter().map(words).collect::<Option<Vec<_>>>()?.concat())
+}
+
+/// The branch of fitting type that knows most of the keys of `value`; the last of several.
+fn nearest_branch<'a>(branches: &[&'a Value], value: &Value) -> Option<&'a Value> {
+    let n_known = |branch: &&&'a Value| {
+        let keys = value.as_object().into_iter().flat_map(Map::keys);
+        keys.filter(|key| branch["properties"].get(key.as_str()).is_some()).count()
+    };
+    branches.iter().filter(|branch| fits_type(branch, value)).max_by_key(n_known).copied()
+}
+
+fn fits_type(schema: &Value, value: &Value) -> bool {
+    match schema["type"].as_str() {
+        Some("object") => value.is_object(),
+        Some("array") => value.is_array(),
+        Some("number") => value.is_number(),
+        // All whole numbers of the format are counts, indices or seeds.
+        Some("integer") => value.is_u64(),
+        Some("string") => value.is_string(),
+        other => panic!("the format's schema has a type that is not known here: {other:?} in {schema}"),
+    }
+}
+
+fn type_name(schema: &Value) -> &'static str {
+    match schema["type"].as_str() {
+        Some("object") => "an object",
+        Some("array") => "a list",
+        Some("integer") => "a whole number from 0 on, without point or exponent",
+        Some("string") => "a text",
+        _ => "a number",
+    }
+}
+
+fn one_of(words: &[&str]) -> String {
+    let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    match quoted.as_slice() {
+        [only] => format!("must be {only}"),
+        several => format!("must be one of {}", several.join(", ")),
+    }
+}
+
+/// What stands there, short enough for one line.
+fn said(value: &Value) -> String {
+    const LONGEST: usize = 60;
+    match value {
+        Value::Object(_) => "an object".to_string(),
+        Value::Array(list) => said_list(list),
+        other => {
+            let text = other.to_string();
+            if text.chars().count() <= LONGEST { text } else { text.chars().take(LONGEST).chain("...".chars()).collect() }
+        }
+    }
+}
+
+fn said_list(list: &[Value]) -> String {
+    format!("a list of {}", list.len())
+}
+
+fn unknown_key(key: &str, known: &Map<String, Value>) -> String {
+    let near = known.keys().filter(|other| is_near(key, other)).min_by_key(|other| edit_distance(key, other));
+    match near {
+        Some(other) => format!("is an unknown key; did you mean `{other}`?"),
+        None => format!("is an unknown key; known here: {}", known.keys().map(String::as_str).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// Whether `key` looks like `other` misspelt: the unit left out, or up to a third of it wrong.
+fn is_near(key: &str, other: &str) -> bool {
+    other.starts_with(key) || edit_distance(key, other) <= (key.chars().count() / 3).max(2)
+}
+
+/// Number of letters to insert, drop or change (Levenshtein 1966).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, other) in b.iter().enumerate() {
+            let changed = diagonal + usize::from(letter != *other);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edit_distances_of_textbook_pairs() {
+        for (a, b, distance) in [("kitten", "sitting", 3), ("", "abc", 3), ("mass_kg", "mass_kg", 0), ("mas_kg", "mass_kg", 1)] {
+            assert_eq!(edit_distance(a, b), distance);
+            assert_eq!(edit_distance(b, a), distance);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Rules of the ground: friction, supports and what they carry.
+
+use super::{MOST_IN_RING, bearings, polar};
+use crate::math::Vec2;
+use crate::model::support::normal_loads_of_three;
+use crate::model::{Ground, SupportPoint};
+use crate::scenario::error::{Findings, number};
+use crate::scenario::format::{GroundEntry, RingOfSupports, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod};
+
+/// The centre of mass may lie outside of the supports by this share of the weight and still count as on their edge: rounding of offsets.
+const TIPPING_SLACK: f64 = 1e-12;
+
+/// The ground under a load of `mass` (kg), where that is known; normal loads that nothing is known about are NaN.
+pub fn ground(entry: &GroundEntry, mass: Option<f64>, findings: &mut Findings) -> Ground {
+    findings.not_negative("ground.friction_coefficient", entry.friction_coefficient);
+    let gravity = entry.gravity_m_per_s2.unwrap_or(STANDARD_GRAVITY);
+    findings.positive("ground.gravity_m_per_s2", gravity);
+    let weight = weight(mass, gravity, findings);
+    let supports = match &entry.supports {
+        SupportsEntry::Tripod(form) => tripod(&form.tripod, weight, findings),
+        SupportsEntry::Ring(form) => ring(&form.ring, weight, findings),
+        SupportsEntry::List(list) => listed(list, weight, findings),
+    };
+    Ground { friction_coefficient: entry.friction_coefficient, supports }
+}
+
+/// The weight (N) where mass (kg) and gravity (m/s^2) are good.
+fn weight(mass: Option<f64>, gravity: f64, findings: &mut Findings) -> Option<f64> {
+    let is_good = |value: f64| value > 0.0 && value.is_finite();
+    let weight = mass.filter(|mass| is_good(*mass) && is_good(gravity))? * gravity;
+    // At least one of three supports carries a third or more, so that some normal load is above zero then.
+    let fits = (weight / 3.0).is_normal();
+    if !fits {
+        findings.report("ground.gravity_m_per_s2", "must make a weight in the range of floats", format_args!("{} N", number(weight)));
+    }
+    fits.then_some(weight)
+}
+
+fn tripod(tripod: &Tripod, weight: Option<f64>, findings: &mut Findings) -> Vec<SupportPoint> {
+    findings.positive("ground.supports.tripod.radius_m", tripod.radius_m);
+    findings.finite("ground.supports.tripod.first_bearing_rad", tripod.first_bearing_rad);
+    on_circle(3, tripod.radius_m, tripod.first_bearing_rad, third_of(weight))
+}
+
+fn ring(ring: &RingOfSupports, weight: Option<f64>, findings: &mut Findings) -> Vec<SupportPoint> {
+    findings.not_negative("ground.supports.ring.radius_m", ring.radius_m);
+    findings.finite("ground.supports.ring.first_bearing_rad", ring.first_bearing_rad);
+    match ring.normal_load_n {
+        Some(load) => findings.positive("ground.supports.ring.normal_load_n", load),
+        None if ring.n != 3 => undetermined("ground.supports.ring.normal_load_n", ring.n, findings),
+        None => findings.positive("ground.supports.ring.radius_m", ring.radius_m),
+    }
+    if !findings.count("ground.supports.ring.n", ring.n, MOST_IN_RING) {
+        return Vec::new();
+    }
+    on_circle(ring.n, ring.radius_m, ring.first_bearing_rad, ring.normal_load_n.unwrap_or(third_of(weight)))
+}
+
+fn on_circle(n: usize, radius: f64, first_bearing: f64, normal_load: f64) -> Vec<SupportPoint> {
+    bearings(n, first_bearing).map(|bearing| SupportPoint { offset: polar(radius, bearing), normal_load }).collect()
+}
+
+fn third_of(weight: Option<f64>) -> f64 {
+    weight.unwrap_or(f64::NAN) / 3.0
+}
+
+fn listed(list: &[SupportEntry], weight: Option<f64>, findings: &mut Findings) -> Vec<SupportPoint> {
+    if !findings.count("ground.supports", list.len(), MOST_IN_RING) {
+        return Vec::new();
+    }
+    for (index, support) in list.iter().enumerate() {
+        findings.finite_vector(format_args!("ground.supports[{index}].offset_m"), &support.offset_m);
+    }
+    let offsets = list.iter().map(|support| Vec2::from(support.offset_m));
+    let loads = normal_loads(list, weight, findings);
+    offsets.zip(loads).map(|(offset, normal_load)| SupportPoint { offset, normal_load }).collect()
+}
+
+/// Normal load (N) of each support: as given, or from the centre of mass.
+fn normal_loads(list: &[SupportEntry], weight: Option<f64>, findings: &mut Findings) -> Vec<f64> {
+    let n_given = list.iter().filter(|support| support.normal_load_n.is_some()).count();
+    if n_given == list.len() {
+        return given_loads(list, findings);
+    }
+    if n_given > 0 {
+        let rule = "must give normal_load_n on all supports or on none";
+        findings.report("ground.supports", rule, format_args!("it on {n_given} of {}", list.len()));
+    } else if list.len() != 3 {
+        undetermined("ground.supports", list.len(), findings);
+    } else if let Some(weight) = weight {
+        let offsets = [0, 1, 2].map(|index| Vec2::from(list[index].offset_m));
+        return loads_of_three(&offsets, weight, findings);
+    }
+    vec![f64::NAN; list.len()]
+}
+
+fn given_loads(list: &[SupportEntry], findings: &mut Findings) -> Vec<f64> {
+    let loads: Vec<f64> = list.iter().filter_map(|support| support.normal_load_n).collect();
+    for (index, load) in loads.iter().enumerate() {
+        findings.not_negative(format_args!("ground.supports[{index}].normal_load_n"), *load);
+    }
+    if loads.iter().all(|load| *load == 0.0) {
+        findings.report("ground.supports", "must carry a normal load somewhere", "zero on every support");
+    }
+    loads
+}
+
+fn loads_of_three(offsets: &[Vec2; 3], weight: f64, findings: &mut Findings) -> Vec<f64> {
+    if !offsets.iter().flatten().all(|value| value.is_finite()) {
+        return vec![f64::NAN; 3];
+    }
+    let Some(loads) = normal_loads_of_three(offsets, weight) else {
+        let rule = "must give normal_load_n or not lie on one line: the normal loads of such supports are undetermined";
+        findings.report("ground.supports", rule, "three supports on one line");
+        return vec![f64::NAN; 3];
+    };
+    for (index, load) in loads.iter().enumerate() {
+        if !(*load >= -TIPPING_SLACK * weight && load.is_finite()) {
+            let rule = "must not be negative: the centre of mass lies outside of the supports and the load would tip";
+            findings.require(false, format_args!("ground.supports[{index}].normal_load_n"), rule, *load);
+        }
+    }
+    loads.map(|load| load.max(0.0)).to_vec()
+}
+
+fn undetermined(path: &str, n: usize, findings: &mut Findings) {
+    let rule = "must give normal_load_n: only three supports have normal loads that follow from the centre of mass";
+    findings.report(path, rule, format_args!("{n} supports without"));
+}

@@ -1,0 +1,193 @@
+//! From what a file says to a scenario that can be run: defaults put in, short forms taken apart, every rule checked, every finding kept.
+//!
+//! Each section is checked even when another one cannot be read, so that one look at the findings is enough to mend a file.
+
+mod ants;
+mod ground;
+mod springs;
+mod tips;
+
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::error::{Finding, Findings, ScenarioError};
+use super::format::{DriveEntry, GroundEntry, LoadEntry, ScenarioFile, SpringsEntry};
+use super::json::join;
+use super::{Drive, Scenario};
+use crate::backend::Motion;
+use crate::math::{Pose, Twist, Vec2};
+use crate::model::{Load, System};
+
+/// More ticks than this (1) and a run neither ends nor fits into memory.
+const MOST_TICKS: f64 = 1e9;
+/// Most equal things in a ring, and most springs or supports in all.
+const MOST_IN_RING: usize = 100_000;
+const MOST_ANTS: usize = 1_000_000;
+
+/// A scenario file of which some sections may not have been readable.
+pub struct Draft {
+    name: Option<String>,
+    duration: Option<f64>,
+    control_period: Option<f64>,
+    seed: Option<u64>,
+    load: Option<LoadEntry>,
+    ground: Option<GroundEntry>,
+    springs: Option<Vec<SpringsEntry>>,
+    drive: Option<DriveEntry>,
+}
+
+impl Draft {
+    /// The sections of `value` that hold none of the paths in `misfits`.
+    pub fn read(mut value: Value, misfits: &[String], findings: &mut Findings) -> Self {
+        let mut source = Sections { value: &mut value, misfits, findings };
+        Self {
+            name: source.take("name"),
+            duration: source.take("duration_s"),
+            control_period: source.take("control_period_s"),
+            seed: source.take("seed"),
+            load: source.take("load"),
+            ground: source.take("ground"),
+            springs: source.take("springs"),
+            drive: source.take("drive"),
+        }
+    }
+}
+
+impl From<ScenarioFile> for Draft {
+    fn from(file: ScenarioFile) -> Self {
+        Self {
+            name: Some(file.name),
+            duration: Some(file.duration_s),
+            control_period: Some(file.control_period_s),
+            seed: Some(file.seed),
+            load: Some(file.load),
+            ground: Some(file.ground),
+            springs: Some(file.springs),
+            drive: Some(file.drive),
+        }
+    }
+}
+
+impl ScenarioFile {
+    /// The scenario that a file built in code describes; errors call it `name_for_errors`.
+    ///
+    /// # Errors
+    /// When it breaks a rule: with every finding.
+    pub fn checked(self, name_for_errors: &str) -> Result<Scenario, ScenarioError> {
+        scenario(self.into(), Findings::default())
+            .map_err(|findings| ScenarioError::Invalid { file: name_for_errors.to_string(), findings })
+    }
+}
+
+struct Sections<'a> {
+    value: &'a mut Value,
+    misfits: &'a [String],
+    findings: &'a mut Findings,
+}
+
+impl Sections<'_> {
+    fn take<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
+        let is_within = |path: &String| path.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+        let section = self.value.get_mut(key)?.take();
+        if self.misfits.iter().any(is_within) {
+            return None;
+        }
+        // The shape was compared before: what goes wrong here is a difference between the schema and the types.
+        serde_path_to_error::deserialize(section)
+            .map_err(|error| self.findings.report(join(key, &error.path().to_string()), error.inner().to_string(), "another shape"))
+            .ok()
+    }
+}
+
+/// The scenario of a draft, given what was found while reading it.
+///
+/// # Errors
+/// When there is any finding.
+pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Finding>> {
+    let built = build(draft, &mut findings);
+    match built {
+        Some(scenario) if findings.0.is_empty() => Ok(scenario),
+        _ => {
+            assert!(!findings.0.is_empty(), "a section is missing and nobody said so");
+            Err(findings.0)
+        }
+    }
+}
+
+/// `None` when a section is missing.
+fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
+    check_clock(draft.duration, draft.control_period, findings);
+    let load = draft.load.map(|entry| load(&entry, findings));
+    let ground = draft.ground.map(|entry| ground::ground(&entry, load.map(|(load, _)| load.mass), findings));
+    let n_springs = draft.springs.as_deref().map(springs::n_springs);
+    let springs = draft.springs.map(|entries| springs::springs(&entries, findings));
+    let drive = draft.drive.map(|entry| match entry {
+        DriveEntry::Tips(entry) => Drive::Tips(tips::paths(&entry, n_springs, findings)),
+        DriveEntry::Ants(entry) => Drive::Ants(ants::ants(&entry, n_springs, draft.control_period, findings)),
+    });
+    let (load, start) = load?;
+    Some(Scenario {
+        name: draft.name?,
+        duration: draft.duration?,
+        control_period: draft.control_period?,
+        seed: draft.seed.unwrap_or(1),
+        system: System { load, ground: ground?, springs: springs? },
+        start,
+        drive: drive?,
+    })
+}
+
+fn check_clock(duration: Option<f64>, control_period: Option<f64>, findings: &mut Findings) {
+    if let Some(duration) = duration {
+        findings.positive("duration_s", duration);
+    }
+    if let Some(period) = control_period {
+        findings.positive("control_period_s", period);
+    }
+    let (Some(duration), Some(period)) = (duration, control_period) else { return };
+    if !(duration > 0.0 && period > 0.0 && duration.is_finite() && period.is_finite()) {
+        return;
+    }
+    findings.require(period <= duration, "control_period_s", "must not be longer than the duration", period);
+    findings.require(duration <= MOST_TICKS * period, "duration_s", &format!("must be at most {MOST_TICKS:e} control periods"), duration);
+}
+
+fn load(entry: &LoadEntry, findings: &mut Findings) -> (Load, Motion) {
+    findings.positive("load.mass_kg", entry.mass_kg);
+    findings.positive("load.radius_m", entry.radius_m);
+    findings.finite_vector("load.position_m", &entry.position_m);
+    findings.finite("load.heading_rad", entry.heading_rad);
+    findings.finite_vector("load.velocity_m_per_s", &entry.velocity_m_per_s);
+    findings.finite("load.turn_rate_rad_per_s", entry.turn_rate_rad_per_s);
+    let load = Load { mass: entry.mass_kg, inertia: inertia(entry, findings), radius: entry.radius_m };
+    let pose = Pose { position: entry.position_m.into(), heading: entry.heading_rad };
+    let twist = Twist { linear: entry.velocity_m_per_s.into(), angular: entry.turn_rate_rad_per_s };
+    (load, Motion { pose, twist })
+}
+
+/// The given moment of inertia, or that of a uniform disc.
+fn inertia(entry: &LoadEntry, findings: &mut Findings) -> f64 {
+    let disc = 0.5 * entry.mass_kg * entry.radius_m * entry.radius_m;
+    match entry.inertia_kg_m2 {
+        Some(given) => findings.positive("load.inertia_kg_m2", given),
+        // A wrong mass or radius has its own finding; this is for a product that floats cannot hold.
+        None if entry.mass_kg > 0.0 && entry.radius_m > 0.0 => {
+            let rule = "must be given: m R^2 / 2 of this mass and radius is out of the range of floats";
+            if !(disc > 0.0 && disc.is_finite()) && entry.mass_kg.is_finite() && entry.radius_m.is_finite() {
+                findings.report("load.inertia_kg_m2", rule, "nothing");
+            }
+        }
+        None => {}
+    }
+    entry.inertia_kg_m2.unwrap_or(disc)
+}
+
+/// The point at `bearing` (rad) and `radius` (m).
+fn polar(radius: f64, bearing: f64) -> Vec2 {
+    radius * crate::math::direction(bearing)
+}
+
+/// The directions (rad) of `n` equal angles from `first` on.
+fn bearings(n: usize, first: f64) -> impl Iterator<Item = f64> {
+    (0..n).map(move |index| first + std::f64::consts::TAU * index as f64 / n as f64)
+}

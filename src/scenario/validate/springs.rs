@@ -1,0 +1,94 @@
+//! Rules of the springs, and rings of them taken apart.
+
+use std::fmt::Display;
+
+use super::{MOST_IN_RING, bearings, polar};
+use crate::model::PolarSpring;
+use crate::scenario::error::{Findings, number};
+use crate::scenario::format::{RingOfSprings, SpringEntry, SpringsEntry};
+
+/// All springs in order, groups in place.
+pub fn springs(entries: &[SpringsEntry], findings: &mut Findings) -> Vec<PolarSpring> {
+    let n_springs = n_springs(entries);
+    let mut springs = Vec::new();
+    let fits = n_springs <= MOST_IN_RING;
+    // A ring that is too large by itself says so at its own place.
+    if !fits && entries.iter().all(|entry| n_springs_of(entry) <= MOST_IN_RING) {
+        findings.report("springs", format!("must be at most {MOST_IN_RING} in all"), n_springs);
+    }
+    for (index, entry) in entries.iter().enumerate() {
+        match entry {
+            SpringsEntry::One(entry) => springs.push(one(entry, index, findings)),
+            SpringsEntry::Ring(form) => springs.extend(ring(&form.ring, index, findings).filter(|_| fits)),
+        }
+    }
+    springs
+}
+
+/// How many springs the entries stand for.
+pub fn n_springs(entries: &[SpringsEntry]) -> usize {
+    entries.iter().map(n_springs_of).fold(0, usize::saturating_add)
+}
+
+fn n_springs_of(entry: &SpringsEntry) -> usize {
+    match entry {
+        SpringsEntry::One(_) => 1,
+        SpringsEntry::Ring(form) => form.ring.n,
+    }
+}
+
+fn one(entry: &SpringEntry, index: usize, findings: &mut Findings) -> PolarSpring {
+    let place = format!("springs[{index}]");
+    findings.finite_vector(format_args!("{place}.root_m"), &entry.root_m);
+    findings.finite(format_args!("{place}.bearing_rad"), entry.bearing_rad);
+    let spring = PolarSpring {
+        root: entry.root_m.into(),
+        bearing: entry.bearing_rad,
+        rest_length: entry.rest_length_m,
+        radial_stiffness: entry.radial_stiffness_n_per_m,
+        torsional_stiffness: entry.torsional_stiffness_nm_per_rad,
+        damping_ratio: entry.damping_ratio,
+    };
+    check_law(&place, &spring, findings);
+    spring
+}
+
+/// The springs of a ring; none when the number of them is out of range.
+fn ring(ring: &RingOfSprings, index: usize, findings: &mut Findings) -> impl Iterator<Item = PolarSpring> + use<> {
+    let place = format!("springs[{index}].ring");
+    findings.not_negative(format_args!("{place}.radius_m"), ring.radius_m);
+    findings.finite(format_args!("{place}.first_bearing_rad"), ring.first_bearing_rad);
+    let first = PolarSpring {
+        root: polar(ring.radius_m, ring.first_bearing_rad),
+        bearing: ring.first_bearing_rad,
+        rest_length: ring.rest_length_m,
+        radial_stiffness: ring.radial_stiffness_n_per_m,
+        torsional_stiffness: ring.torsional_stiffness_nm_per_rad,
+        damping_ratio: ring.damping_ratio,
+    };
+    check_law(&place, &first, findings);
+    let n = if findings.count(format_args!("{place}.n"), ring.n, MOST_IN_RING) { ring.n } else { 0 };
+    let radius = ring.radius_m;
+    bearings(n, first.bearing).map(move |bearing| PolarSpring { root: polar(radius, bearing), bearing, ..first })
+}
+
+/// The rules of the spring's law, wherever the spring is.
+fn check_law(place: &impl Display, spring: &PolarSpring, findings: &mut Findings) {
+    let key = |name: &str| format!("{place}.{name}");
+    let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
+    findings.not_negative(key("rest_length_m"), spring.rest_length);
+    findings.not_negative(key("radial_stiffness_n_per_m"), radial);
+    findings.not_negative(key("torsional_stiffness_nm_per_rad"), torsional);
+    findings.not_negative(key("damping_ratio"), spring.damping_ratio);
+    if radial == 0.0 && torsional == 0.0 {
+        findings.report(key("radial_stiffness_n_per_m"), "must be positive where the torsional stiffness is zero", number(radial));
+    }
+    if torsional > 0.0 && spring.rest_length == 0.0 {
+        let rule = "must be positive where there is torsional stiffness: a spring without length has no direction";
+        findings.report(key("rest_length_m"), rule, number(spring.rest_length));
+    }
+    if spring.damping_ratio > 0.0 && radial == 0.0 {
+        let rule = "must be zero where the radial stiffness is zero: critical damping is that of the radial stiffness";
+        findings.report(key("damping_ratio"), rule, number(spring.damping_ratio));
+    }
+}

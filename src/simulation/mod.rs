@@ -1,0 +1,223 @@
+//! Floor 3: behaviour, backend and clock make a trace. The loop that everybody reads first is [`Simulation::step`].
+
+mod ants;
+mod replay;
+mod saved;
+mod tips;
+mod trace;
+
+use crate::backend::{Backend, BackendOptions, Motion, RestoreError, StepReport, build};
+use crate::math::{Summary, Vec2};
+use crate::scenario::{Drive, Scenario};
+
+pub use ants::Ants;
+pub use replay::Replay;
+pub use saved::SavedRun;
+pub use tips::Tips;
+pub use trace::{Event, EventKind, HeldTip, Outcome, Row, Trace};
+
+/// What moves the tips: grasps, releases and paths, from what it sees of the load.
+pub trait Driver {
+    /// What happens at this instant.
+    fn decide(&mut self, view: &View) -> Orders;
+
+    /// Where the tips are to be at the time `until` (s; m, world, one entry a spring), on straight ways from where they are now.
+    fn targets(&mut self, view: &View, until: f64) -> &[Vec2];
+
+    /// The first time after `time` (s), besides ticks, at which something happens or a tip turns.
+    fn next_instant(&self, time: f64) -> Option<f64>;
+
+    /// Whether the load is where it should go; `None` when it has no such place.
+    fn arrived(&self, motion: &Motion) -> Option<bool>;
+
+    /// Pulls at the ants' decisions (N).
+    fn pulls(&self) -> Summary {
+        Summary::default()
+    }
+
+    fn save(&self) -> serde_json::Value;
+
+    /// # Errors
+    /// When the state is not one that a driver of this kind saved.
+    fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError>;
+}
+
+/// What a driver can see at one instant.
+pub struct View<'a> {
+    pub scenario: &'a Scenario,
+    pub backend: &'a dyn Backend,
+    /// (s)
+    pub time: f64,
+    /// Number of the tick at this instant; `None` between ticks.
+    pub tick: Option<u64>,
+}
+
+/// What a driver does at one instant: releases first, then grasps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Orders {
+    pub events: Vec<Event>,
+}
+
+/// What is kept of a run while it goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Rows and events.
+    Trace,
+    /// Only how it ends: memory does not grow with the run.
+    Outcome,
+}
+
+/// One run of one scenario on one backend.
+pub struct Simulation<'a> {
+    scenario: &'a Scenario,
+    options: BackendOptions,
+    backend: Box<dyn Backend>,
+    driver: Box<dyn Driver>,
+    keep: Keep,
+    /// Number of the last tick passed or reached.
+    tick: u64,
+    time: f64,
+    finished: bool,
+    steps: StepReport,
+    trace: Trace,
+}
+
+/// Instants nearer to each other than this share of a control period are one.
+const SAME_INSTANT: f64 = 1e-9;
+
+impl<'a> Simulation<'a> {
+    pub fn new(scenario: &'a Scenario, options: &BackendOptions, keep: Keep) -> Self {
+        Self::driven(scenario, options, keep, driver_of(scenario))
+    }
+
+    /// A run of the scenario's load with another driver than the scenario's own.
+    pub fn driven(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>) -> Self {
+        Self::on(scenario, options, keep, driver, build(&scenario.system, scenario.start, options))
+    }
+
+    /// A run on a backend made elsewhere; `options` say what it is.
+    pub fn on(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>, backend: Box<dyn Backend>) -> Self {
+        let (steps, trace) = (StepReport::default(), Trace::default());
+        Self { scenario, options: *options, backend, driver, keep, tick: 0, time: 0.0, finished: false, steps, trace }
+    }
+
+    /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
+    pub fn run(&mut self, mut watch: impl FnMut(f64) -> bool) {
+        while !self.finished && watch(self.time) {
+            self.step();
+        }
+    }
+
+    /// Sense and decide, act, record, move on to the next instant.
+    pub fn step(&mut self) {
+        if self.is_over() {
+            self.record();
+            self.finished = true;
+            return;
+        }
+        let orders = self.driver.decide(&view(self.scenario, self.backend.as_ref(), self.time, self.tick));
+        self.act(&orders);
+        self.record();
+        let until = self.next_instant();
+        let targets = self.driver.targets(&view(self.scenario, self.backend.as_ref(), self.time, self.tick), until);
+        self.steps.add(&self.backend.advance(targets, until - self.time));
+        self.move_clock_to(until);
+    }
+
+    pub fn is_finished(&self) -> bool {
+        self.finished
+    }
+
+    /// (s)
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    pub fn trace(&self) -> &Trace {
+        &self.trace
+    }
+
+    pub fn outcome(&self) -> Outcome {
+        let motion = self.backend.motion();
+        Outcome {
+            time: self.time,
+            motion,
+            energy: self.backend.energy(),
+            steps: self.steps,
+            arrived: self.driver.arrived(&motion),
+            pulls: self.driver.pulls(),
+        }
+    }
+
+    /// The trace and the outcome of a run that is over.
+    pub fn into_results(self) -> (Trace, Outcome) {
+        let outcome = self.outcome();
+        (self.trace, outcome)
+    }
+
+    fn is_over(&self) -> bool {
+        let at_end = self.scenario.duration - self.time <= SAME_INSTANT * self.scenario.control_period;
+        at_end || self.driver.arrived(&self.backend.motion()) == Some(true)
+    }
+
+    fn act(&mut self, orders: &Orders) {
+        for event in &orders.events {
+            match event.kind {
+                EventKind::Release => self.backend.release(event.spring),
+                EventKind::Grasp => self.backend.grasp(event.spring, event.tip),
+            }
+        }
+        if self.keep == Keep::Trace {
+            self.trace.events.extend_from_slice(&orders.events);
+        }
+    }
+
+    /// A row at every tick and at the end.
+    fn record(&mut self) {
+        let at_tick = self.time == self.tick_time(self.tick);
+        if self.keep == Keep::Outcome || !(at_tick || self.is_over()) {
+            return;
+        }
+        let springs = 0..self.scenario.system.springs.len();
+        let tips = springs.filter_map(|spring| {
+            let position = self.backend.tip(spring)?;
+            Some(HeldTip { spring, position, pull: -self.backend.force_on_tip(spring) })
+        });
+        let (motion, energy) = (self.backend.motion(), self.backend.energy());
+        self.trace.rows.push(Row { time: self.time, motion, energy, tips: tips.collect() });
+    }
+
+    fn next_instant(&self) -> f64 {
+        let ends = [self.tick_time(self.tick + 1), self.scenario.duration];
+        let driver = self.driver.next_instant(self.time).into_iter();
+        driver.chain(ends).fold(f64::INFINITY, f64::min)
+    }
+
+    fn move_clock_to(&mut self, time: f64) {
+        self.time = time;
+        if time >= self.tick_time(self.tick + 1) {
+            self.tick += 1;
+        }
+    }
+
+    fn tick_time(&self, tick: u64) -> f64 {
+        tick_time(self.scenario, tick)
+    }
+}
+
+/// The scenario's own driver.
+pub fn driver_of(scenario: &Scenario) -> Box<dyn Driver> {
+    match &scenario.drive {
+        Drive::Tips(paths) => Box::new(Tips::new(scenario, paths)),
+        Drive::Ants(drive) => Box::new(Ants::new(scenario, drive)),
+    }
+}
+
+/// Time of a tick (s): a product, not a sum, so that no rounding grows.
+fn tick_time(scenario: &Scenario, tick: u64) -> f64 {
+    tick as f64 * scenario.control_period
+}
+
+fn view<'a>(scenario: &'a Scenario, backend: &'a dyn Backend, time: f64, tick: u64) -> View<'a> {
+    View { scenario, backend, time, tick: (time == tick_time(scenario, tick)).then_some(tick) }
+}

@@ -1,0 +1,68 @@
+//! Grasps, releases and tip motions of one run, driven into another: both backends then answer the same question although behaviour would have
+//! decided otherwise after the first difference.
+
+use std::sync::Arc;
+
+use super::{Driver, Orders, Row, Trace, View};
+use crate::backend::{Motion, RestoreError};
+use crate::math::Vec2;
+
+/// Drives tips as a recorded run did. It has no state of its own.
+pub struct Replay {
+    recorded: Arc<Trace>,
+    targets: Vec<Vec2>,
+}
+
+impl Replay {
+    pub fn new(recorded: Arc<Trace>, n_springs: usize) -> Self {
+        Self { recorded, targets: vec![Vec2::zeros(); n_springs] }
+    }
+
+    /// The first row at or after `time` (s).
+    fn row_from(&self, time: f64) -> Option<&Row> {
+        self.recorded.rows.get(self.recorded.rows.partition_point(|row| row.time < time))
+    }
+}
+
+impl Driver for Replay {
+    fn decide(&mut self, view: &View) -> Orders {
+        let events = &self.recorded.events;
+        let first = events.partition_point(|event| event.time < view.time);
+        let n = events[first..].iter().take_while(|event| event.time == view.time).count();
+        Orders { events: events[first..first + n].to_vec() }
+    }
+
+    /// Where the recorded run had its tips at `until`, those included that it let go there.
+    fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
+        let recorded = Arc::clone(&self.recorded);
+        if let Some(row) = self.row_from(until) {
+            let places: Vec<_> = row.tips.iter().map(|tip| (tip.spring, tip.position)).collect();
+            places.into_iter().for_each(|(spring, position)| self.targets[spring] = position);
+        }
+        let first = recorded.events.partition_point(|event| event.time < until);
+        for event in recorded.events[first..].iter().take_while(|event| event.time == until) {
+            if event.kind == super::EventKind::Release {
+                self.targets[event.spring] = event.tip;
+            }
+        }
+        &self.targets
+    }
+
+    fn next_instant(&self, time: f64) -> Option<f64> {
+        let rows = &self.recorded.rows;
+        rows.get(rows.partition_point(|row| row.time <= time)).map(|row| row.time)
+    }
+
+    /// The recorded run's end is the end, wherever the load is by then.
+    fn arrived(&self, _: &Motion) -> Option<bool> {
+        None
+    }
+
+    fn save(&self) -> serde_json::Value {
+        serde_json::Value::Null
+    }
+
+    fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
+        if state.is_null() { Ok(()) } else { Err(RestoreError("a driver's state for a replayed run".into())) }
+    }
+}

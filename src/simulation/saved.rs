@@ -1,0 +1,61 @@
+//! Saving a run and going on with it, bit for bit.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Driver, Keep, Simulation, Trace, driver_of};
+use crate::backend::{BackendOptions, RestoreError, SavedState, StepReport};
+use crate::scenario::Scenario;
+
+/// Everything of a run that its scenario does not say. Floats are written with all their digits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedRun {
+    /// Hash of the scenario, seed included: a state goes on in its own scenario only.
+    pub scenario_hash: String,
+    pub options: BackendOptions,
+    tick: u64,
+    time: f64,
+    finished: bool,
+    steps: StepReport,
+    driver: serde_json::Value,
+    backend: SavedState,
+    trace: Trace,
+}
+
+impl Simulation<'_> {
+    pub fn save(&self) -> SavedRun {
+        SavedRun {
+            scenario_hash: self.scenario.hash(),
+            options: self.options,
+            tick: self.tick,
+            time: self.time,
+            finished: self.finished,
+            steps: self.steps,
+            driver: self.driver.save(),
+            backend: self.backend.save(),
+            trace: self.trace.clone(),
+        }
+    }
+}
+
+impl<'a> Simulation<'a> {
+    /// Goes on where `saved` left off.
+    ///
+    /// # Errors
+    /// When the state belongs to another scenario or is damaged.
+    pub fn resume(scenario: &'a Scenario, saved: &SavedRun, keep: Keep) -> Result<Self, RestoreError> {
+        let hash = scenario.hash();
+        if saved.scenario_hash != hash {
+            return Err(RestoreError(format!("it was saved from the scenario {}, this one is {hash}", saved.scenario_hash)));
+        }
+        let mut driver: Box<dyn Driver> = driver_of(scenario);
+        driver.restore(&saved.driver)?;
+        let mut resumed = Self::driven(scenario, &saved.options, keep, driver);
+        resumed.backend.restore(&saved.backend)?;
+        resumed.tick = saved.tick;
+        resumed.time = saved.time;
+        resumed.finished = saved.finished;
+        resumed.steps = saved.steps;
+        resumed.trace = saved.trace.clone();
+        Ok(resumed)
+    }
+}

@@ -1,0 +1,88 @@
+//! Prescribed tips: straight between waypoints, held after the last.
+
+use super::{Driver, Event, EventKind, Orders, SAME_INSTANT, View};
+use crate::backend::{Motion, RestoreError};
+use crate::math::Vec2;
+use crate::scenario::{Scenario, TipPath, Waypoint};
+
+/// Drives tips along paths. It has no state of its own: all follows from the time.
+pub struct Tips {
+    paths: Vec<TipPath>,
+    /// All times of waypoints and releases, in order (s).
+    instants: Vec<f64>,
+    targets: Vec<Vec2>,
+}
+
+impl Tips {
+    /// Times within rounding of a tick are that tick, so that no step of no length arises between them.
+    pub fn new(scenario: &Scenario, paths: &[TipPath]) -> Self {
+        let snap = |time: f64| {
+            let tick = (time / scenario.control_period).round() * scenario.control_period;
+            if (time - tick).abs() <= SAME_INSTANT * scenario.control_period { tick } else { time }
+        };
+        let snapped = |path: &TipPath| TipPath {
+            spring: path.spring,
+            waypoints: path.waypoints.iter().map(|at| Waypoint { time: snap(at.time), ..*at }).collect(),
+            release: path.release.map(snap),
+        };
+        let paths: Vec<TipPath> = paths.iter().map(snapped).collect();
+        let times = |path: &TipPath| path.waypoints.iter().map(|at| at.time).chain(path.release).collect::<Vec<_>>();
+        let mut instants: Vec<f64> = paths.iter().flat_map(times).collect();
+        instants.sort_by(f64::total_cmp);
+        instants.dedup();
+        Self { paths, instants, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
+    }
+}
+
+/// Where a path is at `time` (s); at its ends before the first and after the last waypoint.
+fn position_at(path: &TipPath, time: f64) -> Vec2 {
+    let after = path.waypoints.partition_point(|at| at.time <= time);
+    match (after.checked_sub(1).map(|i| path.waypoints[i]), path.waypoints.get(after)) {
+        (Some(last), Some(next)) => {
+            let share = (time - last.time) / (next.time - last.time);
+            last.position + share * (next.position - last.position)
+        }
+        (Some(last), None) => last.position,
+        (None, next) => next.expect("a path has a waypoint").position,
+    }
+}
+
+impl Driver for Tips {
+    fn decide(&mut self, view: &View) -> Orders {
+        let mut events = Vec::new();
+        let mut event = |path: &TipPath, kind| {
+            let tip = position_at(path, view.time);
+            events.push(Event { time: view.time, spring: path.spring, ant: None, tip, kind });
+        };
+        for path in self.paths.iter().filter(|path| path.release == Some(view.time)) {
+            event(path, EventKind::Release);
+        }
+        for path in self.paths.iter().filter(|path| path.waypoints[0].time == view.time) {
+            event(path, EventKind::Grasp);
+        }
+        Orders { events }
+    }
+
+    fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
+        for path in &self.paths {
+            self.targets[path.spring] = position_at(path, until);
+        }
+        &self.targets
+    }
+
+    fn next_instant(&self, time: f64) -> Option<f64> {
+        self.instants.get(self.instants.partition_point(|instant| *instant <= time)).copied()
+    }
+
+    fn arrived(&self, _: &Motion) -> Option<bool> {
+        None
+    }
+
+    fn save(&self) -> serde_json::Value {
+        serde_json::Value::Null
+    }
+
+    fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
+        if state.is_null() { Ok(()) } else { Err(RestoreError("a driver's state for a run with prescribed tips".into())) }
+    }
+}

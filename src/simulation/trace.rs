@@ -1,0 +1,68 @@
+//! What is kept of a run: a row at every control tick, the events between, and how it ended.
+
+use serde::{Deserialize, Serialize};
+
+use crate::backend::{EnergyLedger, Motion, StepReport};
+use crate::math::{Summary, Vec2};
+
+/// The run as it was: rows at every control tick and at the exact end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trace {
+    pub rows: Vec<Row>,
+    pub events: Vec<Event>,
+}
+
+/// The state at one instant, after what happened there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// (s)
+    pub time: f64,
+    pub motion: Motion,
+    pub energy: EnergyLedger,
+    /// Tips that are held, in the order of their springs.
+    pub tips: Vec<HeldTip>,
+}
+
+/// A held tip at one instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldTip {
+    pub spring: usize,
+    /// (m, world)
+    pub position: Vec2,
+    /// Force of the holder on the tip, opposite to Eq. (10) (N, world).
+    pub pull: Vec2,
+}
+
+/// Something that happened at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// (s)
+    pub time: f64,
+    pub spring: usize,
+    /// The ant that did it; `None` for a prescribed path.
+    pub ant: Option<usize>,
+    /// Tip at that instant (m, world).
+    pub tip: Vec2,
+    pub kind: EventKind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EventKind {
+    Grasp,
+    Release,
+}
+
+/// How a run ended and what it amounts to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// End of the run (s).
+    pub time: f64,
+    pub motion: Motion,
+    pub energy: EnergyLedger,
+    pub steps: StepReport,
+    /// Whether the load reached the nest; `None` without ants.
+    pub arrived: Option<bool>,
+    /// Size of the pulls at the ants' release decisions, the grasp included (N).
+    pub pulls: Summary,
+}

@@ -1,0 +1,472 @@
+//! Wrong input is told with place, rule and what was found, all of it at once; a hair inside of each threshold is accepted.
+
+use std::path::Path;
+
+use cohaul::scenario::{Scenario, ScenarioError, format};
+use serde_json::{Value, json};
+
+/// One change to a good scenario, and the one finding it must give: place, words of the rule, what was found.
+struct Bad {
+    at: &'static str,
+    put: Value,
+    path: &'static str,
+    rule: &'static str,
+    found: &'static str,
+}
+
+fn bad(at: &'static str, put: Value, path: &'static str, rule: &'static str, found: &'static str) -> Bad {
+    Bad { at, put, path, rule, found }
+}
+
+fn tips() -> Value {
+    json!({
+        "name": "a good one", "duration_s": 2.0, "control_period_s": 0.01, "seed": 3,
+        "load": { "mass_kg": 0.0016, "radius_m": 0.0122 },
+        "ground": { "friction_coefficient": 1.4, "supports": [
+            { "offset_m": [0.0, 0.008] }, { "offset_m": [-0.007, -0.004] }, { "offset_m": [0.007, -0.004] } ] },
+        "springs": [
+            { "root_m": [0.0122, 0.0], "bearing_rad": 0.0, "rest_length_m": 0.0263, "radial_stiffness_n_per_m": 0.664,
+              "torsional_stiffness_nm_per_rad": 4.52e-4 },
+            { "root_m": [0.0, 0.0], "bearing_rad": 0.0, "rest_length_m": 0.0, "radial_stiffness_n_per_m": 0.664,
+              "torsional_stiffness_nm_per_rad": 0.0 },
+            { "ring": { "n": 2, "radius_m": 0.0122, "rest_length_m": 0.0263, "radial_stiffness_n_per_m": 0.664,
+              "torsional_stiffness_nm_per_rad": 4.52e-4 } } ],
+        "drive": { "kind": "tips", "paths": [
+            { "spring": 0, "waypoints": [[0.5, 0.0385, 0.0], [1.0, 0.1, 0.0]], "release_s": 1.5 },
+            { "spring": 1, "waypoints": [[0.0, 0.0, 0.0]] } ] }
+    })
+}
+
+fn ants() -> Value {
+    let mut file = tips();
+    file["drive"] = json!({ "kind": "ants", "n_ants": 4 });
+    file
+}
+
+/// Sets what a JSON pointer names, in the last step also a new key; null takes the key out.
+fn changed(mut file: Value, at: &str, put: Value) -> Value {
+    let (parent, key) = at.rsplit_once('/').unwrap();
+    match file.pointer_mut(parent).unwrap_or_else(|| panic!("{at}")) {
+        Value::Object(map) if put.is_null() => drop(map.remove(key).unwrap_or_else(|| panic!("{at}"))),
+        Value::Object(map) => drop(map.insert(key.to_string(), put)),
+        Value::Array(list) => list[key.parse::<usize>().unwrap()] = put,
+        other => panic!("{at} leads into {other}"),
+    }
+    file
+}
+
+fn error_of(file: &Value) -> String {
+    Scenario::parse(&file.to_string(), "bad.json").expect_err(&file.to_string()).to_string()
+}
+
+fn assert_told(base: &Value, row: &Bad) {
+    let file = changed(base.clone(), row.at, row.put.clone());
+    let told = error_of(&file);
+    // One wrong thing is one line: findings that only follow from another would bury it.
+    assert_eq!(told.lines().count(), 1, "{} {}:\n{told}", row.at, row.put);
+    let place = format!("bad.json: {}: ", row.path);
+    assert!(told.starts_with(&place), "`{told}` does not start with `{place}`");
+    assert!(told.contains(row.rule), "`{told}` lacks `{}`", row.rule);
+    let found = format!(", found {}", row.found);
+    assert!(told.ends_with(&found), "`{told}` does not end with `{found}`");
+}
+
+/// Wrong shapes, which the schema refuses too.
+fn shapes() -> Vec<Bad> {
+    vec![
+        bad("/name", Value::Null, "name", "is required", "nothing"),
+        bad("/load", Value::Null, "load", "is required", "nothing"),
+        bad("/load/mass_kg", Value::Null, "load.mass_kg", "is required", "nothing"),
+        bad("/ground/supports", Value::Null, "ground.supports", "is required", "nothing"),
+        bad("/springs/1/rest_length_m", Value::Null, "springs[1].rest_length_m", "is required", "nothing"),
+        bad("/springs/2/ring/n", Value::Null, "springs[2].ring.n", "is required", "nothing"),
+        bad("/drive/kind", Value::Null, "drive.kind", "is required and must be one of \"tips\", \"ants\"", "nothing"),
+        bad("/drive/paths/0/waypoints", Value::Null, "drive.paths[0].waypoints", "is required", "nothing"),
+        bad("/drive/kind", json!("robots"), "drive.kind", "must be one of \"tips\", \"ants\"", "\"robots\""),
+        bad("/drive/kind", json!(3), "drive.kind", "must be one of", "3"),
+        bad("/drive", json!("tips"), "drive", "must be an object", "\"tips\""),
+        bad("/durations", json!(2.0), "durations", "unknown key; did you mean `duration_s`?", "2.0"),
+        bad("/load/masss_kg", json!(2), "load.masss_kg", "unknown key; did you mean `mass_kg`?", "2"),
+        bad("/load/heading", json!(0.5), "load.heading", "unknown key; did you mean `heading_rad`?", "0.5"),
+        bad("/ground/supports/1/colour", json!("red"), "ground.supports[1].colour", "known here: normal_load_n, offset_m", "\"red\""),
+        bad("/springs/0/damping", json!(0.1), "springs[0].damping", "did you mean `damping_ratio`?", "0.1"),
+        bad("/springs/2/ring/count", json!(2), "springs[2].ring.count", "is an unknown key", "2"),
+        bad("/drive/paths/1/release", json!(1), "drive.paths[1].release", "did you mean `release_s`?", "1"),
+        bad("/drive/n_ants", json!(4), "drive.n_ants", "is an unknown key; known here: kind, paths", "4"),
+        bad("/load/mass_kg", json!("heavy"), "load.mass_kg", "must be a number", "\"heavy\""),
+        bad("/load/radius_m", json!([0.1]), "load.radius_m", "must be a number", "a list of 1"),
+        bad("/load/position_m", json!([0.0, 0.0, 0.0]), "load.position_m", "must be a list of 2 numbers", "a list of 3"),
+        bad("/load/position_m", json!([0.0, true]), "load.position_m[1]", "must be a number", "true"),
+        bad("/load", json!([]), "load", "must be an object", "a list of 0"),
+        bad("/seed", json!(-1), "seed", "must be a whole number", "-1"),
+        bad("/seed", json!(0.5), "seed", "must be a whole number", "0.5"),
+        bad("/name", json!(7), "name", "must be a text", "7"),
+        bad("/springs", json!({}), "springs", "must be a list", "an object"),
+        bad("/springs/0", json!(0.3), "springs[0]", "must be an object", "0.3"),
+        bad("/ground/supports", json!(3), "ground.supports", "must be an object or a list", "3"),
+        bad("/drive/paths/0/waypoints/1", json!([1.0, 2.0]), "drive.paths[0].waypoints[1]", "must be a list of 3", "a list of 2"),
+        bad("/drive/paths/0/spring", json!(-1), "drive.paths[0].spring", "must be a whole number", "-1"),
+    ]
+}
+
+/// Values that break a rule where the shape is right.
+fn values() -> Vec<Bad> {
+    let free = "must give normal_load_n: only three supports";
+    let on_line = json!([{ "offset_m": [-1, 0] }, { "offset_m": [0, 0] }, { "offset_m": [1, 0] }]);
+    let tipping = json!([{ "offset_m": [-1, 1e-9] }, { "offset_m": [1, 1e-9] }, { "offset_m": [0, 1] }]);
+    let part = json!([{ "offset_m": [0, 1], "normal_load_n": 1 }, { "offset_m": [-1, -1] }, { "offset_m": [1, -1] }]);
+    let ring_of = |n: usize| json!({ "ring": { "n": n, "radius_m": 0.01, "normal_load_n": 0.1 } });
+    vec![
+        bad("/duration_s", json!(0.0), "duration_s", "must be positive", "0.0"),
+        bad("/duration_s", json!(-2), "duration_s", "must be positive", "-2.0"),
+        bad("/duration_s", json!(1.0001e7), "duration_s", "must be at most 1e9 control periods", "10001000.0"),
+        bad("/control_period_s", json!(0), "control_period_s", "must be positive", "0.0"),
+        bad("/control_period_s", json!(2.0000001), "control_period_s", "must not be longer than the duration", "2.0000001"),
+        bad("/load/mass_kg", json!(-0.0016), "load.mass_kg", "must be positive", "-0.0016"),
+        bad("/load/mass_kg", json!(0), "load.mass_kg", "must be positive", "0.0"),
+        bad("/load/radius_m", json!(0), "load.radius_m", "must be positive", "0.0"),
+        bad("/load/inertia_kg_m2", json!(0), "load.inertia_kg_m2", "must be positive", "0.0"),
+        bad("/load/radius_m", json!(1e-200), "load.inertia_kg_m2", "out of the range of floats", "nothing"),
+        bad("/ground/friction_coefficient", json!(-1e-300), "ground.friction_coefficient", "must not be negative", "-1e-300"),
+        bad("/ground/gravity_m_per_s2", json!(0), "ground.gravity_m_per_s2", "must be positive", "0.0"),
+        bad("/ground/gravity_m_per_s2", json!(-9.81), "ground.gravity_m_per_s2", "must be positive", "-9.81"),
+        bad("/ground/gravity_m_per_s2", json!(5e-324), "ground.gravity_m_per_s2", "must make a weight in the range of floats", "0.0 N"),
+        bad("/ground/supports", json!([]), "ground.supports", "must be from 1 to 100000", "0"),
+        bad("/ground/supports", json!([{ "offset_m": [0, 0] }]), "ground.supports", free, "1 supports without"),
+        bad(
+            "/ground/supports",
+            json!({ "ring": { "n": 4, "radius_m": 1 } }),
+            "ground.supports.ring.normal_load_n",
+            free,
+            "4 supports without",
+        ),
+        bad("/ground/supports", on_line, "ground.supports", "undetermined", "three supports on one line"),
+        bad("/ground/supports", tipping, "ground.supports[2].normal_load_n", "the load would tip", "-1.5696000015696004e-11"),
+        bad("/ground/supports", part, "ground.supports", "on all supports or on none", "it on 1 of 3"),
+        bad("/ground/supports", ring_of(0), "ground.supports.ring.n", "must be from 1 to 100000", "0"),
+        bad("/ground/supports", ring_of(100_001), "ground.supports.ring.n", "must be from 1 to 100000", "100001"),
+        bad("/ground/supports", json!({ "tripod": { "radius_m": 0 } }), "ground.supports.tripod.radius_m", "must be positive", "0.0"),
+        bad(
+            "/ground/supports",
+            json!([{ "offset_m": [0, 0], "normal_load_n": 0 }]),
+            "ground.supports",
+            "must carry a normal load",
+            "zero on every support",
+        ),
+        bad(
+            "/ground/supports",
+            json!([{ "offset_m": [0, 0], "normal_load_n": 1 }, { "offset_m": [1, 0], "normal_load_n": -1e-9 }]),
+            "ground.supports[1].normal_load_n",
+            "must not be negative",
+            "-1e-9",
+        ),
+        bad("/springs/0/rest_length_m", json!(-0.01), "springs[0].rest_length_m", "must not be negative", "-0.01"),
+        bad("/springs/0/rest_length_m", json!(0), "springs[0].rest_length_m", "must be positive where there is torsional stiffness", "0.0"),
+        bad("/springs/1/torsional_stiffness_nm_per_rad", json!(1e-12), "springs[1].rest_length_m", "has no direction", "0.0"),
+        bad("/springs/0/radial_stiffness_n_per_m", json!(-1), "springs[0].radial_stiffness_n_per_m", "must not be negative", "-1.0"),
+        bad(
+            "/springs/1/radial_stiffness_n_per_m",
+            json!(0),
+            "springs[1].radial_stiffness_n_per_m",
+            "must be positive where the torsional stiffness is zero",
+            "0.0",
+        ),
+        bad(
+            "/springs/0/torsional_stiffness_nm_per_rad",
+            json!(-1e-5),
+            "springs[0].torsional_stiffness_nm_per_rad",
+            "must not be negative",
+            "-1e-5",
+        ),
+        bad("/springs/0/damping_ratio", json!(-0.1), "springs[0].damping_ratio", "must not be negative", "-0.1"),
+        bad("/springs/2/ring/n", json!(0), "springs[2].ring.n", "must be from 1 to 100000", "0"),
+        bad("/springs/2/ring/n", json!(u64::MAX), "springs[2].ring.n", "must be from 1 to 100000", "18446744073709551615"),
+        bad("/springs/2/ring/n", json!(99_999), "springs", "must be at most 100000 in all", "100001"),
+        bad("/springs/2/ring/radius_m", json!(-0.01), "springs[2].ring.radius_m", "must not be negative", "-0.01"),
+        bad("/springs/2/ring/rest_length_m", json!(-0.01), "springs[2].ring.rest_length_m", "must not be negative", "-0.01"),
+        bad("/drive/paths/1/spring", json!(4), "drive.paths[1].spring", "must be an index below the number of springs, 4", "4"),
+        bad("/drive/paths/1/spring", json!(0), "drive.paths[1].spring", "must not be the spring of another path, drive.paths[0]", "0"),
+        bad("/drive/paths/1/waypoints", json!([]), "drive.paths[1].waypoints", "must hold at least one waypoint", "none"),
+        bad("/drive/paths/1/waypoints/0", json!([-1e-9, 0, 0]), "drive.paths[1].waypoints[0][0]", "must not be negative", "-1e-9"),
+        bad(
+            "/drive/paths/0/waypoints/1",
+            json!([0.5, 0, 0]),
+            "drive.paths[0].waypoints[1][0]",
+            "must be later than the waypoint before, 0.5",
+            "0.5",
+        ),
+        bad("/drive/paths/0/release_s", json!(0.5), "drive.paths[0].release_s", "must be later than the first waypoint, 0.5", "0.5"),
+    ]
+}
+
+fn ant_values() -> Vec<Bad> {
+    let text = "\"often\"";
+    vec![
+        bad("/drive/n_ants", json!(0), "drive.n_ants", "must be from 1 to 1000000", "0"),
+        bad("/drive/n_ants", json!(1_000_001), "drive.n_ants", "must be from 1 to 1000000", "1000001"),
+        bad("/springs", json!([]), "springs", "must hold at least one spring", "none"),
+        bad("/drive/arrival_radius_m", json!(0), "drive.arrival_radius_m", "must be positive", "0.0"),
+        bad("/drive/start_half_width_m", json!(-0.1), "drive.start_half_width_m", "must not be negative", "-0.1"),
+        bad("/drive/search_speed_m_per_s", json!(-0.08), "drive.search_speed_m_per_s", "must not be negative", "-0.08"),
+        bad("/drive/pull_speed_m_per_s", json!(-0.03), "drive.pull_speed_m_per_s", "must not be negative", "-0.03"),
+        bad("/drive/sensing_range_m", json!(-1), "drive.sensing_range_m", "must not be negative", "-1.0"),
+        bad("/drive/target_variance_m2", json!(-1), "drive.target_variance_m2", "must not be negative", "-1.0"),
+        bad("/drive/target_redraw_period_s", json!(0), "drive.target_redraw_period_s", "must be positive", "0.0"),
+        bad("/drive/steering_gain_per_s", json!(-10), "drive.steering_gain_per_s", "must not be negative", "-10.0"),
+        bad(
+            "/drive/steering_half_angle_rad",
+            json!(std::f64::consts::PI.next_up()),
+            "drive.steering_half_angle_rad",
+            "must be from 0 to pi",
+            "3.1415926535897936",
+        ),
+        bad("/drive/steering_half_angle_rad", json!(-0.1), "drive.steering_half_angle_rad", "must be from 0 to pi", "-0.1"),
+        bad("/drive/control_offset_m", json!(-0.1), "drive.control_offset_m", "must not be negative", "-0.1"),
+        bad("/drive/grasp_probability", json!(1), "drive.grasp_probability", "must be at least 0 and below 1", "1.0"),
+        bad("/drive/grasp_probability", json!(-0.2), "drive.grasp_probability", "must be at least 0", "-0.2"),
+        bad("/drive/grasp_decision_period_s", json!(0), "drive.grasp_decision_period_s", "must be positive", "0.0"),
+        bad("/drive/strong_pull_n", json!(-0.02), "drive.strong_pull_n", "must not be negative", "-0.02"),
+        bad("/drive/release_steepness_per_n", json!(-1), "drive.release_steepness_per_n", "must not be negative", "-1.0"),
+        bad("/drive/release_decision_period_s", json!(0), "drive.release_decision_period_s", "must be positive", "0.0"),
+        bad(
+            "/drive/release_decision_period_s",
+            json!(0.0099),
+            "drive.release_decision_period_s",
+            "must not be shorter than the control period",
+            "0.0099",
+        ),
+        bad("/drive/grasp_pace", json!("aged"), "drive.grasp_pace", "must be one of \"hazard\", \"per-tick\"", "\"aged\""),
+        bad("/drive/release_pace", json!("often"), "drive.release_pace", "must be one of \"aged\", \"hazard\", \"per-tick\"", text),
+        bad("/drive/preset", json!("papers"), "drive.preset", "must be one of \"default\", \"paper-speed\"", "\"papers\""),
+        bad("/drive/nest_position_m", json!(0.2), "drive.nest_position_m", "must be a list", "0.2"),
+        bad("/drive/n_antz", json!(5), "drive.n_antz", "did you mean `n_ants`?", "5"),
+    ]
+}
+
+#[test]
+fn a_wrong_shape_is_told_and_the_schema_refuses_it_too() {
+    let schema = jsonschema::validator_for(&format::schema()).unwrap();
+    assert!(schema.is_valid(&tips()));
+    for row in shapes() {
+        assert_told(&tips(), &row);
+        assert!(!schema.is_valid(&changed(tips(), row.at, row.put)), "the schema takes {}", row.at);
+    }
+}
+
+#[test]
+fn a_wrong_value_is_told() {
+    values().iter().for_each(|row| assert_told(&tips(), row));
+}
+
+#[test]
+fn a_wrong_parameter_of_the_ants_is_told() {
+    ant_values().iter().for_each(|row| assert_told(&ants(), row));
+}
+
+#[test]
+fn a_hair_inside_of_each_threshold_is_accepted() {
+    let on_edge = json!([{ "offset_m": [-1, 0] }, { "offset_m": [1, 0] }, { "offset_m": [0, 1] }]);
+    let inside = [
+        ("/duration_s", json!(1e7)),
+        ("/duration_s", json!(0.01)),
+        ("/control_period_s", json!(2.0)),
+        ("/load/mass_kg", json!(1e-9)),
+        ("/load/mass_kg", json!(1e3)),
+        ("/load/radius_m", json!(1e-9)),
+        ("/load/inertia_kg_m2", json!(1e-300)),
+        ("/ground/friction_coefficient", json!(0)),
+        ("/ground/gravity_m_per_s2", json!(1e-300)),
+        ("/ground/supports", on_edge),
+        ("/ground/supports", json!([{ "offset_m": [-1, -1e-9] }, { "offset_m": [1, -1e-9] }, { "offset_m": [0, 1] }])),
+        ("/ground/supports", json!([{ "offset_m": [0, 0], "normal_load_n": 1e-300 }, { "offset_m": [1, 0], "normal_load_n": 0 }])),
+        ("/ground/supports", json!({ "ring": { "n": 100_000, "radius_m": 0, "normal_load_n": 1 } })),
+        ("/springs/0/rest_length_m", json!(1e-12)),
+        ("/springs/0/radial_stiffness_n_per_m", json!(0)),
+        ("/springs/0/damping_ratio", json!(0)),
+        ("/springs/0/damping_ratio", json!(50)),
+        ("/springs/2/ring/n", json!(99_998)),
+        ("/springs/2/ring/n", json!(1)),
+        ("/drive/paths/1/spring", json!(3)),
+        ("/drive/paths/1/waypoints/0", json!([1e9, 0, 0])),
+        ("/drive/paths/0/waypoints/1", json!([0.5000000001, 0, 0])),
+        ("/drive/paths/0/release_s", json!(0.5000000001)),
+        ("/drive/paths", json!([])),
+        ("/$schema", json!("scenario.schema.json")),
+        ("/seed", json!(u64::MAX)),
+    ];
+    for (at, put) in inside {
+        let file = changed(tips(), at, put.clone());
+        assert!(Scenario::parse(&file.to_string(), "good.json").is_ok(), "{at} {put}: {}", error_of(&file));
+    }
+    let ants_inside = [
+        ("/drive/n_ants", json!(1)),
+        ("/drive/n_ants", json!(1_000_000)),
+        ("/drive/grasp_probability", json!(0.999_999)),
+        ("/drive/grasp_probability", json!(0)),
+        ("/drive/steering_half_angle_rad", json!(std::f64::consts::PI)),
+        ("/drive/steering_half_angle_rad", json!(0)),
+        ("/drive/release_decision_period_s", json!(0.01)),
+        ("/drive/pull_speed_m_per_s", json!(0)),
+        ("/drive/target_variance_m2", json!(0)),
+    ];
+    for (at, put) in ants_inside {
+        let file = changed(ants(), at, put.clone());
+        assert!(Scenario::parse(&file.to_string(), "good.json").is_ok(), "{at} {put}: {}", error_of(&file));
+    }
+    // A certain grasp at every tick is a probability, not a hazard; a decision between ticks is no matter for one.
+    let certain = changed(changed(ants(), "/drive/grasp_pace", json!("per-tick")), "/drive/grasp_probability", json!(1));
+    assert!(Scenario::parse(&certain.to_string(), "good.json").is_ok());
+    let hasty = changed(changed(ants(), "/drive/preset", json!("hazard")), "/drive/release_decision_period_s", json!(1e-4));
+    assert!(Scenario::parse(&hasty.to_string(), "good.json").is_ok());
+}
+
+#[test]
+fn damping_without_radial_stiffness_is_told() {
+    let limp = changed(changed(tips(), "/springs/0/radial_stiffness_n_per_m", json!(0)), "/springs/0/damping_ratio", json!(0.1));
+    assert_eq!(
+        error_of(&limp),
+        "bad.json: springs[0].damping_ratio: must be zero where the radial stiffness is zero: critical damping is that of the radial \
+         stiffness, found 0.1"
+    );
+}
+
+#[test]
+fn every_finding_is_told_at_once_across_shapes_and_values() {
+    let changes = [
+        ("/load/mass_kg", json!(-1)),
+        ("/load/radius_m", json!(0)),
+        ("/ground/friction_coeficient", json!(1)),
+        ("/springs/0/bearing_rad", json!("east")),
+        ("/control_period_s", json!(-1)),
+        ("/drive/paths/0/release_s", json!(0)),
+        ("/drive/paths/1/waypoints", json!([])),
+        ("/nmae", json!("x")),
+    ];
+    let file = changes.iter().fold(tips(), |file, (at, put)| changed(file, at, put.clone()));
+    let Err(ScenarioError::Invalid { findings, .. }) = Scenario::parse(&file.to_string(), "bad.json") else { panic!() };
+    let mut paths: Vec<_> = findings.iter().map(|finding| finding.path.as_str()).collect();
+    paths.sort_unstable();
+    let expected = [
+        "control_period_s",
+        "drive.paths[0].release_s",
+        "drive.paths[1].waypoints",
+        "ground.friction_coeficient",
+        "load.mass_kg",
+        "load.radius_m",
+        "nmae",
+        "springs[0].bearing_rad",
+    ];
+    assert_eq!(paths, expected);
+}
+
+#[test]
+fn text_that_is_not_json_is_told_by_line_and_column() {
+    let told = |text: &str| Scenario::parse(text, "bad.json").unwrap_err().to_string();
+    assert_eq!(told(""), "bad.json: line 1 column 0: must be JSON: EOF while parsing a value");
+    assert_eq!(told("{\n  \"name\": \"x\",\n}"), "bad.json: line 3 column 1: must be JSON: trailing comma");
+    assert!(told("{\"load\": NaN}").starts_with("bad.json: line 1 column 10: must be JSON: expected"));
+    assert!(told("{\"duration_s\": 1e999}").contains("must be JSON: number out of range"));
+    assert!(told("{} {}").contains("line 1 column 4: must be JSON: trailing characters"));
+    // Deep nesting is refused before it can exhaust the stack.
+    assert!(told(&"[".repeat(100_000)).contains("must be JSON: recursion limit exceeded"));
+    assert_eq!(told("[1, 2]"), "bad.json: must be an object, found a list of 2");
+    assert_eq!(told("null"), "bad.json: must be an object, found null");
+}
+
+#[test]
+fn a_key_given_twice_is_told_and_not_dropped() {
+    let text = tips().to_string().replacen("\"mass_kg\":", "\"mass_kg\":5,\"mass_kg\":", 1);
+    let told = Scenario::parse(&text, "bad.json").unwrap_err().to_string();
+    assert_eq!(told, "bad.json: load.mass_kg: must be given once, found it again");
+}
+
+#[test]
+fn a_missing_file_and_a_folder_are_told_by_name() {
+    let missing = Scenario::read(Path::new("/no/such/scenario.json")).unwrap_err().to_string();
+    assert!(missing.starts_with("/no/such/scenario.json: cannot be read: "), "{missing}");
+    let folder = tempfile::tempdir().unwrap();
+    let told = Scenario::read(folder.path()).unwrap_err().to_string();
+    assert!(told.starts_with(&folder.path().display().to_string()) && told.contains("cannot be read"), "{told}");
+    let file = folder.path().join("latin.json");
+    std::fs::write(&file, b"{\"name\": \"\xe9\"}").unwrap();
+    assert!(Scenario::read(&file).unwrap_err().to_string().contains("UTF-8"));
+}
+
+/// JSON has no NaN, code has.
+#[test]
+fn numbers_that_are_not_finite_are_told_when_a_file_is_built_in_code() {
+    let good = Scenario::parse(&tips().to_string(), "good.json").unwrap().expanded();
+    let mut file = good.clone();
+    file.load.mass_kg = f64::NAN;
+    file.load.position_m[1] = f64::INFINITY;
+    file.duration_s = f64::INFINITY;
+    file.ground.friction_coefficient = f64::NAN;
+    let format::DriveEntry::Tips(tips) = &mut file.drive else { panic!() };
+    tips.paths[0].waypoints[1][2] = f64::NAN;
+    let told = file.checked("in code").unwrap_err().to_string();
+    for line in [
+        "in code: load.mass_kg: must be a finite number, found NaN",
+        "in code: load.position_m[1]: must be a finite number, found inf",
+        "in code: duration_s: must be a finite number, found inf",
+        "in code: ground.friction_coefficient: must be a finite number, found NaN",
+        "in code: drive.paths[0].waypoints[1][2]: must be a finite number, found NaN",
+    ] {
+        assert!(told.lines().any(|found| found == line), "{told}");
+    }
+    assert_eq!(told.lines().count(), 5, "{told}");
+}
+
+/// JSON pointers to everything in `value`.
+fn pointers(value: &Value, at: &str) -> Vec<String> {
+    let below = |key: String, value: &Value| pointers(value, &format!("{at}/{key}"));
+    let inner: Vec<String> = match value {
+        Value::Object(map) => map.iter().flat_map(|(key, value)| below(key.clone(), value)).collect(),
+        Value::Array(list) => list.iter().enumerate().flat_map(|(index, value)| below(index.to_string(), value)).collect(),
+        _ => Vec::new(),
+    };
+    [at.to_string()].into_iter().chain(inner).filter(|at| !at.is_empty()).collect()
+}
+
+/// Every value of a good file replaced by every odd one: there is an answer and no panic, and what is accepted fits the schema and survives
+/// its expansion.
+#[test]
+fn odd_values_anywhere_are_answered() {
+    let schema = jsonschema::validator_for(&format::schema()).unwrap();
+    let odd = [
+        json!(null),
+        json!(true),
+        json!("x"),
+        json!(""),
+        json!(0),
+        json!(-0.0),
+        json!(-1),
+        json!(7),
+        json!(1e308),
+        json!(5e-324),
+        json!(u64::MAX),
+        json!([]),
+        json!([1, 2]),
+        json!([[1, 2, 3]]),
+        json!({}),
+        json!({ "ring": {} }),
+    ];
+    let (mut n_accepted, mut n_refused) = (0, 0);
+    for base in [tips(), ants()] {
+        for at in pointers(&base, "") {
+            for value in &odd {
+                let mut file = base.clone();
+                *file.pointer_mut(&at).unwrap() = value.clone();
+                let Ok(scenario) = Scenario::parse(&file.to_string(), "odd.json") else {
+                    n_refused += 1;
+                    continue;
+                };
+                n_accepted += 1;
+                assert!(schema.is_valid(&file), "{at} {value}");
+                let expansion = serde_json::to_string(&scenario.expanded()).unwrap();
+                assert_eq!(Scenario::parse(&expansion, "expansion").unwrap(), scenario, "{at} {value}");
+            }
+        }
+    }
+    // Both answers must occur in numbers, or nothing was tried.
+    assert!(n_accepted > 200 && n_refused > 500, "{n_accepted} {n_refused}");
+}
