@@ -15,7 +15,7 @@
 use super::friction::FrictionSolver;
 use super::held::HeldSprings;
 use super::{Status, StepReport};
-use crate::math::{Mat3, Pose, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
+use crate::math::{Mat2, Mat3, Pose, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
 use crate::model::support::slip_velocity;
 use crate::model::{Ground, PolarSpring, Reaction};
 
@@ -152,19 +152,29 @@ fn in_body_increments(world: &Reaction, heading: f64, twist: &Vec3) -> Reaction 
     Reaction { energy: world.energy, gradient: map.tr_mul(&world.gradient), hessian: map.transpose() * world.hessian * map + curvature }
 }
 
-/// `hessian` with the least of the shifts 0, 1e-12, 1e-11 ... of its size, in units where lengths count in `length`, that makes it positive definite.
+/// `hessian` itself where it is positive definite, in units where lengths count in `length`.
+///
+/// Where it is not, mostly because turning a load while it shifts turns its way, the pivot of the turn is replaced by its absolute value: friction resists
+/// turning far more, and the stiffness against shifts, which sets the way, stays exact. Where shifts are unstable too, absolute values of all eigenvalues
+/// take their place. Pivots are kept above 1e-12 of the largest entry.
 fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
     let units = Vec3::new(length, length, 1.0);
-    let unit = Mat3::from_diagonal(&units.map(|u| 1.0 / (u * u)));
-    let scaled = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]);
-    let size = scaled.amax().max(f64::MIN_POSITIVE);
-    // A pivot below rounding of the whole says no more than a negative one.
-    let is_definite = |shift: f64| (scaled + Mat3::from_diagonal_element(shift - 1e-13 * size)).cholesky().is_some();
-    let mut shift = 0.0;
-    while !is_definite(shift) && shift < 1e3 * size {
-        shift = if shift == 0.0 { 1e-12 * size } else { 10.0 * shift };
+    let mut scaled = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]);
+    let least = 1e-12 * scaled.amax().max(f64::MIN_POSITIVE);
+    let shifts = scaled.fixed_view::<2, 2>(0, 0) - Mat2::from_diagonal_element(least);
+    if let Some(factor) = shifts.cholesky() {
+        let coupling = scaled.fixed_view::<2, 1>(0, 2).into_owned();
+        let pivot = scaled.m33 - coupling.dot(&factor.solve(&coupling));
+        if pivot > least {
+            return *hessian;
+        }
+        scaled.m33 += pivot.abs().max(least) - pivot;
+    } else {
+        let mut eigen = scaled.symmetric_eigen();
+        eigen.eigenvalues.apply(|value| *value = value.abs().max(least));
+        scaled = eigen.recompose();
     }
-    hessian + shift * unit
+    Mat3::from_fn(|i, j| scaled[(i, j)] / (units[i] * units[j]))
 }
 
 fn shortened(step: Vec3) -> Vec3 {

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::backend::rapier::{FrictionModel, Precision, SpringModel};
+use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 use crate::backend::{BackendKind, BackendOptions, RapierOptions, RestoreError, default_step};
 use crate::report::{FolderError, NotFinite};
 use crate::scenario::{Scenario, ScenarioError};
@@ -44,20 +44,27 @@ enum Command {
 /// Options of all commands that run something.
 #[derive(Args)]
 struct EngineArgs {
-    /// Friction under rapier's load
-    #[arg(long, value_name = "MODEL", default_value = "aligned")]
-    friction: FrictionModel,
+    /// Friction under rapier's load; without it aligned, and box with the settings as shipped
+    #[arg(long, value_name = "MODEL")]
+    friction: Option<FrictionModel>,
     /// Springs on rapier's load
     #[arg(long, value_name = "MODEL", default_value = "joint")]
     springs: SpringModel,
     /// Floating point of rapier
     #[arg(long, value_name = "WIDTH", default_value = "f64")]
     precision: Precision,
+    /// Sweeps and substeps of rapier
+    #[arg(long, value_name = "SET", default_value = "recommended")]
+    settings: EngineSettings,
 }
 
 impl EngineArgs {
     fn options(&self) -> RapierOptions {
-        RapierOptions { friction: self.friction, springs: self.springs, precision: self.precision }
+        let usual = match self.settings {
+            EngineSettings::Recommended => RapierOptions::default(),
+            EngineSettings::AsShipped => RapierOptions::as_shipped(),
+        };
+        RapierOptions { friction: self.friction.unwrap_or(usual.friction), springs: self.springs, precision: self.precision, ..usual }
     }
 }
 

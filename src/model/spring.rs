@@ -232,7 +232,7 @@ mod tests {
         }
     }
 
-    /// physics.md 2.1: at rest the rotational stiffness is (k_t / l_0^2) (R_L + l_0)^2 = 9.69e-4 N m/rad.
+    /// At rest the rotational stiffness is (k_t / l_0^2) (R_L + l_0)^2 = 9.69e-4 N m/rad.
     #[test]
     fn rest_stiffness_in_rotation() {
         let pose = Pose::new(0.0, 0.0, 0.0);
@@ -243,7 +243,7 @@ mod tests {
         assert!((stiffness - 9.69e-4).abs() < 5e-7);
     }
 
-    /// physics.md 1.4: at l = l_0 the tip Hessian loses definiteness at a swing of 1.00802 rad.
+    /// At l = l_0 the tip Hessian loses definiteness at a swing of 1.00802 rad.
     #[test]
     fn convexity_is_lost_at_the_critical_swing() {
         let determinant = |swing: f64| {

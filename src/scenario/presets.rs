@@ -1,6 +1,6 @@
 //! The numbers of the ants: the paper's where it prints them, inferred ones where it does not. All of them stand here and nowhere else.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::FRAC_PI_3;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,7 @@ fn standard(n_ants: usize) -> AntDrive {
         target_variance: 0.01,
         target_redraw_period: 0.01,
         steering_gain: 10.0,
-        steering_half_angle: FRAC_PI_2,
+        steering_half_angle: FRAC_PI_3,
         control_offset: 0.0,
         grasp_probability: 0.2,
         grasp_decision_period: 0.0025,

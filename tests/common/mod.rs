@@ -104,7 +104,7 @@ pub fn drive(
     report
 }
 
-/// The tips of QS-REF-1 (physics.md 5.10) at s in [0, 1].
+/// The tips of the reference scene QS-REF-1 at s in [0, 1].
 pub fn reference_tips(s: f64) -> Vec<(usize, Vec2)> {
     let reach = LOAD_RADIUS + REST_LENGTH;
     vec![

@@ -1,0 +1,51 @@
+//! How far the engine's sweeps ended from the solution of the step it was asked.
+
+use super::joints::FrictionJoint;
+use super::step::Step;
+use crate::math::{Twist, Vec2, Vec3, perpendicular, rotation};
+use crate::model::System;
+use crate::model::support::wrench_of;
+
+/// Largest violation of the step's equations, relative to the forces in them (1).
+///
+/// The sweeps keep the balance of each impulse with the twist exactly, so what is left shows in two places: springs whose force belongs
+/// to an older twist, seen as a gap in the balance of all forces, and supports that slip below their limit.
+pub fn residual(system: &System, step: &Step) -> f64 {
+    let turn = rotation(step.start.pose.heading);
+    let mut gap = balance_without_friction(system, step);
+    let gyration = (system.load.inertia / system.load.mass).sqrt();
+    let mut worst: f64 = 0.0;
+    for (joint, wrench) in step.friction.iter().zip(&step.wrenches) {
+        let arm = turn * joint.offset;
+        gap -= wrench_of(&arm, &wrench.force) + Vec3::z() * wrench.torque;
+        let slip = step.end.twist.velocity_at(&arm);
+        worst = worst.max(slip_below_limit(joint, &slip, &wrench.force, system.load.mass / step.duration));
+        if joint.turning_limit > 0.0 {
+            worst = worst.max(system.load.inertia / gyration / step.duration * step.end.twist.angular.abs());
+        }
+    }
+    worst = worst.max(gap.xy().norm()).max(gap.z.abs() / gyration);
+    worst / (system.total_slip_limit() + step.sum.force_scale).max(f64::MIN_POSITIVE)
+}
+
+/// `M (v - v_n) / h - W + (h K + D) v` (N, N, N m).
+fn balance_without_friction(system: &System, step: &Step) -> Vec3 {
+    let (before, after) = (column(&step.start.twist), column(&step.end.twist));
+    let slope = step.duration * step.sum.stiffness + step.sum.damping;
+    system.load.mass_matrix() * (after - before) / step.duration - step.sum.wrench + slope * after
+}
+
+/// Force by which a support's forces miss Coulomb's law along its axes (N): the change that its `slip` (m/s) asks for and the limits allow.
+/// `rate` (N s/m) turns slip into force.
+fn slip_below_limit(joint: &FrictionJoint, slip: &Vec2, force: &Vec2, rate: f64) -> f64 {
+    let axes = [joint.direction, perpendicular(&joint.direction)];
+    let misses = axes.iter().zip(joint.limits).map(|(axis, limit)| {
+        let along = force.dot(axis);
+        (along - (along - rate * slip.dot(axis)).clamp(-limit, limit)).abs()
+    });
+    misses.fold(0.0, f64::max)
+}
+
+fn column(twist: &Twist) -> Vec3 {
+    twist.linear.push(twist.angular)
+}
