@@ -21,3 +21,8 @@ pub mod model;
 pub mod report;
 pub mod scenario;
 pub mod simulation;
+
+/// The README's example runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

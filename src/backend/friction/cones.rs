@@ -129,8 +129,8 @@ impl Cones {
         let corrected = |k: usize| forces[k] + self.limits[k] * self.limits[k] * self.slip(k, &correction);
         let fits = (0..self.len()).all(|k| corrected(k).norm_squared() <= self.limits[k] * self.limits[k]);
         if fits {
-            for k in 0..self.len() {
-                forces[k] += self.limits[k] * self.limits[k] * self.slip(k, &correction);
+            for (k, force) in forces.iter_mut().enumerate() {
+                *force += self.limits[k] * self.limits[k] * self.slip(k, &correction);
             }
         }
         fits

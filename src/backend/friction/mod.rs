@@ -9,10 +9,10 @@
 //! At the minimum `H x - w + sum_i B_i' f_i = 0`, with `f_i = c_i B_i x / |B_i x|` where support i slips and `|f_i| <= c_i` where it sticks. The
 //! problem is convex, so whatever satisfies these conditions is the answer, and the order of the attempts below is one of cost only:
 //!
-//! 1. [`Cones::stick_forces`]: forces within all limits that balance w. Nothing moves.
-//! 2. [`pinned`]: rotation about one support that sticks. With two distinct ones sticking, all do.
-//! 3. [`slipping`]: all supports slip, or stick close to it. Newton's method in coordinates in which the kink at a slow support is smooth.
-//! 4. [`smoothed`]: continuation over rounded cones, which gives the others a start where they have none.
+//! 1. Rest (`cones.rs`): forces within all limits that balance w. Nothing moves.
+//! 2. Pinned (`pinned.rs`): rotation about one support that sticks. With two distinct ones sticking, all do.
+//! 3. Slipping (`slipping.rs`): all supports slip, or stick close to it. Newton's method in coordinates in which the kink at a slow support is smooth.
+//! 4. Smoothed (`smoothed.rs`): continuation over rounded cones, which gives the others a start where they have none.
 //!
 //! All of it happens in units of the supports' extent and of the sum of the limits, so that no tolerance has a dimension.
 

@@ -103,7 +103,7 @@ pub fn energy(trace: &Labelled) -> String {
 }
 
 /// Distance of the load's positions between traces over time (m, log axis): all pairs of up to three traces, else each against the first.
-/// Where two traces agree to the last digit there is a gap.
+/// Where two traces agree within rounding there is a gap.
 pub fn position_difference(traces: &[Labelled]) -> String {
     between(&panels::position_difference(traces), traces)
 }

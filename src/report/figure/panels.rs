@@ -130,11 +130,15 @@ fn of_pairs(traces: &[Labelled], y_label: &str, y: impl Fn(&Difference) -> f64) 
     panel.mark_events(traces);
     for (index, (from, to)) in pairs(traces.len()).into_iter().enumerate() {
         let differences = difference::over_time(traces[from].trace, traces[to].trace);
-        let points = differences.iter().map(|one| [one.time, y(one)]).collect();
+        let seen = |one: &Difference| if y(one) < AGREEMENT { 0.0 } else { y(one) };
+        let points = differences.iter().map(|one| [one.time, seen(one)]).collect();
         panel.add(points, Style::of_pair(index), Shape::Graph);
     }
     panel
 }
+
+/// Distances (m, rad) below this are rounding. They leave a gap, so that the decades of the axis go to what can be told apart.
+const AGREEMENT: f64 = 1e-12;
 
 /// One mark for each instant and kind, in the order of time; none when there are too many.
 fn event_marks(traces: &[Labelled]) -> Vec<Mark> {
