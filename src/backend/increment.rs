@@ -15,7 +15,7 @@
 use super::friction::FrictionSolver;
 use super::held::HeldSprings;
 use super::{Status, StepReport};
-use crate::math::{Mat2, Mat3, Pose, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
+use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
 use crate::model::support::slip_velocity;
 use crate::model::{Ground, PolarSpring, Reaction};
 
@@ -29,11 +29,14 @@ pub struct Potential<'a> {
     pub inertia: Option<Coasting>,
 }
 
-/// The inertia of the load as a spring to where it would coast.
+/// The inertia of the load as a spring to where it would coast. Shift and turn, not a pose: over a short step the difference of two poses
+/// has too few digits for the line search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coasting {
-    /// Pose at the end of the step if no force acted.
-    pub pose: Pose,
+    /// Way of the load's origin within the step if no force acted (m, world).
+    pub shift: Vec2,
+    /// Turn within the step if no torque acted (rad).
+    pub turn: f64,
     /// Mass and moment of inertia over the squared step (N/m, N m/rad).
     pub stiffness: (f64, f64),
 }
@@ -52,7 +55,7 @@ pub struct Increment {
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 /// The same over the extent of the load, for increments that are themselves near rounding.
 const ABSOLUTE_TOLERANCE: f64 = 1e-15;
-/// Residual above which a step counts as not converged: the tolerance on the step times the curvature leaves it far below.
+/// Residual of the cone problem, or size of the last Newton step over the load's extent, above which a step counts as not converged.
 const LARGEST_RESIDUAL: f64 = 1e-9;
 const MOST_ITERATIONS: u64 = 60;
 /// Longest turn in one Newton step (rad): the quadratic model says little beyond.
@@ -61,6 +64,7 @@ const LONGEST_TURN: f64 = 0.5;
 /// Minimises over increments from rest. `length` (m) is the extent of the load, which makes turns and shifts comparable.
 pub fn minimise(potential: &Potential, ground: &Ground, solver: &mut FrictionSolver, length: f64) -> Increment {
     let size = |twist: &Vec3| twist.xy().norm() / length + twist.z.abs();
+    let is_frictionless = ground.slip_limits().all(|limit| limit == 0.0);
     let mut at = Vec3::zeros();
     let mut report = StepReport { n_steps: 1, ..StepReport::default() };
     let mut residual = f64::INFINITY;
@@ -74,8 +78,9 @@ pub fn minimise(potential: &Potential, ground: &Ground, solver: &mut FrictionSol
         if !step.iter().all(|v| v.is_finite()) {
             break;
         }
-        let is_last = size(&step) <= RELATIVE_TOLERANCE * size(&solution.increment) + ABSOLUTE_TOLERANCE;
-        residual = solution.residual.max(size(&step) / (size(&solution.increment) + ABSOLUTE_TOLERANCE).max(1.0));
+        let is_last = size(&step) <= RELATIVE_TOLERANCE * size(&solution.increment) + ABSOLUTE_TOLERANCE
+            || is_frictionless && local.is_balanced(&hessian, &step, &potential.start, length);
+        residual = solution.residual.max(if is_last { 0.0 } else { size(&step) / size(&solution.increment).max(1.0) });
         let Some(next) = descend(potential, ground, &local, &at, &step) else { break };
         at = next;
         if is_last || at == Vec3::zeros() {
@@ -102,7 +107,7 @@ impl Potential<'_> {
             world.add(&held.reaction(springs, &pose));
         }
         if let Some(coasting) = &self.inertia {
-            world.add(&coasting.reaction(&pose));
+            world.add(&coasting.reaction(&self.start, twist));
         }
         in_body_increments(&world, self.start.heading, twist)
     }
@@ -110,15 +115,28 @@ impl Potential<'_> {
     fn energy(&self, twist: &Vec3) -> f64 {
         let pose = self.start.moved_by(twist);
         let elastic: f64 = self.springs.iter().map(|(springs, held)| held.energy(springs, &pose)).sum();
-        elastic + self.inertia.map_or(0.0, |coasting| coasting.reaction(&pose).energy)
+        elastic + self.inertia.map_or(0.0, |coasting| coasting.reaction(&self.start, twist).energy)
+    }
+}
+
+impl Reaction {
+    /// Whether a Newton `step` without friction corrects nothing but rounding of the forces, for which the largest stiffness times the largest coordinate
+    /// stands. Without friction a load on one spring has a motion that no force resists, so that the step itself need not be small.
+    fn is_balanced(&self, hessian: &Mat3, step: &Vec3, pose: &Pose, length: f64) -> bool {
+        let units = Vec3::new(length, length, 1.0);
+        let stiffness = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]).amax();
+        let stretch = if stiffness > 0.0 { (2.0 * self.energy / stiffness).sqrt() } else { 0.0 };
+        let coordinate = 1.0 + pose.position.norm() / length + pose.heading.abs() + stretch;
+        (hessian * step).component_mul(&units).amax() <= 8.0 * f64::EPSILON * stiffness * coordinate
     }
 }
 
 impl Coasting {
-    fn reaction(&self, pose: &Pose) -> Reaction {
+    /// Energy and its derivatives by the load's pose, at the increment `twist` from `start`.
+    fn reaction(&self, start: &Pose, twist: &Vec3) -> Reaction {
         let (linear, angular) = self.stiffness;
-        let away = pose.position - self.pose.position;
-        let turn = pose.heading - self.pose.heading;
+        let away = start.shift_by(twist) - self.shift;
+        let turn = twist.z - self.turn;
         Reaction {
             energy: 0.5 * linear * away.norm_squared() + 0.5 * angular * turn * turn,
             gradient: Vec3::new(linear * away.x, linear * away.y, angular * turn),

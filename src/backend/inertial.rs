@@ -65,7 +65,8 @@ impl Inertial {
         let springs = &self.system.springs;
         let dashpots = Dashpots::new(&self.system, &self.state.held, from, &before, step);
         let coasting = Coasting {
-            pose: Pose { position: before.position + step * twist.linear, heading: before.heading + step * twist.angular },
+            shift: step * twist.linear,
+            turn: step * twist.angular,
             stiffness: (self.system.load.mass / (step * step), self.system.load.inertia / (step * step)),
         };
         let potential = Potential {
@@ -76,7 +77,7 @@ impl Inertial {
         let Increment { twist: increment, friction, mut report } =
             minimise(&potential, &self.system.ground, &mut self.solver, self.system.load.radius);
         let pose = before.moved_by(&increment);
-        let twist = Twist { linear: (pose.position - before.position) / step, angular: (pose.heading - before.heading) / step };
+        let twist = Twist { linear: before.shift_by(&increment) / step, angular: increment.z / step };
         if !pose.is_finite() || !twist.is_finite() {
             report.status = Status::Failed;
             return report;

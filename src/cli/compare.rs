@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Instant, SystemTime};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::{CliError, EngineArgs, interrupt, print, read_scenario, step};
 use crate::backend::BackendKind;
@@ -82,7 +82,10 @@ fn tiers_of(scenario: &Scenario, asked: &[Tier]) -> Result<Vec<Tier>, CliError> 
         Drive::Ants(_) => &[Tier::Replayed, Tier::ClosedLoop],
     };
     if let Some(tier) = asked.iter().find(|tier| !possible.contains(tier)) {
-        return Err(CliError::Usage(format!("--tier: a scenario with this drive has the tiers {possible:?}, found {tier:?}")));
+        let name = |tier: &Tier| tier.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
+        let names: Vec<String> = possible.iter().map(name).collect();
+        let text = format!("--tier: must be one of {} for a scenario with this drive, found {}", names.join(", "), name(tier));
+        return Err(CliError::Usage(text));
     }
     Ok(if asked.is_empty() { possible.to_vec() } else { asked.to_vec() })
 }

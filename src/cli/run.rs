@@ -92,7 +92,8 @@ fn start<'a>(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, state
 fn interrupted(run: &Simulation, state: Option<&Path>) -> Result<ExitCode, CliError> {
     let Some(path) = state else { return Err(CliError::Interrupted) };
     let text = serde_json::to_string(&run.save()).expect("a state is plain data");
-    let partial = path.with_extension("partial");
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let partial = path.with_file_name(format!(".{name}.partial-{}", std::process::id()));
     let write = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path));
     write.map_err(|source| CliError::File { path: path.to_owned(), source })?;
     eprintln!("stopped at {} s; the same command goes on from {}", run.time(), path.display());

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::Solution;
 use super::solution::Point;
-use crate::simulation::{Event, EventKind};
+use crate::math::Twist;
+use crate::simulation::{EventKind, Row, Trace};
 
 /// Distance of two paths, or an error of one: at its largest and at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -23,12 +24,22 @@ pub struct Parting {
     pub after: Option<Occasion>,
 }
 
-/// A grasp or a release.
+/// Something that can make paths part.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Occasion {
-    pub kind: EventKind,
-    pub spring: usize,
+    pub kind: OccasionKind,
+    /// `null` for an onset.
+    pub spring: Option<usize>,
     pub time_s: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OccasionKind {
+    Grasp,
+    Release,
+    /// The load began to move out of rest.
+    Onset,
 }
 
 impl Difference {
@@ -40,6 +51,11 @@ impl Difference {
     /// A path's own error.
     pub fn own(solution: &Solution) -> Self {
         Self::over(solution.points.iter().map(|point| (point.position_error, point.heading_error)))
+    }
+
+    /// How far a point of the load at `radius` (m) from its origin can be apart (m).
+    pub fn displacement(&self, radius: f64) -> f64 {
+        self.position_max_m + radius * self.heading_max_rad
     }
 
     /// Entry by entry the larger one.
@@ -63,18 +79,34 @@ impl Difference {
 }
 
 impl Parting {
-    /// Where `a` and `b` first lie further apart than both own errors and `tolerance` (m) together.
-    pub fn of(a: &Solution, b: &Solution, tolerance: f64) -> Option<Self> {
-        let parts = |(a, b): &(&Point, &Point)| apart(a, b).0 > tolerance + a.position_error + b.position_error;
+    /// Where a point of the load at most `radius` (m) from its origin first lies further apart in `a` and `b` than both own errors and `tolerance` (m)
+    /// together.
+    pub fn of(a: &Solution, b: &Solution, radius: f64, tolerance: f64) -> Option<Self> {
+        let parts = |(a, b): &(&Point, &Point)| {
+            let own = a.position_error + b.position_error + radius * (a.heading_error + b.heading_error);
+            let (position, heading) = apart(a, b);
+            position + radius * heading > tolerance + own
+        };
         let time_s = a.points.iter().zip(&b.points).find(parts)?.0.time;
-        Some(Self { time_s, after: last_before(&a.trace.events, time_s) })
+        Some(Self { time_s, after: last_before(&a.trace, time_s) })
     }
 }
 
-fn last_before(events: &[Event], time: f64) -> Option<Occasion> {
-    let at = events.partition_point(|event| event.time < time).checked_sub(1)?;
-    let event = &events[at];
-    Some(Occasion { kind: event.kind, spring: event.spring, time_s: event.time })
+/// The last grasp, release or onset of motion before `time` (s).
+fn last_before(trace: &Trace, time: f64) -> Option<Occasion> {
+    let at = trace.events.partition_point(|event| event.time < time).checked_sub(1);
+    let event = at.map(|at| trace.events[at]).map(|event| {
+        let kind = match event.kind {
+            EventKind::Grasp => OccasionKind::Grasp,
+            EventKind::Release => OccasionKind::Release,
+        };
+        Occasion { kind, spring: Some(event.spring), time_s: event.time }
+    });
+    let before = &trace.rows[..trace.rows.partition_point(|row| row.time < time)];
+    let starts = |pair: &[Row]| pair[0].motion.twist == Twist::ZERO && pair[1].motion.twist != Twist::ZERO;
+    let onset = before.windows(2).rposition(starts).map(|at| Occasion { kind: OccasionKind::Onset, spring: None, time_s: before[at].time });
+    // An event that sets the load going is the cause, its onset the effect.
+    event.into_iter().chain(onset).max_by(|a, b| a.time_s.total_cmp(&b.time_s).then(b.spring.cmp(&a.spring).reverse()))
 }
 
 fn apart(a: &Point, b: &Point) -> (f64, f64) {

@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use crate::backend::{BackendKind, BackendOptions, RapierOptions, default_step};
 use crate::scenario::Scenario;
 
-pub use difference::{Difference, Occasion, Parting};
+pub use difference::{Difference, Occasion, OccasionKind, Parting};
 pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, closed_loop};
 pub use numbers::{Numbers, Predicted};
 pub use pathwise::{OwnErrors, Partings, Pathwise, prescribed, replayed};

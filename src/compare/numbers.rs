@@ -18,25 +18,31 @@ use crate::simulation::{EventKind, Trace};
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Numbers {
-    /// Inertia of the driven load against friction.
-    pub epsilon: f64,
+    /// Inertia of the driven load against friction; `null` without friction, where nothing ever sticks.
+    pub epsilon: Option<f64>,
     /// Time between events against that of an oscillation; `null` when no tip is ever held.
     pub phi: Option<f64>,
     /// Damping over critical damping.
     pub zeta: f64,
 }
 
+/// epsilon up to which inertia is small.
+const SLOW: f64 = 0.05;
+
 /// What theory expects of inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Predicted {
-    /// Path error while tips move on (m): epsilon f / k.
-    pub while_driven_m: f64,
+    /// Path error while tips move on (m): epsilon f / k; `null` without friction.
+    pub while_driven_m: Option<f64>,
     /// Path error where tips stop (m): at most twice that.
-    pub where_tips_stop_m: f64,
+    pub where_tips_stop_m: Option<f64>,
+    /// Way on which friction takes up the energy that the load starts with (m), which a load without inertia does not go; `null` without
+    /// friction.
+    pub coasting_m: Option<f64>,
     /// Distance that the load goes after a release, over what it would go without inertia (1).
     pub release_factor: f64,
-    /// Whether neglecting inertia is sound: epsilon below 0.05, and events that are rare or far apart and damped (Phi above 2 pi, zeta
-    /// above 0.5).
+    /// Whether neglecting inertia is sound: epsilon below 0.05, a start at less than that share of f / k from rest, and no releases or such that
+    /// are far apart and damped (Phi above 2 pi, zeta above 0.5).
     pub quasi_static_is_sound: bool,
 }
 
@@ -46,22 +52,26 @@ impl Numbers {
         let (stiffness, zeta) = mean_spring(scenario);
         let mass = scenario.system.load.mass;
         let limit = scenario.system.total_slip_limit();
-        // Without friction nothing ever sticks and inertia is all there is; the largest number stands for that, since JSON knows no infinity.
-        let epsilon = if limit > 0.0 { tip_speed(trace) * (stiffness * mass).sqrt() / limit } else { f64::MAX };
+        let epsilon = (limit > 0.0).then(|| tip_speed(trace) * (stiffness * mass).sqrt() / limit);
         Self { epsilon, phi: hold_time(trace).map(|time| (stiffness / mass).sqrt() * time), zeta }
     }
 
     pub fn predict(&self, scenario: &Scenario, trace: &Trace) -> Predicted {
         let (stiffness, _) = mean_spring(scenario);
-        let length = if stiffness > 0.0 { scenario.system.total_slip_limit() / stiffness } else { 0.0 };
-        let while_driven_m = (self.epsilon.min(1e300) * length).min(f64::MAX);
+        let limit = scenario.system.total_slip_limit();
+        let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
+        let while_driven_m = self.epsilon.map(|epsilon| epsilon * length);
+        let initial = trace.rows.first().map_or(0.0, |row| row.energy.initial);
+        let coasting_m = (limit > 0.0).then(|| initial / limit);
         let n_releases = trace.events.iter().filter(|event| event.kind == EventKind::Release).count();
         let damped_out = self.phi.is_none_or(|phi| phi > 2.0 * PI) && self.zeta > 0.5;
+        let starts_slow = coasting_m.is_some_and(|coasting| coasting <= SLOW * length);
         Predicted {
             while_driven_m,
-            where_tips_stop_m: 2.0 * while_driven_m,
+            where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
+            coasting_m,
             release_factor: self.release_factor(),
-            quasi_static_is_sound: self.epsilon < 0.05 && (n_releases == 0 || damped_out),
+            quasi_static_is_sound: self.epsilon.is_some_and(|epsilon| epsilon < SLOW) && starts_slow && (n_releases == 0 || damped_out),
         }
     }
 
@@ -82,7 +92,8 @@ fn mean_spring(scenario: &Scenario) -> (f64, f64) {
     let springs = &scenario.system.springs;
     let n = springs.len().max(1) as f64;
     let sum = |part: fn(&crate::model::PolarSpring) -> f64| springs.iter().map(part).sum::<f64>();
-    (sum(|spring| spring.radial_stiffness) / n, sum(|spring| spring.damping_ratio) / n)
+    // An empty sum is minus zero.
+    (sum(|spring| spring.radial_stiffness) / n + 0.0, sum(|spring| spring.damping_ratio) / n + 0.0)
 }
 
 /// Root mean square speed of held tips (m/s).

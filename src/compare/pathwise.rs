@@ -21,9 +21,9 @@ pub struct Pathwise {
     pub numbers: Numbers,
     pub predicted: Predicted,
     pub verdict: Verdict,
-    /// Distance that counted as agreement (m).
+    /// Displacement of the load's rim that counted as agreement (m).
     pub tolerance_m: f64,
-    /// Length of the inertial path (m).
+    /// Length of the way of the load's rim (m): shift plus radius times turn.
     pub path_length_m: f64,
     pub first_parting: Partings,
     #[serde(skip)]
@@ -90,8 +90,11 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
     let own_error = OwnErrors { all: own[0].max(&own[1]), quasi_static: own[0], inertial: own[1], rapier: own[2] };
     let inertia_effect = Difference::between(inertial, quasi_static);
     let engine_error = Difference::between(rapier, inertial);
-    let path_length_m = inertial.path_length().max(quasi_static.path_length());
-    let tolerance_m = settings.agreement * path_length_m;
+    let radius = scenario.system.load.radius;
+    let path_length_m = inertial.path_length(radius).max(quasi_static.path_length(radius));
+    // A load that stays where it is has no path: a millionth of its radius stands in.
+    let tolerance_m = settings.agreement * path_length_m.max(1e-6 * radius);
+    let [inertia, engine, own] = [&inertia_effect, &engine_error, &own_error.all].map(|difference| difference.displacement(radius));
     let numbers = Numbers::of(scenario, &inertial.trace);
     Pathwise {
         tier,
@@ -100,12 +103,12 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
         own_error,
         numbers,
         predicted: numbers.predict(scenario, &inertial.trace),
-        verdict: Verdict::on_paths(&inertia_effect, &engine_error, &own_error.all, tolerance_m),
+        verdict: Verdict::on_paths(inertia, engine, own, tolerance_m),
         tolerance_m,
         path_length_m,
         first_parting: Partings {
-            by_inertia: Parting::of(inertial, quasi_static, tolerance_m),
-            by_engine: Parting::of(rapier, inertial, tolerance_m),
+            by_inertia: Parting::of(inertial, quasi_static, radius, tolerance_m),
+            by_engine: Parting::of(rapier, inertial, radius, tolerance_m),
         },
         solutions,
     }

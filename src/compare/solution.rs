@@ -80,9 +80,10 @@ impl Solution {
         self.steps.status
     }
 
-    /// Length of the load's path (m).
-    pub fn path_length(&self) -> f64 {
-        self.points.windows(2).map(|pair| (pair[1].position - pair[0].position).norm()).sum()
+    /// Length of the way of a point of the load at `radius` (m) from its origin (m), at most.
+    pub fn path_length(&self, radius: f64) -> f64 {
+        let way = |pair: &[Point]| (pair[1].position - pair[0].position).norm() + radius * (pair[1].heading - pair[0].heading).abs();
+        self.points.windows(2).map(way).fold(0.0, |sum, way| sum + way)
     }
 }
 

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Difference;
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// All paths lie within the tolerance of each other.
@@ -24,15 +22,13 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Of paths whose largest distances are known, with `own_error` that of the reference runs and `tolerance` (m) what counts as agreement.
-    pub fn on_paths(inertia: &Difference, engine: &Difference, own_error: &Difference, tolerance: f64) -> Self {
-        let (inertia, engine, own) = (inertia.position_max_m, engine.position_max_m, own_error.position_max_m);
-        if inertia.max(engine) + own <= tolerance {
+    /// Of the largest displacements (m) between paths, with `own` the error of the reference runs and `tolerance` what counts as agreement.
+    pub fn on_paths(inertia: f64, engine: f64, own: f64, tolerance: f64) -> Self {
+        let largest = inertia.max(engine);
+        if largest + own <= tolerance {
             Verdict::Agree
-        } else if inertia.max(engine) <= own {
-            Verdict::BelowOwnError
-        } else if inertia.max(engine) <= tolerance {
-            // The paths agree as far as these runs can tell, but their own errors could hide as much again.
+        } else if largest <= own.max(tolerance) {
+            // The paths may agree, but their own errors could hide as much as would part them.
             Verdict::BelowOwnError
         } else if inertia >= engine {
             Verdict::Inertia
@@ -56,13 +52,9 @@ impl Verdict {
 mod tests {
     use super::*;
 
-    fn apart(position_max_m: f64) -> Difference {
-        Difference { position_max_m, ..Difference::default() }
-    }
-
     #[test]
     fn the_larger_share_names_the_cause_on_both_sides_of_each_threshold() {
-        let verdict = |inertia, engine, own| Verdict::on_paths(&apart(inertia), &apart(engine), &apart(own), 1e-3);
+        let verdict = |inertia, engine, own| Verdict::on_paths(inertia, engine, own, 1e-3);
         assert_eq!(verdict(0.0, 0.0, 0.0), Verdict::Agree);
         assert_eq!(verdict(0.9e-3, 0.2e-3, 0.09e-3), Verdict::Agree);
         assert_eq!(verdict(0.9e-3, 0.2e-3, 0.11e-3), Verdict::BelowOwnError);

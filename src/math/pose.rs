@@ -40,10 +40,13 @@ impl Pose {
 
     /// The pose reached by the body-twist increment (u_x, u_y, delta) in (m, m, rad).
     pub fn moved_by(&self, increment: &Vec3) -> Pose {
-        let delta = increment.z;
-        let mean_rotation = mean_rotation(delta);
-        let shift = mean_rotation * increment.xy();
-        Pose { position: self.position + rotation(self.heading) * shift, heading: self.heading + delta }
+        Pose { position: self.position + self.shift_by(increment), heading: self.heading + increment.z }
+    }
+
+    /// How far the body-twist increment takes the origin (m, world axes), with all digits: the difference of two positions has lost those that
+    /// their distance from the world's origin takes.
+    pub fn shift_by(&self, increment: &Vec3) -> Vec2 {
+        rotation(self.heading) * (mean_rotation(increment.z) * increment.xy())
     }
 
     pub fn is_finite(&self) -> bool {

@@ -9,7 +9,7 @@ use super::figure::{self, Labelled, Scene};
 use super::text::Lines;
 use super::{FolderError, Manifest, NotFinite, OutputFolder, number, quantity, table};
 use crate::backend::{BackendKind, RapierOptions};
-use crate::compare::{ClosedLoop, Difference, Distribution, Parting, Pathwise, Settings};
+use crate::compare::{ClosedLoop, Difference, Distribution, OccasionKind, Parting, Pathwise, Settings};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 
@@ -58,9 +58,22 @@ impl Comparison {
 
 /// Path of a `null` where a number belongs: in all fields but those that are documented to be absent at times.
 fn unexpected_null(value: &Value, path: &str) -> Option<String> {
-    const MAY_BE_NULL: [&str; 7] = ["phi", "by_inertia", "by_engine", "after", "mean_interval_95", "quasi_static_s", "rapier_s"];
+    const MAY_BE_NULL: [&str; 12] = [
+        "epsilon",
+        "phi",
+        "while_driven_m",
+        "where_tips_stop_m",
+        "coasting_m",
+        "by_inertia",
+        "by_engine",
+        "after",
+        "spring",
+        "mean_interval_95",
+        "quasi_static_s",
+        "rapier_s",
+    ];
     match value {
-        Value::Null if !MAY_BE_NULL.iter().any(|name| path.ends_with(name)) => Some(path.to_owned()),
+        Value::Null if !MAY_BE_NULL.iter().any(|name| path.ends_with(&format!(".{name}"))) => Some(path.to_owned()),
         Value::Object(fields) => fields.iter().find_map(|(key, value)| unexpected_null(value, &format!("{path}.{key}"))),
         Value::Array(items) => items.iter().enumerate().find_map(|(i, value)| unexpected_null(value, &format!("{path}[{i}]"))),
         _ => None,
@@ -138,17 +151,22 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     lines.row("parts first", &parting(found.first_parting.by_inertia.as_ref(), "by inertia"));
     lines.row("", &parting(found.first_parting.by_engine.as_ref(), "by the engine"));
     let numbers = &found.numbers;
-    let phi = numbers.phi.map_or("none".to_owned(), number);
-    lines.row("numbers", &format!("epsilon {}, Phi {phi}, zeta {}", number(numbers.epsilon), number(numbers.zeta)));
+    let (epsilon, phi) = (or_none(numbers.epsilon, ""), or_none(numbers.phi, ""));
+    lines.row("numbers", &format!("epsilon {epsilon}, Phi {phi}, zeta {}", number(numbers.zeta)));
     let predicted = &found.predicted;
-    let expected = format!("{} while driven", quantity(predicted.while_driven_m, "m"));
-    let stop = format!("{} where tips stop", quantity(predicted.where_tips_stop_m, "m"));
-    lines.row("predicted", &format!("{expected}, {stop}, releases times {}", number(predicted.release_factor)));
+    let (driven, stop) = (or_none(predicted.while_driven_m, "m"), or_none(predicted.where_tips_stop_m, "m"));
+    lines.row("predicted", &format!("{driven} while driven, {stop} where tips stop"));
+    let coasting = or_none(predicted.coasting_m, "m");
+    lines.row("", &format!("{coasting} of coasting from the start, releases times {}", number(predicted.release_factor)));
     lines.row("", if predicted.quasi_static_is_sound { "neglecting inertia is sound" } else { "neglecting inertia is not sound" });
     for solution in &found.solutions {
         let cost = format!("steps of {}, {} not converged", quantity(solution.step_s, "s"), solution.steps.n_not_converged);
         lines.row(solution.kind.name(), &cost);
     }
+}
+
+fn or_none(value: Option<f64>, unit: &str) -> String {
+    value.map_or("none".to_owned(), |value| quantity(value, unit))
 }
 
 fn difference(difference: &Difference) -> String {
@@ -163,8 +181,13 @@ fn parting(parting: Option<&Parting>, cause: &str) -> String {
     let time = quantity(parting.time_s, "s");
     match &parting.after {
         Some(after) => {
-            let what = format!("{:?} of spring {}", after.kind, after.spring).to_lowercase();
-            format!("{cause} at {time}, after the {what} at {}", quantity(after.time_s, "s"))
+            let what = match after.kind {
+                OccasionKind::Grasp => "grasp",
+                OccasionKind::Release => "release",
+                OccasionKind::Onset => "onset of motion",
+            };
+            let which = after.spring.map_or(String::new(), |spring| format!(" of spring {spring}"));
+            format!("{cause} at {time}, after the {what}{which} at {}", quantity(after.time_s, "s"))
         }
         None => format!("{cause} at {time}"),
     }

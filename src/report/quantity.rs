@@ -5,6 +5,9 @@
 /// Values of 1000 and above keep the plain unit, as `3600 s`. Kilograms count in grams. A unit that begins with a power, as `m^2`, has no
 /// prefix, for the prefix would be raised with it.
 pub fn quantity(value: f64, unit: &str) -> String {
+    if unit.is_empty() {
+        return number(value);
+    }
     if let Some(rest) = unit.strip_prefix("kg") {
         return quantity(1e3 * value, &format!("g{rest}"));
     }

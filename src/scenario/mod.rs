@@ -89,7 +89,7 @@ pub struct TipPath {
     pub spring: usize,
     /// Straight between waypoints, held after the last. The spring is grasped at the first one's time. Times increase strictly.
     pub waypoints: Vec<Waypoint>,
-    /// Time at which the spring is let go (s), after the first waypoint's.
+    /// Time at which the spring is let go (s), after the first waypoint's; from the end of the run on it stays held.
     pub release: Option<f64>,
 }
 

@@ -6,6 +6,8 @@ mod saved;
 mod tips;
 mod trace;
 
+use serde::{Deserialize, Serialize};
+
 use crate::backend::{Backend, BackendOptions, Motion, RestoreError, StepReport, build};
 use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
@@ -59,7 +61,8 @@ pub struct Orders {
 }
 
 /// What is kept of a run while it goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Keep {
     /// Rows and events.
     Trace,

@@ -15,6 +15,7 @@ pub struct SavedRun {
     tick: u64,
     time: f64,
     finished: bool,
+    keep: Keep,
     steps: StepReport,
     driver: serde_json::Value,
     backend: SavedState,
@@ -29,6 +30,7 @@ impl Simulation<'_> {
             tick: self.tick,
             time: self.time,
             finished: self.finished,
+            keep: self.keep,
             steps: self.steps,
             driver: self.driver.save(),
             backend: self.backend.save(),
@@ -41,11 +43,14 @@ impl<'a> Simulation<'a> {
     /// Goes on where `saved` left off.
     ///
     /// # Errors
-    /// When the state belongs to another scenario or is damaged.
+    /// When the state belongs to another scenario, is damaged, or kept no trace and now one is to be kept: its first part would be missing.
     pub fn resume(scenario: &'a Scenario, saved: &SavedRun, keep: Keep) -> Result<Self, RestoreError> {
         let hash = scenario.hash();
         if saved.scenario_hash != hash {
             return Err(RestoreError(format!("it was saved from the scenario {}, this one is {hash}", saved.scenario_hash)));
+        }
+        if keep == Keep::Trace && saved.keep == Keep::Outcome {
+            return Err(RestoreError("it kept no trace, and one is asked for".into()));
         }
         let mut driver: Box<dyn Driver> = driver_of(scenario);
         driver.restore(&saved.driver)?;

@@ -14,7 +14,8 @@ pub struct Tips {
 }
 
 impl Tips {
-    /// Times within rounding of a tick are that tick, so that no step of no length arises between them.
+    /// Times within rounding of a tick are that tick, so that no step of no length arises between them. A tip that would be let go at the instant of its
+    /// grasp is never held.
     pub fn new(scenario: &Scenario, paths: &[TipPath]) -> Self {
         let snap = |time: f64| {
             let tick = (time / scenario.control_period).round() * scenario.control_period;
@@ -25,7 +26,8 @@ impl Tips {
             waypoints: path.waypoints.iter().map(|at| Waypoint { time: snap(at.time), ..*at }).collect(),
             release: path.release.map(snap),
         };
-        let paths: Vec<TipPath> = paths.iter().map(snapped).collect();
+        let is_held = |path: &TipPath| path.release.is_none_or(|release| release > path.waypoints[0].time);
+        let paths: Vec<TipPath> = paths.iter().map(snapped).filter(is_held).collect();
         let times = |path: &TipPath| path.waypoints.iter().map(|at| at.time).chain(path.release).collect::<Vec<_>>();
         let mut instants: Vec<f64> = paths.iter().flat_map(times).collect();
         instants.sort_by(f64::total_cmp);

@@ -2,9 +2,10 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use std::f64::consts::PI;
+use std::ops::{Add, Mul, Sub};
 
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, RapierOptions, StepReport, build};
-use cohaul::math::{Pose, Twist, Vec2, direction};
+use cohaul::math::{Pose, Twist, Vec2, Vec3, direction};
 use cohaul::model::{Ground, Load, PolarSpring, SupportPoint, System};
 
 pub const GRAVITY: f64 = 9.81;
@@ -17,6 +18,10 @@ pub const TORSIONAL: f64 = 4.52e-4;
 /// R_L and l_0 (m).
 pub const LOAD_RADIUS: f64 = 0.0122;
 pub const REST_LENGTH: f64 = 0.0263;
+/// a: supports of the paper's load from its centre (m).
+pub const SUPPORT_RADIUS: f64 = 2.0 * LOAD_RADIUS / 3.0;
+
+pub const WITH_INERTIA: [BackendKind; 2] = [BackendKind::Inertial, BackendKind::Rapier];
 
 /// Three supports at 90, 210 and 330 degrees that share `total` (N) of normal load.
 pub fn tripod(radius: f64, total: f64) -> Vec<SupportPoint> {
@@ -29,7 +34,7 @@ pub fn tripod(radius: f64, total: f64) -> Vec<SupportPoint> {
 pub fn paper_system(springs: Vec<PolarSpring>) -> System {
     System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * LOAD_RADIUS * LOAD_RADIUS, radius: LOAD_RADIUS },
-        ground: Ground { friction_coefficient: MU, supports: tripod(2.0 * LOAD_RADIUS / 3.0, MASS * GRAVITY) },
+        ground: Ground { friction_coefficient: MU, supports: tripod(SUPPORT_RADIUS, MASS * GRAVITY) },
         springs,
     }
 }
@@ -112,4 +117,34 @@ pub fn reference_tips(s: f64) -> Vec<(usize, Vec2)> {
         (1, Vec2::new(0.03 * s, reach + 0.02 * s - 0.01 * s * s)),
         (3, Vec2::new(0.045 * s + 0.01 * (4.0 * s).sin(), -reach - 0.01 * s)),
     ]
+}
+
+/// The value at step zero from values at a step, its half, its quarter ... (Romberg's table), where errors are a series in whole powers
+/// of the step.
+pub fn extrapolated<T>(values: &[T]) -> T
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
+    let mut column = values.to_vec();
+    let mut weight = 2.0;
+    while column.len() > 1 {
+        column = column.windows(2).map(|pair| pair[1] + (pair[1] - pair[0]) * (1.0 / (weight - 1.0))).collect();
+        weight *= 2.0;
+    }
+    column[0]
+}
+
+/// (x, y, heading) of a pose (m, m, rad).
+pub fn entries(pose: &Pose) -> Vec3 {
+    Vec3::new(pose.position.x, pose.position.y, pose.heading)
+}
+
+/// How far apart two poses are: the largest of shift and turn of a support (m).
+pub fn distance(one: &Pose, other: &Pose) -> f64 {
+    (one.position - other.position).norm().max(SUPPORT_RADIUS * (one.heading - other.heading).abs())
+}
+
+/// Error at a step over the error at its half: 2 for a method of first order.
+pub fn error_ratio(coarse: f64, fine: f64, exact: f64) -> f64 {
+    (coarse - exact) / (fine - exact)
 }

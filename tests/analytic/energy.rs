@@ -1,0 +1,141 @@
+//! Energy that every step must and must not take.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use cohaul::backend::{Backend, BackendKind, BackendOptions, RapierOptions, Status};
+use cohaul::math::{Chance, Stream, Vec2, direction};
+use cohaul::model::PolarSpring;
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Keep, Simulation, driver_of};
+
+use crate::bounded::{Audited, Findings};
+use crate::common::*;
+
+fn check(name: &str, found: &Findings) {
+    assert!(found.n_steps > 0, "{name}");
+    // The cone problem is solved to 1e-13 of the forces, and the energies are sums that cancel: some tens of roundings.
+    assert!(found.above < 1e-13 && found.below < 1e-13, "{name}: {found:?}");
+    // The loss worked back from two poses has the digits that their distance from the origin leaves.
+    assert!(found.misbooked < 1e-11 && found.least_loss >= 0.0, "{name}: {found:?}");
+}
+
+#[test]
+fn each_step_of_the_reference_scene_keeps_within_the_two_bounds() {
+    for n in [20, 100, 2000] {
+        let (mut run, found) = Audited::new(&paper_system(paper_springs(4)), at_rest());
+        drive(&mut run, reference_tips, 1.0, n, |_, _| ());
+        check("reference", &found.borrow());
+        assert!(found.borrow().n_moving > n * 9 / 10);
+    }
+}
+
+/// Where the energy of one spring is no longer convex, the old pose may be a local minimum only, and a snap from it breaks the lower bound.
+/// At 0.8 and 1.0 of the rest length that begins at swings of 0.74 and 1.01 rad.
+fn is_near_buckling(spring: &PolarSpring, run: &dyn Backend, tip: &Vec2) -> bool {
+    let shape = spring.shape(&run.motion().pose, tip, 0.0);
+    !(0.8..2.5).contains(&(shape.length / spring.rest_length)) || shape.swing.abs() > 0.7
+}
+
+/// Tips of `n` springs that walk at random: straight for some steps of `stride` (m), now and then let go and grasped elsewhere.
+fn walk(run: &mut dyn Backend, n: usize, stride: f64, seed: u64, n_steps: u64, mut watch: impl FnMut(&dyn Backend)) {
+    let chance = Chance::new(seed);
+    let springs = paper_springs(n);
+    let mut tips = vec![Vec2::new(f64::NAN, f64::NAN); n];
+    for tick in 0..n_steps {
+        for spring in 0..n {
+            let [toss, turn] = chance.uniform_pair(Stream::Grasp, spring as u32, tick);
+            let rest = run.motion().pose.to_world(&springs[spring].rest_tip());
+            match run.tip(spring) {
+                None if toss < 0.05 => {
+                    tips[spring] = rest + 0.005 * direction(TAU * turn);
+                    run.grasp(spring, tips[spring]);
+                }
+                Some(tip) if toss < 0.004 || is_near_buckling(&springs[spring], run, &tip) => run.release(spring),
+                _ => (),
+            }
+            let course = chance.uniform(Stream::Target, spring as u32, tick / 40);
+            tips[spring] += stride * direction(TAU * course);
+        }
+        assert_eq!(run.advance(&tips, 1e-3).status, Status::Converged, "seed {seed}, tick {tick}");
+        watch(run);
+    }
+}
+
+#[test]
+fn each_step_of_random_walks_keeps_within_the_two_bounds() {
+    for seed in 0..6 {
+        for (n, stride) in [(1, 3e-5), (4, 1e-4), (4, 4e-4), (10, 2e-4)] {
+            let (mut run, found) = Audited::new(&paper_system(paper_springs(n)), at_rest());
+            walk(&mut run, n, stride, seed, 1500, |_| ());
+            check(&format!("walk of {n} by {stride}, seed {seed}"), &found.borrow());
+        }
+    }
+}
+
+#[test]
+fn each_step_of_the_scenarios_keeps_within_the_two_bounds() {
+    let mut n_files = 0;
+    for folder in ["analytic", "paper", "stress"] {
+        for entry in Path::new("scenarios").join(folder).read_dir().unwrap() {
+            let path = entry.unwrap().path();
+            let whole = Scenario::read(&path).unwrap();
+            // Five thousand control periods of each.
+            let scenario = Scenario { duration: whole.duration.min(5000.0 * whole.control_period), ..whole };
+            let (run, found) = Audited::new(&scenario.system, scenario.start);
+            let options =
+                BackendOptions { kind: BackendKind::QuasiStatic, step_s: scenario.control_period, rapier: RapierOptions::default() };
+            let mut simulation = Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), Box::new(run));
+            simulation.run(|_| true);
+            check(&path.display().to_string(), &found.borrow());
+            n_files += 1;
+        }
+    }
+    assert!(n_files >= 20, "{n_files}");
+}
+
+/// Energy that the books miss (J) after the reference scene in n steps.
+fn defect(kind: BackendKind, n: u32) -> f64 {
+    let mut run = backend(kind, &paper_system(paper_springs(4)), at_rest(), 1.0);
+    drive(run.as_mut(), reference_tips, 1.0, n, |_, _| ());
+    run.energy().defect()
+}
+
+/// The work at the tips is a trapezoid sum, of second order; an independent program missed as much.
+#[test]
+fn without_inertia_the_books_close_with_the_square_of_the_step() {
+    for (n, known) in [(80, 1.5e-7), (160, 3.75e-8), (320, 1.0e-8), (640, 2.2e-9)] {
+        let found = defect(BackendKind::QuasiStatic, n).abs();
+        // Printed with two digits, and the onset lies anywhere in a step.
+        assert!((found / known - 1.0).abs() < 0.15, "{n}: {found:e}");
+    }
+}
+
+/// The implicit step takes energy from every swing: numerical damping, of first order.
+#[test]
+fn with_inertia_the_step_takes_energy_in_first_order() {
+    for kind in WITH_INERTIA {
+        let defects = [8_000, 16_000].map(|n| defect(kind, n));
+        assert!(defects[1] < 0.0 && (defects[0] / defects[1] - 2.0).abs() < 0.1, "{kind:?} {defects:?}");
+    }
+}
+
+#[test]
+fn friction_and_dashpots_never_give_energy_back() {
+    for kind in BackendKind::ALL {
+        for damping_ratio in [0.0, 0.3] {
+            let springs = paper_springs(4).into_iter().map(|spring| PolarSpring { damping_ratio, ..spring });
+            let mut run = backend(kind, &paper_system(springs.collect()), at_rest(), 1e-3);
+            let (mut last, mut least) = (run.energy(), 0.0f64);
+            walk(run.as_mut(), 4, 3e-5, 11, 3000, |run| {
+                let energy = run.energy();
+                least = least.min(energy.friction - last.friction).min(energy.damping - last.damping);
+                last = energy;
+            });
+            // A load that stands in the engine has speeds of rounding, of any sign: 22 mN over less than a femtometre.
+            assert!(least >= if kind == BackendKind::Rapier { -1e-17 } else { 0.0 }, "{kind:?}: {least:e}");
+            assert!(last.friction > 1e-5 && last.released > 0.0, "{kind:?} {last:?}");
+            assert_eq!(last.damping > 0.0, damping_ratio > 0.0 && kind != BackendKind::QuasiStatic);
+        }
+    }
+}

@@ -1,0 +1,610 @@
+//! The program as its users meet it: exit codes, what stands on standard output, what lies in an output folder, and that nothing is written when the
+//! input is wrong.
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+
+use assert_cmd::Command;
+use cohaul::scenario::Scenario;
+use serde_json::{Value, json};
+use tempfile::{TempDir, tempdir};
+
+const BACKENDS: [&str; 3] = ["quasi-static", "inertial", "rapier"];
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_cohaul"))
+}
+
+fn call(args: &[&str]) -> Output {
+    program().args(args).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+/// The one JSON object on standard output; `from_str` refuses anything after it.
+fn json_of(args: &[&str]) -> Value {
+    let output = call(args);
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {}", text(&output.stderr));
+    let value: Value = serde_json::from_str(text(&output.stdout)).unwrap_or_else(|error| panic!("{args:?}: {error}"));
+    assert!(value.is_object());
+    value
+}
+
+/// Exit code 2, nothing on standard output, and a text with all of `words`.
+fn refused(args: &[&str], words: &[&str]) {
+    let output = call(args);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {error}");
+    assert_eq!(text(&output.stdout), "", "{args:?}");
+    assert!(words.iter().all(|word| error.contains(word)), "{args:?}: {error}");
+    assert!(!error.contains("panicked"), "{error}");
+}
+
+fn scenarios() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")
+}
+
+fn every_scenario() -> Vec<PathBuf> {
+    let list = |folder: &Path| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect::<Vec<_>>();
+    let mut files: Vec<_> = list(&scenarios()).iter().filter(|path| path.is_dir()).flat_map(|folder| list(folder)).collect();
+    files.sort();
+    assert!(files.len() >= 26, "{files:?}");
+    files
+}
+
+/// A folder with scenario files to run.
+struct Room {
+    folder: TempDir,
+}
+
+impl Room {
+    fn new() -> Self {
+        Self { folder: tempdir().unwrap() }
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().unwrap().to_owned()
+    }
+
+    fn write(&self, name: &str, content: &str) -> String {
+        fs::write(self.path(name), content).unwrap();
+        self.path(name)
+    }
+
+    /// A copy of a shipped scenario, lasting no longer than `most_s`.
+    fn shortened(&self, name: &str, most_s: f64) -> String {
+        let mut file: Value = serde_json::from_str(&fs::read_to_string(scenarios().join(name)).unwrap()).unwrap();
+        let duration = file["duration_s"].as_f64().unwrap().min(most_s);
+        file["duration_s"] = duration.into();
+        self.write(&name.replace('/', "-"), &file.to_string())
+    }
+
+    fn four_ants(&self, duration_s: f64) -> String {
+        self.shortened("paper/four-ants-four-springs.json", duration_s)
+    }
+
+    /// A tip that is grasped, turns, and is let go, over 17.3 control periods.
+    fn tips(&self) -> String {
+        let file = json!({
+            "name": "one tip", "duration_s": 0.173, "control_period_s": 0.01, "seed": 7,
+            "load": { "mass_kg": 0.0016, "radius_m": 0.0122 },
+            "ground": { "friction_coefficient": 1.4, "supports": { "tripod": { "radius_m": 0.008 } } },
+            "springs": [{ "ring": { "n": 2, "radius_m": 0.0122, "rest_length_m": 0.0263, "radial_stiffness_n_per_m": 0.664,
+                "torsional_stiffness_nm_per_rad": 4.52e-4 } }],
+            "drive": { "kind": "tips", "paths": [
+                { "spring": 0, "waypoints": [[0.0, 0.0385, 0.0], [0.0555, 0.09, 0.01], [0.15, 0.1, 0.02]], "release_s": 0.12 } ] }
+        });
+        self.write("tips.json", &file.to_string())
+    }
+
+    fn names(&self) -> Vec<String> {
+        names(self.folder.path())
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn number(value: &Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer} in {value}"))
+}
+
+/// Pointers to all nulls.
+fn nulls(value: &Value, pointer: &str) -> Vec<String> {
+    match value {
+        Value::Null => vec![pointer.to_owned()],
+        Value::Object(fields) => fields.iter().flat_map(|(key, value)| nulls(value, &format!("{pointer}/{key}"))).collect(),
+        Value::Array(items) => items.iter().enumerate().flat_map(|(i, value)| nulls(value, &format!("{pointer}/{i}"))).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// What `run --json` promises for every drive; returns nothing that is not sane.
+fn assert_run(value: &Value, backend: &str, scenario: &Scenario) {
+    assert_eq!(value["scenario"], scenario.name);
+    assert_eq!(value["backend"], backend);
+    assert_eq!(value["seed"], scenario.seed);
+    let of = |pointer: &str| number(value, pointer);
+    let end = of("/final/time_s");
+    // Ants end earlier when they arrive.
+    assert!(end > 0.0 && end <= scenario.duration, "{end}");
+    for pointer in ["/final/position_m/0", "/final/position_m/1", "/final/heading_rad", "/final/turn_rate_rad_per_s"] {
+        of(pointer);
+    }
+    assert_eq!(value["final"]["velocity_m_per_s"].as_array().map(Vec::len), Some(2));
+    for pointer in ["/energy/elastic_j", "/energy/kinetic_j", "/energy/dissipated_j"] {
+        // Nobody gives energy back to the ground; rounding of a sum of terms around a millijoule.
+        assert!(of(pointer) >= -1e-12, "{pointer}: {}", of(pointer));
+    }
+    // Without inertia there is no kinetic energy, however fast the load starts.
+    assert!(backend != "quasi-static" || (of("/energy/kinetic_j") == 0.0 && of("/energy/initial_j") == 0.0));
+    let _ = (of("/energy/tip_work_j"), of("/energy/defect_j"));
+    let (n_steps, n_skipped, n_bad) = (of("/steps/n_steps"), of("/steps/n_skipped"), of("/steps/n_not_converged"));
+    assert!(n_steps >= (end / scenario.control_period).floor() && n_skipped <= n_steps && n_bad <= n_steps);
+    let _ = of("/steps/n_solves");
+    assert_eq!(value["steps"]["status"] == "converged", n_bad == 0.0);
+    assert!(of("/wall_s") > 0.0 && of("/wall_s") < 600.0);
+    let allowed: &[&str] = if value["arrived"] == false { &["/time_to_nest_s"] } else { &[] };
+    assert_eq!(nulls(value, ""), allowed);
+}
+
+#[test]
+fn every_shipped_scenario_runs_on_every_backend() {
+    let room = Room::new();
+    for file in every_scenario() {
+        let name = file.strip_prefix(scenarios()).unwrap().to_str().unwrap();
+        let short = room.shortened(name, 3.0);
+        let scenario = Scenario::read(short.as_ref()).unwrap();
+        for backend in BACKENDS {
+            let value = json_of(&["run", &short, "--json", "--backend", backend]);
+            assert_run(&value, backend, &scenario);
+            assert_eq!(number(&value, "/steps/n_not_converged"), 0.0, "{name} {backend}");
+        }
+    }
+}
+
+#[test]
+fn run_json_says_what_ants_did() {
+    let room = Room::new();
+    let late = json_of(&["run", &room.four_ants(8.0), "--json"]);
+    assert_eq!((&late["arrived"], &late["time_to_nest_s"]), (&json!(false), &Value::Null));
+    let file = scenarios().join("paper/five-ants-ten-springs.json");
+    let scenario = Scenario::read(&file).unwrap();
+    let out = room.path("out");
+    let value = json_of(&["run", file.to_str().unwrap(), "--json", "--out", &out]);
+    assert_eq!(value["arrived"], true);
+    assert_eq!(value["time_to_nest_s"], value["final"]["time_s"]);
+    assert!(number(&value, "/time_to_nest_s") < scenario.duration);
+    let pull = &value["pull_force_n"];
+    let [mean, sd, max] = ["/mean", "/sd", "/max"].map(|key| number(pull, key));
+    // Ants of millinewtons.
+    assert!(0.0 < mean && mean < max && 0.0 < sd && max < 0.1, "{pull}");
+    assert!(pull["n"].as_u64().is_some_and(|n| n > 2));
+    let rows = rows_of(&out, scenario.control_period, number(&value, "/time_to_nest_s"));
+    let to_nest = |row: &[f64]| (row[1] - 0.2).hypot(row[2] + 0.17);
+    let [before, last] = [2, 1].map(|back| to_nest(&rows[rows.len() - back]));
+    assert!(last <= 0.01 && before > 0.01, "the first row within the radius is the last: {before} {last}");
+}
+
+/// Rows of `trace.csv` after checking columns and times: every tick up to `end` (s), then the end itself.
+fn rows_of(folder: &str, control_period: f64, end: f64) -> Vec<Vec<f64>> {
+    let table = fs::read_to_string(Path::new(folder).join("trace.csv")).unwrap();
+    let mut lines = table.lines();
+    let contract = "time_s,x_m,y_m,heading_rad,vx_m_per_s,vy_m_per_s,turn_rate_rad_per_s,";
+    assert!(lines.next().unwrap().starts_with(contract));
+    let seven = |line: &str| line.split(',').take(7).map(|field| field.parse().unwrap()).collect::<Vec<f64>>();
+    let rows: Vec<_> = lines.map(seven).collect();
+    for (tick, row) in rows[..rows.len() - 1].iter().enumerate() {
+        assert_eq!(row[0], tick as f64 * control_period);
+        assert!(row.iter().all(|value| value.is_finite()));
+    }
+    assert_eq!(rows.last().unwrap()[0], end);
+    // No tick is missing before the end, and the end is there once.
+    assert_eq!(rows.len(), (end / control_period - 1e-9).ceil() as usize + 1);
+    rows
+}
+
+#[test]
+fn run_out_writes_every_tick_and_the_exact_end() {
+    let room = Room::new();
+    let file = room.tips();
+    for backend in BACKENDS {
+        let out = room.path(backend);
+        let value = json_of(&["run", &file, "--backend", backend, "--json", "--out", &out]);
+        assert_eq!(names(out.as_ref()), ["events.csv", "manifest.json", "overview.svg", "summary.json", "trace.csv"]);
+        let rows = rows_of(&out, 0.01, 0.173);
+        let end = rows.last().unwrap();
+        let final_of = |pointer: &str| number(&value["final"], pointer);
+        assert_eq!(end[1..4], [final_of("/position_m/0"), final_of("/position_m/1"), final_of("/heading_rad")]);
+        assert_eq!(end[4..7], [final_of("/velocity_m_per_s/0"), final_of("/velocity_m_per_s/1"), final_of("/turn_rate_rad_per_s")]);
+        assert!(end[1] > 1e-3, "the load moved");
+        let read = |name: &str| fs::read_to_string(Path::new(&out).join(name)).unwrap();
+        assert_eq!(serde_json::from_str::<Value>(&read("summary.json")).unwrap(), value);
+        assert!(read("overview.svg").trim_end().ends_with("</svg>"));
+        assert_eq!(read("events.csv").lines().count(), 3, "a head, a grasp and a release");
+        let manifest: Value = serde_json::from_str(&read("manifest.json")).unwrap();
+        let scenario = Scenario::read(file.as_ref()).unwrap();
+        assert_eq!((&manifest["scenario_sha256"], &manifest["seed"]), (&json!(scenario.hash()), &json!(7)));
+        assert_eq!(manifest["backend"]["kind"], backend);
+        assert_eq!(manifest["command_line"].as_array().map(Vec::len), Some(8));
+        // The scenario as run is a scenario, and the same one.
+        assert_eq!(Scenario::parse(&manifest["scenario"].to_string(), "manifest").unwrap().hash(), scenario.hash());
+    }
+}
+
+#[test]
+fn only_an_earlier_output_is_replaced() {
+    let room = Room::new();
+    let (file, out) = (room.tips(), room.path("out"));
+    json_of(&["run", &file, "--json", "--out", &out]);
+    json_of(&["run", &file, "--json", "--out", &out, "--backend", "rapier"]);
+    json_of(&["compare", &file, "--json", "--out", &out]);
+    fs::write(Path::new(&out).join("thesis.txt"), "mine").unwrap();
+    for command in ["run", "compare"] {
+        refused(&[command, &file, "--out", &out], &["thesis.txt", "not part of the earlier output"]);
+        refused(&[command, &file, "--out", &file], &["is a file"]);
+    }
+    let foreign = room.path("foreign");
+    fs::create_dir(&foreign).unwrap();
+    fs::write(Path::new(&foreign).join("a.txt"), "mine").unwrap();
+    refused(&["run", &file, "--out", &foreign], &["is not empty"]);
+    assert_eq!(names(foreign.as_ref()), ["a.txt"]);
+    assert_eq!(room.names(), ["foreign", "out", "tips.json"], "nothing else is left beside them");
+}
+
+#[test]
+fn a_wrong_scenario_writes_nothing() {
+    let room = Room::new();
+    let good: Value = serde_json::from_str(&fs::read_to_string(room.tips()).unwrap()).unwrap();
+    let mut bad = good.clone();
+    bad["load"]["mass_kg"] = json!(-1);
+    bad["speling"] = json!(1);
+    let bad = room.write("bad.json", &bad.to_string());
+    let before = room.names();
+    for command in ["run", "compare"] {
+        refused(&[command, &bad, "--out", &room.path("out"), "--json"], &["bad.json", "load.mass_kg", "must be positive", "-1", "speling"]);
+    }
+    refused(&["scenario", "show", &bad], &["load.mass_kg"]);
+    refused(&["scenario", "check", &bad], &["load.mass_kg"]);
+    assert_eq!(room.names(), before);
+}
+
+#[test]
+fn a_file_that_is_none_is_told_by_name() {
+    let room = Room::new();
+    let folder = room.path("");
+    let not_json = room.write("not.json", "{ \"name\": ");
+    let not_text = room.path("not-text.json");
+    fs::write(&not_text, [0xff, 0xfe, 0x00]).unwrap();
+    for command in [&["run"][..], &["compare"], &["scenario", "show"], &["scenario", "check"]] {
+        let with = |file: &str, words: &[&str]| refused(&[command, &[file]].concat(), words);
+        with(&room.path("missing.json"), &["missing.json", "No such file"]);
+        with(&folder, &[&folder, "directory"]);
+        with(&not_json, &["not.json", "line 1"]);
+        with(&not_text, &["not-text.json"]);
+        with(&room.write("list.json", "[]"), &["list.json"]);
+        with(&room.write("empty.json", ""), &["empty.json"]);
+    }
+}
+
+#[test]
+fn one_wrong_file_among_good_ones_makes_a_check_fail() {
+    let room = Room::new();
+    let (good, bad) = (room.tips(), room.write("bad.json", "{}"));
+    let output = call(&["scenario", "check", &good, &bad, &good]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(text(&output.stdout).lines().count(), 2);
+    assert!(text(&output.stderr).contains("bad.json"));
+}
+
+#[test]
+fn nonsense_on_the_command_line_is_usage() {
+    let room = Room::new();
+    let file = room.tips();
+    for command in ["run", "compare"] {
+        for step in ["0", "-1", "nan", "inf", "-inf", "abc", "", "1e-400"] {
+            refused(&[command, &file, &format!("--step-s={step}")], &["--step-s", "must be"]);
+        }
+        for seed in ["-1", "1.5", "x", "18446744073709551616"] {
+            refused(&[command, &file, &format!("--seed={seed}")], &["--seed"]);
+        }
+        refused(&[command, &file, "--friction", "sticky"], &["--friction", "aligned"]);
+        refused(&[command], &["SCENARIO"]);
+    }
+    refused(&["run", &file, "--backend", "bullet"], &["--backend", "quasi-static", "inertial", "rapier"]);
+    refused(&["run", &file, "--stop-s", "0.1"], &["--state"]);
+    refused(&["compare", &file, "--seeds", "0"], &["--seeds", "at least 1"]);
+    refused(&["compare", &file, "--agreement", "0"], &["--agreement", "must be positive"]);
+    refused(&[], &["Usage"]);
+    refused(&["fly"], &["fly"]);
+    assert_eq!(room.names(), ["tips.json"]);
+}
+
+#[test]
+fn all_commands_print_help_and_exit_codes_are_told() {
+    for command in [&[][..], &["run"], &["compare"], &["scenario"], &["scenario", "show"], &["scenario", "check"], &["scenario", "schema"]]
+    {
+        for flag in ["-h", "--help"] {
+            let output = call(&[command, &[flag]].concat());
+            assert_eq!(output.status.code(), Some(0), "{command:?}");
+            assert!(text(&output.stdout).contains("Usage: cohaul"), "{command:?}");
+            assert!(output.stderr.is_empty());
+        }
+    }
+    assert!(text(&call(&["--help"]).stdout).contains("Exit codes: 0 done"));
+    assert!(text(&call(&["--version"]).stdout).starts_with("cohaul "));
+}
+
+#[test]
+fn the_seed_of_the_command_line_beats_the_scenarios() {
+    let room = Room::new();
+    let mut file: Value = serde_json::from_str(&fs::read_to_string(room.four_ants(4.0)).unwrap()).unwrap();
+    file["seed"] = json!(3);
+    let seeded = room.write("seeded.json", &file.to_string());
+    let end = |args: &[&str]| {
+        let value = json_of(&[&["run", &seeded, "--json"], args].concat());
+        (value["seed"].clone(), value["final"].clone())
+    };
+    let (own, other) = (end(&[]), end(&["--seed", "4"]));
+    assert_eq!((&own.0, &other.0), (&json!(3), &json!(4)));
+    assert_ne!(own.1, other.1);
+    assert_eq!(own, end(&["--seed", "3"]));
+    // Seeds are whole 64-bit numbers, not floats.
+    assert_eq!(end(&["--seed", "18446744073709551615"]).0, json!(u64::MAX));
+}
+
+/// All but how long it took.
+fn without_wall_time(mut value: Value) -> Value {
+    assert!(value.as_object_mut().unwrap().remove("wall_s").is_some());
+    value
+}
+
+#[test]
+fn an_interrupted_run_goes_on_to_the_same_result() {
+    let room = Room::new();
+    let (ants, tips) = (room.four_ants(3.0), room.tips());
+    for (file, stops) in [(&ants, ["1.3", "2.1"]), (&tips, ["0.02", "0.1201"])] {
+        for backend in BACKENDS {
+            let state = room.path("state.json");
+            let plain = ["run", file, "--json", "--backend", backend];
+            for stop in stops {
+                let output = call(&[&plain[..], &["--state", &state, "--stop-s", stop]].concat());
+                assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+                assert!(output.stdout.is_empty() && text(&output.stderr).contains("goes on from"));
+                assert!(Path::new(&state).exists());
+            }
+            let resumed = json_of(&[&plain[..], &["--state", &state]].concat());
+            assert_eq!(without_wall_time(resumed), without_wall_time(json_of(&plain)), "{backend}");
+            assert!(!Path::new(&state).exists(), "a run that is done leaves no state");
+        }
+    }
+    assert_eq!(room.names().len(), 2, "{:?}", room.names());
+}
+
+#[test]
+fn an_interrupted_run_with_files_writes_the_whole_trace() {
+    let room = Room::new();
+    let (file, state) = (room.tips(), room.path("state.json"));
+    let [whole, resumed] = ["whole", "resumed"].map(|name| room.path(name));
+    json_of(&["run", &file, "--json", "--out", &whole]);
+    let output = call(&["run", &file, "--out", &resumed, "--state", &state, "--stop-s", "0.1"]);
+    assert_eq!(output.status.code(), Some(130));
+    assert!(!Path::new(&resumed).exists(), "half a run writes no folder");
+    json_of(&["run", &file, "--json", "--out", &resumed, "--state", &state]);
+    for name in ["trace.csv", "events.csv"] {
+        let read = |folder: &str| fs::read_to_string(Path::new(folder).join(name)).unwrap();
+        assert_eq!(read(&resumed), read(&whole), "{name}");
+    }
+}
+
+/// A run that kept no rows cannot be resumed into a folder with all of them.
+#[test]
+fn a_state_without_rows_is_not_passed_off_as_a_whole_trace() {
+    let room = Room::new();
+    let (file, state, out) = (room.tips(), room.path("state.json"), room.path("out"));
+    assert_eq!(call(&["run", &file, "--state", &state, "--stop-s", "0.1"]).status.code(), Some(130));
+    refused(&["run", &file, "--state", &state, "--out", &out], &["state.json", "kept no trace"]);
+    assert!(Path::new(&state).exists() && !Path::new(&out).exists());
+}
+
+#[test]
+fn a_state_that_does_not_fit_is_refused_and_kept() {
+    let room = Room::new();
+    let (file, state) = (room.tips(), room.path("state.json"));
+    assert_eq!(call(&["run", &file, "--state", &state, "--stop-s", "0.05"]).status.code(), Some(130));
+    let good = fs::read_to_string(&state).unwrap();
+    let with = |more: &[&str], words: &[&str]| {
+        refused(&[&["run", &file, "--state", &state], more].concat(), words);
+        assert_eq!(fs::read_to_string(&state).unwrap(), good);
+    };
+    with(&["--seed", "8"], &["state.json", "saved from the scenario"]);
+    with(&["--backend", "rapier"], &["state.json", "quasi-static", "rapier"]);
+    with(&["--step-s", "0.001"], &["state.json", "0.001"]);
+    for garbage in ["", "{", "[]", "{\"tick\": 3}", &good[..good.len() / 2]] {
+        fs::write(&state, garbage).unwrap();
+        refused(&["run", &file, "--state", &state], &["state.json", "not a saved run"]);
+        assert_eq!(fs::read_to_string(&state).unwrap(), garbage);
+    }
+    refused(&["run", &file, "--state", &room.path("")], &["directory"]);
+}
+
+/// What a pathwise tier promises.
+fn assert_pathwise(tier: &Value) {
+    for part in ["inertia_effect", "engine_error", "own_error"] {
+        for (max, last) in [("position_max_m", "position_final_m"), ("heading_max_rad", "heading_final_rad")] {
+            let (max, last) = (number(&tier[part], &format!("/{max}")), number(&tier[part], &format!("/{last}")));
+            assert!(0.0 <= last && last <= max, "{part}: {last} {max}");
+        }
+    }
+    assert!(number(tier, "/numbers/zeta") >= 0.0);
+    let frictionless = tier["numbers"]["epsilon"].is_null();
+    assert!(frictionless || number(tier, "/numbers/epsilon") >= 0.0 && number(tier, "/predicted/while_driven_m") >= 0.0);
+    assert!(tier["numbers"]["phi"].is_null() || number(tier, "/numbers/phi") > 0.0);
+    assert!(tier["predicted"]["quasi_static_is_sound"].is_boolean());
+    assert!(["agree", "differ by inertia", "differ by the engine", "below own error"].contains(&tier["verdict"].as_str().unwrap()));
+    let parting = tier["first_parting"].as_object().unwrap();
+    assert!(parting.contains_key("by_inertia") && parting.contains_key("by_engine"));
+    for parting in parting.values().filter(|parting| !parting.is_null()) {
+        assert!(number(parting, "/time_s") > 0.0 && parting.get("after").is_some());
+    }
+    let allowed = [
+        "/numbers/phi",
+        "/numbers/epsilon",
+        "/predicted/while_driven_m",
+        "/predicted/where_tips_stop_m",
+        "/predicted/coasting_m",
+        "/first_parting/by_inertia",
+        "/first_parting/by_engine",
+        "/after",
+        "/after/spring",
+    ];
+    let nulls = nulls(tier, "");
+    assert!(nulls.iter().all(|pointer| allowed.iter().any(|end| pointer.ends_with(end))), "{nulls:?}");
+}
+
+fn assert_closed_loop(tier: &Value, n_seeds: u64) {
+    assert_eq!(tier["n_seeds"], n_seeds);
+    assert!(["agree", "differ by inertia", "differ by the engine", "decorrelated"].contains(&tier["verdict"].as_str().unwrap()));
+    let measures = tier["measures"].as_array().unwrap();
+    let names: Vec<_> = measures.iter().map(|measure| measure["name"].as_str().unwrap()).collect();
+    for name in ["time_to_nest_s", "mean_speed_m_per_s", "pull_mean_n", "n_transporting"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    for measure in measures {
+        for part in ["quasi_static", "inertial", "rapier", "inertia_effect", "engine_error"] {
+            assert!(number(&measure[part], "/n") <= n_seeds as f64 && number(&measure[part], "/sd") >= 0.0);
+            let interval = &measure[part]["mean_interval_95"];
+            assert!(interval.is_null() || number(interval, "/low") <= number(interval, "/high"));
+        }
+    }
+    let allowed = ["/mean_interval_95", "/quasi_static_s", "/rapier_s"];
+    let nulls = nulls(tier, "");
+    assert!(nulls.iter().all(|pointer| allowed.iter().any(|end| pointer.ends_with(end))), "{nulls:?}");
+}
+
+#[test]
+fn every_shipped_scenario_compares() {
+    let room = Room::new();
+    for file in every_scenario() {
+        let name = file.strip_prefix(scenarios()).unwrap().to_str().unwrap();
+        // A thousand springs cost a hundred times as much as four.
+        let most_s = if name.contains("thousand") { 0.1 } else { 2.0 };
+        let value = json_of(&["compare", &room.shortened(name, most_s), "--json", "--seeds", "2"]);
+        let tiers: Vec<_> = value["tiers"].as_object().unwrap().keys().map(String::as_str).collect();
+        if name.contains("ants-") || name.contains("one-ant") {
+            assert_eq!(tiers, ["closed_loop", "replayed"], "{name}");
+            assert_pathwise(&value["tiers"]["replayed"]);
+            assert_closed_loop(&value["tiers"]["closed_loop"], 2);
+        } else {
+            assert_eq!(tiers, ["prescribed"], "{name}");
+            assert_pathwise(&value["tiers"]["prescribed"]);
+        }
+        assert!(number(&value, "/wall_s") > 0.0 && value["seed"].is_u64() && value["scenario"].is_string());
+    }
+}
+
+#[test]
+fn compare_finds_differences_and_writes_every_tier() {
+    let room = Room::new();
+    let (ants, tips, out) = (room.four_ants(4.0), room.tips(), room.path("out"));
+    let value = json_of(&["compare", &tips, "--json", "--out", &out]);
+    // A release under load parts a run with inertia from one without.
+    assert!(number(&value, "/tiers/prescribed/inertia_effect/position_max_m") > 1e-4);
+    assert!(names(out.as_ref()).contains(&"overview-prescribed.svg".to_owned()));
+    for backend in BACKENDS {
+        rows_of_tier(&out, "prescribed", backend, 0.01, 0.173);
+    }
+    let value = json_of(&["compare", &ants, "--json", "--seeds", "2", "--out", &out]);
+    assert_pathwise(&value["tiers"]["replayed"]);
+    assert!(number(&value, "/tiers/replayed/inertia_effect/position_max_m") > 1e-6);
+    for tier in ["replayed", "closed-loop"] {
+        for backend in BACKENDS {
+            rows_of_tier(&out, tier, backend, 0.0025, 4.0);
+        }
+    }
+    assert!(!names(out.as_ref()).iter().any(|name| name.contains("prescribed")), "an earlier output is gone as a whole");
+    let one = json_of(&["compare", &ants, "--json", "--seeds", "1", "--tier", "closed-loop"]);
+    assert_eq!(one["tiers"].as_object().unwrap().len(), 1);
+    assert_eq!(one["tiers"]["closed_loop"]["verdict"], "decorrelated", "one seed says nothing of means");
+}
+
+fn rows_of_tier(folder: &str, tier: &str, backend: &str, control_period: f64, end: f64) {
+    let room = tempdir().unwrap();
+    fs::copy(Path::new(folder).join(format!("trace-{tier}-{backend}.csv")), room.path().join("trace.csv")).unwrap();
+    rows_of(room.path().to_str().unwrap(), control_period, end);
+}
+
+#[test]
+fn a_tier_that_the_drive_does_not_have_is_refused() {
+    let room = Room::new();
+    let (ants, tips) = (room.four_ants(1.0), room.tips());
+    refused(&["compare", &tips, "--tier", "replayed"], &["--tier"]);
+    refused(&["compare", &tips, "--tier", "closed-loop"], &["--tier"]);
+    refused(&["compare", &ants, "--tier", "prescribed"], &["--tier"]);
+    refused(&["compare", &ants, "--tier", "replayed", "--tier", "prescribed"], &["--tier"]);
+    refused(&["compare", &ants, "--tier", "best"], &["--tier", "replayed", "closed-loop"]);
+}
+
+#[test]
+fn what_show_prints_is_the_same_scenario() {
+    let room = Room::new();
+    let schema = json_of(&["scenario", "schema"]);
+    let validator = jsonschema::validator_for(&schema).unwrap();
+    for file in every_scenario() {
+        let path = file.to_str().unwrap();
+        let hash = Scenario::read(&file).unwrap().hash();
+        let shown = json_of(&["scenario", "show", path]);
+        assert!(validator.is_valid(&shown), "{path}");
+        let again = room.write("again.json", &shown.to_string());
+        assert_eq!(Scenario::read(again.as_ref()).unwrap().hash(), hash, "{path}");
+        assert_eq!(json_of(&["scenario", "show", &again]), shown, "{path}");
+        let output = call(&["scenario", "check", path]);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(text(&output.stdout).contains(&hash) && output.stderr.is_empty());
+    }
+}
+
+#[test]
+fn a_table_is_for_people_and_stands_on_standard_output_alone() {
+    let room = Room::new();
+    let (ants, tips) = (room.four_ants(2.0), room.tips());
+    for args in [&["run", &tips][..], &["run", &ants], &["compare", &tips], &["compare", &ants, "--seeds", "2"]] {
+        let output = call(args);
+        assert_eq!(output.status.code(), Some(0));
+        // Progress is for terminals.
+        assert_eq!(text(&output.stderr), "", "{args:?}");
+        assert!(serde_json::from_str::<Value>(text(&output.stdout)).is_err());
+        assert!(text(&output.stdout).lines().count() > 8);
+        assert!(!text(&output.stdout).contains("NaN") && !text(&output.stdout).contains("inf "));
+    }
+}
+
+/// As `| head -1` does: more is printed than a pipe holds, and nobody reads on.
+#[test]
+fn a_reader_that_has_seen_enough_is_no_failure() {
+    let many = scenarios().join("stress/thousand-springs.json");
+    for args in [&["scenario", "show", many.to_str().unwrap()][..], &["scenario", "schema"], &["run", many.to_str().unwrap(), "--json"]] {
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_cohaul"))
+            .args(args)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut first = [0];
+        let mut out = child.stdout.take().unwrap();
+        if args[0] == "scenario" {
+            out.read_exact(&mut first).unwrap();
+        }
+        drop(out);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{args:?}");
+        assert_eq!(text(&output.stderr), "", "{args:?}");
+    }
+}
