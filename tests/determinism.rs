@@ -39,7 +39,10 @@ fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     let usual = RapierOptions::default();
     let aggregate = RapierOptions { springs: SpringModel::Aggregate, ..usual };
     let single = RapierOptions { precision: Precision::F32, ..usual };
-    let of = |(kind, rapier)| BackendOptions { kind, step_s: default_step(kind, &scenario.system, scenario.control_period), rapier };
+    let of = |(kind, rapier)| BackendOptions {
+        rapier,
+        ..BackendOptions::new(kind, default_step(kind, &scenario.system, scenario.control_period))
+    };
     let engines = [usual, aggregate, single].map(|rapier| of((BackendKind::Rapier, rapier)));
     [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| of((kind, usual))).into_iter().chain(engines).collect()
 }
@@ -82,7 +85,7 @@ fn two_runs_of_one_seed_are_one_bit_for_bit() {
 #[test]
 fn another_seed_is_another_run_of_ants_and_the_same_run_of_tips() {
     for kind in BackendKind::ALL {
-        let of = |scenario: &Scenario| trace(scenario, &BackendOptions { kind, step_s: 1e-3, rapier: RapierOptions::default() });
+        let of = |scenario: &Scenario| trace(scenario, &BackendOptions::new(kind, 1e-3));
         assert_ne!(of(&four_ants(3.0, 1)).events, of(&four_ants(3.0, 2)).events);
         assert_eq!(of(&busy_tips()), of(&Scenario { seed: 2, ..busy_tips() }));
     }

@@ -15,9 +15,9 @@
 use super::friction::FrictionSolver;
 use super::held::HeldSprings;
 use super::{Status, StepReport};
-use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
+use crate::math::{Mat2, Mat3, Pose, Twist, Vec2, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
 use crate::model::support::slip_velocity;
-use crate::model::{Ground, PolarSpring, Reaction};
+use crate::model::{Ground, Load, PolarSpring, Reaction};
 
 /// What the increment is to minimise, besides friction.
 pub struct Potential<'a> {
@@ -27,6 +27,27 @@ pub struct Potential<'a> {
     pub springs: &'a [(&'a [PolarSpring], &'a HeldSprings)],
     /// `None` neglects inertia.
     pub inertia: Option<Coasting>,
+    /// Where on the way the springs act.
+    pub springs_at: Stage,
+}
+
+/// The increment at which springs are evaluated while the load's own is x: offset + share x. Their energy counts over the share, so that its derivative by
+/// x is the force there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// Body-twist increment (m, m, rad).
+    pub offset: Vec3,
+    /// (1)
+    pub share: f64,
+}
+
+impl Stage {
+    /// The end of the step.
+    pub const END: Stage = Stage { offset: Vec3::new(0.0, 0.0, 0.0), share: 1.0 };
+
+    fn of(&self, twist: &Vec3) -> Vec3 {
+        self.offset + self.share * twist
+    }
 }
 
 /// The inertia of the load as a spring to where it would coast. Shift and turn, not a pose: over a short step the difference of two poses
@@ -101,21 +122,25 @@ pub fn friction_loss(ground: &Ground, twist: &Vec3) -> f64 {
 impl Potential<'_> {
     /// Energy (J), gradient and Hessian by the body-twist increment, at the increment `twist`.
     fn at(&self, twist: &Vec3) -> Reaction {
-        let pose = self.start.moved_by(twist);
-        let mut world = Reaction::ZERO;
+        let (stage, share) = (self.springs_at.of(twist), self.springs_at.share);
+        let pose = self.start.moved_by(&stage);
+        let mut elastic = Reaction::ZERO;
         for (springs, held) in self.springs {
-            world.add(&held.reaction(springs, &pose));
+            elastic.add(&held.reaction(springs, &pose));
         }
+        let mut sum = in_body_increments(&elastic, self.start.heading, &stage);
+        sum.energy /= share;
+        sum.hessian *= share;
         if let Some(coasting) = &self.inertia {
-            world.add(&coasting.reaction(&self.start, twist));
+            sum.add(&in_body_increments(&coasting.reaction(&self.start, twist), self.start.heading, twist));
         }
-        in_body_increments(&world, self.start.heading, twist)
+        sum
     }
 
     fn energy(&self, twist: &Vec3) -> f64 {
-        let pose = self.start.moved_by(twist);
+        let pose = self.start.moved_by(&self.springs_at.of(twist));
         let elastic: f64 = self.springs.iter().map(|(springs, held)| held.energy(springs, &pose)).sum();
-        elastic + self.inertia.map_or(0.0, |coasting| coasting.reaction(&self.start, twist).energy)
+        elastic / self.springs_at.share + self.inertia.map_or(0.0, |coasting| coasting.reaction(&self.start, twist).energy)
     }
 }
 
@@ -132,6 +157,15 @@ impl Reaction {
 }
 
 impl Coasting {
+    /// Of a load with `twist` over `step` (s).
+    pub fn of(load: &Load, twist: &Twist, step: f64) -> Self {
+        Self {
+            shift: step * twist.linear,
+            turn: step * twist.angular,
+            stiffness: (load.mass / (step * step), load.inertia / (step * step)),
+        }
+    }
+
     /// Energy and its derivatives by the load's pose, at the increment `twist` from `start`.
     fn reaction(&self, start: &Pose, twist: &Vec3) -> Reaction {
         let (linear, angular) = self.stiffness;

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 
+pub use inertial::Integrator;
 pub use rapier::RapierOptions;
 
 /// Where the load is and how it moves, in world axes.
@@ -190,7 +191,16 @@ pub struct BackendOptions {
     pub kind: BackendKind,
     /// Longest step (s): a duration is cut into the fewest equal steps that do not exceed it.
     pub step_s: f64,
+    /// Of the inertial backend.
+    pub integrator: Integrator,
     pub rapier: RapierOptions,
+}
+
+impl BackendOptions {
+    /// The usual settings at this longest step (s).
+    pub fn new(kind: BackendKind, step_s: f64) -> Self {
+        Self { kind, step_s, integrator: Integrator::default(), rapier: RapierOptions::default() }
+    }
 }
 
 /// The step (s) for who asks for none: the control period, and with inertia no more than a tenth of a radian of the fastest oscillation (its
@@ -209,7 +219,7 @@ pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> 
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     match options.kind {
         BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system.clone(), start, options.step_s)),
-        BackendKind::Inertial => Box::new(inertial::Inertial::new(system.clone(), start, options.step_s)),
+        BackendKind::Inertial => Box::new(inertial::Inertial::new(system.clone(), start, options.step_s, options.integrator)),
         BackendKind::Rapier => rapier::build(system.clone(), start, options.step_s, &options.rapier),
     }
 }

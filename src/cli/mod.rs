@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
-use crate::backend::{BackendKind, BackendOptions, RapierOptions, RestoreError, default_step};
+use crate::backend::{RapierOptions, RestoreError};
 use crate::report::{FolderError, NotFinite};
 use crate::scenario::{Scenario, ScenarioError};
 
@@ -132,11 +132,6 @@ pub fn main() -> ExitCode {
 fn read_scenario(path: &std::path::Path, seed: Option<u64>) -> Result<Scenario, ScenarioError> {
     let scenario = Scenario::read(path)?;
     Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })
-}
-
-fn backend_options(scenario: &Scenario, kind: BackendKind, step_s: Option<f64>, engine: &EngineArgs) -> BackendOptions {
-    let step_s = step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
-    BackendOptions { kind, step_s, rapier: engine.options() }
 }
 
 /// A step that a user may ask for (s).

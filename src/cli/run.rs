@@ -6,8 +6,8 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
-use super::{CliError, EngineArgs, backend_options, interrupt, print, read_scenario, step};
-use crate::backend::{BackendKind, BackendOptions};
+use super::{CliError, EngineArgs, interrupt, print, read_scenario, step};
+use crate::backend::{BackendKind, BackendOptions, Integrator, default_step};
 use crate::report::figure::Scene;
 use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, run_text, write_run};
 use crate::scenario::Scenario;
@@ -23,6 +23,9 @@ pub struct RunArgs {
     /// Longest step of the backend (s); without it the control period for quasi-static, and a tenth of a radian of the fastest oscillation else
     #[arg(long, value_name = "H", value_parser = step)]
     step_s: Option<f64>,
+    /// How the inertial backend cuts a step
+    #[arg(long, value_name = "METHOD", default_value = "euler")]
+    integrator: Integrator,
     /// Seed of all chance, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -44,7 +47,8 @@ pub struct RunArgs {
 
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
-    let options = backend_options(&scenario, args.backend, args.step_s, &args.engine);
+    let step_s = args.step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
+    let options = BackendOptions { kind: args.backend, step_s, integrator: args.integrator, rapier: args.engine.options() };
     if let Some(out) = &args.out {
         check_target(out)?;
     }

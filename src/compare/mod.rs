@@ -56,6 +56,6 @@ pub struct Settings {
 impl Settings {
     pub fn options(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let step_s = self.step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
-        BackendOptions { kind, step_s, rapier: self.rapier }
+        BackendOptions { rapier: self.rapier, ..BackendOptions::new(kind, step_s) }
     }
 }

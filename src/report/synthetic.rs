@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, RapierOptions, Status, StepReport};
+use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, Status, StepReport};
 use crate::math::{Pose, Summary, Twist, Vec2, direction};
 use crate::simulation::{Event, EventKind, HeldTip, Outcome, Row, Trace};
 
@@ -10,7 +10,7 @@ use crate::simulation::{Event, EventKind, HeldTip, Outcome, Row, Trace};
 const TICK: f64 = 0.025;
 
 pub fn options(kind: BackendKind) -> BackendOptions {
-    BackendOptions { kind, step_s: 2.5e-4, rapier: RapierOptions::default() }
+    BackendOptions::new(kind, 2.5e-4)
 }
 
 pub fn outcome(arrived: Option<bool>) -> Outcome {

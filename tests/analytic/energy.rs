@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use cohaul::backend::{Backend, BackendKind, BackendOptions, RapierOptions, Status};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Status};
 use cohaul::math::{Chance, Stream, Vec2, direction};
 use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
@@ -83,8 +83,7 @@ fn each_step_of_the_scenarios_keeps_within_the_two_bounds() {
             // Five thousand control periods of each.
             let scenario = Scenario { duration: whole.duration.min(5000.0 * whole.control_period), ..whole };
             let (run, found) = Audited::new(&scenario.system, scenario.start);
-            let options =
-                BackendOptions { kind: BackendKind::QuasiStatic, step_s: scenario.control_period, rapier: RapierOptions::default() };
+            let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
             let mut simulation = Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), Box::new(run));
             simulation.run(|_| true);
             check(&path.display().to_string(), &found.borrow());

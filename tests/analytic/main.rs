@@ -11,6 +11,7 @@ mod creep;
 mod energy;
 mod invariance;
 mod limit_surface;
+mod midpoint;
 mod off_centre;
 mod reference;
 mod release;

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::ops::{Add, Mul, Sub};
 
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, RapierOptions, StepReport, build};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, StepReport, build};
 use cohaul::math::{Pose, Twist, Vec2, Vec3, direction};
 use cohaul::model::{Ground, Load, PolarSpring, SupportPoint, System};
 
@@ -79,7 +79,7 @@ pub fn moving(vx: f64, vy: f64, turn_rate: f64) -> Motion {
 }
 
 pub fn backend(kind: BackendKind, system: &System, start: Motion, step: f64) -> Box<dyn Backend> {
-    build(system, start, &BackendOptions { kind, step_s: step, rapier: RapierOptions::default() })
+    build(system, start, &BackendOptions::new(kind, step))
 }
 
 /// Drives the tips of springs 0, 1 ... along `path(t)` through `n` equal pieces up to `duration` (s); grasps at the first point. After each piece

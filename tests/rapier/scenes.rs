@@ -57,7 +57,7 @@ pub fn moving(velocity: Vec2, turn_rate: f64) -> Motion {
 }
 
 pub fn backend(system: &System, start: Motion, step_s: f64, rapier: RapierOptions) -> Box<dyn Backend> {
-    build(system, start, &BackendOptions { kind: BackendKind::Rapier, step_s, rapier })
+    build(system, start, &BackendOptions { rapier, ..BackendOptions::new(BackendKind::Rapier, step_s) })
 }
 
 pub fn with_friction(friction: FrictionModel) -> RapierOptions {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::friction::{FrictionSolver, WarmStart};
 use super::held::{Grip, HeldSprings};
-use super::increment::{Increment, Potential, minimise};
+use super::increment::{Increment, Potential, Stage, minimise};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, n_steps_in};
 use crate::math::{Twist, Vec2, rotation};
 use crate::model::System;
@@ -45,7 +45,8 @@ impl QuasiStatic {
     /// Moves the load to the balance for the tips as they are; `from` are the grips before they moved.
     fn balance(&mut self, from: &[Grip]) -> StepReport {
         let before = self.state.motion.pose;
-        let potential = Potential { start: before, springs: &[(&self.system.springs, &self.state.held)], inertia: None };
+        let potential =
+            Potential { start: before, springs: &[(&self.system.springs, &self.state.held)], inertia: None, springs_at: Stage::END };
         let Increment { twist, friction, mut report } =
             minimise(&potential, &self.system.ground, &mut self.solver, self.system.load.radius);
         let pose = before.moved_by(&twist);

@@ -1,0 +1,207 @@
+//! The reference dynamics: the load's equation of motion with its springs, dashpots and exact Coulomb friction.
+//!
+//! ```text
+//! euler.rs     implicit Euler: the quasi-static step with the mass matrix added; first order
+//! midpoint.rs  springs at the middle of the step, friction at the end velocity; second order while the slip keeps its direction
+//! dashpots.rs  damping as springs about the shape at the start of a step
+//! ```
+//!
+//! Both are unconditionally stable and hold a load that sticks exactly where it is. Euler damps numerically by the ratio omega h / 2 and becomes the
+//! quasi-static step as the mass goes to zero, by the same code; midpoint damps nothing and rings where a step does not resolve an oscillation.
+
+mod dashpots;
+mod euler;
+mod midpoint;
+
+use serde::{Deserialize, Serialize};
+
+use super::friction::{FrictionSolver, WarmStart};
+use super::held::{Grip, HeldSprings};
+use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, n_steps_in};
+use crate::math::{Pose, Twist, Vec2, rotation};
+use crate::model::System;
+use dashpots::Dashpots;
+
+pub struct Inertial {
+    system: System,
+    longest_step: f64,
+    integrator: Integrator,
+    resolving_step: f64,
+    solver: FrictionSolver,
+    state: State,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    motion: Motion,
+    held: HeldSprings,
+    energy: EnergyLedger,
+    /// Force of each spring's dashpot on its tip in the last step (N, world); zero for free ones.
+    dashpot_on_tip: Vec<Vec2>,
+    /// The load stood still through the last step, with tips that did too, and nothing was grasped or let go since.
+    settled: bool,
+    warm_start: WarmStart,
+}
+
+/// How a step is cut from the equation of motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// First order; the quasi-static step in the limit of no mass.
+    #[default]
+    Euler,
+    /// Second order while the slip keeps its direction.
+    Midpoint,
+}
+
+/// One step to take.
+struct Problem<'a> {
+    system: &'a System,
+    start: Motion,
+    /// Grips with their tips at the start of the step.
+    last: &'a [Grip],
+    /// Springs with their tips where the step evaluates them.
+    held: &'a HeldSprings,
+    /// (s)
+    step: f64,
+    /// Longest step that takes a load without damping through a radian of its fastest oscillation (s); zero with damping.
+    resolving_step: f64,
+}
+
+/// One step taken.
+struct Stepped {
+    motion: Motion,
+    /// Pose at which the springs and dashpots acted.
+    stage: Pose,
+    /// Energy lost to friction (J).
+    friction: f64,
+    dashpots: Dashpots,
+    report: StepReport,
+}
+
+impl Inertial {
+    /// `longest_step` in seconds.
+    pub fn new(system: System, start: Motion, longest_step: f64, integrator: Integrator) -> Self {
+        let solver = FrictionSolver::new(&system.ground, system.load.radius);
+        let kinetic = kinetic_energy(&system, &start.twist);
+        let state = State {
+            motion: start,
+            held: HeldSprings::default(),
+            energy: EnergyLedger { kinetic, initial: kinetic, ..EnergyLedger::default() },
+            dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()],
+            settled: false,
+            warm_start: solver.warm_start().clone(),
+        };
+        let is_damped = system.springs.iter().any(|spring| spring.damping_ratio > 0.0);
+        let resolving_step = if is_damped { 0.0 } else { 1.0 / system.fastest_rate() };
+        Self { system, longest_step, integrator, resolving_step, solver, state }
+    }
+
+    /// One step of `step` seconds in which the tips go to where they are a `share` of the way from `from` to `targets`; the last step ended at the share
+    /// `before`.
+    fn step(&mut self, from: &[Grip], targets: &[Vec2], before: f64, share: f64, step: f64) -> StepReport {
+        let last = self.state.held.grips().to_vec();
+        let mut held = self.state.held.clone();
+        let middle = match self.integrator {
+            Integrator::Euler => share,
+            Integrator::Midpoint => 0.5 * (before + share),
+        };
+        held.place_tips(from, targets, middle);
+        let problem =
+            Problem { system: &self.system, start: self.state.motion, last: &last, held: &held, step, resolving_step: self.resolving_step };
+        let Stepped { motion, stage, friction, dashpots, report } = match self.integrator {
+            Integrator::Euler => euler::step(&problem, &mut self.solver),
+            Integrator::Midpoint => midpoint::step(&problem, &mut self.solver),
+        };
+        if !motion.pose.is_finite() || !motion.twist.is_finite() {
+            return StepReport { status: Status::Failed, ..report };
+        }
+        self.state.energy.friction += friction;
+        self.state.energy.damping += dashpots.loss(&stage, step);
+        let springs = &self.system.springs;
+        held.place_tips(from, targets, share);
+        let tips_stood = held.grips().iter().zip(&last).all(|(now, last)| now.tip == last.tip);
+        self.state.energy.tip_work += held.trapezoid_work(springs, &last, &self.state.motion.pose, &motion.pose);
+        for (at, force) in dashpots.forces(&stage).enumerate() {
+            self.state.energy.tip_work -= force.dot(&(held.grips()[at].tip - last[at].tip));
+            self.state.dashpot_on_tip[held.grips()[at].spring] = force;
+        }
+        held.accept(springs, &motion.pose);
+        self.state.settled = tips_stood && motion.twist == Twist::ZERO && self.state.motion.twist == Twist::ZERO;
+        self.state.energy.elastic = held.energy(springs, &motion.pose);
+        self.state.energy.kinetic = kinetic_energy(&self.system, &motion.twist);
+        (self.state.held, self.state.motion) = (held, motion);
+        report
+    }
+}
+
+fn kinetic_energy(system: &System, twist: &Twist) -> f64 {
+    0.5 * system.load.mass * twist.linear.norm_squared() + 0.5 * system.load.inertia * twist.angular * twist.angular
+}
+
+impl Backend for Inertial {
+    fn grasp(&mut self, spring: usize, tip: Vec2) {
+        let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
+        self.state.energy.tip_work += brought;
+        self.state.energy.elastic += brought;
+        self.state.settled = false;
+    }
+
+    fn release(&mut self, spring: usize) {
+        let lost = self.state.held.release(&self.system.springs, spring, &self.state.motion.pose);
+        self.state.energy.released += lost;
+        self.state.energy.elastic = self.state.held.energy(&self.system.springs, &self.state.motion.pose);
+        self.state.dashpot_on_tip[spring] = Vec2::zeros();
+        self.state.settled = false;
+    }
+
+    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        let n_steps = n_steps_in(duration, self.longest_step);
+        if self.state.settled && self.state.held.tips_are_at(tip_targets) {
+            return StepReport { n_steps, n_skipped: n_steps, ..StepReport::default() };
+        }
+        let mut report = StepReport::default();
+        let from = self.state.held.grips().to_vec();
+        let share = |i: u64| i as f64 / n_steps as f64;
+        for i in 1..=n_steps {
+            report.add(&self.step(&from, tip_targets, share(i - 1), share(i), duration / n_steps as f64));
+        }
+        report
+    }
+
+    fn motion(&self) -> Motion {
+        self.state.motion
+    }
+
+    fn tip(&self, spring: usize) -> Option<Vec2> {
+        self.state.held.get(spring).map(|grip| grip.tip)
+    }
+
+    fn force_on_tip(&self, spring: usize) -> Vec2 {
+        self.state.held.force_on_tip(&self.system.springs, spring, &self.state.motion.pose) + self.state.dashpot_on_tip[spring]
+    }
+
+    fn friction_forces(&self) -> Vec<Vec2> {
+        let turn = rotation(self.state.motion.pose.heading);
+        self.solver.forces().iter().map(|force| turn * force).collect()
+    }
+
+    fn energy(&self) -> EnergyLedger {
+        self.state.energy
+    }
+
+    fn save(&self) -> SavedState {
+        SavedState::of(&State { warm_start: self.solver.warm_start().clone(), ..self.state.clone() })
+    }
+
+    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
+        let state: State = state.read()?;
+        state.held.check(&self.system.springs)?;
+        if state.dashpot_on_tip.len() != self.system.springs.len() {
+            return Err(RestoreError(format!("{} dashpots for {} springs", state.dashpot_on_tip.len(), self.system.springs.len())));
+        }
+        self.solver.set_warm_start(state.warm_start.clone())?;
+        self.state = state;
+        Ok(())
+    }
+}
