@@ -232,7 +232,7 @@ fn run_out_writes_every_tick_and_the_exact_end() {
         let manifest: Value = serde_json::from_str(&read("manifest.json")).unwrap();
         let scenario = Scenario::read(file.as_ref()).unwrap();
         assert_eq!((&manifest["scenario_sha256"], &manifest["seed"]), (&json!(scenario.hash()), &json!(7)));
-        assert_eq!(manifest["backend"]["kind"], backend);
+        assert_eq!(manifest["options"]["kind"], backend);
         assert_eq!(manifest["command_line"].as_array().map(Vec::len), Some(8));
         // The scenario as run is a scenario, and the same one.
         assert_eq!(Scenario::parse(&manifest["scenario"].to_string(), "manifest").unwrap().hash(), scenario.hash());
@@ -435,6 +435,20 @@ fn a_state_that_does_not_fit_is_refused_and_kept() {
     refused(&["run", &file, "--state", &room.path("")], &["directory"]);
 }
 
+/// Undamped, a load that is let go at 2.5 times its slip limit goes twice as far as one without inertia; one that only turns differs although its
+/// position does not; a slow pull lags by v / w = 0.25 mm on 67 mm; and a load that sticks agrees with itself whatever rounding an engine leaves.
+#[test]
+fn verdicts_name_what_is_known_to_part_the_paths() {
+    let verdict = |file: &str| {
+        let json = json_of(&["compare", &format!("scenarios/{file}"), "--json"]);
+        json["tiers"]["prescribed"]["verdict"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(verdict("analytic/release-jump.json"), "differ by inertia");
+    assert_eq!(verdict("analytic/spin.json"), "differ by inertia");
+    assert_eq!(verdict("analytic/centre-pull.json"), "agree");
+    assert_eq!(verdict("stress/hold-below-limit.json"), "agree");
+}
+
 /// What a pathwise tier promises.
 fn assert_pathwise(tier: &Value) {
     for part in ["inertia_effect", "engine_error", "own_error"] {
@@ -460,6 +474,7 @@ fn assert_pathwise(tier: &Value) {
         "/predicted/while_driven_m",
         "/predicted/where_tips_stop_m",
         "/predicted/coasting_m",
+        "/predicted/release_factor",
         "/first_parting/by_inertia",
         "/first_parting/by_engine",
         "/after",
@@ -471,20 +486,24 @@ fn assert_pathwise(tier: &Value) {
 
 fn assert_closed_loop(tier: &Value, n_seeds: u64) {
     assert_eq!(tier["n_seeds"], n_seeds);
-    assert!(["agree", "differ by inertia", "differ by the engine", "decorrelated"].contains(&tier["verdict"].as_str().unwrap()));
+    assert!(
+        ["agree", "differ by inertia", "differ by the engine", "below own error", "decorrelated"]
+            .contains(&tier["verdict"].as_str().unwrap())
+    );
     let measures = tier["measures"].as_array().unwrap();
     let names: Vec<_> = measures.iter().map(|measure| measure["name"].as_str().unwrap()).collect();
     for name in ["time_to_nest_s", "mean_speed_m_per_s", "pull_mean_n", "n_transporting"] {
         assert!(names.contains(&name), "{names:?}");
     }
     for measure in measures {
-        for part in ["quasi_static", "inertial", "rapier", "inertia_effect", "engine_error"] {
+        let intervals = ["quasi_static", "inertial", "rapier"].map(|part| (part, "mean_interval_95"));
+        for (part, key) in intervals.into_iter().chain(["inertia_effect", "engine_error"].map(|part| (part, "interval"))) {
             assert!(number(&measure[part], "/n") <= n_seeds as f64 && number(&measure[part], "/sd") >= 0.0);
-            let interval = &measure[part]["mean_interval_95"];
+            let interval = &measure[part][key];
             assert!(interval.is_null() || number(interval, "/low") <= number(interval, "/high"));
         }
     }
-    let allowed = ["/mean_interval_95", "/quasi_static_s", "/rapier_s"];
+    let allowed = ["/mean_interval_95", "/interval", "/quasi_static_s", "/rapier_s"];
     let nulls = nulls(tier, "");
     assert!(nulls.iter().all(|pointer| allowed.iter().any(|end| pointer.ends_with(end))), "{nulls:?}");
 }

@@ -60,7 +60,7 @@ impl HeldSprings {
 
     /// Elastic energy at `pose` (J).
     pub fn energy(&self, springs: &[PolarSpring], pose: &Pose) -> f64 {
-        self.grips.iter().map(|grip| springs[grip.spring].energy(&grip.shape(springs, pose))).sum()
+        self.grips.iter().map(|grip| springs[grip.spring].energy(&grip.shape(springs, pose))).fold(0.0, |sum, energy| sum + energy)
     }
 
     /// Sum of the reactions of all held springs at `pose`.
@@ -98,7 +98,7 @@ impl HeldSprings {
             let pulls = spring.force_on_tip(before, &last.shape(springs, before)) + spring.force_on_tip(after, &now.shape(springs, after));
             -0.5 * pulls.dot(&(now.tip - last.tip))
         };
-        self.grips.iter().zip(from).map(work).sum()
+        self.grips.iter().zip(from).map(work).fold(0.0, |sum, work| sum + work)
     }
 
     /// # Errors

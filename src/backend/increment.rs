@@ -102,7 +102,7 @@ pub fn minimise(potential: &Potential, ground: &Ground, solver: &mut FrictionSol
         let is_last = size(&step) <= RELATIVE_TOLERANCE * size(&solution.increment) + ABSOLUTE_TOLERANCE
             || is_frictionless && local.is_balanced(&hessian, &step, &potential.start, length);
         residual = solution.residual.max(if is_last { 0.0 } else { size(&step) / size(&solution.increment).max(1.0) });
-        let Some(next) = descend(potential, ground, &local, &at, &step) else { break };
+        let Some(next) = descend(potential, ground, &local, &at, &step, length) else { break };
         at = next;
         if is_last || at == Vec3::zeros() {
             break;
@@ -235,11 +235,14 @@ fn shortened(step: Vec3) -> Vec3 {
 
 /// The first of the points at 1, 1/2, 1/4 ... of the step where the objective has fallen by Armijo's rule, or by nothing but rounding; `None` when
 /// there is none.
-fn descend(potential: &Potential, ground: &Ground, local: &Reaction, at: &Vec3, step: &Vec3) -> Option<Vec3> {
+fn descend(potential: &Potential, ground: &Ground, local: &Reaction, at: &Vec3, step: &Vec3, length: f64) -> Option<Vec3> {
     let friction = friction_loss(ground, at);
     let before = local.energy + friction;
     let predicted = local.gradient.dot(step) + friction_loss(ground, &(at + step)) - friction;
-    let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_loss(ground, &(at + step)));
+    // Rounding of the sum, and of the lengths that a stiff spring sees: its force times that of the load's position.
+    let force = (2.0 * local.energy * local.hessian.m11.max(local.hessian.m22)).max(0.0).sqrt();
+    let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_loss(ground, &(at + step)))
+        + 4.0 * f64::EPSILON * force * (potential.start.position.norm() + length);
     let mut share = 1.0;
     for _ in 0..40 {
         let next = at + share * step;

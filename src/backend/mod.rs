@@ -203,15 +203,15 @@ impl BackendOptions {
     }
 }
 
+/// Shortest step (s) that is taken unasked: a scene may be too stiff to resolve in reasonable time, and all methods are stable beyond.
+const SHORTEST_UNASKED: f64 = 1e-5;
+
 /// The step (s) for who asks for none: the control period, and with inertia no more than a tenth of a radian of the fastest oscillation (its
-/// numerical damping ratio is then 0.05 at most), but no less than a 64th of the control period and no more than a millisecond.
+/// numerical damping ratio is then 0.05 at most) and a millisecond, but no less than 10 us.
 pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> f64 {
     match kind {
         BackendKind::QuasiStatic => control_period,
-        BackendKind::Inertial | BackendKind::Rapier => {
-            let resolving = (0.1 / system.fastest_rate()).min(1e-3);
-            resolving.clamp(control_period / 64.0, control_period)
-        }
+        BackendKind::Inertial | BackendKind::Rapier => (0.1 / system.fastest_rate()).clamp(SHORTEST_UNASKED, 1e-3).min(control_period),
     }
 }
 

@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Instant, SystemTime};
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, EngineArgs, interrupt, print, read_scenario, step};
+use super::{CliError, EngineArgs, interrupt, positive, print, read_scenario, step};
 use crate::backend::BackendKind;
 use crate::compare::{Settings, Tier, closed_loop, prescribed, replayed};
 use crate::report::figure::Scene;
@@ -35,7 +34,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "BACKEND", default_value = "quasi-static")]
     recorded_from: BackendKind,
     /// Difference that counts as agreement, over the length of the load's path (1)
-    #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = step)]
+    #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = positive)]
     agreement: f64,
     /// Folder for traces, figures, summary and manifest
     #[arg(long, value_name = "DIR")]
@@ -67,12 +66,12 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     comparison.check_finite()?;
     if let Some(out) = &args.out {
         let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
-        let options = settings.options(&scenario, BackendKind::Rapier);
-        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, &options, std::env::args().collect(), started);
+        let options = serde_json::to_value(settings).expect("settings are plain data");
+        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
         write_comparison(out, &comparison, &Scene::of(&scenario), scenario.system.springs.len(), &manifest)?;
     }
     print(&if args.json { comparison.to_json() } else { compare_text(&comparison) })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(if comparison.tiers.are_computed() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 /// The tiers asked for, or all that the scenario has.
@@ -96,7 +95,7 @@ fn add(comparison: &mut Comparison, tier: Tier, scenario: &Scenario, settings: &
         Tier::Replayed => "replayed",
         Tier::ClosedLoop => "closed loop",
     };
-    let progress = Mutex::new(Progress::start(1.0, label));
+    let progress = Mutex::new(Progress::of_share(label));
     let watch = |share: f64| {
         // Only one thread draws; the others need not wait for it.
         if let Ok(mut progress) = progress.try_lock() {
@@ -104,13 +103,11 @@ fn add(comparison: &mut Comparison, tier: Tier, scenario: &Scenario, settings: &
         }
         !interrupt::asked()
     };
-    let n_done = AtomicUsize::new(0);
-    let watch_run = || watch((n_done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / (3 * n_seeds) as f64);
     match tier {
         Tier::Prescribed => comparison.tiers.prescribed = Some(prescribed(scenario, settings, watch).ok_or(CliError::Interrupted)?),
         Tier::Replayed => comparison.tiers.replayed = Some(replayed(scenario, settings, watch).ok_or(CliError::Interrupted)?),
         Tier::ClosedLoop => {
-            comparison.tiers.closed_loop = Some(closed_loop(scenario, settings, n_seeds, watch_run).ok_or(CliError::Interrupted)?);
+            comparison.tiers.closed_loop = Some(closed_loop(scenario, settings, n_seeds, watch).ok_or(CliError::Interrupted)?);
         }
     }
     progress.into_inner().expect("no thread panicked while it drew").finish();

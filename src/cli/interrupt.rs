@@ -1,4 +1,4 @@
-//! Ctrl-C: the first one ends work in good order, so that nothing is lost or left half-written; the second one ends the program at once.
+//! Ctrl-C, or a polite request to end: the first one ends work in good order, so that nothing is lost or left half-written; the second one ends the program at once.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,6 +1,6 @@
 //! Floor 6: the command line. One subcommand, one function.
 //!
-//! Exit codes: 0 done, 1 the run missed what it was asked to check, 2 usage or input, 3 internal. Results go to standard output, everything
+//! Exit codes: 0 done, 1 a run failed or missed what it was asked to check, 2 usage or input, 3 internal, 130 interrupted. Results go to standard output, everything
 //! else to standard error.
 
 mod compare;
@@ -28,7 +28,8 @@ struct Cli {
 
 const LONG_ABOUT: &str = "Collective transport of a load by ants: runs one behaviour model on a quasi-static solver, on a reference with inertia and on the \
 rigid-body engine rapier2d, and says where they agree, where inertia makes them differ, and how much is only a solver's error.";
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 the run missed what it was asked to check; 2 usage or input; 3 internal.";
+const EXIT_CODES: &str =
+    "Exit codes: 0 done; 1 a run failed or missed what it was asked to check; 2 usage or input; 3 internal; 130 interrupted.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -134,10 +135,15 @@ fn read_scenario(path: &std::path::Path, seed: Option<u64>) -> Result<Scenario, 
     Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })
 }
 
-/// A step that a user may ask for (s).
+/// A step or an instant that a user may ask for (s).
 fn step(text: &str) -> Result<f64, String> {
-    let step: f64 = text.parse().map_err(|_| format!("must be a number of seconds, found {text}"))?;
-    if step.is_finite() && step > 0.0 { Ok(step) } else { Err(format!("must be positive and finite, found {text}")) }
+    positive(text).map_err(|error| error.replace("a number", "a number of seconds"))
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("must be a number, found {text}"))?;
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("must be positive and finite, found {text}")) }
 }
 
 /// Writes a result to standard output.

@@ -7,7 +7,7 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 
 use super::{CliError, EngineArgs, interrupt, print, read_scenario, step};
-use crate::backend::{BackendKind, BackendOptions, Integrator, default_step};
+use crate::backend::{BackendKind, BackendOptions, Integrator, Status, default_step};
 use crate::report::figure::Scene;
 use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, run_text, write_run};
 use crate::scenario::Scenario;
@@ -68,7 +68,8 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let summary = RunSummary::new(&scenario.name, &options, scenario.seed, &outcome, clock.elapsed().as_secs_f64())?;
     if let Some(out) = &args.out {
         let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
-        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, &options, std::env::args().collect(), started);
+        let options = serde_json::to_value(options).expect("options are plain data");
+        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
         let n_springs = scenario.system.springs.len();
         write_run(out, &RunFiles { summary: &summary, trace: &trace, n_springs, scene: &Scene::of(&scenario), manifest: &manifest })?;
     }
@@ -76,7 +77,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     }
     print(&if args.json { summary.to_json() } else { run_text(&summary) })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(if outcome.steps.status == Status::Failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
 /// A new run, or the one whose state is there.

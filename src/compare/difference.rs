@@ -44,13 +44,13 @@ pub enum OccasionKind {
 
 impl Difference {
     /// Of two paths over the instants that both have.
-    pub fn between(a: &Solution, b: &Solution) -> Self {
-        Self::over(a.points.iter().zip(&b.points).map(|(a, b)| apart(a, b)))
+    pub fn between(a: &[Point], b: &[Point]) -> Self {
+        Self::over(a.iter().zip(b).map(|(a, b)| apart(a, b)))
     }
 
-    /// A path's own error.
-    pub fn own(solution: &Solution) -> Self {
-        Self::over(solution.points.iter().map(|point| (point.position_error, point.heading_error)))
+    /// How far a path may be wrong.
+    pub fn own(path: &[Point]) -> Self {
+        Self::over(path.iter().map(|point| (point.position_error, point.heading_error)))
     }
 
     /// How far a point of the load at `radius` (m) from its origin can be apart (m).
@@ -106,7 +106,7 @@ fn last_before(trace: &Trace, time: f64) -> Option<Occasion> {
     let starts = |pair: &[Row]| pair[0].motion.twist == Twist::ZERO && pair[1].motion.twist != Twist::ZERO;
     let onset = before.windows(2).rposition(starts).map(|at| Occasion { kind: OccasionKind::Onset, spring: None, time_s: before[at].time });
     // An event that sets the load going is the cause, its onset the effect.
-    event.into_iter().chain(onset).max_by(|a, b| a.time_s.total_cmp(&b.time_s).then(b.spring.cmp(&a.spring).reverse()))
+    event.into_iter().chain(onset).max_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.spring.cmp(&b.spring)))
 }
 
 fn apart(a: &Point, b: &Point) -> (f64, f64) {

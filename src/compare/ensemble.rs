@@ -1,5 +1,7 @@
 //! The closed-loop tier: paired seeds, compared as distributions.
 
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -34,9 +36,9 @@ pub struct Measure {
     pub inertial: Distribution,
     pub rapier: Distribution,
     /// Inertial minus quasi-static.
-    pub inertia_effect: Distribution,
+    pub inertia_effect: Shift,
     /// Rapier minus inertial.
-    pub engine_error: Distribution,
+    pub engine_error: Shift,
 }
 
 /// Mean, spread and interval of the mean; `n` counts the seeds in which the quantity exists.
@@ -47,9 +49,26 @@ pub struct Distribution {
     pub sd: f64,
     /// `null` below two seeds.
     pub mean_interval_95: Option<Interval>,
-    /// Whether the mean differs from zero at the 95 % level for all measures together (Bonferroni).
-    pub is_shifted: bool,
 }
+
+/// Paired differences of one measure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shift {
+    pub n: u64,
+    pub mean: f64,
+    pub sd: f64,
+    /// Interval of the mean at the confidence `level`; `null` below two pairs.
+    pub interval: Option<Interval>,
+    /// The level of each that makes 95 % for all measures together (Bonferroni).
+    pub level: f64,
+    /// Whether the interval leaves out zero.
+    pub is_shifted: bool,
+    /// Whether the interval lies within 5 % of the inertial mean on both sides of zero.
+    pub is_equal: bool,
+}
+
+/// Means within this share of each other count as equal (1): half of what the printed force statistics of such runs are given to.
+const EQUAL: f64 = 0.05;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DecisionsPart {
@@ -89,27 +108,39 @@ const MEASURES: [(&str, Take); 5] = [
     }),
 ];
 
-/// Runs `n_seeds` seeds from the scenario's own on all backends. `watch` is told of every run that ended, and says whether to go on; `None` when
-/// it said no.
-pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, watch: impl Fn() -> bool + Sync) -> Option<ClosedLoop> {
+/// Runs `n_seeds` seeds from the scenario's own on all backends. `watch` sees the share done (1) and says whether to go on; `None` when it said no.
+pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, watch: impl Fn(f64) -> bool + Sync) -> Option<ClosedLoop> {
+    let n_runs = (BackendKind::ALL.len() * n_seeds) as f64;
+    let n_done = AtomicUsize::new(0);
     let runs: Option<Vec<[Run; 3]>> = (0..n_seeds)
         .into_par_iter()
         .map(|at| {
             let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
-            let run = |kind| run_of(&seeded, settings, kind, &watch);
+            let run = |kind| {
+                let mut run = run_of(&seeded, settings, kind, |share| watch((n_done.load(Relaxed) as f64 + share) / n_runs))?;
+                n_done.fetch_add(1, Relaxed);
+                if at > 0 {
+                    // Figures show the first seed only.
+                    run.trace.rows = Vec::new();
+                }
+                Some(run)
+            };
             Some([run(BackendKind::QuasiStatic)?, run(BackendKind::Inertial)?, run(BackendKind::Rapier)?])
         })
         .collect();
     Some(judged(scenario.seed, runs?))
 }
 
-fn run_of(scenario: &Scenario, settings: &Settings, kind: BackendKind, watch: &(impl Fn() -> bool + Sync)) -> Option<Run> {
+fn run_of(scenario: &Scenario, settings: &Settings, kind: BackendKind, watch: impl Fn(f64) -> bool) -> Option<Run> {
     let mut run = Simulation::new(scenario, &settings.options(scenario, kind), Keep::Trace);
-    run.run(|_| true);
+    run.run(|time| watch(time / scenario.duration));
+    if !run.is_finished() {
+        return None;
+    }
     let (trace, outcome) = run.into_results();
     let facts = Facts { outcome: &outcome, trace: &trace, scenario };
     let values = MEASURES.iter().map(|(_, take)| take(&facts)).collect();
-    watch().then_some(Run { values, trace, status: outcome.steps.status })
+    Some(Run { values, trace, status: outcome.steps.status })
 }
 
 fn judged(first_seed: u64, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
@@ -120,7 +151,7 @@ fn judged(first_seed: u64, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
     };
     let decisions_part = DecisionsPart { quasi_static_s: earliest(0), rapier_s: earliest(2) };
     let status = runs.iter().flatten().map(|run| run.status).max().unwrap_or_default();
-    let verdict = verdict(&measures, runs.len());
+    let verdict = if status == Status::Failed { Verdict::NotComputed } else { verdict(&measures, runs.len()) };
     let n_seeds = runs.len();
     let traces = runs.swap_remove(0).map(|run| run.trace).into();
     ClosedLoop { tier: Tier::ClosedLoop, n_seeds, first_seed, measures, decisions_part, verdict, status, traces }
@@ -128,37 +159,40 @@ fn judged(first_seed: u64, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
 
 fn measure(at: usize, runs: &[[Run; 3]]) -> Measure {
     let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run[kind].values[at]).collect());
+    let inertial = of(1);
     let paired = |a: usize, b: usize| {
         let difference = |run: &[Run; 3]| Some(run[a].values[at]? - run[b].values[at]?);
-        Distribution::of(runs.iter().filter_map(difference).collect())
+        Shift::of(&runs.iter().filter_map(difference).collect::<Vec<_>>(), inertial.mean)
     };
-    Measure {
-        name: MEASURES[at].0,
-        quasi_static: of(0),
-        inertial: of(1),
-        rapier: of(2),
-        inertia_effect: paired(1, 0),
-        engine_error: paired(2, 1),
-    }
+    Measure { name: MEASURES[at].0, quasi_static: of(0), inertial, rapier: of(2), inertia_effect: paired(1, 0), engine_error: paired(2, 1) }
 }
 
 impl Distribution {
     fn of(values: Vec<f64>) -> Self {
         let mut summary = Summary::default();
         summary.extend(values.iter().copied());
+        Self { n: summary.n(), mean: summary.mean(), sd: summary.sd(), mean_interval_95: mean_interval(&values, 0.95) }
+    }
+}
+
+impl Shift {
+    /// Of paired differences whose reference has the mean `reference`.
+    fn of(values: &[f64], reference: f64) -> Self {
+        let mut summary = Summary::default();
+        summary.extend(values.iter().copied());
+        let level = 1.0 - 0.05 / MEASURES.len() as f64;
+        let interval = mean_interval(values, level);
+        let margin = EQUAL * reference.abs();
         Self {
             n: summary.n(),
             mean: summary.mean(),
             sd: summary.sd(),
-            mean_interval_95: mean_interval(&values, 0.95),
-            is_shifted: is_shifted(&values),
+            interval,
+            level,
+            is_shifted: interval.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0),
+            is_equal: interval.is_some_and(|interval| interval.low >= -margin && interval.high <= margin),
         }
     }
-}
-
-fn is_shifted(values: &[f64]) -> bool {
-    let level = 1.0 - 0.05 / MEASURES.len() as f64;
-    mean_interval(values, level).is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0)
 }
 
 /// First time (s) at which the events of two runs differ.
@@ -170,14 +204,17 @@ fn decisions_part(a: &Trace, b: &Trace) -> Option<f64> {
     differ.map(|(a, b)| a.time.min(b.time)).or_else(first_unpaired)
 }
 
-/// Paths have decorrelated; what remains is whether means differ. With one seed nothing can be said of them.
+/// Paths have decorrelated; what remains is whether means differ. Too few seeds to show a shift, or that there is none, are below their own error.
 fn verdict(measures: &[Measure], n_seeds: usize) -> Verdict {
+    let any = |is: fn(&Measure) -> bool| measures.iter().any(is);
     if n_seeds < 2 {
         Verdict::Decorrelated
-    } else if measures.iter().any(|measure| measure.inertia_effect.is_shifted) {
+    } else if any(|measure| measure.inertia_effect.is_shifted) {
         Verdict::Inertia
-    } else if measures.iter().any(|measure| measure.engine_error.is_shifted) {
+    } else if any(|measure| measure.engine_error.is_shifted) {
         Verdict::Engine
+    } else if any(|measure| !(measure.inertia_effect.is_equal && measure.engine_error.is_equal)) {
+        Verdict::BelowOwnError
     } else {
         Verdict::Agree
     }

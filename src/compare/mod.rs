@@ -26,9 +26,9 @@ use crate::backend::{BackendKind, BackendOptions, RapierOptions, default_step};
 use crate::scenario::Scenario;
 
 pub use difference::{Difference, Occasion, OccasionKind, Parting};
-pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, closed_loop};
+pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, Shift, closed_loop};
 pub use numbers::{Numbers, Predicted};
-pub use pathwise::{OwnErrors, Partings, Pathwise, prescribed, replayed};
+pub use pathwise::{Backends, Cost, OwnErrors, Partings, Pathwise, prescribed, replayed};
 pub use solution::Solution;
 pub use verdict::Verdict;
 
@@ -42,7 +42,7 @@ pub enum Tier {
 }
 
 /// Steps and settings of a comparison.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Settings {
     /// Longest step of all backends (s); `None` is the default of each.
     pub step_s: Option<f64>,

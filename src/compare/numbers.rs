@@ -4,9 +4,9 @@
 //! epsilon = v sqrt(k m) / f    Phi = omega_n T_e    zeta    with omega_n = sqrt(k / m), f = mu m g
 //! ```
 //!
-//! v is the root mean square speed of the held tips, k the mean radial stiffness, T_e the mean time for which a tip is held. Under continuous driving inertia
-//! moves the path by epsilon f / k while the tips go and twice that where they stop. After a release the load overshoots: with damping zeta by the factor
-//! `1 + exp(-pi zeta / sqrt(1 - zeta^2))` where half a swing fits between events, and by `1 - cos(omega_n T_e)` where it does not.
+//! v is the root mean square speed of the held tips, k the mean radial stiffness, T_e the mean time between events. Under continuous driving inertia
+//! moves the path by epsilon f / k while the tips go and twice that where they stop. After a release the load goes on as a damped oscillator answers a
+//! step, to the end of its first swing or to the next event: undamped, `1 - cos(omega_n T_e)` times the way without inertia, and 2 at most.
 
 use std::f64::consts::PI;
 
@@ -20,14 +20,11 @@ use crate::simulation::{EventKind, Trace};
 pub struct Numbers {
     /// Inertia of the driven load against friction; `null` without friction, where nothing ever sticks.
     pub epsilon: Option<f64>,
-    /// Time between events against that of an oscillation; `null` when no tip is ever held.
+    /// Time between events against that of an oscillation; `null` when there are none.
     pub phi: Option<f64>,
     /// Damping over critical damping.
     pub zeta: f64,
 }
-
-/// epsilon up to which inertia is small.
-const SLOW: f64 = 0.05;
 
 /// What theory expects of inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -39,10 +36,10 @@ pub struct Predicted {
     /// Way on which friction takes up the energy that the load starts with (m), which a load without inertia does not go; `null` without
     /// friction.
     pub coasting_m: Option<f64>,
-    /// Distance that the load goes after a release, over what it would go without inertia (1).
-    pub release_factor: f64,
-    /// Whether neglecting inertia is sound: epsilon below 0.05, a start at less than that share of f / k from rest, and no releases or such that
-    /// are far apart and damped (Phi above 2 pi, zeta above 0.5).
+    /// Distance that the load goes after a release, over what it would go without inertia (1); `null` without releases.
+    pub release_factor: Option<f64>,
+    /// Whether neglecting inertia should stay within the tolerance: the path errors above add up to less, and there are no releases or such that are far
+    /// apart and damped (Phi above 2 pi, zeta above 0.5).
     pub quasi_static_is_sound: bool,
 }
 
@@ -53,10 +50,11 @@ impl Numbers {
         let mass = scenario.system.load.mass;
         let limit = scenario.system.total_slip_limit();
         let epsilon = (limit > 0.0).then(|| tip_speed(trace) * (stiffness * mass).sqrt() / limit);
-        Self { epsilon, phi: hold_time(trace).map(|time| (stiffness / mass).sqrt() * time), zeta }
+        Self { epsilon, phi: time_between_events(trace).map(|time| (stiffness / mass).sqrt() * time), zeta }
     }
 
-    pub fn predict(&self, scenario: &Scenario, trace: &Trace) -> Predicted {
+    /// What theory expects of the run in `trace`, `tolerance` being what counts as agreement (m).
+    pub fn predict(&self, scenario: &Scenario, trace: &Trace, tolerance: f64) -> Predicted {
         let (stiffness, _) = mean_spring(scenario);
         let limit = scenario.system.total_slip_limit();
         let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
@@ -65,25 +63,31 @@ impl Numbers {
         let coasting_m = (limit > 0.0).then(|| initial / limit);
         let n_releases = trace.events.iter().filter(|event| event.kind == EventKind::Release).count();
         let damped_out = self.phi.is_none_or(|phi| phi > 2.0 * PI) && self.zeta > 0.5;
-        let starts_slow = coasting_m.is_some_and(|coasting| coasting <= SLOW * length);
+        let driven_well = while_driven_m.zip(coasting_m).is_some_and(|(driven, coasting)| 2.0 * driven + coasting <= tolerance);
         Predicted {
             while_driven_m,
             where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
             coasting_m,
-            release_factor: self.release_factor(),
-            quasi_static_is_sound: self.epsilon.is_some_and(|epsilon| epsilon < SLOW) && starts_slow && (n_releases == 0 || damped_out),
+            release_factor: (n_releases > 0).then(|| self.release_factor()),
+            quasi_static_is_sound: driven_well && (n_releases == 0 || damped_out),
         }
     }
 
+    /// Way of a load after its force has stepped up, over the way without inertia: a first swing, cut short by the next event where Phi leaves no time
+    /// for it. Friction then holds it.
     fn release_factor(&self) -> f64 {
-        if self.zeta >= 1.0 {
+        let (zeta, damped) = (self.zeta, (1.0 - self.zeta * self.zeta).abs().sqrt());
+        let half_swing = if zeta < 1.0 { PI / damped } else { f64::INFINITY };
+        let phi = self.phi.unwrap_or(f64::INFINITY).min(half_swing);
+        if phi.is_infinite() {
             return 1.0;
         }
-        let damped = (1.0 - self.zeta * self.zeta).sqrt();
-        match self.phi {
-            Some(phi) if phi < PI / damped => 1.0 - phi.cos(),
-            _ => 1.0 + (-PI * self.zeta / damped).exp(),
-        }
+        let (cos, sin_over_damped) = match zeta {
+            _ if zeta < 1.0 => ((damped * phi).cos(), (damped * phi).sin() / damped),
+            _ if zeta > 1.0 => ((damped * phi).cosh(), (damped * phi).sinh() / damped),
+            _ => (1.0, phi),
+        };
+        1.0 - (-zeta * phi).exp() * (cos + zeta * sin_over_damped)
     }
 }
 
@@ -111,13 +115,34 @@ fn tip_speed(trace: &Trace) -> f64 {
     squares.mean().sqrt()
 }
 
-/// Mean time from a grasp to its release or the end (s).
-fn hold_time(trace: &Trace) -> Option<f64> {
-    let end = trace.rows.last()?.time;
-    let mut times = Summary::default();
-    for (at, grasp) in trace.events.iter().enumerate().filter(|(_, event)| event.kind == EventKind::Grasp) {
-        let release = trace.events[at..].iter().find(|event| event.spring == grasp.spring && event.kind == EventKind::Release);
-        times.add(release.map_or(end, |event| event.time) - grasp.time);
+/// Mean time between one grasp or release and the next, or the end (s); events at one instant count once.
+fn time_between_events(trace: &Trace) -> Option<f64> {
+    let mut times: Vec<f64> = trace.events.iter().map(|event| event.time).collect();
+    times.extend(trace.rows.last().map(|row| row.time));
+    times.dedup();
+    let gaps = times.len().checked_sub(1).filter(|gaps| *gaps > 0)?;
+    Some((times[gaps] - times[0]) / gaps as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn factor(phi: f64, zeta: f64) -> f64 {
+        Numbers { epsilon: Some(0.1), phi: Some(phi), zeta }.release_factor()
     }
-    (times.n() > 0).then(|| times.mean())
+
+    /// Closed forms of the step response; the printed factor 1 + exp(-pi zeta / sqrt(1 - zeta^2)) of a whole swing, and 1 - cos Phi undamped.
+    #[test]
+    fn releases_overshoot_with_time_and_fall_short_without() {
+        // Rounding of order one throughout.
+        assert!((factor(10.0, 0.0) - 2.0).abs() < 1e-15);
+        assert!((factor(PI / 2.0, 0.0) - 1.0).abs() < 1e-15);
+        assert!((factor(0.5, 0.0) - (1.0 - 0.5f64.cos())).abs() < 1e-15);
+        assert!((factor(100.0, 0.3) - (1.0 + (-PI * 0.3 / 0.91f64.sqrt()).exp())).abs() < 1e-14);
+        assert!((factor(2.0, 1.0) - (1.0 - 3.0 * (-2.0f64).exp())).abs() < 1e-14);
+        // Continuous in the damping through critical, to first order in the difference.
+        assert!((factor(2.0, 1.0 - 1e-9) - factor(2.0, 1.0 + 1e-9)).abs() < 1e-8);
+        assert!(factor(2.0, 3.0) < 1.0 && factor(1e6, 0.5) > 1.0);
+    }
 }

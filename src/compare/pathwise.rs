@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::{Difference, Numbers, Parting, Predicted, Settings, Solution, Tier, Verdict};
-use crate::backend::BackendKind;
+use crate::backend::{BackendKind, Status, StepReport};
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Keep, Replay, Simulation, driver_of};
 
@@ -17,6 +17,10 @@ pub struct Pathwise {
     pub inertia_effect: Difference,
     /// Rapier, at the step asked for, minus inertial.
     pub engine_error: Difference,
+    /// The part of it that goes with the step: rapier at the step asked for minus its own limit.
+    pub engine_step_error: Difference,
+    /// The part of it that no step removes: the limit minus inertial.
+    pub engine_model_error: Difference,
     pub own_error: OwnErrors,
     pub numbers: Numbers,
     pub predicted: Predicted,
@@ -26,11 +30,12 @@ pub struct Pathwise {
     /// Length of the way of the load's rim (m): shift plus radius times turn.
     pub path_length_m: f64,
     pub first_parting: Partings,
+    pub backends: Backends,
     #[serde(skip)]
     pub solutions: [Solution; 3],
 }
 
-/// Own errors: `all` is that of both references, which bounds what the differences can show; the engine's own error is part of the engine error.
+/// Own errors of the limits: `all` is that of both exact methods, which bounds what the differences can show; the engine's bounds its model error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OwnErrors {
     #[serde(flatten)]
@@ -38,6 +43,25 @@ pub struct OwnErrors {
     pub quasi_static: Difference,
     pub inertial: Difference,
     pub rapier: Difference,
+}
+
+/// What each backend's path took.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Backends {
+    pub quasi_static: Cost,
+    pub inertial: Cost,
+    pub rapier: Cost,
+}
+
+/// The step of the run that is shown (s), and the counts and the worst ending of all runs behind a path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Cost {
+    pub step_s: f64,
+    pub steps: StepReport,
+}
+
+fn cost(solution: &Solution) -> Cost {
+    Cost { step_s: solution.step_s, steps: solution.steps }
 }
 
 /// `null` where paths stay together.
@@ -86,24 +110,29 @@ fn compare(
 
 fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solution; 3]) -> Pathwise {
     let [quasi_static, inertial, rapier] = &solutions;
-    let own = [quasi_static, inertial, rapier].map(Difference::own);
+    let own = [quasi_static, inertial, rapier].map(|solution| Difference::own(&solution.limit));
     let own_error = OwnErrors { all: own[0].max(&own[1]), quasi_static: own[0], inertial: own[1], rapier: own[2] };
-    let inertia_effect = Difference::between(inertial, quasi_static);
-    let engine_error = Difference::between(rapier, inertial);
+    let inertia_effect = Difference::between(&inertial.points, &quasi_static.points);
+    let engine_error = Difference::between(&rapier.points, &inertial.points);
     let radius = scenario.system.load.radius;
     let path_length_m = inertial.path_length(radius).max(quasi_static.path_length(radius));
     // A load that stays where it is has no path: a millionth of its radius stands in.
     let tolerance_m = settings.agreement * path_length_m.max(1e-6 * radius);
     let [inertia, engine, own] = [&inertia_effect, &engine_error, &own_error.all].map(|difference| difference.displacement(radius));
     let numbers = Numbers::of(scenario, &inertial.trace);
+    let failed = solutions.iter().any(|solution| solution.steps.status == Status::Failed);
+    let verdict = if failed { Verdict::NotComputed } else { Verdict::on_paths(inertia, engine, own, tolerance_m) };
     Pathwise {
         tier,
         inertia_effect,
         engine_error,
+        engine_step_error: Difference::between(&rapier.points, &rapier.limit),
+        engine_model_error: Difference::between(&rapier.limit, &inertial.limit),
         own_error,
         numbers,
-        predicted: numbers.predict(scenario, &inertial.trace),
-        verdict: Verdict::on_paths(inertia, engine, own, tolerance_m),
+        predicted: numbers.predict(scenario, &inertial.trace, tolerance_m),
+        verdict,
+        backends: Backends { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) },
         tolerance_m,
         path_length_m,
         first_parting: Partings {

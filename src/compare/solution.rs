@@ -2,13 +2,14 @@
 //!
 //! The exact methods are first order with a clean expansion in the step, through sticking, pinning and slipping, as long as grasps and releases fall on
 //! nodes, as they do here. With p(h) the path at the step h, `2 p(h/2) - p(h)` is second order; the same at h/4 is the solution given, and the distance between
-//! the two bounds its error. An engine is shown at the step that its user asked for: what it changes when the step is halved is half of its error.
+//! the two bounds its error. An engine is shown at the step that its user asked for as well: its distance from its own limit is the error of that step, the
+//! limit's distance from the reference an error that no step removes.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
+use crate::backend::{BackendKind, BackendOptions, StepReport};
 use crate::math::Vec2;
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Keep, Row, Simulation, Trace};
@@ -17,11 +18,15 @@ use crate::simulation::{Driver, Keep, Row, Simulation, Trace};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     pub kind: BackendKind,
+    /// The path in the limit of small steps, and how far that may be wrong.
+    pub limit: Vec<Point>,
+    /// The path at the step asked for, for an engine, whose user sees no other; the same as `limit` for the exact methods.
     pub points: Vec<Point>,
     /// The run with the shortest step for the exact methods, with the step asked for with an engine: forces, events and figures come from it.
     pub trace: Trace,
     /// Step of that run (s).
     pub step_s: f64,
+    /// Counts and endings of all runs that the path was made from.
     pub steps: StepReport,
 }
 
@@ -49,7 +54,7 @@ impl Solution {
         driver: impl Fn() -> Box<dyn Driver> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
-        let n_levels = if options.kind == BackendKind::Rapier { 2 } else { 3 };
+        let n_levels = 3;
         let cost_of_all = f64::from((1 << n_levels) - 1);
         let done: Vec<AtomicU64> = (0..n_levels).map(|_| AtomicU64::new(0)).collect();
         let level = |level: u32| {
@@ -66,18 +71,13 @@ impl Solution {
         let mut levels: Vec<_> = (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(level).collect::<Option<Vec<_>>>()?;
         levels.reverse();
         let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
-        let points = match rows.as_slice() {
-            [coarse, fine] => (0..coarse.len()).map(|i| as_run(&coarse[i], &fine[i])).collect(),
-            [coarse, middle, fine] => (0..coarse.len()).map(|i| extrapolated(&coarse[i], &middle[i], &fine[i])).collect(),
-            _ => unreachable!("two or three levels"),
-        };
-        let shown = if n_levels == 2 { 0 } else { 2 };
-        let (step_s, (trace, outcome)) = levels.swap_remove(shown);
-        Some(Self { kind: options.kind, points, trace, step_s, steps: outcome.steps })
-    }
-
-    pub fn status(&self) -> Status {
-        self.steps.status
+        let is_engine = options.kind == BackendKind::Rapier;
+        let limit: Vec<Point> = (0..rows[0].len()).map(|i| extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
+        let points = if is_engine { rows[0].iter().map(as_run).collect() } else { limit.clone() };
+        let mut steps = StepReport::default();
+        levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
+        let (step_s, (trace, _)) = levels.swap_remove(if is_engine { 0 } else { 2 });
+        Some(Self { kind: options.kind, limit, points, trace, step_s, steps })
     }
 
     /// Length of the way of a point of the load at `radius` (m) from its origin (m), at most.
@@ -87,16 +87,10 @@ impl Solution {
     }
 }
 
-/// The path at the step asked for; twice what halving changes is its error.
-fn as_run(coarse: &Row, fine: &Row) -> Point {
-    let (a, b) = (coarse.motion.pose, fine.motion.pose);
-    Point {
-        time: coarse.time,
-        position: a.position,
-        heading: a.heading,
-        position_error: 2.0 * (a.position - b.position).norm(),
-        heading_error: 2.0 * (a.heading - b.heading).abs(),
-    }
+/// A path as one run gives it. Its step's error belongs to what is shown, so it is certain as it stands.
+fn as_run(row: &Row) -> Point {
+    let pose = row.motion.pose;
+    Point { time: row.time, position: pose.position, heading: pose.heading, position_error: 0.0, heading_error: 0.0 }
 }
 
 /// The path in the limit of small steps; its distance from the same out of one level less bounds its error.

@@ -19,6 +19,9 @@ pub enum Verdict {
     /// Runs went separate ways after some decision: paths say nothing, distributions do.
     #[serde(rename = "decorrelated")]
     Decorrelated,
+    /// Some run failed: there is nothing to compare.
+    #[serde(rename = "not computed")]
+    NotComputed,
 }
 
 impl Verdict {
@@ -44,6 +47,7 @@ impl Verdict {
             Verdict::Engine => "differ by the engine",
             Verdict::BelowOwnError => "below own error",
             Verdict::Decorrelated => "decorrelated",
+            Verdict::NotComputed => "not computed",
         }
     }
 }

@@ -68,7 +68,7 @@ impl Reaction {
 
 /// Below this share of the rest length the direction of the spring is no longer a physical quantity: the polar law is continued with the
 /// tip kept at this distance, so that forces stay finite.
-const SHORTEST_LENGTH: f64 = 1e-6;
+pub const SHORTEST_LENGTH: f64 = 1e-6;
 
 impl PolarSpring {
     /// Without rest length and torsion the law is linear in the tip's position and has no preferred direction.

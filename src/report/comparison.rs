@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use serde::Serialize;
-use serde_json::Value;
 
 use super::figure::{self, Labelled, Scene};
 use super::text::Lines;
 use super::{FolderError, Manifest, NotFinite, OutputFolder, number, quantity, table};
-use crate::backend::{BackendKind, RapierOptions};
-use crate::compare::{ClosedLoop, Difference, Distribution, OccasionKind, Parting, Pathwise, Settings};
+use crate::backend::{BackendKind, Status};
+use crate::compare::{ClosedLoop, Difference, Distribution, OccasionKind, Parting, Pathwise, Settings, Shift, Verdict};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 
@@ -18,7 +17,7 @@ use crate::simulation::Trace;
 pub struct Comparison {
     pub scenario: String,
     pub seed: u64,
-    pub rapier: RapierOptions,
+    pub settings: Settings,
     pub tiers: Tiers,
     pub wall_s: f64,
 }
@@ -36,7 +35,7 @@ pub struct Tiers {
 
 impl Comparison {
     pub fn new(scenario: &Scenario, settings: &Settings) -> Self {
-        Self { scenario: scenario.name.clone(), seed: scenario.seed, rapier: settings.rapier, tiers: Tiers::default(), wall_s: 0.0 }
+        Self { scenario: scenario.name.clone(), seed: scenario.seed, settings: *settings, tiers: Tiers::default(), wall_s: 0.0 }
     }
 
     pub fn to_json(&self) -> String {
@@ -48,35 +47,29 @@ impl Comparison {
     /// # Errors
     /// When a number that is not finite would be printed: JSON would make it a `null` without a word.
     pub fn check_finite(&self) -> Result<(), NotFinite> {
-        let value = serde_json::to_value(self).expect("a comparison is plain data");
-        match unexpected_null(&value, "") {
-            Some(field) => Err(NotFinite { field, value: f64::NAN }),
-            None => Ok(()),
+        for pathwise in [&self.tiers.prescribed, &self.tiers.replayed].into_iter().flatten() {
+            let Pathwise { inertia_effect, engine_error, own_error, numbers, predicted, .. } = pathwise;
+            let differences = [inertia_effect, engine_error, &own_error.all, &own_error.rapier];
+            let values = differences.iter().flat_map(|d| [d.position_max_m, d.position_final_m, d.heading_max_rad, d.heading_final_rad]);
+            let optional = [numbers.epsilon, numbers.phi, predicted.while_driven_m, predicted.coasting_m, predicted.release_factor];
+            for value in values.chain(optional.into_iter().flatten()).chain([pathwise.path_length_m, numbers.zeta]) {
+                super::finite("a result of the comparison", value)?;
+            }
         }
+        for measure in self.tiers.closed_loop.iter().flat_map(|found| &found.measures) {
+            for mean in [measure.quasi_static.mean, measure.inertial.mean, measure.rapier.mean] {
+                super::finite(measure.name, mean)?;
+            }
+        }
+        Ok(())
     }
 }
 
-/// Path of a `null` where a number belongs: in all fields but those that are documented to be absent at times.
-fn unexpected_null(value: &Value, path: &str) -> Option<String> {
-    const MAY_BE_NULL: [&str; 12] = [
-        "epsilon",
-        "phi",
-        "while_driven_m",
-        "where_tips_stop_m",
-        "coasting_m",
-        "by_inertia",
-        "by_engine",
-        "after",
-        "spring",
-        "mean_interval_95",
-        "quasi_static_s",
-        "rapier_s",
-    ];
-    match value {
-        Value::Null if !MAY_BE_NULL.iter().any(|name| path.ends_with(&format!(".{name}"))) => Some(path.to_owned()),
-        Value::Object(fields) => fields.iter().find_map(|(key, value)| unexpected_null(value, &format!("{path}.{key}"))),
-        Value::Array(items) => items.iter().enumerate().find_map(|(i, value)| unexpected_null(value, &format!("{path}[{i}]"))),
-        _ => None,
+impl Tiers {
+    /// Whether no run behind them failed.
+    pub fn are_computed(&self) -> bool {
+        let pathwise = [&self.prescribed, &self.replayed].into_iter().flatten().map(|found| found.verdict);
+        pathwise.chain(self.closed_loop.iter().map(|found| found.verdict)).all(|verdict| verdict != Verdict::NotComputed)
     }
 }
 
@@ -146,8 +139,10 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     lines.row("agreement", &format!("within {within}"));
     lines.row("inertia effect", &difference(&found.inertia_effect));
     lines.row("engine error", &difference(&found.engine_error));
+    lines.row("  of its step", &difference(&found.engine_step_error));
+    lines.row("  beyond", &difference(&found.engine_model_error));
     lines.row("own error", &difference(&found.own_error.all));
-    lines.row("  of rapier", &difference(&found.own_error.rapier));
+    lines.row("  of beyond", &difference(&found.own_error.rapier));
     lines.row("parts first", &parting(found.first_parting.by_inertia.as_ref(), "by inertia"));
     lines.row("", &parting(found.first_parting.by_engine.as_ref(), "by the engine"));
     let numbers = &found.numbers;
@@ -157,10 +152,12 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     let (driven, stop) = (or_none(predicted.while_driven_m, "m"), or_none(predicted.where_tips_stop_m, "m"));
     lines.row("predicted", &format!("{driven} while driven, {stop} where tips stop"));
     let coasting = or_none(predicted.coasting_m, "m");
-    lines.row("", &format!("{coasting} of coasting from the start, releases times {}", number(predicted.release_factor)));
+    let releases = predicted.release_factor.map_or(String::new(), |factor| format!(", releases times {}", number(factor)));
+    lines.row("", &format!("{coasting} of coasting from the start{releases}"));
     lines.row("", if predicted.quasi_static_is_sound { "neglecting inertia is sound" } else { "neglecting inertia is not sound" });
     for solution in &found.solutions {
-        let cost = format!("steps of {}, {} not converged", quantity(solution.step_s, "s"), solution.steps.n_not_converged);
+        let failed = if solution.steps.status == Status::Failed { ", FAILED" } else { "" };
+        let cost = format!("steps of {}, {} not converged{failed}", quantity(solution.step_s, "s"), solution.steps.n_not_converged);
         lines.row(solution.kind.name(), &cost);
     }
 }
@@ -225,9 +222,13 @@ fn distribution(found: &Distribution, unit: &str) -> String {
     format!("{} +- {} ({} runs)", quantity(found.mean, unit), quantity(found.sd, unit), found.n)
 }
 
-fn shift(found: &Distribution, unit: &str) -> String {
-    let Some(interval) = found.mean_interval_95 else { return "too few pairs".to_owned() };
+fn shift(found: &Shift, unit: &str) -> String {
+    let Some(interval) = found.interval else { return "too few pairs".to_owned() };
     let range = format!("{} to {}", quantity(interval.low, unit), quantity(interval.high, unit));
-    let says = if found.is_shifted { "a shift" } else { "none that the seeds show" };
-    format!("{} ({range}, 95 %): {says}", quantity(found.mean, unit))
+    let says = match (found.is_shifted, found.is_equal) {
+        (true, _) => "a shift",
+        (_, true) => "equal",
+        _ => "too few seeds to tell",
+    };
+    format!("{} ({range}, {} %): {says}", quantity(found.mean, unit), number(100.0 * found.level))
 }

@@ -6,15 +6,13 @@ use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use crate::backend::BackendOptions;
-
 /// What `manifest.json` says of a run, the list of files aside.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Manifest {
     /// Always `cohaul`: an output folder is known by it.
     pub program: &'static str,
     pub version: &'static str,
-    /// Commit of the source, when the build was told by the environment variable `COHAUL_COMMIT`.
+    /// Commit of the source; `null` where it was not built from a repository.
     pub commit: Option<&'static str>,
     pub libraries: Libraries,
     pub machine: Machine,
@@ -22,7 +20,8 @@ pub struct Manifest {
     /// Start of the run, in UTC as of ISO 8601.
     pub started: String,
     pub seed: u64,
-    pub backend: BackendOptions,
+    /// Backend and steps of a run; settings of a comparison.
+    pub options: Value,
     /// SHA-256 of the scenario as the caller hashed it, in hexadecimal.
     pub scenario_sha256: String,
     /// The scenario as run, defaults filled in.
@@ -76,7 +75,7 @@ impl Manifest {
         scenario: Value,
         scenario_sha256: String,
         seed: u64,
-        backend: &BackendOptions,
+        options: Value,
         command_line: Vec<String>,
         started: SystemTime,
     ) -> Self {
@@ -89,7 +88,7 @@ impl Manifest {
             command_line,
             started: humantime::format_rfc3339_seconds(started).to_string(),
             seed,
-            backend: *backend,
+            options,
             scenario_sha256,
             scenario,
         }
@@ -117,7 +116,8 @@ pub(super) mod tests {
         let hash = sha256_hex(scenario.to_string().as_bytes());
         let started = SystemTime::UNIX_EPOCH + Duration::from_secs(1_709_210_096);
         let command = ["cohaul", "run", "four.json"].map(str::to_owned).to_vec();
-        Manifest::new(scenario, hash, 7, &synthetic::options(BackendKind::Rapier), command, started)
+        let options = serde_json::to_value(synthetic::options(BackendKind::Rapier)).unwrap();
+        Manifest::new(scenario, hash, 7, options, command, started)
     }
 
     #[test]

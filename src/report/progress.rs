@@ -7,15 +7,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Calls of [`Progress::at`] between two looks at the clock.
-const CALLS_PER_LOOK: u32 = 16;
 
 /// Progress of one run through simulated time. Cheap enough to be told every control tick.
 pub struct Progress {
     label: String,
     total: f64,
+    /// Unit of the total; none for a share.
+    unit: &'static str,
     started: Instant,
-    calls: u32,
     display: Display,
 }
 
@@ -31,7 +30,12 @@ impl Progress {
     /// Progress towards `total` (s, simulated), shown under `label`.
     pub fn start(total: f64, label: &str) -> Self {
         let display = if std::io::stderr().is_terminal() { Display::Waiting } else { Display::Off };
-        Self { label: label.to_owned(), total, started: Instant::now(), calls: 0, display }
+        Self { label: label.to_owned(), total, unit: "s", started: Instant::now(), display }
+    }
+
+    /// Progress of work whose share done (1) is told in place of a time.
+    pub fn of_share(label: &str) -> Self {
+        Self { unit: "", ..Self::start(1.0, label) }
     }
 
     /// The run has reached `time` (s, simulated).
@@ -39,10 +43,7 @@ impl Progress {
         if matches!(self.display, Display::Off) {
             return;
         }
-        self.calls += 1;
-        if self.calls.is_multiple_of(CALLS_PER_LOOK) {
-            self.show(time, self.started.elapsed());
-        }
+        self.show(time, self.started.elapsed());
     }
 
     /// The run is over: the bar vanishes.
@@ -58,7 +59,7 @@ impl Progress {
         }
         if let Display::On(bar) = &self.display {
             bar.set_position((1000.0 * share(time, self.total)) as u64);
-            bar.set_message(message(time, self.total, elapsed));
+            bar.set_message(message(time, self.total, self.unit, elapsed));
         }
     }
 }
@@ -74,14 +75,16 @@ fn share(time: f64, total: f64) -> f64 {
 }
 
 /// Share of simulated time, rate, and time to come at that rate. A run of ants may end sooner.
-fn message(time: f64, total: f64, elapsed: Duration) -> String {
+fn message(time: f64, total: f64, unit: &str, elapsed: Duration) -> String {
     let rate = time / elapsed.as_secs_f64();
     let percent = 100.0 * share(time, total);
+    let of_total = if unit.is_empty() { String::new() } else { format!(" of {total} {unit}") };
     if rate <= 0.0 || !rate.is_finite() {
-        return format!("{percent:3.0} % of {total} s");
+        return format!("{percent:3.0} %{of_total}");
     }
     let left = ((total - time) / rate).max(0.0).ceil() as u64;
-    format!("{percent:3.0} % of {total} s, {rate:.3} s/s, {}:{:02} left", left / 60, left % 60)
+    let speed = if unit.is_empty() { String::new() } else { format!(", {rate:.3} {unit}/s") };
+    format!("{percent:3.0} %{of_total}{speed}, {}:{:02} left", left / 60, left % 60)
 }
 
 #[cfg(test)]
@@ -89,7 +92,7 @@ mod tests {
     use super::*;
 
     fn progress(display: Display) -> Progress {
-        Progress { label: "run".to_owned(), total: 300.0, started: Instant::now(), calls: 0, display }
+        Progress { label: "run".to_owned(), total: 300.0, unit: "s", started: Instant::now(), display }
     }
 
     #[test]
@@ -109,9 +112,10 @@ mod tests {
     #[test]
     fn rate_and_remaining_time_follow_from_what_was_done() {
         // 60 s in 20 s: the other 240 s take 80 s.
-        assert_eq!(message(60.0, 300.0, Duration::from_secs(20)), " 20 % of 300 s, 3.000 s/s, 1:20 left");
-        assert_eq!(message(0.0, 300.0, Duration::from_secs(20)), "  0 % of 300 s");
-        assert_eq!(message(300.1, 300.0, Duration::from_secs(20)), "100 % of 300 s, 15.005 s/s, 0:00 left");
+        assert_eq!(message(60.0, 300.0, "s", Duration::from_secs(20)), " 20 % of 300 s, 3.000 s/s, 1:20 left");
+        assert_eq!(message(0.5, 1.0, "", Duration::from_secs(20)), " 50 %, 0:20 left");
+        assert_eq!(message(0.0, 300.0, "s", Duration::from_secs(20)), "  0 % of 300 s");
+        assert_eq!(message(300.1, 300.0, "s", Duration::from_secs(20)), "100 % of 300 s, 15.005 s/s, 0:00 left");
         assert_eq!(share(0.0, 0.0), 1.0);
     }
 }

@@ -12,7 +12,7 @@ use crate::simulation::{EventKind, Row, Trace};
 pub const MOST_SPRINGS_WITH_COLUMNS: usize = 32;
 
 /// Columns of `trace.csv` that every run has.
-pub const TRACE_COLUMNS: [&str; 13] = [
+pub const TRACE_COLUMNS: [&str; 14] = [
     "time_s",
     "x_m",
     "y_m",
@@ -25,6 +25,7 @@ pub const TRACE_COLUMNS: [&str; 13] = [
     "dissipated_j",
     "tip_work_j",
     "defect_j",
+    "interaction_n",
     "n_transporting",
 ];
 
@@ -41,7 +42,7 @@ pub enum TableError {
     Io(#[from] std::io::Error),
 }
 
-/// Writes `trace.csv`: [`TRACE_COLUMNS`], then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force of its holder on its tip (world axes),
+/// Writes `trace.csv`: [`TRACE_COLUMNS`], of which `interaction_n` is the sum of Eq. (4) over all pairs of holders, then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force of its holder on its tip (world axes),
 /// unless there are more than [`MOST_SPRINGS_WITH_COLUMNS`].
 ///
 /// # Errors
@@ -98,6 +99,7 @@ fn state_of(row: &Row) -> [f64; TRACE_COLUMNS.len() - 1] {
         energy.dissipated(),
         energy.tip_work,
         energy.defect(),
+        row.interaction(),
     ]
 }
 
@@ -140,11 +142,11 @@ mod tests {
             for (value, field) in state_of(row).iter().zip(&record) {
                 assert_eq!(field.parse::<f64>().unwrap().to_bits(), value.to_bits(), "{field}");
             }
-            assert_eq!(record[12].parse::<usize>().unwrap(), row.tips.len());
+            assert_eq!(record[TRACE_COLUMNS.len() - 1].parse::<usize>().unwrap(), row.tips.len());
             for j in 0..4 {
                 let pull = row.tips.iter().find(|tip| tip.spring == j).map(|tip| tip.pull);
-                assert_eq!(record[13 + 2 * j].parse().ok(), pull.map(|pull| pull.x));
-                assert_eq!(record[14 + 2 * j].parse().ok(), pull.map(|pull| pull.y));
+                assert_eq!(record[TRACE_COLUMNS.len() + 2 * j].parse().ok(), pull.map(|pull| pull.x));
+                assert_eq!(record[TRACE_COLUMNS.len() + 1 + 2 * j].parse().ok(), pull.map(|pull| pull.y));
             }
             n += 1;
         }
@@ -157,9 +159,9 @@ mod tests {
         let trace = synthetic::trace(3, 1.0);
         let contract = "time_s,x_m,y_m,heading_rad,vx_m_per_s,vy_m_per_s,turn_rate_rad_per_s,";
         assert!(text(&trace, 1).starts_with(contract));
-        assert_eq!(columns(&text(&trace, 1))[13..], ["pull_x_0_n", "pull_y_0_n"]);
-        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS)).len(), 13 + 64);
-        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS + 1)).len(), 13);
+        assert_eq!(columns(&text(&trace, 1))[TRACE_COLUMNS.len()..], ["pull_x_0_n", "pull_y_0_n"]);
+        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS)).len(), TRACE_COLUMNS.len() + 64);
+        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS + 1)).len(), TRACE_COLUMNS.len());
     }
 
     #[test]

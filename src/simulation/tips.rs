@@ -14,13 +14,12 @@ pub struct Tips {
 }
 
 impl Tips {
-    /// Times within rounding of a tick are that tick, so that no step of no length arises between them. A tip that would be let go at the instant of its
-    /// grasp is never held.
+    /// Times within rounding of a tick are that tick, and times within rounding of each other are one, so that no step of no length arises. A tip
+    /// that would be let go at the instant of its grasp is never held.
     pub fn new(scenario: &Scenario, paths: &[TipPath]) -> Self {
-        let snap = |time: f64| {
-            let tick = (time / scenario.control_period).round() * scenario.control_period;
-            if (time - tick).abs() <= SAME_INSTANT * scenario.control_period { tick } else { time }
-        };
+        let same = SAME_INSTANT * scenario.control_period;
+        let instants = instants_of(paths, scenario.control_period);
+        let snap = |time: f64| instants[instants.partition_point(|instant| *instant < time - same)];
         let snapped = |path: &TipPath| TipPath {
             spring: path.spring,
             waypoints: path.waypoints.iter().map(|at| Waypoint { time: snap(at.time), ..*at }).collect(),
@@ -28,12 +27,23 @@ impl Tips {
         };
         let is_held = |path: &TipPath| path.release.is_none_or(|release| release > path.waypoints[0].time);
         let paths: Vec<TipPath> = paths.iter().map(snapped).filter(is_held).collect();
-        let times = |path: &TipPath| path.waypoints.iter().map(|at| at.time).chain(path.release).collect::<Vec<_>>();
-        let mut instants: Vec<f64> = paths.iter().flat_map(times).collect();
-        instants.sort_by(f64::total_cmp);
-        instants.dedup();
+        let instants = instants_of(&paths, scenario.control_period);
         Self { paths, instants, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
     }
+}
+
+/// All times of waypoints and releases in order (s), ticks in place of what is within rounding of them, and one of each group within rounding.
+fn instants_of(paths: &[TipPath], control_period: f64) -> Vec<f64> {
+    let same = SAME_INSTANT * control_period;
+    let at_tick = |time: f64| {
+        let tick = (time / control_period).round() * control_period;
+        if (time - tick).abs() <= same { tick } else { time }
+    };
+    let times = |path: &TipPath| path.waypoints.iter().map(|at| at.time).chain(path.release).collect::<Vec<_>>();
+    let mut instants: Vec<f64> = paths.iter().flat_map(times).map(at_tick).collect();
+    instants.sort_by(f64::total_cmp);
+    instants.dedup_by(|later, kept| *later - *kept <= same);
+    instants
 }
 
 /// Where a path is at `time` (s); at its ends before the first and after the last waypoint.

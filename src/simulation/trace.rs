@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::backend::{EnergyLedger, Motion, StepReport};
 use crate::math::{Summary, Vec2};
+use crate::model::interaction_force;
 
 /// The run as it was: rows at every control tick and at the exact end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -21,6 +22,14 @@ pub struct Row {
     pub energy: EnergyLedger,
     /// Tips that are held, in the order of their springs.
     pub tips: Vec<HeldTip>,
+}
+
+impl Row {
+    /// Sum of the signed interaction forces of all pairs of holders (N), Eq. (4): positive when they pull apart.
+    pub fn interaction(&self) -> f64 {
+        let pairs = self.tips.iter().enumerate().flat_map(|(at, a)| self.tips[at + 1..].iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| interaction_force([a.position, b.position], [a.pull, b.pull])).fold(0.0, |sum, force| sum + force)
+    }
 }
 
 /// A held tip at one instant.

@@ -83,7 +83,7 @@ impl Inertial {
     /// `longest_step` in seconds.
     pub fn new(system: System, start: Motion, longest_step: f64, integrator: Integrator) -> Self {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
-        let kinetic = kinetic_energy(&system, &start.twist);
+        let kinetic = system.load.kinetic_energy(&start.twist);
         let state = State {
             motion: start,
             held: HeldSprings::default(),
@@ -129,14 +129,10 @@ impl Inertial {
         held.accept(springs, &motion.pose);
         self.state.settled = tips_stood && motion.twist == Twist::ZERO && self.state.motion.twist == Twist::ZERO;
         self.state.energy.elastic = held.energy(springs, &motion.pose);
-        self.state.energy.kinetic = kinetic_energy(&self.system, &motion.twist);
+        self.state.energy.kinetic = self.system.load.kinetic_energy(&motion.twist);
         (self.state.held, self.state.motion) = (held, motion);
         report
     }
-}
-
-fn kinetic_energy(system: &System, twist: &Twist) -> f64 {
-    0.5 * system.load.mass * twist.linear.norm_squared() + 0.5 * system.load.inertia * twist.angular * twist.angular
 }
 
 impl Backend for Inertial {

@@ -74,7 +74,7 @@ pub enum EngineSettings {
     /// One engine step a step of ours, with enough sweeps to converge.
     Recommended,
     /// What rapier does when nobody tells it otherwise: four substeps of one sweep each. The baseline of a user who does not tune; with
-    /// [`FrictionModel::Box`] it is what most of them would write.
+    /// box friction it is what most of them would write.
     AsShipped,
 }
 

@@ -7,11 +7,9 @@
 use super::joints::{AxisLaw, SpringJoint};
 use crate::backend::held::{Grip, HeldSprings};
 use crate::math::{Mat3, Pose, Vec2, Vec3, direction, perpendicular, rotation};
+use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::support::wrench_of;
 use crate::model::{PolarSpring, System};
-
-/// Share of the rest length below which the law keeps the tip at this distance (see [`PolarSpring`]).
-const SHORTEST_LENGTH: f64 = 1e-6;
 
 /// The held springs of `held` as joints of a load at `pose`; `from` tells where the tips were at the start of the step of `duration` (s).
 pub fn spring_joints(system: &System, held: &HeldSprings, from: &[Grip], pose: &Pose, duration: f64) -> Vec<SpringJoint> {

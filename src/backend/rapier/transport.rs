@@ -67,7 +67,7 @@ impl Transport {
             dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()],
             has_failed: false,
         };
-        state.books.initial = kinetic_energy(&system, &state.motion().twist);
+        state.books.initial = system.load.kinetic_energy(&state.motion().twist);
         let footing = Footing::new(&system, options.friction);
         Self { system, step, options, engine, footing, is_stale: true, state }
     }
@@ -142,7 +142,7 @@ impl Transport {
         let motion = state.motion();
         EnergyLedger {
             elastic: state.held.energy(&self.system.springs, &motion.pose),
-            kinetic: kinetic_energy(&self.system, &motion.twist),
+            kinetic: self.system.load.kinetic_energy(&motion.twist),
             friction: state.books.friction,
             damping: state.books.damping,
             released: state.books.released,
@@ -184,10 +184,6 @@ impl State {
             && self.books.is_finite()
             && self.friction_forces.iter().chain(&self.dashpot_on_tip).flatten().all(|v| v.is_finite())
     }
-}
-
-fn kinetic_energy(system: &System, twist: &Twist) -> f64 {
-    0.5 * system.load.mass * twist.linear.norm_squared() + 0.5 * system.load.inertia * twist.angular * twist.angular
 }
 
 impl Backend for Transport {
