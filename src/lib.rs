@@ -6,7 +6,7 @@
 //! ```text
 //! inertia effect = inertial - quasi-static
 //! engine error   = rapier   - inertial
-//! own error      = what each run still changes when its step is halved
+//! own error      = how far quasi-static and inertial may still be wrong
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:

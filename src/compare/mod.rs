@@ -28,7 +28,7 @@ use crate::scenario::Scenario;
 pub use difference::{Difference, Occasion, OccasionKind, Parting};
 pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, Shift, closed_loop};
 pub use numbers::{Numbers, Predicted};
-pub use pathwise::{Backends, Cost, OwnErrors, Partings, Pathwise, prescribed, replayed};
+pub use pathwise::{Backends, Cost, OwnErrors, Partings, Pathwise, Rim, prescribed, replayed};
 pub use solution::Solution;
 pub use verdict::Verdict;
 

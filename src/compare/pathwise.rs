@@ -25,6 +25,8 @@ pub struct Pathwise {
     pub numbers: Numbers,
     pub predicted: Predicted,
     pub verdict: Verdict,
+    /// What the verdict is on.
+    pub rim: Rim,
     /// Displacement of the load's rim that counted as agreement (m).
     pub tolerance_m: f64,
     /// Length of the way of the load's rim (m): shift plus radius times turn.
@@ -43,6 +45,14 @@ pub struct OwnErrors {
     pub quasi_static: Difference,
     pub inertial: Difference,
     pub rapier: Difference,
+}
+
+/// Displacements of the load's rim (m), at most: shift plus radius times turn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Rim {
+    pub inertia_m: f64,
+    pub engine_m: f64,
+    pub own_m: f64,
 }
 
 /// What each backend's path took.
@@ -132,6 +142,7 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
         numbers,
         predicted: numbers.predict(scenario, &inertial.trace, tolerance_m),
         verdict,
+        rim: Rim { inertia_m: inertia, engine_m: engine, own_m: own },
         backends: Backends { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) },
         tolerance_m,
         path_length_m,

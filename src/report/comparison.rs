@@ -135,8 +135,10 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     let name = if found.tier == crate::compare::Tier::Prescribed { "prescribed tips" } else { "replayed grasps, releases and tips" };
     lines.section(name);
     lines.row("verdict", found.verdict.text());
-    let within = format!("{} on a path of {}", quantity(found.tolerance_m, "m"), quantity(found.path_length_m, "m"));
-    lines.row("agreement", &format!("within {within}"));
+    let [inertia, engine, own] = [found.rim.inertia_m, found.rim.engine_m, found.rim.own_m].map(|value| quantity(value, "m"));
+    lines.row("on the rim", &format!("{inertia} by inertia, {engine} by the engine, {own} own error"));
+    let within = format!("{} of its way of {}", quantity(found.tolerance_m, "m"), quantity(found.path_length_m, "m"));
+    lines.row("agreement", &format!("up to {within}"));
     lines.row("inertia effect", &difference(&found.inertia_effect));
     lines.row("engine error", &difference(&found.engine_error));
     lines.row("  of its step", &difference(&found.engine_step_error));
