@@ -2,7 +2,7 @@
 //! backend nor step touches any draw.
 
 use cohaul::backend::rapier::{Precision, SpringModel};
-use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, default_step};
+use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, default_step};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{EventKind, Keep, SavedRun, Simulation, Trace};
 use serde_json::{Value, json};
@@ -34,7 +34,7 @@ fn scenes() -> [Scenario; 2] {
     [four_ants(4.0, 1), busy_tips()]
 }
 
-/// Every backend, and rapier also with aggregated springs and in single precision.
+/// Every backend, inertial with both integrators, and rapier also with aggregated springs and in single precision.
 fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     let usual = RapierOptions::default();
     let aggregate = RapierOptions { springs: SpringModel::Aggregate, ..usual };
@@ -44,7 +44,9 @@ fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
         ..BackendOptions::new(kind, default_step(kind, &scenario.system, scenario.control_period))
     };
     let engines = [usual, aggregate, single].map(|rapier| of((BackendKind::Rapier, rapier)));
-    [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| of((kind, usual))).into_iter().chain(engines).collect()
+    let [quasi_static, euler] = [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| of((kind, usual)));
+    let midpoint = BackendOptions { integrator: Integrator::Midpoint, ..euler };
+    [quasi_static, euler, midpoint].into_iter().chain(engines).collect()
 }
 
 /// All digits of a run's rows, events and outcome: the text of a float in JSON is exact, and tells -0 from 0.
@@ -78,7 +80,7 @@ fn two_runs_of_one_seed_are_one_bit_for_bit() {
         // No two of them are the same code under another name.
         paths.sort();
         paths.dedup();
-        assert_eq!(paths.len(), 5, "{}", scenario.name);
+        assert_eq!(paths.len(), all_options(&scenario).len(), "{}", scenario.name);
     }
 }
 

@@ -77,7 +77,9 @@ const RELATIVE_TOLERANCE: f64 = 1e-12;
 /// The same over the extent of the load, for increments that are themselves near rounding.
 const ABSOLUTE_TOLERANCE: f64 = 1e-15;
 /// Residual of the cone problem, or size of the last Newton step over the load's extent, above which a step counts as not converged.
+/// A thousand times what steps reach that end by their tolerance, and far below what a path's own error could show.
 const LARGEST_RESIDUAL: f64 = 1e-9;
+/// Converging steps take two to six; where the energy has a kink none will do.
 const MOST_ITERATIONS: u64 = 60;
 /// Longest turn in one Newton step (rad): the quadratic model says little beyond.
 const LONGEST_TURN: f64 = 0.5;

@@ -79,9 +79,7 @@ fn each_step_of_the_scenarios_keeps_within_the_two_bounds() {
     for folder in ["analytic", "paper", "stress"] {
         for entry in Path::new("scenarios").join(folder).read_dir().unwrap() {
             let path = entry.unwrap().path();
-            let whole = Scenario::read(&path).unwrap();
-            // Five thousand control periods of each.
-            let scenario = Scenario { duration: whole.duration.min(5000.0 * whole.control_period), ..whole };
+            let scenario = Scenario::read(&path).unwrap();
             let (run, found) = Audited::new(&scenario.system, scenario.start);
             let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
             let mut simulation = Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), Box::new(run));

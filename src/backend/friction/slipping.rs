@@ -17,6 +17,7 @@ use crate::model::support::{slip_velocity, wrench_of};
 const LONGEST_TURN: f64 = 1.5;
 /// So often the residual may fail to fall in a row.
 const PATIENCE: u32 = 4;
+/// Far from an answer Newton's method gives up by its patience; near one it needs some six iterations.
 const MOST_ITERATIONS: u32 = 40;
 
 /// The problem seen from the slowest support.

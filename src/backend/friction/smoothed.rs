@@ -9,7 +9,9 @@ use super::{Candidate, EXACT, Regime, linear_answer, pinned, slipping};
 use crate::math::{Mat2, Mat3, Vec2, Vec3};
 use crate::model::support::wrench_of;
 
+/// Down to the rounding of double precision.
 const N_STAGES: i32 = 15;
+/// Enough to halve a damped step from one end of double precision to the other; a stage takes some ten.
 const MOST_ITERATIONS: u32 = 60;
 
 /// The answer found on the way, or the best one at its end, with the cones' forces written.

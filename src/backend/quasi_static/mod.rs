@@ -15,6 +15,9 @@ use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, Ste
 use crate::math::{Twist, Vec2, rotation};
 use crate::model::System;
 
+/// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
+const MOST_LEGS: u32 = 10;
+
 pub struct QuasiStatic {
     system: System,
     longest_step: f64,
@@ -40,6 +43,20 @@ impl QuasiStatic {
         let warm_start = solver.warm_start().clone();
         let state = State { motion, held: HeldSprings::default(), energy: EnergyLedger::default(), disturbed: false, warm_start };
         Self { system, longest_step, solver, state }
+    }
+
+    /// Moves the load from where a grasp or a release has left it to the balance for tips that stand still. The friction of a long way depends on
+    /// the way, here one constant twist; where that ends the load may have to go on, by far less, before it stays.
+    fn jump(&mut self, grips: &[Grip]) -> StepReport {
+        let mut report = StepReport::default();
+        for _ in 0..MOST_LEGS {
+            let before = self.state.motion.pose;
+            report.add(&self.balance(grips));
+            if self.state.motion.pose == before {
+                break;
+            }
+        }
+        report
     }
 
     /// Moves the load to the balance for the tips as they are; `from` are the grips before they moved.
@@ -82,7 +99,7 @@ impl Backend for QuasiStatic {
         let mut report = StepReport::default();
         let from = self.state.held.grips().to_vec();
         if self.state.disturbed {
-            report.add(&self.balance(&from));
+            report.add(&self.jump(&from));
             self.state.disturbed = false;
         }
         let n_steps = n_steps_in(duration, self.longest_step);
