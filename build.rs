@@ -1,10 +1,14 @@
 //! Tells the program the commit that it is built from, if it is built from a repository.
 
+use std::path::Path;
 use std::process::Command;
 
 fn main() {
-    println!("cargo::rerun-if-changed=.git/HEAD");
-    println!("cargo::rerun-if-changed=.git/logs/HEAD");
+    println!("cargo::rerun-if-changed=build.rs");
+    // A path that is not there would make every build start anew.
+    for head in [".git/HEAD", ".git/logs/HEAD"].into_iter().filter(|head| Path::new(head).exists()) {
+        println!("cargo::rerun-if-changed={head}");
+    }
     let asked = Command::new("git").args(["rev-parse", "HEAD"]).output();
     if let Some(output) = asked.ok().filter(|output| output.status.success()) {
         println!("cargo::rustc-env=COHAUL_COMMIT={}", String::from_utf8_lossy(&output.stdout).trim());
