@@ -36,6 +36,11 @@ impl HeldSprings {
         self.grips.binary_search_by_key(&spring, |grip| grip.spring).ok().map(|at| &self.grips[at])
     }
 
+    /// Tip of a held spring (m, world); `None` for a free one.
+    pub fn tip(&self, spring: usize) -> Option<Vec2> {
+        self.get(spring).map(|grip| grip.tip)
+    }
+
     /// Adds a grip on the principal branch of its swing and returns the elastic energy that it brings (J).
     ///
     /// # Panics

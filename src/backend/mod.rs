@@ -107,6 +107,18 @@ pub struct EnergyLedger {
 }
 
 impl EnergyLedger {
+    /// Books a grasp whose spring brings `brought` (J): its holder deformed it.
+    pub fn book_grasp(&mut self, brought: f64) {
+        self.tip_work += brought;
+        self.elastic += brought;
+    }
+
+    /// Books a release whose spring takes `lost` (J) and leaves `elastic` (J) in the others.
+    pub fn book_release(&mut self, lost: f64, elastic: f64) {
+        self.released += lost;
+        self.elastic = elastic;
+    }
+
     /// All that was lost on purpose: friction, damping and released springs (J).
     pub fn dissipated(&self) -> f64 {
         self.friction + self.damping + self.released

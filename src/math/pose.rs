@@ -67,15 +67,6 @@ impl Twist {
     }
 }
 
-impl Wrench {
-    pub const ZERO: Wrench = Wrench { force: Vec2::new(0.0, 0.0), torque: 0.0 };
-
-    /// The wrench of `force` (N) acting at `arm` (m) from the load's origin, both in world axes.
-    pub fn of_force_at(force: Vec2, arm: &Vec2) -> Self {
-        Self { force, torque: arm.perp(&force) }
-    }
-}
-
 /// V(delta): the mean of the rotations from 0 to `delta`, the left Jacobian of SE(2).
 pub fn mean_rotation(delta: f64) -> Mat2 {
     let (along, across) = mean_rotation_entries(delta);

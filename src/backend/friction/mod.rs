@@ -24,7 +24,7 @@ mod smoothed;
 use serde::{Deserialize, Serialize};
 
 use super::RestoreError;
-use crate::math::{Mat3, Vec2, Vec3};
+use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
 
 use cones::Cones;
@@ -113,6 +113,12 @@ impl FrictionSolver {
     /// Friction force on each support of the ground in the last solution (N, load axes): opposite to its slip.
     pub fn forces(&self) -> &[Vec2] {
         &self.support_forces
+    }
+
+    /// The same in world axes, for a load with this heading (rad).
+    pub fn forces_in_world(&self, heading: f64) -> Vec<Vec2> {
+        let turn = rotation(heading);
+        self.support_forces.iter().map(|force| turn * force).collect()
     }
 
     pub fn warm_start(&self) -> &WarmStart {

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::friction::{FrictionSolver, WarmStart};
 use super::held::{Grip, HeldSprings};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, n_steps_in};
-use crate::math::{Pose, Twist, Vec2, rotation};
+use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 use dashpots::Dashpots;
 
@@ -138,15 +138,13 @@ impl Inertial {
 impl Backend for Inertial {
     fn grasp(&mut self, spring: usize, tip: Vec2) {
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
-        self.state.energy.tip_work += brought;
-        self.state.energy.elastic += brought;
+        self.state.energy.book_grasp(brought);
         self.state.settled = false;
     }
 
     fn release(&mut self, spring: usize) {
         let lost = self.state.held.release(&self.system.springs, spring, &self.state.motion.pose);
-        self.state.energy.released += lost;
-        self.state.energy.elastic = self.state.held.energy(&self.system.springs, &self.state.motion.pose);
+        self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
         self.state.dashpot_on_tip[spring] = Vec2::zeros();
         self.state.settled = false;
     }
@@ -170,7 +168,7 @@ impl Backend for Inertial {
     }
 
     fn tip(&self, spring: usize) -> Option<Vec2> {
-        self.state.held.get(spring).map(|grip| grip.tip)
+        self.state.held.tip(spring)
     }
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
@@ -178,8 +176,7 @@ impl Backend for Inertial {
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
-        let turn = rotation(self.state.motion.pose.heading);
-        self.solver.forces().iter().map(|force| turn * force).collect()
+        self.solver.forces_in_world(self.state.motion.pose.heading)
     }
 
     fn energy(&self) -> EnergyLedger {

@@ -12,7 +12,7 @@ use super::friction::{FrictionSolver, WarmStart};
 use super::held::{Grip, HeldSprings};
 use super::increment::{Increment, Potential, Stage, minimise};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, n_steps_in};
-use crate::math::{Twist, Vec2, rotation};
+use crate::math::{Twist, Vec2};
 use crate::model::System;
 
 /// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
@@ -83,15 +83,13 @@ impl QuasiStatic {
 impl Backend for QuasiStatic {
     fn grasp(&mut self, spring: usize, tip: Vec2) {
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
-        self.state.energy.tip_work += brought;
-        self.state.energy.elastic += brought;
+        self.state.energy.book_grasp(brought);
         self.state.disturbed |= brought != 0.0;
     }
 
     fn release(&mut self, spring: usize) {
         let lost = self.state.held.release(&self.system.springs, spring, &self.state.motion.pose);
-        self.state.energy.released += lost;
-        self.state.energy.elastic = self.state.held.energy(&self.system.springs, &self.state.motion.pose);
+        self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
         self.state.disturbed = true;
     }
 
@@ -126,7 +124,7 @@ impl Backend for QuasiStatic {
     }
 
     fn tip(&self, spring: usize) -> Option<Vec2> {
-        self.state.held.get(spring).map(|grip| grip.tip)
+        self.state.held.tip(spring)
     }
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
@@ -134,8 +132,7 @@ impl Backend for QuasiStatic {
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
-        let turn = rotation(self.state.motion.pose.heading);
-        self.solver.forces().iter().map(|force| turn * force).collect()
+        self.solver.forces_in_world(self.state.motion.pose.heading)
     }
 
     fn energy(&self) -> EnergyLedger {

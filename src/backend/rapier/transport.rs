@@ -226,7 +226,7 @@ impl Backend for Transport {
     }
 
     fn tip(&self, spring: usize) -> Option<Vec2> {
-        self.state.held.get(spring).map(|grip| grip.tip)
+        self.state.held.tip(spring)
     }
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
