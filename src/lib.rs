@@ -10,10 +10,11 @@
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`compare`], [`report`], [`cli`].
+//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`compare`], [`check`] and [`verify`], [`report`], [`cli`].
 #![forbid(unsafe_code)]
 
 pub mod backend;
+pub mod check;
 pub mod cli;
 pub mod compare;
 pub mod math;
@@ -21,6 +22,7 @@ pub mod model;
 pub mod report;
 pub mod scenario;
 pub mod simulation;
+pub mod verify;
 
 /// The README's example runs as a test.
 #[cfg(doctest)]

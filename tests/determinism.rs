@@ -2,7 +2,7 @@
 //! backend nor step touches any draw.
 
 use cohaul::backend::rapier::{Precision, SpringModel};
-use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, default_step};
+use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Tolerance, default_step};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{EventKind, Keep, SavedRun, Simulation, Trace};
 use serde_json::{Value, json};
@@ -34,7 +34,7 @@ fn scenes() -> [Scenario; 2] {
     [four_ants(4.0, 1), busy_tips()]
 }
 
-/// Every backend, inertial with both integrators, and rapier also with aggregated springs and in single precision.
+/// Every backend, inertial with both integrators, both exact ones under error control, and rapier also with aggregated springs and in single precision.
 fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     let usual = RapierOptions::default();
     let aggregate = RapierOptions { springs: SpringModel::Aggregate, ..usual };
@@ -44,9 +44,11 @@ fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
         ..BackendOptions::new(kind, default_step(kind, &scenario.system, scenario.control_period))
     };
     let engines = [usual, aggregate, single].map(|rapier| of((BackendKind::Rapier, rapier)));
-    let [quasi_static, euler] = [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| of((kind, usual)));
-    let midpoint = BackendOptions { integrator: Integrator::Midpoint, ..euler };
-    [quasi_static, euler, midpoint].into_iter().chain(engines).collect()
+    let exact = [BackendKind::QuasiStatic, BackendKind::Inertial];
+    let [quasi_static, midpoint] = exact.map(|kind| of((kind, usual)));
+    let euler = BackendOptions { integrator: Integrator::Euler, ..midpoint };
+    let controlled = exact.map(|kind| BackendOptions::within(kind, Tolerance::on_rim(1e-6, &scenario.system.load)));
+    [quasi_static, euler, midpoint].into_iter().chain(controlled).chain(engines).collect()
 }
 
 /// All digits of a run's rows, events and outcome: the text of a float in JSON is exact, and tells -0 from 0.
@@ -162,9 +164,18 @@ fn careless_ants() -> Scenario {
     scenario
 }
 
-/// Each backend at its own step and at a third of it, which no power of two would turn into the same nodes.
+/// Each backend at its own step or tolerance and at a third of it, which no power of two would turn into the same nodes.
 fn backends_and_steps(scenario: &Scenario) -> Vec<BackendOptions> {
-    let at = |options: BackendOptions, share: f64| BackendOptions { step_s: options.step_s * share, ..options };
+    let within = |tolerance: Tolerance, share: f64| Tolerance {
+        position_m: share * tolerance.position_m,
+        heading_rad: share * tolerance.heading_rad,
+        ..tolerance
+    };
+    let at = |options: BackendOptions, share: f64| BackendOptions {
+        step_s: options.step_s * share,
+        tolerance: options.tolerance.map(|tolerance| within(tolerance, share)),
+        ..options
+    };
     all_options(scenario).into_iter().flat_map(|options| [at(options, 1.0), at(options, 1.0 / 3.0)]).collect()
 }
 

@@ -12,7 +12,7 @@
 //! E is not convex in general. The minimum wanted is the one that descent from rest reaches, by proximal Newton: the cone problem with the
 //! Hessian of E, made positive definite where it is not, and a line search on the true objective.
 
-use super::friction::FrictionSolver;
+use super::friction::{FrictionSolver, Regime};
 use super::held::HeldSprings;
 use super::{Status, StepReport};
 use crate::math::{Mat2, Mat3, Pose, Twist, Vec2, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
@@ -69,6 +69,7 @@ pub struct Increment {
     pub twist: Vec3,
     /// Energy lost to friction (J).
     pub friction: f64,
+    pub regime: Regime,
     pub report: StepReport,
 }
 
@@ -91,10 +92,12 @@ pub fn minimise(potential: &Potential, ground: &Ground, solver: &mut FrictionSol
     let mut at = Vec3::zeros();
     let mut report = StepReport { n_steps: 1, ..StepReport::default() };
     let mut residual = f64::INFINITY;
+    let mut regime = Regime::Stick;
     for _ in 0..MOST_ITERATIONS {
         let local = potential.at(&at);
         let hessian = positive_definite(&local.hessian, length);
         let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
+        regime = solution.regime;
         report.n_solves += 1;
         report.n_iterations += u64::from(solution.n_iterations);
         let step = shortened(solution.increment - at);
@@ -113,7 +116,7 @@ pub fn minimise(potential: &Potential, ground: &Ground, solver: &mut FrictionSol
     report.residual = if residual.is_finite() { residual } else { 1.0 };
     report.status = if residual <= LARGEST_RESIDUAL { Status::Converged } else { Status::NotConverged };
     report.n_not_converged = u64::from(report.status != Status::Converged);
-    Increment { twist: at, friction: friction_loss(ground, &at), report }
+    Increment { twist: at, friction: friction_loss(ground, &at), regime, report }
 }
 
 /// Energy that the supports lose along a constant-twist path (J).

@@ -3,26 +3,46 @@
 //! A backend owns the load, its springs and the friction under it. It is told which springs are held and where their tips go, and knows
 //! neither ants nor scenario files. Between two calls of [`Backend::advance`] nothing moves.
 
+mod controlled;
 pub mod friction;
 pub mod held;
 pub mod increment;
 pub mod inertial;
 pub mod quasi_static;
 pub mod rapier;
+mod tandem;
+mod transition;
 
 use serde::{Deserialize, Serialize};
 
 use crate::math::{Pose, Twist, Vec2};
-use crate::model::System;
+use crate::model::{Load, System};
+use controlled::{Column, Control};
+use tandem::Tandem;
 
 pub use inertial::Integrator;
 pub use rapier::RapierOptions;
+pub use transition::{Transition, TransitionKind};
 
 /// Where the load is and how it moves, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     pub pose: Pose,
     pub twist: Twist,
+}
+
+impl Motion {
+    /// x, y, heading and their rates (m, m, rad, m/s, m/s, rad/s).
+    fn entries(&self) -> [f64; 6] {
+        let Motion { pose, twist } = self;
+        [pose.position.x, pose.position.y, pose.heading, twist.linear.x, twist.linear.y, twist.angular]
+    }
+
+    /// Of the first six of `entries`.
+    fn of_entries(entries: &[f64]) -> Self {
+        let twist = Twist { linear: Vec2::new(entries[3], entries[4]), angular: entries[5] };
+        Motion { pose: Pose::new(entries[0], entries[1], entries[2]), twist }
+    }
 }
 
 /// What moves the load.
@@ -56,12 +76,38 @@ pub trait Backend {
 
     fn energy(&self) -> EnergyLedger;
 
+    /// Where in the last advance the load's motion was not smooth, in the order of time; empty for a backend that cannot tell.
+    fn transitions(&self) -> &[Transition] {
+        &[]
+    }
+
+    /// How far the pose may be wrong now; `None` for a backend that does not know.
+    fn pose_error(&self) -> Option<PoseError> {
+        None
+    }
+
     /// The whole state. A backend of the same system and options that restores it goes on bit for bit as this one would.
     fn save(&self) -> SavedState;
 
     /// # Errors
     /// When the state is not one that a backend of this kind and system saved.
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError>;
+}
+
+/// How far a pose may be wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PoseError {
+    /// (m)
+    pub position: f64,
+    /// (rad)
+    pub heading: f64,
+}
+
+impl PoseError {
+    /// Entry by entry the larger one.
+    pub fn max(&self, other: &Self) -> Self {
+        Self { position: self.position.max(other.position), heading: self.heading.max(other.heading) }
+    }
 }
 
 /// A backend's state as a JSON value: floats are written with all their digits.
@@ -149,7 +195,7 @@ pub struct StepReport {
     pub status: Status,
     /// Largest residual of a step, relative to the forces in it (1).
     pub residual: f64,
-    /// Steps of the backend's own.
+    /// Steps of the backend's own; under error control strides.
     pub n_steps: u64,
     /// Solutions of the friction problem.
     pub n_solves: u64,
@@ -159,6 +205,8 @@ pub struct StepReport {
     pub n_skipped: u64,
     /// Steps that did not converge.
     pub n_not_converged: u64,
+    /// Strides that error control found too long.
+    pub n_rejected: u64,
 }
 
 impl StepReport {
@@ -170,6 +218,7 @@ impl StepReport {
         self.n_iterations += other.n_iterations;
         self.n_skipped += other.n_skipped;
         self.n_not_converged += other.n_not_converged;
+        self.n_rejected += other.n_rejected;
     }
 }
 
@@ -201,17 +250,83 @@ impl BackendKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BackendOptions {
     pub kind: BackendKind,
-    /// Longest step (s): a duration is cut into the fewest equal steps that do not exceed it.
+    /// Longest step (s): a duration is cut into the fewest equal steps that do not exceed it. Infinite under error control.
+    #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
     pub step_s: f64,
-    /// Of the inertial backend.
+    /// Error control in place of the step, for the exact backends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<Tolerance>,
+    /// Of the inertial backend at a fixed step.
     pub integrator: Integrator,
     pub rapier: RapierOptions,
+}
+
+fn unlimited() -> f64 {
+    f64::INFINITY
+}
+
+fn is_unlimited(step: &f64) -> bool {
+    step.is_infinite()
 }
 
 impl BackendOptions {
     /// The usual settings at this longest step (s).
     pub fn new(kind: BackendKind, step_s: f64) -> Self {
-        Self { kind, step_s, integrator: Integrator::default(), rapier: RapierOptions::default() }
+        Self { kind, step_s, tolerance: None, integrator: Integrator::default(), rapier: RapierOptions::default() }
+    }
+
+    /// An exact backend under error control.
+    pub fn within(kind: BackendKind, tolerance: Tolerance) -> Self {
+        Self { tolerance: Some(tolerance), ..Self::new(kind, f64::INFINITY) }
+    }
+}
+
+/// Error that the pose of a run may have at any instant, given its grasps, releases and tip motions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tolerance {
+    pub position_m: f64,
+    pub heading_rad: f64,
+    /// How often the errors of strides, which add up to that of the run, have been divided by ten because they added up to too much.
+    #[serde(default)]
+    pub tightened: u32,
+}
+
+/// Error of a stride over that of the run (1). The former add up, but friction and springs bring a load back to its path, so that it is not for long.
+const STRIDE_SHARE: f64 = 1e-4;
+/// Largest error of a stride over the load's radius (1): beyond, an error is no longer small against what it is estimated from.
+const LARGEST_STRIDE_ERROR: f64 = 1e-3;
+/// Smallest error of a stride over the load's radius (1): below, roundings of places decide.
+const SMALLEST_STRIDE_ERROR: f64 = 1e-13;
+/// How often a run is repeated with smaller errors of strides.
+const MOST_TIGHTENED: u32 = 3;
+/// Tolerance of the run that checks another one, over that one's (1).
+const CHECK_SHARE: f64 = 4.0;
+
+impl Tolerance {
+    /// Of a load whose rim may be off by `position_m` (m) through a shift, and by as much through a turn.
+    pub fn on_rim(position_m: f64, load: &Load) -> Self {
+        Self { position_m, heading_rad: position_m / load.radius, tightened: 0 }
+    }
+
+    /// The same, for a run whose strides err a tenth as much; `None` when that would not help any more.
+    pub fn tightened(&self) -> Option<Self> {
+        (self.tightened < MOST_TIGHTENED).then_some(Self { tightened: self.tightened + 1, ..*self })
+    }
+
+    /// Whether an error keeps to it.
+    pub fn allows(&self, error: &PoseError) -> bool {
+        error.position <= self.position_m && error.heading <= self.heading_rad
+    }
+
+    fn control(&self, load: &Load, settling_time: Option<f64>) -> Control {
+        let share = STRIDE_SHARE * 0.1f64.powi(self.tightened as i32);
+        let of_stride = |error: f64, size: f64| (share * error).clamp(SMALLEST_STRIDE_ERROR * size, LARGEST_STRIDE_ERROR * size);
+        Control {
+            position: of_stride(self.position_m, load.radius),
+            heading: of_stride(self.heading_rad, 1.0),
+            settling_time,
+            keeps: Column::Last,
+        }
     }
 }
 
@@ -228,12 +343,55 @@ pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> 
 }
 
 /// The one place that joins kinds and code.
+///
+/// # Panics
+/// When a tolerance is asked of rapier: an engine has no error control.
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
+    if let Some(tolerance) = &options.tolerance {
+        let controlled = |control| controlled(system, start, options.kind, control);
+        let answer = tolerance.control(&system.load, settling_time(options.kind, system));
+        let check =
+            Control { position: CHECK_SHARE * answer.position, heading: CHECK_SHARE * answer.heading, keeps: Column::LastButOne, ..answer };
+        return Box::new(Tandem { answer: controlled(answer), check: controlled(check) });
+    }
     match options.kind {
-        BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system.clone(), start, options.step_s)),
-        BackendKind::Inertial => Box::new(inertial::Inertial::new(system.clone(), start, options.step_s, options.integrator)),
+        BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system.clone(), start, Stepping::Fixed(options.step_s))),
+        BackendKind::Inertial => {
+            Box::new(inertial::Inertial::new(system.clone(), start, Stepping::Fixed(options.step_s), options.integrator))
+        }
         BackendKind::Rapier => rapier::build(system.clone(), start, options.step_s, &options.rapier),
     }
+}
+
+fn controlled(system: &System, start: Motion, kind: BackendKind, control: Control) -> Box<dyn Backend> {
+    let (system, stepping) = (system.clone(), Stepping::Controlled(control));
+    match kind {
+        BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system, start, stepping)),
+        BackendKind::Inertial => Box::new(inertial::Inertial::new(system, start, stepping, Integrator::Euler)),
+        BackendKind::Rapier => panic!("rapier has no error control"),
+    }
+}
+
+/// How an exact backend cuts an advance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    /// Into the fewest equal steps of at most this length (s).
+    Fixed(f64),
+    Controlled(Control),
+}
+
+/// Time over which a wrong speed makes the position wrong (s): that of an oscillation by a radian, or that in which friction takes the speed with which the
+/// load crosses its radius, whichever is shorter. Without springs and friction there is neither, and speeds stay right.
+fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
+    if kind == BackendKind::QuasiStatic {
+        return None;
+    }
+    let load = &system.load;
+    let stiffness =
+        system.springs.iter().map(|spring| spring.radial_stiffness).filter(|stiffness| *stiffness > 0.0).fold(f64::INFINITY, f64::min);
+    let swing = (load.mass / stiffness).sqrt();
+    let braking = (load.mass * load.radius / system.total_slip_limit()).sqrt();
+    Some([swing, braking].into_iter().filter(|time| time.is_finite() && *time > 0.0).fold(f64::INFINITY, f64::min).min(1e9))
 }
 
 /// The fewest equal steps of at most `longest` (s) that make up `duration` (s): their number. A share of 1e-9 of a step is forgiven, so that

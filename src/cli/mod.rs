@@ -3,10 +3,12 @@
 //! Exit codes: 0 done, 1 a run failed or missed what it was asked to check, 2 usage or input, 3 internal, 130 interrupted. Results go to standard output, everything
 //! else to standard error.
 
+mod check;
 mod compare;
 mod interrupt;
 mod run;
 mod scenario;
+mod verify;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -37,6 +39,10 @@ enum Command {
     Run(run::RunArgs),
     /// Run one scenario on all backends and say why they differ
     Compare(compare::CompareArgs),
+    /// Hold this build, or a changed scenario, against stored runs
+    Check(check::CheckArgs),
+    /// Put questions with known answers to the backends and say whether they hold
+    Verify(verify::VerifyArgs),
     /// Look at scenario files
     #[command(subcommand)]
     Scenario(scenario::ScenarioCommand),
@@ -116,6 +122,8 @@ pub fn main() -> ExitCode {
     let done = match &cli.command {
         Command::Run(args) => run::run(args),
         Command::Compare(args) => compare::compare(args),
+        Command::Check(args) => check::check(args),
+        Command::Verify(args) => verify::verify(args),
         Command::Scenario(command) => scenario::scenario(command),
     };
     match done {

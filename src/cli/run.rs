@@ -6,12 +6,12 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
-use super::{CliError, EngineArgs, interrupt, print, read_scenario, step};
-use crate::backend::{BackendKind, BackendOptions, Integrator, Status, default_step};
+use super::{CliError, EngineArgs, interrupt, positive, print, read_scenario, step};
+use crate::backend::{BackendKind, BackendOptions, Integrator, Status, Tolerance, default_step};
 use crate::report::figure::Scene;
 use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, run_text, write_run};
 use crate::scenario::Scenario;
-use crate::simulation::{Keep, SavedRun, Simulation};
+use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
 
 #[derive(Args)]
 pub struct RunArgs {
@@ -23,8 +23,14 @@ pub struct RunArgs {
     /// Longest step of the backend (s); without it the control period for quasi-static, and a tenth of a radian of the fastest oscillation else
     #[arg(long, value_name = "H", value_parser = step)]
     step_s: Option<f64>,
+    /// Error that the load's position may have at any instant, in place of a step (m): quasi-static and inertial
+    #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"])]
+    tolerance: Option<f64>,
+    /// Error that its heading may have (rad); without it what moves the load's rim by the tolerance
+    #[arg(long, value_name = "RAD", value_parser = positive, requires = "tolerance")]
+    tolerance_rad: Option<f64>,
     /// How the inertial backend cuts a step
-    #[arg(long, value_name = "METHOD", default_value = "euler")]
+    #[arg(long, value_name = "METHOD", default_value = "midpoint")]
     integrator: Integrator,
     /// Seed of all chance, in place of the scenario's
     #[arg(long, value_name = "N")]
@@ -47,8 +53,7 @@ pub struct RunArgs {
 
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
-    let step_s = args.step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
-    let options = BackendOptions { kind: args.backend, step_s, integrator: args.integrator, rapier: args.engine.options() };
+    let options = options(args, &scenario)?;
     if let Some(out) = &args.out {
         check_target(out)?;
     }
@@ -56,7 +61,8 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let (started, clock) = (SystemTime::now(), Instant::now());
     let mut run = start(&scenario, &options, keep, args.state.as_deref())?;
     let mut progress = Progress::start(scenario.duration, args.backend.name());
-    run.run(|time| {
+    let driver = || driver_of(&scenario);
+    run.run_within(driver, |time| {
         progress.at(time);
         !interrupt::asked() && args.stop_s.is_none_or(|stop| time < stop)
     });
@@ -77,7 +83,25 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     }
     print(&if args.json { summary.to_json() } else { run_text(&summary) })?;
-    Ok(if outcome.steps.status == Status::Failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    let is_within = summary.accuracy.as_ref().is_none_or(|accuracy| accuracy.is_met);
+    Ok(if outcome.steps.status == Status::Failed || !is_within { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {
+    let Some(position_m) = args.tolerance else {
+        let step_s = args.step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
+        return Ok(BackendOptions {
+            integrator: args.integrator,
+            rapier: args.engine.options(),
+            ..BackendOptions::new(args.backend, step_s)
+        });
+    };
+    if args.backend == BackendKind::Rapier {
+        return Err(CliError::Usage("--tolerance: must be of quasi-static or inertial, found rapier: an engine's steps are fixed".into()));
+    }
+    let tolerance = Tolerance::on_rim(position_m, &scenario.system.load);
+    let heading_rad = args.tolerance_rad.unwrap_or(tolerance.heading_rad);
+    Ok(BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }))
 }
 
 /// A new run, or the one whose state is there.
@@ -85,7 +109,8 @@ fn start<'a>(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, state
     let Some(path) = state.filter(|path| path.exists()) else { return Ok(Simulation::new(scenario, options, keep)) };
     let text = std::fs::read_to_string(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     let saved: SavedRun = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path.to_owned(), source })?;
-    if saved.options != *options {
+    let as_asked = saved.options.tolerance.map(|tolerance| Tolerance { tightened: 0, ..tolerance });
+    if (BackendOptions { tolerance: as_asked, ..saved.options }) != *options {
         let (saved, asked) = (serde_json::to_string(&saved.options), serde_json::to_string(options));
         let text = format!("{}: saved with {}, asked for {}", path.display(), saved.unwrap_or_default(), asked.unwrap_or_default());
         return Err(CliError::Usage(text));

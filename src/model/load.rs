@@ -42,8 +42,13 @@ impl System {
 
     /// Upper estimate of the fastest oscillation of the load on all its springs at rest, in translation or turning (rad/s); zero without springs.
     pub fn fastest_rate(&self) -> f64 {
+        self.fastest_rate_on(self.springs.iter())
+    }
+
+    /// The same on some of its springs.
+    pub fn fastest_rate_on<'a>(&self, springs: impl Iterator<Item = &'a PolarSpring>) -> f64 {
         let (mut linear, mut angular) = (0.0, 0.0);
-        for spring in &self.springs {
+        for spring in springs {
             let across = if spring.rest_length > 0.0 { spring.torsional_stiffness / spring.rest_length.powi(2) } else { 0.0 };
             let stiffness = spring.radial_stiffness.max(across);
             linear += stiffness;

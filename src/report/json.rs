@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, RapierOptions, Status, StepReport};
+use crate::backend::{
+    BackendKind, BackendOptions, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, Status, StepReport, Tolerance,
+};
 use crate::math::Summary;
 use crate::simulation::Outcome;
 
@@ -11,7 +13,14 @@ use crate::simulation::Outcome;
 pub struct RunSummary {
     pub scenario: String,
     pub backend: BackendKind,
-    pub step_s: f64,
+    /// `null` under error control.
+    pub step_s: Option<f64>,
+    /// Only of a run by the inertial backend at a fixed step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub integrator: Option<Integrator>,
+    /// Only of a run under error control.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
     /// Only of a run by rapier: the others do not read it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rapier: Option<RapierOptions>,
@@ -24,6 +33,17 @@ pub struct RunSummary {
     /// Only of a run with ants.
     #[serde(flatten)]
     pub ants: Option<AntSummary>,
+}
+
+/// Errors of the pose at any instant: the largest that were asked for and found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Accuracy {
+    pub asked_m: f64,
+    pub asked_rad: f64,
+    /// How far a less exact run beside this one strayed from it: above the error of this one.
+    pub estimated_m: f64,
+    pub estimated_rad: f64,
+    pub is_met: bool,
 }
 
 /// Where and when the load ended, in world axes.
@@ -65,6 +85,8 @@ pub struct StepSummary {
     pub n_iterations: u64,
     pub n_skipped: u64,
     pub n_not_converged: u64,
+    /// Strides that error control found too long.
+    pub n_rejected: u64,
 }
 
 /// What the ants achieved.
@@ -110,7 +132,9 @@ impl RunSummary {
         Ok(Self {
             scenario: scenario.to_owned(),
             backend: options.kind,
-            step_s: finite("step_s", options.step_s)?,
+            step_s: options.step_s.is_finite().then_some(options.step_s),
+            integrator: (options.kind == BackendKind::Inertial && options.tolerance.is_none()).then_some(options.integrator),
+            accuracy: options.tolerance.zip(outcome.error).map(|(asked, found)| Accuracy::new(&asked, &found)).transpose()?,
             rapier: (options.kind == BackendKind::Rapier).then_some(options.rapier),
             seed,
             end: FinalState::new(outcome.time, &outcome.motion)?,
@@ -129,6 +153,18 @@ impl RunSummary {
         let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
         text.push('\n');
         text
+    }
+}
+
+impl Accuracy {
+    fn new(asked: &Tolerance, found: &PoseError) -> Result<Self, NotFinite> {
+        Ok(Self {
+            asked_m: asked.position_m,
+            asked_rad: asked.heading_rad,
+            estimated_m: finite("accuracy.estimated_m", found.position)?,
+            estimated_rad: finite("accuracy.estimated_rad", found.heading)?,
+            is_met: asked.allows(found),
+        })
     }
 }
 
@@ -175,6 +211,7 @@ impl StepSummary {
             n_iterations: report.n_iterations,
             n_skipped: report.n_skipped,
             n_not_converged: report.n_not_converged,
+            n_rejected: report.n_rejected,
         })
     }
 }

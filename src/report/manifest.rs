@@ -19,8 +19,9 @@ pub struct Manifest {
     pub command_line: Vec<String>,
     /// Start of the run, in UTC as of ISO 8601.
     pub started: String,
-    pub seed: u64,
-    /// Backend and steps of a run; settings of a comparison.
+    /// `null` of a result of several seeds, which then stand in the scenarios.
+    pub seed: Option<u64>,
+    /// Backend and steps of a run; settings of a comparison or a check.
     pub options: Value,
     /// SHA-256 of the scenario as the caller hashed it, in hexadecimal.
     pub scenario_sha256: String,
@@ -74,7 +75,7 @@ impl Manifest {
     pub fn new(
         scenario: Value,
         scenario_sha256: String,
-        seed: u64,
+        seed: impl Into<Option<u64>>,
         options: Value,
         command_line: Vec<String>,
         started: SystemTime,
@@ -87,7 +88,7 @@ impl Manifest {
             machine: Machine::here(),
             command_line,
             started: humantime::format_rfc3339_seconds(started).to_string(),
-            seed,
+            seed: seed.into(),
             options,
             scenario_sha256,
             scenario,

@@ -12,10 +12,13 @@
 //! figure/      SVG figures over one or several traces
 //! quantity.rs  a number with its unit, for people
 //! comparison.rs  a comparison: JSON, text and files
+//! check.rs     a check against baselines: JSON, text and files
 //! text.rs      a run summary as a text table
+//! verification.rs  a verification: JSON, text and files
 //! progress.rs  a progress bar on standard error
 //! ```
 
+mod check;
 mod comparison;
 pub mod figure;
 mod folder;
@@ -26,15 +29,18 @@ mod quantity;
 mod run;
 pub mod table;
 mod text;
+mod verification;
 
 #[cfg(test)]
 pub(crate) mod synthetic;
 
+pub use check::{CheckReport, check_text, this_build, write_check};
 pub use comparison::{Comparison, Tiers, compare_text, write_comparison};
 pub use folder::{FolderError, OutputFolder, check_target};
-pub use json::{AntSummary, EnergySummary, FinalState, NotFinite, PullForce, RunSummary, StepSummary, finite};
+pub use json::{Accuracy, AntSummary, EnergySummary, FinalState, NotFinite, PullForce, RunSummary, StepSummary, finite};
 pub use manifest::{Libraries, Machine, Manifest, sha256_hex};
 pub use progress::Progress;
 pub use quantity::{number, quantity};
 pub use run::{RunFiles, write_run};
 pub use text::run_text;
+pub use verification::{Line, Question, Verification, list_text, verify_text, write_verification};

@@ -38,7 +38,9 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             n_iterations: 183_000,
             n_skipped: 12,
             n_not_converged: 0,
+            n_rejected: 0,
         },
+        error: None,
         arrived,
         pulls,
     }
@@ -52,7 +54,7 @@ pub fn trace(n_rows: usize, lag: f64) -> Trace {
         let time = k as f64 * TICK;
         let tips = tips(time, lag);
         record_events(&mut trace, time, &tips);
-        trace.rows.push(Row { time, motion: motion(time, lag), energy: energy(time, lag), tips });
+        trace.rows.push(Row { time, motion: motion(time, lag), energy: energy(time, lag), tips, error: None });
     }
     trace
 }

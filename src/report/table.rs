@@ -6,6 +6,7 @@
 use std::io::Write;
 
 use super::{NotFinite, finite};
+use crate::check;
 use crate::simulation::{EventKind, Row, Trace};
 
 /// Above this number of springs `trace.csv` has no columns of pulls: they would be most of the file. `n_transporting` stays.
@@ -78,6 +79,30 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
         let time = finite("time_s", event.time)?;
         let tip = [finite("tip_x_m", event.tip.x)?, finite("tip_y_m", event.tip.y)?];
         writer.serialize((time, name, event.spring, event.ant, tip))?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// Writes a table of rows of two runs at the same instants: the time, every other column as expected and as found, and how far the two lie apart in
+/// every measure.
+///
+/// # Errors
+/// When a number is not finite, or `out` fails.
+pub fn write_pairs(pairs: &[(check::Row, check::Row)], out: impl Write) -> Result<(), TableError> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    let sides = check::COLUMNS[1..].iter().flat_map(|name| [format!("expected_{name}"), format!("found_{name}")]);
+    let apart = check::MEASURES.iter().map(|measure| format!("apart_{}", measure.name));
+    let head: Vec<_> = ["time_s".to_owned()].into_iter().chain(sides).chain(apart).collect();
+    writer.write_record(&head)?;
+    for (expected, found) in pairs {
+        let sides = expected[1..].iter().zip(&found[1..]).flat_map(|(expected, found)| [*expected, *found]);
+        let apart = check::MEASURES.iter().map(|measure| measure.apart(expected, found));
+        let row: Vec<_> = [expected[0]].into_iter().chain(sides).chain(apart).collect();
+        for (name, value) in head.iter().zip(&row) {
+            finite(name, *value)?;
+        }
+        writer.serialize(row)?;
     }
     writer.flush()?;
     Ok(())

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{AntSummary, RunSummary, number, quantity};
+use super::{Accuracy, AntSummary, RunSummary, number, quantity};
 use crate::backend::Status;
 
 /// The summary over aligned lines, with a line end.
@@ -10,9 +10,13 @@ pub fn run_text(summary: &RunSummary) -> String {
     let mut lines = Lines::default();
     lines.section("run");
     lines.row("scenario", &summary.scenario);
-    lines.row("backend", &format!("{}, steps of {}", summary.backend.name(), quantity(summary.step_s, "s")));
+    let steps = summary.step_s.map_or("steps under error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
+    lines.row("backend", &format!("{}, {steps}", summary.backend.name()));
     lines.row("seed", &summary.seed.to_string());
     end(summary, &mut lines);
+    if let Some(accuracy) = &summary.accuracy {
+        of_accuracy(accuracy, &mut lines);
+    }
     if let Some(ants) = &summary.ants {
         of_ants(ants, &mut lines);
     }
@@ -30,6 +34,14 @@ fn end(summary: &RunSummary, lines: &mut Lines) {
     lines.row("heading", &quantity(end.heading_rad, "rad"));
     lines.row("velocity", &pair(end.velocity_m_per_s, "m/s"));
     lines.row("turn rate", &quantity(end.turn_rate_rad_per_s, "rad/s"));
+}
+
+fn of_accuracy(accuracy: &Accuracy, lines: &mut Lines) {
+    let pair = |position, heading| format!("{} and {}", quantity(position, "m"), quantity(heading, "rad"));
+    lines.section("error of the pose at any instant");
+    lines.row("asked for", &pair(accuracy.asked_m, accuracy.asked_rad));
+    let verdict = if accuracy.is_met { "" } else { ": more than was asked for" };
+    lines.row("estimated", &format!("{}{verdict}", pair(accuracy.estimated_m, accuracy.estimated_rad)));
 }
 
 fn of_ants(ants: &AntSummary, lines: &mut Lines) {

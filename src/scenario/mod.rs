@@ -3,7 +3,7 @@
 
 mod error;
 mod expand;
-mod json;
+pub(crate) mod json;
 mod structure;
 mod validate;
 

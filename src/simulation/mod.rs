@@ -8,7 +8,7 @@ mod trace;
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{Backend, BackendOptions, Motion, RestoreError, StepReport, build};
+use crate::backend::{Backend, BackendOptions, Motion, PoseError, RestoreError, StepReport, Transition, build};
 use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
 
@@ -82,6 +82,7 @@ pub struct Simulation<'a> {
     time: f64,
     finished: bool,
     steps: StepReport,
+    error: Option<PoseError>,
     trace: Trace,
 }
 
@@ -101,7 +102,7 @@ impl<'a> Simulation<'a> {
     /// A run on a backend made elsewhere; `options` say what it is.
     pub fn on(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>, backend: Box<dyn Backend>) -> Self {
         let (steps, trace) = (StepReport::default(), Trace::default());
-        Self { scenario, options: *options, backend, driver, keep, tick: 0, time: 0.0, finished: false, steps, trace }
+        Self { scenario, options: *options, backend, driver, keep, tick: 0, time: 0.0, finished: false, steps, error: None, trace }
     }
 
     /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
@@ -109,6 +110,23 @@ impl<'a> Simulation<'a> {
         while !self.finished && watch(self.time) {
             self.step();
         }
+    }
+
+    /// Runs to the end like [`Simulation::run`]; under error control again from the start, with smaller errors of strides and a new driver from `driver`, as
+    /// long as they add up to more than the tolerance. What they add up to in the end, more than the tolerance or not, is in the outcome.
+    pub fn run_within(&mut self, driver: impl Fn() -> Box<dyn Driver>, mut watch: impl FnMut(f64) -> bool) {
+        while !self.finished && watch(self.time) {
+            self.step();
+            if let Some(tighter) = self.options.tolerance.filter(|_| !self.is_within()).and_then(|tolerance| tolerance.tightened()) {
+                let options = BackendOptions { tolerance: Some(tighter), ..self.options };
+                *self = Self::driven(self.scenario, &options, self.keep, driver());
+            }
+        }
+    }
+
+    /// Whether the pose has been within the tolerance so far; always without one.
+    fn is_within(&self) -> bool {
+        self.options.tolerance.zip(self.error).is_none_or(|(tolerance, error)| tolerance.allows(&error))
     }
 
     /// Sense and decide, act, record, move on to the next instant.
@@ -124,6 +142,7 @@ impl<'a> Simulation<'a> {
         let until = self.next_instant();
         let targets = self.driver.targets(&view(self.scenario, self.backend.as_ref(), self.time, self.tick), until);
         self.steps.add(&self.backend.advance(targets, until - self.time));
+        self.observe();
         self.move_clock_to(until);
     }
 
@@ -147,6 +166,7 @@ impl<'a> Simulation<'a> {
             motion,
             energy: self.backend.energy(),
             steps: self.steps,
+            error: self.error,
             arrived: self.driver.arrived(&motion),
             pulls: self.driver.pulls(),
         }
@@ -175,6 +195,18 @@ impl<'a> Simulation<'a> {
         }
     }
 
+    /// What the backend says of the advance that it has made.
+    fn observe(&mut self) {
+        if let Some(now) = self.backend.pose_error() {
+            self.error = Some(self.error.unwrap_or_default().max(&now));
+        }
+        if self.keep == Keep::Trace {
+            let start = self.time;
+            let since_start = |transition: &Transition| Transition { time: start + transition.time, ..*transition };
+            self.trace.transitions.extend(self.backend.transitions().iter().map(since_start));
+        }
+    }
+
     /// A row at every tick and at the end.
     fn record(&mut self) {
         let at_tick = self.time == self.tick_time(self.tick);
@@ -186,8 +218,8 @@ impl<'a> Simulation<'a> {
             let position = self.backend.tip(spring)?;
             Some(HeldTip { spring, position, pull: -self.backend.force_on_tip(spring) })
         });
-        let (motion, energy) = (self.backend.motion(), self.backend.energy());
-        self.trace.rows.push(Row { time: self.time, motion, energy, tips: tips.collect() });
+        let (motion, energy, error) = (self.backend.motion(), self.backend.energy(), self.backend.pose_error());
+        self.trace.rows.push(Row { time: self.time, motion, energy, tips: tips.collect(), error });
     }
 
     fn next_instant(&self) -> f64 {

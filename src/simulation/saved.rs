@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Driver, Keep, Simulation, Trace, driver_of};
-use crate::backend::{BackendOptions, RestoreError, SavedState, StepReport};
+use crate::backend::{BackendOptions, PoseError, RestoreError, SavedState, StepReport};
 use crate::scenario::Scenario;
 
 /// Everything of a run that its scenario does not say. Floats are written with all their digits.
@@ -17,6 +17,7 @@ pub struct SavedRun {
     finished: bool,
     keep: Keep,
     steps: StepReport,
+    error: Option<PoseError>,
     driver: serde_json::Value,
     backend: SavedState,
     trace: Trace,
@@ -32,6 +33,7 @@ impl Simulation<'_> {
             finished: self.finished,
             keep: self.keep,
             steps: self.steps,
+            error: self.error,
             driver: self.driver.save(),
             backend: self.backend.save(),
             trace: self.trace.clone(),
@@ -60,6 +62,7 @@ impl<'a> Simulation<'a> {
         resumed.time = saved.time;
         resumed.finished = saved.finished;
         resumed.steps = saved.steps;
+        resumed.error = saved.error;
         resumed.trace = saved.trace.clone();
         Ok(resumed)
     }

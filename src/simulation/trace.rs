@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{EnergyLedger, Motion, StepReport};
+use crate::backend::{EnergyLedger, Motion, PoseError, StepReport, Transition};
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
 
@@ -11,6 +11,8 @@ use crate::model::interaction_force;
 pub struct Trace {
     pub rows: Vec<Row>,
     pub events: Vec<Event>,
+    /// Where the load's motion is not smooth, as the backend saw it.
+    pub transitions: Vec<Transition>,
 }
 
 /// The state at one instant, after what happened there.
@@ -22,6 +24,9 @@ pub struct Row {
     pub energy: EnergyLedger,
     /// Tips that are held, in the order of their springs.
     pub tips: Vec<HeldTip>,
+    /// How far the pose may be wrong; `None` where the backend does not know.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<PoseError>,
 }
 
 impl Row {
@@ -70,6 +75,9 @@ pub struct Outcome {
     pub motion: Motion,
     pub energy: EnergyLedger,
     pub steps: StepReport,
+    /// How far the pose was wrong at worst; `None` where the backend does not know.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<PoseError>,
     /// Whether the load reached the nest; `None` without ants.
     pub arrived: Option<bool>,
     /// Size of the pulls at the ants' release decisions, the grasp included (N).

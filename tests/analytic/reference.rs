@@ -5,6 +5,7 @@
 
 use cohaul::backend::{BackendKind, Status};
 use cohaul::math::{Pose, Vec3};
+use cohaul::verify::reference::{INERTIAL, LOSS, QUASI_STATIC};
 
 use crate::common::*;
 
@@ -40,8 +41,7 @@ fn check_near(name: &str, found: &Vec3, known: &Vec3, shift: f64, turn: f64) {
 
 #[test]
 fn without_inertia_extrapolation_meets_the_known_poses() {
-    let known_half_way = Vec3::new(0.01390510503, 0.00217369982, 0.22067685358);
-    let known_end = Vec3::new(0.03129917543, 0.00241685635, 0.05295349298);
+    let [known_half_way, known_end] = QUASI_STATIC.map(Vec3::from);
     let runs = [200, 400, 800, 1600, 3200, 6400].map(|n| run(BackendKind::QuasiStatic, n));
     for pair in runs.windows(2) {
         for (coarse, fine, known) in [(pair[0].half_way, pair[1].half_way, known_half_way), (pair[0].end, pair[1].end, known_end)] {
@@ -57,14 +57,13 @@ fn without_inertia_extrapolation_meets_the_known_poses() {
     check_near("end", &extrapolated(&ends), &known_end, 1e-9, 1e-8);
     let losses: Vec<f64> = finest.iter().map(|run| run.loss).collect();
     // Printed with nine digits.
-    assert!((extrapolated(&losses) - 6.98738388e-4).abs() < 1e-11);
+    assert!((extrapolated(&losses) - LOSS).abs() < 1e-11);
 }
 
 /// Swings of the load about its path must be resolved before the table works: 1 / 12800 s. The engine converges to the same dynamics.
 #[test]
 fn with_inertia_extrapolation_meets_the_known_poses() {
-    let known_half_way = Vec3::new(0.0129133674, 0.0020246454, 0.2189682137);
-    let known_end = Vec3::new(0.0312405053, 0.0024621252, 0.0539447220);
+    let [known_half_way, known_end] = INERTIAL.map(Vec3::from);
     let [reference, engine] = WITH_INERTIA.map(|kind| [6400, 12_800, 25_600].map(|n| run(kind, n)));
     for (kind, runs) in WITH_INERTIA.iter().zip([&reference, &engine]) {
         check_near(kind.name(), &extrapolated(&runs.each_ref().map(|run| run.half_way)), &known_half_way, 1e-8, 1e-7);
@@ -76,7 +75,7 @@ fn with_inertia_extrapolation_meets_the_known_poses() {
     }
     assert_ne!(reference[2].end, engine[2].end);
     // The known poses with and without inertia are 60 um apart: neither is met by chance.
-    assert!((known_end.x - 0.03129917543).abs() > 5e-5);
+    assert!((known_end.x - QUASI_STATIC[1][0]).abs() > 5e-5);
 }
 
 /// Rest to s = 0.0581, then rotation about support 0 to s = 0.2118, then free slip.

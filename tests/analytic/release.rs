@@ -4,12 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use cohaul::backend::{BackendKind, EnergyLedger, Status};
 use cohaul::math::Vec2;
+use cohaul::verify::release::JUMPS;
 
 use crate::common::*;
-
-/// F0 / f; where a method without inertia and the undamped load stop (f / k). The load makes half swings of 2 (F0 - (2 j + 1) f) / k to
-/// and fro while F0 - 2 j f > f.
-const JUMPS: [(f64, f64, f64); 5] = [(1.2, 0.2, 0.4), (1.66, 0.66, 1.32), (2.5, 1.5, 3.0), (3.5, 2.5, 4.0), (6.0, 5.0, 6.0)];
 
 /// Way of the load (f / k) after the release, and its energy.
 fn jump(kind: BackendKind, ratio: f64, mass_factor: f64, damping_ratio: f64, n_per_period: u32) -> (f64, EnergyLedger) {

@@ -1,17 +1,9 @@
 //! A load let go with a speed or a turn rate alone: constant deceleration, so all errors are known in closed form.
 
 use cohaul::backend::{BackendKind, Motion, Status};
+use cohaul::verify::slide::{PRINTED, SLIDES, SPIN_DECELERATION, SPINS};
 
 use crate::common::*;
-
-/// Start speed (m/s) and v0^2 / (2 mu g) (m), worked out in decimal arithmetic.
-const SLIDES: [(f64, f64); 4] = [(0.01, 3.6405999709e-6), (0.08, 2.3299839814e-4), (0.5, 9.1014999272e-3), (1.0, 3.6405999709e-2)];
-/// Start turn rate (rad/s) and omega0^2 I / (2 f a) (rad), worked out in decimal arithmetic.
-const SPINS: [(f64, f64); 2] = [(10.0, 3.33114897335e-2), (50.0, 0.832787243338)];
-/// f a / I of the paper's load (rad/s^2).
-const SPIN_DECELERATION: f64 = 1500.98360656;
-/// Digits that the known answers have.
-const PRINTED: f64 = 2e-11;
 
 /// The load at rest after a start like `start` that lasts `time_to_stop` (s), in steps of an n-th of it.
 fn end_of(kind: BackendKind, mass_factor: f64, start: Motion, time_to_stop: f64, n: u32) -> Motion {

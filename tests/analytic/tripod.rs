@@ -3,43 +3,9 @@
 use cohaul::backend::BackendKind;
 use cohaul::math::{Pose, Vec2, Vec3};
 use cohaul::model::{Ground, Load, System};
+use cohaul::verify::tripod::{Capture, STARTS, Start};
 
 use crate::common::*;
-
-/// Start at (1, 0) and `turn_rate` with I = `chi`; what follows, from an independent extrapolation (Gragg, Bulirsch and Stoer) in 28 digits, in
-/// logarithmic time toward the stop.
-struct Case {
-    chi: f64,
-    turn_rate: f64,
-    /// Support that is captured, and when.
-    capture: Option<(usize, f64)>,
-    end: Vec3,
-    stop: f64,
-}
-
-const CASES: [Case; 3] = [
-    Case {
-        chi: 1.125,
-        turn_rate: 0.3,
-        capture: Some((0, 0.922880197703212)),
-        end: Vec3::new(0.526608062481981, 0.00799629577564152, 0.235877956752436),
-        stop: 1.173047974625,
-    },
-    Case {
-        chi: 1.125,
-        turn_rate: 3.0,
-        capture: Some((1, 3.64099293050153)),
-        end: Vec3::new(2.20513857583066, 0.0553323017863024, 5.31706331249589),
-        stop: 3.66144901874697,
-    },
-    Case {
-        chi: 0.2,
-        turn_rate: 0.3,
-        capture: None,
-        end: Vec3::new(0.504212760608845, 0.000104176387120739, 0.0967198726996441),
-        stop: 1.00552965937042,
-    },
-];
 
 fn system(chi: f64) -> System {
     System {
@@ -50,7 +16,7 @@ fn system(chi: f64) -> System {
 }
 
 /// Poses at the ends of steps of an n-th of the time to the stop, up to a tenth beyond it.
-fn path(kind: BackendKind, case: &Case, n: u32) -> Vec<Pose> {
+fn path(kind: BackendKind, case: &Start, n: u32) -> Vec<Pose> {
     let step = case.stop / f64::from(n);
     let mut run = backend(kind, &system(case.chi), moving(1.0, 0.0, case.turn_rate), step);
     let poses = (0..n + n / 10).map(|_| {
@@ -63,18 +29,19 @@ fn path(kind: BackendKind, case: &Case, n: u32) -> Vec<Pose> {
 #[test]
 fn it_ends_where_the_extrapolation_says() {
     for kind in WITH_INERTIA {
-        for case in &CASES {
+        for case in &STARTS {
+            let end = Vec3::from(case.end);
             let ends = [1_000, 2_000, 4_000, 8_000].map(|n| entries(path(kind, case, n).last().unwrap()));
-            let ratio = (ends[2] - case.end).norm() / (ends[3] - case.end).norm();
+            let ratio = (ends[2] - end).norm() / (ends[3] - end).norm();
             assert!((ratio - 2.0).abs() < 0.02, "{kind:?}: {ratio}");
             // The capture lies within a step, which leaves a part of h^2 = 8e-7 that no table takes; turned by 5.3 rad it weighs most.
-            assert!((extrapolated(&ends) - case.end).norm() < 1e-6, "{kind:?} {}", extrapolated(&ends));
+            assert!((extrapolated(&ends) - end).norm() < 1e-6, "{kind:?} {}", extrapolated(&ends));
         }
     }
 }
 
 /// Way of each support from a time to the end.
-fn ways_after(case: &Case, poses: &[Pose], time: f64, n: u32) -> [f64; 3] {
+fn ways_after(case: &Start, poses: &[Pose], time: f64, n: u32) -> [f64; 3] {
     let from = (time / case.stop * f64::from(n)) as usize;
     let way = |offset: Vec2| -> f64 {
         let places: Vec<Vec2> = poses[from..].iter().map(|pose| pose.to_world(&offset)).collect();
@@ -86,10 +53,10 @@ fn ways_after(case: &Case, poses: &[Pose], time: f64, n: u32) -> [f64; 3] {
 #[test]
 fn a_captured_support_stays_where_it_was_captured() {
     let n = 4_000;
-    for case in &CASES {
+    for case in &STARTS {
         let poses = path(BackendKind::Inertial, case, n);
         let step = case.stop / f64::from(n);
-        let Some((captured, time)) = case.capture else {
+        let Some(Capture { support: captured, time, .. }) = case.capture else {
             // All slip to the end: the last twenty steps, at decelerations near one, are (20 h)^2 / 2 long.
             let least = 0.1 * (20.0 * step) * (20.0 * step);
             assert!(ways_after(case, &poses, case.stop - 20.0 * step, n).iter().all(|way| *way > least));

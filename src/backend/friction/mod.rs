@@ -61,7 +61,8 @@ pub struct FrictionSolution {
 }
 
 /// Which supports stick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Regime {
     /// All of them: nothing moves.
     Stick,

@@ -20,8 +20,8 @@ pub(super) fn step(problem: &Problem, solver: &mut FrictionSolver) -> Stepped {
         inertia: Some(Coasting::of(&system.load, &twist, step)),
         springs_at: Stage::END,
     };
-    let Increment { twist: increment, friction, report } = minimise(&potential, &system.ground, solver, system.load.radius);
+    let Increment { twist: increment, friction, regime, report } = minimise(&potential, &system.ground, solver, system.load.radius);
     let pose = before.moved_by(&increment);
     let twist = Twist { linear: before.shift_by(&increment) / step, angular: increment.z / step };
-    Stepped { motion: Motion { pose, twist }, stage: pose, friction, dashpots, report }
+    Stepped { motion: Motion { pose, twist }, stage: pose, friction, regime, dashpots, report }
 }

@@ -37,7 +37,7 @@ pub(super) fn step(problem: &Problem, solver: &mut FrictionSolver) -> Stepped {
         inertia: Some(Coasting::of(&system.load, &old, step)),
         springs_at: stage,
     };
-    let Increment { twist: increment, report, .. } = minimise(&potential, &system.ground, solver, system.load.radius);
+    let Increment { twist: increment, regime, report, .. } = minimise(&potential, &system.ground, solver, system.load.radius);
     let twist = Twist { linear: half_way.shift_by(&increment) / step, angular: increment.z / step };
     let pose = drifted(&half_way, &twist, 0.5 * step);
     let moved = 0.5 * (coasted + increment);
@@ -49,6 +49,7 @@ pub(super) fn step(problem: &Problem, solver: &mut FrictionSolver) -> Stepped {
         motion: Motion { pose, twist },
         stage: half_way.moved_by(&(stage.offset + stage.share * increment)),
         friction,
+        regime,
         dashpots,
         report,
     }

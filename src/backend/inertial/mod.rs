@@ -15,24 +15,30 @@ mod midpoint;
 
 use serde::{Deserialize, Serialize};
 
-use super::friction::{FrictionSolver, WarmStart};
+use super::controlled::{self, FirstOrder, Way};
+use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
-use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, n_steps_in};
+use super::transition::{Transition, TransitionKind};
+use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 use dashpots::Dashpots;
 
+/// Longest stride under error control, in radians of the fastest oscillation.
+const LONGEST_STRIDE: f64 = 2.0;
+
 pub struct Inertial {
     system: System,
-    longest_step: f64,
+    stepping: Stepping,
     integrator: Integrator,
     resolving_step: f64,
     solver: FrictionSolver,
     state: State,
+    transitions: Vec<Transition>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct State {
+pub(super) struct State {
     motion: Motion,
     held: HeldSprings,
     energy: EnergyLedger,
@@ -40,6 +46,11 @@ struct State {
     dashpot_on_tip: Vec<Vec2>,
     /// The load stood still through the last step, with tips that did too, and nothing was grasped or let go since.
     settled: bool,
+    regime: Regime,
+    /// Nothing was grasped or let go since the step that ended in the regime.
+    undisturbed: bool,
+    /// Stride to start the next advance with under error control (s).
+    stride: f64,
     warm_start: WarmStart,
 }
 
@@ -48,9 +59,9 @@ struct State {
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
     /// First order; the quasi-static step in the limit of no mass.
-    #[default]
     Euler,
     /// Second order while the slip keeps its direction.
+    #[default]
     Midpoint,
 }
 
@@ -75,13 +86,13 @@ struct Stepped {
     stage: Pose,
     /// Energy lost to friction (J).
     friction: f64,
+    regime: Regime,
     dashpots: Dashpots,
     report: StepReport,
 }
 
 impl Inertial {
-    /// `longest_step` in seconds.
-    pub fn new(system: System, start: Motion, longest_step: f64, integrator: Integrator) -> Self {
+    pub fn new(system: System, start: Motion, stepping: Stepping, integrator: Integrator) -> Self {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
         let kinetic = system.load.kinetic_energy(&start.twist);
         let state = State {
@@ -90,36 +101,63 @@ impl Inertial {
             energy: EnergyLedger { kinetic, initial: kinetic, ..EnergyLedger::default() },
             dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()],
             settled: false,
+            regime: if start.twist == Twist::ZERO { Regime::Stick } else { Regime::Slip },
+            undisturbed: false,
+            stride: f64::MAX,
             warm_start: solver.warm_start().clone(),
         };
         let is_damped = system.springs.iter().any(|spring| spring.damping_ratio > 0.0);
         let resolving_step = if is_damped { 0.0 } else { 1.0 / system.fastest_rate() };
-        Self { system, longest_step, integrator, resolving_step, solver, state }
+        Self { system, stepping, integrator, resolving_step, solver, state, transitions: Vec::new() }
     }
 
-    /// One step of `step` seconds in which the tips go to where they are a `share` of the way from `from` to `targets`; the last step ended at the share
-    /// `before`.
-    fn step(&mut self, from: &[Grip], targets: &[Vec2], before: f64, share: f64, step: f64) -> StepReport {
+    fn steps(&mut self, way: &Way, n_steps: u64) -> StepReport {
+        let mut report = StepReport::default();
+        let share = |i: u64| i as f64 / n_steps as f64;
+        for i in 1..=n_steps {
+            let before = self.state.regime;
+            report.add(&self.step(way, share(i - 1), share(i)));
+            let kind = TransitionKind::between(before, self.state.regime);
+            self.transitions.extend(kind.map(|kind| Transition { time: share(i) * way.duration, kind }));
+        }
+        report
+    }
+}
+
+impl FirstOrder for Inertial {
+    type State = State;
+
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn set_state(&mut self, state: State) {
+        self.state = state;
+    }
+
+    fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
+        let step = (to - from) * way.duration;
         let last = self.state.held.grips().to_vec();
         let mut held = self.state.held.clone();
         let middle = match self.integrator {
-            Integrator::Euler => share,
-            Integrator::Midpoint => 0.5 * (before + share),
+            Integrator::Euler => to,
+            Integrator::Midpoint => 0.5 * (from + to),
         };
-        held.place_tips(from, targets, middle);
+        held.place_tips(way.from, way.targets, middle);
         let problem =
             Problem { system: &self.system, start: self.state.motion, last: &last, held: &held, step, resolving_step: self.resolving_step };
-        let Stepped { motion, stage, friction, dashpots, report } = match self.integrator {
+        let Stepped { motion, stage, friction, regime, dashpots, report } = match self.integrator {
             Integrator::Euler => euler::step(&problem, &mut self.solver),
             Integrator::Midpoint => midpoint::step(&problem, &mut self.solver),
         };
         if !motion.pose.is_finite() || !motion.twist.is_finite() {
             return StepReport { status: Status::Failed, ..report };
         }
+        (self.state.regime, self.state.undisturbed) = (regime, true);
         self.state.energy.friction += friction;
         self.state.energy.damping += dashpots.loss(&stage, step);
         let springs = &self.system.springs;
-        held.place_tips(from, targets, share);
+        held.place_tips(way.from, way.targets, to);
         let tips_stood = held.grips().iter().zip(&last).all(|(now, last)| now.tip == last.tip);
         self.state.energy.tip_work += held.trapezoid_work(springs, &last, &self.state.motion.pose, &motion.pose);
         for (at, force) in dashpots.forces(&stage).enumerate() {
@@ -133,33 +171,66 @@ impl Inertial {
         (self.state.held, self.state.motion) = (held, motion);
         report
     }
+
+    fn regime(&self) -> Option<Regime> {
+        // A load that moves goes on as it did, whatever was grasped or let go; one at rest may start at once.
+        (self.state.undisturbed || self.state.motion.twist != Twist::ZERO).then_some(self.state.regime)
+    }
+
+    fn flow(&self) -> Vec<f64> {
+        let State { motion, energy, dashpot_on_tip, .. } = &self.state;
+        let losses = [energy.friction, energy.damping, energy.tip_work];
+        let dashpots = dashpot_on_tip.iter().flat_map(|force| [force.x, force.y]);
+        motion.entries().into_iter().chain(losses).chain(dashpots).collect()
+    }
+
+    fn set_flow(&mut self, flow: &[f64]) {
+        let state = &mut self.state;
+        state.motion = Motion::of_entries(flow);
+        state.settled &= state.motion.twist == Twist::ZERO;
+        (state.energy.friction, state.energy.damping, state.energy.tip_work) = (flow[6], flow[7], flow[8]);
+        state
+            .dashpot_on_tip
+            .iter_mut()
+            .zip(flow[9..].chunks_exact(2))
+            .for_each(|(force, entries)| *force = Vec2::new(entries[0], entries[1]));
+        state.held.accept(&self.system.springs, &state.motion.pose);
+        state.energy.elastic = state.held.energy(&self.system.springs, &state.motion.pose);
+        state.energy.kinetic = self.system.load.kinetic_energy(&state.motion.twist);
+    }
 }
 
 impl Backend for Inertial {
     fn grasp(&mut self, spring: usize, tip: Vec2) {
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
-        self.state.settled = false;
+        (self.state.settled, self.state.undisturbed) = (false, false);
     }
 
     fn release(&mut self, spring: usize) {
         let lost = self.state.held.release(&self.system.springs, spring, &self.state.motion.pose);
         self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
         self.state.dashpot_on_tip[spring] = Vec2::zeros();
-        self.state.settled = false;
+        (self.state.settled, self.state.undisturbed) = (false, false);
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
-        let n_steps = n_steps_in(duration, self.longest_step);
+        self.transitions.clear();
+        let n_steps = match self.stepping {
+            Stepping::Fixed(longest) => n_steps_in(duration, longest),
+            Stepping::Controlled(_) => 1,
+        };
         if self.state.settled && self.state.held.tips_are_at(tip_targets) {
             return StepReport { n_steps, n_skipped: n_steps, ..StepReport::default() };
         }
-        let mut report = StepReport::default();
         let from = self.state.held.grips().to_vec();
-        let share = |i: u64| i as f64 / n_steps as f64;
-        for i in 1..=n_steps {
-            report.add(&self.step(&from, tip_targets, share(i - 1), share(i), duration / n_steps as f64));
-        }
+        let held = from.iter().map(|grip| &self.system.springs[grip.spring]);
+        let longest = LONGEST_STRIDE / self.system.fastest_rate_on(held);
+        let way = Way { from: &from, targets: tip_targets, duration, longest };
+        let Stepping::Controlled(control) = self.stepping else { return self.steps(&way, n_steps) };
+        let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
+        let (report, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
+        (self.state.stride, self.transitions) = (stride, transitions);
         report
     }
 
@@ -181,6 +252,10 @@ impl Backend for Inertial {
 
     fn energy(&self) -> EnergyLedger {
         self.state.energy
+    }
+
+    fn transitions(&self) -> &[Transition] {
+        &self.transitions
     }
 
     fn save(&self) -> SavedState {

@@ -8,11 +8,13 @@ pub mod conic;
 
 use serde::{Deserialize, Serialize};
 
-use super::friction::{FrictionSolver, WarmStart};
+use super::controlled::{self, FirstOrder, Way};
+use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
 use super::increment::{Increment, Potential, Stage, minimise};
-use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, n_steps_in};
-use crate::math::{Twist, Vec2};
+use super::transition::{Transition, TransitionKind};
+use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
+use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 
 /// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
@@ -20,35 +22,51 @@ const MOST_LEGS: u32 = 10;
 
 pub struct QuasiStatic {
     system: System,
-    longest_step: f64,
+    stepping: Stepping,
     solver: FrictionSolver,
     state: State,
+    transitions: Vec<Transition>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct State {
+pub(super) struct State {
     motion: Motion,
     held: HeldSprings,
     energy: EnergyLedger,
     /// A grasp or a release has changed the forces since the last balance.
     disturbed: bool,
+    regime: Regime,
+    /// The regime is that of the tips' present course.
+    on_course: bool,
+    /// Stride to start the next advance with under error control (s).
+    stride: f64,
     warm_start: WarmStart,
 }
 
 impl QuasiStatic {
-    /// A load at the pose of `start`, at rest: without inertia there is no other start. `longest_step` in seconds.
-    pub fn new(system: System, start: Motion, longest_step: f64) -> Self {
+    /// A load at the pose of `start`, at rest: without inertia there is no other start.
+    pub fn new(system: System, start: Motion, stepping: Stepping) -> Self {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
         let motion = Motion { twist: Twist::ZERO, ..start };
         let warm_start = solver.warm_start().clone();
-        let state = State { motion, held: HeldSprings::default(), energy: EnergyLedger::default(), disturbed: false, warm_start };
-        Self { system, longest_step, solver, state }
+        let state = State {
+            motion,
+            held: HeldSprings::default(),
+            energy: EnergyLedger::default(),
+            disturbed: false,
+            regime: Regime::Stick,
+            on_course: false,
+            stride: f64::MAX,
+            warm_start,
+        };
+        Self { system, stepping, solver, state, transitions: Vec::new() }
     }
 
     /// Moves the load from where a grasp or a release has left it to the balance for tips that stand still. The friction of a long way depends on
     /// the way, here one constant twist; where that ends the load may have to go on, by far less, before it stays.
     fn jump(&mut self, grips: &[Grip]) -> StepReport {
         let mut report = StepReport::default();
+        let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
         for _ in 0..MOST_LEGS {
             let before = self.state.motion.pose;
             report.add(&self.balance(grips));
@@ -56,7 +74,49 @@ impl QuasiStatic {
                 break;
             }
         }
+        self.state.regime = regime;
+        if self.state.motion.pose != start {
+            self.transitions.push(Transition { time: 0.0, kind: self.jumped(&start, defect) });
+        }
         report
+    }
+
+    /// The jump that led from the pose `start` and this energy `defect` (J) to the present ones.
+    fn jumped(&self, start: &Pose, defect: f64) -> TransitionKind {
+        let pose = &self.state.motion.pose;
+        TransitionKind::Jump {
+            shift: (pose.position - start.position).norm(),
+            turn: pose.heading - start.heading,
+            energy: defect - self.state.energy.defect(),
+        }
+    }
+
+    /// Tips that stand still leave the load where it is.
+    fn rest(&mut self, duration: f64) -> StepReport {
+        let n_steps = match self.stepping {
+            Stepping::Fixed(longest) => n_steps_in(duration, longest),
+            Stepping::Controlled(_) => 1,
+        };
+        let before = std::mem::replace(&mut self.state.regime, Regime::Stick);
+        self.note_transition(before, 0.0);
+        self.state.motion.twist = Twist::ZERO;
+        StepReport { n_steps, n_skipped: n_steps, ..StepReport::default() }
+    }
+
+    fn steps(&mut self, way: &Way, n_steps: u64) -> StepReport {
+        let mut report = StepReport::default();
+        let share = |i: u64| i as f64 / n_steps as f64;
+        for i in 1..=n_steps {
+            let before = self.state.regime;
+            report.add(&self.step(way, share(i - 1), share(i)));
+            self.note_transition(before, share(i) * way.duration);
+        }
+        report
+    }
+
+    fn note_transition(&mut self, before: Regime, time: f64) {
+        let kind = TransitionKind::between(before, self.state.regime);
+        self.transitions.extend(kind.map(|kind| Transition { time, kind }));
     }
 
     /// Moves the load to the balance for the tips as they are; `from` are the grips before they moved.
@@ -64,7 +124,7 @@ impl QuasiStatic {
         let before = self.state.motion.pose;
         let potential =
             Potential { start: before, springs: &[(&self.system.springs, &self.state.held)], inertia: None, springs_at: Stage::END };
-        let Increment { twist, friction, mut report } =
+        let Increment { twist, friction, regime, mut report } =
             minimise(&potential, &self.system.ground, &mut self.solver, self.system.load.radius);
         let pose = before.moved_by(&twist);
         if !pose.is_finite() {
@@ -72,11 +132,53 @@ impl QuasiStatic {
             return report;
         }
         self.state.motion.pose = pose;
+        self.state.regime = regime;
         self.state.held.accept(&self.system.springs, &pose);
         self.state.energy.friction += friction;
         self.state.energy.tip_work += self.state.held.trapezoid_work(&self.system.springs, from, &before, &pose);
         self.state.energy.elastic = self.state.held.energy(&self.system.springs, &pose);
         report
+    }
+}
+
+impl FirstOrder for QuasiStatic {
+    type State = State;
+
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn set_state(&mut self, state: State) {
+        self.state = state;
+    }
+
+    fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
+        let before = self.state.motion.pose;
+        let last = self.state.held.grips().to_vec();
+        self.state.held.place_tips(way.from, way.targets, to);
+        let report = self.balance(&last);
+        let after = self.state.motion.pose;
+        let step = (to - from) * way.duration;
+        self.state.motion.twist =
+            Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
+        self.state.on_course = true;
+        report
+    }
+
+    fn regime(&self) -> Option<Regime> {
+        self.state.on_course.then_some(self.state.regime)
+    }
+
+    fn flow(&self) -> Vec<f64> {
+        let State { motion, energy, .. } = &self.state;
+        motion.entries().into_iter().chain([energy.friction, energy.tip_work]).collect()
+    }
+
+    fn set_flow(&mut self, flow: &[f64]) {
+        self.state.motion = Motion::of_entries(flow);
+        (self.state.energy.friction, self.state.energy.tip_work) = (flow[6], flow[7]);
+        self.state.held.accept(&self.system.springs, &self.state.motion.pose);
+        self.state.energy.elastic = self.state.held.energy(&self.system.springs, &self.state.motion.pose);
     }
 }
 
@@ -95,27 +197,24 @@ impl Backend for QuasiStatic {
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let mut report = StepReport::default();
+        self.transitions.clear();
         let from = self.state.held.grips().to_vec();
         if self.state.disturbed {
             report.add(&self.jump(&from));
             self.state.disturbed = false;
         }
-        let n_steps = n_steps_in(duration, self.longest_step);
-        if self.state.held.tips_are_at(tip_targets) {
-            self.state.motion.twist = Twist::ZERO;
-            report.add(&StepReport { n_steps, n_skipped: n_steps, ..StepReport::default() });
-            return report;
-        }
-        for i in 1..=n_steps {
-            let before = self.state.motion.pose;
-            let last = self.state.held.grips().to_vec();
-            self.state.held.place_tips(&from, tip_targets, i as f64 / n_steps as f64);
-            report.add(&self.balance(&last));
-            let after = self.state.motion.pose;
-            let step = duration / n_steps as f64;
-            self.state.motion.twist =
-                Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
-        }
+        let way = Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY };
+        report.add(&match self.stepping {
+            _ if self.state.held.tips_are_at(tip_targets) => self.rest(duration),
+            Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest)),
+            Stepping::Controlled(control) => {
+                self.state.on_course = false;
+                let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
+                let (report, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
+                (self.state.stride, self.transitions) = (stride, transitions);
+                report
+            }
+        });
         report
     }
 
@@ -137,6 +236,10 @@ impl Backend for QuasiStatic {
 
     fn energy(&self) -> EnergyLedger {
         self.state.energy
+    }
+
+    fn transitions(&self) -> &[Transition] {
+        &self.transitions
     }
 
     fn save(&self) -> SavedState {

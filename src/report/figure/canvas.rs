@@ -117,7 +117,8 @@ fn name_clips_by_content(scene: &mut Scene) {
 fn layout(cell: &Cell) -> Layout {
     let panel = cell.panel;
     let (x, y) = axes(cell);
-    let y_ticks = if panel.scale == Scale::Log { ticks(power_label) } else { ticks(move |value| y.label(value)) };
+    let y_ticks = if matches!(panel.scale, Scale::Log | Scale::LogLog) { ticks(power_label) } else { ticks(move |value| y.label(value)) };
+    let x_ticks = if panel.scale == Scale::LogLog { ticks(power_label) } else { ticks(move |value| x.label(value)) };
     let mut layout = Layout::new((x.low, x.high), (y.low, y.high))
         .with_width(cell.width)
         .with_height(cell.height)
@@ -129,7 +130,7 @@ fn layout(cell: &Cell) -> Layout {
         .with_y_axis_max(y.high)
         .with_x_tick_step(x.step)
         .with_y_tick_step(y.step)
-        .with_x_tick_format(ticks(move |value| x.label(value)))
+        .with_x_tick_format(x_ticks)
         .with_y_tick_format(y_ticks)
         .with_x_label(plain(&panel.x_label))
         .with_y_label(plain(&panel.y_label))
@@ -166,6 +167,7 @@ fn axes(cell: &Cell) -> (Axis, Axis) {
         Scale::FromZero => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up)),
         Scale::Count => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up).whole()),
         Scale::Log => (Axis::tight(xs(), n_right), Axis::decades(ys.map(f64::log10), n_up)),
+        Scale::LogLog => (Axis::decades(xs().map(f64::log10), n_right), Axis::decades(ys.map(f64::log10), n_up)),
         Scale::Plane => Axis::equal(Axis::around(xs(), n_right), Axis::around(ys, n_up), width, height),
     }
 }
@@ -192,7 +194,11 @@ fn mark_plot(mark: &Mark, x: &Axis, y: &Axis) -> Plot {
 /// A curve without its gaps: one line for each run of finite points, thinned to what the panel can show.
 fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
     let (width, _) = area(cell);
-    let upright = |point: &[f64; 2]| if cell.panel.scale == Scale::Log { [point[0], point[1].log10()] } else { *point };
+    let upright = |point: &[f64; 2]| match cell.panel.scale {
+        Scale::Log => [point[0], point[1].log10()],
+        Scale::LogLog => point.map(f64::log10),
+        _ => *point,
+    };
     let points: Vec<[f64; 2]> = curve.points.iter().map(upright).collect();
     let runs = finite_runs(&points);
     if dense {
@@ -229,7 +235,7 @@ fn is_dense(cell: &Cell, y: &Axis) -> bool {
         let n: f64 = finite_runs(&curve.points).map(|run| thin::n_crossings(run, y.low, y.high)).sum();
         curve.shape != Shape::Path && n > most
     };
-    cell.panel.scale != Scale::Log && cell.panel.curves.iter().any(is_dense)
+    !matches!(cell.panel.scale, Scale::Log | Scale::LogLog) && cell.panel.curves.iter().any(is_dense)
 }
 
 fn band(style: &Style, columns: &[thin::Column]) -> Plot {

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! panels.rs      traces -> panels: what is shown
+//! convergence.rs rows of a verification -> panels
 //! difference.rs  distance of two traces over time
 //! panel.rs       a panel as data: labels, curves, marks
 //! axis.rs        ranges, ticks and their labels
@@ -15,6 +16,7 @@
 
 mod axis;
 mod canvas;
+mod convergence;
 mod difference;
 mod panel;
 mod panels;
@@ -26,6 +28,7 @@ use panel::{Entry, Panel};
 use crate::math::Vec2;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
+use crate::verify::Row;
 
 /// A trace and the name it has in legends.
 #[derive(Clone, Copy, Debug)]
@@ -133,8 +136,38 @@ pub fn overview(traces: &[Labelled], scene: &Scene) -> String {
     sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
 }
 
+/// The load's path, heading and speed as `expected` and as `found`, and how far they lie apart.
+pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
+    let path = panels::path(traces, scene);
+    let others = [panels::heading(traces), panels::speed(traces), panels::position_difference(traces), panels::heading_difference(traces)];
+    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, 3.0 * ROW_HEIGHT);
+    sheet.add(Cell { panel: &path, left: 0.0, top: 0.0, width: COLUMN_WIDTH, height: 2.0 * ROW_HEIGHT });
+    let places = [(1.0, 0.0), (1.0, 1.0), (0.0, 2.0), (1.0, 2.0)];
+    for (panel, (column, row)) in others.iter().zip(places) {
+        let (left, top) = (column * COLUMN_WIDTH, row * ROW_HEIGHT);
+        sheet.add(Cell { panel, left, top, width: COLUMN_WIDTH, height: ROW_HEIGHT });
+    }
+    sheet.letter_panels();
+    let marks = [panels::scene_entries(scene), panels::event_entries(traces)].concat();
+    sheet.into_svg(&[panels::trace_entries(traces), panels::pair_entries(traces), marks])
+}
+
+/// Error of a verification against the step (both logarithmic), a panel a family of cases, a curve a case and backend. Angles count by the way of a support.
+pub fn convergence(rows: &[Row]) -> String {
+    let (panels, legend) = convergence::panels(rows);
+    let n_rows = panels.len().div_ceil(2) as f64;
+    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, n_rows * PANEL_HEIGHT);
+    for (i, panel) in panels.iter().enumerate() {
+        let (left, top) = ((i % 2) as f64 * COLUMN_WIDTH, (i / 2) as f64 * PANEL_HEIGHT);
+        sheet.add(Cell { panel, left, top, width: COLUMN_WIDTH, height: PANEL_HEIGHT });
+    }
+    sheet.letter_panels();
+    sheet.into_svg(&[legend])
+}
+
 const COLUMN_WIDTH: f64 = 480.0;
 const ROW_HEIGHT: f64 = 220.0;
+const PANEL_HEIGHT: f64 = 280.0;
 /// Size of a figure of one panel.
 const WIDTH: f64 = 680.0;
 const TIME_HEIGHT: f64 = 360.0;

@@ -25,6 +25,8 @@ pub enum Scale {
     Count,
     /// Time to the right, tight; a logarithmic y axis. Values that have no logarithm are gaps.
     Log,
+    /// Both axes logarithmic.
+    LogLog,
     /// Both axes linear with the same length for the same number.
     Plane,
 }

@@ -168,7 +168,7 @@ fn outline(pose: &Pose, radius: f64) -> Vec<[f64; 2]> {
 }
 
 impl Panel {
-    fn new(x_label: &str, y_label: &str, scale: Scale) -> Self {
+    pub fn new(x_label: &str, y_label: &str, scale: Scale) -> Self {
         let (x_label, y_label) = (x_label.to_owned(), y_label.to_owned());
         Self { x_label, y_label, scale, marks: Vec::new(), curves: Vec::new(), ceiling: None, note: None }
     }

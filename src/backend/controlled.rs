@@ -1,0 +1,269 @@
+//! Steps under error control: a first-order step, extrapolated, and restarted where the friction changes its regime.
+//!
+//! A stride of length H is taken by 1, 2, 3 ... equal steps of the method, whose errors are a series in whole powers of the step as long as no support
+//! starts or stops slipping on the way. Neville's table over the step (Aitken, 1932; Neville, 1934; for implicit Euler Deuflhard, 1983) removes one
+//! power a column:
+//!
+//! ```text
+//! T(n, 1) = n steps    T(n, k + 1) = T(n, k) + (T(n, k) - T(n - 1, k)) (n - k) / k
+//! ```
+//!
+//! and the columns go on until the last two agree within the tolerance. A load that sticks in all rows sticks exactly: nothing is left to extrapolate.
+//!
+//! Where the regime changes on the way, the series breaks off. Such a stride is cut at the change, by halves, until the plain answers of one and
+//! two steps agree within the tolerance: that stride is taken as it stands, the change is located to its length, and behind it the order starts anew. Grasps,
+//! releases and corners of tip paths fall between advances, so that they are instants of their own already.
+
+use serde::{Deserialize, Serialize};
+
+use super::friction::Regime;
+use super::held::Grip;
+use super::transition::{Transition, TransitionKind};
+use super::{Status, StepReport};
+use crate::math::Vec2;
+
+/// A one-step method of first order.
+pub(super) trait FirstOrder {
+    type State: Clone;
+
+    fn state(&self) -> &Self::State;
+
+    fn set_state(&mut self, state: Self::State);
+
+    /// One step, in which the tips go from one share of their way to another.
+    fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport;
+
+    /// How the load rested on the ground at the end of the last step; `None` when something has happened since.
+    fn regime(&self) -> Option<Regime>;
+
+    /// Everything that changes smoothly: pose and twist first (m, rad, m/s, rad/s), then what the method likes.
+    fn flow(&self) -> Vec<f64>;
+
+    /// Puts a flow in place of the state's own.
+    fn set_flow(&mut self, flow: &[f64]);
+}
+
+/// The way of the tips in one advance.
+pub(super) struct Way<'a> {
+    pub from: &'a [Grip],
+    /// (m, world, one entry a spring)
+    pub targets: &'a [Vec2],
+    /// (s)
+    pub duration: f64,
+    /// Longest stride (s). Implicit steps that are much longer than an oscillation agree with each other on what is left when it has died out, so the
+    /// table cannot tell that it has not.
+    pub longest: f64,
+}
+
+/// How exact each stride is to be, and what is kept of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Control {
+    /// Error of the position in a stride (m).
+    pub position: f64,
+    /// Error of the heading in a stride (rad).
+    pub heading: f64,
+    /// Time over which a speed that is wrong makes the position wrong (s); `None` for a method that carries no speed on.
+    pub settling_time: Option<f64>,
+    pub keeps: Column,
+}
+
+/// Which column of the table a stride ends in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Column {
+    /// The last one: the best there is.
+    Last,
+    /// The one before, whose error is what the control sees. A run that keeps it shows how such errors add up.
+    LastButOne,
+}
+
+/// Rows of the table. Errors fall with the power of the row, roundings grow by about four a row.
+const MOST_ROWS: usize = 8;
+/// A stride that took fewer rows than these may be longer at less cost in all: more rows then do what shorter strides would.
+const FAVOURED_ROWS: usize = 5;
+/// Shortest stride over the advance (1). What still differs there is a jump.
+const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
+/// What a stride with a change in it may err, over the tolerance of a smooth one (1): there are few of them.
+const CHANGE_SHARE: f64 = 10.0;
+/// A stride aims at this share of the tolerance, so that few fail (1).
+const AIM: f64 = 0.5;
+/// Largest growth from one stride to the next: behind a located change the stride has to come back from nearly nothing.
+const FASTEST_GROWTH: f64 = 64.0;
+
+/// Moves the load along the whole way and gives the stride (s) to start the next one with; `stride` is that of the last one.
+pub(super) fn advance<M: FirstOrder>(
+    method: &mut M,
+    way: &Way,
+    control: &Control,
+    stride: f64,
+    transitions: &mut Vec<Transition>,
+) -> (StepReport, f64) {
+    let mut report = StepReport::default();
+    let (mut at, mut stride) = (0.0, stride / way.duration);
+    let longest = (way.longest / way.duration).max(SHORTEST);
+    // Share by which the regime changes, once that is known.
+    let mut change_by = None;
+    while at < 1.0 {
+        let limit = change_by.unwrap_or(1.0);
+        stride = stride.min(longest);
+        let to = if limit - at <= 1.01 * stride { limit } else { at + stride };
+        let (start, before) = (method.state().clone(), method.regime());
+        match attempt(method, way, control, &start, [at, to], &mut report) {
+            Attempt::Taken { growth } => {
+                let kind = before.zip(method.regime()).and_then(|(before, after)| TransitionKind::between(before, after));
+                transitions.extend(kind.map(|kind| Transition { time: to * way.duration, kind }));
+                change_by = change_by.filter(|change| *change > to);
+                let was_cut = to - at < 0.99 * stride;
+                stride = match change_by {
+                    Some(change) => change - to,
+                    None => ((to - at) * growth).max(if was_cut { stride } else { 0.0 }),
+                };
+                at = to;
+            }
+            Attempt::TooLong { stride: shorter, change } => {
+                method.set_state(start);
+                report.n_rejected += 1;
+                stride = shorter.max(SHORTEST);
+                change_by = change.or(change_by).filter(|change| *change > at);
+            }
+        }
+    }
+    // Rounded to the advance, a longer stride says that nothing limits it.
+    (report, stride.min(1e6) * way.duration)
+}
+
+enum Attempt {
+    Taken {
+        /// What the next stride may be longer (1).
+        growth: f64,
+    },
+    TooLong {
+        /// Share to try instead.
+        stride: f64,
+        /// Share of the way by which the regime changes.
+        change: Option<f64>,
+    },
+}
+
+/// One stride from `start` between two shares of the way. A stride that is taken leaves the method in its end.
+fn attempt<M: FirstOrder>(
+    method: &mut M,
+    way: &Way,
+    control: &Control,
+    start: &M::State,
+    [from, to]: [f64; 2],
+    report: &mut StepReport,
+) -> Attempt {
+    let length = to - from;
+    let is_shortest = length <= 1.5 * SHORTEST;
+    method.set_state(start.clone());
+    let before = method.flow();
+    let mut last_row: Vec<Vec<f64>> = Vec::new();
+    let (mut last_error, mut changed_before) = (f64::INFINITY, None);
+    for n in 1..=MOST_ROWS {
+        let Row { flow, cost, changed_in } = row(method, way, start, [from, to], n);
+        report.add(&StepReport { n_steps: 0, status: Status::Converged, residual: 0.0, n_not_converged: 0, ..cost });
+        let row = extrapolated(flow, &last_row);
+        // A change that only a longer step has seen lies at its end.
+        let changed_in = changed_in.or(changed_before.map(|_| n));
+        changed_before = changed_in;
+        if n == 1 {
+            last_row = row;
+            continue;
+        }
+        let is_smooth = changed_in.is_none();
+        let plain = control.distance(&row[0], &last_row[0]);
+        let error = match is_smooth {
+            true => control.distance(&row[n - 1], &row[n - 2]).min(plain),
+            false => plain.max(control.loss_of_way(&before, &row[0], length * way.duration)) / CHANGE_SHARE,
+        };
+        let is_solved = cost.status == Status::Converged;
+        if is_shortest || is_solved && error <= 1.0 {
+            let kept = match (control.keeps, is_smooth) {
+                (Column::Last, true) => &row[n - 1],
+                (Column::LastButOne, true) => &row[n - 2],
+                (Column::Last, false) => &row[0],
+                (Column::LastButOne, false) => &last_row[0],
+            };
+            method.set_flow(kept);
+            report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
+            let power = if is_smooth { n } else { 1 };
+            let least = if n < FAVOURED_ROWS { 2.0 } else { 0.0 };
+            return Attempt::Taken { growth: growth(error, power).max(least) };
+        }
+        if let Some(changed) = changed_in {
+            let change = changed as f64 / n as f64 * length;
+            // Such an error falls at least in proportion.
+            let is_short_enough = error * change <= AIM * length;
+            return Attempt::TooLong { stride: if is_short_enough { change } else { 0.5 * change }, change: Some(from + change) };
+        }
+        if !is_solved || n >= 4 && error >= last_error || n == MOST_ROWS {
+            return Attempt::TooLong { stride: length * growth(error, n).clamp(0.1, 0.5), change: None };
+        }
+        (last_row, last_error) = (row, error);
+    }
+    unreachable!("the last row is taken or too long")
+}
+
+/// One row of the table before extrapolation.
+struct Row {
+    flow: Vec<f64>,
+    cost: StepReport,
+    /// The first of the n steps, counted from one, whose regime is another than before it.
+    changed_in: Option<usize>,
+}
+
+fn row<M: FirstOrder>(method: &mut M, way: &Way, start: &M::State, [from, to]: [f64; 2], n: usize) -> Row {
+    method.set_state(start.clone());
+    let share = |i: usize| if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
+    let (mut cost, mut changed_in) = (StepReport::default(), None);
+    let mut regime = method.regime();
+    for i in 1..=n {
+        cost.add(&method.step(way, share(i - 1), share(i)));
+        let now = method.regime();
+        if regime.is_some_and(|before| now != Some(before)) {
+            changed_in = changed_in.or(Some(i));
+        }
+        regime = now;
+    }
+    Row { flow: method.flow(), cost, changed_in }
+}
+
+/// Row n of Neville's table from its first entry and the row before.
+fn extrapolated(first: Vec<f64>, last_row: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = last_row.len() + 1;
+    let mut row = vec![first];
+    for k in 1..n {
+        let weight = (n - k) as f64 / k as f64;
+        let entries = row[k - 1].iter().zip(&last_row[k - 1]).map(|(now, before)| now + (now - before) * weight);
+        row.push(entries.collect());
+    }
+    row
+}
+
+/// How much longer a stride may be whose error, over the tolerance, is `error` and grows with this power of its length.
+fn growth(error: f64, power: usize) -> f64 {
+    if error.is_finite() { (AIM / error.max(1e-300)).powf(1.0 / power as f64).min(FASTEST_GROWTH) } else { 0.0 }
+}
+
+impl Control {
+    /// How far two flows lie apart, over the tolerance (1).
+    fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let poses = self.size(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+        let speeds = self.settling_time.map_or(0.0, |time| time * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5]));
+        poses.max(speeds)
+    }
+
+    /// How far an implicit step of `duration` (s) between two flows may have gone too short or too far, over the tolerance (1): where its speed has dropped to
+    /// nothing, one step and two find the same place, and that is not the right one.
+    fn loss_of_way(&self, a: &[f64], b: &[f64], duration: f64) -> f64 {
+        let speeds = || 0.5 * duration * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5]);
+        self.settling_time.map_or(0.0, |_| speeds())
+    }
+
+    /// Of a shift (m) and a turn (rad), over the tolerance (1).
+    fn size(&self, x: f64, y: f64, turn: f64) -> f64 {
+        let (shift, turn) = (x.hypot(y) / self.position, turn.abs() / self.heading);
+        // `max` drops what is not a number.
+        if (shift + turn).is_nan() { f64::INFINITY } else { shift.max(turn) }
+    }
+}

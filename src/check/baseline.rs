@@ -1,0 +1,67 @@
+//! A stored run: what was run, how, by what, and what came out.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Record, Tolerances};
+use crate::backend::{BackendOptions, default_step};
+use crate::scenario::Scenario;
+use crate::simulation::{Outcome, Trace};
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Baseline {
+    /// Its file's, without folder and ending.
+    pub name: String,
+    pub scenario: Scenario,
+    pub options: BackendOptions,
+    /// What ran it.
+    pub build: Build,
+    pub tolerances: Tolerances,
+    pub record: Record,
+}
+
+/// Names and versions of the program, its libraries and the machine.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Build(pub BTreeMap<String, String>);
+
+impl Build {
+    pub const COMMIT: &str = "commit";
+}
+
+impl Baseline {
+    /// Of a run, with the default tolerances and at most `n_rows` rows.
+    pub fn of(name: &str, scenario: &Scenario, options: &BackendOptions, build: &Build, run: (&Trace, &Outcome), n_rows: usize) -> Self {
+        let (trace, outcome) = run;
+        let record = Record::of(trace, outcome, n_rows);
+        Self {
+            name: name.to_owned(),
+            scenario: scenario.clone(),
+            options: *options,
+            build: build.clone(),
+            tolerances: Tolerances::of(scenario, options, &record.rows),
+            record,
+        }
+    }
+}
+
+/// A name for a baseline of the scenario in the file `stem`: its backend, and each option that is not the usual one.
+pub fn usual_name(stem: &str, scenario: &Scenario, options: &BackendOptions) -> String {
+    let step = default_step(options.kind, &scenario.system, scenario.control_period);
+    let value = |options: &BackendOptions| serde_json::to_value(options).expect("options are plain data");
+    let mut words = vec![stem.to_owned(), options.kind.name().to_owned()];
+    unusual("", &value(options), &value(&BackendOptions::new(options.kind, step)), &mut words);
+    words.join("-")
+}
+
+/// Adds a word for each leaf that is another than in `usual`.
+fn unusual(key: &str, value: &Value, usual: &Value, words: &mut Vec<String>) {
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(key, value)| unusual(key, value, &usual[key], words)),
+        _ if value == usual => {}
+        Value::String(word) => words.push(word.clone()),
+        other => words.push(format!("{}-{other}", key.replace('_', "-"))),
+    }
+}

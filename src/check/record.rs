@@ -1,0 +1,143 @@
+//! What is kept of a run: rows chosen evenly over its time, its decisions, and how it ended.
+
+use serde::{Deserialize, Serialize};
+
+use super::Row;
+use super::measure::row_of;
+use crate::backend::Status;
+use crate::simulation::{EventKind, Outcome, Trace};
+
+/// The first so many grasps and releases are kept: after the first that falls differently none needs to be compared.
+pub const MOST_EVENTS: usize = 1000;
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// In the order of time; the last one is the end.
+    pub rows: Vec<Row>,
+    /// The first [`MOST_EVENTS`].
+    pub events: Vec<Event>,
+    pub ending: Ending,
+}
+
+/// A grasp or a release.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    pub time_s: f64,
+    pub event: EventKind,
+    pub spring: usize,
+    /// `null` for a prescribed path.
+    pub ant: Option<usize>,
+}
+
+/// How a run ended, besides the state in its last row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ending {
+    /// Of a load that arrived the time to the nest (s).
+    pub time_s: f64,
+    /// `null` without ants.
+    pub arrived: Option<bool>,
+    pub friction_j: f64,
+    pub damping_j: f64,
+    pub released_j: f64,
+    pub initial_j: f64,
+    /// Pulls at the ants' decisions.
+    pub n_pulls: u64,
+    pub pull_mean_n: f64,
+    pub pull_sd_n: f64,
+    pub pull_max_n: f64,
+    /// Of all grasps and releases, kept or not.
+    pub n_events: u64,
+    pub steps: Steps,
+}
+
+/// What the run cost and the worst ending of its steps. Newton iterations are left out: how many it takes to the last digit is chance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Steps {
+    pub status: Status,
+    pub n_steps: u64,
+    pub n_solves: u64,
+    pub n_skipped: u64,
+    pub n_not_converged: u64,
+}
+
+impl Record {
+    /// At most `n_rows` rows of a run, two at least where it has them: the start, the end, and ticks between as evenly as ticks allow.
+    pub fn of(trace: &Trace, outcome: &Outcome, n_rows: usize) -> Self {
+        let rows = chosen(trace.rows.len(), n_rows).map(|at| row_of(&trace.rows[at]));
+        Self {
+            rows: rows.collect(),
+            events: trace.events.iter().take(MOST_EVENTS).map(Event::of).collect(),
+            ending: Ending::of(trace, outcome),
+        }
+    }
+}
+
+/// Indices of at most `n` of `n_all` things, the first and the last among them.
+fn chosen(n_all: usize, n: usize) -> impl Iterator<Item = usize> {
+    let n = n.max(2).min(n_all);
+    // Whole numbers throughout, rounded to the nearest: n - 1 gaps over n_all - 1.
+    let gaps = n.saturating_sub(1).max(1);
+    (0..n).map(move |k| (2 * k * (n_all - 1) + gaps) / (2 * gaps))
+}
+
+impl Event {
+    pub fn of(event: &crate::simulation::Event) -> Self {
+        Self { time_s: event.time, event: event.kind, spring: event.spring, ant: event.ant }
+    }
+
+    /// The event without the place of its tip, which is not kept.
+    pub fn at_no_place(&self) -> crate::simulation::Event {
+        let tip = crate::math::Vec2::zeros();
+        crate::simulation::Event { time: self.time_s, spring: self.spring, ant: self.ant, tip, kind: self.event }
+    }
+
+    /// Whether both are the same decision, at instants no further apart than `tolerance` (s).
+    pub fn is_like(&self, other: &Self, tolerance: f64) -> bool {
+        let same = (self.event, self.spring, self.ant) == (other.event, other.spring, other.ant);
+        same && (self.time_s - other.time_s).abs() <= tolerance
+    }
+}
+
+impl Ending {
+    pub fn of(trace: &Trace, outcome: &Outcome) -> Self {
+        let (energy, steps, pulls) = (&outcome.energy, &outcome.steps, &outcome.pulls);
+        Self {
+            time_s: outcome.time,
+            arrived: outcome.arrived,
+            friction_j: energy.friction,
+            damping_j: energy.damping,
+            released_j: energy.released,
+            initial_j: energy.initial,
+            n_pulls: pulls.n(),
+            pull_mean_n: pulls.mean(),
+            pull_sd_n: pulls.sd(),
+            pull_max_n: pulls.max(),
+            n_events: trace.events.len() as u64,
+            steps: Steps {
+                status: steps.status,
+                n_steps: steps.n_steps,
+                n_solves: steps.n_solves,
+                n_skipped: steps.n_skipped,
+                n_not_converged: steps.n_not_converged,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chosen_rows_are_even_and_hold_both_ends() {
+        let of = |n_all, n| chosen(n_all, n).collect::<Vec<_>>();
+        assert_eq!(of(11, 6), [0, 2, 4, 6, 8, 10]);
+        assert_eq!(of(5, 100), [0, 1, 2, 3, 4]);
+        assert_eq!((of(9, 0), of(1, 7)), (vec![0, 8], vec![0]));
+        let many = of(120_001, 200);
+        assert_eq!((many.len(), many[0], many[199]), (200, 0, 120_000));
+        // Gaps of 603.01 rows.
+        assert!(many.windows(2).all(|pair| (603..=604).contains(&(pair[1] - pair[0]))));
+        assert!(of(101, 97).windows(2).all(|pair| pair[0] < pair[1]), "none twice");
+    }
+}

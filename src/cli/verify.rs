@@ -1,0 +1,91 @@
+//! `cohaul verify`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::time::{Instant, SystemTime};
+
+use clap::Args;
+
+use super::{CliError, interrupt, print};
+use crate::backend::BackendKind;
+use crate::report::{Manifest, Progress, Verification, check_target, list_text, sha256_hex, verify_text, write_verification};
+use crate::verify::{self, Case, Effort, Plan, Row};
+
+#[derive(Args)]
+pub struct VerifyArgs {
+    /// Cases or families of them; without any, all
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+    /// Only this backend
+    #[arg(long, value_name = "BACKEND")]
+    backend: Option<BackendKind>,
+    /// Leave out the shortest step of each case
+    #[arg(long)]
+    quick: bool,
+    /// Say which cases there are
+    #[arg(long, conflicts_with_all = ["json", "out", "backend", "quick"])]
+    list: bool,
+    /// Folder for table, figure, summary and manifest
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
+    let cases = chosen(&args.cases)?;
+    if args.list {
+        print(&list_text(&cases))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let Some(out) = &args.out {
+        check_target(out)?;
+    }
+    let effort = if args.quick { Effort::Quick } else { Effort::Full };
+    let (started, clock) = (SystemTime::now(), Instant::now());
+    let rows = run(&cases, args.backend, effort)?;
+    let found = Verification::new(&cases, &rows, effort, clock.elapsed().as_secs_f64());
+    if let Some(out) = &args.out {
+        write_verification(out, &found, &rows, &manifest(args, &found, started))?;
+    }
+    print(&if args.json { found.to_json() } else { verify_text(&found) })?;
+    Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The cases of these names and families, or all.
+fn chosen(names: &[String]) -> Result<Vec<Case>, CliError> {
+    let all = verify::all();
+    let is_named = |case: &Case, name: &String| case.name == *name || case.family.name() == name;
+    if let Some(name) = names.iter().find(|name| !all.iter().any(|case| is_named(case, name))) {
+        return Err(CliError::Usage(format!("CASE: must be a case or a family that `cohaul verify --list` names, found {name}")));
+    }
+    Ok(all.into_iter().filter(|case| names.is_empty() || names.iter().any(|name| is_named(case, name))).collect())
+}
+
+fn run(cases: &[Case], backend: Option<BackendKind>, effort: Effort) -> Result<Vec<Row>, CliError> {
+    let wanted = |plan: &Plan| backend.is_none_or(|kind| kind == plan.variant.kind());
+    if let Some(kind) = backend.filter(|_| !cases.iter().flat_map(|case| &case.plans).any(wanted)) {
+        return Err(CliError::Usage(format!("--backend: none of these cases has a known answer for {}", kind.name())));
+    }
+    let progress = Mutex::new(Progress::of_share("verify"));
+    let watch = |share: f64| {
+        // Only one thread draws; the others need not wait for it.
+        if let Ok(mut progress) = progress.try_lock() {
+            progress.at(share);
+        }
+        !interrupt::asked()
+    };
+    let rows = verify::verify(cases, wanted, effort, watch).ok_or(CliError::Interrupted)?;
+    progress.into_inner().expect("no thread panicked while it drew").finish();
+    Ok(rows)
+}
+
+/// In place of a scenario stand the questions asked.
+fn manifest(args: &VerifyArgs, found: &Verification, started: SystemTime) -> Manifest {
+    let asked = serde_json::json!({ "name": "verify", "cases": found.cases });
+    let options = serde_json::json!({ "backend": args.backend, "quick": args.quick });
+    let hash = sha256_hex(asked.to_string().as_bytes());
+    Manifest::new(asked, hash, 0, options, std::env::args().collect(), started)
+}

@@ -1,0 +1,217 @@
+//! A question, the ways to move the load that it is put to, and the bounds of their answers.
+
+use serde::Serialize;
+
+use super::measured::{Errors, Measured};
+use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions};
+
+/// A scene, what is measured in it, and the known answer.
+pub struct Case {
+    pub name: String,
+    pub family: Family,
+    /// What is asked.
+    pub what: String,
+    /// Where the known answer comes from.
+    pub source: String,
+    pub run: Run,
+    pub plans: Vec<Plan>,
+}
+
+/// Puts the question to a backend of these options.
+pub type Run = Box<dyn Fn(&BackendOptions) -> Measured + Send + Sync>;
+
+/// Cases that test the same law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    Slide,
+    Tripod,
+    Pull,
+    Release,
+    LimitSurface,
+    Towing,
+    Symmetry,
+    Mass,
+    Reference,
+    Peers,
+}
+
+/// A way to move the load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Variant {
+    QuasiStatic,
+    InertialEuler,
+    InertialMidpoint,
+    Rapier,
+    /// The engine by its own defaults. What it gets wrong is its own: shown, and never a miss.
+    RapierAsShipped,
+}
+
+/// Steps at which a way to move the load is tried, and what its errors should be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub variant: Variant,
+    /// Longest step (s), the first of those that are halved.
+    pub step_s: f64,
+    /// Number of steps.
+    pub n_levels: usize,
+    pub expected: Expected,
+    pub bound: Bound,
+    /// Of the extrapolated answer, at the shortest step; `None` where there is none.
+    pub limit: Option<Bound>,
+}
+
+/// How the error should fall with the step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "kind", content = "power")]
+pub enum Expected {
+    /// With this power of the step; measured between successive steps.
+    Order(f64),
+    /// Anyhow, but within a bound that falls with this power: where an event lies within its step decides the rest.
+    Within(f64),
+    /// There is no error but rounding.
+    Exact,
+}
+
+/// What an error may be, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bound {
+    pub errors: Errors,
+    pub reason: String,
+}
+
+impl Case {
+    /// The answer of a backend of these options, beside the known one.
+    pub fn run(&self, options: &BackendOptions) -> Measured {
+        (self.run)(options)
+    }
+}
+
+impl Family {
+    pub const ALL: [Family; 10] = [
+        Family::Slide,
+        Family::Tripod,
+        Family::Pull,
+        Family::Release,
+        Family::LimitSurface,
+        Family::Towing,
+        Family::Symmetry,
+        Family::Mass,
+        Family::Reference,
+        Family::Peers,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Slide => "slide",
+            Family::Tripod => "tripod",
+            Family::Pull => "pull",
+            Family::Release => "release",
+            Family::LimitSurface => "limit-surface",
+            Family::Towing => "towing",
+            Family::Symmetry => "symmetry",
+            Family::Mass => "mass",
+            Family::Reference => "reference",
+            Family::Peers => "peers",
+        }
+    }
+}
+
+impl Variant {
+    pub const ALL: [Variant; 5] =
+        [Variant::QuasiStatic, Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier, Variant::RapierAsShipped];
+    pub const WITH_INERTIA: [Variant; 3] = [Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier];
+    /// All whose errors are this project's own.
+    pub const JUDGED: [Variant; 4] = [Variant::QuasiStatic, Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Variant::QuasiStatic => "quasi-static",
+            Variant::InertialEuler => "inertial euler",
+            Variant::InertialMidpoint => "inertial midpoint",
+            Variant::Rapier => "rapier",
+            Variant::RapierAsShipped => "rapier as shipped",
+        }
+    }
+
+    pub fn kind(self) -> BackendKind {
+        match self {
+            Variant::QuasiStatic => BackendKind::QuasiStatic,
+            Variant::InertialEuler | Variant::InertialMidpoint => BackendKind::Inertial,
+            Variant::Rapier | Variant::RapierAsShipped => BackendKind::Rapier,
+        }
+    }
+
+    pub fn is_judged(self) -> bool {
+        self != Variant::RapierAsShipped
+    }
+
+    pub fn options(self, step_s: f64) -> BackendOptions {
+        let usual = BackendOptions::new(self.kind(), step_s);
+        match self {
+            Variant::QuasiStatic | Variant::Rapier => usual,
+            Variant::InertialEuler => BackendOptions { integrator: Integrator::Euler, ..usual },
+            Variant::InertialMidpoint => BackendOptions { integrator: Integrator::Midpoint, ..usual },
+            Variant::RapierAsShipped => BackendOptions { rapier: RapierOptions::as_shipped(), ..usual },
+        }
+    }
+}
+
+impl Plan {
+    /// A method of first order, extrapolated: within `bound` at the longest step, and within `limit` in the limit of small ones.
+    pub fn first_order(variant: Variant, step_s: f64, n_levels: usize, bound: Bound, limit: Bound) -> Self {
+        Self { variant, step_s, n_levels, expected: Expected::Order(1.0), bound, limit: Some(limit) }
+    }
+
+    pub fn of_order(order: f64, variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
+        Self { variant, step_s, n_levels, expected: Expected::Order(order), bound, limit: None }
+    }
+
+    /// Within a bound that falls with the step to this power.
+    pub fn within(power: f64, variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
+        Self { variant, step_s, n_levels, expected: Expected::Within(power), bound, limit: None }
+    }
+
+    pub fn exact(variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
+        Self { variant, step_s, n_levels, expected: Expected::Exact, bound, limit: None }
+    }
+
+    /// Shown without a bound.
+    pub fn shown(variant: Variant, step_s: f64, n_levels: usize) -> Self {
+        Self::within(0.0, variant, step_s, n_levels, Bound { errors: Errors::NONE, reason: "information only".to_owned() })
+    }
+}
+
+impl Expected {
+    /// Power of the step with which a bound falls.
+    pub fn power(self) -> f64 {
+        match self {
+            Expected::Order(power) | Expected::Within(power) => power,
+            Expected::Exact => 0.0,
+        }
+    }
+}
+
+impl Bound {
+    pub fn metres(metres: f64, reason: &str) -> Self {
+        Self { errors: Errors { metres: Some(metres), ..Errors::NONE }, reason: reason.to_owned() }
+    }
+
+    pub fn radians(radians: f64, reason: &str) -> Self {
+        Self { errors: Errors { radians: Some(radians), ..Errors::NONE }, reason: reason.to_owned() }
+    }
+
+    pub fn ratio(ratio: f64, reason: &str) -> Self {
+        Self { errors: Errors { ratio: Some(ratio), ..Errors::NONE }, reason: reason.to_owned() }
+    }
+
+    pub fn pose(metres: f64, radians: f64, reason: &str) -> Self {
+        Self { errors: Errors { metres: Some(metres), radians: Some(radians), ratio: None }, reason: reason.to_owned() }
+    }
+
+    /// The bound at a step that is `share` of the longest, where it falls with this power of it.
+    pub fn at(&self, share: f64, power: f64) -> Errors {
+        self.errors.map(|bound| bound * share.powf(power))
+    }
+}

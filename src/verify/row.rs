@@ -1,0 +1,126 @@
+//! Runs of a plan become rows that hold or miss.
+
+use super::case::{Bound, Case, Expected, Family, Plan, Variant};
+use super::measured::{Errors, Measured, limit_of};
+use crate::backend::Status;
+
+/// What came out at one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    pub case: String,
+    pub family: Family,
+    pub variant: Variant,
+    pub kind: RowKind,
+    /// The step (s); of an extrapolated answer the shortest of those it was made from.
+    pub step_s: f64,
+    pub errors: Errors,
+    /// The errors as one: what a point of the load may be off by (m), or the ratio's where there are no others.
+    pub size: Option<f64>,
+    /// Power of the step with which the error fell from the row before; `None` at the longest step, and where it is zero or but rounding.
+    pub order: Option<f64>,
+    pub expected: Expected,
+    pub bounds: Errors,
+    pub reason: String,
+    pub source: String,
+    pub outcome: Outcome,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowKind {
+    AtStep,
+    /// In the limit of small steps, by Romberg's table over all of them.
+    Extrapolated,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    Holds,
+    /// What is wrong.
+    Misses(String),
+    /// Information: not judged.
+    Shown,
+}
+
+/// How far a measured order may lie from the expected one: at these steps the next term of the error's series is a few hundredths of the first, or
+/// an event falls elsewhere within its step.
+const ORDER_TOLERANCE: f64 = 0.15;
+
+/// Power of the step with which an extrapolated answer's bound grows with longer steps: a table over three steps leaves the third order, one over more
+/// the second order of changes of regime within a step.
+const LIMIT_POWER: f64 = 3.0;
+
+/// Steps of `plan` (s), the longest first, but for the `n_left_out` shortest.
+pub fn steps(plan: &Plan, n_left_out: usize) -> impl Iterator<Item = f64> {
+    let longest = plan.step_s;
+    (0..plan.n_levels.saturating_sub(n_left_out).max(1)).map(move |level| longest * 0.5f64.powi(level as i32))
+}
+
+/// Rows of the answers at successively halved steps of `plan`, and of their limit.
+pub fn rows(case: &Case, plan: &Plan, answers: &[Measured]) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::with_capacity(answers.len() + 1);
+    for (level, answer) in answers.iter().enumerate() {
+        let share = 0.5f64.powi(level as i32);
+        let mut row = row(case, plan, RowKind::AtStep, answer, share);
+        if plan.expected != Expected::Exact {
+            row.order = rows.last().and_then(|coarse| order(coarse.size?, row.size?));
+        }
+        judge(&mut row, plan, answer);
+        rows.push(row);
+    }
+    if let Some(limit) = plan.limit.as_ref().filter(|_| answers.len() > 1) {
+        let answer = limit_of(answers);
+        let mut row = row(case, plan, RowKind::Extrapolated, &answer, 0.5f64.powi(answers.len() as i32 - 1));
+        row.bounds = limit.at(2f64.powi((plan.n_levels - answers.len()) as i32), LIMIT_POWER);
+        row.reason.clone_from(&limit.reason);
+        judge(&mut row, plan, &answer);
+        rows.push(row);
+    }
+    rows
+}
+
+fn row(case: &Case, plan: &Plan, kind: RowKind, answer: &Measured, share: f64) -> Row {
+    let errors = answer.errors();
+    let Bound { reason, .. } = &plan.bound;
+    Row {
+        case: case.name.clone(),
+        family: case.family,
+        variant: plan.variant,
+        kind,
+        step_s: share * plan.step_s,
+        errors,
+        size: errors.size(answer.arm),
+        order: None,
+        expected: plan.expected,
+        bounds: plan.bound.at(share, plan.expected.power()),
+        reason: reason.clone(),
+        source: case.source.clone(),
+        outcome: Outcome::Shown,
+    }
+}
+
+/// Power of the step when an error falls from `coarse` to `fine` at half of it.
+fn order(coarse: f64, fine: f64) -> Option<f64> {
+    let order = (coarse / fine).log2();
+    order.is_finite().then_some(order)
+}
+
+fn judge(row: &mut Row, plan: &Plan, answer: &Measured) {
+    if !plan.variant.is_judged() {
+        return;
+    }
+    let missed = if !row.errors.is_finite() {
+        Some("the answer is not finite".to_owned())
+    } else if answer.report.status != Status::Converged {
+        Some(format!("{} of {} steps did not converge", answer.report.n_not_converged, answer.report.n_steps))
+    } else if !row.errors.within(&row.bounds) {
+        Some("the error is above its bound".to_owned())
+    } else {
+        misses_order(row)
+    };
+    row.outcome = missed.map_or(Outcome::Holds, Outcome::Misses);
+}
+
+fn misses_order(row: &Row) -> Option<String> {
+    let (Expected::Order(expected), Some(order)) = (row.expected, row.order) else { return None };
+    ((order - expected).abs() > ORDER_TOLERANCE).then(|| format!("the order is {order:.2} in place of {expected}"))
+}
