@@ -10,13 +10,14 @@
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`compare`], [`check`] and [`verify`], [`report`], [`cli`].
+//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`check`] and [`verify`], [`report`], [`cli`].
 #![forbid(unsafe_code)]
 
 pub mod backend;
 pub mod check;
 pub mod cli;
 pub mod compare;
+pub mod estimate;
 pub mod math;
 pub mod model;
 pub mod report;

@@ -186,7 +186,7 @@ impl Coasting {
 
 /// Derivatives by (x, y, heading) turned into derivatives by the increment (u, delta) of
 /// `x = x_0 + R(heading_0) V(delta) u`, `heading = heading_0 + delta`.
-fn in_body_increments(world: &Reaction, heading: f64, twist: &Vec3) -> Reaction {
+pub fn in_body_increments(world: &Reaction, heading: f64, twist: &Vec3) -> Reaction {
     let turn = rotation(heading);
     let (first, second) = mean_rotation_derivatives(twist.z);
     let by_shift = turn * mean_rotation(twist.z);
@@ -214,7 +214,7 @@ fn in_body_increments(world: &Reaction, heading: f64, twist: &Vec3) -> Reaction 
 /// Where it is not, mostly because turning a load while it shifts turns its way, the pivot of the turn is replaced by its absolute value: friction resists
 /// turning far more, and the stiffness against shifts, which sets the way, stays exact. Where shifts are unstable too, absolute values of all eigenvalues
 /// take their place. Pivots are kept above 1e-12 of the largest entry.
-fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
+pub fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
     let units = Vec3::new(length, length, 1.0);
     let mut scaled = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]);
     let least = 1e-12 * scaled.amax().max(f64::MIN_POSITIVE);

@@ -4,12 +4,20 @@
 //! instead of the better ones. What it has strayed from the first after any number of strides is how those errors have added up, and bounds the
 //! first one's own error with a margin.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SavedState, StepReport, Transition};
 use crate::math::Vec2;
 
 pub(super) struct Tandem {
     pub answer: Box<dyn Backend>,
     pub check: Box<dyn Backend>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    answer: SavedState,
+    check: SavedState,
 }
 
 impl Backend for Tandem {
@@ -60,11 +68,11 @@ impl Backend for Tandem {
     }
 
     fn save(&self) -> SavedState {
-        SavedState::of(&[self.answer.save(), self.check.save()])
+        SavedState::of(&Saved { answer: self.answer.save(), check: self.check.save() })
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
-        let [answer, check]: [SavedState; 2] = state.read()?;
+        let Saved { answer, check } = state.read()?;
         self.answer.restore(&answer)?;
         self.check.restore(&check)
     }

@@ -1,15 +1,19 @@
 //! `cohaul run`.
 
+use std::cell::RefCell;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::rc::Rc;
 use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
 use super::{CliError, EngineArgs, interrupt, positive, print, read_scenario, step};
-use crate::backend::{BackendKind, BackendOptions, Integrator, Status, Tolerance, default_step};
+use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Status, Tolerance, build, default_step};
+use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
-use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, run_text, write_run};
+use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, inertia_warning, run_text, write_run};
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
 
@@ -47,6 +51,9 @@ pub struct RunArgs {
     /// Interrupt the run at this simulated time (s)
     #[arg(long, value_name = "T", requires = "state", value_parser = step)]
     stop_s: Option<f64>,
+    /// Leave out the estimate of what inertia would have done to a quasi-static run
+    #[arg(long)]
+    no_estimate: bool,
     #[command(flatten)]
     engine: EngineArgs,
 }
@@ -59,10 +66,21 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     }
     let keep = if args.out.is_some() { Keep::Trace } else { Keep::Outcome };
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let mut run = start(&scenario, &options, keep, args.state.as_deref())?;
+    let saved = saved(&options, args.state.as_deref())?;
+    let (backend, mut estimator) = backend(&scenario, saved.as_ref().map_or(&options, |saved| &saved.options), args.no_estimate);
+    let mut run = match (&saved, &args.state) {
+        (Some(saved), Some(path)) => {
+            Simulation::resume_on(&scenario, saved, keep, backend).map_err(|source| CliError::Restore { path: path.clone(), source })?
+        }
+        _ => Simulation::on(&scenario, &options, keep, driver_of(&scenario), backend),
+    };
     let mut progress = Progress::start(scenario.duration, args.backend.name());
-    let driver = || driver_of(&scenario);
-    run.run_within(driver, |time| {
+    let afresh = |options: &BackendOptions| {
+        let (backend, follower) = self::backend(&scenario, options, args.no_estimate);
+        estimator = follower;
+        Simulation::on(&scenario, options, keep, driver_of(&scenario), backend)
+    };
+    run.run_within(afresh, |time| {
         progress.at(time);
         !interrupt::asked() && args.stop_s.is_none_or(|stop| time < stop)
     });
@@ -71,7 +89,10 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         return interrupted(&run, args.state.as_deref());
     }
     let (trace, outcome) = run.into_results();
-    let summary = RunSummary::new(&scenario.name, &options, scenario.seed, &outcome, clock.elapsed().as_secs_f64())?;
+    let mut summary = RunSummary::new(&scenario.name, &options, scenario.seed, &outcome, clock.elapsed().as_secs_f64())?;
+    if let Some(estimator) = estimator {
+        summary = summary.with_estimate(estimator.borrow().estimate(AGREEMENT))?;
+    }
     if let Some(out) = &args.out {
         let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
         let options = serde_json::to_value(options).expect("options are plain data");
@@ -83,6 +104,9 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     }
     print(&if args.json { summary.to_json() } else { run_text(&summary) })?;
+    if let Some(estimate) = summary.inertia_estimate.filter(|estimate| !estimate.is_negligible) {
+        let _ = writeln!(std::io::stderr(), "warning: {}", inertia_warning(&estimate));
+    }
     let is_within = summary.accuracy.as_ref().is_none_or(|accuracy| accuracy.is_met);
     Ok(if outcome.steps.status == Status::Failed || !is_within { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
@@ -104,9 +128,18 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
     Ok(BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }))
 }
 
-/// A new run, or the one whose state is there.
-fn start<'a>(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, state: Option<&Path>) -> Result<Simulation<'a>, CliError> {
-    let Some(path) = state.filter(|path| path.exists()) else { return Ok(Simulation::new(scenario, options, keep)) };
+/// What moves the load, and what follows it to estimate the inertia that a quasi-static run neglects.
+fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> (Box<dyn Backend>, Option<Rc<RefCell<Estimator>>>) {
+    if options.kind != BackendKind::QuasiStatic || no_estimate {
+        return (build(&scenario.system, scenario.start, options), None);
+    }
+    let (watched, estimator) = Watched::new(&scenario.system, scenario.start, options);
+    (watched, Some(estimator))
+}
+
+/// The run whose state is there, if it is one of these options.
+fn saved(options: &BackendOptions, state: Option<&Path>) -> Result<Option<SavedRun>, CliError> {
+    let Some(path) = state.filter(|path| path.exists()) else { return Ok(None) };
     let text = std::fs::read_to_string(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     let saved: SavedRun = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path.to_owned(), source })?;
     let as_asked = saved.options.tolerance.map(|tolerance| Tolerance { tightened: 0, ..tolerance });
@@ -115,7 +148,7 @@ fn start<'a>(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, state
         let text = format!("{}: saved with {}, asked for {}", path.display(), saved.unwrap_or_default(), asked.unwrap_or_default());
         return Err(CliError::Usage(text));
     }
-    Simulation::resume(scenario, &saved, keep).map_err(|source| CliError::Restore { path: path.to_owned(), source })
+    Ok(Some(saved))
 }
 
 /// Keeps the state for the next call, if there is a file for it.

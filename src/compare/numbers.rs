@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use crate::estimate::{AGREEMENT, InertiaEstimate};
 use crate::math::Summary;
 use crate::scenario::Scenario;
 use crate::simulation::{EventKind, Trace};
@@ -36,6 +37,8 @@ pub struct Predicted {
     /// Way on which friction takes up the energy that the load starts with (m), which a load without inertia does not go; `null` without
     /// friction.
     pub coasting_m: Option<f64>,
+    /// Displacement of the load's rim that the quasi-static run alone lets expect (m); `null` where no such run was looked at.
+    pub estimated_m: Option<f64>,
     /// Distance that the load goes after a release, over what it would go without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,
     /// Whether neglecting inertia should stay within the tolerance: the path errors above add up to less, and there are no releases or such that are far
@@ -68,6 +71,7 @@ impl Numbers {
             while_driven_m,
             where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
             coasting_m,
+            estimated_m: None,
             release_factor: (n_releases > 0).then(|| self.release_factor()),
             quasi_static_is_sound: driven_well && (n_releases == 0 || damped_out),
         }
@@ -88,6 +92,13 @@ impl Numbers {
             _ => (1.0, phi),
         };
         1.0 - (-zeta * phi).exp() * (cos + zeta * sin_over_damped)
+    }
+}
+
+impl Predicted {
+    /// The same with what the trace of the quasi-static run lets expect.
+    pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace) -> Self {
+        Self { estimated_m: Some(InertiaEstimate::of(scenario, quasi_static, AGREEMENT).displacement_max_m), ..self }
     }
 }
 

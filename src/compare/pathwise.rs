@@ -140,7 +140,7 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
         engine_model_error: Difference::between(&rapier.limit, &inertial.limit),
         own_error,
         numbers,
-        predicted: numbers.predict(scenario, &inertial.trace, tolerance_m),
+        predicted: numbers.predict(scenario, &inertial.trace, tolerance_m).with_estimate(scenario, &quasi_static.trace),
         verdict,
         rim: Rim { inertia_m: inertia, engine_m: engine, own_m: own },
         backends: Backends { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) },

@@ -19,6 +19,8 @@ pub enum Stream {
     Grasp = 2,
     /// Whether a pulling ant lets go.
     Release = 3,
+    /// What a random scenario is made of.
+    Scene = 4,
 }
 
 /// All chance of one run.

@@ -51,7 +51,14 @@ impl Comparison {
             let Pathwise { inertia_effect, engine_error, own_error, numbers, predicted, .. } = pathwise;
             let differences = [inertia_effect, engine_error, &own_error.all, &own_error.rapier];
             let values = differences.iter().flat_map(|d| [d.position_max_m, d.position_final_m, d.heading_max_rad, d.heading_final_rad]);
-            let optional = [numbers.epsilon, numbers.phi, predicted.while_driven_m, predicted.coasting_m, predicted.release_factor];
+            let optional = [
+                numbers.epsilon,
+                numbers.phi,
+                predicted.while_driven_m,
+                predicted.coasting_m,
+                predicted.estimated_m,
+                predicted.release_factor,
+            ];
             for value in values.chain(optional.into_iter().flatten()).chain([pathwise.path_length_m, numbers.zeta]) {
                 super::finite("a result of the comparison", value)?;
             }
@@ -156,6 +163,7 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     let coasting = or_none(predicted.coasting_m, "m");
     let releases = predicted.release_factor.map_or(String::new(), |factor| format!(", releases times {}", number(factor)));
     lines.row("", &format!("{coasting} of coasting from the start{releases}"));
+    lines.row("", &format!("{} on the rim, estimated from the quasi-static run", or_none(predicted.estimated_m, "m")));
     lines.row("", if predicted.quasi_static_is_sound { "neglecting inertia is sound" } else { "neglecting inertia is not sound" });
     for solution in &found.solutions {
         let failed = if solution.steps.status == Status::Failed { ", FAILED" } else { "" };

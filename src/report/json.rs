@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::backend::{
     BackendKind, BackendOptions, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, Status, StepReport, Tolerance,
 };
+use crate::estimate::InertiaEstimate;
 use crate::math::Summary;
 use crate::simulation::Outcome;
 
@@ -33,6 +34,9 @@ pub struct RunSummary {
     /// Only of a run with ants.
     #[serde(flatten)]
     pub ants: Option<AntSummary>,
+    /// Only of a run that was watched for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertia_estimate: Option<InertiaEstimate>,
 }
 
 /// Errors of the pose at any instant: the largest that were asked for and found.
@@ -142,7 +146,19 @@ impl RunSummary {
             steps: StepSummary::new(&outcome.steps)?,
             wall_s: finite("wall_s", wall_s)?,
             ants: outcome.arrived.map(|arrived| AntSummary::new(arrived, outcome)).transpose()?,
+            inertia_estimate: None,
         })
+    }
+
+    /// The same with what inertia would have done.
+    ///
+    /// # Errors
+    /// When a number of the estimate is not finite.
+    pub fn with_estimate(self, estimate: InertiaEstimate) -> Result<Self, NotFinite> {
+        finite("inertia_estimate.displacement_max_m", estimate.displacement_max_m)?;
+        finite("inertia_estimate.displacement_final_m", estimate.displacement_final_m)?;
+        finite("inertia_estimate.path_length_m", estimate.path_length_m)?;
+        Ok(Self { inertia_estimate: Some(estimate), ..self })
     }
 
     /// The object over several lines, with a line end.

@@ -42,5 +42,5 @@ pub use manifest::{Libraries, Machine, Manifest, sha256_hex};
 pub use progress::Progress;
 pub use quantity::{number, quantity};
 pub use run::{RunFiles, write_run};
-pub use text::run_text;
+pub use text::{inertia_warning, run_text};
 pub use verification::{Line, Question, Verification, list_text, verify_text, write_verification};

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::{Accuracy, AntSummary, RunSummary, number, quantity};
 use crate::backend::Status;
+use crate::estimate::{Cause, InertiaEstimate, Largest};
 
 /// The summary over aligned lines, with a line end.
 pub fn run_text(summary: &RunSummary) -> String {
@@ -19,6 +20,9 @@ pub fn run_text(summary: &RunSummary) -> String {
     }
     if let Some(ants) = &summary.ants {
         of_ants(ants, &mut lines);
+    }
+    if let Some(estimate) = &summary.inertia_estimate {
+        inertia(estimate, &mut lines);
     }
     energy(summary, &mut lines);
     cost(summary, &mut lines);
@@ -57,6 +61,40 @@ fn of_ants(ants: &AntSummary, lines: &mut Lines) {
     }
     let (mean, sd, max) = (quantity(pull.mean, "N"), quantity(pull.sd, "N"), quantity(pull.max, "N"));
     lines.row("pull", &format!("{mean} mean, {sd} standard deviation, {max} largest of {}", pull.n));
+}
+
+fn inertia(estimate: &InertiaEstimate, lines: &mut Lines) {
+    lines.section("inertia, estimated");
+    let (largest, end) = (quantity(estimate.displacement_max_m, "m"), quantity(estimate.displacement_final_m, "m"));
+    lines.row("on the rim", &format!("{largest} at most, {end} at the end"));
+    let share = format!("{} % of the way of {}", number(100.0 * estimate.share), quantity(estimate.path_length_m, "m"));
+    lines.row("share", &format!("{share}: {}", if estimate.is_negligible { "negligible" } else { "not negligible" }));
+    if let Some(largest) = &estimate.largest {
+        lines.row("largest", &format!("at {}, after {}", quantity(largest.time_s, "s"), cause(largest)));
+    }
+    let parts = [estimate.from_start_m, estimate.from_jumps_m, estimate.from_driving_m].map(|part| quantity(part, "m"));
+    lines.row("after", &format!("the start {}, jumps {}, driving {}", parts[0], parts[1], parts[2]));
+}
+
+fn cause(largest: &Largest) -> String {
+    let spring = largest.spring.map_or(String::new(), |spring| format!(" of spring {spring}"));
+    let what = match largest.cause {
+        Cause::Start => return "the start with speed".to_owned(),
+        Cause::Grasp => "the grasp",
+        Cause::Release => "the release",
+        Cause::Driving => "a change of speed",
+    };
+    format!("{what}{spring} at {}", quantity(largest.since_s, "s"))
+}
+
+/// What to tell who runs without inertia where it matters.
+pub fn inertia_warning(estimate: &InertiaEstimate) -> String {
+    let (largest, share) = (quantity(estimate.displacement_max_m, "m"), number(100.0 * estimate.share));
+    let after = estimate.largest.map_or(String::new(), |largest| format!(", most of all after {}", cause(&largest)));
+    format!(
+        "inertia is not negligible here: it would move the load's rim by about {largest}, {share} % of its way{after}; \
+         `cohaul compare` measures it, `--backend inertial` has it"
+    )
 }
 
 fn energy(summary: &RunSummary, lines: &mut Lines) {

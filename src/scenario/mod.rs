@@ -4,6 +4,7 @@
 mod error;
 mod expand;
 pub(crate) mod json;
+mod random;
 mod structure;
 mod validate;
 

@@ -112,14 +112,14 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Runs to the end like [`Simulation::run`]; under error control again from the start, with smaller errors of strides and a new driver from `driver`, as
-    /// long as they add up to more than the tolerance. What they add up to in the end, more than the tolerance or not, is in the outcome.
-    pub fn run_within(&mut self, driver: impl Fn() -> Box<dyn Driver>, mut watch: impl FnMut(f64) -> bool) {
+    /// Runs to the end like [`Simulation::run`]; under error control once more with smaller errors of strides, from a start that `afresh` makes, as long as they
+    /// add up to more than the tolerance. What they add up to in the end, more than the tolerance or not, is in the outcome.
+    pub fn run_within(&mut self, mut afresh: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {
         while !self.finished && watch(self.time) {
             self.step();
             if let Some(tighter) = self.options.tolerance.filter(|_| !self.is_within()).and_then(|tolerance| tolerance.tightened()) {
                 let options = BackendOptions { tolerance: Some(tighter), ..self.options };
-                *self = Self::driven(self.scenario, &options, self.keep, driver());
+                *self = afresh(&options);
             }
         }
     }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Driver, Keep, Simulation, Trace, driver_of};
-use crate::backend::{BackendOptions, PoseError, RestoreError, SavedState, StepReport};
+use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SavedState, StepReport, build};
 use crate::scenario::Scenario;
 
 /// Everything of a run that its scenario does not say. Floats are written with all their digits.
@@ -47,6 +47,14 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// When the state belongs to another scenario, is damaged, or kept no trace and now one is to be kept: its first part would be missing.
     pub fn resume(scenario: &'a Scenario, saved: &SavedRun, keep: Keep) -> Result<Self, RestoreError> {
+        Self::resume_on(scenario, saved, keep, build(&scenario.system, scenario.start, &saved.options))
+    }
+
+    /// The same on a backend made elsewhere, of the kind that the state was saved from.
+    ///
+    /// # Errors
+    /// As [`Simulation::resume`].
+    pub fn resume_on(scenario: &'a Scenario, saved: &SavedRun, keep: Keep, backend: Box<dyn Backend>) -> Result<Self, RestoreError> {
         let hash = scenario.hash();
         if saved.scenario_hash != hash {
             return Err(RestoreError(format!("it was saved from the scenario {}, this one is {hash}", saved.scenario_hash)));
@@ -56,7 +64,7 @@ impl<'a> Simulation<'a> {
         }
         let mut driver: Box<dyn Driver> = driver_of(scenario);
         driver.restore(&saved.driver)?;
-        let mut resumed = Self::driven(scenario, &saved.options, keep, driver);
+        let mut resumed = Self::on(scenario, &saved.options, keep, driver, backend);
         resumed.backend.restore(&saved.backend)?;
         resumed.tick = saved.tick;
         resumed.time = saved.time;

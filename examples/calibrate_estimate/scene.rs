@@ -1,0 +1,137 @@
+//! One scene: its inertia effect as measured and as estimated.
+
+use std::sync::Arc;
+
+use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Status};
+use cohaul::compare::{Difference, Numbers, Settings, Solution};
+use cohaul::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
+use cohaul::scenario::{Drive, Scenario};
+use cohaul::simulation::{Driver, EventKind, Keep, Replay, Simulation, Trace, driver_of};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    Stored,
+    Random,
+}
+
+/// Displacements of the load's rim (m), measured and estimated, and what the scene is like.
+pub struct Found {
+    pub name: String,
+    pub class: Class,
+    pub seed: u64,
+    pub has_ants: bool,
+    pub n_releases: usize,
+    pub mass: f64,
+    pub numbers: Numbers,
+    pub measured: f64,
+    pub own_error: f64,
+    /// Of the rim in the measured runs (m).
+    pub way: f64,
+    pub estimate: InertiaEstimate,
+    pub status: Status,
+}
+
+impl Found {
+    pub fn ratio(&self) -> f64 {
+        self.estimate.displacement_max_m / self.measured
+    }
+
+    pub fn measured_share(&self) -> f64 {
+        if self.way > 0.0 { self.measured / self.way } else { 0.0 }
+    }
+
+    /// Whether the load moves with inertia or without, and the runs agree on how far well enough to say.
+    pub fn is_certain(&self) -> bool {
+        self.measured > 0.0 && 3.0 * self.own_error <= self.measured && self.status == Status::Converged
+    }
+
+    pub fn kind(&self) -> &'static str {
+        match self.estimate.largest.map(|largest| largest.cause) {
+            None => "none",
+            Some(Cause::Start) => "start",
+            Some(Cause::Grasp | Cause::Release) => "jump",
+            Some(Cause::Driving) => "driving",
+        }
+    }
+}
+
+pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
+    let settings =
+        Settings { step_s: None, rapier: RapierOptions::default(), recorded_from: BackendKind::QuasiStatic, agreement: AGREEMENT };
+    let options = settings.options(scenario, BackendKind::QuasiStatic);
+    let (estimate, recorded, duration) = estimated(scenario, &options);
+    let has_ants = matches!(scenario.drive, Drive::Ants(_));
+    let replayed = Scenario { duration, ..scenario.clone() };
+    let n_releases = recorded.events.iter().filter(|event| event.kind == EventKind::Release).count();
+    let recorded = Arc::new(recorded);
+    let driver = || match has_ants {
+        true => Box::new(Replay::new(Arc::clone(&recorded), scenario.system.springs.len())) as Box<dyn Driver>,
+        false => driver_of(scenario),
+    };
+    let [quasi_static, inertial] =
+        [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| solve(&replayed, &settings.options(scenario, kind), driver));
+    let radius = scenario.system.load.radius;
+    let own = Difference::own(&quasi_static.limit).max(&Difference::own(&inertial.limit));
+    Found {
+        name: name.to_owned(),
+        class,
+        seed: scenario.seed,
+        has_ants,
+        n_releases,
+        mass: scenario.system.load.mass,
+        numbers: Numbers::of(&replayed, &inertial.trace),
+        measured: Difference::between(&inertial.limit, &quasi_static.limit).displacement(radius),
+        own_error: own.displacement(radius),
+        way: inertial.path_length(radius).max(quasi_static.path_length(radius)),
+        estimate,
+        status: quasi_static.steps.status.max(inertial.steps.status),
+    }
+}
+
+/// As `cohaul run` estimates it, beside the run's trace and its length (s).
+fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate, Trace, f64) {
+    let (backend, estimator) = Watched::new(&scenario.system, scenario.start, options);
+    let mut run = Simulation::on(scenario, options, Keep::Trace, driver_of(scenario), backend);
+    run.run(|_| true);
+    let (trace, outcome) = run.into_results();
+    let estimate = estimator.borrow().estimate(AGREEMENT);
+    (estimate, trace, outcome.time)
+}
+
+/// The one place that solves.
+fn solve(scenario: &Scenario, options: &BackendOptions, driver: impl Fn() -> Box<dyn Driver> + Sync) -> Solution {
+    Solution::find(scenario, options, driver, |_| true).expect("nobody stops it")
+}
+
+pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {
+    let mut out = csv::Writer::from_writer(Vec::new());
+    let header = "scene,seed,drive,n_releases,mass_kg,epsilon,phi,zeta,measured_m,own_error_m,measured_way_m,estimated_m,estimated_way_m,\
+                  estimate_over_measured,cause,measured_is_negligible,estimated_is_negligible,is_certain,status";
+    out.write_record(header.split(','))?;
+    let optional = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.4e}"));
+    for scene in found {
+        let estimate = &scene.estimate;
+        out.write_record([
+            scene.name.clone(),
+            scene.seed.to_string(),
+            if scene.has_ants { "ants" } else { "tips" }.to_owned(),
+            scene.n_releases.to_string(),
+            format!("{:.4e}", scene.mass),
+            optional(scene.numbers.epsilon),
+            optional(scene.numbers.phi),
+            format!("{:.4}", scene.numbers.zeta),
+            format!("{:.5e}", scene.measured),
+            format!("{:.2e}", scene.own_error),
+            format!("{:.5e}", scene.way),
+            format!("{:.5e}", estimate.displacement_max_m),
+            format!("{:.5e}", estimate.path_length_m),
+            if scene.measured > 0.0 { format!("{:.4}", scene.ratio()) } else { String::new() },
+            scene.kind().to_owned(),
+            (scene.measured_share() <= AGREEMENT).to_string(),
+            estimate.is_negligible.to_string(),
+            scene.is_certain().to_string(),
+            format!("{:?}", scene.status),
+        ])?;
+    }
+    out.into_inner().map_err(|error| error.into_error().into())
+}

@@ -1,0 +1,275 @@
+//! Follows a quasi-static run and keeps how far the load's shadow lies from it, and why.
+
+use serde::{Deserialize, Serialize};
+
+use super::shadow::{Shadow, Tick};
+use super::slip::apart;
+use crate::backend::friction::{FrictionSolver, WarmStart};
+use crate::backend::held::{Grip, HeldSprings};
+use crate::backend::{Motion, RestoreError};
+use crate::math::{Pose, Vec2};
+use crate::model::System;
+use crate::scenario::Scenario;
+use crate::simulation::{Event, EventKind, Row, Trace};
+
+/// What inertia would have done. Displacements are those of the load's rim: shift plus radius times turn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct InertiaEstimate {
+    /// Largest shift plus radius times largest turn, as in a comparison of paths (m).
+    pub displacement_max_m: f64,
+    /// At the end of the run (m).
+    pub displacement_final_m: f64,
+    /// Left out where the load would be in no other place at any time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest: Option<Largest>,
+    /// Largest displacement after a start with speed (m).
+    pub from_start_m: f64,
+    /// After jumps at grasps and releases (m).
+    pub from_jumps_m: f64,
+    /// While tips drive the load, or stop to (m).
+    pub from_driving_m: f64,
+    /// Length of the way of the load's rim, with inertia or without, whichever is longer (m).
+    pub path_length_m: f64,
+    /// Largest displacement over the length of the way (1); zero where the load stays.
+    pub share: f64,
+    /// Whether the share is at most that which counts as agreement.
+    pub is_negligible: bool,
+}
+
+/// Where the displacement is largest, and what it comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Largest {
+    pub time_s: f64,
+    pub cause: Cause,
+    /// Spring of the grasp or the release that made the load jump; left out for other causes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spring: Option<usize>,
+    /// Of that jump, or of the change of speed (s).
+    pub since_s: f64,
+}
+
+/// What sets a load with inertia apart from one without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// It started with speed.
+    Start,
+    /// A grasp left it out of balance.
+    Grasp,
+    /// A release did.
+    Release,
+    /// Tips set it going or stopped it.
+    Driving,
+}
+
+/// Follows a run call by call: what happens to the load is told to it, in the order in which it happens.
+#[derive(Clone, Debug)]
+pub struct Estimator {
+    radius: f64,
+    solver: FrictionSolver,
+    state: State,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    held: HeldSprings,
+    shadow: Shadow,
+    time: f64,
+    /// Way of tips and load since the swings' branches were last looked at (m).
+    gone: f64,
+    /// The last grasp or release since the load last moved on.
+    event: Option<(Cause, usize)>,
+    /// Of the load without inertia, on the rim (m/s).
+    speed: f64,
+    occasion: Occasion,
+    apart: Apart,
+    /// Ways of the rim without inertia and with (m).
+    ways: [f64; 2],
+    warm_start: WarmStart,
+}
+
+/// What the present displacement comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Occasion {
+    cause: Cause,
+    spring: Option<usize>,
+    time: f64,
+}
+
+/// How far the shadow is and has been (m, rad).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Apart {
+    shift: f64,
+    turn: f64,
+    shift_max: f64,
+    turn_max: f64,
+    from_start: f64,
+    from_jumps: f64,
+    from_driving: f64,
+    largest: Option<Largest>,
+}
+
+impl InertiaEstimate {
+    /// From the trace of a quasi-static run of `scenario`; `agreement` is the share of its way that counts as negligible (1).
+    pub fn of(scenario: &Scenario, trace: &Trace, agreement: f64) -> Self {
+        let mut estimator = Estimator::new(&scenario.system, &scenario.start);
+        let mut targets = vec![Vec2::zeros(); scenario.system.springs.len()];
+        for rows in trace.rows.windows(2) {
+            estimator.advance_through(&scenario.system, [&rows[0], &rows[1]], &trace.events, &mut targets);
+        }
+        estimator.estimate(agreement)
+    }
+}
+
+impl Estimator {
+    pub fn new(system: &System, start: &Motion) -> Self {
+        let solver = FrictionSolver::new(&system.ground, system.load.radius);
+        let shadow = Shadow::new(system, start);
+        let cause = if shadow.speed > 0.0 { Cause::Start } else { Cause::Driving };
+        let state = State {
+            held: HeldSprings::default(),
+            shadow,
+            time: 0.0,
+            gone: 0.0,
+            event: None,
+            speed: 0.0,
+            occasion: Occasion { cause, spring: None, time: 0.0 },
+            apart: Apart::default(),
+            ways: [0.0; 2],
+            warm_start: solver.warm_start().clone(),
+        };
+        Self { radius: system.load.radius, solver, state }
+    }
+
+    /// The load at `pose` was grasped at the `tip` of a spring (m, world).
+    pub fn grasp(&mut self, system: &System, spring: usize, tip: Vec2, pose: &Pose) {
+        self.state.held.grasp(&system.springs, spring, tip, pose);
+        self.state.event = Some((Cause::Grasp, spring));
+    }
+
+    /// A spring of the load at `pose` was let go.
+    pub fn release(&mut self, system: &System, spring: usize, pose: &Pose) {
+        self.state.held.release(&system.springs, spring, pose);
+        self.state.event = Some((Cause::Release, spring));
+    }
+
+    /// The load went from one pose to another while the tips went to `tip_targets` (m, world, one entry a spring) within `duration` (s).
+    pub fn advance(&mut self, system: &System, before: &Pose, after: &Pose, tip_targets: &[Vec2], duration: f64) {
+        let from = self.state.held.grips().to_vec();
+        self.state.held.place_tips(&from, tip_targets, 1.0);
+        let distance = apart(before, after, self.radius);
+        let amplitude = apart(before, &self.state.shadow.pose, self.radius);
+        let speed = (self.state.shadow.speed - self.state.speed).abs();
+        let tick = Tick { before, after, from: &from, held: &self.state.held, is_event: self.state.event.is_some(), duration };
+        let followed = self.state.shadow.follow(system, &tick, &mut self.solver);
+        self.follow_swings(system, &from, after, distance);
+        let swing = |speed: f64| if followed.frequency > 0.0 { speed / followed.frequency } else { 0.0 };
+        self.note_occasion(distance, duration, (amplitude.powi(2) + swing(speed).powi(2)).sqrt(), swing);
+        self.state.time += duration;
+        self.state.ways[0] += distance;
+        self.state.ways[1] += followed.way;
+        let (shadow, occasion) = (self.state.shadow.pose, self.state.occasion);
+        let (shift, turn) = ((shadow.position - after.position).norm(), (shadow.heading - after.heading).abs());
+        self.state.apart.note(shift, turn, self.radius, self.state.time, &occasion);
+    }
+
+    /// Keeps the branches of the swings, as soon as tips and load have gone far enough for swings to have changed by some share of a turn.
+    fn follow_swings(&mut self, system: &System, from: &[Grip], pose: &Pose, distance: f64) {
+        const FAR: f64 = 0.2;
+        let state = &mut self.state;
+        let tips = state.held.grips().iter().zip(from).map(|(now, last)| (now.tip - last.tip).norm()).fold(0.0, f64::max);
+        state.gone += tips + distance;
+        let shortest = state.held.grips().iter().map(|grip| system.springs[grip.spring].rest_length).fold(f64::INFINITY, f64::min);
+        if state.gone > FAR * shortest {
+            state.held.accept(&system.springs, pose);
+            state.gone = 0.0;
+        }
+    }
+
+    /// A disturbance that is larger than the oscillation it meets (m) is what the displacement comes from henceforth: a jump by its way, a change of speed by the
+    /// swing that it gives.
+    fn note_occasion(&mut self, distance: f64, duration: f64, amplitude: f64, swing: impl Fn(f64) -> f64) {
+        let state = &mut self.state;
+        let speed = distance / duration;
+        let jump = state.event.take().filter(|_| distance > 0.0 && distance >= amplitude);
+        if let Some((cause, spring)) = jump {
+            state.occasion = Occasion { cause, spring: Some(spring), time: state.time };
+        } else if speed != state.speed && swing((speed - state.speed).abs()) >= amplitude {
+            state.occasion = Occasion { cause: Cause::Driving, spring: None, time: state.time };
+        }
+        // The speed of a jump is that of the steps it took.
+        state.speed = if jump.is_some() { 0.0 } else { speed };
+    }
+
+    /// What has been found so far; `agreement` is the share of the way that counts as negligible (1).
+    pub fn estimate(&self, agreement: f64) -> InertiaEstimate {
+        let State { apart, ways, .. } = &self.state;
+        let displacement_max_m = apart.shift_max + self.radius * apart.turn_max;
+        let path_length_m = ways[0].max(ways[1]);
+        InertiaEstimate {
+            displacement_max_m,
+            displacement_final_m: apart.shift + self.radius * apart.turn,
+            largest: apart.largest,
+            from_start_m: apart.from_start,
+            from_jumps_m: apart.from_jumps,
+            from_driving_m: apart.from_driving,
+            path_length_m,
+            share: if path_length_m > 0.0 { displacement_max_m / path_length_m } else { 0.0 },
+            is_negligible: displacement_max_m <= agreement * path_length_m,
+        }
+    }
+
+    pub fn save(&self) -> serde_json::Value {
+        let state = State { warm_start: self.solver.warm_start().clone(), ..self.state.clone() };
+        serde_json::to_value(state).expect("a state is plain data")
+    }
+
+    /// # Errors
+    /// When the state is not one that an estimator of this system saved.
+    pub fn restore(&mut self, system: &System, state: &serde_json::Value) -> Result<(), RestoreError> {
+        let state = State::deserialize(state).map_err(|error| RestoreError(error.to_string()))?;
+        state.held.check(&system.springs)?;
+        self.solver.set_warm_start(state.warm_start.clone())?;
+        self.state = state;
+        Ok(())
+    }
+
+    /// What a trace tells between two of its rows; `targets` keeps where the tips are.
+    fn advance_through(&mut self, system: &System, rows: [&Row; 2], events: &[Event], targets: &mut [Vec2]) {
+        let [last, next] = rows;
+        let pose = last.motion.pose;
+        // The load of a row has not moved yet after what happened there.
+        let first = events.partition_point(|event| event.time < last.time);
+        let until = events.partition_point(|event| event.time < next.time);
+        for event in &events[first..until] {
+            targets[event.spring] = event.tip;
+            match event.kind {
+                EventKind::Grasp => self.grasp(system, event.spring, event.tip, &pose),
+                EventKind::Release => self.release(system, event.spring, &pose),
+            }
+        }
+        next.tips.iter().for_each(|tip| targets[tip.spring] = tip.position);
+        let at_end = events[until..].iter().take_while(|event| event.time == next.time);
+        at_end.filter(|event| event.kind == EventKind::Release).for_each(|event| targets[event.spring] = event.tip);
+        self.advance(system, &pose, &next.motion.pose, targets, next.time - last.time);
+    }
+}
+
+impl Apart {
+    fn note(&mut self, shift: f64, turn: f64, radius: f64, time: f64, occasion: &Occasion) {
+        let displacement = shift + radius * turn;
+        let so_far = self.from_start.max(self.from_jumps).max(self.from_driving);
+        if displacement > so_far {
+            let Occasion { cause, spring, time: since } = *occasion;
+            self.largest = Some(Largest { time_s: time, cause, spring, since_s: since });
+        }
+        let part = match occasion.cause {
+            Cause::Start => &mut self.from_start,
+            Cause::Grasp | Cause::Release => &mut self.from_jumps,
+            Cause::Driving => &mut self.from_driving,
+        };
+        *part = part.max(displacement);
+        (self.shift, self.turn) = (shift, turn);
+        (self.shift_max, self.turn_max) = (self.shift_max.max(shift), self.turn_max.max(turn));
+    }
+}

@@ -1,0 +1,101 @@
+//! A quasi-static backend with an estimator beside it: what moves the load tells what inertia would have done.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::{Estimator, InertiaEstimate};
+use crate::backend::{
+    Backend, BackendKind, BackendOptions, EnergyLedger, Motion, PoseError, RestoreError, SavedState, StepReport, Transition, build,
+};
+use crate::math::Vec2;
+use crate::model::System;
+
+/// Answers as the backend inside does, bit for bit.
+pub struct Watched {
+    backend: Box<dyn Backend>,
+    system: System,
+    estimator: Rc<RefCell<Estimator>>,
+}
+
+/// Key of the estimator's state beside those of the backend.
+const KEY: &str = "inertia_estimate";
+
+impl Watched {
+    /// A quasi-static backend for `system`, and the estimator that follows it.
+    ///
+    /// # Panics
+    /// When the options are those of a backend with inertia, of which there is nothing to estimate.
+    pub fn new(system: &System, start: Motion, options: &BackendOptions) -> (Box<Self>, Rc<RefCell<Estimator>>) {
+        assert_eq!(options.kind, BackendKind::QuasiStatic, "inertia is estimated of a run without");
+        let estimator = Rc::new(RefCell::new(Estimator::new(system, &start)));
+        let backend = build(system, start, options);
+        (Box::new(Self { backend, system: system.clone(), estimator: Rc::clone(&estimator) }), estimator)
+    }
+
+    /// What has been found so far.
+    pub fn estimate(&self, agreement: f64) -> InertiaEstimate {
+        self.estimator.borrow().estimate(agreement)
+    }
+}
+
+impl Backend for Watched {
+    fn grasp(&mut self, spring: usize, tip: Vec2) {
+        let pose = self.motion().pose;
+        self.estimator.borrow_mut().grasp(&self.system, spring, tip, &pose);
+        self.backend.grasp(spring, tip);
+    }
+
+    fn release(&mut self, spring: usize) {
+        let pose = self.motion().pose;
+        self.estimator.borrow_mut().release(&self.system, spring, &pose);
+        self.backend.release(spring);
+    }
+
+    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        let before = self.motion().pose;
+        let report = self.backend.advance(tip_targets, duration);
+        let after = self.motion().pose;
+        self.estimator.borrow_mut().advance(&self.system, &before, &after, tip_targets, duration);
+        report
+    }
+
+    fn motion(&self) -> Motion {
+        self.backend.motion()
+    }
+
+    fn tip(&self, spring: usize) -> Option<Vec2> {
+        self.backend.tip(spring)
+    }
+
+    fn force_on_tip(&self, spring: usize) -> Vec2 {
+        self.backend.force_on_tip(spring)
+    }
+
+    fn friction_forces(&self) -> Vec<Vec2> {
+        self.backend.friction_forces()
+    }
+
+    fn energy(&self) -> EnergyLedger {
+        self.backend.energy()
+    }
+
+    fn transitions(&self) -> &[Transition] {
+        self.backend.transitions()
+    }
+
+    fn pose_error(&self) -> Option<PoseError> {
+        self.backend.pose_error()
+    }
+
+    fn save(&self) -> SavedState {
+        let SavedState(mut state) = self.backend.save();
+        state[KEY] = self.estimator.borrow().save();
+        SavedState(state)
+    }
+
+    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
+        let estimator = state.0.get(KEY).ok_or_else(|| RestoreError("it was saved without an inertia estimate".into()))?;
+        self.estimator.borrow_mut().restore(&self.system, estimator)?;
+        self.backend.restore(state)
+    }
+}

@@ -1,0 +1,220 @@
+//! The inertia estimate of quasi-static runs: known answers of one spring, scaling, invariance, and that watching changes nothing.
+
+use std::f64::consts::PI;
+
+use cohaul::backend::{Backend, BackendKind, BackendOptions, build};
+use cohaul::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
+use cohaul::math::{Twist, Vec2, rotation};
+use cohaul::scenario::{Drive, Scenario};
+use cohaul::simulation::{Keep, SavedRun, Simulation, driver_of};
+
+fn scene(name: &str) -> Scenario {
+    Scenario::read(format!("{}/scenarios/{name}.json", env!("CARGO_MANIFEST_DIR")).as_ref()).unwrap()
+}
+
+fn options(scenario: &Scenario) -> BackendOptions {
+    BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period)
+}
+
+/// As `cohaul run` has it, without a trace.
+fn estimate(scenario: &Scenario) -> InertiaEstimate {
+    let (backend, estimator) = Watched::new(&scenario.system, scenario.start, &options(scenario));
+    let mut run = Simulation::on(scenario, &options(scenario), Keep::Outcome, driver_of(scenario), backend);
+    run.run(|_| true);
+    estimator.borrow().estimate(AGREEMENT)
+}
+
+/// Rate of the oscillation on one spring (rad/s).
+fn omega(scenario: &Scenario) -> f64 {
+    (scenario.system.springs[0].radial_stiffness / scenario.system.load.mass).sqrt()
+}
+
+fn with_mass(scenario: &Scenario, factor: f64) -> Scenario {
+    let mut scenario = scenario.clone();
+    scenario.system.load.mass *= factor;
+    scenario.system.load.inertia *= factor;
+    scenario
+}
+
+fn assert_near(found: f64, expected: f64, relative: f64) {
+    assert!((found / expected - 1.0).abs() < relative, "{found} is not {expected}");
+}
+
+/// An onset at the speed v gives x - x_qs = -(v / omega) sin(omega t).
+#[test]
+fn an_onset_swings_by_speed_over_omega() {
+    let scenario = scene("analytic/centre-pull");
+    let found = estimate(&scenario);
+    // Rows fall on the crest to omega h / 2 = 0.01 rad, its square halved: 5e-5.
+    assert_near(found.displacement_max_m, 0.005 / omega(&scenario), 1e-4);
+    assert_eq!((found.largest.unwrap().cause, found.from_jumps_m, found.from_start_m), (Cause::Driving, 0.0, 0.0));
+    assert!(found.is_negligible);
+}
+
+/// A ramp that stops after tau of slipping leaves the load 2 (v / omega) |sin(omega tau / 2)| further than without inertia.
+#[test]
+fn a_stop_after_a_ramp_lets_the_load_coast() {
+    let scenario = scene("analytic/ramp-and-hold");
+    let (speed, limit) = (0.08, scenario.system.total_slip_limit());
+    let slipping = 0.5 - limit / scenario.system.springs[0].radial_stiffness / speed;
+    let found = estimate(&scenario);
+    // The oscillator is exact; quasi-static rows round to 1e-12 m in 5 mm.
+    assert_near(found.displacement_final_m, 2.0 * speed / omega(&scenario) * (0.5 * omega(&scenario) * slipping).sin().abs(), 1e-6);
+    assert!(!found.is_negligible);
+}
+
+/// A release at 2.5 times the slip limit: 1.5 f / k without inertia and twice that with it, whatever the mass; with damping 1 + exp(-pi zeta / sqrt(1 - zeta^2)).
+#[test]
+fn a_jump_overshoots_by_its_own_length_and_less_with_damping() {
+    let mut scenario = scene("analytic/release-jump");
+    let jump = 1.5 * scenario.system.total_slip_limit() / scenario.system.springs[0].radial_stiffness;
+    let found = estimate(&scenario);
+    assert_near(found.displacement_final_m, jump, 1e-6);
+    assert_eq!((found.largest.unwrap().cause, found.largest.unwrap().spring), (Cause::Release, Some(1)));
+    assert_near(estimate(&with_mass(&scenario, 0.1)).displacement_final_m, jump, 1e-6);
+    for zeta in [0.2, 0.6] {
+        scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = zeta);
+        let overshoot = (-PI * zeta / (1.0f64 - zeta * zeta).sqrt()).exp();
+        assert_near(estimate(&scenario).displacement_final_m, overshoot * jump, 1e-6);
+        // At first it is behind by all of the jump but what it goes in a control period.
+        assert_near(estimate(&scenario).displacement_max_m, jump, 1e-3);
+    }
+    // Overdamped it creeps to the balance: after a second the slow one of its two modes is left.
+    scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = 2.0);
+    let slow = 2.0 - 3f64.sqrt();
+    let left = (-omega(&scenario) * slow).exp() * (2.0 + 3f64.sqrt()) / (2.0 * 3f64.sqrt());
+    assert_near(estimate(&scenario).displacement_final_m, left * jump, 1e-6);
+}
+
+/// Friction takes the energy of the start on v^2 / (2 mu g), or omega^2 I / (2 f a) for a spin.
+#[test]
+fn a_start_with_speed_coasts() {
+    let slide = scene("analytic/slide");
+    let speed = slide.start.twist.linear.norm();
+    assert_near(estimate(&slide).displacement_final_m, speed * speed / (2.0 * 1.4 * 9.81), 1e-9);
+    assert_eq!(estimate(&slide).largest.unwrap().cause, Cause::Start);
+    let spin = scene("analytic/spin");
+    let support = spin.system.ground.supports[0].offset.norm();
+    let turn = spin.system.load.inertia * spin.start.twist.angular.powi(2) / (2.0 * spin.system.total_slip_limit() * support);
+    assert_near(estimate(&spin).displacement_final_m, spin.system.load.radius * turn, 1e-9);
+}
+
+/// At fixed friction an onset's swing goes with the root of the mass.
+#[test]
+fn onsets_scale_with_the_root_of_the_mass_at_fixed_friction() {
+    let scenario = scene("analytic/centre-pull");
+    let ratio = estimate(&with_mass(&scenario, 4.0)).displacement_max_m / estimate(&scenario).displacement_max_m;
+    // Crests between rows: 5e-5 each.
+    assert!((ratio - 2.0).abs() < 2e-4, "{ratio}");
+}
+
+#[test]
+fn a_load_that_never_moves_is_estimated_to_stay() {
+    let found = estimate(&scene("stress/hold-below-limit"));
+    assert_eq!((found.displacement_max_m, found.path_length_m, found.share), (0.0, 0.0, 0.0));
+    assert!(found.is_negligible && found.largest.is_none());
+}
+
+/// A turned and shifted world gives the same estimate.
+#[test]
+fn a_rigid_motion_of_the_scene_changes_nothing() {
+    for seed in [8, 28, 82] {
+        let scenario = Scenario::random(seed);
+        let (turn, shift) = (rotation(0.7), Vec2::new(0.11, -0.23));
+        let mut moved = scenario.clone();
+        moved.start.pose.position = turn * scenario.start.pose.position + shift;
+        moved.start.pose.heading += 0.7;
+        moved.start.twist = Twist { linear: turn * scenario.start.twist.linear, ..scenario.start.twist };
+        let Drive::Tips(paths) = &mut moved.drive else { panic!("a scene with prescribed tips") };
+        paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|at| at.position = turn * at.position + shift);
+        let (here, there) = (estimate(&scenario), estimate(&moved));
+        // Rounding of positions, 1e-17 m, that stick and slip over thousands of steps may amplify.
+        assert!((there.displacement_max_m / here.displacement_max_m - 1.0).abs() < 1e-6, "{seed}: {here:?} {there:?}");
+        assert_ne!(here.displacement_max_m, 0.0);
+    }
+}
+
+/// The measured effect of the reference scene, 1.492 mm (`cohaul compare`), and of the heavy one, 5.843 mm: within a quarter, without a run with inertia.
+#[test]
+fn scenes_without_a_closed_form_are_told_within_a_quarter() {
+    assert_near(estimate(&scene("analytic/qs-ref-1")).displacement_max_m, 1.492e-3, 0.25);
+    assert_near(estimate(&scene("stress/heavy")).displacement_max_m, 5.843e-3, 0.25);
+}
+
+#[test]
+fn a_watched_run_goes_as_an_unwatched_one_and_its_trace_tells_the_same() {
+    for seed in [8, 17, 28] {
+        let scenario = Scenario::random(seed);
+        let (watched, estimator) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
+        let run = |backend: Box<dyn Backend>| {
+            let mut run = Simulation::on(&scenario, &options(&scenario), Keep::Trace, driver_of(&scenario), backend);
+            run.run(|_| true);
+            run.into_results()
+        };
+        let (trace, outcome) = run(watched);
+        let (plain, plain_outcome) = run(build(&scenario.system, scenario.start, &options(&scenario)));
+        assert_eq!((&trace, &outcome), (&plain, &plain_outcome));
+        let (as_run, of_trace) = (estimator.borrow().estimate(AGREEMENT), InertiaEstimate::of(&scenario, &trace, AGREEMENT));
+        // Grasps, releases and turns between rows are seen at the rows, a small part of a swing later.
+        let apart = (as_run.displacement_max_m - of_trace.displacement_max_m).abs();
+        assert!(apart <= 0.1 * as_run.displacement_max_m, "{seed}: {apart} {as_run:?} {of_trace:?}");
+    }
+}
+
+#[test]
+fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
+    let scenario = Scenario::random(28);
+    let whole = estimate(&scenario);
+    let (backend, _) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
+    let mut run = Simulation::on(&scenario, &options(&scenario), Keep::Outcome, driver_of(&scenario), backend);
+    run.run(|time| time < 0.5 * scenario.duration);
+    let saved: SavedRun = serde_json::from_str(&serde_json::to_string(&run.save()).unwrap()).unwrap();
+    let (backend, estimator) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
+    let mut resumed = Simulation::resume_on(&scenario, &saved, Keep::Outcome, backend).unwrap();
+    resumed.run(|_| true);
+    assert_eq!(estimator.borrow().estimate(AGREEMENT), whole);
+    // A state without an estimate cannot give one; a plain run goes on from either.
+    let mut plain = Simulation::new(&scenario, &options(&scenario), Keep::Outcome);
+    plain.run(|time| time < 0.5 * scenario.duration);
+    let (backend, _) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
+    let error = Simulation::resume_on(&scenario, &plain.save(), Keep::Outcome, backend).err().unwrap().to_string();
+    assert!(error.contains("without an inertia estimate"), "{error}");
+    assert!(Simulation::resume(&scenario, &saved, Keep::Outcome).is_ok());
+}
+
+/// The share of an onset is (v / omega) over the way, so a longer way crosses the threshold.
+#[test]
+fn the_warning_stands_on_either_side_of_its_threshold() {
+    let scenario = scene("analytic/centre-pull");
+    let way = estimate(&scenario).path_length_m;
+    let mass_at_threshold = (AGREEMENT * way / 0.005).powi(2) * scenario.system.springs[0].radial_stiffness / scenario.system.load.mass;
+    // Crests are met to 5e-5 of the swing, and the way includes the swing's own last part.
+    assert!(estimate(&with_mass(&scenario, 0.9 * mass_at_threshold)).is_negligible);
+    assert!(!estimate(&with_mass(&scenario, 1.1 * mass_at_threshold)).is_negligible);
+}
+
+fn call(args: &[&str]) -> (String, String) {
+    let output =
+        std::process::Command::new(env!("CARGO_BIN_EXE_cohaul")).current_dir(env!("CARGO_MANIFEST_DIR")).args(args).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{args:?}");
+    (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn the_program_prints_the_estimate_and_warns_where_it_matters() {
+    let (jump, pull) = ("scenarios/analytic/release-jump.json", "scenarios/analytic/centre-pull.json");
+    let (out, warning) = call(&["run", jump, "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let found = &value["inertia_estimate"];
+    assert_eq!(found["is_negligible"], false);
+    assert_eq!((&found["largest"]["cause"], &found["largest"]["spring"]), (&"release".into(), &1.into()));
+    let expected = estimate(&scene("analytic/release-jump"));
+    assert_eq!(found["displacement_max_m"].as_f64(), Some(expected.displacement_max_m));
+    assert!(warning.starts_with("warning: inertia is not negligible here") && warning.lines().count() == 1, "{warning}");
+    let (out, silence) = call(&["run", pull]);
+    assert!(out.contains("\ninertia, estimated\n") && out.contains(": negligible\n") && silence.is_empty(), "{out}{silence}");
+    for without in [&["run", jump, "--json", "--no-estimate"][..], &["run", jump, "--json", "--backend", "inertial"]] {
+        let (out, silence) = call(without);
+        assert!(!out.contains("inertia_estimate") && silence.is_empty(), "{without:?}");
+    }
+}
