@@ -56,8 +56,13 @@ impl Found {
 }
 
 pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
-    let settings =
-        Settings { step_s: None, rapier: RapierOptions::default(), recorded_from: BackendKind::QuasiStatic, agreement: AGREEMENT };
+    let settings = Settings {
+        step_s: None,
+        tolerance_m: None,
+        rapier: RapierOptions::default(),
+        recorded_from: BackendKind::QuasiStatic,
+        agreement: AGREEMENT,
+    };
     let options = settings.options(scenario, BackendKind::QuasiStatic);
     let (estimate, recorded, duration) = estimated(scenario, &options);
     let has_ants = matches!(scenario.drive, Drive::Ants(_));
@@ -69,7 +74,7 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
         false => driver_of(scenario),
     };
     let [quasi_static, inertial] =
-        [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| solve(&replayed, &settings.options(scenario, kind), driver));
+        [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| solve(&replayed, &settings.within(scenario, kind), driver));
     let radius = scenario.system.load.radius;
     let own = Difference::own(&quasi_static.limit).max(&Difference::own(&inertial.limit));
     Found {

@@ -21,9 +21,12 @@ pub struct CompareArgs {
     /// Tiers to compare in; without it all that the scenario has: prescribed for tips, replayed and closed-loop for ants
     #[arg(long, value_name = "TIER")]
     tier: Vec<Tier>,
-    /// Longest step of all backends (s), the first of those that are halved; without it each backend's default
+    /// Longest step of rapier, the first of those that are halved, and of all backends in the closed loop (s); without it each backend's default
     #[arg(long, value_name = "H", value_parser = step)]
     step_s: Option<f64>,
+    /// Error of the quasi-static and inertial paths (m); without it as small as the verdict needs
+    #[arg(long, value_name = "M", value_parser = positive)]
+    tolerance: Option<f64>,
     /// Seed of all chance, in place of the scenario's; the first of those of the closed loop
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -55,8 +58,13 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.out {
         check_target(out)?;
     }
-    let settings =
-        Settings { step_s: args.step_s, rapier: args.engine.options(), recorded_from: args.recorded_from, agreement: args.agreement };
+    let settings = Settings {
+        step_s: args.step_s,
+        tolerance_m: args.tolerance,
+        rapier: args.engine.options(),
+        recorded_from: args.recorded_from,
+        agreement: args.agreement,
+    };
     let (started, clock) = (SystemTime::now(), Instant::now());
     let mut comparison = Comparison::new(&scenario, &settings);
     for tier in tiers {

@@ -1,11 +1,13 @@
 //! How far two paths lie apart, and when they first part.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use super::Solution;
 use super::solution::Point;
-use crate::math::Twist;
-use crate::simulation::{EventKind, Row, Trace};
+use crate::backend::{Transition, TransitionKind};
+use crate::simulation::{Event, EventKind, Trace};
 
 /// Distance of two paths, or an error of one: at its largest and at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -28,8 +30,11 @@ pub struct Parting {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Occasion {
     pub kind: OccasionKind,
-    /// `null` for an onset.
+    /// That was grasped or let go; `null` for what the load did.
     pub spring: Option<usize>,
+    /// That was captured or came free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<usize>,
     pub time_s: f64,
 }
 
@@ -40,6 +45,14 @@ pub enum OccasionKind {
     Release,
     /// The load began to move out of rest.
     Onset,
+    /// It came to rest.
+    Stop,
+    /// A support ceased to slip.
+    Capture,
+    /// The support that the load turned about slipped again.
+    Freed,
+    /// The load without inertia jumped.
+    Jump,
 }
 
 impl Difference {
@@ -88,25 +101,42 @@ impl Parting {
             position + radius * heading > tolerance + own
         };
         let time_s = a.points.iter().zip(&b.points).find(parts)?.0.time;
-        Some(Self { time_s, after: last_before(&a.trace, time_s) })
+        let after = [a, b].into_iter().filter_map(|solution| last_before(&solution.trace, time_s));
+        Some(Self { time_s, after: after.max_by(Occasion::by_time) })
     }
 }
 
-/// The last grasp, release or onset of motion before `time` (s).
-fn last_before(trace: &Trace, time: f64) -> Option<Occasion> {
-    let at = trace.events.partition_point(|event| event.time < time).checked_sub(1);
-    let event = at.map(|at| trace.events[at]).map(|event| {
+impl Occasion {
+    /// By time; at one instant a grasp or release is the cause, and what the load does the effect.
+    fn by_time(&self, other: &Self) -> Ordering {
+        self.time_s.total_cmp(&other.time_s).then(self.spring.cmp(&other.spring))
+    }
+
+    fn of_event(event: &Event) -> Self {
         let kind = match event.kind {
             EventKind::Grasp => OccasionKind::Grasp,
             EventKind::Release => OccasionKind::Release,
         };
-        Occasion { kind, spring: Some(event.spring), time_s: event.time }
-    });
-    let before = &trace.rows[..trace.rows.partition_point(|row| row.time < time)];
-    let starts = |pair: &[Row]| pair[0].motion.twist == Twist::ZERO && pair[1].motion.twist != Twist::ZERO;
-    let onset = before.windows(2).rposition(starts).map(|at| Occasion { kind: OccasionKind::Onset, spring: None, time_s: before[at].time });
-    // An event that sets the load going is the cause, its onset the effect.
-    event.into_iter().chain(onset).max_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.spring.cmp(&b.spring)))
+        Self { kind, spring: Some(event.spring), support: None, time_s: event.time }
+    }
+
+    fn of_transition(transition: &Transition) -> Self {
+        let (kind, support) = match transition.kind {
+            TransitionKind::Onset => (OccasionKind::Onset, None),
+            TransitionKind::Stop => (OccasionKind::Stop, None),
+            TransitionKind::Capture { support } => (OccasionKind::Capture, Some(support)),
+            TransitionKind::Freed { support } => (OccasionKind::Freed, Some(support)),
+            TransitionKind::Jump { .. } => (OccasionKind::Jump, None),
+        };
+        Self { kind, spring: None, support, time_s: transition.time }
+    }
+}
+
+/// What happened last before `time` (s).
+fn last_before(trace: &Trace, time: f64) -> Option<Occasion> {
+    let event = trace.events[..trace.events.partition_point(|event| event.time < time)].last().map(Occasion::of_event);
+    let transitions = &trace.transitions[..trace.transitions.partition_point(|transition| transition.time < time)];
+    event.into_iter().chain(transitions.last().map(Occasion::of_transition)).max_by(Occasion::by_time)
 }
 
 fn apart(a: &Point, b: &Point) -> (f64, f64) {

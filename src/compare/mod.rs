@@ -5,30 +5,33 @@
 //! seeds, compared as distributions.
 //!
 //! ```text
-//! solution.rs   a backend's path with its own error, from runs with halved steps
+//! solution.rs   a backend's path with its own error
 //! difference.rs how far two paths lie apart, and when they first part
 //! numbers.rs    epsilon, Phi and zeta of a run, and what theory predicts from them
 //! pathwise.rs   the prescribed and the replayed tier
 //! ensemble.rs   the closed-loop tier
 //! verdict.rs    what it amounts to
+//! remedy.rs     what would bring paths together
 //! ```
 
 mod difference;
 mod ensemble;
 mod numbers;
 mod pathwise;
+mod remedy;
 mod solution;
 mod verdict;
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{BackendKind, BackendOptions, RapierOptions, default_step};
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, Tolerance, default_step};
 use crate::scenario::Scenario;
 
 pub use difference::{Difference, Occasion, OccasionKind, Parting};
 pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, Shift, closed_loop};
 pub use numbers::{Numbers, Predicted};
-pub use pathwise::{Backends, Cost, OwnErrors, Partings, Pathwise, Rim, prescribed, replayed};
+pub use pathwise::{Backends, Cause, Cost, OwnErrors, Partings, Pathwise, Rim, prescribed, replayed};
+pub use remedy::Remedy;
 pub use solution::Solution;
 pub use verdict::Verdict;
 
@@ -44,8 +47,10 @@ pub enum Tier {
 /// Steps and settings of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Settings {
-    /// Longest step of all backends (s); `None` is the default of each.
+    /// Longest step of runs at a fixed step (s): rapier's, and all of the closed loop; `None` is the default of each backend.
     pub step_s: Option<f64>,
+    /// Error of the exact backends' paths (m); `None` is what the verdict needs.
+    pub tolerance_m: Option<f64>,
     pub rapier: RapierOptions,
     /// Backend whose run is replayed into the others.
     pub recorded_from: BackendKind,
@@ -53,7 +58,16 @@ pub struct Settings {
     pub agreement: f64,
 }
 
+/// Error of the exact backends' paths unasked, over the load's radius (1). What the verdict needs is known only when there are paths.
+const FIRST_TOLERANCE: f64 = 1e-3;
+
 impl Settings {
+    /// Of an exact backend whose path is compared.
+    pub fn within(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
+        let load = &scenario.system.load;
+        BackendOptions::within(kind, Tolerance::on_rim(self.tolerance_m.unwrap_or(FIRST_TOLERANCE * load.radius), load))
+    }
+
     pub fn options(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let step_s = self.step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
         BackendOptions { rapier: self.rapier, ..BackendOptions::new(kind, step_s) }

@@ -102,6 +102,11 @@ impl Predicted {
     }
 }
 
+/// omega_n of the load on a mean spring (rad/s).
+pub(super) fn natural_rate(scenario: &Scenario) -> f64 {
+    (mean_spring(scenario).0 / scenario.system.load.mass).sqrt()
+}
+
 /// Mean radial stiffness (N/m) and damping ratio of the springs.
 fn mean_spring(scenario: &Scenario) -> (f64, f64) {
     let springs = &scenario.system.springs;

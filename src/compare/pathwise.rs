@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::{Difference, Numbers, Parting, Predicted, Settings, Solution, Tier, Verdict};
+use super::remedy::Apart;
+use super::{Difference, Numbers, Parting, Predicted, Remedy, Settings, Solution, Tier, Verdict, numbers};
 use crate::backend::{BackendKind, Status, StepReport};
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Keep, Replay, Simulation, driver_of};
@@ -25,6 +26,10 @@ pub struct Pathwise {
     pub numbers: Numbers,
     pub predicted: Predicted,
     pub verdict: Verdict,
+    /// All that parts the paths beyond the tolerance, own errors counted against it; the larger one names the verdict.
+    pub causes: Vec<Cause>,
+    /// What would bring the paths together.
+    pub remedies: Vec<Remedy>,
     /// What the verdict is on.
     pub rim: Rim,
     /// Displacement of the load's rim that counted as agreement (m).
@@ -47,12 +52,34 @@ pub struct OwnErrors {
     pub rapier: Difference,
 }
 
-/// Displacements of the load's rim (m), at most: shift plus radius times turn.
+/// Displacements of the load's rim (m), at most: shift plus radius times turn. Those between paths are known up to the own error, which the ranges take
+/// in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rim {
     pub inertia_m: f64,
+    pub inertia_range_m: [f64; 2],
     pub engine_m: f64,
+    pub engine_range_m: [f64; 2],
     pub own_m: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    Inertia,
+    Engine,
+}
+
+impl Rim {
+    fn new(inertia_m: f64, engine_m: f64, own_m: f64) -> Self {
+        let range = |value: f64| [(value - own_m).max(0.0), value + own_m];
+        Self { inertia_m, inertia_range_m: range(inertia_m), engine_m, engine_range_m: range(engine_m), own_m }
+    }
+
+    fn causes(&self, tolerance: f64) -> Vec<Cause> {
+        let parts = [(Cause::Inertia, self.inertia_range_m), (Cause::Engine, self.engine_range_m)];
+        parts.into_iter().filter(|(_, [least, _])| *least > tolerance).map(|(cause, _)| cause).collect()
+    }
 }
 
 /// What each backend's path took.
@@ -63,10 +90,11 @@ pub struct Backends {
     pub rapier: Cost,
 }
 
-/// The step of the run that is shown (s), and the counts and the worst ending of all runs behind a path.
+/// The step of the run that is shown (s; left out under error control), and the counts and the worst ending of all runs behind a path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Cost {
-    pub step_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_s: Option<f64>,
     pub steps: StepReport,
 }
 
@@ -108,15 +136,27 @@ fn compare(
     driver: impl Fn() -> Box<dyn Driver> + Sync,
     watch: impl Fn(f64) -> bool + Sync,
 ) -> Option<Pathwise> {
-    let find = |at: usize, kind| {
-        let progress = |share: f64| watch((at as f64 + share) / 3.0);
-        Solution::find(scenario, &settings.options(scenario, kind), &driver, progress)
+    let part = |at: f64| move |share: f64| (at + share) / 3.0;
+    let rapier = Solution::find(scenario, &settings.options(scenario, BackendKind::Rapier), &driver, |share| watch(part(0.0)(share)))?;
+    let exact = |settings: &Settings| {
+        let find = |at, kind| Solution::find(scenario, &settings.within(scenario, kind), &driver, |share| watch(part(at)(share)));
+        let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
+        Some([quasi_static?, inertial?])
     };
-    let quasi_static = find(0, BackendKind::QuasiStatic)?;
-    let inertial = find(1, BackendKind::Inertial)?;
-    let rapier = find(2, BackendKind::Rapier)?;
+    let [quasi_static, inertial] = exact(settings)?;
+    let found = judged(tier, scenario, settings, [quasi_static, inertial, rapier]);
+    if settings.tolerance_m.is_some() || found.rim.own_m <= LARGEST_OWN_ERROR * found.tolerance_m {
+        return Some(found);
+    }
+    // Now it is known what the paths have to be good for.
+    let finer = Settings { tolerance_m: Some(0.5 * LARGEST_OWN_ERROR * found.tolerance_m), ..*settings };
+    let [quasi_static, inertial] = exact(&finer)?;
+    let [_, _, rapier] = found.solutions;
     Some(judged(tier, scenario, settings, [quasi_static, inertial, rapier]))
 }
+
+/// Own error over what counts as agreement (1) from which on the exact paths are found anew, unless their tolerance was asked for.
+const LARGEST_OWN_ERROR: f64 = 0.05;
 
 fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solution; 3]) -> Pathwise {
     let [quasi_static, inertial, rapier] = &solutions;
@@ -128,28 +168,53 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
     let path_length_m = inertial.path_length(radius).max(quasi_static.path_length(radius));
     // A load that stays where it is has no path: a millionth of its radius stands in.
     let tolerance_m = settings.agreement * path_length_m.max(1e-6 * radius);
+    let engine_step_error = Difference::between(&rapier.points, &rapier.limit);
+    let engine_model_error = Difference::between(&rapier.limit, &inertial.limit);
     let [inertia, engine, own] = [&inertia_effect, &engine_error, &own_error.all].map(|difference| difference.displacement(radius));
+    let rim = Rim::new(inertia, engine, own);
+    let apart = Apart {
+        inertia,
+        engine_step: engine_step_error.displacement(radius),
+        engine_model: engine_model_error.displacement(radius),
+        tolerance: tolerance_m,
+    };
     let numbers = Numbers::of(scenario, &inertial.trace);
     let failed = solutions.iter().any(|solution| solution.steps.status == Status::Failed);
     let verdict = if failed { Verdict::NotComputed } else { Verdict::on_paths(inertia, engine, own, tolerance_m) };
+    let causes = rim.causes(tolerance_m);
+    let predicted = numbers.predict(scenario, &inertial.trace, tolerance_m).with_estimate(scenario, &quasi_static.trace);
+    let first_parting = Partings {
+        by_inertia: Parting::of(inertial, quasi_static, radius, tolerance_m),
+        by_engine: Parting::of(rapier, inertial, radius, tolerance_m),
+    };
+    let remedies = match verdict {
+        Verdict::BelowOwnError => vec![Remedy::TighterTolerance { tolerance_m: LARGEST_OWN_ERROR * tolerance_m }],
+        _ => {
+            let tick_angle = scenario.control_period * numbers::natural_rate(scenario);
+            let against = |cause: &Cause| match cause {
+                Cause::Inertia => apart.against_inertia(first_parting.by_inertia.as_ref(), &numbers, &predicted, tick_angle),
+                Cause::Engine => vec![apart.against_engine(rapier.step_s.unwrap_or_default())],
+            };
+            causes.iter().flat_map(against).collect()
+        }
+    };
     Pathwise {
         tier,
         inertia_effect,
         engine_error,
-        engine_step_error: Difference::between(&rapier.points, &rapier.limit),
-        engine_model_error: Difference::between(&rapier.limit, &inertial.limit),
+        engine_step_error,
+        engine_model_error,
         own_error,
         numbers,
-        predicted: numbers.predict(scenario, &inertial.trace, tolerance_m).with_estimate(scenario, &quasi_static.trace),
+        predicted,
         verdict,
-        rim: Rim { inertia_m: inertia, engine_m: engine, own_m: own },
+        causes,
+        remedies,
+        rim,
         backends: Backends { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) },
         tolerance_m,
         path_length_m,
-        first_parting: Partings {
-            by_inertia: Parting::of(inertial, quasi_static, radius, tolerance_m),
-            by_engine: Parting::of(rapier, inertial, radius, tolerance_m),
-        },
+        first_parting,
         solutions,
     }
 }

@@ -1,8 +1,8 @@
-//! A backend's path with its own error, from runs with halved steps.
+//! A backend's path with its own error.
 //!
-//! The exact methods are first order with a clean expansion in the step, through sticking, pinning and slipping, as long as grasps and releases fall on
-//! nodes, as they do here. With p(h) the path at the step h, `2 p(h/2) - p(h)` is second order; the same at h/4 is the solution given, and the distance between
-//! the two bounds its error. An engine is shown at the step that its user asked for as well: its distance from its own limit is the error of that step, the
+//! The exact methods run under error control, and their error is what that estimates. An engine has none; with p(h) its path at the step h,
+//! `2 p(h/2) - p(h)` is second order as long as grasps and releases fall on nodes, as they do here; the same at h/4 is its limit, and the distance between
+//! the two bounds the error of that. An engine is shown at the step that its user asked for as well: its distance from its own limit is the error of that step, the
 //! limit's distance from the reference an error that no step removes.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -22,10 +22,10 @@ pub struct Solution {
     pub limit: Vec<Point>,
     /// The path at the step asked for, for an engine, whose user sees no other; the same as `limit` for the exact methods.
     pub points: Vec<Point>,
-    /// The run with the shortest step for the exact methods, with the step asked for with an engine: forces, events and figures come from it.
+    /// The run of the exact methods, with an engine that at the step asked for: forces, events and figures come from it.
     pub trace: Trace,
-    /// Step of that run (s).
-    pub step_s: f64,
+    /// Step of that run (s); `None` under error control.
+    pub step_s: Option<f64>,
     /// Counts and endings of all runs that the path was made from.
     pub steps: StepReport,
 }
@@ -46,9 +46,38 @@ pub struct Point {
 }
 
 impl Solution {
-    /// Runs `scenario` with the drivers that `driver` makes, at the step of `options` and at halves of it; `watch` as in [`Simulation::run`], with the
-    /// share done (1). `None` when it said to stop.
+    /// Runs `scenario` with the drivers that `driver` makes, under error control if `options` ask for it, else at their step and at halves of it;
+    /// `watch` as in [`Simulation::run`], with the share done (1). `None` when it said to stop.
     pub fn find(
+        scenario: &Scenario,
+        options: &BackendOptions,
+        driver: impl Fn() -> Box<dyn Driver> + Sync,
+        watch: impl Fn(f64) -> bool + Sync,
+    ) -> Option<Self> {
+        match options.tolerance {
+            Some(_) => Self::within(scenario, options, driver, watch),
+            None => Self::extrapolated(scenario, options, driver, watch),
+        }
+    }
+
+    fn within(
+        scenario: &Scenario,
+        options: &BackendOptions,
+        driver: impl Fn() -> Box<dyn Driver>,
+        watch: impl Fn(f64) -> bool,
+    ) -> Option<Self> {
+        let start = |options: &BackendOptions| Simulation::driven(scenario, options, Keep::Trace, driver());
+        let mut run = start(options);
+        run.run_within(start, |time| watch(time / scenario.duration));
+        if !run.is_finished() {
+            return None;
+        }
+        let (trace, outcome) = run.into_results();
+        let limit: Vec<Point> = trace.rows.iter().map(as_run).collect();
+        Some(Self { kind: options.kind, points: limit.clone(), limit, trace, step_s: None, steps: outcome.steps })
+    }
+
+    fn extrapolated(
         scenario: &Scenario,
         options: &BackendOptions,
         driver: impl Fn() -> Box<dyn Driver> + Sync,
@@ -77,7 +106,7 @@ impl Solution {
         let mut steps = StepReport::default();
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
         let (step_s, (trace, _)) = levels.swap_remove(if is_engine { 0 } else { 2 });
-        Some(Self { kind: options.kind, limit, points, trace, step_s, steps })
+        Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps })
     }
 
     /// Length of the way of a point of the load at `radius` (m) from its origin (m), at most.
@@ -87,10 +116,10 @@ impl Solution {
     }
 }
 
-/// A path as one run gives it. Its step's error belongs to what is shown, so it is certain as it stands.
+/// A path as one run gives it. The error of a fixed step belongs to what is shown, so that the path is certain as it stands.
 fn as_run(row: &Row) -> Point {
-    let pose = row.motion.pose;
-    Point { time: row.time, position: pose.position, heading: pose.heading, position_error: 0.0, heading_error: 0.0 }
+    let (pose, error) = (row.motion.pose, row.error.unwrap_or_default());
+    Point { time: row.time, position: pose.position, heading: pose.heading, position_error: error.position, heading_error: error.heading }
 }
 
 /// The path in the limit of small steps; its distance from the same out of one level less bounds its error.

@@ -25,12 +25,13 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Of the largest displacements (m) between paths, with `own` the error of the reference runs and `tolerance` what counts as agreement.
+    /// Of the largest displacements (m) between paths, with `own` the error of the reference runs and `tolerance` what counts as agreement. Whatever
+    /// the true paths are within that error, the verdict is the same.
     pub fn on_paths(inertia: f64, engine: f64, own: f64, tolerance: f64) -> Self {
         let largest = inertia.max(engine);
         if largest + own <= tolerance {
             Verdict::Agree
-        } else if largest <= own.max(tolerance) {
+        } else if largest - own <= tolerance {
             // The paths may agree, but their own errors could hide as much as would part them.
             Verdict::BelowOwnError
         } else if inertia >= engine {
@@ -64,6 +65,7 @@ mod tests {
         assert_eq!(verdict(0.9e-3, 0.2e-3, 0.11e-3), Verdict::BelowOwnError);
         assert_eq!(verdict(1.1e-3, 0.2e-3, 1e-6), Verdict::Inertia);
         assert_eq!(verdict(1.1e-3, 1.2e-3, 1e-6), Verdict::Engine);
-        assert_eq!(verdict(1.1e-3, 1.2e-3, 1.3e-3), Verdict::BelowOwnError);
+        assert_eq!(verdict(1.1e-3, 1.2e-3, 0.19e-3), Verdict::Engine);
+        assert_eq!(verdict(1.1e-3, 1.2e-3, 0.21e-3), Verdict::BelowOwnError);
     }
 }

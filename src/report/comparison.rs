@@ -8,7 +8,7 @@ use super::figure::{self, Labelled, Scene};
 use super::text::Lines;
 use super::{FolderError, Manifest, NotFinite, OutputFolder, number, quantity, table};
 use crate::backend::{BackendKind, Status};
-use crate::compare::{ClosedLoop, Difference, Distribution, OccasionKind, Parting, Pathwise, Settings, Shift, Verdict};
+use crate::compare::{ClosedLoop, Difference, Distribution, OccasionKind, Parting, Pathwise, Remedy, Settings, Shift, Verdict};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 
@@ -142,6 +142,9 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     let name = if found.tier == crate::compare::Tier::Prescribed { "prescribed tips" } else { "replayed grasps, releases and tips" };
     lines.section(name);
     lines.row("verdict", found.verdict.text());
+    for remedy in &found.remedies {
+        lines.row("  remedy", &remedied(remedy));
+    }
     let [inertia, engine, own] = [found.rim.inertia_m, found.rim.engine_m, found.rim.own_m].map(|value| quantity(value, "m"));
     lines.row("on the rim", &format!("{inertia} by inertia, {engine} by the engine, {own} own error"));
     let within = format!("{} of its way of {}", quantity(found.tolerance_m, "m"), quantity(found.path_length_m, "m"));
@@ -167,8 +170,21 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     lines.row("", if predicted.quasi_static_is_sound { "neglecting inertia is sound" } else { "neglecting inertia is not sound" });
     for solution in &found.solutions {
         let failed = if solution.steps.status == Status::Failed { ", FAILED" } else { "" };
-        let cost = format!("steps of {}, {} not converged{failed}", quantity(solution.step_s, "s"), solution.steps.n_not_converged);
+        let steps = solution.step_s.map_or("under error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
+        let cost = format!("{steps}, {} solves, {} not converged{failed}", solution.steps.n_solves, solution.steps.n_not_converged);
         lines.row(solution.kind.name(), &cost);
+    }
+}
+
+fn remedied(remedy: &Remedy) -> String {
+    match remedy {
+        Remedy::SmallerStep { step_s } => format!("steps of rapier of at most {}", quantity(*step_s, "s")),
+        Remedy::OtherModel => "another model of friction or springs in rapier, or its recommended settings: no step helps".to_owned(),
+        Remedy::SlowerTips { factor } => format!("tips at {} of their speed", number(*factor)),
+        Remedy::SlowerStart { factor } => format!("a start at {} of its speed", number(*factor)),
+        Remedy::Damping { damping_ratio } => format!("springs damped by zeta {}, lest the load overshoots", number(*damping_ratio)),
+        Remedy::LighterLoad { factor } => format!("{} of the mass at the same friction, to follow a release in time", number(*factor)),
+        Remedy::TighterTolerance { tolerance_m } => format!("--tolerance {tolerance_m:.1e}: own errors hide the answer"),
     }
 }
 
@@ -192,8 +208,13 @@ fn parting(parting: Option<&Parting>, cause: &str) -> String {
                 OccasionKind::Grasp => "grasp",
                 OccasionKind::Release => "release",
                 OccasionKind::Onset => "onset of motion",
+                OccasionKind::Stop => "stop",
+                OccasionKind::Capture => "capture",
+                OccasionKind::Freed => "end of rest",
+                OccasionKind::Jump => "jump",
             };
-            let which = after.spring.map_or(String::new(), |spring| format!(" of spring {spring}"));
+            let spring = after.spring.map(|spring| format!(" of spring {spring}"));
+            let which = spring.or(after.support.map(|support| format!(" of support {support}"))).unwrap_or_default();
             format!("{cause} at {time}, after the {what}{which} at {}", quantity(after.time_s, "s"))
         }
         None => format!("{cause} at {time}"),

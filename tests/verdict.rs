@@ -1,0 +1,132 @@
+//! Verdicts on scenes whose truth is known by construction: inertia scaled at fixed friction, the engine made worse, both, and neither.
+//!
+//! A tip pulls the load by one spring through its centre at a constant speed and stops. The paths with and without inertia are known in closed form, so
+//! that what the verdict should be follows without any of the comparison's own runs; the engine is run beside it alone.
+
+use std::path::Path;
+
+use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, default_step};
+use cohaul::compare::{Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, prescribed};
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Keep, Simulation};
+
+/// Speed of the tip (m/s) and when it stops (s).
+const SPEED: f64 = 0.08;
+const HOLD: f64 = 0.5;
+
+/// The scene with the mass and the moment of inertia scaled, the friction as it was.
+fn scene(mass_factor: f64) -> Scenario {
+    let mut scenario = Scenario::read(Path::new("scenarios/analytic/ramp-and-hold.json")).unwrap();
+    scenario.system.load.mass *= mass_factor;
+    scenario.system.load.inertia *= mass_factor;
+    scenario
+}
+
+/// Positions with and without inertia at `time` (s), in closed form: the load starts from rest when the spring pulls with f, swings about the path without
+/// inertia, and sticks where its speed first falls to nothing after the tip has stopped.
+fn positions(scenario: &Scenario, time: f64) -> [f64; 2] {
+    let stiffness = scenario.system.springs[0].radial_stiffness;
+    let rate = (stiffness / scenario.system.load.mass).sqrt();
+    let stretch = scenario.system.total_slip_limit() / stiffness;
+    let onset = stretch / SPEED;
+    if time <= onset {
+        return [0.0, 0.0];
+    }
+    let driven = |time: f64| SPEED * (time - onset) - SPEED / rate * (rate * (time - onset)).sin();
+    if time <= HOLD {
+        return [driven(time), SPEED * time - stretch];
+    }
+    let still = SPEED * HOLD - stretch;
+    let (offset, drift) = (driven(HOLD) - still, SPEED / rate * (1.0 - (rate * (HOLD - onset)).cos()));
+    let phase = offset.atan2(drift) + rate * (time - HOLD);
+    [still + offset.hypot(drift) * phase.min(std::f64::consts::FRAC_PI_2).sin(), still]
+}
+
+/// The largest displacements (m) by inertia and by an engine, over all ticks.
+fn truth(scenario: &Scenario, rapier: RapierOptions) -> [f64; 2] {
+    let step = default_step(BackendKind::Rapier, &scenario.system, scenario.control_period);
+    let mut run = Simulation::new(scenario, &BackendOptions { rapier, ..BackendOptions::new(BackendKind::Rapier, step) }, Keep::Trace);
+    run.run(|_| true);
+    let [inertia, shift, turn] = run.trace().rows.iter().fold([0.0f64; 3], |[inertia, shift, turn], row| {
+        let [with, without] = positions(scenario, row.time);
+        let pose = row.motion.pose;
+        let shifted = (pose.position.x - with).hypot(pose.position.y);
+        [inertia.max((with - without).abs()), shift.max(shifted), turn.max(pose.heading.abs())]
+    });
+    [inertia, shift + scenario.system.load.radius * turn]
+}
+
+fn settings(rapier: RapierOptions) -> Settings {
+    Settings { step_s: None, tolerance_m: None, rapier, recorded_from: BackendKind::QuasiStatic, agreement: 0.05 }
+}
+
+fn compared(scenario: &Scenario, settings: &Settings) -> Pathwise {
+    prescribed(scenario, settings, |_| true).unwrap()
+}
+
+#[test]
+fn the_verdict_is_right_over_four_decades_of_inertia_with_a_good_and_a_bad_engine() {
+    let mut seen = Vec::new();
+    for mass_factor in [1e-3, 3e-3, 1e-2, 1e-1, 1.0, 10.0] {
+        for rapier in [RapierOptions::default(), RapierOptions::as_shipped()] {
+            let scenario = scene(mass_factor);
+            let [inertia, engine] = truth(&scenario, rapier);
+            let found = compared(&scenario, &settings(rapier));
+            let name = format!("mass times {mass_factor}, {rapier:?}: {inertia:e} {engine:e} {:?}", found.rim);
+            // Up to the own error of the paths.
+            assert!((found.rim.inertia_m - inertia).abs() <= found.rim.own_m + 1e-12, "{name}");
+            assert!((found.rim.engine_m - engine).abs() <= found.rim.own_m + 1e-12, "{name}");
+            assert!(found.rim.own_m < 0.05 * found.tolerance_m, "{name}");
+            let parts = |apart: f64| apart > found.tolerance_m;
+            let causes: Vec<Cause> =
+                [(Cause::Inertia, inertia), (Cause::Engine, engine)].into_iter().filter(|part| parts(part.1)).map(|part| part.0).collect();
+            let verdict = match (parts(inertia.max(engine)), inertia > engine) {
+                (false, _) => Verdict::Agree,
+                (true, true) => Verdict::Inertia,
+                (true, false) => Verdict::Engine,
+            };
+            assert_eq!((found.verdict, &found.causes), (verdict, &causes), "{name}");
+            seen.push(causes);
+        }
+    }
+    for causes in [vec![], vec![Cause::Inertia], vec![Cause::Engine], vec![Cause::Inertia, Cause::Engine]] {
+        assert!(seen.contains(&causes), "{causes:?} occurs: {seen:?}");
+    }
+}
+
+/// A coarse step instead of a bad model: the same engine, and only the step is to blame.
+#[test]
+fn what_would_help_is_what_the_cause_calls_for() {
+    let slow = compared(&scene(1e-3), &settings(RapierOptions::default()));
+    assert_eq!((slow.verdict, &slow.remedies[..]), (Verdict::Agree, &[][..]));
+
+    let shipped = compared(&scene(1e-3), &settings(RapierOptions::as_shipped()));
+    assert_eq!((shipped.verdict, &shipped.remedies[..]), (Verdict::Engine, &[Remedy::OtherModel][..]));
+
+    let heavy = compared(&scene(10.0), &settings(RapierOptions::default()));
+    let [Remedy::SlowerTips { factor }] = heavy.remedies[..] else { panic!("{:?}", heavy.remedies) };
+    // The lag is the speed over omega_n and the way it is measured against stays: a tip that much slower keeps within the tolerance.
+    assert!((factor - heavy.tolerance_m / heavy.rim.inertia_m).abs() < 1e-12, "{factor}");
+    let parting = heavy.first_parting.by_inertia.unwrap();
+    assert_eq!(parting.after.unwrap().kind, OccasionKind::Onset);
+    // f / (k v).
+    assert!((parting.after.unwrap().time_s - 0.41367469880).abs() < 1e-3, "{parting:?}");
+}
+
+/// Agreement set a hair below and above the known effect: own errors above that hair leave the verdict open and say what would close it.
+#[test]
+fn close_to_its_threshold_the_verdict_waits_for_smaller_own_errors() {
+    let scenario = scene(1.0);
+    let [inertia, _] = truth(&scenario, RapierOptions::default());
+    let way = compared(&scenario, &settings(RapierOptions::default())).path_length_m;
+    let verdict = |hair: f64, tolerance_m| {
+        let agreement = inertia / way * (1.0 + hair);
+        compared(&scenario, &Settings { agreement, tolerance_m: Some(tolerance_m), ..settings(RapierOptions::default()) })
+    };
+    for (hair, expected) in [(1e-5, Verdict::Agree), (-1e-5, Verdict::Inertia)] {
+        let open = verdict(hair, 1e-3);
+        assert_eq!(open.verdict, Verdict::BelowOwnError, "{:?}", open.rim);
+        assert!(matches!(open.remedies[..], [Remedy::TighterTolerance { .. }]));
+        assert_eq!(verdict(hair, 1e-8).verdict, expected);
+    }
+}
