@@ -371,9 +371,10 @@ fn an_interrupted_run_goes_on_to_the_same_result() {
     let room = Room::new();
     let (ants, tips) = (room.four_ants(3.0), room.tips());
     for (file, stops) in [(&ants, ["1.3", "2.1"]), (&tips, ["0.02", "0.1201"])] {
-        for backend in BACKENDS {
+        let within = ["quasi-static", "inertial"].map(|backend| vec!["--backend", backend, "--tolerance", "1e-5"]);
+        for backend in BACKENDS.map(|backend| vec!["--backend", backend]).into_iter().chain(within) {
             let state = room.path("state.json");
-            let plain = ["run", file, "--json", "--backend", backend];
+            let plain = [&["run", file, "--json"], &backend[..]].concat();
             for stop in stops {
                 let output = call(&[&plain[..], &["--state", &state, "--stop-s", stop]].concat());
                 assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
@@ -381,7 +382,7 @@ fn an_interrupted_run_goes_on_to_the_same_result() {
                 assert!(Path::new(&state).exists());
             }
             let resumed = json_of(&[&plain[..], &["--state", &state]].concat());
-            assert_eq!(without_wall_time(resumed), without_wall_time(json_of(&plain)), "{backend}");
+            assert_eq!(without_wall_time(resumed), without_wall_time(json_of(&plain)), "{backend:?}");
             assert!(!Path::new(&state).exists(), "a run that is done leaves no state");
         }
     }
@@ -588,6 +589,28 @@ fn what_show_prints_is_the_same_scenario() {
         assert_eq!(output.status.code(), Some(0));
         assert!(text(&output.stdout).contains(&hash) && output.stderr.is_empty());
     }
+}
+
+/// What was asked for stands beside what was found, and it holds; a rung that no strides reach is said, with the exit code of a missed check.
+#[test]
+fn a_tolerance_is_kept_and_told_or_the_exit_code_says_so() {
+    let room = Room::new();
+    let file = room.tips();
+    for backend in ["quasi-static", "inertial"] {
+        let found = json_of(&["run", &file, "--json", "--backend", backend, "--tolerance", "1e-6", "--tolerance-rad", "1e-3"]);
+        let accuracy = |key: &str| number(&found, &format!("/accuracy/{key}"));
+        assert_eq!((accuracy("asked_m"), accuracy("asked_rad"), &found["accuracy"]["is_met"]), (1e-6, 1e-3, &Value::Bool(true)));
+        assert!(accuracy("estimated_m") > 0.0 && accuracy("estimated_m") <= 1e-6 && accuracy("estimated_rad") <= 1e-3);
+        assert_eq!(found["step_s"], Value::Null);
+        // Below the rounding of places of 0.1 m.
+        let output = call(&["run", &file, "--backend", backend, "--tolerance", "1e-20"]);
+        assert_eq!(output.status.code(), Some(1), "{backend}");
+        assert!(text(&output.stdout).contains("more than was asked for"));
+    }
+    refused(&["run", &file, "--backend", "rapier", "--tolerance", "1e-6"], &["--tolerance", "rapier"]);
+    refused(&["run", &file, "--tolerance", "1e-6", "--step-s", "1e-3"], &["--tolerance", "--step-s"]);
+    refused(&["run", &file, "--tolerance", "0"], &["--tolerance", "must be positive"]);
+    refused(&["run", &file, "--tolerance-rad", "1e-3"], &["--tolerance"]);
 }
 
 #[test]
