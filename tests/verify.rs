@@ -105,11 +105,11 @@ fn another_order_than_the_expected_one_is_a_miss() {
 fn a_broken_answer_is_a_miss_and_no_number() {
     let broken = with_known(named("peers-slide"), |_| f64::NAN);
     let rows = verify(&[broken], |plan| plan.variant != Variant::InertialMidpoint, Effort::Quick, |_| true).unwrap();
-    assert!(misses(&rows).iter().all(|(_, why)| why.contains("not finite")) && misses(&rows).len() == 10, "{rows:?}");
+    assert!(misses(&rows).iter().all(|(_, why)| why.contains("not finite")) && misses(&rows).len() == 13, "{rows:?}");
     let found = Verification::new(&[named("peers-slide")], &rows, Effort::Quick, 0.1);
-    assert_eq!((found.holds, found.n_held, found.n_judged, found.n_shown), (false, 0, 10, 3));
+    assert_eq!((found.holds, found.n_held, found.n_judged, found.n_shown), (false, 0, 13, 3));
     let text = verify_text(&found) + &found.to_json();
-    assert!(!text.contains("NaN") && text.contains("MISSES") && text.contains("0 of 10 hold"), "{text}");
+    assert!(!text.contains("NaN") && text.contains("MISSES") && text.contains("0 of 13 hold"), "{text}");
 
     let case = named("slide-1-m-s");
     let run = case.run;

@@ -10,7 +10,8 @@
 //!
 //! and the columns go on until the last two agree within the tolerance. A load that sticks in all rows sticks exactly: nothing is left to extrapolate.
 //!
-//! Where the regime changes on the way, the series breaks off. Such a stride is cut at the change, by halves, until the plain answers of one and
+//! Where the regime changes on the way, or a support turns back, the series breaks off. The table need not show it: what happens in the first step of all
+//! rows leaves them a series, toward what would be if it had happened at the start. Such a stride is cut at the change, by halves, until the plain answers of one and
 //! two steps agree within the tolerance: that stride is taken as it stands, the change is located to its length, and behind it the order starts anew. Grasps,
 //! releases and corners of tip paths fall between advances, so that they are instants of their own already.
 
@@ -19,8 +20,9 @@ use serde::{Deserialize, Serialize};
 use super::friction::Regime;
 use super::held::Grip;
 use super::transition::{Transition, TransitionKind};
-use super::{Status, StepReport};
-use crate::math::Vec2;
+use super::{Motion, Status, StepReport};
+use crate::math::{Vec2, rotation};
+use crate::model::System;
 
 /// A one-step method of first order.
 pub(super) trait FirstOrder {
@@ -35,6 +37,9 @@ pub(super) trait FirstOrder {
 
     /// How the load rested on the ground at the end of the last step; `None` when something has happened since.
     fn regime(&self) -> Option<Regime>;
+
+    /// What moves, on what, and how it moves now.
+    fn moving(&self) -> (&System, &Motion);
 
     /// Everything that changes smoothly: pose and twist first (m, rad, m/s, rad/s), then what the method likes.
     fn flow(&self) -> Vec<f64>;
@@ -78,6 +83,12 @@ pub enum Column {
 
 /// Rows of the table. Errors fall with the power of the row, roundings grow by about four a row.
 const MOST_ROWS: usize = 8;
+/// Length over the advance (1) down to which a stride is shortened because its steps did not converge: where shorter ones do not either, what they reach
+/// is compared like any other answer, and their status says so.
+const SHORTENED_TO_SOLVE: f64 = 1.0 / 1024.0;
+/// Growth of the shortest stride, for the rest of an advance, with each stride that had to be taken as it was: where nothing converges the load still arrives,
+/// and what that is worth shows in the statuses of the steps and in the run beside.
+const FORCED_GROWTH: f64 = 2.0;
 /// A stride that took fewer rows than these may be longer at less cost in all: more rows then do what shorter strides would.
 const FAVOURED_ROWS: usize = 5;
 /// Shortest stride over the advance (1). What still differs there is a jump.
@@ -98,17 +109,20 @@ pub(super) fn advance<M: FirstOrder>(
     transitions: &mut Vec<Transition>,
 ) -> (StepReport, f64) {
     let mut report = StepReport::default();
-    let (mut at, mut stride) = (0.0, stride / way.duration);
-    let longest = (way.longest / way.duration).max(SHORTEST);
+    let (mut at, mut stride, mut shortest) = (0.0, stride / way.duration, SHORTEST);
+    let longest = way.longest / way.duration;
     // Share by which the regime changes, once that is known.
     let mut change_by = None;
     while at < 1.0 {
         let limit = change_by.unwrap_or(1.0);
-        stride = stride.min(longest);
+        stride = stride.min(longest).max(shortest);
         let to = if limit - at <= 1.01 * stride { limit } else { at + stride };
         let (start, before) = (method.state().clone(), method.regime());
-        match attempt(method, way, control, &start, [at, to], &mut report) {
-            Attempt::Taken { growth } => {
+        match attempt(method, way, control, &start, [at, to], shortest, &mut report) {
+            Attempt::Taken { growth, error } => {
+                if error > 1.0 {
+                    shortest *= FORCED_GROWTH;
+                }
                 let kind = before.zip(method.regime()).and_then(|(before, after)| TransitionKind::between(before, after));
                 transitions.extend(kind.map(|kind| Transition { time: to * way.duration, kind }));
                 change_by = change_by.filter(|change| *change > to);
@@ -122,7 +136,7 @@ pub(super) fn advance<M: FirstOrder>(
             Attempt::TooLong { stride: shorter, change } => {
                 method.set_state(start);
                 report.n_rejected += 1;
-                stride = shorter.max(SHORTEST);
+                stride = shorter;
                 change_by = change.or(change_by).filter(|change| *change > at);
             }
         }
@@ -135,6 +149,8 @@ enum Attempt {
     Taken {
         /// What the next stride may be longer (1).
         growth: f64,
+        /// Over the tolerance (1): above one for a stride that could not be shortened.
+        error: f64,
     },
     TooLong {
         /// Share to try instead.
@@ -151,10 +167,11 @@ fn attempt<M: FirstOrder>(
     control: &Control,
     start: &M::State,
     [from, to]: [f64; 2],
+    shortest: f64,
     report: &mut StepReport,
 ) -> Attempt {
     let length = to - from;
-    let is_shortest = length <= 1.5 * SHORTEST;
+    let is_shortest = length <= 1.5 * shortest;
     method.set_state(start.clone());
     let before = method.flow();
     let mut last_row: Vec<Vec<f64>> = Vec::new();
@@ -176,7 +193,7 @@ fn attempt<M: FirstOrder>(
             true => control.distance(&row[n - 1], &row[n - 2]).min(plain),
             false => plain.max(control.loss_of_way(&before, &row[0], length * way.duration)) / CHANGE_SHARE,
         };
-        let is_solved = cost.status == Status::Converged;
+        let is_solved = cost.status == Status::Converged || length <= SHORTENED_TO_SOLVE;
         if is_shortest || is_solved && error <= 1.0 {
             let kept = match (control.keeps, is_smooth) {
                 (Column::Last, true) => &row[n - 1],
@@ -188,7 +205,7 @@ fn attempt<M: FirstOrder>(
             report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
             let power = if is_smooth { n } else { 1 };
             let least = if n < FAVOURED_ROWS { 2.0 } else { 0.0 };
-            return Attempt::Taken { growth: growth(error, power).max(least) };
+            return Attempt::Taken { growth: growth(error, power).max(least), error };
         }
         if let Some(changed) = changed_in {
             let change = changed as f64 / n as f64 * length;
@@ -204,11 +221,24 @@ fn attempt<M: FirstOrder>(
     unreachable!("the last row is taken or too long")
 }
 
+/// Velocity of each support times what friction it has there (W, world): nothing where there is no friction, or no slip.
+fn slips_of<M: FirstOrder>(method: &M) -> Vec<Vec2> {
+    let (System { ground, .. }, Motion { pose, twist }) = method.moving();
+    let turn = rotation(pose.heading);
+    let slip = |offset: &Vec2| twist.velocity_at(&(turn * offset));
+    let mut slips: Vec<Vec2> =
+        ground.supports.iter().zip(ground.slip_limits()).map(|(support, limit)| limit * slip(&support.offset)).collect();
+    if let Some(Regime::Pinned(support)) = method.regime() {
+        slips[support] = Vec2::zeros();
+    }
+    slips
+}
+
 /// One row of the table before extrapolation.
 struct Row {
     flow: Vec<f64>,
     cost: StepReport,
-    /// The first of the n steps, counted from one, whose regime is another than before it.
+    /// The first of the n steps, counted from one, whose regime is another than before it, or which turns the slip of a support back.
     changed_in: Option<usize>,
 }
 
@@ -216,14 +246,15 @@ fn row<M: FirstOrder>(method: &mut M, way: &Way, start: &M::State, [from, to]: [
     method.set_state(start.clone());
     let share = |i: usize| if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
     let (mut cost, mut changed_in) = (StepReport::default(), None);
-    let mut regime = method.regime();
+    let (mut regime, mut slips) = (method.regime(), slips_of(method));
     for i in 1..=n {
         cost.add(&method.step(way, share(i - 1), share(i)));
-        let now = method.regime();
-        if regime.is_some_and(|before| now != Some(before)) {
+        let (regime_now, slips_now) = (method.regime(), slips_of(method));
+        let turned_back = || slips.iter().zip(&slips_now).any(|(before, now)| before.dot(now) < 0.0);
+        if regime.is_some_and(|before| regime_now != Some(before) || turned_back()) {
             changed_in = changed_in.or(Some(i));
         }
-        regime = now;
+        (regime, slips) = (regime_now, slips_now);
     }
     Row { flow: method.flow(), cost, changed_in }
 }

@@ -20,7 +20,7 @@ pub struct VerifyArgs {
     /// Only this backend
     #[arg(long, value_name = "BACKEND")]
     backend: Option<BackendKind>,
-    /// Leave out the shortest step of each case
+    /// Leave out the shortest step of each case and every second tolerance
     #[arg(long)]
     quick: bool,
     /// Say which cases there are

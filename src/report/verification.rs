@@ -41,13 +41,16 @@ pub struct Line {
     pub backend: &'static str,
     /// Whether the answer was extrapolated over all steps down to this one.
     pub extrapolated: bool,
-    pub step_s: f64,
+    /// `null` under error control.
+    pub step_s: Option<f64>,
     pub error_m: Option<f64>,
     pub error_rad: Option<f64>,
     pub error_ratio: Option<f64>,
     pub bound_m: Option<f64>,
     pub bound_rad: Option<f64>,
     pub bound_ratio: Option<f64>,
+    /// What is asked for under error control; `null` at a step.
+    pub tolerance_m: Option<f64>,
     /// Measured between this step and the one before.
     pub order: Option<f64>,
     pub expected: &'static str,
@@ -124,6 +127,7 @@ impl Line {
             bound_m,
             bound_rad,
             bound_ratio,
+            tolerance_m: row.tolerance_m,
             order: row.order,
             expected,
             expected_order,
@@ -134,13 +138,20 @@ impl Line {
         }
     }
 
+    /// The step, or the tolerance in its place.
+    fn level(&self) -> String {
+        let tolerance = self.tolerance_m.map(|tolerance| quantity(tolerance, "m"));
+        tolerance.or(self.step_s.map(|step| quantity(step, "s"))).unwrap_or_default()
+    }
+
     /// Cells of the table for people, all but the last of a fixed width.
     fn cells(&self) -> [String; 7] {
-        let step = if self.extrapolated { "-> 0".to_owned() } else { quantity(self.step_s, "s") };
+        let step = if self.extrapolated { "-> 0".to_owned() } else { self.level() };
         let errors = Errors { metres: self.error_m, radians: self.error_rad, ratio: self.error_ratio };
         let bounds = Errors { metres: self.bound_m, radians: self.bound_rad, ratio: self.bound_ratio };
         let expected = match (self.expected, self.expected_order) {
             (_, _) if self.extrapolated || self.holds.is_none() => String::new(),
+            _ if self.tolerance_m.is_some() => "within".to_owned(),
             ("within", Some(power)) => format!("<= h^{power}"),
             (_, Some(order)) => format!("{order}"),
             ("within", None) => "bound".to_owned(),
@@ -180,7 +191,7 @@ pub fn verify_text(found: &Verification) -> String {
         rows.for_each(|(_, cells)| text.push_str(&line(cells)));
     }
     for row in found.rows.iter().filter(|row| row.holds == Some(false)) {
-        let (step, why) = (quantity(row.step_s, "s"), row.missed.as_deref().unwrap_or_default());
+        let (step, why) = (row.level(), row.missed.as_deref().unwrap_or_default());
         writeln!(text, "missed: {} by {} at {step}: {why} (bound: {})", row.case, row.backend, row.reason).expect("a string takes all");
     }
     text.push_str(&summary(found));

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::measured::{Errors, Measured};
-use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions};
+use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Tolerance};
+use crate::model::Load;
 
 /// A scene, what is measured in it, and the known answer.
 pub struct Case {
@@ -46,20 +47,31 @@ pub enum Variant {
     Rapier,
     /// The engine by its own defaults. What it gets wrong is its own: shown, and never a miss.
     RapierAsShipped,
+    /// Error control in place of a step, by extrapolation of the steps of the first two.
+    QuasiStaticControlled,
+    InertialControlled,
 }
 
-/// Steps at which a way to move the load is tried, and what its errors should be.
+/// Steps or tolerances at which a way to move the load is tried, and what its errors should be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub variant: Variant,
-    /// Longest step (s), the first of those that are halved.
-    pub step_s: f64,
-    /// Number of steps.
+    pub levels: Levels,
+    /// Number of them.
     pub n_levels: usize,
     pub expected: Expected,
     pub bound: Bound,
     /// Of the extrapolated answer, at the shortest step; `None` where there is none.
     pub limit: Option<Bound>,
+}
+
+/// How exact the runs of a plan are, the least exact one first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Levels {
+    /// Steps of at most this length (s), successively halved.
+    Steps(f64),
+    /// Tolerances on the rim of this load, of a millimetre and on, each a tenth of the one before.
+    Tolerances(Load),
 }
 
 /// How the error should fall with the step.
@@ -119,10 +131,17 @@ impl Family {
 }
 
 impl Variant {
-    pub const ALL: [Variant; 5] =
-        [Variant::QuasiStatic, Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier, Variant::RapierAsShipped];
+    pub const ALL: [Variant; 7] = [
+        Variant::QuasiStatic,
+        Variant::InertialEuler,
+        Variant::InertialMidpoint,
+        Variant::Rapier,
+        Variant::RapierAsShipped,
+        Variant::QuasiStaticControlled,
+        Variant::InertialControlled,
+    ];
     pub const WITH_INERTIA: [Variant; 3] = [Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier];
-    /// All whose errors are this project's own.
+    /// All with a step whose errors are this project's own.
     pub const JUDGED: [Variant; 4] = [Variant::QuasiStatic, Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier];
 
     pub fn name(self) -> &'static str {
@@ -132,13 +151,15 @@ impl Variant {
             Variant::InertialMidpoint => "inertial midpoint",
             Variant::Rapier => "rapier",
             Variant::RapierAsShipped => "rapier as shipped",
+            Variant::QuasiStaticControlled => "quasi-static controlled",
+            Variant::InertialControlled => "inertial controlled",
         }
     }
 
     pub fn kind(self) -> BackendKind {
         match self {
-            Variant::QuasiStatic => BackendKind::QuasiStatic,
-            Variant::InertialEuler | Variant::InertialMidpoint => BackendKind::Inertial,
+            Variant::QuasiStatic | Variant::QuasiStaticControlled => BackendKind::QuasiStatic,
+            Variant::InertialEuler | Variant::InertialMidpoint | Variant::InertialControlled => BackendKind::Inertial,
             Variant::Rapier | Variant::RapierAsShipped => BackendKind::Rapier,
         }
     }
@@ -147,10 +168,11 @@ impl Variant {
         self != Variant::RapierAsShipped
     }
 
+    /// At this longest step (s), which without error control is the run's own.
     pub fn options(self, step_s: f64) -> BackendOptions {
         let usual = BackendOptions::new(self.kind(), step_s);
         match self {
-            Variant::QuasiStatic | Variant::Rapier => usual,
+            Variant::QuasiStatic | Variant::Rapier | Variant::QuasiStaticControlled | Variant::InertialControlled => usual,
             Variant::InertialEuler => BackendOptions { integrator: Integrator::Euler, ..usual },
             Variant::InertialMidpoint => BackendOptions { integrator: Integrator::Midpoint, ..usual },
             Variant::RapierAsShipped => BackendOptions { rapier: RapierOptions::as_shipped(), ..usual },
@@ -158,23 +180,65 @@ impl Variant {
     }
 }
 
+/// The loosest of the tolerances asked for (m), and their number: down to 10 nm.
+const LOOSEST: f64 = 1e-3;
+const N_TOLERANCES: usize = 6;
+
 impl Plan {
     /// A method of first order, extrapolated: within `bound` at the longest step, and within `limit` in the limit of small ones.
     pub fn first_order(variant: Variant, step_s: f64, n_levels: usize, bound: Bound, limit: Bound) -> Self {
-        Self { variant, step_s, n_levels, expected: Expected::Order(1.0), bound, limit: Some(limit) }
+        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Order(1.0), bound, limit: Some(limit) }
     }
 
     pub fn of_order(order: f64, variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
-        Self { variant, step_s, n_levels, expected: Expected::Order(order), bound, limit: None }
+        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Order(order), bound, limit: None }
     }
 
     /// Within a bound that falls with the step to this power.
     pub fn within(power: f64, variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
-        Self { variant, step_s, n_levels, expected: Expected::Within(power), bound, limit: None }
+        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Within(power), bound, limit: None }
     }
 
     pub fn exact(variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
-        Self { variant, step_s, n_levels, expected: Expected::Exact, bound, limit: None }
+        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Exact, bound, limit: None }
+    }
+
+    /// Under error control, within what is asked for: a shift of the tolerance, and a turn that moves the rim of `load` as far; ratios as exactly as
+    /// turns. Bounds are of the same units as `errors`.
+    pub fn controlled(variant: Variant, load: &Load, errors: &Errors) -> Self {
+        let turn = LOOSEST / load.radius;
+        let errors = Errors {
+            metres: errors.metres.and(Some(LOOSEST)),
+            radians: errors.radians.and(Some(turn)),
+            ratio: errors.ratio.and(Some(turn)),
+        };
+        let bound = Bound { errors, reason: "asked for".to_owned() };
+        let levels = Levels::Tolerances(*load);
+        Self { variant, levels, n_levels: N_TOLERANCES, expected: Expected::Within(1.0), bound, limit: None }
+    }
+
+    /// Options of the runs, the least exact ones first: without the shortest step, or with every second tolerance, if it is to be quick.
+    pub fn options(&self, is_quick: bool) -> Vec<BackendOptions> {
+        let levels = 0..self.n_levels as i32;
+        match self.levels {
+            Levels::Steps(longest) => {
+                let n = if is_quick { (self.n_levels - 1).max(1) } else { self.n_levels };
+                levels.take(n).map(|level| self.variant.options(longest * 0.5f64.powi(level))).collect()
+            }
+            Levels::Tolerances(load) => {
+                let tolerance = |level| Tolerance::on_rim(LOOSEST * 0.1f64.powi(level), &load);
+                let stride = if is_quick { 2 } else { 1 };
+                levels.step_by(stride).map(|level| BackendOptions::within(self.variant.kind(), tolerance(level))).collect()
+            }
+        }
+    }
+
+    /// What an error may be over the bound at the least exact level, where it falls in proportion with the level (1).
+    pub fn share(&self, options: &BackendOptions) -> f64 {
+        match (self.levels, &options.tolerance) {
+            (Levels::Steps(longest), _) => options.step_s / longest,
+            (Levels::Tolerances(_), tolerance) => tolerance.map_or(f64::NAN, |tolerance| tolerance.position_m / LOOSEST),
+        }
     }
 
     /// Shown without a bound.

@@ -31,12 +31,12 @@ pub mod symmetry;
 pub mod towing;
 pub mod tripod;
 
-pub use case::{Bound, Case, Expected, Family, Plan, Run, Variant};
+pub use case::{Bound, Case, Expected, Family, Levels, Plan, Run, Variant};
 pub use measured::{Errors, Measured, Unit, Value, extrapolated};
 pub use row::{Outcome, Row, RowKind};
 pub use suite::{Effort, verify};
 
-/// All cases, in the order of their families.
+/// All cases, in the order of their families. Where a pose is the answer, an exact backend under error control is asked for it as well.
 pub fn all() -> Vec<Case> {
     let families = [
         slide::cases,
@@ -50,5 +50,28 @@ pub fn all() -> Vec<Case> {
         reference::cases,
         peers::cases,
     ];
-    families.iter().flat_map(|cases| cases()).collect()
+    let mut cases: Vec<Case> = families.iter().flat_map(|cases| cases()).collect();
+    cases.iter_mut().for_each(add_controlled);
+    cases
+}
+
+/// Plans under error control beside those of the same backends at steps. A tolerance is one of poses: cases that measure lengths of decay, powers,
+/// amplitudes and rests are left out.
+fn add_controlled(case: &mut Case) {
+    let load = match case.family {
+        Family::Slide | Family::Tripod | Family::Pull | Family::Release | Family::Reference => scenes::paper_system(Vec::new()).load,
+        Family::Peers => scenes::peers_system(Vec::new()).load,
+        Family::LimitSurface | Family::Towing | Family::Symmetry | Family::Mass => return,
+    };
+    if case.name.ends_with("-stays") || ["peers-ripple", "peers-creep"].contains(&case.name.as_str()) {
+        return;
+    }
+    for (at_steps, controlled) in
+        [(Variant::QuasiStatic, Variant::QuasiStaticControlled), (Variant::InertialEuler, Variant::InertialControlled)]
+    {
+        if let Some(plan) = case.plans.iter().find(|plan| plan.variant == at_steps) {
+            let plan = Plan::controlled(controlled, &load, &plan.bound.errors);
+            case.plans.push(plan);
+        }
+    }
 }

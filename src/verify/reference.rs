@@ -5,8 +5,8 @@
 
 use super::case::{Bound, Case, Family, Plan, Variant};
 use super::measured::{Measured, Value};
-use super::scenes::{SUPPORT_RADIUS, at_rest, drive, paper_springs, paper_system, reference_tips};
-use crate::backend::{BackendKind, BackendOptions, build, n_steps_in};
+use super::scenes::{SUPPORT_RADIUS, at_rest, drive, n_pieces, paper_springs, paper_system, reference_tips};
+use crate::backend::{BackendKind, BackendOptions, build};
 
 /// x, y (m) and heading (rad) at half way and at the end.
 pub type Poses = [[f64; 3]; 2];
@@ -59,7 +59,7 @@ fn inertial_plans() -> Vec<Plan> {
 fn poses(options: &BackendOptions, known: Poses) -> Measured {
     let mut run = build(&paper_system(paper_springs(4)), at_rest(), options);
     // An even number: half way is a node.
-    let n = 2 * n_steps_in(0.5, options.step_s) as u32;
+    let n = 2 * n_pieces(0.5, options) as u32;
     let mut found = Vec::with_capacity(n as usize);
     let report = drive(run.as_mut(), reference_tips, 1.0, n, |_, run| {
         let pose = run.motion().pose;

@@ -1,18 +1,20 @@
 //! Runs of a plan become rows that hold or miss.
 
-use super::case::{Bound, Case, Expected, Family, Plan, Variant};
+use super::case::{Bound, Case, Expected, Family, Levels, Plan, Variant};
 use super::measured::{Errors, Measured, limit_of};
-use crate::backend::Status;
+use crate::backend::{BackendOptions, Status};
 
-/// What came out at one step.
+/// What came out at one step or tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     pub case: String,
     pub family: Family,
     pub variant: Variant,
     pub kind: RowKind,
-    /// The step (s); of an extrapolated answer the shortest of those it was made from.
-    pub step_s: f64,
+    /// The step (s); of an extrapolated answer the shortest of those it was made from. `None` under error control.
+    pub step_s: Option<f64>,
+    /// What is asked for under error control (m).
+    pub tolerance_m: Option<f64>,
     pub errors: Errors,
     /// The errors as one: what a point of the load may be off by (m), or the ratio's where there are no others.
     pub size: Option<f64>,
@@ -30,6 +32,7 @@ pub enum RowKind {
     AtStep,
     /// In the limit of small steps, by Romberg's table over all of them.
     Extrapolated,
+    WithinTolerance,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -49,27 +52,25 @@ const ORDER_TOLERANCE: f64 = 0.15;
 /// the second order of changes of regime within a step.
 const LIMIT_POWER: f64 = 3.0;
 
-/// Steps of `plan` (s), the longest first, but for the `n_left_out` shortest.
-pub fn steps(plan: &Plan, n_left_out: usize) -> impl Iterator<Item = f64> {
-    let longest = plan.step_s;
-    (0..plan.n_levels.saturating_sub(n_left_out).max(1)).map(move |level| longest * 0.5f64.powi(level as i32))
-}
-
-/// Rows of the answers at successively halved steps of `plan`, and of their limit.
-pub fn rows(case: &Case, plan: &Plan, answers: &[Measured]) -> Vec<Row> {
+/// Rows of the answers at successively halved steps of `plan`, and of their limit, or at its tolerances.
+pub fn rows(case: &Case, plan: &Plan, answers: &[(BackendOptions, Measured)]) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::with_capacity(answers.len() + 1);
-    for (level, answer) in answers.iter().enumerate() {
-        let share = 0.5f64.powi(level as i32);
-        let mut row = row(case, plan, RowKind::AtStep, answer, share);
-        if plan.expected != Expected::Exact {
+    let kind = match plan.levels {
+        Levels::Steps(_) => RowKind::AtStep,
+        Levels::Tolerances(_) => RowKind::WithinTolerance,
+    };
+    for (options, answer) in answers {
+        let mut row = row(case, plan, kind, answer, options);
+        if kind == RowKind::AtStep && plan.expected != Expected::Exact {
             row.order = rows.last().and_then(|coarse| order(coarse.size?, row.size?));
         }
         judge(&mut row, plan, answer);
         rows.push(row);
     }
-    if let Some(limit) = plan.limit.as_ref().filter(|_| answers.len() > 1) {
-        let answer = limit_of(answers);
-        let mut row = row(case, plan, RowKind::Extrapolated, &answer, 0.5f64.powi(answers.len() as i32 - 1));
+    if let (Some(limit), [_, .., (shortest, _)]) = (&plan.limit, answers) {
+        let found: Vec<Measured> = answers.iter().map(|(_, answer)| answer.clone()).collect();
+        let answer = limit_of(&found);
+        let mut row = row(case, plan, RowKind::Extrapolated, &answer, shortest);
         row.bounds = limit.at(2f64.powi((plan.n_levels - answers.len()) as i32), LIMIT_POWER);
         row.reason.clone_from(&limit.reason);
         judge(&mut row, plan, &answer);
@@ -78,7 +79,7 @@ pub fn rows(case: &Case, plan: &Plan, answers: &[Measured]) -> Vec<Row> {
     rows
 }
 
-fn row(case: &Case, plan: &Plan, kind: RowKind, answer: &Measured, share: f64) -> Row {
+fn row(case: &Case, plan: &Plan, kind: RowKind, answer: &Measured, options: &BackendOptions) -> Row {
     let errors = answer.errors();
     let Bound { reason, .. } = &plan.bound;
     Row {
@@ -86,12 +87,13 @@ fn row(case: &Case, plan: &Plan, kind: RowKind, answer: &Measured, share: f64) -
         family: case.family,
         variant: plan.variant,
         kind,
-        step_s: share * plan.step_s,
+        step_s: (kind != RowKind::WithinTolerance).then_some(options.step_s),
+        tolerance_m: options.tolerance.map(|tolerance| tolerance.position_m),
         errors,
         size: errors.size(answer.arm),
         order: None,
         expected: plan.expected,
-        bounds: plan.bound.at(share, plan.expected.power()),
+        bounds: plan.bound.at(plan.share(options), plan.expected.power()),
         reason: reason.clone(),
         source: case.source.clone(),
         outcome: Outcome::Shown,

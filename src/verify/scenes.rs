@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::backend::{Backend, BackendOptions, Motion, StepReport, build, n_steps_in};
+use crate::backend::{Backend, BackendOptions, Motion, StepReport, Tolerance, build, n_steps_in};
 use crate::math::{Pose, Twist, Vec2, direction};
 use crate::model::{Ground, Load, PolarSpring, SupportPoint, System};
 
@@ -115,11 +115,21 @@ pub fn drive(
     report
 }
 
-/// Poses at all steps of a run along curved tip paths: the tips go straight between nodes a step of `options` apart.
+/// Equal pieces of `duration` (s) between whose nodes the tips of the reference scene go straight: at most a step of `options` long, and where they have
+/// none, so short that chords leave the paths by a hundredth of the tolerance.
+pub fn n_pieces(duration: f64, options: &BackendOptions) -> u64 {
+    // A chord of duration h leaves a path of this acceleration by up to an eighth of it times h^2.
+    const ACCELERATION: f64 = 0.18;
+    let chord = |tolerance: Tolerance| (0.08 * tolerance.position_m / ACCELERATION).sqrt();
+    let longest = options.tolerance.filter(|_| options.step_s.is_infinite()).map_or(options.step_s, chord);
+    n_steps_in(duration, longest)
+}
+
+/// Poses at all nodes of a run along curved tip paths.
 pub fn path(system: &System, start: Motion, options: &BackendOptions, tips: &Tips, duration: f64) -> (Vec<Pose>, StepReport) {
     let mut poses = Vec::new();
     let mut run = build(system, start, options);
-    let n = n_steps_in(duration, options.step_s) as u32;
+    let n = n_pieces(duration, options) as u32;
     let report = drive(run.as_mut(), tips, duration, n, |_, run| poses.push(run.motion().pose));
     (poses, report)
 }

@@ -6,13 +6,14 @@ use rayon::prelude::*;
 
 use super::case::{Case, Plan};
 use super::measured::Measured;
-use super::row::{Row, rows, steps};
+use super::row::{Row, rows};
+use crate::backend::BackendOptions;
 
 /// How far steps are halved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
     Full,
-    /// Without the shortest step of each plan, which is half of the work.
+    /// Without the shortest step of each plan, which is half of the work, and with every second tolerance.
     Quick,
 }
 
@@ -37,9 +38,8 @@ pub fn verify(
     found.map(|rows| rows.concat())
 }
 
-/// The answers at the steps of `plan`.
-fn answers(case: &Case, plan: &Plan, effort: Effort, go_on: impl Fn() -> bool + Sync) -> Option<Vec<Measured>> {
-    let n_left_out = if effort == Effort::Quick { 1 } else { 0 };
-    let steps: Vec<f64> = steps(plan, n_left_out).collect();
-    steps.into_par_iter().map(|step_s| go_on().then(|| case.run(&plan.variant.options(step_s)))).collect()
+/// The answers at the levels of `plan`.
+fn answers(case: &Case, plan: &Plan, effort: Effort, go_on: impl Fn() -> bool + Sync) -> Option<Vec<(BackendOptions, Measured)>> {
+    let options = plan.options(effort == Effort::Quick);
+    options.into_par_iter().map(|options| go_on().then(|| (options, case.run(&options)))).collect()
 }

@@ -4,8 +4,8 @@
 
 use super::case::{Bound, Case, Family, Plan, Run, Variant};
 use super::measured::{Measured, Value};
-use super::scenes::{SUPPORT_RADIUS, Tips, at_rest, distance, paper_springs, paper_system, path, reference_tips};
-use crate::backend::{Backend, BackendOptions, Motion, StepReport, build, n_steps_in};
+use super::scenes::{SUPPORT_RADIUS, Tips, at_rest, distance, n_pieces, paper_springs, paper_system, path, reference_tips};
+use crate::backend::{Backend, BackendOptions, Motion, StepReport, build};
 use crate::math::{Pose, Twist, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
@@ -157,7 +157,7 @@ fn at_nodes(options: &BackendOptions, nodes: &[f64], clock: impl Fn(f64) -> f64)
 }
 
 fn nodes(options: &BackendOptions, warp: impl Fn(f64) -> f64) -> Vec<f64> {
-    let n = n_steps_in(1.0, options.step_s);
+    let n = n_pieces(1.0, options);
     (0..=n).map(|i| warp(i as f64 / n as f64)).collect()
 }
 

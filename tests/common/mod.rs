@@ -1,5 +1,5 @@
 //! Loads, springs and drives that several tests share.
-#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(dead_code, unused_imports, reason = "each test file uses its own part")]
 
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Motion, build};
 use cohaul::math::{Pose, Vec3};

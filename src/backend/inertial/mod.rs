@@ -177,6 +177,10 @@ impl FirstOrder for Inertial {
         (self.state.undisturbed || self.state.motion.twist != Twist::ZERO).then_some(self.state.regime)
     }
 
+    fn moving(&self) -> (&System, &Motion) {
+        (&self.system, &self.state.motion)
+    }
+
     fn flow(&self) -> Vec<f64> {
         let State { motion, energy, dashpot_on_tip, .. } = &self.state;
         let losses = [energy.friction, energy.damping, energy.tip_work];

@@ -169,6 +169,10 @@ impl FirstOrder for QuasiStatic {
         self.state.on_course.then_some(self.state.regime)
     }
 
+    fn moving(&self) -> (&System, &Motion) {
+        (&self.system, &self.state.motion)
+    }
+
     fn flow(&self) -> Vec<f64> {
         let State { motion, energy, .. } = &self.state;
         motion.entries().into_iter().chain([energy.friction, energy.tip_work]).collect()

@@ -25,10 +25,10 @@ fn panel(family: Family, rows: &[Row]) -> Option<Panel> {
     (!panel.curves.is_empty()).then_some(panel)
 }
 
-/// Step and error of a row; nothing of what has no length, or no error but rounding.
+/// Step and error of a row; nothing of what has no step, no length, or no error but rounding.
 fn on_curve(row: &Row) -> Option<[f64; 2]> {
     let is_length = row.errors.metres.is_some() || row.errors.radians.is_some();
-    (row.kind == RowKind::AtStep && row.expected != Expected::Exact && is_length).then_some([row.step_s, row.size?])
+    (row.kind == RowKind::AtStep && row.expected != Expected::Exact && is_length).then_some([row.step_s?, row.size?])
 }
 
 fn style(variant: Variant) -> Style {
@@ -38,5 +38,7 @@ fn style(variant: Variant) -> Style {
         Variant::InertialMidpoint => Style::of_pair(0),
         Variant::Rapier => Style::of_trace(2),
         Variant::RapierAsShipped => Style::of_trace(3),
+        // Without steps they have no curve.
+        Variant::QuasiStaticControlled | Variant::InertialControlled => Style::of_pair(1),
     }
 }
