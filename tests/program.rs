@@ -218,7 +218,7 @@ fn run_out_writes_every_tick_and_the_exact_end() {
     for backend in BACKENDS {
         let out = room.path(backend);
         let value = json_of(&["run", &file, "--backend", backend, "--json", "--out", &out]);
-        assert_eq!(names(out.as_ref()), ["events.csv", "manifest.json", "overview.svg", "summary.json", "trace.csv"]);
+        assert_eq!(names(out.as_ref()), ["events.csv", "manifest.json", "overview.svg", "summary.json", "trace.csv", "transitions.csv"]);
         let rows = rows_of(&out, 0.01, 0.173);
         let end = rows.last().unwrap();
         let final_of = |pointer: &str| number(&value["final"], pointer);
@@ -229,6 +229,12 @@ fn run_out_writes_every_tick_and_the_exact_end() {
         assert_eq!(serde_json::from_str::<Value>(&read("summary.json")).unwrap(), value);
         assert!(read("overview.svg").trim_end().ends_with("</svg>"));
         assert_eq!(read("events.csv").lines().count(), 3, "a head, a grasp and a release");
+        let transitions = read("transitions.csv");
+        assert!(transitions.starts_with("time_s,transition,support,shift_m,turn_rad,energy_j\n"), "{transitions}");
+        // The load is drawn over its slip limit; whether an engine's is, it does not say.
+        assert_eq!(transitions.contains(",onset,,,,\n"), backend != "rapier", "{transitions}");
+        let n_onset = value.pointer("/transitions/n_onset").and_then(Value::as_u64);
+        assert_eq!(n_onset, (backend != "rapier").then(|| transitions.matches(",onset,").count() as u64));
         let manifest: Value = serde_json::from_str(&read("manifest.json")).unwrap();
         let scenario = Scenario::read(file.as_ref()).unwrap();
         assert_eq!((&manifest["scenario_sha256"], &manifest["seed"]), (&json!(scenario.hash()), &json!(7)));
@@ -399,7 +405,7 @@ fn an_interrupted_run_with_files_writes_the_whole_trace() {
     assert_eq!(output.status.code(), Some(130));
     assert!(!Path::new(&resumed).exists(), "half a run writes no folder");
     json_of(&["run", &file, "--json", "--out", &resumed, "--state", &state]);
-    for name in ["trace.csv", "events.csv"] {
+    for name in ["trace.csv", "events.csv", "transitions.csv"] {
         let read = |folder: &str| fs::read_to_string(Path::new(folder).join(name)).unwrap();
         assert_eq!(read(&resumed), read(&whole), "{name}");
     }

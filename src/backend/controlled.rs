@@ -41,11 +41,19 @@ pub(super) trait FirstOrder {
     /// What moves, on what, and how it moves now.
     fn moving(&self) -> (&System, &Motion);
 
-    /// Everything that changes smoothly: pose and twist first (m, rad, m/s, rad/s), then what the method likes.
+    /// How the load rested on the ground at the end of the last step, whatever has happened since.
+    fn last_regime(&self) -> Regime;
+
+    /// Everything that changes smoothly: pose and twist (m, rad, m/s, rad/s), energy lost to friction and work of the tips (J), then what the method likes.
     fn flow(&self) -> Vec<f64>;
 
     /// Puts a flow in place of the state's own.
     fn set_flow(&mut self, flow: &[f64]);
+
+    /// Ends and books a jump that the load has begun since the state `before`, if it has.
+    fn finish_snap(&mut self, _before: &Self::State, _report: &mut StepReport) -> Option<TransitionKind> {
+        None
+    }
 }
 
 /// The way of the tips in one advance.
@@ -67,6 +75,9 @@ pub struct Control {
     pub position: f64,
     /// Error of the heading in a stride (rad).
     pub heading: f64,
+    /// Error of friction loss and work of the tips in a stride (J). Where one motion alone is left, as about a captured support, poses may be exact at any
+    /// stride while the work on the way is not.
+    pub energy: f64,
     /// Time over which a speed that is wrong makes the position wrong (s); `None` for a method that carries no speed on.
     pub settling_time: Option<f64>,
     pub keeps: Column,
@@ -97,6 +108,8 @@ const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
 const CHANGE_SHARE: f64 = 10.0;
 /// A stride aims at this share of the tolerance, so that few fail (1).
 const AIM: f64 = 0.5;
+/// Rounding of energies that have added up over a run and been extrapolated (1).
+const ENERGY_ROUNDING: f64 = 1e-14;
 /// Largest growth from one stride to the next: behind a located change the stride has to come back from nearly nothing.
 const FASTEST_GROWTH: f64 = 64.0;
 
@@ -117,14 +130,15 @@ pub(super) fn advance<M: FirstOrder>(
         let limit = change_by.unwrap_or(1.0);
         stride = stride.min(longest).max(shortest);
         let to = if limit - at <= 1.01 * stride { limit } else { at + stride };
-        let (start, before) = (method.state().clone(), method.regime());
+        let (start, before) = (method.state().clone(), method.last_regime());
         match attempt(method, way, control, &start, [at, to], shortest, &mut report) {
             Attempt::Taken { growth, error } => {
                 if error > 1.0 {
                     shortest *= FORCED_GROWTH;
                 }
-                let kind = before.zip(method.regime()).and_then(|(before, after)| TransitionKind::between(before, after));
-                transitions.extend(kind.map(|kind| Transition { time: to * way.duration, kind }));
+                let kind = TransitionKind::between(before, method.last_regime());
+                let kinds = method.finish_snap(&start, &mut report).into_iter().chain(kind);
+                transitions.extend(kinds.map(|kind| Transition { time: to * way.duration, kind }));
                 change_by = change_by.filter(|change| *change > to);
                 let was_cut = to - at < 0.99 * stride;
                 stride = match change_by {
@@ -191,7 +205,11 @@ fn attempt<M: FirstOrder>(
         let plain = control.distance(&row[0], &last_row[0]);
         let error = match is_smooth {
             true => control.distance(&row[n - 1], &row[n - 2]).min(plain),
-            false => plain.max(control.loss_of_way(&before, &row[0], length * way.duration)) / CHANGE_SHARE,
+            // What happens in the first step of all rows hides from their difference, and so does what stops a load.
+            false if changed_in == Some(1) || control.settling_time.is_some() => {
+                plain.max(control.loss_of_way(&before, &row[0], length * way.duration)) / CHANGE_SHARE
+            }
+            false => plain / CHANGE_SHARE,
         };
         let is_solved = cost.status == Status::Converged || length <= SHORTENED_TO_SOLVE;
         if is_shortest || is_solved && error <= 1.0 {
@@ -281,14 +299,14 @@ impl Control {
     fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let poses = self.size(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
         let speeds = self.settling_time.map_or(0.0, |time| time * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5]));
-        poses.max(speeds)
+        let energy = |at: usize| (a[at] - b[at]).abs() / (self.energy + ENERGY_ROUNDING * a[at].abs());
+        poses.max(speeds).max(energy(6)).max(energy(7))
     }
 
     /// How far an implicit step of `duration` (s) between two flows may have gone too short or too far, over the tolerance (1): where its speed has dropped to
     /// nothing, one step and two find the same place, and that is not the right one.
     fn loss_of_way(&self, a: &[f64], b: &[f64], duration: f64) -> f64 {
-        let speeds = || 0.5 * duration * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5]);
-        self.settling_time.map_or(0.0, |_| speeds())
+        0.5 * duration * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5])
     }
 
     /// Of a shift (m) and a turn (rad), over the tolerance (1).

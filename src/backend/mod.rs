@@ -22,7 +22,7 @@ use tandem::Tandem;
 
 pub use inertial::Integrator;
 pub use rapier::RapierOptions;
-pub use transition::{Transition, TransitionKind};
+pub use transition::{Transition, TransitionCounts, TransitionKind};
 
 /// Where the load is and how it moves, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -150,6 +150,22 @@ pub struct EnergyLedger {
     pub tip_work: f64,
     /// At the start, kinetic.
     pub initial: f64,
+    /// Lost in jumps of a load without inertia so far; one with inertia would have got it into motion.
+    pub jumps: f64,
+    /// Lost by the moving load so far to nobody but the way in which steps are cut: what the springs did on it less what friction took and what it has
+    /// kept in motion.
+    pub numerical_damping: f64,
+}
+
+/// Where a ledger's defect comes from (J). The parts add up to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DefectParts {
+    /// Minus what was lost in jumps.
+    pub jumps: f64,
+    /// Minus what steps took from the moving load.
+    pub numerical_damping: f64,
+    /// What remains: error of the trapezoid sums of work.
+    pub quadrature: f64,
 }
 
 impl EnergyLedger {
@@ -173,6 +189,21 @@ impl EnergyLedger {
     /// Energy that appeared from nowhere (J): negative is numerical damping, or a jump of a method without inertia.
     pub fn defect(&self) -> f64 {
         self.elastic + self.kinetic + self.dissipated() - self.tip_work - self.initial
+    }
+
+    /// The defect by its causes.
+    ///
+    /// With W the trapezoid work of the springs on the load in a step, D what friction and dashpots took there, K the kinetic and U the elastic energy,
+    ///
+    /// ```text
+    /// defect of a step = dU + dK + D - tip work = (dK + D - W) + (dU + W - tip work)
+    /// ```
+    ///
+    /// The first bracket is the load's own balance: for implicit Euler minus 1/2 |dv|^2_M + 1/2 dx' K (dx - dp) to leading order, first order in the step. The
+    /// second is that of the springs, whose energy depends on nothing but poses and tips, so that only the trapezoids are wrong there: second order.
+    pub fn defect_parts(&self) -> DefectParts {
+        let (jumps, numerical_damping) = (0.0 - self.jumps, 0.0 - self.numerical_damping);
+        DefectParts { jumps, numerical_damping, quadrature: self.defect() - jumps - numerical_damping }
     }
 }
 
@@ -318,12 +349,17 @@ impl Tolerance {
         error.position <= self.position_m && error.heading <= self.heading_rad
     }
 
-    fn control(&self, load: &Load, settling_time: Option<f64>) -> Control {
+    fn control(&self, system: &System, settling_time: Option<f64>) -> Control {
+        let load = &system.load;
+        // What friction or a spring stretched by the load's radius has: energies err by that times the error of the position.
+        let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);
+        let force = system.total_slip_limit() + stiffness * load.radius;
         let share = STRIDE_SHARE * 0.1f64.powi(self.tightened as i32);
         let of_stride = |error: f64, size: f64| (share * error).clamp(SMALLEST_STRIDE_ERROR * size, LARGEST_STRIDE_ERROR * size);
         Control {
             position: of_stride(self.position_m, load.radius),
             heading: of_stride(self.heading_rad, 1.0),
+            energy: of_stride(self.position_m, load.radius) * force,
             settling_time,
             keeps: Column::Last,
         }
@@ -349,9 +385,14 @@ pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> 
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     if let Some(tolerance) = &options.tolerance {
         let controlled = |control| controlled(system, start, options.kind, control);
-        let answer = tolerance.control(&system.load, settling_time(options.kind, system));
-        let check =
-            Control { position: CHECK_SHARE * answer.position, heading: CHECK_SHARE * answer.heading, keeps: Column::LastButOne, ..answer };
+        let answer = tolerance.control(system, settling_time(options.kind, system));
+        let check = Control {
+            position: CHECK_SHARE * answer.position,
+            heading: CHECK_SHARE * answer.heading,
+            energy: CHECK_SHARE * answer.energy,
+            keeps: Column::LastButOne,
+            ..answer
+        };
         return Box::new(Tandem { answer: controlled(answer), check: controlled(check) });
     }
     match options.kind {

@@ -35,6 +35,34 @@ pub enum TransitionKind {
     },
 }
 
+/// How many there were of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TransitionCounts {
+    pub n_onset: u64,
+    pub n_stop: u64,
+    pub n_capture: u64,
+    pub n_freed: u64,
+    pub n_jumps: u64,
+    /// Largest shift in a jump (m); `None` without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_jump: Option<f64>,
+}
+
+impl TransitionCounts {
+    pub fn add(&mut self, kind: &TransitionKind) {
+        match kind {
+            TransitionKind::Onset => self.n_onset += 1,
+            TransitionKind::Stop => self.n_stop += 1,
+            TransitionKind::Capture { .. } => self.n_capture += 1,
+            TransitionKind::Freed { .. } => self.n_freed += 1,
+            TransitionKind::Jump { shift, .. } => {
+                self.n_jumps += 1;
+                self.largest_jump = Some(self.largest_jump.map_or(*shift, |largest| largest.max(*shift)));
+            }
+        }
+    }
+}
+
 impl TransitionKind {
     /// What happens where one regime follows another; `None` where nothing does.
     pub(super) fn between(before: Regime, after: Regime) -> Option<Self> {

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::backend::{
-    BackendKind, BackendOptions, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, Status, StepReport, Tolerance,
+    BackendKind, BackendOptions, DefectParts, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, Status, StepReport, Tolerance,
+    TransitionCounts,
 };
 use crate::estimate::InertiaEstimate;
 use crate::math::Summary;
@@ -29,6 +30,9 @@ pub struct RunSummary {
     #[serde(rename = "final")]
     pub end: FinalState,
     pub energy: EnergySummary,
+    /// Not of a run by rapier: an engine cannot tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transitions: Option<TransitionSummary>,
     pub steps: StepSummary,
     pub wall_s: f64,
     /// Only of a run with ants.
@@ -75,6 +79,31 @@ pub struct EnergySummary {
     pub initial_j: f64,
     /// Energy from nowhere; negative is numerical damping, or a jump of a method without inertia.
     pub defect_j: f64,
+    pub defect_parts: DefectSummary,
+}
+
+/// Where the defect comes from: parts that add up to it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DefectSummary {
+    /// Lost in jumps of a load without inertia: not positive but for rounding.
+    pub jumps_j: f64,
+    /// What the load lost to the way in which steps are cut, by its own balance of springs, friction and motion.
+    pub numerical_damping_j: f64,
+    /// The rest: error of the trapezoid sums of work.
+    pub quadrature_j: f64,
+}
+
+/// How often the load's motion was not smooth, as the backend saw it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TransitionSummary {
+    pub n_onset: u64,
+    pub n_stop: u64,
+    pub n_capture: u64,
+    pub n_freed: u64,
+    pub n_jumps: u64,
+    /// Largest shift in a jump; only of a run with one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_jump_m: Option<f64>,
 }
 
 /// What the run cost and how well its steps ended.
@@ -143,6 +172,7 @@ impl RunSummary {
             seed,
             end: FinalState::new(outcome.time, &outcome.motion)?,
             energy: EnergySummary::new(&outcome.energy)?,
+            transitions: (options.kind != BackendKind::Rapier).then(|| TransitionSummary::new(&outcome.transitions)).transpose()?,
             steps: StepSummary::new(&outcome.steps)?,
             wall_s: finite("wall_s", wall_s)?,
             ants: outcome.arrived.map(|arrived| AntSummary::new(arrived, outcome)).transpose()?,
@@ -209,7 +239,26 @@ impl EnergySummary {
             tip_work_j: finite("energy.tip_work_j", ledger.tip_work)?,
             initial_j: finite("energy.initial_j", ledger.initial)?,
             defect_j: finite("energy.defect_j", ledger.defect())?,
+            defect_parts: DefectSummary::new(&ledger.defect_parts())?,
         })
+    }
+}
+
+impl DefectSummary {
+    fn new(parts: &DefectParts) -> Result<Self, NotFinite> {
+        Ok(Self {
+            jumps_j: finite("energy.defect_parts.jumps_j", parts.jumps)?,
+            numerical_damping_j: finite("energy.defect_parts.numerical_damping_j", parts.numerical_damping)?,
+            quadrature_j: finite("energy.defect_parts.quadrature_j", parts.quadrature)?,
+        })
+    }
+}
+
+impl TransitionSummary {
+    fn new(counts: &TransitionCounts) -> Result<Self, NotFinite> {
+        let TransitionCounts { n_onset, n_stop, n_capture, n_freed, n_jumps, largest_jump } = *counts;
+        let largest_jump_m = largest_jump.map(|jump| finite("transitions.largest_jump_m", jump)).transpose()?;
+        Ok(Self { n_onset, n_stop, n_capture, n_freed, n_jumps, largest_jump_m })
     }
 }
 
@@ -273,6 +322,10 @@ mod tests {
             "/final/heading_rad",
             "/final/velocity_m_per_s/1",
             "/final/turn_rate_rad_per_s",
+            "/energy/defect_parts/quadrature_j",
+            "/transitions/n_onset",
+            "/transitions/n_jumps",
+            "/transitions/largest_jump_m",
             "/steps/n_steps",
             "/steps/n_solves",
             "/steps/n_skipped",
@@ -298,6 +351,7 @@ mod tests {
         let value = json(BackendKind::Rapier, &synthetic::outcome(Some(true)));
         assert_eq!(value["time_to_nest_s"], value["final"]["time_s"]);
         assert!(value["rapier"].is_object());
+        assert_eq!(value.get("transitions"), None, "an engine cannot tell");
     }
 
     #[test]
@@ -317,12 +371,16 @@ mod tests {
         let defect = of("elastic_j") + of("kinetic_j") + of("dissipated_j") - of("tip_work_j") - of("initial_j");
         assert_eq!(of("defect_j"), defect);
         assert_ne!(defect, 0.0);
+        let part = |key: &str| energy["defect_parts"][key].as_f64().unwrap();
+        assert_eq!((part("jumps_j"), part("numerical_damping_j")), (-2e-7, -3e-8));
+        // Rounding of the energies that the defect is a sum of.
+        assert!((part("jumps_j") + part("numerical_damping_j") + part("quadrature_j") - defect).abs() < 1e-17);
     }
 
     #[test]
     fn no_number_leaves_that_is_not_finite() {
         type Poison = fn(&mut Outcome, f64);
-        let poisons: [(&str, Poison); 12] = [
+        let poisons: [(&str, Poison); 15] = [
             ("final.time_s", |o, v| o.time = v),
             ("final.position_m[0]", |o, v| o.motion.pose.position.x = v),
             ("final.position_m[1]", |o, v| o.motion.pose.position.y = v),
@@ -333,6 +391,9 @@ mod tests {
             ("energy.kinetic_j", |o, v| o.energy.kinetic = v),
             ("energy.released_j", |o, v| o.energy.released = v),
             ("energy.initial_j", |o, v| o.energy.initial = v),
+            ("energy.defect_parts.jumps_j", |o, v| o.energy.jumps = -v),
+            ("energy.defect_parts.numerical_damping_j", |o, v| o.energy.numerical_damping = v),
+            ("transitions.largest_jump_m", |o, v| o.transitions.largest_jump = Some(v)),
             ("steps.residual", |o, v| o.steps.residual = v),
             ("pull_force_n.mean", |o, v| o.pulls.add(v)),
         ];

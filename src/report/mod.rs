@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! json.rs      RunSummary: the object that `run --json` prints
-//! table.rs     trace.csv and events.csv
+//! table.rs     trace.csv, events.csv and transitions.csv
 //! manifest.rs  where a result comes from: scenario, seed, versions, machine, command
 //! folder.rs    an output folder that is there whole or not at all
 //! run.rs       the files of one run, put into such a folder
@@ -37,7 +37,10 @@ pub(crate) mod synthetic;
 pub use check::{CheckReport, check_text, this_build, write_check};
 pub use comparison::{Comparison, Tiers, compare_text, write_comparison};
 pub use folder::{FolderError, OutputFolder, check_target};
-pub use json::{Accuracy, AntSummary, EnergySummary, FinalState, NotFinite, PullForce, RunSummary, StepSummary, finite};
+pub use json::{
+    Accuracy, AntSummary, DefectSummary, EnergySummary, FinalState, NotFinite, PullForce, RunSummary, StepSummary, TransitionSummary,
+    finite,
+};
 pub use manifest::{Libraries, Machine, Manifest, sha256_hex};
 pub use progress::Progress;
 pub use quantity::{number, quantity};

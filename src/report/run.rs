@@ -16,7 +16,7 @@ pub struct RunFiles<'a> {
     pub manifest: &'a Manifest,
 }
 
-/// Writes `summary.json`, `trace.csv`, `events.csv`, `overview.svg` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes `summary.json`, `trace.csv`, `events.csv`, `transitions.csv`, `overview.svg` and `manifest.json` to the folder `target`, all or nothing.
 ///
 /// # Errors
 /// When the folder may not be written (see [`super::check_target`]), a number of the trace is not finite, or the disk fails.
@@ -25,6 +25,7 @@ pub fn write_run(target: &Path, files: &RunFiles) -> Result<(), FolderError> {
     folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
     folder.write("trace.csv", |out| table::write_trace(files.trace, files.n_springs, out))?;
     folder.write("events.csv", |out| table::write_events(files.trace, out))?;
+    folder.write("transitions.csv", |out| table::write_transitions(files.trace, out))?;
     let labelled = [Labelled { label: files.summary.backend.name(), trace: files.trace }];
     folder.write("overview.svg", |out| out.write_all(figure::overview(&labelled, files.scene).as_bytes()))?;
     folder.finish(files.manifest)
@@ -55,6 +56,6 @@ mod tests {
 
         trace.rows[150].motion.twist.angular = 0.0;
         write(&trace).unwrap();
-        assert_eq!(std::fs::read_dir(&target).unwrap().count(), 5);
+        assert_eq!(std::fs::read_dir(&target).unwrap().count(), 6);
     }
 }

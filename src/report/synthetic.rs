@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, Status, StepReport};
+use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, Status, StepReport, TransitionCounts};
 use crate::math::{Pose, Summary, Twist, Vec2, direction};
 use crate::simulation::{Event, EventKind, HeldTip, Outcome, Row, Trace};
 
@@ -29,6 +29,8 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             released: 2.1e-3,
             tip_work: 7.9101e-3,
             initial: 1e-9,
+            jumps: 2e-7,
+            numerical_damping: 3e-8,
         },
         steps: StepReport {
             status: Status::Converged,
@@ -40,6 +42,7 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             n_not_converged: 0,
             n_rejected: 0,
         },
+        transitions: TransitionCounts { n_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },
         error: None,
         arrived,
         pulls,

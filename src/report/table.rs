@@ -1,11 +1,13 @@
-//! A trace as CSV tables: `trace.csv` with a row at every control tick, `events.csv` with every grasp and release.
+//! A trace as CSV tables: `trace.csv` with a row at every control tick, `events.csv` with every grasp and release,
+//! `transitions.csv` with every instant at which the load's motion is not smooth.
 //!
 //! Floats are written with the fewest digits that read back as the same number. An empty field means "there is none": the pull on a spring
-//! that nobody holds, the ant of a prescribed path.
+//! that nobody holds, the ant of a prescribed path, the size of what is no jump.
 
 use std::io::Write;
 
 use super::{NotFinite, finite};
+use crate::backend::{Transition, TransitionKind};
 use crate::check;
 use crate::simulation::{EventKind, Row, Trace};
 
@@ -32,6 +34,9 @@ pub const TRACE_COLUMNS: [&str; 14] = [
 
 /// Columns of `events.csv`.
 pub const EVENT_COLUMNS: [&str; 6] = ["time_s", "event", "spring", "ant", "tip_x_m", "tip_y_m"];
+
+/// Columns of `transitions.csv`.
+pub const TRANSITION_COLUMNS: [&str; 6] = ["time_s", "transition", "support", "shift_m", "turn_rad", "energy_j"];
 
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
@@ -79,6 +84,32 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
         let time = finite("time_s", event.time)?;
         let tip = [finite("tip_x_m", event.tip.x)?, finite("tip_y_m", event.tip.y)?];
         writer.serialize((time, name, event.spring, event.ant, tip))?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: what the backend saw of onsets, stops, captures of supports and jumps. The
+/// last three columns are those of a jump: where it led, and the energy that a load with inertia would have got into motion.
+///
+/// # Errors
+/// When a number is not finite, or `out` fails.
+pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableError> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    writer.write_record(TRANSITION_COLUMNS)?;
+    for Transition { time, kind } in &trace.transitions {
+        let time = finite("time_s", *time)?;
+        let support = match kind {
+            TransitionKind::Capture { support } | TransitionKind::Freed { support } => Some(support),
+            _ => None,
+        };
+        let jump = match kind {
+            TransitionKind::Jump { shift, turn, energy } => {
+                [Some(finite("shift_m", *shift)?), Some(finite("turn_rad", *turn)?), Some(finite("energy_j", *energy)?)]
+            }
+            _ => [None; 3],
+        };
+        writer.serialize((time, kind.name(), support, jump))?;
     }
     writer.flush()?;
     Ok(())
@@ -202,6 +233,29 @@ mod tests {
         assert_eq!((&records[0][1], &records[0][3]), ("grasp", ""));
         assert_eq!(records[1][3], trace.events[1].ant.unwrap().to_string());
         assert_eq!(records[0][0].parse(), Ok(trace.events[0].time));
+    }
+
+    #[test]
+    fn transitions_have_fields_only_where_there_is_something() {
+        let kinds = [
+            TransitionKind::Onset,
+            TransitionKind::Capture { support: 2 },
+            TransitionKind::Freed { support: 2 },
+            TransitionKind::Jump { shift: 4e-3, turn: -0.1, energy: 2.5e-5 },
+            TransitionKind::Stop,
+        ];
+        let transitions = kinds.map(|kind| Transition { time: 0.1 + 0.2, kind }).to_vec();
+        let mut trace = Trace { transitions, ..Trace::default() };
+        let mut bytes = Vec::new();
+        write_transitions(&trace, &mut bytes).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        let time = "0.30000000000000004";
+        let rows =
+            ["onset,,,,", "capture,2,,,", "freed,2,,,", "jump,,0.004,-0.1,0.000025", "stop,,,,"].map(|row| format!("{time},{row}\n"));
+        assert_eq!(text, format!("{}\n{}", TRANSITION_COLUMNS.join(","), rows.concat()));
+
+        trace.transitions[3].kind = TransitionKind::Jump { shift: 0.0, turn: f64::NAN, energy: 0.0 };
+        assert!(write_transitions(&trace, Vec::new()).unwrap_err().to_string().starts_with("turn_rad is NaN"));
     }
 
     #[test]

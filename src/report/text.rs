@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Accuracy, AntSummary, RunSummary, number, quantity};
+use super::{Accuracy, AntSummary, RunSummary, TransitionSummary, number, quantity};
 use crate::backend::Status;
 use crate::estimate::{Cause, InertiaEstimate, Largest};
 
@@ -23,6 +23,9 @@ pub fn run_text(summary: &RunSummary) -> String {
     }
     if let Some(estimate) = &summary.inertia_estimate {
         inertia(estimate, &mut lines);
+    }
+    if let Some(transitions) = &summary.transitions {
+        of_jumps(transitions, &mut lines);
     }
     energy(summary, &mut lines);
     cost(summary, &mut lines);
@@ -97,6 +100,14 @@ pub fn inertia_warning(estimate: &InertiaEstimate) -> String {
     )
 }
 
+/// Without any there is nothing to say.
+fn of_jumps(transitions: &TransitionSummary, lines: &mut Lines) {
+    if let Some(largest) = transitions.largest_jump_m {
+        lines.section("motion");
+        lines.row("jumps", &format!("{}, the largest by {}", transitions.n_jumps, quantity(largest, "m")));
+    }
+}
+
 fn energy(summary: &RunSummary, lines: &mut Lines) {
     let energy = &summary.energy;
     lines.section("energy");
@@ -109,6 +120,10 @@ fn energy(summary: &RunSummary, lines: &mut Lines) {
     lines.row("kinetic", &quantity(energy.kinetic_j, "J"));
     lines.row("initial", &quantity(energy.initial_j, "J"));
     lines.row("defect", &quantity(energy.defect_j, "J"));
+    let parts = &energy.defect_parts;
+    lines.row("  jumps", &quantity(parts.jumps_j, "J"));
+    lines.row("  step damping", &quantity(parts.numerical_damping_j, "J"));
+    lines.row("  quadrature", &quantity(parts.quadrature_j, "J"));
 }
 
 fn cost(summary: &RunSummary, lines: &mut Lines) {
@@ -154,7 +169,7 @@ mod tests {
 
     fn text(arrived: Option<bool>) -> String {
         let outcome = synthetic::outcome(arrived);
-        run_text(&RunSummary::new("four ants", &synthetic::options(BackendKind::Rapier), 7, &outcome, 0.25).unwrap())
+        run_text(&RunSummary::new("four ants", &synthetic::options(BackendKind::QuasiStatic), 7, &outcome, 0.25).unwrap())
     }
 
     #[test]
@@ -162,6 +177,7 @@ mod tests {
         let text = text(Some(true));
         assert!(text.contains("\n  position        (252.5 mm, -3.100 mm)\n"), "{text}");
         assert!(text.contains("\n  nest            reached after 76.10 s\n"), "{text}");
+        assert!(text.contains("\n  jumps           1, the largest by 4.000 mm\n"), "{text}");
         let column = 2 + Lines::LABEL_WIDTH + 2;
         for line in text.lines().filter(|line| line.starts_with(' ')) {
             assert!(line.chars().nth(column).is_some_and(|c| c != ' ') && line.chars().nth(column - 1) == Some(' '), "{line:?}");

@@ -8,7 +8,7 @@ mod trace;
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{Backend, BackendOptions, Motion, PoseError, RestoreError, StepReport, Transition, build};
+use crate::backend::{Backend, BackendOptions, Motion, PoseError, RestoreError, StepReport, Transition, TransitionCounts, build};
 use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
 
@@ -83,6 +83,7 @@ pub struct Simulation<'a> {
     finished: bool,
     steps: StepReport,
     error: Option<PoseError>,
+    transitions: TransitionCounts,
     trace: Trace,
 }
 
@@ -101,8 +102,9 @@ impl<'a> Simulation<'a> {
 
     /// A run on a backend made elsewhere; `options` say what it is.
     pub fn on(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>, backend: Box<dyn Backend>) -> Self {
-        let (steps, trace) = (StepReport::default(), Trace::default());
-        Self { scenario, options: *options, backend, driver, keep, tick: 0, time: 0.0, finished: false, steps, error: None, trace }
+        let (steps, transitions, trace) = (StepReport::default(), TransitionCounts::default(), Trace::default());
+        let (tick, time, finished, error) = (0, 0.0, false, None);
+        Self { scenario, options: *options, backend, driver, keep, tick, time, finished, steps, error, transitions, trace }
     }
 
     /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
@@ -166,6 +168,7 @@ impl<'a> Simulation<'a> {
             motion,
             energy: self.backend.energy(),
             steps: self.steps,
+            transitions: self.transitions,
             error: self.error,
             arrived: self.driver.arrived(&motion),
             pulls: self.driver.pulls(),
@@ -200,6 +203,7 @@ impl<'a> Simulation<'a> {
         if let Some(now) = self.backend.pose_error() {
             self.error = Some(self.error.unwrap_or_default().max(&now));
         }
+        self.backend.transitions().iter().for_each(|transition| self.transitions.add(&transition.kind));
         if self.keep == Keep::Trace {
             let start = self.time;
             let since_start = |transition: &Transition| Transition { time: start + transition.time, ..*transition };

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Driver, Keep, Simulation, Trace, driver_of};
-use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SavedState, StepReport, build};
+use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SavedState, StepReport, TransitionCounts, build};
 use crate::scenario::Scenario;
 
 /// Everything of a run that its scenario does not say. Floats are written with all their digits.
@@ -18,6 +18,7 @@ pub struct SavedRun {
     keep: Keep,
     steps: StepReport,
     error: Option<PoseError>,
+    transitions: TransitionCounts,
     driver: serde_json::Value,
     backend: SavedState,
     trace: Trace,
@@ -34,6 +35,7 @@ impl Simulation<'_> {
             keep: self.keep,
             steps: self.steps,
             error: self.error,
+            transitions: self.transitions,
             driver: self.driver.save(),
             backend: self.backend.save(),
             trace: self.trace.clone(),
@@ -71,6 +73,7 @@ impl<'a> Simulation<'a> {
         resumed.finished = saved.finished;
         resumed.steps = saved.steps;
         resumed.error = saved.error;
+        resumed.transitions = saved.transitions;
         resumed.trace = saved.trace.clone();
         Ok(resumed)
     }

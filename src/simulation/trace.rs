@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{EnergyLedger, Motion, PoseError, StepReport, Transition};
+use crate::backend::{EnergyLedger, Motion, PoseError, StepReport, Transition, TransitionCounts};
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
 
@@ -75,6 +75,9 @@ pub struct Outcome {
     pub motion: Motion,
     pub energy: EnergyLedger,
     pub steps: StepReport,
+    /// As the backend saw them; none of one that cannot tell.
+    #[serde(default)]
+    pub transitions: TransitionCounts,
     /// How far the pose was wrong at worst; `None` where the backend does not know.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Status};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Integrator, Status, Tolerance, TransitionKind, build};
 use cohaul::math::{Chance, Stream, Vec2, direction};
 use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
@@ -134,5 +134,109 @@ fn friction_and_dashpots_never_give_energy_back() {
             assert!(last.friction > 1e-5 && last.released > 0.0, "{kind:?} {last:?}");
             assert_eq!(last.damping > 0.0, damping_ratio > 0.0 && kind != BackendKind::QuasiStatic);
         }
+    }
+}
+
+/// A load that ripples behind a tip at speed v loses k v^2 h / 2 a second to implicit Euler: half of it by inertia, 1/2 m (a h)^2 a step, half by the spring,
+/// 1/2 k (x' h) (x' - v) h, with x' = v (1 - cos omega t).
+#[test]
+fn the_damping_of_the_implicit_step_is_what_the_ripple_loses() {
+    let (speed, rate) = (0.02, (RADIAL / MASS).sqrt());
+    let (onset, period) = (SLIP_LIMIT / (RADIAL * speed), TAU / rate);
+    for kind in WITH_INERTIA {
+        for n in [1_000, 4_000] {
+            let step = period / f64::from(n);
+            let mut run = backend(kind, &paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), step);
+            run.grasp(0, Vec2::zeros());
+            run.advance(&[Vec2::new(speed * onset, 0.0)], onset);
+            run.advance(&[Vec2::new(speed * (onset + period), 0.0)], period);
+            let (ledger, parts) = (run.energy(), run.energy().defect_parts());
+            let expected = -0.5 * RADIAL * speed * speed * step * period;
+            // The ripple itself is damped by omega h / 2 a radian: 2 pi omega h of it at the end, half of that on the way.
+            assert!((parts.numerical_damping / expected - 1.0).abs() < TAU * rate * step, "{kind:?} {n}: {parts:?} {expected:e}");
+            // Forces are linear, and trapezoids of them exact.
+            assert!((parts.quadrature / ledger.defect()).abs() < 1e-6, "{kind:?} {n}: {parts:?}");
+        }
+    }
+}
+
+fn check_sum(ledger: &EnergyLedger) {
+    let parts = ledger.defect_parts();
+    let scale = ledger.tip_work.abs() + ledger.initial + ledger.dissipated() + ledger.elastic;
+    assert!((parts.jumps + parts.numerical_damping + parts.quadrature - ledger.defect()).abs() < 1e-15 * scale, "{ledger:?}");
+}
+
+/// Springs' energies depend on poses alone, so what the load's balance leaves is a trapezoid's error: second order beside a damping of first order. Jumps are
+/// of a load without inertia only.
+#[test]
+fn on_random_walks_the_parts_are_the_defect_and_quadrature_is_of_second_order() {
+    for kind in BackendKind::ALL {
+        for damping_ratio in [0.0, 0.3] {
+            let springs: Vec<_> = paper_springs(4).into_iter().map(|spring| PolarSpring { damping_ratio, ..spring }).collect();
+            let ledgers = [1e-3, 2.5e-4].map(|step| {
+                let mut run = backend(kind, &paper_system(springs.clone()), at_rest(), step);
+                walk(run.as_mut(), 4, 3e-5, 11, 1500, |run| check_sum(&run.energy()));
+                run.energy()
+            });
+            let [coarse, fine] = ledgers.map(|ledger| ledger.defect_parts());
+            if kind == BackendKind::QuasiStatic {
+                assert!(fine.jumps < -1e-7 && fine.numerical_damping == 0.0);
+            } else {
+                assert_eq!(fine.jumps, 0.0);
+                // A quarter of the step: a sixteenth of the second order, and events that fall elsewhere in their steps.
+                assert!(coarse.quadrature.abs() > 8.0 * fine.quadrature.abs(), "{kind:?} {coarse:?} {fine:?}");
+                assert!(fine.numerical_damping < 0.0 && fine.quadrature.abs() < 0.02 * fine.numerical_damping.abs(), "{kind:?} {fine:?}");
+            }
+        }
+    }
+}
+
+/// The midpoint step damps nothing: what its load loses beside friction is of second order.
+#[test]
+fn the_midpoint_step_damps_far_less() {
+    let damping = [Integrator::Euler, Integrator::Midpoint].map(|integrator| {
+        let options = BackendOptions { integrator, ..BackendOptions::new(BackendKind::Inertial, 1.0) };
+        let mut run = build(&paper_system(paper_springs(4)), at_rest(), &options);
+        drive(run.as_mut(), reference_tips, 1.0, 2_000, |_, _| ());
+        check_sum(&run.energy());
+        run.energy().defect_parts().numerical_damping
+    });
+    assert!(damping[1].abs() < 0.05 * damping[0].abs(), "{damping:?}");
+}
+
+/// Tips between nodes go straight, so a controlled run knows no error but its own; at rest and about a captured support, too, where poses alone are exact
+/// at any stride.
+#[test]
+fn under_error_control_the_books_close_to_the_tolerance() {
+    for kind in [BackendKind::QuasiStatic, BackendKind::Inertial] {
+        for tolerance in [1e-6, 1e-8] {
+            let system = paper_system(paper_springs(4));
+            let options = BackendOptions::within(kind, Tolerance::on_rim(tolerance, &system.load));
+            let mut run = build(&system, at_rest(), &options);
+            let mut n_jumps = 0;
+            drive(run.as_mut(), reference_tips, 1.0, 500, |_, run| {
+                n_jumps += run.transitions().iter().filter(|transition| matches!(transition.kind, TransitionKind::Jump { .. })).count();
+            });
+            check_sum(&run.energy());
+            let parts = run.energy().defect_parts();
+            // Strides err by a ten thousandth each, and thousands of them add up; a part is left of errors of one sign.
+            assert!(run.energy().defect().abs() < 1e-2 * tolerance * SLIP_LIMIT, "{kind:?} {tolerance}: {parts:?}");
+            assert_eq!((n_jumps, parts.jumps), (0, 0.0), "the reference scene is smooth");
+        }
+    }
+}
+
+#[test]
+fn no_step_of_the_reference_scene_is_taken_for_a_jump() {
+    for n in [20, 80, 640, 5_000] {
+        let mut run = backend(BackendKind::QuasiStatic, &paper_system(paper_springs(4)), at_rest(), 1.0);
+        let mut n_onsets = 0;
+        drive(run.as_mut(), reference_tips, 1.0, n, |_, run| {
+            for transition in run.transitions() {
+                assert!(!matches!(transition.kind, TransitionKind::Jump { .. }), "{n}: {transition:?}");
+                n_onsets += u32::from(transition.kind == TransitionKind::Onset);
+            }
+        });
+        assert_eq!((n_onsets, run.energy().jumps), (1, 0.0), "{n}");
     }
 }

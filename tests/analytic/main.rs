@@ -16,6 +16,7 @@ mod off_centre;
 mod reference;
 mod release;
 mod slide;
+mod snap;
 mod towing;
 mod tripod;
 mod vanishing_mass;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use cohaul::backend::{BackendKind, EnergyLedger, Status};
+use cohaul::backend::{BackendKind, EnergyLedger, Status, TransitionKind};
 use cohaul::math::Vec2;
 use cohaul::verify::release::JUMPS;
 
@@ -10,6 +10,18 @@ use crate::common::*;
 
 /// Way of the load (f / k) after the release, and its energy.
 fn jump(kind: BackendKind, ratio: f64, mass_factor: f64, damping_ratio: f64, n_per_period: u32) -> (f64, EnergyLedger) {
+    let (way, energy, _) = logged_jump(kind, ratio, mass_factor, damping_ratio, n_per_period);
+    (way, energy)
+}
+
+/// The same with shift (m) and energy (J) of the jumps that the backend logged.
+fn logged_jump(
+    kind: BackendKind,
+    ratio: f64,
+    mass_factor: f64,
+    damping_ratio: f64,
+    n_per_period: u32,
+) -> (f64, EnergyLedger, Vec<(f64, f64)>) {
     let stretch = ratio * SLIP_LIMIT / RADIAL;
     let mut system = paper_system(vec![isotropic(Vec2::zeros(), damping_ratio); 2]);
     system.load.mass *= mass_factor;
@@ -26,18 +38,30 @@ fn jump(kind: BackendKind, ratio: f64, mass_factor: f64, damping_ratio: f64, n_p
     // Three half swings at most; what a dashpot of twice the critical one leaves falls as exp(-0.27 omega t): 1e-9 after 12 periods.
     let n_periods = if damping_ratio >= 1.0 { 16.0 } else { 3.0 };
     assert_eq!(run.advance(&tips, n_periods * period).status, Status::Converged);
-    (run.motion().pose.position.x * RADIAL / SLIP_LIMIT, run.energy())
+    let jump = |kind: &TransitionKind| match *kind {
+        TransitionKind::Jump { shift, energy, .. } => Some((shift, energy)),
+        _ => None,
+    };
+    let jumps = run.transitions().iter().filter_map(|transition| jump(&transition.kind)).collect();
+    (run.motion().pose.position.x * RADIAL / SLIP_LIMIT, run.energy(), jumps)
 }
 
 #[test]
 fn without_inertia_it_stops_at_the_first_balance_and_the_defect_says_what_is_missing() {
     for (ratio, still, _) in JUMPS {
         for n_per_period in [1, 100] {
-            let (way, energy) = jump(BackendKind::QuasiStatic, ratio, 1.0, 0.0, n_per_period);
+            let (way, energy, logged) = logged_jump(BackendKind::QuasiStatic, ratio, 1.0, 0.0, n_per_period);
             // Rounding of stretches of up to 6 f / k in some Newton steps.
             assert!((way - still).abs() < 1e-14, "{ratio}: {way}");
             let missing = (still * SLIP_LIMIT).powi(2) / (2.0 * RADIAL);
             assert!((energy.defect() + missing).abs() < 1e-14 * energy.tip_work, "{ratio}: {} {missing}", energy.defect());
+            // One jump of that size, by which the ledger explains all of the defect.
+            assert_eq!(logged.len(), 1, "{logged:?}");
+            let (shift, lost) = logged[0];
+            assert!((shift * RADIAL / SLIP_LIMIT - still).abs() < 1e-14 && (lost - missing).abs() < 1e-14 * energy.tip_work, "{logged:?}");
+            let parts = energy.defect_parts();
+            assert_eq!((parts.jumps, parts.numerical_damping), (-lost, 0.0));
+            assert!(parts.quadrature.abs() < 1e-14 * energy.tip_work, "{parts:?}");
         }
     }
 }

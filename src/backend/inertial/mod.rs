@@ -154,20 +154,27 @@ impl FirstOrder for Inertial {
             return StepReport { status: Status::Failed, ..report };
         }
         (self.state.regime, self.state.undisturbed) = (regime, true);
+        let damping = dashpots.loss(&stage, step);
         self.state.energy.friction += friction;
-        self.state.energy.damping += dashpots.loss(&stage, step);
+        self.state.energy.damping += damping;
         let springs = &self.system.springs;
         held.place_tips(way.from, way.targets, to);
         let tips_stood = held.grips().iter().zip(&last).all(|(now, last)| now.tip == last.tip);
-        self.state.energy.tip_work += held.trapezoid_work(springs, &last, &self.state.motion.pose, &motion.pose);
+        let work = held.trapezoid_work(springs, &last, &self.state.motion.pose, &motion.pose);
+        let mut on_dashpots = 0.0;
         for (at, force) in dashpots.forces(&stage).enumerate() {
-            self.state.energy.tip_work -= force.dot(&(held.grips()[at].tip - last[at].tip));
+            on_dashpots -= force.dot(&(held.grips()[at].tip - last[at].tip));
             self.state.dashpot_on_tip[held.grips()[at].spring] = force;
         }
+        let kinetic = self.system.load.kinetic_energy(&motion.twist);
+        self.state.energy.tip_work += work.of_tips + on_dashpots;
+        // A dashpot keeps nothing: what its tip's holder does and it does not take goes to the load.
+        let on_load = work.on_load + on_dashpots - damping;
+        self.state.energy.numerical_damping += on_load - friction - (kinetic - self.state.energy.kinetic);
         held.accept(springs, &motion.pose);
         self.state.settled = tips_stood && motion.twist == Twist::ZERO && self.state.motion.twist == Twist::ZERO;
         self.state.energy.elastic = held.energy(springs, &motion.pose);
-        self.state.energy.kinetic = self.system.load.kinetic_energy(&motion.twist);
+        self.state.energy.kinetic = kinetic;
         (self.state.held, self.state.motion) = (held, motion);
         report
     }
@@ -181,9 +188,13 @@ impl FirstOrder for Inertial {
         (&self.system, &self.state.motion)
     }
 
+    fn last_regime(&self) -> Regime {
+        self.state.regime
+    }
+
     fn flow(&self) -> Vec<f64> {
         let State { motion, energy, dashpot_on_tip, .. } = &self.state;
-        let losses = [energy.friction, energy.damping, energy.tip_work];
+        let losses = [energy.friction, energy.tip_work, energy.damping, energy.numerical_damping];
         let dashpots = dashpot_on_tip.iter().flat_map(|force| [force.x, force.y]);
         motion.entries().into_iter().chain(losses).chain(dashpots).collect()
     }
@@ -192,11 +203,12 @@ impl FirstOrder for Inertial {
         let state = &mut self.state;
         state.motion = Motion::of_entries(flow);
         state.settled &= state.motion.twist == Twist::ZERO;
-        (state.energy.friction, state.energy.damping, state.energy.tip_work) = (flow[6], flow[7], flow[8]);
+        let energy = &mut state.energy;
+        [energy.friction, energy.tip_work, energy.damping, energy.numerical_damping] = [flow[6], flow[7], flow[8], flow[9]];
         state
             .dashpot_on_tip
             .iter_mut()
-            .zip(flow[9..].chunks_exact(2))
+            .zip(flow[10..].chunks_exact(2))
             .for_each(|(force, entries)| *force = Vec2::new(entries[0], entries[1]));
         state.held.accept(&self.system.springs, &state.motion.pose);
         state.energy.elastic = state.held.energy(&self.system.springs, &state.motion.pose);

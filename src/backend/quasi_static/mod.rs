@@ -1,8 +1,8 @@
 //! The paper's backend: the load moves so that springs and friction balance at every instant; inertia is neglected.
 //!
 //! Its path does not depend on how fast the tips go along theirs: the method is rate-independent, and equal nodes give equal bits. First order in
-//! the step. Where a grasp or a release leaves the load out of balance, it jumps to the nearest balance before the tips move on. Dashpots
-//! act through rates, so they do not act here.
+//! the step. Where a grasp or a release leaves the load out of balance, it jumps to the nearest balance before the tips move on; where
+//! moving tips take the balance away, it snaps to another one within the step. Dashpots act through rates, so they do not act here.
 
 pub mod conic;
 
@@ -20,6 +20,9 @@ use crate::model::System;
 /// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
 const MOST_LEGS: u32 = 10;
 
+/// Rounding of the energies of a run, of which the defect of a step is a difference (1).
+const SNAP_ROUNDING: f64 = 1e-13;
+
 pub struct QuasiStatic {
     system: System,
     stepping: Stepping,
@@ -36,8 +39,8 @@ pub(super) struct State {
     /// A grasp or a release has changed the forces since the last balance.
     disturbed: bool,
     regime: Regime,
-    /// The regime is that of the tips' present course.
-    on_course: bool,
+    /// Nothing was grasped or let go since the step that ended in the regime.
+    regime_is_known: bool,
     /// Stride to start the next advance with under error control (s).
     stride: f64,
     warm_start: WarmStart,
@@ -55,7 +58,7 @@ impl QuasiStatic {
             energy: EnergyLedger::default(),
             disturbed: false,
             regime: Regime::Stick,
-            on_course: false,
+            regime_is_known: false,
             stride: f64::MAX,
             warm_start,
         };
@@ -65,8 +68,19 @@ impl QuasiStatic {
     /// Moves the load from where a grasp or a release has left it to the balance for tips that stand still. The friction of a long way depends on
     /// the way, here one constant twist; where that ends the load may have to go on, by far less, before it stays.
     fn jump(&mut self, grips: &[Grip]) -> StepReport {
-        let mut report = StepReport::default();
         let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
+        let report = self.settle(grips);
+        self.state.regime = regime;
+        if self.state.motion.pose != start {
+            let kind = self.book_jump(&start, defect);
+            self.transitions.push(Transition { time: 0.0, kind });
+        }
+        report
+    }
+
+    /// Legs to a balance with `grips` as they are.
+    fn settle(&mut self, grips: &[Grip]) -> StepReport {
+        let mut report = StepReport::default();
         for _ in 0..MOST_LEGS {
             let before = self.state.motion.pose;
             report.add(&self.balance(grips));
@@ -74,21 +88,14 @@ impl QuasiStatic {
                 break;
             }
         }
-        self.state.regime = regime;
-        if self.state.motion.pose != start {
-            self.transitions.push(Transition { time: 0.0, kind: self.jumped(&start, defect) });
-        }
         report
     }
 
-    /// The jump that led from the pose `start` and this energy `defect` (J) to the present ones.
-    fn jumped(&self, start: &Pose, defect: f64) -> TransitionKind {
-        let pose = &self.state.motion.pose;
-        TransitionKind::Jump {
-            shift: (pose.position - start.position).norm(),
-            turn: pose.heading - start.heading,
-            energy: defect - self.state.energy.defect(),
-        }
+    /// Books the jump that led from the pose `start` and this energy `defect` (J) to the present ones.
+    fn book_jump(&mut self, start: &Pose, defect: f64) -> TransitionKind {
+        let (pose, energy) = (&self.state.motion.pose, defect - self.state.energy.defect());
+        self.state.energy.jumps += energy;
+        TransitionKind::Jump { shift: (pose.position - start.position).norm(), turn: pose.heading - start.heading, energy }
     }
 
     /// Tips that stand still leave the load where it is.
@@ -107,9 +114,12 @@ impl QuasiStatic {
         let mut report = StepReport::default();
         let share = |i: u64| i as f64 / n_steps as f64;
         for i in 1..=n_steps {
-            let before = self.state.regime;
+            let before = self.state.clone();
             report.add(&self.step(way, share(i - 1), share(i)));
-            self.note_transition(before, share(i) * way.duration);
+            let time = share(i) * way.duration;
+            let snap = self.finish_snap(&before, &mut report);
+            self.transitions.extend(snap.map(|kind| Transition { time, kind }));
+            self.note_transition(before.regime, time);
         }
         report
     }
@@ -135,7 +145,7 @@ impl QuasiStatic {
         self.state.regime = regime;
         self.state.held.accept(&self.system.springs, &pose);
         self.state.energy.friction += friction;
-        self.state.energy.tip_work += self.state.held.trapezoid_work(&self.system.springs, from, &before, &pose);
+        self.state.energy.tip_work += self.state.held.trapezoid_work(&self.system.springs, from, &before, &pose).of_tips;
         self.state.energy.elastic = self.state.held.energy(&self.system.springs, &pose);
         report
     }
@@ -161,12 +171,17 @@ impl FirstOrder for QuasiStatic {
         let step = (to - from) * way.duration;
         self.state.motion.twist =
             Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
-        self.state.on_course = true;
+        self.state.regime_is_known = true;
         report
     }
 
     fn regime(&self) -> Option<Regime> {
-        self.state.on_course.then_some(self.state.regime)
+        // After a grasp or release a load may go on in another regime at once; one at rest may stay for a while, and its onset is to be found.
+        (self.state.regime_is_known || self.state.regime == Regime::Stick).then_some(self.state.regime)
+    }
+
+    fn last_regime(&self) -> Regime {
+        self.state.regime
     }
 
     fn moving(&self) -> (&System, &Motion) {
@@ -183,6 +198,25 @@ impl FirstOrder for QuasiStatic {
         (self.state.energy.friction, self.state.energy.tip_work) = (flow[6], flow[7]);
         self.state.held.accept(&self.system.springs, &self.state.motion.pose);
         self.state.energy.elastic = self.state.held.energy(&self.system.springs, &self.state.motion.pose);
+    }
+
+    /// Where the springs' energy is no longer convex the balance ends, and the load snaps to another one while the tips move. More energy is then missing
+    /// than the trapezoid sum of a smooth path can be off by.
+    fn finish_snap(&mut self, before: &State, report: &mut StepReport) -> Option<TransitionKind> {
+        let (start, end) = (&before.motion.pose, &self.state.motion.pose);
+        let missing = before.energy.defect() - self.state.energy.defect();
+        if start == end || missing <= 0.0 {
+            return None;
+        }
+        let allowed = self.state.held.largest_work_error(&self.system.springs, &before.held, start, end);
+        let rounding = SNAP_ROUNDING * (self.state.energy.tip_work.abs() + self.state.energy.dissipated() + self.state.energy.elastic);
+        if missing <= allowed + rounding {
+            return None;
+        }
+        let (grips, regime) = (self.state.held.grips().to_vec(), self.state.regime);
+        report.add(&StepReport { n_steps: 0, ..self.settle(&grips) });
+        self.state.regime = regime;
+        Some(self.book_jump(&before.motion.pose, before.energy.defect()))
     }
 }
 
@@ -205,14 +239,13 @@ impl Backend for QuasiStatic {
         let from = self.state.held.grips().to_vec();
         if self.state.disturbed {
             report.add(&self.jump(&from));
-            self.state.disturbed = false;
+            (self.state.disturbed, self.state.regime_is_known) = (false, false);
         }
         let way = Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY };
         report.add(&match self.stepping {
             _ if self.state.held.tips_are_at(tip_targets) => self.rest(duration),
             Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest)),
             Stepping::Controlled(control) => {
-                self.state.on_course = false;
                 let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
                 let (report, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
                 (self.state.stride, self.transitions) = (stride, transitions);

@@ -11,7 +11,7 @@ use super::joints::SpringJoint;
 use super::step::Step;
 use crate::backend::held::HeldSprings;
 use crate::math::{Vec2, perpendicular, rotation};
-use crate::model::PolarSpring;
+use crate::model::{Load, PolarSpring};
 
 /// Energy that went somewhere so far (J); see [`crate::backend::EnergyLedger`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -21,31 +21,39 @@ pub struct Books {
     pub released: f64,
     pub tip_work: f64,
     pub initial: f64,
+    pub numerical_damping: f64,
 }
 
 impl Books {
     pub fn is_finite(&self) -> bool {
-        [self.friction, self.damping, self.released, self.tip_work, self.initial].iter().all(|v| v.is_finite())
+        [self.friction, self.damping, self.released, self.tip_work, self.initial, self.numerical_damping].iter().all(|v| v.is_finite())
     }
 
-    pub fn add_friction(&mut self, step: &Step) {
+    /// Books friction, and what it and the change of motion of `load` leave to be explained.
+    pub fn add_friction(&mut self, load: &Load, step: &Step) {
         let turn = rotation(step.start.pose.heading);
+        let before = self.friction;
         for (joint, wrench) in step.friction.iter().zip(&step.wrenches) {
             let slip_velocity = step.end.twist.velocity_at(&(turn * joint.offset));
             self.friction -= step.duration * (wrench.force.dot(&slip_velocity) + wrench.torque * step.end.twist.angular);
         }
+        let [start, end] = [&step.start, &step.end].map(|motion| load.kinetic_energy(&motion.twist));
+        self.numerical_damping -= self.friction - before + end - start;
     }
 
     /// Books dashpots and tips, and leaves the forces of the dashpots in `on_tip` (N, world, one a spring). `held` has the tips at the end of the
     /// step.
     pub fn add_springs(&mut self, springs: &[PolarSpring], held: &HeldSprings, step: &Step, on_tip: &mut [Vec2]) {
-        self.tip_work += held.trapezoid_work(springs, &step.from, &step.start.pose, &step.end.pose);
+        let work = held.trapezoid_work(springs, &step.from, &step.start.pose, &step.end.pose);
+        self.tip_work += work.of_tips;
+        self.numerical_damping += work.on_load;
         for ((grip, before), joint) in held.grips().iter().zip(&step.from).zip(&step.springs) {
             let shift = grip.tip - before.tip;
             let rate = shift / step.duration - step.end.twist.velocity_at(&joint.arm);
             let on_load = dashpot_force(joint, &rate);
             self.tip_work += on_load.dot(&shift);
             self.damping += on_load.dot(&rate) * step.duration;
+            self.numerical_damping += on_load.dot(&(shift - rate * step.duration));
             on_tip[grip.spring] = -on_load;
         }
     }

@@ -122,7 +122,7 @@ impl Transport {
         next.body = self.engine.body();
         next.heading = step.end.pose.heading;
         next.held.accept(&self.system.springs, &step.end.pose);
-        next.books.add_friction(step);
+        next.books.add_friction(&self.system.load, step);
         next.books.add_springs(&self.system.springs, &next.held, step, &mut next.dashpot_on_tip);
         next.friction_forces.fill(Vec2::zeros());
         for (joint, wrench) in step.friction.iter().zip(&step.wrenches) {
@@ -148,6 +148,8 @@ impl Transport {
             released: state.books.released,
             tip_work: state.books.tip_work,
             initial: state.books.initial,
+            jumps: 0.0,
+            numerical_damping: state.books.numerical_damping,
         }
     }
 }

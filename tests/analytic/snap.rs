@@ -1,0 +1,93 @@
+//! A load on one spring whose tip swings so far round the root that the spring's energy is no longer convex: when it slips, it snaps.
+//!
+//! The supports stand so far out that the load shifts only. At twice its rest length the spring pulls with f_r = k_r l_0 along itself and f_t = k_t psi / l
+//! across. Along that pull n the stiffness n' H n = k_r n_r^2 + (k_r / 2 + k_t / l^2) n_t^2 - 2 (k_t psi / l^2) n_r n_t is negative from swings of 4.01 rad on: a
+//! load that starts to slip there is pulled the more the further it goes, until the spring is shorter.
+
+use cohaul::backend::{Backend, BackendKind, BackendOptions, TransitionKind, build};
+use cohaul::math::{Vec2, direction};
+use cohaul::model::{PolarSpring, System};
+
+use crate::common::*;
+
+/// Swing at which the load slips (rad).
+const SNAP: f64 = 4.5;
+/// Angle that the tip sweeps (rad), at one radian a second.
+const SWEPT: f64 = 4.8;
+const LENGTH: f64 = 2.0 * REST_LENGTH;
+
+fn slip_limit(swing: f64) -> f64 {
+    (RADIAL * REST_LENGTH).hypot(TORSIONAL * swing / LENGTH)
+}
+
+fn system(limit: f64) -> System {
+    let mut system = paper_system(vec![PolarSpring { root: Vec2::zeros(), ..paper_springs(1)[0] }]);
+    system.ground.supports = tripod(100.0, limit / MU);
+    system
+}
+
+/// A jump that was logged.
+#[derive(Clone, Copy, Debug)]
+struct Snap {
+    /// (s)
+    time: f64,
+    /// (m)
+    shift: f64,
+    /// (J)
+    energy: f64,
+    /// Elastic, at the end of its step (J).
+    elastic: f64,
+}
+
+/// The jumps while the tip goes round in `n` pieces, and the energy that the ledger has for them (J).
+fn snaps(system: &System, options: &BackendOptions, n: u32) -> (Vec<Snap>, f64) {
+    let mut run = build(system, at_rest(), options);
+    let mut jumps = Vec::new();
+    let piece = SWEPT / f64::from(n);
+    let look = |time: f64, run: &mut dyn Backend| {
+        for transition in run.transitions() {
+            if let TransitionKind::Jump { shift, energy, turn } = transition.kind {
+                // A shift of all supports 100 m out.
+                assert!(turn.abs() < 1e-5, "{turn}");
+                jumps.push(Snap { time: time - piece + transition.time, shift, energy, elastic: run.energy().elastic });
+            }
+        }
+    };
+    drive(run.as_mut(), |t| vec![(0, LENGTH * direction(t))], SWEPT, n, look);
+    (jumps, run.energy().jumps)
+}
+
+#[test]
+fn a_snap_is_logged_with_its_time_and_size_at_any_step() {
+    let limit = slip_limit(SNAP);
+    let fixed = BackendOptions::new(BackendKind::QuasiStatic, 1.0);
+    let before = 0.5 * RADIAL * REST_LENGTH.powi(2) + 0.5 * TORSIONAL * SNAP * SNAP;
+    let found = [(&fixed, 2_400), (&fixed, 9_600)].map(|(options, n)| {
+        let (jumps, booked) = snaps(&system(limit), options, n);
+        assert_eq!(jumps.len(), 1, "{n}: {jumps:?}");
+        let Snap { time, shift, energy, elastic } = jumps[0];
+        // Fixed steps name their end; chords of the tip's circle pull less by their sag, 1e-6 of the length.
+        assert!(time - SNAP > -1e-5 && time - SNAP < 1.01 * SWEPT / f64::from(n), "{n}: {time}");
+        // What the spring gave less what friction took on the way, which is a little longer than the shift: it bends once.
+        let most = before - elastic - limit * shift;
+        assert!(energy < most && energy > 0.8 * most, "{n}: {energy} {most}");
+        assert_eq!(booked, energy);
+        jumps[0]
+    });
+    for other in &found[1..] {
+        // At the coarser step the tip is up to a step, 0.1 mm, further on: 2e-3 of the way.
+        assert!((other.shift / found[0].shift - 1.0).abs() < 0.01, "{found:?}");
+        assert!((other.energy / found[0].energy - 1.0).abs() < 0.02, "{found:?}");
+    }
+}
+
+/// A little friction less, and the load slips while the energy along its way is still convex: it creeps after the tip.
+#[test]
+fn a_load_that_slips_earlier_does_not_snap() {
+    for swing in [1.0, 2.0] {
+        for n in [48, 480, 4_800] {
+            let (jumps, _) = snaps(&system(slip_limit(swing)), &BackendOptions::new(BackendKind::QuasiStatic, 1.0), n);
+            assert!(jumps.is_empty(), "{swing} {n}: {jumps:?}");
+        }
+    }
+}
