@@ -15,8 +15,6 @@
 //! two steps agree within the tolerance: that stride is taken as it stands, the change is located to its length, and behind it the order starts anew. Grasps,
 //! releases and corners of tip paths fall between advances, so that they are instants of their own already.
 
-use serde::{Deserialize, Serialize};
-
 use super::friction::Regime;
 use super::held::Grip;
 use super::transition::{Transition, TransitionKind};
@@ -84,7 +82,7 @@ pub struct Control {
 }
 
 /// Which column of the table a stride ends in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// The last one: the best there is.
     Last,

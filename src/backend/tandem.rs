@@ -1,6 +1,6 @@
 //! A run whose error is known: two of the same kind side by side, one of them less exact.
 //!
-//! Both take strides under error control, the second with a tolerance ten times the first's, and it keeps the answers whose errors the control sees
+//! Both take strides under error control, the second with a tolerance four times the first's, and it keeps the answers whose errors the control sees
 //! instead of the better ones. What it has strayed from the first after any number of strides is how those errors have added up, and bounds the
 //! first one's own error with a margin.
 
