@@ -10,6 +10,7 @@ pub mod increment;
 pub mod inertial;
 pub mod quasi_static;
 pub mod rapier;
+mod skips;
 mod tandem;
 mod transition;
 
@@ -22,6 +23,7 @@ use tandem::Tandem;
 
 pub use inertial::Integrator;
 pub use rapier::RapierOptions;
+pub use skips::{Skip, SkipCounts, Skips};
 pub use transition::{Transition, TransitionCounts, TransitionKind};
 
 /// Where the load is and how it moves, in world axes.
@@ -238,6 +240,9 @@ pub struct StepReport {
     pub n_not_converged: u64,
     /// Strides that error control found too long.
     pub n_rejected: u64,
+    /// What was left out, by kind.
+    #[serde(default)]
+    pub skipped: SkipCounts,
 }
 
 impl StepReport {
@@ -250,6 +255,7 @@ impl StepReport {
         self.n_skipped += other.n_skipped;
         self.n_not_converged += other.n_not_converged;
         self.n_rejected += other.n_rejected;
+        self.skipped.add(&other.skipped);
     }
 }
 
@@ -290,6 +296,13 @@ pub struct BackendOptions {
     /// Of the inertial backend at a fixed step.
     pub integrator: Integrator,
     pub rapier: RapierOptions,
+    /// What may be left out.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub skips: Skips,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 fn unlimited() -> f64 {
@@ -303,7 +316,7 @@ fn is_unlimited(step: &f64) -> bool {
 impl BackendOptions {
     /// The usual settings at this longest step (s).
     pub fn new(kind: BackendKind, step_s: f64) -> Self {
-        Self { kind, step_s, tolerance: None, integrator: Integrator::default(), rapier: RapierOptions::default() }
+        Self { kind, step_s, tolerance: None, integrator: Integrator::default(), rapier: RapierOptions::default(), skips: Skips::ALL }
     }
 
     /// An exact backend under error control.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, Status, StepReport, TransitionCounts};
+use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, SkipCounts, Status, StepReport, TransitionCounts};
 use crate::math::{Pose, Summary, Twist, Vec2, direction};
 use crate::simulation::{Event, EventKind, HeldTip, Outcome, Row, Trace};
 
@@ -41,6 +41,7 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             n_skipped: 12,
             n_not_converged: 0,
             n_rejected: 0,
+            skipped: SkipCounts::default(),
         },
         transitions: TransitionCounts { n_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },
         error: None,

@@ -1,0 +1,72 @@
+//! Work that a run leaves out because its outcome is known, and how often it did.
+//!
+//! Each kind can be switched off; results then differ by no more than the kind says.
+
+use serde::{Deserialize, Serialize};
+
+/// A kind of work that may be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Skip {
+    /// Steps of a load at rest of which no spring is held.
+    FreeLoad,
+    /// Steps of a load at rest of which no held tip moves.
+    StillTips,
+    /// Solutions of the friction problem while the held tips have not gone far enough to make the load slip.
+    StickBound,
+    /// Springs that an ant is too far from to sense.
+    DistantAnts,
+}
+
+/// The kinds that are left out: all, unless switched off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Skips {
+    pub free_load: bool,
+    pub still_tips: bool,
+    pub stick_bound: bool,
+    pub distant_ants: bool,
+}
+
+impl Skips {
+    pub const ALL: Skips = Skips { free_load: true, still_tips: true, stick_bound: true, distant_ants: true };
+    pub const NONE: Skips = Skips { free_load: false, still_tips: false, stick_bound: false, distant_ants: false };
+
+    /// All of these but one kind.
+    pub fn without(self, skip: Skip) -> Self {
+        match skip {
+            Skip::FreeLoad => Skips { free_load: false, ..self },
+            Skip::StillTips => Skips { still_tips: false, ..self },
+            Skip::StickBound => Skips { stick_bound: false, ..self },
+            Skip::DistantAnts => Skips { distant_ants: false, ..self },
+        }
+    }
+}
+
+impl Default for Skips {
+    fn default() -> Self {
+        Skips::ALL
+    }
+}
+
+/// How often work was left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SkipCounts {
+    /// Steps.
+    pub free_load: u64,
+    /// Steps.
+    pub still_tips: u64,
+    /// Steps.
+    pub stick_bound: u64,
+    /// Ants at ticks.
+    pub distant_ants: u64,
+}
+
+impl SkipCounts {
+    pub fn add(&mut self, other: &SkipCounts) {
+        self.free_load += other.free_load;
+        self.still_tips += other.still_tips;
+        self.stick_bound += other.stick_bound;
+        self.distant_ants += other.distant_ants;
+    }
+}
