@@ -37,6 +37,11 @@ impl HeldSprings {
         &self.grips
     }
 
+    /// Where tips and swings may be changed; which springs are held may not.
+    pub(super) fn grips_mut(&mut self) -> &mut [Grip] {
+        &mut self.grips
+    }
+
     pub fn is_empty(&self) -> bool {
         self.grips.is_empty()
     }

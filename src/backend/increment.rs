@@ -12,19 +12,23 @@
 //! E is not convex in general. The minimum wanted is the one that descent from rest reaches, by proximal Newton: the cone problem with the
 //! Hessian of E, made positive definite where it is not, and a line search on the true objective.
 
-use super::friction::{FrictionSolver, Regime};
-use super::held::HeldSprings;
+use serde::{Deserialize, Serialize};
+
+use super::friction::{EXACT, FrictionSolver, Regime};
+use super::spring_blocks::SpringBlocks;
 use super::{Status, StepReport};
-use crate::math::{Mat2, Mat3, Pose, Twist, Vec2, Vec3, mean_rotation, mean_rotation_derivatives, rotation};
+use crate::math::{Mat2, Mat3, Pose, PositiveDefinite, Twist, Vec2, Vec3, mean_rotation, mean_rotation_derivatives, rotation, shift_of};
 use crate::model::support::slip_velocity;
-use crate::model::{Ground, Load, PolarSpring, Reaction};
+use crate::model::{Ground, Load, Reaction};
 
 /// What the increment is to minimise, besides friction.
 pub struct Potential<'a> {
     /// Pose at the start of the step.
     pub start: Pose,
-    /// Springs with their tips at the end of the step. Several sets act side by side.
-    pub springs: &'a [(&'a [PolarSpring], &'a HeldSprings)],
+    /// Springs with their tips where the step evaluates them.
+    pub springs: &'a mut SpringBlocks,
+    /// Dashpots as springs of this step.
+    pub dashpots: Option<&'a mut SpringBlocks>,
     /// `None` neglects inertia.
     pub inertia: Option<Coasting>,
     /// Where on the way the springs act.
@@ -62,6 +66,43 @@ pub struct Coasting {
     pub stiffness: (f64, f64),
 }
 
+/// What the next increment is likely to be: the last one, continued by how it differed from the one before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Forecast {
+    /// Increments of the last two steps, both as of the length of the last (m, m, rad).
+    last: Option<Vec3>,
+    before: Option<Vec3>,
+    /// Length of the last step, by a measure that is the caller's.
+    step: f64,
+}
+
+impl Forecast {
+    /// Body-twist increment of the next step, of length `step`; `None` where nothing is known.
+    pub fn increment(&self, step: f64) -> Option<Vec3> {
+        let (last, before) = (self.last?, self.before.unwrap_or(self.last?));
+        let ratio = self.ratio(step);
+        Some((last + ratio * (last - before)) * ratio)
+    }
+
+    /// Takes the increment of a step of this length into account; one at which not all supports slip ends what is known.
+    pub fn learn(&mut self, increment: &Increment, step: f64) {
+        if increment.regime != Regime::Slip {
+            return self.forget();
+        }
+        let ratio = self.ratio(step);
+        *self = Self { last: Some(increment.twist), before: self.last.map(|last| ratio * last), step };
+    }
+
+    /// Of a step's length to that of the last one; exactly one where they are equal but for rounding, so that a path at another pace is the same to the last bit.
+    fn ratio(&self, step: f64) -> f64 {
+        if (step - self.step).abs() <= 1e-6 * step { 1.0 } else { step / self.step }
+    }
+
+    pub fn forget(&mut self) {
+        *self = Self::default();
+    }
+}
+
 /// The increment found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increment {
@@ -80,36 +121,100 @@ const ABSOLUTE_TOLERANCE: f64 = 1e-15;
 /// Residual of the cone problem, or size of the last Newton step over the load's extent, above which a step counts as not converged.
 /// A thousand times what steps reach that end by their tolerance, and far below what a path's own error could show.
 const LARGEST_RESIDUAL: f64 = 1e-9;
+/// Where a guess takes more, the descent from rest is the better way.
+const MOST_GLIDING: u64 = 6;
 /// Converging steps take two to six; where the energy has a kink none will do.
 const MOST_ITERATIONS: u64 = 60;
 /// Longest turn in one Newton step (rad): the quadratic model says little beyond.
 const LONGEST_TURN: f64 = 0.5;
 
-/// Minimises over increments from rest. `length` (m) is the extent of the load, which makes turns and shifts comparable.
-pub fn minimise(potential: &Potential, ground: &Ground, solver: &mut FrictionSolver, length: f64) -> Increment {
+/// Minimises over increments, near a `guess` if that is good and from rest else. `length` (m) is the extent of the load, which makes turns and shifts
+/// comparable.
+pub fn minimise(mut potential: Potential, ground: &Ground, solver: &mut FrictionSolver, length: f64, guess: Option<Vec3>) -> Increment {
+    let turn = rotation(potential.start.heading);
+    guess
+        .and_then(|guess| glide(&mut potential, ground, solver, &turn, length, guess))
+        .unwrap_or_else(|| descend_from_rest(&mut potential, ground, solver, &turn, length))
+}
+
+/// Newton's method on springs and friction at once, for a load all of whose supports go on slipping; `None` when it does not lead from `guess` to the
+/// minimum in a few iterations. Where the energy is convex at both ends there is but one.
+fn glide(
+    potential: &mut Potential,
+    ground: &Ground,
+    solver: &mut FrictionSolver,
+    turn: &Mat2,
+    length: f64,
+    guess: Vec3,
+) -> Option<Increment> {
     let size = |twist: &Vec3| twist.xy().norm() / length + twist.z.abs();
-    let is_frictionless = ground.slip_limits().all(|limit| limit == 0.0);
+    let mut at = guess;
+    let mut last = f64::INFINITY;
+    for n_iterations in 0..MOST_GLIDING {
+        let local = potential.at(&at, turn);
+        let (step, residual) = solver.gliding_step(&at, &local.gradient, &local.hessian)?;
+        let (correction, extent) = (size(&step), size(&at));
+        let tolerance = RELATIVE_TOLERANCE * extent + ABSOLUTE_TOLERANCE;
+        // One more iteration costs little and takes the last digits.
+        let is_last = correction <= tolerance && (residual <= EXACT || last <= tolerance);
+        if (n_iterations == 0 || is_last) && PositiveDefinite::new(&local.hessian).is_none() {
+            return None;
+        }
+        if is_last {
+            solver.keep_gliding(&at);
+            let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
+            return (residual <= LARGEST_RESIDUAL).then(|| Increment {
+                twist: at,
+                friction: friction_loss(ground, &at),
+                regime: Regime::Slip,
+                report,
+            });
+        }
+        // Newton's method that converges does so fast; a guess that is off by half of itself is none.
+        let is_near = correction <= (0.5 * last).max(tolerance) && correction <= 0.5 * extent;
+        if !is_near {
+            return None;
+        }
+        last = correction;
+        at += step;
+    }
+    None
+}
+
+fn descend_from_rest(potential: &mut Potential, ground: &Ground, solver: &mut FrictionSolver, turn: &Mat2, length: f64) -> Increment {
+    let size = |twist: &Vec3| twist.xy().norm() / length + twist.z.abs();
+    let is_frictionless = solver.is_frictionless();
     let mut at = Vec3::zeros();
+    let mut local = potential.at(&at, turn);
     let mut report = StepReport { n_steps: 1, ..StepReport::default() };
     let mut residual = f64::INFINITY;
     let mut regime = Regime::Stick;
     for _ in 0..MOST_ITERATIONS {
-        let local = potential.at(&at);
         let hessian = positive_definite(&local.hessian, length);
         let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
         regime = solution.regime;
         report.n_solves += 1;
         report.n_iterations += u64::from(solution.n_iterations);
-        let step = shortened(solution.increment - at);
+        let full_step = solution.increment - at;
+        let step = shortened(full_step);
         if !step.iter().all(|v| v.is_finite()) {
             break;
         }
-        let is_last = size(&step) <= RELATIVE_TOLERANCE * size(&solution.increment) + ABSOLUTE_TOLERANCE
-            || is_frictionless && local.is_balanced(&hessian, &step, &potential.start, length);
+        let tolerance = RELATIVE_TOLERANCE * size(&solution.increment) + ABSOLUTE_TOLERANCE;
+        let is_last = size(&step) <= tolerance || is_frictionless && local.is_balanced(&hessian, &step, &potential.start, length);
         residual = solution.residual.max(if is_last { 0.0 } else { size(&step) / size(&solution.increment).max(1.0) });
-        let Some(next) = descend(potential, ground, &local, &at, &step, length) else { break };
-        at = next;
-        if is_last || at == Vec3::zeros() {
+        if step == Vec3::zeros() {
+            break;
+        }
+        let Some((next, there)) = descend(potential, ground, &local, [&at, &step], turn, length) else { break };
+        // At the end of a full step the friction is that of the solution, so that only the change of the springs' forces is left out of balance.
+        let is_exact = size(&(next - solution.increment)) <= f64::EPSILON * size(&next) && {
+            let left = there.gradient - local.gradient - hessian * full_step;
+            PositiveDefinite::new(&hessian).is_some_and(|factor| size(&factor.solve(&left)) <= tolerance)
+        };
+        (at, local) = (next, there);
+        if is_last || is_exact || at == Vec3::zeros() {
+            residual = if is_exact { solution.residual } else { residual };
             break;
         }
     }
@@ -125,27 +230,22 @@ pub fn friction_loss(ground: &Ground, twist: &Vec3) -> f64 {
 }
 
 impl Potential<'_> {
-    /// Energy (J), gradient and Hessian by the body-twist increment, at the increment `twist`.
-    fn at(&self, twist: &Vec3) -> Reaction {
+    /// Energy (J), gradient and Hessian by the body-twist increment, at the increment `twist`; `turn` takes the axes of the start to world axes.
+    fn at(&mut self, twist: &Vec3, turn: &Mat2) -> Reaction {
         let (stage, share) = (self.springs_at.of(twist), self.springs_at.share);
-        let pose = self.start.moved_by(&stage);
-        let mut elastic = Reaction::ZERO;
-        for (springs, held) in self.springs {
-            elastic.add(&held.reaction(springs, &pose));
+        let Pose { position, heading } = self.start;
+        let pose = Pose { position: position + shift_of(turn, &stage), heading: heading + stage.z };
+        let mut elastic = self.springs.reaction(&pose);
+        if let Some(dashpots) = &mut self.dashpots {
+            elastic.add(&dashpots.reaction(&pose));
         }
-        let mut sum = in_body_increments(&elastic, self.start.heading, &stage);
+        let mut sum = in_body_increments(&elastic, turn, &stage);
         sum.energy /= share;
         sum.hessian *= share;
         if let Some(coasting) = &self.inertia {
-            sum.add(&in_body_increments(&coasting.reaction(&self.start, twist), self.start.heading, twist));
+            sum.add(&in_body_increments(&coasting.reaction(turn, twist), turn, twist));
         }
         sum
-    }
-
-    fn energy(&self, twist: &Vec3) -> f64 {
-        let pose = self.start.moved_by(&self.springs_at.of(twist));
-        let elastic: f64 = self.springs.iter().map(|(springs, held)| held.energy(springs, &pose)).sum();
-        elastic / self.springs_at.share + self.inertia.map_or(0.0, |coasting| coasting.reaction(&self.start, twist).energy)
     }
 }
 
@@ -171,10 +271,10 @@ impl Coasting {
         }
     }
 
-    /// Energy and its derivatives by the load's pose, at the increment `twist` from `start`.
-    fn reaction(&self, start: &Pose, twist: &Vec3) -> Reaction {
+    /// Energy and its derivatives by the load's pose, at the increment `twist` from a start whose axes `turn` takes to world axes.
+    fn reaction(&self, turn: &Mat2, twist: &Vec3) -> Reaction {
         let (linear, angular) = self.stiffness;
-        let away = start.shift_by(twist) - self.shift;
+        let away = shift_of(turn, twist) - self.shift;
         let turn = twist.z - self.turn;
         Reaction {
             energy: 0.5 * linear * away.norm_squared() + 0.5 * angular * turn * turn,
@@ -185,28 +285,27 @@ impl Coasting {
 }
 
 /// Derivatives by (x, y, heading) turned into derivatives by the increment (u, delta) of
-/// `x = x_0 + R(heading_0) V(delta) u`, `heading = heading_0 + delta`.
-pub fn in_body_increments(world: &Reaction, heading: f64, twist: &Vec3) -> Reaction {
-    let turn = rotation(heading);
+/// `x = x_0 + R V(delta) u`, `heading = heading_0 + delta`, where R is the rotation `turn` by heading_0.
+pub fn in_body_increments(world: &Reaction, turn: &Mat2, twist: &Vec3) -> Reaction {
     let (first, second) = mean_rotation_derivatives(twist.z);
     let by_shift = turn * mean_rotation(twist.z);
     let by_turn = turn * first * twist.xy();
-    let map = Mat3::new(
-        by_shift.m11,
-        by_shift.m12,
-        by_turn.x, //
-        by_shift.m21,
-        by_shift.m22,
-        by_turn.y, //
-        0.0,
-        0.0,
-        1.0,
-    );
     let force = world.gradient.xy();
     let mixed = (turn * first).tr_mul(&force);
     let twice = force.dot(&(turn * second * twist.xy()));
-    let curvature = Mat3::new(0.0, 0.0, mixed.x, 0.0, 0.0, mixed.y, mixed.x, mixed.y, twice);
-    Reaction { energy: world.energy, gradient: map.tr_mul(&world.gradient), hessian: map.transpose() * world.hessian * map + curvature }
+    // [S t; 0 1]' [A b; b' c] [S t; 0 1] by blocks.
+    let linear = world.hessian.fixed_view::<2, 2>(0, 0).into_owned();
+    let coupling = Vec2::new(world.hessian.m13, world.hessian.m23);
+    let bent = linear * by_turn;
+    let shifts = by_shift.tr_mul(&(linear * by_shift));
+    let both = by_shift.tr_mul(&(bent + coupling)) + mixed;
+    let turns = by_turn.dot(&(bent + 2.0 * coupling)) + world.hessian.m33 + twice;
+    let along = by_shift.tr_mul(&force);
+    Reaction {
+        energy: world.energy,
+        gradient: Vec3::new(along.x, along.y, by_turn.dot(&force) + world.gradient.z),
+        hessian: Mat3::new(shifts.m11, shifts.m12, both.x, shifts.m21, shifts.m22, both.y, both.x, both.y, turns),
+    }
 }
 
 /// `hessian` itself where it is positive definite, in units where lengths count in `length`.
@@ -218,13 +317,14 @@ pub fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
     let units = Vec3::new(length, length, 1.0);
     let mut scaled = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]);
     let least = 1e-12 * scaled.amax().max(f64::MIN_POSITIVE);
-    let shifts = scaled.fixed_view::<2, 2>(0, 0) - Mat2::from_diagonal_element(least);
+    let raised = scaled - Mat3::from_diagonal(&Vec3::new(least, least, least));
+    if PositiveDefinite::new(&raised).is_some() {
+        return *hessian;
+    }
+    let shifts = raised.fixed_view::<2, 2>(0, 0).into_owned();
     if let Some(factor) = shifts.cholesky() {
         let coupling = scaled.fixed_view::<2, 1>(0, 2).into_owned();
         let pivot = scaled.m33 - coupling.dot(&factor.solve(&coupling));
-        if pivot > least {
-            return *hessian;
-        }
         scaled.m33 += pivot.abs().max(least) - pivot;
     } else {
         let mut eigen = scaled.symmetric_eigen();
@@ -238,22 +338,30 @@ fn shortened(step: Vec3) -> Vec3 {
     if step.z.abs() > LONGEST_TURN { step * (LONGEST_TURN / step.z.abs()) } else { step }
 }
 
-/// The first of the points at 1, 1/2, 1/4 ... of the step where the objective has fallen by Armijo's rule, or by nothing but rounding; `None` when
-/// there is none.
-fn descend(potential: &Potential, ground: &Ground, local: &Reaction, at: &Vec3, step: &Vec3, length: f64) -> Option<Vec3> {
-    let friction = friction_loss(ground, at);
+/// The first of the points at 1, 1/2, 1/4 ... of the step where the objective has fallen by Armijo's rule, or by nothing but rounding, and what the
+/// potential is there; `None` when there is none.
+fn descend(
+    potential: &mut Potential,
+    ground: &Ground,
+    local: &Reaction,
+    [at, step]: [&Vec3; 2],
+    turn: &Mat2,
+    length: f64,
+) -> Option<(Vec3, Reaction)> {
+    let (friction, friction_there) = (friction_loss(ground, at), friction_loss(ground, &(at + step)));
     let before = local.energy + friction;
-    let predicted = local.gradient.dot(step) + friction_loss(ground, &(at + step)) - friction;
+    let predicted = local.gradient.dot(step) + friction_there - friction;
     // Rounding of the sum, and of the lengths that a stiff spring sees: its force times that of the load's position.
     let force = (2.0 * local.energy * local.hessian.m11.max(local.hessian.m22)).max(0.0).sqrt();
-    let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_loss(ground, &(at + step)))
+    let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_there)
         + 4.0 * f64::EPSILON * force * (potential.start.position.norm() + length);
     let mut share = 1.0;
     for _ in 0..40 {
         let next = at + share * step;
-        let after = potential.energy(&next) + friction_loss(ground, &next);
+        let there = potential.at(&next, turn);
+        let after = there.energy + friction_loss(ground, &next);
         if after <= before + 1e-4 * share * predicted.min(0.0) + rounding {
-            return Some(next);
+            return Some((next, there));
         }
         share *= 0.5;
     }

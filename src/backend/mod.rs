@@ -11,6 +11,7 @@ pub mod inertial;
 pub mod quasi_static;
 pub mod rapier;
 mod skips;
+mod spring_blocks;
 mod tandem;
 mod transition;
 

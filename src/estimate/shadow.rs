@@ -131,7 +131,7 @@ impl Shadow {
     }
 
     fn in_body(&self, world: &Reaction) -> Reaction {
-        in_body_increments(world, self.pose.heading, &Vec3::zeros())
+        in_body_increments(world, &rotation(self.pose.heading), &Vec3::zeros())
     }
 
     /// Direction in which a shadow at rest begins to slip, if it does.

@@ -3,11 +3,13 @@
 mod angle;
 mod chance;
 mod pose;
+mod positive;
 mod statistics;
 
 pub use angle::{direction, perpendicular, rotation, unwrap_near, wrap_to_pi};
 pub use chance::{Chance, Stream};
-pub use pose::{Pose, Twist, Wrench, mean_rotation, mean_rotation_derivatives};
+pub use pose::{Pose, Twist, Wrench, mean_rotation, mean_rotation_derivatives, shift_of};
+pub use positive::PositiveDefinite;
 pub use statistics::{Interval, Summary, mean_interval};
 
 /// A point or a free vector in the plane.

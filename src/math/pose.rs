@@ -46,7 +46,7 @@ impl Pose {
     /// How far the body-twist increment takes the origin (m, world axes), with all digits: the difference of two positions has lost those that
     /// their distance from the world's origin takes.
     pub fn shift_by(&self, increment: &Vec3) -> Vec2 {
-        rotation(self.heading) * (mean_rotation(increment.z) * increment.xy())
+        shift_of(&rotation(self.heading), increment)
     }
 
     pub fn is_finite(&self) -> bool {
@@ -65,6 +65,11 @@ impl Twist {
     pub fn is_finite(&self) -> bool {
         self.linear.iter().all(|v| v.is_finite()) && self.angular.is_finite()
     }
+}
+
+/// [`Pose::shift_by`] for a load whose axes `turn` takes to world axes.
+pub fn shift_of(turn: &Mat2, increment: &Vec3) -> Vec2 {
+    turn * (mean_rotation(increment.z) * increment.xy())
 }
 
 /// V(delta): the mean of the rotations from 0 to `delta`, the left Jacobian of SE(2).

@@ -125,6 +125,7 @@ fn dashpots_do_not_brake_a_load_that_goes_along() {
 /// The folded joint has the slope and the force of all springs, so only rounding and the last sweep part the two.
 #[test]
 fn one_joint_for_all_springs_moves_as_a_joint_for_each() {
+    let mut n_parted = 0;
     for (n_springs, damping_ratio) in [(1, 0.3), (4, 0.3), (10, 0.3), (40, 0.0)] {
         let system = ring(n_springs, damping_ratio);
         let ends = [SpringModel::Joint, SpringModel::Aggregate].map(|springs| {
@@ -136,9 +137,12 @@ fn one_joint_for_all_springs_moves_as_a_joint_for_each() {
         let gap = (ends[0].position - ends[1].position).norm();
         // Sweeps end near 1e-15 of the forces but for a few steps in which the load turns about one support: there at 1e-4 of 30 mN, which shifts
         // 1.6 g by 2e-9 m in 1 ms.
-        assert!(gap < 2e-9 && ends[0] != ends[1], "{n_springs}: {gap}");
+        assert!(gap < 2e-9, "{n_springs}: {gap}");
         assert!(ends[0].position.norm() > 1e-4, "{}", ends[0].position);
+        n_parted += u32::from(ends[0] != ends[1]);
     }
+    // Four springs may round to the same end; nothing is compared with itself while others do not.
+    assert!(n_parted >= 2, "{n_parted}");
 }
 
 /// Centre pull, x = v t' - (v / w) sin(w t') after the slip at t*; the ripple decays by implicit Euler's w h / 2, and the lag behind the

@@ -90,6 +90,10 @@ impl Cones {
         twist.component_mul(&self.twist_units())
     }
 
+    pub fn scaled_twist(&self, twist: &Vec3) -> Vec3 {
+        Vec3::new(twist.x / self.length, twist.y / self.length, twist.z)
+    }
+
     fn twist_units(&self) -> Vec3 {
         Vec3::new(self.length, self.length, 1.0)
     }
@@ -113,6 +117,14 @@ impl Cones {
     /// sum_i B_i' f_i.
     pub fn wrench(&self, forces: &[Vec2]) -> Vec3 {
         self.offsets.iter().zip(forces).map(|(offset, force)| wrench_of(offset, force)).sum()
+    }
+
+    /// Full friction forces f_i of a twist that leaves no support at rest.
+    pub fn write_slip_forces(&self, twist: &Vec3, forces: &mut [Vec2]) {
+        for (k, force) in forces.iter_mut().enumerate() {
+            let slip = self.slip(k, twist);
+            *force = (self.limits[k] / slip.norm()) * slip;
+        }
     }
 
     /// Index of the cone that slips least.

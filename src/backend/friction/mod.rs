@@ -9,6 +9,7 @@
 //! At the minimum `H x - w + sum_i B_i' f_i = 0`, with `f_i = c_i B_i x / |B_i x|` where support i slips and `|f_i| <= c_i` where it sticks. The
 //! problem is convex, so whatever satisfies these conditions is the answer, and the order of the attempts below is one of cost only:
 //!
+//! 0. Gliding (`gliding.rs`): as in the last answer all supports slip, none of them slowly.
 //! 1. Rest (`cones.rs`): forces within all limits that balance w. Nothing moves.
 //! 2. Pinned (`pinned.rs`): rotation about one support that sticks. With two distinct ones sticking, all do.
 //! 3. Slipping (`slipping.rs`): all supports slip, or stick close to it. Newton's method in coordinates in which the kink at a slow support is smooth.
@@ -17,6 +18,7 @@
 //! All of it happens in units of the supports' extent and of the sum of the limits, so that no tolerance has a dimension.
 
 mod cones;
+mod gliding;
 mod pinned;
 mod slipping;
 mod smoothed;
@@ -24,10 +26,11 @@ mod smoothed;
 use serde::{Deserialize, Serialize};
 
 use super::RestoreError;
-use crate::math::{Mat3, Vec2, Vec3, rotation};
+use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3, rotation};
 use crate::model::Ground;
 
 use cones::Cones;
+use gliding::Balance;
 
 /// Solves the cone problem for one set of supports, starting from its last answer.
 #[derive(Clone, Debug)]
@@ -44,6 +47,9 @@ pub struct WarmStart {
     twist: Option<Vec3>,
     /// Cone that the load turned about, if it did.
     pin: Option<usize>,
+    /// Whether the last answer was that twist.
+    #[serde(default)]
+    slipped: bool,
     /// Forces f_i, one a cone.
     forces: Vec<Vec2>,
 }
@@ -79,14 +85,14 @@ struct Candidate {
 }
 
 /// Residual up to which an answer counts as exact: some tens of roundings of the sums in it.
-const EXACT: f64 = 1e-13;
+pub const EXACT: f64 = 1e-13;
 
 impl FrictionSolver {
     /// `length_scale` (m) stands in where the supports have no extent of their own.
     pub fn new(ground: &Ground, length_scale: f64) -> Self {
         let cones = Cones::new(ground, length_scale);
         Self {
-            last: WarmStart { twist: None, pin: None, forces: vec![Vec2::zeros(); cones.len()] },
+            last: WarmStart { twist: None, pin: None, slipped: false, forces: vec![Vec2::zeros(); cones.len()] },
             support_forces: vec![Vec2::zeros(); ground.supports.len()],
             cones,
         }
@@ -111,6 +117,23 @@ impl FrictionSolver {
         }
     }
 
+    /// Newton's step (m, m, rad) from a body-twist increment at which all supports slip, and what is out of balance there, relative to the forces in it (1);
+    /// `gradient` and `hessian` are those of what acts besides friction (N, N, N m; N/m, N, N m/rad). `None` where a support slips too slowly.
+    pub fn gliding_step(&self, increment: &Vec3, gradient: &Vec3, hessian: &Mat3) -> Option<(Vec3, f64)> {
+        let (h, g) = self.cones.scaled(hessian, gradient);
+        let twist = self.cones.scaled_twist(increment);
+        let Balance { residual, derivative } = gliding::balance(&self.cones, &g, &h, &twist)?;
+        let step = PositiveDefinite::new(&derivative)?.solve(&residual);
+        Some((-self.cones.unscaled_twist(&step), residual.amax() / self.cones.force_scale(&h, &g, &twist)))
+    }
+
+    /// Takes an increment at which all supports slip as the last solution.
+    pub fn keep_gliding(&mut self, increment: &Vec3) {
+        let twist = self.cones.scaled_twist(increment);
+        self.cones.write_slip_forces(&twist, &mut self.last.forces);
+        self.keep(&Candidate { twist, regime: Regime::Slip });
+    }
+
     /// Friction force on each support of the ground in the last solution (N, load axes): opposite to its slip.
     pub fn forces(&self) -> &[Vec2] {
         &self.support_forces
@@ -120,6 +143,11 @@ impl FrictionSolver {
     pub fn forces_in_world(&self, heading: f64) -> Vec<Vec2> {
         let turn = rotation(heading);
         self.support_forces.iter().map(|force| turn * force).collect()
+    }
+
+    /// Whether no support has a slip limit.
+    pub fn is_frictionless(&self) -> bool {
+        self.cones.is_empty()
     }
 
     pub fn warm_start(&self) -> &WarmStart {
@@ -142,6 +170,12 @@ impl FrictionSolver {
     fn search(&mut self, h: &Mat3, w: &Vec3, n_iterations: &mut u32) -> Candidate {
         if self.cones.is_empty() {
             return Candidate { twist: linear_answer(h, w), regime: Regime::Slip };
+        }
+        if let Some(start) = self.last.twist.filter(|_| self.last.slipped) {
+            let found = gliding::slip(&self.cones, h, w, &start, &mut self.last.forces, n_iterations);
+            if let Some(found) = found {
+                return found;
+            }
         }
         if self.cones.stick_forces(w, &mut self.last.forces) {
             return Candidate { twist: Vec3::zeros(), regime: Regime::Stick };
@@ -175,7 +209,8 @@ impl FrictionSolver {
             Regime::Pinned(k) => Some(k),
             _ => None,
         };
-        if candidate.regime == Regime::Slip {
+        self.last.slipped = candidate.regime == Regime::Slip;
+        if self.last.slipped {
             self.last.twist = Some(candidate.twist);
         }
         self.cones.share_forces(&self.last.forces, &mut self.support_forces);

@@ -2,41 +2,49 @@
 //! time, and twice its energy over t the power it takes.
 
 use crate::backend::held::{Grip, HeldSprings};
+use crate::backend::spring_blocks::SpringBlocks;
 use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, System};
 
-/// Dashpots of one step as springs; the index of a dashpot is the place of its grip.
+/// Dashpots of one step as springs; the index of a dashpot is the place of its grip. None at all without damping.
+#[derive(Default)]
 pub(super) struct Dashpots {
-    pub springs: Vec<PolarSpring>,
-    pub held: HeldSprings,
+    springs: Vec<PolarSpring>,
+    grips: Vec<Grip>,
+    blocks: SpringBlocks,
     /// Time after which their springs are evaluated (s).
     time: f64,
 }
 
 impl Dashpots {
-    /// One for each of `held`, or none at all without damping. `last` are the grips with their tips at the start of the step, where the load was at `before`.
-    pub fn new(system: &System, held: &HeldSprings, last: &[Grip], before: &Pose, time: f64) -> Self {
-        let mut dashpots = Dashpots { springs: Vec::new(), held: HeldSprings::default(), time };
-        if system.springs.iter().all(|spring| spring.damping_ratio == 0.0) {
-            return dashpots;
-        }
-        for (at, (grip, last)) in held.grips().iter().zip(last).enumerate() {
-            let spring = &system.springs[grip.spring];
+    /// Sets one for each of `held`, whose tips are where they were at the start of the step, with the load at `before`. Springs are evaluated with tips at `tips`
+    /// after `time` (s).
+    pub fn renew(&mut self, system: &System, held: &HeldSprings, tips: impl Iterator<Item = Vec2>, before: &Pose, time: f64) {
+        self.springs.clear();
+        self.grips.clear();
+        for (at, (last, tip)) in held.grips().iter().zip(tips).enumerate() {
+            let spring = &system.springs[last.spring];
             let (radial, torsional) = system.dashpot(spring);
-            let shape = last.shape(&system.springs, before);
-            dashpots.springs.push(spring.about(&shape, radial / time, torsional / time));
-            dashpots.held.grasp(&dashpots.springs, at, grip.tip, before);
+            let dashpot = spring.about(&last.shape(&system.springs, before), radial / time, torsional / time);
+            self.grips.push(Grip { spring: at, tip, swing: dashpot.shape(before, &tip, 0.0).swing });
+            self.springs.push(dashpot);
         }
-        dashpots
+        self.blocks.gather(&self.springs, &self.grips);
+        self.time = time;
+    }
+
+    /// As springs, if there are any.
+    pub fn blocks(&mut self) -> Option<&mut SpringBlocks> {
+        (!self.blocks.is_empty()).then_some(&mut self.blocks)
     }
 
     /// Energy taken in a step of `step` (s) with the load at `stage` when they are evaluated (J).
-    pub fn loss(&self, stage: &Pose, step: f64) -> f64 {
-        2.0 * self.held.energy(&self.springs, stage) * step / self.time
+    pub fn loss(&mut self, stage: &Pose, step: f64) -> f64 {
+        if self.blocks.is_empty() { 0.0 } else { 2.0 * self.blocks.energy(stage) * step / self.time }
     }
 
     /// Forces on the tips (N, world).
     pub fn forces(&self, stage: &Pose) -> impl Iterator<Item = Vec2> {
-        (0..self.springs.len()).map(|at| self.held.force_on_tip(&self.springs, at, stage))
+        self.springs.iter().zip(&self.grips).map(|(spring, grip)| spring.force_on_tip(stage, &grip.shape(&self.springs, stage)))
     }
 }

@@ -11,7 +11,6 @@
 //! are right to fourth order, where the step resolves all oscillations and nothing damps them. A load that slides straight and sticks ends where it should but for
 //! (mu g h)^2 / (8 mu g) at most. Friction follows the end velocity, so a slip that turns makes the step first order with a small constant.
 
-use super::dashpots::Dashpots;
 use super::{Problem, Stepped};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
@@ -24,24 +23,21 @@ const FOX_GOODWIN: f64 = 1.0 / 12.0;
 /// Newmark's beta that evaluates springs at the mean of both ends; stable at any step.
 const MIDPOINT: f64 = 0.25;
 
-pub(super) fn step(problem: &Problem, solver: &mut FrictionSolver) -> Stepped {
-    let Problem { system, start: Motion { pose: before, twist: old }, last, held, step, resolving_step } = *problem;
+pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
+    let Problem { system, start: Motion { pose: before, twist: old }, springs, dashpots, forecast, step, resolving_step } = problem;
     let half_way = drifted(&before, &old, 0.5 * step);
     let coasted = in_body(&half_way, &old, step);
     let share = if step <= resolving_step { FOX_GOODWIN } else { MIDPOINT };
     let stage = Stage { offset: -share * coasted, share };
-    let dashpots = Dashpots::new(system, held, last, &before, 0.5 * step);
-    let potential = Potential {
-        start: half_way,
-        springs: &[(&system.springs, held), (&dashpots.springs, &dashpots.held)],
-        inertia: Some(Coasting::of(&system.load, &old, step)),
-        springs_at: stage,
-    };
-    let Increment { twist: increment, regime, report, .. } = minimise(&potential, &system.ground, solver, system.load.radius);
+    let potential =
+        Potential { start: half_way, springs, dashpots, inertia: Some(Coasting::of(&system.load, &old, step)), springs_at: stage };
+    let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
+    forecast.learn(&found, step);
+    let Increment { twist: increment, regime, report, .. } = found;
     let twist = Twist { linear: half_way.shift_by(&increment) / step, angular: increment.z / step };
     let pose = drifted(&half_way, &twist, 0.5 * step);
     let moved = 0.5 * (coasted + increment);
-    let slipping = problem.system.ground.supports.iter().zip(solver.forces());
+    let slipping = system.ground.supports.iter().zip(solver.forces());
     let resistance: Vec3 = slipping.map(|(support, force): (_, &Vec2)| wrench_of(&support.offset, force)).sum();
     // Friction at the end velocity can push a load whose slip has turned back within the step; what that gives is part of the defect.
     let friction = (-resistance.dot(&moved)).max(0.0);
@@ -50,7 +46,6 @@ pub(super) fn step(problem: &Problem, solver: &mut FrictionSolver) -> Stepped {
         stage: half_way.moved_by(&(stage.offset + stage.share * increment)),
         friction,
         regime,
-        dashpots,
         report,
     }
 }

@@ -18,6 +18,8 @@ use serde::{Deserialize, Serialize};
 use super::controlled::{self, FirstOrder, Way};
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
+use super::increment::Forecast;
+use super::spring_blocks::SpringBlocks;
 use super::transition::{Transition, TransitionKind};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
 use crate::math::{Pose, Twist, Vec2};
@@ -32,8 +34,15 @@ pub struct Inertial {
     stepping: Stepping,
     integrator: Integrator,
     resolving_step: f64,
+    is_damped: bool,
     solver: FrictionSolver,
     state: State,
+    /// The held springs as they are evaluated, and whether the state's have changed since.
+    springs: SpringBlocks,
+    is_stale: bool,
+    dashpots: Dashpots,
+    /// Grips at the start of an advance.
+    from: Vec<Grip>,
     transitions: Vec<Transition>,
 }
 
@@ -49,6 +58,7 @@ pub(super) struct State {
     regime: Regime,
     /// Nothing was grasped or let go since the step that ended in the regime.
     undisturbed: bool,
+    forecast: Forecast,
     /// Stride to start the next advance with under error control (s).
     stride: f64,
     warm_start: WarmStart,
@@ -69,10 +79,11 @@ pub enum Integrator {
 struct Problem<'a> {
     system: &'a System,
     start: Motion,
-    /// Grips with their tips at the start of the step.
-    last: &'a [Grip],
     /// Springs with their tips where the step evaluates them.
-    held: &'a HeldSprings,
+    springs: &'a mut SpringBlocks,
+    /// Dashpots as springs of this step.
+    dashpots: Option<&'a mut SpringBlocks>,
+    forecast: &'a mut Forecast,
     /// (s)
     step: f64,
     /// Longest step that takes a load without damping through a radian of its fastest oscillation (s); zero with damping.
@@ -87,7 +98,6 @@ struct Stepped {
     /// Energy lost to friction (J).
     friction: f64,
     regime: Regime,
-    dashpots: Dashpots,
     report: StepReport,
 }
 
@@ -103,12 +113,26 @@ impl Inertial {
             settled: false,
             regime: if start.twist == Twist::ZERO { Regime::Stick } else { Regime::Slip },
             undisturbed: false,
+            forecast: Forecast::default(),
             stride: f64::MAX,
             warm_start: solver.warm_start().clone(),
         };
         let is_damped = system.springs.iter().any(|spring| spring.damping_ratio > 0.0);
         let resolving_step = if is_damped { 0.0 } else { 1.0 / system.fastest_rate() };
-        Self { system, stepping, integrator, resolving_step, solver, state, transitions: Vec::new() }
+        Self {
+            system,
+            stepping,
+            integrator,
+            resolving_step,
+            is_damped,
+            solver,
+            state,
+            springs: SpringBlocks::default(),
+            is_stale: true,
+            dashpots: Dashpots::default(),
+            from: Vec::new(),
+            transitions: Vec::new(),
+        }
     }
 
     fn steps(&mut self, way: &Way, n_steps: u64) -> StepReport {
@@ -122,6 +146,38 @@ impl Inertial {
         }
         report
     }
+
+    /// Takes over what was grasped, let go or put in place of the state.
+    fn gather(&mut self) {
+        if std::mem::take(&mut self.is_stale) {
+            self.springs.gather(&self.system.springs, self.state.held.grips());
+            self.springs.accept(&self.state.motion.pose);
+        }
+    }
+
+    /// Makes a step (s) that was taken the state, with the books of its energies.
+    fn take(&mut self, Stepped { motion, stage, friction, regime, .. }: &Stepped, step: f64) {
+        let accepted = self.springs.accept(&motion.pose);
+        let damping = self.dashpots.loss(stage, step);
+        let mut on_dashpots = 0.0;
+        for ((force, tip), last) in self.dashpots.forces(stage).zip(self.springs.tips()).zip(self.state.held.grips()) {
+            on_dashpots -= force.dot(&(tip - last.tip));
+            self.state.dashpot_on_tip[last.spring] = force;
+        }
+        self.springs.scatter(self.state.held.grips_mut());
+        let kinetic = self.system.load.kinetic_energy(&motion.twist);
+        let state = &mut self.state;
+        state.settled = accepted.tips_stood && motion.twist == Twist::ZERO && state.motion.twist == Twist::ZERO;
+        (state.motion, state.regime, state.undisturbed) = (*motion, *regime, true);
+        let energy = &mut state.energy;
+        energy.friction += friction;
+        energy.damping += damping;
+        energy.tip_work += accepted.of_tips + on_dashpots;
+        // A dashpot keeps nothing: what its tip's holder does and it does not take goes to the load.
+        let on_load = accepted.on_load + on_dashpots - damping;
+        energy.numerical_damping += on_load - friction - (kinetic - energy.kinetic);
+        (energy.elastic, energy.kinetic) = (accepted.elastic, kinetic);
+    }
 }
 
 impl FirstOrder for Inertial {
@@ -132,51 +188,43 @@ impl FirstOrder for Inertial {
     }
 
     fn set_state(&mut self, state: State) {
-        self.state = state;
+        (self.state, self.is_stale) = (state, true);
     }
 
     fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
         let step = (to - from) * way.duration;
-        let last = self.state.held.grips().to_vec();
-        let mut held = self.state.held.clone();
-        let middle = match self.integrator {
+        let stage_at = match self.integrator {
             Integrator::Euler => to,
             Integrator::Midpoint => 0.5 * (from + to),
         };
-        held.place_tips(way.from, way.targets, middle);
-        let problem =
-            Problem { system: &self.system, start: self.state.motion, last: &last, held: &held, step, resolving_step: self.resolving_step };
-        let Stepped { motion, stage, friction, regime, dashpots, report } = match self.integrator {
-            Integrator::Euler => euler::step(&problem, &mut self.solver),
-            Integrator::Midpoint => midpoint::step(&problem, &mut self.solver),
+        self.gather();
+        self.springs.place_tips(way.from, way.targets, stage_at);
+        if self.is_damped {
+            let time = step * (stage_at - from) / (to - from);
+            self.dashpots.renew(&self.system, &self.state.held, self.springs.tips(), &self.state.motion.pose, time);
+        }
+        let problem = Problem {
+            system: &self.system,
+            start: self.state.motion,
+            springs: &mut self.springs,
+            dashpots: self.dashpots.blocks(),
+            forecast: &mut self.state.forecast,
+            step,
+            resolving_step: self.resolving_step,
         };
-        if !motion.pose.is_finite() || !motion.twist.is_finite() {
-            return StepReport { status: Status::Failed, ..report };
+        let stepped = match self.integrator {
+            Integrator::Euler => euler::step(problem, &mut self.solver),
+            Integrator::Midpoint => midpoint::step(problem, &mut self.solver),
+        };
+        if !stepped.motion.pose.is_finite() || !stepped.motion.twist.is_finite() {
+            self.is_stale = true;
+            return StepReport { status: Status::Failed, ..stepped.report };
         }
-        (self.state.regime, self.state.undisturbed) = (regime, true);
-        let damping = dashpots.loss(&stage, step);
-        self.state.energy.friction += friction;
-        self.state.energy.damping += damping;
-        let springs = &self.system.springs;
-        held.place_tips(way.from, way.targets, to);
-        let tips_stood = held.grips().iter().zip(&last).all(|(now, last)| now.tip == last.tip);
-        let work = held.trapezoid_work(springs, &last, &self.state.motion.pose, &motion.pose);
-        let mut on_dashpots = 0.0;
-        for (at, force) in dashpots.forces(&stage).enumerate() {
-            on_dashpots -= force.dot(&(held.grips()[at].tip - last[at].tip));
-            self.state.dashpot_on_tip[held.grips()[at].spring] = force;
+        if stage_at != to {
+            self.springs.place_tips(way.from, way.targets, to);
         }
-        let kinetic = self.system.load.kinetic_energy(&motion.twist);
-        self.state.energy.tip_work += work.of_tips + on_dashpots;
-        // A dashpot keeps nothing: what its tip's holder does and it does not take goes to the load.
-        let on_load = work.on_load + on_dashpots - damping;
-        self.state.energy.numerical_damping += on_load - friction - (kinetic - self.state.energy.kinetic);
-        held.accept(springs, &motion.pose);
-        self.state.settled = tips_stood && motion.twist == Twist::ZERO && self.state.motion.twist == Twist::ZERO;
-        self.state.energy.elastic = held.energy(springs, &motion.pose);
-        self.state.energy.kinetic = kinetic;
-        (self.state.held, self.state.motion) = (held, motion);
-        report
+        self.take(&stepped, step);
+        stepped.report
     }
 
     fn regime(&self) -> Option<Regime> {
@@ -213,6 +261,7 @@ impl FirstOrder for Inertial {
         state.held.accept(&self.system.springs, &state.motion.pose);
         state.energy.elastic = state.held.energy(&self.system.springs, &state.motion.pose);
         state.energy.kinetic = self.system.load.kinetic_energy(&state.motion.twist);
+        self.is_stale = true;
     }
 }
 
@@ -221,6 +270,7 @@ impl Backend for Inertial {
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
         (self.state.settled, self.state.undisturbed) = (false, false);
+        self.is_stale = true;
     }
 
     fn release(&mut self, spring: usize) {
@@ -228,6 +278,7 @@ impl Backend for Inertial {
         self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
         self.state.dashpot_on_tip[spring] = Vec2::zeros();
         (self.state.settled, self.state.undisturbed) = (false, false);
+        self.is_stale = true;
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
@@ -239,14 +290,22 @@ impl Backend for Inertial {
         if self.state.settled && self.state.held.tips_are_at(tip_targets) {
             return StepReport { n_steps, n_skipped: n_steps, ..StepReport::default() };
         }
-        let from = self.state.held.grips().to_vec();
-        let held = from.iter().map(|grip| &self.system.springs[grip.spring]);
-        let longest = LONGEST_STRIDE / self.system.fastest_rate_on(held);
-        let way = Way { from: &from, targets: tip_targets, duration, longest };
-        let Stepping::Controlled(control) = self.stepping else { return self.steps(&way, n_steps) };
-        let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
-        let (report, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
-        (self.state.stride, self.transitions) = (stride, transitions);
+        let mut from = std::mem::take(&mut self.from);
+        from.clear();
+        from.extend_from_slice(self.state.held.grips());
+        let report = match self.stepping {
+            Stepping::Fixed(_) => self.steps(&Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY }, n_steps),
+            Stepping::Controlled(control) => {
+                let held = from.iter().map(|grip| &self.system.springs[grip.spring]);
+                let longest = LONGEST_STRIDE / self.system.fastest_rate_on(held);
+                let way = Way { from: &from, targets: tip_targets, duration, longest };
+                let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
+                let (report, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
+                (self.state.stride, self.transitions) = (stride, transitions);
+                report
+            }
+        };
+        self.from = from;
         report
     }
 
@@ -285,7 +344,7 @@ impl Backend for Inertial {
             return Err(RestoreError(format!("{} dashpots for {} springs", state.dashpot_on_tip.len(), self.system.springs.len())));
         }
         self.solver.set_warm_start(state.warm_start.clone())?;
-        self.state = state;
+        (self.state, self.is_stale) = (state, true);
         Ok(())
     }
 }

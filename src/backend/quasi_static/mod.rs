@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 use super::controlled::{self, FirstOrder, Way};
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
-use super::increment::{Increment, Potential, Stage, minimise};
+use super::increment::{Forecast, Increment, Potential, Stage, minimise};
+use super::spring_blocks::{Accepted, SpringBlocks};
 use super::transition::{Transition, TransitionKind};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
 use crate::math::{Pose, Twist, Vec2};
@@ -28,6 +29,11 @@ pub struct QuasiStatic {
     stepping: Stepping,
     solver: FrictionSolver,
     state: State,
+    /// The held springs as they are evaluated, and whether the state's have changed since.
+    springs: SpringBlocks,
+    is_stale: bool,
+    /// Grips at the start of an advance.
+    from: Vec<Grip>,
     transitions: Vec<Transition>,
 }
 
@@ -41,6 +47,7 @@ pub(super) struct State {
     regime: Regime,
     /// Nothing was grasped or let go since the step that ended in the regime.
     regime_is_known: bool,
+    forecast: Forecast,
     /// Stride to start the next advance with under error control (s).
     stride: f64,
     warm_start: WarmStart,
@@ -59,17 +66,27 @@ impl QuasiStatic {
             disturbed: false,
             regime: Regime::Stick,
             regime_is_known: false,
+            forecast: Forecast::default(),
             stride: f64::MAX,
             warm_start,
         };
-        Self { system, stepping, solver, state, transitions: Vec::new() }
+        Self {
+            system,
+            stepping,
+            solver,
+            state,
+            springs: SpringBlocks::default(),
+            is_stale: true,
+            from: Vec::new(),
+            transitions: Vec::new(),
+        }
     }
 
     /// Moves the load from where a grasp or a release has left it to the balance for tips that stand still. The friction of a long way depends on
     /// the way, here one constant twist; where that ends the load may have to go on, by far less, before it stays.
-    fn jump(&mut self, grips: &[Grip]) -> StepReport {
+    fn jump(&mut self) -> StepReport {
         let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
-        let report = self.settle(grips);
+        let report = self.settle();
         self.state.regime = regime;
         if self.state.motion.pose != start {
             let kind = self.book_jump(&start, defect);
@@ -78,12 +95,13 @@ impl QuasiStatic {
         report
     }
 
-    /// Legs to a balance with `grips` as they are.
-    fn settle(&mut self, grips: &[Grip]) -> StepReport {
+    /// Legs to a balance with the tips as they are.
+    fn settle(&mut self) -> StepReport {
+        self.gather();
         let mut report = StepReport::default();
         for _ in 0..MOST_LEGS {
             let before = self.state.motion.pose;
-            report.add(&self.balance(grips));
+            report.add(&self.balance(None).0);
             if self.state.motion.pose == before {
                 break;
             }
@@ -114,12 +132,13 @@ impl QuasiStatic {
         let mut report = StepReport::default();
         let share = |i: u64| i as f64 / n_steps as f64;
         for i in 1..=n_steps {
-            let before = self.state.clone();
-            report.add(&self.step(way, share(i - 1), share(i)));
+            let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
+            let (cost, accepted) = self.step_to(way, share(i - 1), share(i));
+            report.add(&cost);
             let time = share(i) * way.duration;
-            let snap = self.finish_snap(&before, &mut report);
+            let snap = self.snap(&start, defect, || accepted.error, &mut report);
             self.transitions.extend(snap.map(|kind| Transition { time, kind }));
-            self.note_transition(before.regime, time);
+            self.note_transition(regime, time);
         }
         report
     }
@@ -129,25 +148,66 @@ impl QuasiStatic {
         self.transitions.extend(kind.map(|kind| Transition { time, kind }));
     }
 
-    /// Moves the load to the balance for the tips as they are; `from` are the grips before they moved.
-    fn balance(&mut self, from: &[Grip]) -> StepReport {
-        let before = self.state.motion.pose;
-        let potential =
-            Potential { start: before, springs: &[(&self.system.springs, &self.state.held)], inertia: None, springs_at: Stage::END };
-        let Increment { twist, friction, regime, mut report } =
-            minimise(&potential, &self.system.ground, &mut self.solver, self.system.load.radius);
-        let pose = before.moved_by(&twist);
-        if !pose.is_finite() {
-            report.status = Status::Failed;
-            return report;
+    /// Takes over what was grasped, let go or put in place of the state.
+    fn gather(&mut self) {
+        if std::mem::take(&mut self.is_stale) {
+            self.springs.gather(&self.system.springs, self.state.held.grips());
+            self.springs.accept(&self.state.motion.pose);
         }
+    }
+
+    fn step_to(&mut self, way: &Way, from: f64, to: f64) -> (StepReport, Accepted) {
+        self.gather();
+        let before = self.state.motion.pose;
+        self.springs.place_tips(way.from, way.targets, to);
+        let answer = self.balance(Some(to - from));
+        let (after, step) = (self.state.motion.pose, (to - from) * way.duration);
+        self.state.motion.twist =
+            Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
+        self.state.regime_is_known = true;
+        answer
+    }
+
+    /// Moves the load to the balance for the tips as they are, or leaves it where it is when there is no finite answer.
+    /// `step` is the share of the tips' way on which it does so; `None` when they stand.
+    fn balance(&mut self, step: Option<f64>) -> (StepReport, Accepted) {
+        let before = self.state.motion.pose;
+        let potential = Potential { start: before, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: Stage::END };
+        let guess = step.and_then(|step| self.state.forecast.increment(step));
+        let increment = minimise(potential, &self.system.ground, &mut self.solver, self.system.load.radius, guess);
+        match step {
+            Some(step) => self.state.forecast.learn(&increment, step),
+            None => self.state.forecast.forget(),
+        }
+        let Increment { twist, friction, regime, mut report } = increment;
+        let mut pose = before.moved_by(&twist);
+        if pose.is_finite() {
+            self.state.regime = regime;
+            self.state.energy.friction += friction;
+        } else {
+            report.status = Status::Failed;
+            pose = before;
+        }
+        let accepted = self.springs.accept(&pose);
+        self.springs.scatter(self.state.held.grips_mut());
         self.state.motion.pose = pose;
+        self.state.energy.tip_work += accepted.of_tips;
+        self.state.energy.elastic = accepted.elastic;
+        (report, accepted)
+    }
+
+    /// Where the springs' energy is no longer convex the balance ends, and the load snaps to another one while the tips move. More energy is then missing
+    /// since the pose `start` with this energy `defect` (J) than the trapezoid sum of a smooth path can be off by, which is `allowed` (J).
+    fn snap(&mut self, start: &Pose, defect: f64, allowed: impl FnOnce() -> f64, report: &mut StepReport) -> Option<TransitionKind> {
+        let missing = defect - self.state.energy.defect();
+        let rounding = SNAP_ROUNDING * (self.state.energy.tip_work.abs() + self.state.energy.dissipated() + self.state.energy.elastic);
+        if missing <= rounding || self.state.motion.pose == *start || missing <= allowed() + rounding {
+            return None;
+        }
+        let regime = self.state.regime;
+        report.add(&StepReport { n_steps: 0, ..self.settle() });
         self.state.regime = regime;
-        self.state.held.accept(&self.system.springs, &pose);
-        self.state.energy.friction += friction;
-        self.state.energy.tip_work += self.state.held.trapezoid_work(&self.system.springs, from, &before, &pose).of_tips;
-        self.state.energy.elastic = self.state.held.energy(&self.system.springs, &pose);
-        report
+        Some(self.book_jump(start, defect))
     }
 }
 
@@ -159,20 +219,11 @@ impl FirstOrder for QuasiStatic {
     }
 
     fn set_state(&mut self, state: State) {
-        self.state = state;
+        (self.state, self.is_stale) = (state, true);
     }
 
     fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
-        let before = self.state.motion.pose;
-        let last = self.state.held.grips().to_vec();
-        self.state.held.place_tips(way.from, way.targets, to);
-        let report = self.balance(&last);
-        let after = self.state.motion.pose;
-        let step = (to - from) * way.duration;
-        self.state.motion.twist =
-            Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
-        self.state.regime_is_known = true;
-        report
+        self.step_to(way, from, to).0
     }
 
     fn regime(&self) -> Option<Regime> {
@@ -198,25 +249,13 @@ impl FirstOrder for QuasiStatic {
         (self.state.energy.friction, self.state.energy.tip_work) = (flow[6], flow[7]);
         self.state.held.accept(&self.system.springs, &self.state.motion.pose);
         self.state.energy.elastic = self.state.held.energy(&self.system.springs, &self.state.motion.pose);
+        self.is_stale = true;
     }
 
-    /// Where the springs' energy is no longer convex the balance ends, and the load snaps to another one while the tips move. More energy is then missing
-    /// than the trapezoid sum of a smooth path can be off by.
     fn finish_snap(&mut self, before: &State, report: &mut StepReport) -> Option<TransitionKind> {
-        let (start, end) = (&before.motion.pose, &self.state.motion.pose);
-        let missing = before.energy.defect() - self.state.energy.defect();
-        if start == end || missing <= 0.0 {
-            return None;
-        }
-        let allowed = self.state.held.largest_work_error(&self.system.springs, &before.held, start, end);
-        let rounding = SNAP_ROUNDING * (self.state.energy.tip_work.abs() + self.state.energy.dissipated() + self.state.energy.elastic);
-        if missing <= allowed + rounding {
-            return None;
-        }
-        let (grips, regime) = (self.state.held.grips().to_vec(), self.state.regime);
-        report.add(&StepReport { n_steps: 0, ..self.settle(&grips) });
-        self.state.regime = regime;
-        Some(self.book_jump(&before.motion.pose, before.energy.defect()))
+        let (start, end) = (before.motion.pose, self.state.motion.pose);
+        let allowed = self.state.held.largest_work_error(&self.system.springs, &before.held, &start, &end);
+        self.snap(&start, before.energy.defect(), || allowed, report)
     }
 }
 
@@ -225,25 +264,31 @@ impl Backend for QuasiStatic {
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
         self.state.disturbed |= brought != 0.0;
+        self.is_stale = true;
     }
 
     fn release(&mut self, spring: usize) {
         let lost = self.state.held.release(&self.system.springs, spring, &self.state.motion.pose);
         self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
-        self.state.disturbed = true;
+        (self.state.disturbed, self.is_stale) = (true, true);
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let mut report = StepReport::default();
         self.transitions.clear();
-        let from = self.state.held.grips().to_vec();
         if self.state.disturbed {
-            report.add(&self.jump(&from));
+            report.add(&self.jump());
             (self.state.disturbed, self.state.regime_is_known) = (false, false);
         }
+        if self.state.held.tips_are_at(tip_targets) {
+            report.add(&self.rest(duration));
+            return report;
+        }
+        let mut from = std::mem::take(&mut self.from);
+        from.clear();
+        from.extend_from_slice(self.state.held.grips());
         let way = Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY };
         report.add(&match self.stepping {
-            _ if self.state.held.tips_are_at(tip_targets) => self.rest(duration),
             Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest)),
             Stepping::Controlled(control) => {
                 let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
@@ -252,6 +297,7 @@ impl Backend for QuasiStatic {
                 report
             }
         });
+        self.from = from;
         report
     }
 
@@ -287,7 +333,7 @@ impl Backend for QuasiStatic {
         let state: State = state.read()?;
         state.held.check(&self.system.springs)?;
         self.solver.set_warm_start(state.warm_start.clone())?;
-        self.state = state;
+        (self.state, self.is_stale) = (state, true);
         Ok(())
     }
 }

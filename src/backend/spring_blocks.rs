@@ -1,0 +1,378 @@
+//! The held springs as blocks of four lanes: what the exact backends evaluate in their inner loop.
+//!
+//! The law is that of [`PolarSpring`], written out in the load's axes so that the load's heading costs one rotation for all springs. With d from root to
+//! tip, e = d / l and t a quarter turn further,
+//!
+//! ```text
+//! f = k_r (l - l_0) e + (k_t psi / l) t
+//! H = k_r ee' + (k_r (1 - l_0 / l) + k_t / l^2) tt' - (k_t psi / l^2) (et' + te')
+//! ```
+//!
+//! The swing psi is the polar angle of d less the bearing, on the branch nearest to that of the last accepted pose. A block with a spring too short to have a
+//! direction is left to [`PolarSpring`] itself. Lanes beyond the last spring repeat the first of their block without stiffness.
+
+use wide::f64x4;
+
+use super::held::Grip;
+use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, direction, rotation};
+use crate::model::spring::SHORTEST_LENGTH;
+use crate::model::{PolarSpring, Reaction};
+
+const LANES: usize = 4;
+
+/// All held springs, in the order of their grips.
+#[derive(Clone, Debug, Default)]
+pub struct SpringBlocks {
+    n: usize,
+    blocks: Vec<Block>,
+    /// Springs themselves and their grips, one a lane.
+    lanes: Vec<(PolarSpring, Grip)>,
+    evaluated: Evaluated,
+    accepted: Evaluated,
+}
+
+/// A pose, and energy (J) and gradient of all springs there.
+#[derive(Clone, Copy, Debug)]
+struct Evaluated {
+    pose: Pose,
+    energy: f64,
+    gradient: Vec3,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    root: Plane,
+    /// Unit vector along the undeformed spring (load axes).
+    bearing: Plane,
+    rest_length: f64x4,
+    /// Length at and below which a spring has no direction (m); negative in lanes beyond the last spring.
+    shortest: f64x4,
+    radial: f64x4,
+    torsional: f64x4,
+    /// Now (m, world).
+    tip: Plane,
+    /// Swing at the accepted pose (rad), and its whole turns.
+    swing: f64x4,
+    turns: f64x4,
+    /// Tip at the accepted pose (m, world), and the pull of its holder there (N, world).
+    accepted_tip: Plane,
+    accepted_pull: Plane,
+    /// Swing (rad) and pull of the holder (N, load axes) at the last pose evaluated.
+    swing_there: f64x4,
+    pull_there: Plane,
+}
+
+/// Four vectors of the plane.
+#[derive(Clone, Copy, Debug, Default)]
+struct Plane {
+    x: f64x4,
+    y: f64x4,
+}
+
+/// Sums over springs in load axes: the parts of a [`Reaction`].
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    energy: f64x4,
+    pull: Plane,
+    moment: f64x4,
+    stiffness: [f64x4; 3],
+    mixed: Plane,
+    angular: f64x4,
+}
+
+/// What the tips' holders did since the last accepted pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Accepted {
+    /// Elastic energy now (J).
+    pub elastic: f64,
+    /// Work of the holders on the springs (J): by the trapezoid rule, or of a load that stood what the springs have gained.
+    pub of_tips: f64,
+    /// Work of the springs on the load by the same rule (J).
+    pub on_load: f64,
+    /// What bounds the error of the former on a smooth path (J): half the change of the pulls times the way of the tips.
+    pub error: f64,
+    /// Whether no tip has moved.
+    pub tips_stood: bool,
+}
+
+impl Default for Evaluated {
+    fn default() -> Self {
+        Self { pose: Pose::new(f64::NAN, f64::NAN, f64::NAN), energy: 0.0, gradient: Vec3::zeros() }
+    }
+}
+
+impl Plane {
+    fn splat(v: Vec2) -> Self {
+        Self { x: f64x4::splat(v.x), y: f64x4::splat(v.y) }
+    }
+
+    fn dot(self, other: Self) -> f64x4 {
+        self.x * other.x + self.y * other.y
+    }
+
+    fn perp(self, other: Self) -> f64x4 {
+        self.x * other.y - self.y * other.x
+    }
+
+    fn less(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y }
+    }
+
+    /// Turned by the rotation whose first column is this (cos, sin).
+    fn turned(self, cos: f64x4, sin: f64x4) -> Self {
+        Self { x: cos * self.x - sin * self.y, y: sin * self.x + cos * self.y }
+    }
+
+    fn lane(&self, k: usize) -> Vec2 {
+        Vec2::new(self.x.to_array()[k], self.y.to_array()[k])
+    }
+
+    fn set_lane(&mut self, k: usize, v: Vec2) {
+        self.x.as_mut_array()[k] = v.x;
+        self.y.as_mut_array()[k] = v.y;
+    }
+
+    fn sum(self) -> Vec2 {
+        Vec2::new(self.x.reduce_add(), self.y.reduce_add())
+    }
+}
+
+impl SpringBlocks {
+    /// Takes over the springs that `grips` hold; what works from an accepted pose on needs one. Nothing is allocated that was not needed before.
+    pub fn gather(&mut self, springs: &[PolarSpring], grips: &[Grip]) {
+        self.n = grips.len();
+        self.lanes.clear();
+        self.blocks.clear();
+        for chunk in grips.chunks(LANES) {
+            let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
+            let mut block = Block::default();
+            for k in 0..LANES {
+                let (grip, spring) = (*lane(k), springs[lane(k).spring]);
+                block.set_spring(k, &spring, k < chunk.len());
+                block.set_grip(k, &grip);
+                self.lanes.push((spring, grip));
+            }
+            self.blocks.push(block);
+        }
+        (self.evaluated, self.accepted) = (Evaluated::default(), Evaluated::default());
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.n == 0
+    }
+
+    /// Puts every tip a `share` of the way from `from`, the grips in their order, to its entry of `targets`; a share of one lands exactly there.
+    pub fn place_tips(&mut self, from: &[Grip], targets: &[Vec2], share: f64) {
+        for (block, from) in self.blocks.iter_mut().zip(from.chunks(LANES)) {
+            for k in 0..LANES {
+                let start = from.get(k).unwrap_or(&from[0]);
+                let target = targets[start.spring];
+                block.tip.set_lane(k, if share == 1.0 { target } else { start.tip + share * (target - start.tip) });
+            }
+        }
+        self.evaluated = Evaluated::default();
+    }
+
+    /// Sum of the reactions of all springs at `pose`.
+    pub fn reaction(&mut self, pose: &Pose) -> Reaction {
+        let turn = rotation(pose.heading);
+        let mut sums = Sums::default();
+        let mut apart = Reaction::ZERO;
+        for (at, block) in self.blocks.iter_mut().enumerate() {
+            let mut of_block = sums;
+            if block.add_to(&mut of_block, pose, &turn) {
+                sums = of_block;
+            } else {
+                let n = (self.n - at * LANES).min(LANES);
+                apart.add(&block.reaction_apart(&self.lanes[at * LANES..at * LANES + n], pose, &turn));
+            }
+        }
+        let mut reaction = sums.in_world(&turn);
+        reaction.add(&apart);
+        self.evaluated = Evaluated { pose: *pose, energy: reaction.energy, gradient: reaction.gradient };
+        reaction
+    }
+
+    /// Tips now, in the order of the grips (m, world).
+    pub fn tips(&self) -> impl Iterator<Item = Vec2> + '_ {
+        self.blocks.iter().flat_map(|block| (0..LANES).map(|k| block.tip.lane(k))).take(self.n)
+    }
+
+    /// Elastic energy at `pose` (J).
+    pub fn energy(&mut self, pose: &Pose) -> f64 {
+        if self.evaluated.pose != *pose {
+            self.reaction(pose);
+        }
+        self.evaluated.energy
+    }
+
+    /// Takes `pose` and the tips as they are as the new start.
+    pub fn accept(&mut self, pose: &Pose) -> Accepted {
+        if self.evaluated.pose != *pose {
+            self.reaction(pose);
+        }
+        let (sin, cos) = pose.heading.sin_cos();
+        let (sin, cos) = (f64x4::splat(sin), f64x4::splat(cos));
+        let (mut work, mut error, mut way) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
+        for block in &mut self.blocks {
+            let [of_tips, change, moved] = block.accept(cos, sin);
+            work += of_tips;
+            error += change;
+            way += moved;
+        }
+        let (last, now) = (self.accepted, self.evaluated);
+        let moved =
+            Vec3::new(pose.position.x - last.pose.position.x, pose.position.y - last.pose.position.y, pose.heading - last.pose.heading);
+        self.accepted = now;
+        Accepted {
+            elastic: now.energy,
+            of_tips: if now.pose == last.pose { now.energy - last.energy } else { 0.5 * work.reduce_add() },
+            on_load: -0.5 * (last.gradient + now.gradient).dot(&moved),
+            error: 0.5 * error.reduce_add(),
+            tips_stood: way.reduce_add() == 0.0,
+        }
+    }
+
+    /// Writes tips and swings of the accepted pose to the grips that were gathered.
+    pub fn scatter(&self, grips: &mut [Grip]) {
+        for (block, grips) in self.blocks.iter().zip(grips.chunks_mut(LANES)) {
+            let swing = block.swing.to_array();
+            for (k, grip) in grips.iter_mut().enumerate() {
+                (grip.tip, grip.swing) = (block.accepted_tip.lane(k), swing[k]);
+            }
+        }
+    }
+}
+
+impl Block {
+    fn set_spring(&mut self, k: usize, spring: &PolarSpring, acts: bool) {
+        self.root.set_lane(k, spring.root);
+        self.bearing.set_lane(k, direction(spring.bearing));
+        let stiffness = |value: f64| if acts { value } else { 0.0 };
+        self.rest_length.as_mut_array()[k] = spring.rest_length;
+        self.shortest.as_mut_array()[k] = if acts { (SHORTEST_LENGTH * spring.rest_length).max(f64::MIN_POSITIVE) } else { -1.0 };
+        self.radial.as_mut_array()[k] = stiffness(spring.radial_stiffness);
+        self.torsional.as_mut_array()[k] = stiffness(spring.torsional_stiffness);
+    }
+
+    fn set_grip(&mut self, k: usize, grip: &Grip) {
+        self.tip.set_lane(k, grip.tip);
+        self.swing.as_mut_array()[k] = grip.swing;
+        self.turns.as_mut_array()[k] = whole_turns(grip.swing);
+    }
+
+    /// Adds the reactions at `pose` and keeps swings and pulls there; says no, with sums of no use, when a spring is too short to have a direction.
+    fn add_to(&mut self, sums: &mut Sums, pose: &Pose, turn: &Mat2) -> bool {
+        let (cos, sin) = (f64x4::splat(turn.m11), f64x4::splat(turn.m21));
+        let arm = self.tip.less(Plane::splat(pose.position)).turned(cos, -sin);
+        let d = arm.less(self.root);
+        let length = d.dot(d).sqrt();
+        if length.simd_le(self.shortest).any() {
+            return false;
+        }
+        let inverse = f64x4::ONE / length;
+        let (e_x, e_y) = (d.x * inverse, d.y * inverse);
+        let swing = self.swing_of(d);
+        let stretch = length - self.rest_length;
+        let torsion = self.torsional * inverse * inverse;
+        let (radial_pull, torsional_pull) = (self.radial * stretch, torsion * length * swing);
+        let pull = Plane { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
+        (self.swing_there, self.pull_there) = (swing, pull);
+
+        let across = self.radial * (stretch * inverse) + torsion;
+        let coupling = -torsion * swing;
+        let (xx, yy, xy) = (e_x * e_x, e_y * e_y, e_x * e_y);
+        let twice = coupling * (xy + xy);
+        let stiffness = [
+            self.radial * xx + across * yy - twice,
+            self.radial * yy + across * xx + twice,
+            (self.radial - across) * xy + coupling * (xx - yy),
+        ];
+        // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
+        let by_turn = Plane { x: arm.y, y: -arm.x };
+        let stiff_turn =
+            Plane { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
+        sums.energy += self.radial * stretch * stretch + self.torsional * swing * swing;
+        sums.pull.x += pull.x;
+        sums.pull.y += pull.y;
+        sums.moment += pull.dot(by_turn);
+        for (sum, entry) in sums.stiffness.iter_mut().zip(stiffness) {
+            *sum += entry;
+        }
+        sums.mixed.x += pull.y - stiff_turn.x;
+        sums.mixed.y -= pull.x + stiff_turn.y;
+        sums.angular += by_turn.dot(stiff_turn) - pull.dot(arm);
+        true
+    }
+
+    /// Polar angle of d less the bearing, on the branch of the accepted swing (rad).
+    fn swing_of(&self, d: Plane) -> f64x4 {
+        let principal = self.bearing.perp(d).atan2(self.bearing.dot(d));
+        let swing = principal + self.turns;
+        let (pi, whole) = (f64x4::splat(std::f64::consts::PI), f64x4::splat(std::f64::consts::TAU));
+        let change = swing - self.swing;
+        let turns = (change.simd_gt(pi) & whole) - ((-change).simd_gt(pi) & whole);
+        swing - turns
+    }
+
+    /// The same by [`PolarSpring`], spring by spring.
+    fn reaction_apart(&mut self, lanes: &[(PolarSpring, Grip)], pose: &Pose, turn: &Mat2) -> Reaction {
+        let mut sum = Reaction::ZERO;
+        for (k, (spring, _)) in lanes.iter().enumerate() {
+            let shape = spring.shape(pose, &self.tip.lane(k), self.swing.to_array()[k]);
+            sum.add(&spring.reaction(pose, &shape));
+            self.swing_there.as_mut_array()[k] = shape.swing;
+            self.pull_there.set_lane(k, -turn.tr_mul(&spring.force_on_tip(pose, &shape)));
+        }
+        for k in lanes.len()..LANES {
+            self.swing_there.as_mut_array()[k] = self.swing_there.to_array()[0];
+            self.pull_there.set_lane(k, Vec2::zeros());
+        }
+        sum
+    }
+
+    /// Twice the work of the holders by the trapezoid rule (J), the change of the pulls times the way of the tips (J), and the squared way (m^2).
+    fn accept(&mut self, cos: f64x4, sin: f64x4) -> [f64x4; 3] {
+        let pull = self.pull_there.turned(cos, sin);
+        let way = self.tip.less(self.accepted_tip);
+        let change = pull.less(self.accepted_pull);
+        let sum = Plane { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
+        let squared_way = way.dot(way);
+        let error = (change.dot(change) * squared_way).sqrt();
+        (self.accepted_tip, self.accepted_pull, self.swing) = (self.tip, pull, self.swing_there);
+        let turned = f64x4::splat(std::f64::consts::PI);
+        if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
+            self.turns = f64x4::new(self.swing.to_array().map(whole_turns));
+        }
+        let acts = self.shortest.simd_gt(f64x4::ZERO);
+        [sum.dot(way), error, acts & squared_way]
+    }
+}
+
+impl Sums {
+    fn in_world(&self, turn: &Mat2) -> Reaction {
+        let [xx, yy, xy] = self.stiffness.map(f64x4::reduce_add);
+        let linear = turn * Mat2::new(xx, xy, xy, yy) * turn.transpose();
+        let (force, mixed) = (turn * self.pull.sum(), turn * self.mixed.sum());
+        Reaction {
+            energy: 0.5 * self.energy.reduce_add(),
+            gradient: Vec3::new(-force.x, -force.y, self.moment.reduce_add()),
+            hessian: Mat3::new(
+                linear.m11,
+                linear.m12,
+                mixed.x, //
+                linear.m21,
+                linear.m22,
+                mixed.y, //
+                mixed.x,
+                mixed.y,
+                self.angular.reduce_add(),
+            ),
+        }
+    }
+}
+
+/// The multiple of a whole turn in `swing` (rad) whose rest lies within half a turn.
+fn whole_turns(swing: f64) -> f64 {
+    (swing / std::f64::consts::TAU).round() * std::f64::consts::TAU
+}
