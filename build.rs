@@ -1,5 +1,6 @@
-//! Tells the program the commit that it is built from, if it is built from a repository.
+//! Tells the program the commit that it is built from, if it is built from a repository, and the instruction counter how it is built.
 
+use std::env;
 use std::path::Path;
 use std::process::Command;
 
@@ -12,5 +13,12 @@ fn main() {
     let asked = Command::new("git").args(["rev-parse", "HEAD"]).output();
     if let Some(output) = asked.ok().filter(|output| output.status.success()) {
         println!("cargo::rustc-env=COHAUL_COMMIT={}", String::from_utf8_lossy(&output.stdout).trim());
+    }
+    if let (Ok(profile), Ok(level)) = (env::var("PROFILE"), env::var("OPT_LEVEL")) {
+        println!("cargo::rustc-env=COHAUL_PROFILE={profile} profile, opt-level {level}");
+    }
+    let compiler = env::var_os("RUSTC").and_then(|rustc| Command::new(rustc).arg("--version").output().ok());
+    if let Some(output) = compiler.filter(|output| output.status.success()) {
+        println!("cargo::rustc-env=COHAUL_COMPILER={}", String::from_utf8_lossy(&output.stdout).trim());
     }
 }

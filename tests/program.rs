@@ -367,6 +367,23 @@ fn the_seed_of_the_command_line_beats_the_scenarios() {
 }
 
 /// All but how long it took.
+/// What is not left out any more has no count, and the run is the same in every digit.
+#[test]
+fn kinds_of_work_can_be_kept_in() {
+    let room = Room::new();
+    let file = room.four_ants(2.0);
+    let skipped = |value: &Value, kind: &str| number(value, &format!("/steps/skipped/{kind}"));
+    let usual = json_of(&["run", &file, "--json"]);
+    assert!(skipped(&usual, "distant_ants") > 0.0);
+    assert_eq!(number(&usual, "/steps/share_skipped"), number(&usual, "/steps/n_skipped") / number(&usual, "/steps/n_steps"));
+    let all_done = ["run", &file, "--json", "--no-skip", "distant-ants", "--no-skip", "still-tips"];
+    let slow = json_of(&all_done);
+    assert_eq!((skipped(&slow, "distant_ants"), skipped(&slow, "still_tips")), (0.0, 0.0));
+    assert_eq!((&slow["final"], &slow["pull_force_n"]), (&usual["final"], &usual["pull_force_n"]));
+    refused(&["run", &file, "--no-skip", "ants"], &["--no-skip", "distant-ants"]);
+    refused(&["compare", &file, "--no-skip", "ants"], &["--no-skip", "stick-bound"]);
+}
+
 fn without_wall_time(mut value: Value) -> Value {
     assert!(value.as_object_mut().unwrap().remove("wall_s").is_some());
     value

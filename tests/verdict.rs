@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, default_step};
+use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Skips, default_step};
 use cohaul::compare::{Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, prescribed};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation};
@@ -57,7 +57,7 @@ fn truth(scenario: &Scenario, rapier: RapierOptions) -> [f64; 2] {
 }
 
 fn settings(rapier: RapierOptions) -> Settings {
-    Settings { step_s: None, tolerance_m: None, rapier, recorded_from: BackendKind::QuasiStatic, agreement: 0.05 }
+    Settings { step_s: None, tolerance_m: None, rapier, recorded_from: BackendKind::QuasiStatic, agreement: 0.05, skips: Skips::ALL }
 }
 
 fn compared(scenario: &Scenario, settings: &Settings) -> Pathwise {

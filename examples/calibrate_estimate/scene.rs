@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Status};
+use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Status};
 use cohaul::compare::{Difference, Numbers, Settings, Solution};
 use cohaul::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
 use cohaul::scenario::{Drive, Scenario};
@@ -62,6 +62,7 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
         rapier: RapierOptions::default(),
         recorded_from: BackendKind::QuasiStatic,
         agreement: AGREEMENT,
+        skips: Skips::ALL,
     };
     let options = settings.options(scenario, BackendKind::QuasiStatic);
     let (estimate, recorded, duration) = estimated(scenario, &options);

@@ -157,6 +157,13 @@ impl HeldSprings {
             grip.swing = grip.shape(springs, pose).swing;
         }
     }
+
+    /// The same for who has worked them out already: one a grip (rad).
+    pub fn keep_swings(&mut self, swings: impl IntoIterator<Item = f64>) {
+        for (grip, swing) in self.grips.iter_mut().zip(swings) {
+            grip.swing = swing;
+        }
+    }
 }
 
 impl Grip {

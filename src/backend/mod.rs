@@ -414,7 +414,7 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
         BackendKind::Inertial => {
             Box::new(inertial::Inertial::new(system.clone(), start, Stepping::Fixed(options.step_s), options.integrator))
         }
-        BackendKind::Rapier => rapier::build(system.clone(), start, options.step_s, &options.rapier),
+        BackendKind::Rapier => rapier::build(system.clone(), start, options),
     }
 }
 

@@ -41,6 +41,11 @@ impl Skips {
             Skip::DistantAnts => Skips { distant_ants: false, ..self },
         }
     }
+
+    /// All of these but some kinds.
+    pub fn without_all(self, skips: &[Skip]) -> Self {
+        skips.iter().fold(self, |kept, skip| kept.without(*skip))
+    }
 }
 
 impl Default for Skips {

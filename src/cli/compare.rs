@@ -8,7 +8,7 @@ use std::time::{Instant, SystemTime};
 use clap::{Args, ValueEnum};
 
 use super::{CliError, EngineArgs, interrupt, positive, print, read_scenario, step};
-use crate::backend::BackendKind;
+use crate::backend::{BackendKind, Skip, Skips};
 use crate::compare::{Settings, Tier, closed_loop, prescribed, replayed};
 use crate::report::figure::Scene;
 use crate::report::{Comparison, Manifest, Progress, check_target, compare_text, write_comparison};
@@ -45,6 +45,9 @@ pub struct CompareArgs {
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
+    /// Kind of work that is done although its outcome is known; may be repeated
+    #[arg(long, value_name = "KIND")]
+    no_skip: Vec<Skip>,
     #[command(flatten)]
     engine: EngineArgs,
 }
@@ -64,6 +67,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         rapier: args.engine.options(),
         recorded_from: args.recorded_from,
         agreement: args.agreement,
+        skips: Skips::ALL.without_all(&args.no_skip),
     };
     let (started, clock) = (SystemTime::now(), Instant::now());
     let mut comparison = Comparison::new(&scenario, &settings);

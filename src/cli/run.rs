@@ -10,7 +10,7 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 
 use super::{CliError, EngineArgs, interrupt, positive, print, read_scenario, step};
-use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Status, Tolerance, build, default_step};
+use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
 use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, inertia_warning, run_text, write_run};
@@ -54,6 +54,9 @@ pub struct RunArgs {
     /// Leave out the estimate of what inertia would have done to a quasi-static run
     #[arg(long)]
     no_estimate: bool,
+    /// Kind of work that is done although its outcome is known; may be repeated
+    #[arg(long, value_name = "KIND")]
+    no_skip: Vec<Skip>,
     #[command(flatten)]
     engine: EngineArgs,
 }
@@ -112,11 +115,13 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
 }
 
 fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {
+    let skips = Skips::ALL.without_all(&args.no_skip);
     let Some(position_m) = args.tolerance else {
         let step_s = args.step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
         return Ok(BackendOptions {
             integrator: args.integrator,
             rapier: args.engine.options(),
+            skips,
             ..BackendOptions::new(args.backend, step_s)
         });
     };
@@ -125,7 +130,7 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
     }
     let tolerance = Tolerance::on_rim(position_m, &scenario.system.load);
     let heading_rad = args.tolerance_rad.unwrap_or(tolerance.heading_rad);
-    Ok(BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }))
+    Ok(BackendOptions { skips, ..BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }) })
 }
 
 /// What moves the load, and what follows it to estimate the inertia that a quasi-static run neglects.

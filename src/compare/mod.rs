@@ -24,7 +24,7 @@ mod verdict;
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{BackendKind, BackendOptions, RapierOptions, Tolerance, default_step};
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, default_step};
 use crate::scenario::Scenario;
 
 pub use difference::{Difference, Occasion, OccasionKind, Parting};
@@ -56,6 +56,8 @@ pub struct Settings {
     pub recorded_from: BackendKind,
     /// Difference that counts as agreement, over the length of the load's path (1).
     pub agreement: f64,
+    /// What may be left out.
+    pub skips: Skips,
 }
 
 /// Error of the exact backends' paths unasked, over the load's radius (1). What the verdict needs is known only when there are paths.
@@ -65,11 +67,12 @@ impl Settings {
     /// Of an exact backend whose path is compared.
     pub fn within(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let load = &scenario.system.load;
-        BackendOptions::within(kind, Tolerance::on_rim(self.tolerance_m.unwrap_or(FIRST_TOLERANCE * load.radius), load))
+        let tolerance = Tolerance::on_rim(self.tolerance_m.unwrap_or(FIRST_TOLERANCE * load.radius), load);
+        BackendOptions { skips: self.skips, ..BackendOptions::within(kind, tolerance) }
     }
 
     pub fn options(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let step_s = self.step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
-        BackendOptions { rapier: self.rapier, ..BackendOptions::new(kind, step_s) }
+        BackendOptions { rapier: self.rapier, skips: self.skips, ..BackendOptions::new(kind, step_s) }
     }
 }

@@ -6,12 +6,20 @@ use super::{Mat2, Vec2};
 
 /// The angle in (-pi, pi] that differs from `angle` by whole turns (rad).
 pub fn wrap_to_pi(angle: f64) -> f64 {
-    let turned = angle.rem_euclid(TAU);
+    // Less than a turn is left as it is by the division, which is slow.
+    let turned = match angle {
+        0.0..TAU => angle,
+        _ if -TAU < angle && angle < 0.0 => angle + TAU,
+        _ => angle.rem_euclid(TAU),
+    };
     if turned > PI { turned - TAU } else { turned }
 }
 
 /// The value of `angle` plus whole turns that lies nearest to `near` (rad): follows a branch instead of jumping at pi.
 pub fn unwrap_near(angle: f64, near: f64) -> f64 {
+    if (near - angle).abs() < PI {
+        return angle;
+    }
     angle + ((near - angle) / TAU).round() * TAU
 }
 

@@ -52,7 +52,27 @@ impl Ant {
 /// Turn rate (rad/s), Eq. (20): gain (1/s) times heading error (rad), as its mean over `duration` (s) while the desired heading stands
 /// still: the error then decays as exp(-gain t). No choice of control period makes it overshoot.
 pub fn steering_turn_rate(heading_error: f64, steering_gain: f64, duration: f64) -> f64 {
-    -heading_error * (-steering_gain * duration).exp_m1() / duration
+    Steering::new(steering_gain, duration).turn_rate(heading_error)
+}
+
+/// [`steering_turn_rate`] of many ants over one duration: the exponential is the same for all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steering {
+    duration: f64,
+    /// Minus the share of the error that is steered out (1).
+    decay: f64,
+}
+
+impl Steering {
+    /// For a gain (1/s) and a duration (s).
+    pub fn new(steering_gain: f64, duration: f64) -> Self {
+        Self { duration, decay: (-steering_gain * duration).exp_m1() }
+    }
+
+    /// Turn rate for a heading error (rad/s).
+    pub fn turn_rate(&self, heading_error: f64) -> f64 {
+        -heading_error * self.decay / self.duration
+    }
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::backend::{
-    BackendKind, BackendOptions, DefectParts, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, Status, StepReport, Tolerance,
-    TransitionCounts,
+    BackendKind, BackendOptions, DefectParts, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, SkipCounts, Status, StepReport,
+    Tolerance, TransitionCounts,
 };
 use crate::estimate::InertiaEstimate;
 use crate::math::Summary;
@@ -120,6 +120,10 @@ pub struct StepSummary {
     pub n_not_converged: u64,
     /// Strides that error control found too long.
     pub n_rejected: u64,
+    /// `n_skipped` over `n_steps`; zero without steps.
+    pub share_skipped: f64,
+    /// What was left out, by kind: steps, and ants at ticks too far from the load to sense a tip.
+    pub skipped: SkipCounts,
 }
 
 /// What the ants achieved.
@@ -277,6 +281,8 @@ impl StepSummary {
             n_skipped: report.n_skipped,
             n_not_converged: report.n_not_converged,
             n_rejected: report.n_rejected,
+            share_skipped: report.n_skipped as f64 / report.n_steps.max(1) as f64,
+            skipped: report.skipped,
         })
     }
 }
@@ -330,6 +336,11 @@ mod tests {
             "/steps/n_solves",
             "/steps/n_skipped",
             "/steps/n_not_converged",
+            "/steps/share_skipped",
+            "/steps/skipped/free_load",
+            "/steps/skipped/still_tips",
+            "/steps/skipped/stick_bound",
+            "/steps/skipped/distant_ants",
             "/wall_s",
             "/seed",
             "/pull_force_n/mean",

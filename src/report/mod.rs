@@ -5,6 +5,7 @@
 //!
 //! ```text
 //! json.rs      RunSummary: the object that `run --json` prints
+//! lines.rs     lines of numbers, fast
 //! table.rs     trace.csv, events.csv and transitions.csv
 //! manifest.rs  where a result comes from: scenario, seed, versions, machine, command
 //! folder.rs    an output folder that is there whole or not at all
@@ -23,6 +24,7 @@ mod comparison;
 pub mod figure;
 mod folder;
 mod json;
+mod lines;
 mod manifest;
 mod progress;
 mod quantity;

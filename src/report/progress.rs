@@ -7,6 +7,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// The clock is looked at about this often at most, and the bar told as often.
+const GLANCE: Duration = Duration::from_millis(10);
+/// Most calls between two looks at the clock.
+const MOST_UNSEEN: u32 = 1 << 16;
 
 /// Progress of one run through simulated time. Cheap enough to be told every control tick.
 pub struct Progress {
@@ -16,6 +20,10 @@ pub struct Progress {
     unit: &'static str,
     started: Instant,
     display: Display,
+    /// Calls until the clock is looked at, and how many those were before the last look.
+    unseen: u32,
+    stride: u32,
+    last_look: Duration,
 }
 
 enum Display {
@@ -30,7 +38,16 @@ impl Progress {
     /// Progress towards `total` (s, simulated), shown under `label`.
     pub fn start(total: f64, label: &str) -> Self {
         let display = if std::io::stderr().is_terminal() { Display::Waiting } else { Display::Off };
-        Self { label: label.to_owned(), total, unit: "s", started: Instant::now(), display }
+        Self {
+            label: label.to_owned(),
+            total,
+            unit: "s",
+            started: Instant::now(),
+            display,
+            unseen: 0,
+            stride: 1,
+            last_look: Duration::ZERO,
+        }
     }
 
     /// Progress of work whose share done (1) is told in place of a time.
@@ -43,7 +60,20 @@ impl Progress {
         if matches!(self.display, Display::Off) {
             return;
         }
-        self.show(time, self.started.elapsed());
+        if self.unseen > 0 {
+            self.unseen -= 1;
+            return;
+        }
+        let elapsed = self.started.elapsed();
+        self.pace(elapsed);
+        self.show(time, elapsed);
+    }
+
+    /// Twice as many calls up to the next look at the clock while they take less than a glance; else a quarter of them.
+    fn pace(&mut self, elapsed: Duration) {
+        let is_early = elapsed.saturating_sub(self.last_look) < GLANCE;
+        self.stride = if is_early { (2 * self.stride).min(MOST_UNSEEN) } else { (self.stride / 4).max(1) };
+        (self.unseen, self.last_look) = (self.stride - 1, elapsed);
     }
 
     /// The run is over: the bar vanishes.
@@ -92,7 +122,7 @@ mod tests {
     use super::*;
 
     fn progress(display: Display) -> Progress {
-        Progress { label: "run".to_owned(), total: 300.0, unit: "s", started: Instant::now(), display }
+        Progress { display, ..Progress::start(300.0, "run") }
     }
 
     #[test]
@@ -107,6 +137,16 @@ mod tests {
         let mut alone = progress(Display::Off);
         alone.show(30.0, 10 * PATIENCE);
         assert!(matches!(alone.display, Display::Off));
+    }
+
+    /// Calls between looks: many while they are fast, every one when each takes longer than a glance.
+    #[test]
+    fn the_clock_is_looked_at_seldom_and_in_time() {
+        let mut progress = progress(Display::Waiting);
+        (1..=20).for_each(|look| progress.pace(Duration::from_micros(look)));
+        assert_eq!(progress.unseen, MOST_UNSEEN - 1);
+        (1..=8).for_each(|look| progress.pace(2 * look * GLANCE));
+        assert_eq!(progress.unseen, 0);
     }
 
     #[test]

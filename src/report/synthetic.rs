@@ -38,10 +38,10 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             n_steps: 30_440,
             n_solves: 61_002,
             n_iterations: 183_000,
-            n_skipped: 12,
+            n_skipped: 22_830,
             n_not_converged: 0,
             n_rejected: 0,
-            skipped: SkipCounts::default(),
+            skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_bound: 6_088, distant_ants: 1234 },
         },
         transitions: TransitionCounts { n_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },
         error: None,
@@ -58,7 +58,7 @@ pub fn trace(n_rows: usize, lag: f64) -> Trace {
         let time = k as f64 * TICK;
         let tips = tips(time, lag);
         record_events(&mut trace, time, &tips);
-        trace.rows.push(Row { time, motion: motion(time, lag), energy: energy(time, lag), tips, error: None });
+        trace.rows.push(Row { time, motion: motion(time, lag), energy: energy(time, lag), tips: tips.into(), error: None });
     }
     trace
 }
@@ -108,7 +108,7 @@ fn tips(time: f64, lag: f64) -> Vec<HeldTip> {
 }
 
 fn record_events(trace: &mut Trace, time: f64, tips: &[HeldTip]) {
-    let before = trace.rows.last().map_or(Vec::new(), |row| row.tips.clone());
+    let before = trace.rows.last().map_or(Vec::new(), |row| row.tips.to_vec());
     let holds = |tips: &[HeldTip], spring: usize| tips.iter().any(|tip| tip.spring == spring);
     let event = |tip: &HeldTip, kind| Event { time, spring: tip.spring, ant: Some(tip.spring), tip: tip.position, kind };
     let grasps = tips.iter().filter(|tip| !holds(&before, tip.spring)).map(|tip| event(tip, EventKind::Grasp));

@@ -6,6 +6,7 @@
 
 use std::io::Write;
 
+use super::lines::Lines;
 use super::{NotFinite, finite};
 use crate::backend::{Transition, TransitionKind};
 use crate::check;
@@ -55,17 +56,35 @@ pub enum TableError {
 /// When a number is not finite, or `out` fails.
 pub fn write_trace(trace: &Trace, n_springs: usize, out: impl Write) -> Result<(), TableError> {
     let n_pulls = if n_springs <= MOST_SPRINGS_WITH_COLUMNS { n_springs } else { 0 };
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    let mut lines = Lines::new(out, TRACE_COLUMNS.len() + 2 * n_pulls);
     let pulls = (0..n_pulls).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
-    writer.write_record(TRACE_COLUMNS.iter().map(|name| (*name).to_owned()).chain(pulls))?;
+    let names: Vec<_> = TRACE_COLUMNS.iter().map(|name| (*name).to_owned()).chain(pulls).collect();
+    lines.head(&names)?;
     for row in &trace.rows {
-        let state = state_of(row);
-        for (name, value) in TRACE_COLUMNS.iter().zip(state) {
-            finite(name, value)?;
+        lines.begin()?;
+        for (name, value) in TRACE_COLUMNS.iter().zip(state_of(row)) {
+            lines.number(finite(name, value)?);
         }
-        writer.serialize((state, row.tips.len(), pulls_of(row, n_pulls)?))?;
+        lines.count(row.tips.len());
+        write_pulls(row, n_pulls, &mut lines)?;
+        lines.end();
     }
-    writer.flush()?;
+    lines.finish()?;
+    Ok(())
+}
+
+/// Pulls on the first `n_pulls` springs (N, world); nothing where nobody holds.
+fn write_pulls(row: &Row, n_pulls: usize, lines: &mut Lines<impl Write>) -> Result<(), NotFinite> {
+    let mut tips = row.tips.iter().peekable();
+    for spring in 0..n_pulls {
+        match tips.next_if(|tip| tip.spring == spring) {
+            Some(tip) => {
+                lines.number(finite("pull_x_n", tip.pull.x)?);
+                lines.number(finite("pull_y_n", tip.pull.y)?);
+            }
+            None => lines.nothing(2),
+        }
+    }
     Ok(())
 }
 
@@ -157,15 +176,6 @@ fn state_of(row: &Row) -> [f64; TRACE_COLUMNS.len() - 1] {
         energy.defect(),
         row.interaction(),
     ]
-}
-
-/// Pulls on the first `n_pulls` springs (N, world); `None` where nobody holds.
-fn pulls_of(row: &Row, n_pulls: usize) -> Result<Vec<[Option<f64>; 2]>, NotFinite> {
-    let mut pulls = vec![[None; 2]; n_pulls];
-    for tip in row.tips.iter().filter(|tip| tip.spring < n_pulls) {
-        pulls[tip.spring] = [Some(finite("pull_x_n", tip.pull.x)?), Some(finite("pull_y_n", tip.pull.y)?)];
-    }
-    Ok(pulls)
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{Accuracy, AntSummary, RunSummary, TransitionSummary, number, quantity};
-use crate::backend::Status;
+use super::{Accuracy, AntSummary, RunSummary, StepSummary, TransitionSummary, number, quantity};
+use crate::backend::{SkipCounts, Status};
 use crate::estimate::{Cause, InertiaEstimate, Largest};
 
 /// The summary over aligned lines, with a line end.
@@ -137,9 +137,23 @@ fn cost(summary: &RunSummary, lines: &mut Lines) {
     lines.row("status", status);
     lines.row("residual", &steps.residual.map_or("none".to_owned(), number));
     lines.row("steps", &format!("{}, {} known without solving", steps.n_steps, steps.n_skipped));
+    lines.row("skipped", &skipped_steps(steps));
+    if summary.ants.is_some() {
+        lines.row("sensing", &format!("{} ants at ticks too far from the load to sense a tip", steps.skipped.distant_ants));
+    }
     lines.row("not converged", &steps.n_not_converged.to_string());
     lines.row("solves", &format!("{} in {} iterations", steps.n_solves, steps.n_iterations));
     lines.row("wall time", &quantity(summary.wall_s, "s"));
+}
+
+/// Share of the steps that were not computed, and why. A backend need not say why of all.
+fn skipped_steps(steps: &StepSummary) -> String {
+    let percent = |n: u64| format!("{} %", number(100.0 * n as f64 / steps.n_steps.max(1) as f64));
+    let SkipCounts { free_load, still_tips, stick_bound, .. } = steps.skipped;
+    let reasons = [(free_load, "no spring held"), (still_tips, "no tip moved"), (stick_bound, "tips too near to make the load slip")];
+    let reasons: Vec<String> = reasons.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{} {why}", percent(*n))).collect();
+    let why = if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) };
+    format!("{} of the steps{why}", percent(steps.n_skipped))
 }
 
 /// Two columns, in sections.
@@ -177,6 +191,13 @@ mod tests {
         let text = text(Some(true));
         assert!(text.contains("\n  position        (252.5 mm, -3.100 mm)\n"), "{text}");
         assert!(text.contains("\n  nest            reached after 76.10 s\n"), "{text}");
+        assert!(
+            text.contains(
+                "\n  skipped         75.00 % of the steps: 50.00 % no spring held, 20.00 % tips too near to make the load slip\n"
+            ),
+            "{text}"
+        );
+        assert!(text.contains("\n  sensing         1234 ants at ticks too far from the load to sense a tip\n"), "{text}");
         assert!(text.contains("\n  jumps           1, the largest by 4.000 mm\n"), "{text}");
         let column = 2 + Lines::LABEL_WIDTH + 2;
         for line in text.lines().filter(|line| line.starts_with(' ')) {

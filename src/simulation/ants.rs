@@ -7,10 +7,11 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::sensing::{Around, Placed, Sensing};
 use super::{Driver, Event, EventKind, Orders, View};
-use crate::backend::{Motion, RestoreError};
+use crate::backend::{Backend, Motion, RestoreError};
 use crate::math::{Chance, Stream, Summary, Vec2};
-use crate::model::ant::{Ant, Command, Mode, steering_turn_rate};
+use crate::model::ant::{Ant, Command, Mode, Steering};
 use crate::model::behaviour::{Pace, hazard_of, heading_error, heading_for_pull, probability_within, pull_direction};
 use crate::scenario::{AntDrive, Scenario};
 
@@ -21,7 +22,12 @@ pub struct Ants {
     control_period: f64,
     /// Probability of a grasp per tick in reach of a tip.
     grasp_probability: f64,
+    /// Standard deviation of a belief along each axis (m).
+    belief_spread: f64,
     state: State,
+    sensing: Sensing,
+    /// For each ant that pulls, the first tick from which a decision period may have passed.
+    next_decisions: Vec<u64>,
     targets: Vec<Vec2>,
 }
 
@@ -40,115 +46,124 @@ impl Ants {
             Pace::Hazard | Pace::Aged => probability_within(hazard_of(drive.grasp_probability, drive.grasp_decision_period), period),
         };
         let start = |ant: usize| start_of(ant as u32, &chance, drive, &scenario.start);
-        let state = State { ants: (0..drive.n_ants).map(start).collect(), pulls: Summary::default() };
-        let targets = vec![Vec2::zeros(); scenario.system.springs.len()];
-        Self { drive: drive.clone(), chance, control_period: period, grasp_probability, state, targets }
+        let springs = &scenario.system.springs;
+        Self {
+            drive: drive.clone(),
+            chance,
+            control_period: period,
+            grasp_probability,
+            belief_spread: drive.target_variance.sqrt(),
+            state: State { ants: (0..drive.n_ants).map(start).collect(), pulls: Summary::default() },
+            sensing: Sensing::new(springs, drive.sensing_range),
+            next_decisions: vec![0; drive.n_ants],
+            targets: vec![Vec2::zeros(); springs.len()],
+        }
     }
 
     pub fn ants(&self) -> &[Ant] {
         &self.state.ants
     }
 
-    /// Releases first: a spring let go at a tick can be taken by another ant at the same tick, not by the one that let go.
-    fn release_and_grasp(&mut self, view: &View, tick: u64) -> Vec<Event> {
-        let mut events = Vec::new();
-        let n_ants = self.state.ants.len();
-        let was_pulling: Vec<bool> = self.state.ants.iter().map(|ant| ant.mode != Mode::Search).collect();
-        for i in (0..n_ants).filter(|i| was_pulling[*i]) {
-            events.extend(self.release(i, view, tick));
-        }
-        let mut free: Vec<bool> = (0..self.targets.len()).map(|spring| view.backend.tip(spring).is_none()).collect();
-        events.iter().for_each(|event| free[event.spring] = true);
-        for i in (0..n_ants).filter(|i| !was_pulling[*i]) {
-            if let Some(event) = self.grasp(i, view, tick, &free) {
-                free[event.spring] = false;
-                events.push(event);
+    fn release_where_decided(&mut self, view: &View, tick: u64, orders: &mut Orders) {
+        for i in 0..self.state.ants.len() {
+            let Mode::Transport { spring, grasp_tick } = self.state.ants[i].mode else { continue };
+            if self.lets_go(i, spring, tick, tick - grasp_tick, view.backend) {
+                self.sensing.free(spring);
+                let ant = &mut self.state.ants[i];
+                ant.mode = Mode::Search;
+                orders.events.push(Event { time: view.time, spring, ant: Some(i), tip: ant.position, kind: EventKind::Release });
             }
         }
-        events
     }
 
-    /// Eq. (18).
-    fn release(&mut self, i: usize, view: &View, tick: u64) -> Option<Event> {
-        let Mode::Transport { spring, grasp_tick } = self.state.ants[i].mode else { return None };
+    /// Eq. (18), of an ant that has held its spring for `age` ticks.
+    fn lets_go(&mut self, i: usize, spring: usize, tick: u64, age: u64, backend: &dyn Backend) -> bool {
         let law = &self.drive.release;
-        let n_decisions = |ticks: u64| (ticks as f64 * self.control_period / law.period + 1e-9).floor();
-        let age = tick - grasp_tick;
-        let is_decision = age > 0 && n_decisions(age) > n_decisions(age - 1);
-        let pull = || view.backend.force_on_tip(spring).norm();
+        let is_decision = tick >= self.next_decisions[i] && age > 0 && {
+            let in_ticks = law.period / self.control_period;
+            let n_decisions = |ticks| n_periods(ticks, self.control_period, law.period);
+            self.next_decisions[i] = tick.saturating_add(quiet_ticks(age, in_ticks));
+            n_decisions(age) > n_decisions(age - 1)
+        };
+        if age == 0 || self.drive.release_pace == Pace::Aged && !is_decision {
+            return false;
+        }
+        let pull = backend.force_on_tip(spring).norm();
         if is_decision {
-            self.state.pulls.add(pull());
+            self.state.pulls.add(pull);
         }
         let probability = match self.drive.release_pace {
-            Pace::Aged if !is_decision => return None,
-            Pace::Aged | Pace::PerTick => law.probability(pull()),
-            Pace::Hazard => probability_within(law.hazard(pull()), self.control_period),
+            Pace::Aged | Pace::PerTick => law.probability(pull),
+            Pace::Hazard => probability_within(law.hazard(pull), self.control_period),
         };
-        if age == 0 || self.chance.uniform(Stream::Release, i as u32, tick) >= probability {
-            return None;
-        }
-        let ant = &mut self.state.ants[i];
-        ant.mode = Mode::Search;
-        Some(Event { time: view.time, spring, ant: Some(i), tip: ant.position, kind: EventKind::Release })
+        self.chance.uniform(Stream::Release, i as u32, tick) < probability
     }
 
-    /// An ant in reach of free tips grasps the nearest, with the probability of one tick.
-    fn grasp(&mut self, i: usize, view: &View, tick: u64, free: &[bool]) -> Option<Event> {
-        let (spring, tip) = self.tip_in_reach(&self.state.ants[i].position, view, free)?;
-        if self.chance.uniform(Stream::Grasp, i as u32, tick) >= self.grasp_probability {
-            return None;
+    /// Searching ants grasp, or draw a new belief of where the load is when its time has come; the error is normal with the target variance in each axis.
+    fn grasp_or_believe(&mut self, view: &View, tick: u64, orders: &mut Orders) {
+        let load = Placed::new(&view.backend.motion().pose);
+        let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
+        let belief = n_beliefs(tick);
+        let is_due = tick == 0 || belief > n_beliefs(tick - 1);
+        let n_released = orders.events.len();
+        for i in 0..self.state.ants.len() {
+            if self.state.ants[i].mode != Mode::Search {
+                continue;
+            }
+            // Releases stand in the order of ants; who has just let go does not grasp at once.
+            let has_let_go = orders.events[..n_released].binary_search_by_key(&Some(i), |event| event.ant).is_ok();
+            if !has_let_go && self.sensing.has_free() {
+                let around = self.sensing.around(load, view.skips.distant_ants);
+                let position = &self.state.ants[i].position;
+                if around.is_far(position) {
+                    orders.skipped.distant_ants += 1;
+                } else if let Some((spring, tip)) = self.grasped(i, tick, position, &around) {
+                    self.grasp(i, tick, spring, tip);
+                    orders.events.push(Event { time: view.time, spring, ant: Some(i), tip, kind: EventKind::Grasp });
+                    continue;
+                }
+            }
+            if is_due {
+                let normal = self.chance.normal_pair(Stream::Target, i as u32, belief as u64);
+                self.state.ants[i].belief_error = self.belief_spread * normal;
+            }
         }
+    }
+
+    /// An ant in reach of free tips grasps the nearest, with the probability of one tick. The draw comes first: it is cheaper than the search, and mostly fails.
+    fn grasped(&self, i: usize, tick: u64, position: &Vec2, around: &Around) -> Option<(usize, Vec2)> {
+        let is_drawn = self.chance.uniform(Stream::Grasp, i as u32, tick) < self.grasp_probability;
+        if is_drawn { around.nearest(position) } else { None }
+    }
+
+    fn grasp(&mut self, i: usize, tick: u64, spring: usize, tip: Vec2) {
         let ant = &mut self.state.ants[i];
         ant.mode = Mode::Transport { spring, grasp_tick: tick };
         ant.position = tip;
         self.state.pulls.add(0.0);
-        Some(Event { time: view.time, spring, ant: Some(i), tip, kind: EventKind::Grasp })
-    }
-
-    fn tip_in_reach(&self, position: &Vec2, view: &View, free: &[bool]) -> Option<(usize, Vec2)> {
-        let pose = view.backend.motion().pose;
-        let springs = &view.scenario.system.springs;
-        let reach = self.drive.sensing_range;
-        let away = (position - pose.position).norm();
-        let in_reach = springs.iter().enumerate().filter(|(j, spring)| {
-            // A spring whose whole circle is out of reach need not be placed.
-            free[*j] && away <= reach + spring.root.norm() + spring.rest_length
-        });
-        let distance = |tip: &Vec2| (tip - position).norm();
-        in_reach
-            .map(|(j, spring)| (j, pose.to_world(&spring.rest_tip())))
-            .filter(|(_, tip)| distance(tip) <= reach)
-            .min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))
-    }
-
-    /// Draws a new belief of where the load is when its time has come; the error is normal with the target variance in each axis.
-    fn renew_belief(&mut self, i: usize, tick: u64) {
-        let n_beliefs = |tick: u64| (tick as f64 * self.control_period / self.drive.target_redraw_period + 1e-9).floor() as u64;
-        if tick == 0 || n_beliefs(tick) > n_beliefs(tick - 1) {
-            let normal = self.chance.normal_pair(Stream::Target, i as u32, n_beliefs(tick));
-            self.state.ants[i].belief_error = self.drive.target_variance.sqrt() * normal;
-        }
-    }
-
-    fn command(&self, ant: &Ant, view: &View, duration: f64) -> Command {
-        let (desired, velocity) = match ant.mode {
-            Mode::Search => {
-                let target = view.backend.motion().pose.position + ant.belief_error - ant.position;
-                (target.y.atan2(target.x), self.drive.search_speed)
-            }
-            Mode::Transport { spring, .. } => (heading_for_pull(self.pull_direction(ant, spring, view)), -self.drive.pull_speed),
-        };
-        let turn_rate = steering_turn_rate(heading_error(desired, ant.heading), self.drive.steering_gain, duration);
-        Command { velocity, turn_rate }
+        self.sensing.take(spring);
+        self.next_decisions[i] = tick.saturating_add(quiet_ticks(0, self.drive.release.period / self.control_period));
     }
 
     /// Eq. (22).
-    fn pull_direction(&self, ant: &Ant, spring: usize, view: &View) -> f64 {
-        let spring = &view.scenario.system.springs[spring];
-        let along = ant.position - view.backend.motion().pose.to_world(&spring.root);
+    fn pull_direction(&self, ant: &Ant, root: &Vec2, load: Placed) -> f64 {
+        let along = ant.position - load.to_world(root);
         let to_nest = self.drive.nest_position - ant.position;
         pull_direction(along.y.atan2(along.x), to_nest.y.atan2(to_nest.x), self.drive.steering_half_angle)
     }
+}
+
+/// How many periods (s) have passed after a number of ticks.
+fn n_periods(ticks: u64, control_period: f64, period: f64) -> f64 {
+    (ticks as f64 * control_period / period + 1e-9).floor()
+}
+
+/// A number of ticks after tick `age` before which the next period of this many ticks cannot have passed: at least one, and short of it by up to three, so that no
+/// rounding matters.
+fn quiet_ticks(age: u64, period_in_ticks: f64) -> u64 {
+    let passed = (age as f64 / period_in_ticks).floor();
+    let next = (passed + 1.0) * period_in_ticks - 2.0;
+    (next as u64).saturating_sub(age).max(1)
 }
 
 /// Uniform in a square about the load, facing anywhere.
@@ -160,26 +175,30 @@ fn start_of(ant: u32, chance: &Chance, drive: &AntDrive, load: &Motion) -> Ant {
 }
 
 impl Driver for Ants {
-    fn decide(&mut self, view: &View) -> Orders {
+    /// Releases first: a spring let go at a tick can be taken by another ant at the same tick, not by the one that let go.
+    fn decide(&mut self, view: &View, orders: &mut Orders) {
         let tick = view.tick.expect("ants decide at ticks");
-        let events = self.release_and_grasp(view, tick);
-        for i in 0..self.state.ants.len() {
-            if self.state.ants[i].mode == Mode::Search {
-                self.renew_belief(i, tick);
-            }
-        }
-        Orders { events }
+        self.release_where_decided(view, tick, orders);
+        self.grasp_or_believe(view, tick, orders);
     }
 
     /// Walks all ants to `until` on the way.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
         let duration = until - view.time;
+        let steering = Steering::new(self.drive.steering_gain, duration);
+        let load = Placed::new(&view.backend.motion().pose);
+        let springs = &view.scenario.system.springs;
         for i in 0..self.state.ants.len() {
             let ant = self.state.ants[i];
-            let command = self.command(&ant, view, duration);
             self.state.ants[i] = match ant.mode {
-                Mode::Search => ant.walked(&command, duration),
+                Mode::Search => {
+                    let target = load.position + ant.belief_error - ant.position;
+                    let error = heading_error(target.y.atan2(target.x), ant.heading);
+                    ant.walked(&Command { velocity: self.drive.search_speed, turn_rate: steering.turn_rate(error) }, duration)
+                }
                 Mode::Transport { spring, .. } => {
+                    let error = heading_error(heading_for_pull(self.pull_direction(&ant, &springs[spring].root, load)), ant.heading);
+                    let command = Command { velocity: -self.drive.pull_speed, turn_rate: steering.turn_rate(error) };
                     let tip = ant.position + duration * ant.tip_velocity(&command, self.drive.control_offset);
                     self.targets[spring] = tip;
                     Ant { position: tip, heading: ant.heading + command.turn_rate * duration, ..ant }
@@ -210,7 +229,41 @@ impl Driver for Ants {
         if state.ants.len() != self.drive.n_ants {
             return Err(RestoreError(format!("{} ants, not {}", state.ants.len(), self.drive.n_ants)));
         }
+        self.sensing.free_all();
+        for ant in &state.ants {
+            if let Mode::Transport { spring, .. } = ant.mode {
+                if spring >= self.targets.len() {
+                    return Err(RestoreError(format!("an ant at spring {spring} of {}", self.targets.len())));
+                }
+                self.sensing.take(spring);
+            }
+        }
+        self.next_decisions.fill(0);
         self.state = state;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No decision falls on a tick that is passed over, whatever period and tick; and not many ticks are looked at in vain.
+    #[test]
+    fn no_period_ends_in_quiet_ticks() {
+        for (tick, period) in [(0.0025, 0.25), (0.0025, 0.0025), (0.1, 0.25), (0.003, 0.1), (0.01, 0.003), (1.0 / 3.0, 7.0), (0.0025, 1e30)]
+        {
+            let n_decisions = |ticks| n_periods(ticks, tick, period);
+            let (mut next, mut n_looks, mut n_found) = (quiet_ticks(0, period / tick), 0u64, 0u64);
+            for age in 1..20_000 {
+                let is_decision = n_decisions(age) > n_decisions(age - 1);
+                assert!(!is_decision || age >= next, "{tick} {period} {age}");
+                if age >= next {
+                    next = age.saturating_add(quiet_ticks(age, period / tick));
+                    (n_looks, n_found) = (n_looks + 1, n_found + u64::from(is_decision));
+                }
+            }
+            assert!(n_looks <= 4 * n_found.max(1) || period < 5.0 * tick, "{n_looks} looks for {n_found}");
+        }
     }
 }

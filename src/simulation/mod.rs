@@ -3,12 +3,15 @@
 mod ants;
 mod replay;
 mod saved;
+mod sensing;
 mod tips;
 mod trace;
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{Backend, BackendOptions, Motion, PoseError, RestoreError, StepReport, Transition, TransitionCounts, build};
+use crate::backend::{
+    Backend, BackendOptions, Motion, PoseError, RestoreError, SkipCounts, Skips, StepReport, Transition, TransitionCounts, build,
+};
 use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
 
@@ -16,12 +19,12 @@ pub use ants::Ants;
 pub use replay::Replay;
 pub use saved::SavedRun;
 pub use tips::Tips;
-pub use trace::{Event, EventKind, HeldTip, Outcome, Row, Trace};
+pub use trace::{Event, EventKind, HeldTip, HeldTips, Outcome, Row, Trace};
 
 /// What moves the tips: grasps, releases and paths, from what it sees of the load.
 pub trait Driver {
-    /// What happens at this instant.
-    fn decide(&mut self, view: &View) -> Orders;
+    /// Adds what happens at this instant to `orders`, which are empty.
+    fn decide(&mut self, view: &View, orders: &mut Orders);
 
     /// Where the tips are to be at the time `until` (s; m, world, one entry a spring), on straight ways from where they are now.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2];
@@ -52,12 +55,16 @@ pub struct View<'a> {
     pub time: f64,
     /// Number of the tick at this instant; `None` between ticks.
     pub tick: Option<u64>,
+    /// What may be left out.
+    pub skips: Skips,
 }
 
 /// What a driver does at one instant: releases first, then grasps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Orders {
     pub events: Vec<Event>,
+    /// What was left out on the way to them.
+    pub skipped: SkipCounts,
 }
 
 /// What is kept of a run while it goes on.
@@ -85,6 +92,10 @@ pub struct Simulation<'a> {
     error: Option<PoseError>,
     transitions: TransitionCounts,
     trace: Trace,
+    /// Springs that are held, in their order.
+    held: Vec<usize>,
+    /// Kept for its memory.
+    orders: Orders,
 }
 
 /// Instants nearer to each other than this share of a control period are one.
@@ -104,7 +115,8 @@ impl<'a> Simulation<'a> {
     pub fn on(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>, backend: Box<dyn Backend>) -> Self {
         let (steps, transitions, trace) = (StepReport::default(), TransitionCounts::default(), Trace::default());
         let (tick, time, finished, error) = (0, 0.0, false, None);
-        Self { scenario, options: *options, backend, driver, keep, tick, time, finished, steps, error, transitions, trace }
+        let (held, orders) = (held_by(scenario, backend.as_ref()), Orders::default());
+        Self { scenario, options: *options, backend, driver, keep, tick, time, finished, steps, error, transitions, trace, held, orders }
     }
 
     /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
@@ -138,11 +150,14 @@ impl<'a> Simulation<'a> {
             self.finished = true;
             return;
         }
-        let orders = self.driver.decide(&view(self.scenario, self.backend.as_ref(), self.time, self.tick));
-        self.act(&orders);
+        let (tick, skips) = (self.tick_now(), self.options.skips);
+        let (scenario, time) = (self.scenario, self.time);
+        self.driver.decide(&View { scenario, backend: self.backend.as_ref(), time, tick, skips }, &mut self.orders);
+        self.act();
         self.record();
         let until = self.next_instant();
-        let targets = self.driver.targets(&view(self.scenario, self.backend.as_ref(), self.time, self.tick), until);
+        let view = View { scenario, backend: self.backend.as_ref(), time, tick, skips };
+        let targets = self.driver.targets(&view, until);
         self.steps.add(&self.backend.advance(targets, until - self.time));
         self.observe();
         self.move_clock_to(until);
@@ -186,16 +201,26 @@ impl<'a> Simulation<'a> {
         at_end || self.driver.arrived(&self.backend.motion()) == Some(true)
     }
 
-    fn act(&mut self, orders: &Orders) {
-        for event in &orders.events {
+    /// Carries the orders out and empties them.
+    fn act(&mut self) {
+        for event in &self.orders.events {
+            let at = self.held.partition_point(|spring| *spring < event.spring);
             match event.kind {
-                EventKind::Release => self.backend.release(event.spring),
-                EventKind::Grasp => self.backend.grasp(event.spring, event.tip),
+                EventKind::Release => {
+                    self.backend.release(event.spring);
+                    self.held.remove(at);
+                }
+                EventKind::Grasp => {
+                    self.backend.grasp(event.spring, event.tip);
+                    self.held.insert(at, event.spring);
+                }
             }
         }
         if self.keep == Keep::Trace {
-            self.trace.events.extend_from_slice(&orders.events);
+            self.trace.events.extend_from_slice(&self.orders.events);
         }
+        self.steps.skipped.add(&std::mem::take(&mut self.orders.skipped));
+        self.orders.events.clear();
     }
 
     /// What the backend says of the advance that it has made.
@@ -213,14 +238,12 @@ impl<'a> Simulation<'a> {
 
     /// A row at every tick and at the end.
     fn record(&mut self) {
-        let at_tick = self.time == self.tick_time(self.tick);
-        if self.keep == Keep::Outcome || !(at_tick || self.is_over()) {
+        if self.keep == Keep::Outcome || !(self.tick_now().is_some() || self.is_over()) {
             return;
         }
-        let springs = 0..self.scenario.system.springs.len();
-        let tips = springs.filter_map(|spring| {
-            let position = self.backend.tip(spring)?;
-            Some(HeldTip { spring, position, pull: -self.backend.force_on_tip(spring) })
+        let tips = self.held.iter().filter_map(|spring| {
+            let position = self.backend.tip(*spring)?;
+            Some(HeldTip { spring: *spring, position, pull: -self.backend.force_on_tip(*spring) })
         });
         let (motion, energy, error) = (self.backend.motion(), self.backend.energy(), self.backend.pose_error());
         self.trace.rows.push(Row { time: self.time, motion, energy, tips: tips.collect(), error });
@@ -228,8 +251,8 @@ impl<'a> Simulation<'a> {
 
     fn next_instant(&self) -> f64 {
         let ends = [self.tick_time(self.tick + 1), self.scenario.duration];
-        let driver = self.driver.next_instant(self.time).into_iter();
-        driver.chain(ends).fold(f64::INFINITY, f64::min)
+        let end = ends[0].min(ends[1]);
+        self.driver.next_instant(self.time).map_or(end, |instant| instant.min(end))
     }
 
     fn move_clock_to(&mut self, time: f64) {
@@ -239,8 +262,14 @@ impl<'a> Simulation<'a> {
         }
     }
 
+    /// Time of a tick (s): a product, not a sum, so that no rounding grows.
     fn tick_time(&self, tick: u64) -> f64 {
-        tick_time(self.scenario, tick)
+        tick as f64 * self.scenario.control_period
+    }
+
+    /// The tick at this instant; `None` between ticks.
+    fn tick_now(&self) -> Option<u64> {
+        (self.time == self.tick_time(self.tick)).then_some(self.tick)
     }
 }
 
@@ -252,11 +281,7 @@ pub fn driver_of(scenario: &Scenario) -> Box<dyn Driver> {
     }
 }
 
-/// Time of a tick (s): a product, not a sum, so that no rounding grows.
-fn tick_time(scenario: &Scenario, tick: u64) -> f64 {
-    tick as f64 * scenario.control_period
-}
-
-fn view<'a>(scenario: &'a Scenario, backend: &'a dyn Backend, time: f64, tick: u64) -> View<'a> {
-    View { scenario, backend, time, tick: (time == tick_time(scenario, tick)).then_some(tick) }
+/// Springs that are held, in their order.
+fn held_by(scenario: &Scenario, backend: &dyn Backend) -> Vec<usize> {
+    (0..scenario.system.springs.len()).filter(|spring| backend.tip(*spring).is_some()).collect()
 }

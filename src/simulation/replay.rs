@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Driver, Orders, Row, Trace, View};
+use super::{Driver, Orders, Trace, View};
 use crate::backend::{Motion, RestoreError};
 use crate::math::Vec2;
 
@@ -17,27 +17,20 @@ impl Replay {
     pub fn new(recorded: Arc<Trace>, n_springs: usize) -> Self {
         Self { recorded, targets: vec![Vec2::zeros(); n_springs] }
     }
-
-    /// The first row at or after `time` (s).
-    fn row_from(&self, time: f64) -> Option<&Row> {
-        self.recorded.rows.get(self.recorded.rows.partition_point(|row| row.time < time))
-    }
 }
 
 impl Driver for Replay {
-    fn decide(&mut self, view: &View) -> Orders {
+    fn decide(&mut self, view: &View, orders: &mut Orders) {
         let events = &self.recorded.events;
         let first = events.partition_point(|event| event.time < view.time);
-        let n = events[first..].iter().take_while(|event| event.time == view.time).count();
-        Orders { events: events[first..first + n].to_vec() }
+        orders.events.extend(events[first..].iter().take_while(|event| event.time == view.time));
     }
 
     /// Where the recorded run had its tips at `until`, those included that it let go there.
     fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
         let recorded = Arc::clone(&self.recorded);
-        if let Some(row) = self.row_from(until) {
-            let places: Vec<_> = row.tips.iter().map(|tip| (tip.spring, tip.position)).collect();
-            places.into_iter().for_each(|(spring, position)| self.targets[spring] = position);
+        if let Some(row) = recorded.rows.get(recorded.rows.partition_point(|row| row.time < until)) {
+            row.tips.iter().for_each(|tip| self.targets[tip.spring] = tip.position);
         }
         let first = recorded.events.partition_point(|event| event.time < until);
         for event in recorded.events[first..].iter().take_while(|event| event.time == until) {

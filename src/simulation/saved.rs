@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Driver, Keep, Simulation, Trace, driver_of};
+use super::{Driver, Keep, Simulation, Trace, driver_of, held_by};
 use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SavedState, StepReport, TransitionCounts, build};
 use crate::scenario::Scenario;
 
@@ -68,6 +68,7 @@ impl<'a> Simulation<'a> {
         driver.restore(&saved.driver)?;
         let mut resumed = Self::on(scenario, &saved.options, keep, driver, backend);
         resumed.backend.restore(&saved.backend)?;
+        resumed.held = held_by(scenario, resumed.backend.as_ref());
         resumed.tick = saved.tick;
         resumed.time = saved.time;
         resumed.finished = saved.finished;

@@ -60,11 +60,10 @@ fn position_at(path: &TipPath, time: f64) -> Vec2 {
 }
 
 impl Driver for Tips {
-    fn decide(&mut self, view: &View) -> Orders {
-        let mut events = Vec::new();
+    fn decide(&mut self, view: &View, orders: &mut Orders) {
         let mut event = |path: &TipPath, kind| {
             let tip = position_at(path, view.time);
-            events.push(Event { time: view.time, spring: path.spring, ant: None, tip, kind });
+            orders.events.push(Event { time: view.time, spring: path.spring, ant: None, tip, kind });
         };
         for path in self.paths.iter().filter(|path| path.release == Some(view.time)) {
             event(path, EventKind::Release);
@@ -72,7 +71,6 @@ impl Driver for Tips {
         for path in self.paths.iter().filter(|path| path.waypoints[0].time == view.time) {
             event(path, EventKind::Grasp);
         }
-        Orders { events }
     }
 
     fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {

@@ -1,6 +1,7 @@
 //! What is kept of a run: a row at every control tick, the events between, and how it ended.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use smallvec::SmallVec;
 
 use crate::backend::{EnergyLedger, Motion, PoseError, StepReport, Transition, TransitionCounts};
 use crate::math::{Summary, Vec2};
@@ -23,10 +24,19 @@ pub struct Row {
     pub motion: Motion,
     pub energy: EnergyLedger,
     /// Tips that are held, in the order of their springs.
-    pub tips: Vec<HeldTip>,
+    #[serde(serialize_with = "as_slice", deserialize_with = "from_list")]
+    pub tips: HeldTips,
     /// How far the pose may be wrong; `None` where the backend does not know.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
+}
+
+fn as_slice<S: Serializer>(tips: &HeldTips, serializer: S) -> Result<S::Ok, S::Error> {
+    tips.as_slice().serialize(serializer)
+}
+
+fn from_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<HeldTips, D::Error> {
+    Vec::deserialize(deserializer).map(HeldTips::from_vec)
 }
 
 impl Row {
@@ -36,6 +46,9 @@ impl Row {
         pairs.map(|(a, b)| interaction_force([a.position, b.position], [a.pull, b.pull])).fold(0.0, |sum, force| sum + force)
     }
 }
+
+/// Up to four in the row itself: most rows need no memory elsewhere.
+pub type HeldTips = SmallVec<[HeldTip; 4]>;
 
 /// A held tip at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

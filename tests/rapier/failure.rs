@@ -9,7 +9,7 @@ use crate::scenes::{at_rest, backend, busy_system};
 #[test]
 fn a_tip_out_of_the_world_freezes_the_load_where_it_was() {
     for precision in [Precision::F64, Precision::F32] {
-        for springs in [SpringModel::Joint, SpringModel::Aggregate] {
+        for springs in [SpringModel::Joint, SpringModel::Aggregate, SpringModel::Force] {
             for friction in [FrictionModel::Aligned, FrictionModel::Polygon] {
                 for far in [f64::NAN, f64::INFINITY, 1e200, 1e300] {
                     frozen_by(far, RapierOptions { precision, springs, friction, ..RapierOptions::default() });

@@ -2,8 +2,10 @@
 
 mod energy;
 mod failure;
+mod forces;
 mod restore;
 mod scenes;
+mod skips;
 mod slides;
 mod springs;
 mod stick;

@@ -9,7 +9,7 @@ use crate::scenes::{backend, busy_system, busy_tips, moving, with_friction};
 fn all_options() -> Vec<RapierOptions> {
     let mut all = Vec::new();
     for friction in [FrictionModel::Aligned, FrictionModel::Polygon, FrictionModel::Box] {
-        for springs in [SpringModel::Joint, SpringModel::Aggregate] {
+        for springs in [SpringModel::Joint, SpringModel::Aggregate, SpringModel::Force] {
             for precision in [Precision::F64, Precision::F32] {
                 for settings in [EngineSettings::Recommended, EngineSettings::AsShipped] {
                     all.push(RapierOptions { friction, springs, precision, settings });

@@ -10,7 +10,7 @@
 //! before two or three iterations reach rounding, at a fraction of the cost of the polar ones, which take over wherever this one hesitates.
 
 use super::cones::Cones;
-use super::{Candidate, EXACT, Regime};
+use super::{Candidate, EXACT, FrictionSolution, FrictionSolver, Regime};
 use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3};
 
 /// Slip of a support over the size of the twist (1) below which its direction is left to the polar coordinates.
@@ -20,15 +20,44 @@ const MOST_ITERATIONS: u32 = 8;
 /// Residual at which nothing is left to gain (1).
 const ROUNDED: f64 = 1e-15;
 
-/// The slip found from `start`, with the cones' forces written; `None`, with the forces as they were, when there is none near it.
-pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
+impl FrictionSolver {
+    /// The solution of [`FrictionSolver::solve`] where all supports slip and `near` (m, m, rad) is close to it; `None`, with nothing changed, where
+    /// there is no such one.
+    pub fn slide(&mut self, hessian: &Mat3, drive: &Vec3, near: &Vec3) -> Option<FrictionSolution> {
+        let (h, w) = self.cones.scaled(hessian, drive);
+        let mut n_iterations = 0;
+        let (twist, residual) = slip(&self.cones, &h, &w, &self.cones.scaled_twist(near), &mut n_iterations)?;
+        self.cones.write_slip_forces(&twist, &mut self.last.forces);
+        self.keep(&Candidate { twist, regime: Regime::Slip });
+        Some(FrictionSolution { increment: self.cones.unscaled_twist(&twist), regime: Regime::Slip, residual, n_iterations })
+    }
+
+    /// Newton's step (m, m, rad) from a body-twist increment at which all supports slip, and what is out of balance there, relative to the forces in it (1);
+    /// `gradient` and `hessian` are those of what acts besides friction (N, N, N m; N/m, N, N m/rad). `None` where a support slips too slowly.
+    pub fn gliding_step(&self, increment: &Vec3, gradient: &Vec3, hessian: &Mat3) -> Option<(Vec3, f64)> {
+        let (h, g) = self.cones.scaled(hessian, gradient);
+        let twist = self.cones.scaled_twist(increment);
+        let Balance { residual, derivative } = balance(&self.cones, &g, &h, &twist)?;
+        let step = PositiveDefinite::new(&derivative)?.solve(&residual);
+        Some((-self.cones.unscaled_twist(&step), residual.amax() / self.cones.force_scale(&h, &g, &twist)))
+    }
+
+    /// Takes an increment at which all supports slip as the last solution.
+    pub fn keep_gliding(&mut self, increment: &Vec3) {
+        let twist = self.cones.scaled_twist(increment);
+        self.cones.write_slip_forces(&twist, &mut self.last.forces);
+        self.keep(&Candidate { twist, regime: Regime::Slip });
+    }
+}
+
+/// The slip found from `start` and its residual (1); `None` when there is none near it.
+pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, n_iterations: &mut u32) -> Option<(Vec3, f64)> {
     let (mut twist, mut last) = (*start, f64::INFINITY);
     for _ in 0..MOST_ITERATIONS {
         let Balance { residual, derivative } = balance(cones, &(h * twist - w), h, &twist)?;
         let (size, scale) = (residual.amax(), cones.force_scale(h, w, &twist));
         if size <= ROUNDED * scale || size <= EXACT * scale && size >= 0.25 * last {
-            cones.write_slip_forces(&twist, forces);
-            return Some(Candidate { twist, regime: Regime::Slip });
+            return Some((twist, size / scale));
         }
         // Newton's method near an answer more than halves the residual; the first step, which also corrects the size of the twist, need not.
         if size > 0.5 * last {
@@ -42,13 +71,13 @@ pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut
 }
 
 /// What is out of balance at a twist, and the derivative of that (only its lower half).
-pub(super) struct Balance {
-    pub residual: Vec3,
-    pub derivative: Mat3,
+struct Balance {
+    residual: Vec3,
+    derivative: Mat3,
 }
 
 /// Adds friction to the `gradient` and the `hessian` of what else acts at `twist`; `None` where a support slips too slowly.
-pub(super) fn balance(cones: &Cones, gradient: &Vec3, hessian: &Mat3, twist: &Vec3) -> Option<Balance> {
+fn balance(cones: &Cones, gradient: &Vec3, hessian: &Mat3, twist: &Vec3) -> Option<Balance> {
     let (mut residual, mut derivative) = (*gradient, *hessian);
     let slowest = SLOWEST * SLOWEST * twist.norm_squared();
     for (offset, limit) in cones.offsets.iter().zip(&cones.limits) {
@@ -75,4 +104,53 @@ pub(super) fn balance(cones: &Cones, gradient: &Vec3, hessian: &Mat3, twist: &Ve
         derivative.m33 += curvature.z * across.z;
     }
     Some(Balance { residual, derivative })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Vec2, direction};
+    use crate::model::{Ground, SupportPoint};
+
+    fn tripod() -> Ground {
+        let supports = [0.3, 2.1, 4.0].map(|angle| SupportPoint { offset: 0.008 * direction(angle), normal_load: 0.005 });
+        Ground { friction_coefficient: 1.4, supports: supports.to_vec() }
+    }
+
+    /// Convex, so both find the one minimum: what differs is the way there, to a hundred roundings of the forces.
+    #[test]
+    fn a_slip_from_nearby_is_the_one_from_anywhere() {
+        let ground = tripod();
+        let hessian = Mat3::new(1600.0, 2.0, 0.3, 2.0, 1600.0, -0.2, 0.3, -0.2, 0.12);
+        let mut n_found = 0;
+        for i in 0..50 {
+            let at = f64::from(i);
+            let drive = (0.03 * direction(at)).push(1e-4 * (3.0 * at).sin());
+            let [mut near, mut far] = [(); 2].map(|()| FrictionSolver::new(&ground, 0.01));
+            let want = far.solve(&hessian, &drive);
+            let start = want.increment.component_mul(&Vec3::new(1.05, 0.95, 1.1));
+            let Some(found) = near.slide(&hessian, &drive, &start) else { continue };
+            n_found += 1;
+            assert_eq!(want.regime, Regime::Slip);
+            assert!((found.increment - want.increment).norm() < 1e-13 * want.increment.norm() + 1e-20, "{i}");
+            assert!(near.forces().iter().zip(far.forces()).all(|(a, b)| (a - b).norm() < 1e-14));
+            assert_eq!(near.warm_start().pin, far.warm_start().pin);
+        }
+        assert!(n_found > 30, "{n_found}");
+    }
+
+    /// A start far off, none at all, and a load that stays: all leave the solver as it was.
+    #[test]
+    fn elsewhere_it_finds_nothing_and_says_so() {
+        let mut solver = FrictionSolver::new(&tripod(), 0.01);
+        let (hessian, before) = (Mat3::from_diagonal(&Vec3::new(1600.0, 1600.0, 0.12)), solver.warm_start().clone());
+        let weak = Vec3::new(0.01, 0.0, 0.0);
+        for near in [Vec3::zeros(), Vec3::new(1e-5, 0.0, 1e-3), Vec3::new(f64::NAN, 0.0, 0.0)] {
+            assert_eq!(solver.slide(&hessian, &weak, &near), None);
+        }
+        // A turn about the first support.
+        let pivot: Vec2 = tripod().supports[0].offset;
+        assert_eq!(solver.slide(&hessian, &Vec3::new(0.03, 0.0, 0.0), &Vec3::new(pivot.y, -pivot.x, 1.0)), None);
+        assert_eq!(*solver.warm_start(), before);
+    }
 }

@@ -26,11 +26,10 @@ mod smoothed;
 use serde::{Deserialize, Serialize};
 
 use super::RestoreError;
-use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3, rotation};
+use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
 
 use cones::Cones;
-use gliding::Balance;
 
 /// Solves the cone problem for one set of supports, starting from its last answer.
 #[derive(Clone, Debug)]
@@ -117,23 +116,6 @@ impl FrictionSolver {
         }
     }
 
-    /// Newton's step (m, m, rad) from a body-twist increment at which all supports slip, and what is out of balance there, relative to the forces in it (1);
-    /// `gradient` and `hessian` are those of what acts besides friction (N, N, N m; N/m, N, N m/rad). `None` where a support slips too slowly.
-    pub fn gliding_step(&self, increment: &Vec3, gradient: &Vec3, hessian: &Mat3) -> Option<(Vec3, f64)> {
-        let (h, g) = self.cones.scaled(hessian, gradient);
-        let twist = self.cones.scaled_twist(increment);
-        let Balance { residual, derivative } = gliding::balance(&self.cones, &g, &h, &twist)?;
-        let step = PositiveDefinite::new(&derivative)?.solve(&residual);
-        Some((-self.cones.unscaled_twist(&step), residual.amax() / self.cones.force_scale(&h, &g, &twist)))
-    }
-
-    /// Takes an increment at which all supports slip as the last solution.
-    pub fn keep_gliding(&mut self, increment: &Vec3) {
-        let twist = self.cones.scaled_twist(increment);
-        self.cones.write_slip_forces(&twist, &mut self.last.forces);
-        self.keep(&Candidate { twist, regime: Regime::Slip });
-    }
-
     /// Friction force on each support of the ground in the last solution (N, load axes): opposite to its slip.
     pub fn forces(&self) -> &[Vec2] {
         &self.support_forces
@@ -172,9 +154,9 @@ impl FrictionSolver {
             return Candidate { twist: linear_answer(h, w), regime: Regime::Slip };
         }
         if let Some(start) = self.last.twist.filter(|_| self.last.slipped) {
-            let found = gliding::slip(&self.cones, h, w, &start, &mut self.last.forces, n_iterations);
-            if let Some(found) = found {
-                return found;
+            if let Some((twist, _)) = gliding::slip(&self.cones, h, w, &start, n_iterations) {
+                self.cones.write_slip_forces(&twist, &mut self.last.forces);
+                return Candidate { twist, regime: Regime::Slip };
             }
         }
         if self.cones.stick_forces(w, &mut self.last.forces) {

@@ -15,16 +15,18 @@ use std::f64::consts::PI;
 
 use super::FrictionModel;
 use super::joints::FrictionJoint;
-use super::springs::SpringSum;
+use super::springs::{SpringSum, seen_from, turned};
 use crate::backend::friction::{FrictionSolution, FrictionSolver, Regime, WarmStart};
 use crate::backend::{Motion, RestoreError, StepReport};
-use crate::math::{Mat3, Vec2, direction, rotation};
+use crate::math::{Mat3, Vec2, Vec3, direction};
 use crate::model::System;
 
 /// The supports with a slip limit, and how they are posed.
 pub struct Footing {
     feet: Vec<Foot>,
     how: How,
+    /// Of the last step.
+    joints: Vec<FrictionJoint>,
 }
 
 #[derive(Clone, Copy)]
@@ -35,12 +37,10 @@ struct Foot {
 }
 
 enum How {
-    Aligned(Box<FrictionSolver>),
-    /// Directions of the first of two axes each (rad), and the share of the slip limit that one axis has.
-    Fixed {
-        directions: Vec<f64>,
-        share: f64,
-    },
+    /// With the regime of the last step.
+    Aligned(Box<FrictionSolver>, Regime),
+    /// The same joints in every step.
+    Fixed,
 }
 
 /// Axes of the polygon in a half turn.
@@ -49,57 +49,56 @@ const N_POLYGON_AXES: usize = 8;
 impl Footing {
     pub fn new(system: &System, model: FrictionModel) -> Self {
         let limits = system.ground.slip_limits().enumerate();
-        let feet = limits
+        let feet: Vec<Foot> = limits
             .filter(|(_, limit)| *limit > 0.0)
             .map(|(support, limit)| Foot { support, offset: system.ground.supports[support].offset, limit })
             .collect();
-        let how = match model {
-            FrictionModel::Aligned => How::Aligned(Box::new(FrictionSolver::new(&system.ground, system.load.radius))),
-            FrictionModel::Polygon => polygon(),
-            FrictionModel::Box => How::Fixed { directions: vec![0.0], share: 1.0 },
+        let solver = || Box::new(FrictionSolver::new(&system.ground, system.load.radius));
+        let (how, joints) = match model {
+            FrictionModel::Aligned => (How::Aligned(solver(), Regime::Slip), Vec::with_capacity(feet.len())),
+            FrictionModel::Polygon => (How::Fixed, polygon(&feet)),
+            FrictionModel::Box => (How::Fixed, feet.iter().map(|foot| foot.joint(Vec2::x(), [foot.limit; 2])).collect()),
         };
-        Self { feet, how }
+        Self { feet, how, joints }
     }
 
-    /// The joints of a step of `duration` (s) from `motion` under the springs of `sum`; what it took goes to `report`.
-    pub fn joints(
-        &mut self,
-        system: &System,
-        motion: &Motion,
-        sum: &SpringSum,
-        duration: f64,
-        report: &mut StepReport,
-    ) -> Vec<FrictionJoint> {
-        let feet = &self.feet;
-        match &mut self.how {
-            How::Fixed { directions, share } => feet
-                .iter()
-                .flat_map(|foot| directions.iter().map(move |angle| (foot, *angle)))
-                .map(|(foot, angle)| foot.joint(direction(angle), [*share * foot.limit; 2]))
-                .collect(),
-            How::Aligned(_) if feet.is_empty() => Vec::new(),
-            How::Aligned(solver) => {
-                let solution = solve(solver, system, motion, sum, duration);
-                report.n_solves += 1;
-                report.n_iterations += u64::from(solution.n_iterations);
-                report.residual = report.residual.max(solution.residual);
-                let turn = rotation(motion.pose.heading);
-                let forces = solver.forces().iter().map(|force| turn * force).collect::<Vec<_>>();
-                match solution.regime {
-                    Regime::Stick => feet.iter().enumerate().map(|(at, foot)| foot.held(at == 0, forces[foot.support])).collect(),
-                    Regime::Pinned(support) => {
-                        feet.iter().map(|foot| foot.aligned(&forces[foot.support], support == foot.support)).collect()
-                    }
-                    Regime::Slip => feet.iter().map(|foot| foot.aligned(&forces[foot.support], false)).collect(),
-                }
-            }
+    /// Whether the joints of the last step let the load move by no more than the engine's rounding, or know nothing of it.
+    pub fn may_hold(&self) -> bool {
+        !matches!(self.how, How::Aligned(_, Regime::Slip | Regime::Pinned(_)))
+    }
+
+    /// The joints of the last step.
+    pub fn joints(&self) -> &[FrictionJoint] {
+        &self.joints
+    }
+
+    /// Poses the joints of a step of `duration` (s) from `motion`, with the load's x axis along `facing`, under the springs of `sum`; what it took goes to
+    /// `report`.
+    pub fn pose(&mut self, system: &System, motion: &Motion, facing: &Vec2, sum: &SpringSum, duration: f64, report: &mut StepReport) {
+        let How::Aligned(solver, regime) = &mut self.how else { return };
+        if self.feet.is_empty() {
+            return;
+        }
+        let solution = solve(solver, system, motion, facing, sum, duration);
+        *regime = solution.regime;
+        report.n_solves += 1;
+        report.n_iterations += u64::from(solution.n_iterations);
+        report.residual = report.residual.max(solution.residual);
+        self.joints.clear();
+        for (at, foot) in self.feet.iter().enumerate() {
+            let force = turned(facing, &solver.forces()[foot.support]);
+            self.joints.push(match solution.regime {
+                Regime::Stick => foot.held(at == 0, force),
+                Regime::Pinned(support) => foot.aligned(&force, support == foot.support),
+                Regime::Slip => foot.aligned(&force, false),
+            });
         }
     }
 
     pub fn warm_start(&self) -> Option<&WarmStart> {
         match &self.how {
-            How::Aligned(solver) => Some(solver.warm_start()),
-            How::Fixed { .. } => None,
+            How::Aligned(solver, _) => Some(solver.warm_start()),
+            How::Fixed => None,
         }
     }
 
@@ -107,36 +106,50 @@ impl Footing {
     /// When the start belongs to another footing.
     pub fn set_warm_start(&mut self, start: Option<WarmStart>) -> Result<(), RestoreError> {
         match (&mut self.how, start) {
-            (How::Aligned(solver), Some(start)) => solver.set_warm_start(start),
-            (How::Fixed { .. }, None) => Ok(()),
+            (How::Aligned(solver, _), Some(start)) => solver.set_warm_start(start),
+            (How::Fixed, None) => Ok(()),
             _ => Err(RestoreError("friction of another kind".to_owned())),
         }
     }
 }
 
 /// Limits that are right in the mean over all directions: the width of the polygon varies by +0.6 % and -1.3 % about that of the disc.
-fn polygon() -> How {
+fn polygon(feet: &[Foot]) -> Vec<FrictionJoint> {
     let mean_of_cosine = 2.0 / PI;
-    How::Fixed {
-        directions: (0..N_POLYGON_AXES / 2).map(|i| i as f64 * PI / N_POLYGON_AXES as f64).collect(),
-        share: 1.0 / (N_POLYGON_AXES as f64 * mean_of_cosine),
+    let share = 1.0 / (N_POLYGON_AXES as f64 * mean_of_cosine);
+    let directions = (0..N_POLYGON_AXES / 2).map(|i| direction(i as f64 * PI / N_POLYGON_AXES as f64));
+    feet.iter().flat_map(|foot| directions.clone().map(|axis| foot.joint(axis, [share * foot.limit; 2]))).collect()
+}
+
+/// The engine's step as a cone problem for the body-twist increment `h v`: (M / h^2 + K + D / h) x - (M v_n / h + W) + friction = 0. A load that slips
+/// goes on nearly as it went.
+fn solve(solver: &mut FrictionSolver, system: &System, motion: &Motion, facing: &Vec2, sum: &SpringSum, duration: f64) -> FrictionSolution {
+    let mass = Vec3::new(system.load.mass, system.load.mass, system.load.inertia);
+    let mut slope = sum.stiffness + sum.damping / duration;
+    for i in 0..3 {
+        slope[(i, i)] += mass[i] / (duration * duration);
     }
+    let Motion { twist, .. } = motion;
+    let drive = mass.component_mul(&twist.linear.push(twist.angular)) / duration + sum.wrench;
+    let in_load = |v: &Vec3| seen_from(facing, &v.xy()).push(v.z);
+    let (hessian, drive) = (in_load_axes(&slope, facing), in_load(&drive));
+    let near = duration * in_load(&twist.linear.push(twist.angular));
+    solver.slide(&hessian, &drive, &near).unwrap_or_else(|| solver.solve(&hessian, &drive))
 }
 
-/// The engine's step as a cone problem for the body-twist increment `h v`: (M / h^2 + K + D / h) x - (M v_n / h + W) + friction = 0.
-fn solve(solver: &mut FrictionSolver, system: &System, motion: &Motion, sum: &SpringSum, duration: f64) -> FrictionSolution {
-    let mass = system.load.mass_matrix();
-    let hessian = mass / (duration * duration) + sum.stiffness + sum.damping / duration;
-    let drive = mass * motion.twist.linear.push(motion.twist.angular) / duration + sum.wrench;
-    let to_world = twist_rotation(motion.pose.heading);
-    solver.solve(&(to_world.transpose() * hessian * to_world), &to_world.tr_mul(&drive))
-}
-
-/// Turns the linear part of a twist from load axes to world axes.
-fn twist_rotation(heading: f64) -> Mat3 {
-    let mut turn = Mat3::identity();
-    turn.fixed_view_mut::<2, 2>(0, 0).copy_from(&rotation(heading));
-    turn
+/// A symmetric matrix over (x, y, heading) in axes turned by the angle of the unit vector `facing`.
+fn in_load_axes(world: &Mat3, facing: &Vec2) -> Mat3 {
+    let (c, s) = (facing.x, facing.y);
+    let (a, b, d) = (world.m11, world.m12, world.m22);
+    let twice = 2.0 * c * s * b;
+    let (first, second) = (c * c * a + twice + s * s * d, s * s * a - twice + c * c * d);
+    let mixed = (c * c - s * s) * b + c * s * (d - a);
+    let turning = seen_from(facing, &Vec2::new(world.m13, world.m23));
+    Mat3::new(
+        first, mixed, turning.x, //
+        mixed, second, turning.y, //
+        turning.x, turning.y, world.m33,
+    )
 }
 
 impl Foot {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::backend::Motion;
-use crate::math::{Pose, Twist, Vec2, Wrench, direction, unwrap_near};
+use crate::math::{Pose, Twist, Vec2, Vec3, Wrench, direction, perpendicular, unwrap_near};
 
 /// One axis of a spring joint. With v the speed of the load along the axis, the engine applies `force - (h k + d) v` to the load, so that a
 /// positive stiffness makes the step implicit.
@@ -28,6 +28,28 @@ pub struct SpringJoint {
     pub axes: [Option<AxisLaw>; 2],
     /// Law of the turn about the point.
     pub turning: Option<AxisLaw>,
+}
+
+impl SpringJoint {
+    /// Unit vectors of both axes.
+    pub fn directions(&self) -> [Vec2; 2] {
+        [self.direction, perpendicular(&self.direction)]
+    }
+
+    pub fn is_damped(&self) -> bool {
+        self.axes.iter().flatten().any(|law| law.damping != 0.0)
+    }
+
+    /// Force (N, world) that has the component `along` each axis with a law.
+    pub fn force(&self, along: impl Fn(&AxisLaw, &Vec2) -> f64) -> Vec2 {
+        let mut force = Vec2::zeros();
+        for (law, axis) in self.axes.iter().zip(self.directions()) {
+            if let Some(law) = law {
+                force += along(law, &axis) * axis;
+            }
+        }
+        force
+    }
 }
 
 /// Friction under one support along one or two axes, or the hold of a load that sticks.
@@ -72,8 +94,17 @@ impl BodyState {
 
     /// The engine knows a heading up to whole turns; `heading_near` counts them.
     pub fn motion(&self, heading_near: f64) -> Motion {
-        let heading = unwrap_near(self.rotation.y.atan2(self.rotation.x), heading_near);
+        self.motion_at(unwrap_near(self.rotation.y.atan2(self.rotation.x), heading_near))
+    }
+
+    /// With a heading that is known already.
+    pub fn motion_at(&self, heading: f64) -> Motion {
         Motion { pose: Pose { position: self.position, heading }, twist: Twist { linear: self.velocity, angular: self.turn_rate } }
+    }
+
+    /// The rotation with the rounding of its length taken out, which in f32 is 1e-7.
+    pub fn facing(&self) -> Vec2 {
+        self.rotation / self.rotation.norm()
     }
 
     pub fn is_finite(&self) -> bool {
@@ -88,8 +119,9 @@ pub trait Engine {
     /// Starts from a fresh world with the load in this state and room for so many joints. What follows depends on nothing that was before.
     fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize);
 
-    /// Replaces all joints and moves the load over `duration` (s). The answer no says that the engine found no finite state.
-    fn step(&mut self, duration: f64, friction: &[FrictionJoint], springs: &[SpringJoint]) -> bool;
+    /// Sets all joints and moves the load over `duration` (s), under the wrench `push` about its origin (N, N, N m) as well. The answer no says that
+    /// the engine found no finite state.
+    fn step(&mut self, duration: f64, friction: &[FrictionJoint], springs: &[SpringJoint], push: Option<&Vec3>) -> bool;
 
     /// Force (N, world) of a friction joint on the load, and its moment about where it acts (N m), in the last step; in that step's last substep,
     /// when the engine makes several.

@@ -17,6 +17,7 @@ mod ground;
 mod joints;
 mod ledger;
 mod residual;
+mod rest;
 mod single;
 mod springs;
 mod step;
@@ -24,7 +25,7 @@ mod transport;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Backend, Motion};
+use super::{Backend, BackendOptions, Motion};
 use crate::model::System;
 
 /// How rapier is set up.
@@ -57,6 +58,9 @@ pub enum SpringModel {
     Joint,
     /// One joint at the centre of stiffness for all held springs.
     Aggregate,
+    /// No joint: the forces of all held springs at the start of the step push the load through it, as one would write it first. The load swings with
+    /// symplectic Euler, which gives energy where omega h >= 2.
+    Force,
 }
 
 /// Floating point of the engine.
@@ -96,12 +100,12 @@ impl RapierOptions {
     }
 }
 
-/// A load under rapier with steps of at most `step` (s).
-pub fn build(system: System, start: Motion, step: f64, options: &RapierOptions) -> Box<dyn Backend> {
+/// A load under rapier.
+pub fn build(system: System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     let body = joints::BodyState::of(&start);
-    let engine: Box<dyn joints::Engine> = match options.precision {
-        Precision::F64 => Box::new(double::World::new(&system.load, &body, options)),
-        Precision::F32 => Box::new(single::World::new(&system.load, &body, options)),
+    let engine: Box<dyn joints::Engine> = match options.rapier.precision {
+        Precision::F64 => Box::new(double::World::new(&system.load, &body, &options.rapier)),
+        Precision::F32 => Box::new(single::World::new(&system.load, &body, &options.rapier)),
     };
-    Box::new(transport::Transport::new(system, start, step, *options, engine))
+    Box::new(transport::Transport::new(system, start, options, engine))
 }

@@ -1,38 +1,39 @@
 //! How far the engine's sweeps ended from the solution of the step it was asked.
 
 use super::joints::FrictionJoint;
+use super::springs::turned;
 use super::step::Step;
-use crate::math::{Twist, Vec2, Vec3, perpendicular, rotation};
-use crate::model::System;
+use crate::math::{Twist, Vec2, Vec3, perpendicular};
+use crate::model::Load;
 use crate::model::support::wrench_of;
 
-/// Largest violation of the step's equations, relative to the forces in them (1).
+/// Largest violation of the step's equations, relative to the forces in them, `slip_limit` (N) of all supports together among them (1).
 ///
 /// The sweeps keep the balance of each impulse with the twist exactly, so what is left shows in two places: springs whose force belongs
 /// to an older twist, seen as a gap in the balance of all forces, and supports that slip below their limit.
-pub fn residual(system: &System, step: &Step) -> f64 {
-    let turn = rotation(step.start.pose.heading);
-    let mut gap = balance_without_friction(system, step);
-    let gyration = (system.load.inertia / system.load.mass).sqrt();
+pub fn residual(load: &Load, slip_limit: f64, step: &Step) -> f64 {
+    let mut gap = balance_without_friction(load, step);
+    let gyration = (load.inertia / load.mass).sqrt();
     let mut worst: f64 = 0.0;
-    for (joint, wrench) in step.friction.iter().zip(&step.wrenches) {
-        let arm = turn * joint.offset;
+    for (joint, wrench) in step.friction.iter().zip(step.wrenches) {
+        let arm = turned(&step.facing, &joint.offset);
         gap -= wrench_of(&arm, &wrench.force) + Vec3::z() * wrench.torque;
         let slip = step.end.twist.velocity_at(&arm);
-        worst = worst.max(slip_below_limit(joint, &slip, &wrench.force, system.load.mass / step.duration));
+        worst = worst.max(slip_below_limit(joint, &slip, &wrench.force, load.mass / step.duration));
         if joint.turning_limit > 0.0 {
-            worst = worst.max(system.load.inertia / gyration / step.duration * step.end.twist.angular.abs());
+            worst = worst.max(load.inertia / gyration / step.duration * step.end.twist.angular.abs());
         }
     }
     worst = worst.max(gap.xy().norm()).max(gap.z.abs() / gyration);
-    worst / (system.total_slip_limit() + step.sum.force_scale).max(f64::MIN_POSITIVE)
+    worst / (slip_limit + step.sum.force_scale).max(f64::MIN_POSITIVE)
 }
 
 /// `M (v - v_n) / h - W + (h K + D) v` (N, N, N m).
-fn balance_without_friction(system: &System, step: &Step) -> Vec3 {
+fn balance_without_friction(load: &Load, step: &Step) -> Vec3 {
     let (before, after) = (column(&step.start.twist), column(&step.end.twist));
+    let inertia = Vec3::new(load.mass, load.mass, load.inertia);
     let slope = step.duration * step.sum.stiffness + step.sum.damping;
-    system.load.mass_matrix() * (after - before) / step.duration - step.sum.wrench + slope * after
+    inertia.component_mul(&(after - before)) / step.duration - step.sum.wrench + slope * after
 }
 
 /// Force by which a support's forces miss Coulomb's law along its axes (N): the change that its `slip` (m/s) asks for and the limits allow.

@@ -5,45 +5,100 @@
 //! energy turns the force with the frame; it has no sign, so the engine does not get it, and the frames are set anew in every step instead.
 
 use super::joints::{AxisLaw, SpringJoint};
-use crate::backend::held::{Grip, HeldSprings};
-use crate::math::{Mat3, Pose, Vec2, Vec3, direction, perpendicular, rotation};
+use crate::backend::held::Grip;
+use crate::math::{Mat3, Twist, Vec2, Vec3, direction, perpendicular, unwrap_near};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::support::wrench_of;
-use crate::model::{PolarSpring, System};
+use crate::model::{PolarSpring, SpringShape, System};
 
-/// The held springs of `held` as joints of a load at `pose`; `from` tells where the tips were at the start of the step of `duration` (s).
-pub fn spring_joints(system: &System, held: &HeldSprings, from: &[Grip], pose: &Pose, duration: f64) -> Vec<SpringJoint> {
-    held.grips().iter().zip(from).map(|(grip, before)| spring_joint(system, grip, pose, &((grip.tip - before.tip) / duration))).collect()
+/// A spring with all that does not change in a run worked out.
+#[derive(Clone, Copy, Debug)]
+pub struct Anchor {
+    spring: PolarSpring,
+    /// Cosine and sine of the bearing.
+    bearing: Vec2,
+    /// Root in axes turned by the bearing (m).
+    root: Vec2,
+    /// Dashpot coefficients (N s/m, N m s/rad).
+    damping: (f64, f64),
 }
 
-fn spring_joint(system: &System, grip: &Grip, pose: &Pose, tip_velocity: &Vec2) -> SpringJoint {
-    let spring = &system.springs[grip.spring];
-    let shape = grip.shape(&system.springs, pose);
-    let turn = rotation(pose.heading + spring.bearing);
-    let radial = turn * direction(shape.swing);
-    let pull = turn * spring.pull_in_root(&shape);
-    let [along, across] = axis_rates(system, spring, shape.length);
-    let law = |(stiffness, damping): (f64, f64), axis: &Vec2| {
-        let force = pull.dot(axis) + damping * tip_velocity.dot(axis);
-        (stiffness > 0.0).then_some(AxisLaw { stiffness, damping, force })
-    };
-    SpringJoint {
-        arm: grip.tip - pose.position,
-        direction: radial,
-        axes: [law(along, &radial), law(across, &perpendicular(&radial))],
-        turning: None,
+/// A held spring as a finished step left it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strand {
+    /// Force of the spring on the load (N, world).
+    pub pull: Vec2,
+    /// (J)
+    pub energy: f64,
+    /// (rad)
+    pub swing: f64,
+}
+
+impl Anchor {
+    pub fn of(system: &System) -> Vec<Self> {
+        let anchor = |spring: &PolarSpring| {
+            let bearing = direction(spring.bearing);
+            Self { spring: *spring, bearing, root: seen_from(&bearing, &spring.root), damping: system.dashpot(spring) }
+        };
+        system.springs.iter().map(anchor).collect()
+    }
+
+    /// The spring between `grip` and a load at `position` whose x axis points along the unit vector `facing`.
+    pub fn strand(&self, grip: &Grip, position: &Vec2, facing: &Vec2) -> Strand {
+        let turn = turned(facing, &self.bearing);
+        let shape = self.shape(grip, position, &turn);
+        Strand { pull: turned(&turn, &self.spring.pull_in_root(&shape)), energy: self.spring.energy(&shape), swing: shape.swing }
+    }
+
+    /// The same spring as a joint, its tip at `grip` after a motion at `tip_velocity` (m/s).
+    pub fn joint(&self, grip: &Grip, tip_velocity: &Vec2, position: &Vec2, facing: &Vec2) -> SpringJoint {
+        let turn = turned(facing, &self.bearing);
+        let shape = self.shape(grip, position, &turn);
+        let is_short = shape.length <= SHORTEST_LENGTH * self.spring.rest_length;
+        let radial = turned(&turn, &if is_short { direction(shape.swing) } else { shape.tip_in_root / shape.length });
+        let pull = turned(&turn, &self.spring.pull_in_root(&shape));
+        let [along, across] = self.axis_rates(shape.length);
+        let law = |(stiffness, damping): (f64, f64), axis: &Vec2| {
+            let force = pull.dot(axis) + damping * tip_velocity.dot(axis);
+            (stiffness > 0.0).then_some(AxisLaw { stiffness, damping, force })
+        };
+        SpringJoint {
+            arm: grip.tip - position,
+            direction: radial,
+            axes: [law(along, &radial), law(across, &perpendicular(&radial))],
+            turning: None,
+        }
+    }
+
+    /// What [`PolarSpring::shape`] says, without a sine: `turn` is the unit vector of the root's x axis.
+    fn shape(&self, grip: &Grip, position: &Vec2, turn: &Vec2) -> SpringShape {
+        let tip_in_root = seen_from(turn, &(grip.tip - position)) - self.root;
+        let length = tip_in_root.norm();
+        let swing = if length > 0.0 { unwrap_near(tip_in_root.y.atan2(tip_in_root.x), grip.swing) } else { grip.swing };
+        SpringShape { tip_in_root, length, swing }
+    }
+
+    /// Stiffness (N/m) and damping (N s/m) along and across a spring of this length.
+    fn axis_rates(&self, length: f64) -> [(f64, f64); 2] {
+        let (radial_damping, torsional_damping) = self.damping;
+        let along = (self.spring.radial_stiffness, radial_damping);
+        if self.spring.is_isotropic() {
+            return [along, along];
+        }
+        let length = length.max(SHORTEST_LENGTH * self.spring.rest_length).max(f64::MIN_POSITIVE);
+        let square = 1.0 / length / length;
+        [along, (self.spring.torsional_stiffness * square, torsional_damping * square)]
     }
 }
 
-/// Stiffness (N/m) and damping (N s/m) along and across a spring of this length.
-fn axis_rates(system: &System, spring: &PolarSpring, length: f64) -> [(f64, f64); 2] {
-    let (radial_damping, torsional_damping) = system.dashpot(spring);
-    let along = (spring.radial_stiffness, radial_damping);
-    if spring.is_isotropic() {
-        return [along, along];
-    }
-    let length = length.max(SHORTEST_LENGTH * spring.rest_length).max(f64::MIN_POSITIVE);
-    [along, (spring.torsional_stiffness / length / length, torsional_damping / length / length)]
+/// `v` turned by the angle of the unit vector `facing`.
+pub fn turned(facing: &Vec2, v: &Vec2) -> Vec2 {
+    Vec2::new(facing.x * v.x - facing.y * v.y, facing.y * v.x + facing.x * v.y)
+}
+
+/// `v` turned back by that angle.
+pub fn seen_from(facing: &Vec2, v: &Vec2) -> Vec2 {
+    Vec2::new(facing.x * v.x + facing.y * v.y, facing.x * v.y - facing.y * v.x)
 }
 
 /// What all spring joints together do to the load, about its origin and in world axes.
@@ -60,23 +115,57 @@ pub struct SpringSum {
 }
 
 impl SpringSum {
+    const NONE: SpringSum = SpringSum {
+        stiffness: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        damping: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        wrench: Vec3::new(0.0, 0.0, 0.0),
+        force_scale: 0.0,
+    };
+
     pub fn of(joints: &[SpringJoint]) -> Self {
-        let mut sum = Self { stiffness: Mat3::zeros(), damping: Mat3::zeros(), wrench: Vec3::zeros(), force_scale: 0.0 };
+        let mut sum = Self::NONE;
         for joint in joints {
-            for (law, axis) in joint.axes.iter().zip([joint.direction, perpendicular(&joint.direction)]) {
+            for (law, axis) in joint.axes.iter().zip(joint.directions()) {
                 if let Some(law) = law {
                     sum.add(law, &wrench_of(&joint.arm, &axis));
                 }
             }
         }
+        sum.stiffness.fill_lower_triangle_with_upper_triangle();
+        sum.damping.fill_lower_triangle_with_upper_triangle();
         sum
     }
 
+    /// The same as a wrench that the motion of the load does not change: that of all springs at the start of a step on a load with `twist` there, its share
+    /// of the dashpots included.
+    pub fn explicit(joints: &[SpringJoint], twist: &Twist) -> Self {
+        let mut sum = Self::NONE;
+        for joint in joints {
+            let velocity = twist.velocity_at(&joint.arm);
+            let force = joint.force(|law, axis| law.force - law.damping * velocity.dot(axis));
+            sum.wrench += wrench_of(&joint.arm, &force);
+            sum.force_scale += force.norm();
+        }
+        sum
+    }
+
+    /// Adds to the upper triangles.
     fn add(&mut self, law: &AxisLaw, unit_wrench: &Vec3) {
-        let square = unit_wrench * unit_wrench.transpose();
-        self.stiffness += law.stiffness * square;
-        self.damping += law.damping * square;
+        add_square(&mut self.stiffness, law.stiffness, unit_wrench);
+        if law.damping != 0.0 {
+            add_square(&mut self.damping, law.damping, unit_wrench);
+        }
         self.wrench += law.force * unit_wrench;
         self.force_scale += law.force.abs();
     }
+}
+
+fn add_square(upper: &mut Mat3, factor: f64, v: &Vec3) {
+    let scaled = factor * v;
+    upper.m11 += scaled.x * v.x;
+    upper.m12 += scaled.x * v.y;
+    upper.m13 += scaled.x * v.z;
+    upper.m22 += scaled.y * v.y;
+    upper.m23 += scaled.y * v.z;
+    upper.m33 += scaled.z * v.z;
 }

@@ -2,14 +2,14 @@
 
 use super::engine::prelude::{
     CCDSolver, ColliderSet, DefaultBroadPhase, GenericJoint, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters, IslandManager,
-    JointAxesMask, JointAxis, MassProperties, MotorModel, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose, RigidBodyBuilder,
-    RigidBodyHandle, RigidBodySet, Rotation, SoftBodySet, Vector,
+    JointAxesMask, JointAxis, JointMotor, MassProperties, MotorModel, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose,
+    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, Rotation, SoftBodySet, Vector,
 };
 
 use super::Real;
 use crate::backend::rapier::joints::{AxisLaw, BodyState, Engine, FrictionJoint, SpringJoint};
 use crate::backend::rapier::{EngineSettings, FrictionModel, RapierOptions};
-use crate::math::{Vec2, Wrench, perpendicular};
+use crate::math::{Vec2, Vec3, Wrench, perpendicular};
 use crate::model::Load;
 
 /// Sweeps over the joints in one step. They start from nothing in every step, so a load that they do not quite stop creeps on.
@@ -28,7 +28,8 @@ fn n_sweeps(friction: FrictionModel) -> usize {
 /// the load is nothing beside its own.
 const SOFTEST: Real = 1e-18;
 
-/// All that rapier needs to step one load.
+/// All that rapier needs to step one load. Without colliders its collision stage finds empty lists: a fiftieth of a step with four springs, and the public
+/// pipeline has no step without it. What can be left out is: continuous collision detection, sleep, handlers and hooks, and looking for islands anew.
 pub struct World {
     mass: Real,
     inertia: Real,
@@ -95,20 +96,16 @@ impl Engine for World {
         self.sets = Sets::new(self.mass, self.inertia, body, n_friction, n_springs);
     }
 
-    fn step(&mut self, duration: f64, friction: &[FrictionJoint], springs: &[SpringJoint]) -> bool {
+    fn step(&mut self, duration: f64, friction: &[FrictionJoint], springs: &[SpringJoint], push: Option<&Vec3>) -> bool {
         assert_eq!(
             (friction.len(), springs.len()),
             (self.sets.friction.len(), self.sets.springs.len()),
             "joints are rebuilt when they change"
         );
         self.parameters.dt = duration as Real;
-        for (at, joint) in friction.iter().enumerate() {
-            self.sets.set_joint(self.sets.friction[at], friction_joint(joint));
-        }
-        let pose = *self.sets.bodies[self.sets.load].position();
-        for (at, joint) in springs.iter().enumerate() {
-            let data = spring_joint(joint, &pose, self.substep());
-            self.sets.set_joint(self.sets.springs[at], data);
+        self.sets.set_joints(friction, springs, self.substep());
+        if let Some(push) = push {
+            self.sets.push(push);
         }
         self.sets.step(&self.parameters)
     }
@@ -139,8 +136,10 @@ impl Sets {
         );
         let mut joints = ImpulseJointSet::new();
         // The engine applies forces at the second body's anchor: the support's. Swapped, friction would act at a point of the ground.
-        let friction = (0..n_friction).map(|_| joints.insert(ground, load, GenericJoint::default(), false)).collect();
-        let springs = (0..n_springs).map(|_| joints.insert(load, ground, GenericJoint::default(), false)).collect();
+        let friction: Vec<_> = (0..n_friction).map(|_| joints.insert(ground, load, GenericJoint::default(), false)).collect();
+        let springs: Vec<_> = (0..n_springs).map(|_| joints.insert(load, ground, GenericJoint::default(), false)).collect();
+        let is_in_order = friction.iter().chain(&springs).enumerate().all(|(at, handle)| place(*handle) == at);
+        assert!(is_in_order, "a fresh set numbers its joints in the order of insertion");
         Self {
             pipeline: PhysicsPipeline::new(),
             islands: IslandManager::new(),
@@ -158,8 +157,25 @@ impl Sets {
         }
     }
 
-    fn set_joint(&mut self, handle: ImpulseJointHandle, data: GenericJoint) {
-        self.joints.get_mut(handle, false).expect("joints live as long as their world").data = data;
+    /// Writes into the joints that the load has. Access by handle would have the engine look for new islands at every joint.
+    fn set_joints(&mut self, friction: &[FrictionJoint], springs: &[SpringJoint], substep: Real) {
+        let pose = *self.bodies[self.load].position();
+        self.joints.map_attached_joints_mut(self.load, |_, _, handle, joint| {
+            let at = place(handle);
+            match friction.get(at) {
+                Some(asked) => set_friction(&mut joint.data, asked),
+                None => set_spring(&mut joint.data, &springs[at - friction.len()], &pose, substep),
+            }
+        });
+    }
+
+    /// Puts the wrench (N, N, N m) in the place of what pushed the load before.
+    fn push(&mut self, wrench: &Vec3) {
+        let load = &mut self.bodies[self.load];
+        load.reset_forces(false);
+        load.reset_torques(false);
+        load.add_force(narrow(&wrench.xy()), false);
+        load.add_torque(wrench.z as Real, false);
     }
 
     fn step(&mut self, parameters: &IntegrationParameters) -> bool {
@@ -183,41 +199,46 @@ impl Sets {
     }
 }
 
+/// Where in the order of insertion.
+fn place(handle: ImpulseJointHandle) -> usize {
+    handle.into_raw_parts().0 as usize
+}
+
 /// (ground, load): rigid axes with a largest force are Coulomb's.
-fn friction_joint(joint: &FrictionJoint) -> GenericJoint {
-    let mut data = GenericJoint::default();
-    data.set_local_frame1(Pose::from_rotation(unit(&joint.direction)));
-    data.set_local_frame2(Pose::from_translation(narrow(&joint.offset)));
+fn set_friction(data: &mut GenericJoint, joint: &FrictionJoint) {
+    data.local_frame1.rotation = unit(&joint.direction);
+    data.local_frame2.translation = narrow(&joint.offset);
+    data.motor_axes = JointAxesMask::empty();
     let [along, across] = joint.limits;
     for (axis, limit) in [(JointAxis::LinX, along), (JointAxis::LinY, across), (JointAxis::AngX, joint.turning_limit)] {
+        let motor = &mut data.motors[axis as usize];
+        motor.impulse = 0.0;
         if limit > 0.0 {
             data.motor_axes |= JointAxesMask::from(axis);
-            data.motors[axis as usize].max_force = limit as Real;
+            motor.max_force = limit as Real;
         }
     }
-    data
 }
 
 /// (load, ground), with both frames put where and as the joint is: the engine's own distances are zero up to rounding, and the force of the
 /// law is posed as a speed that the motor strives for.
-fn spring_joint(joint: &SpringJoint, load: &Pose, substep: Real) -> GenericJoint {
+fn set_spring(data: &mut GenericJoint, joint: &SpringJoint, load: &Pose, substep: Real) {
     let frame = Pose::from_parts(load.translation + narrow(&joint.arm), unit(&joint.direction));
-    let mut data = GenericJoint::default();
-    data.set_local_frame1(load.inv_mul(&frame));
-    data.set_local_frame2(frame);
-    let laws = [(JointAxis::LinX, joint.axes[0]), (JointAxis::LinY, joint.axes[1]), (JointAxis::AngX, joint.turning)];
+    data.local_frame1 = load.inv_mul(&frame);
+    data.local_frame2 = frame;
+    data.motor_axes = JointAxesMask::empty();
+    let laws = [(JointAxis::LinX, &joint.axes[0]), (JointAxis::LinY, &joint.axes[1]), (JointAxis::AngX, &joint.turning)];
     for (axis, law) in laws {
         if let Some(law) = law {
-            set_motor(&mut data, axis, &law, substep);
+            data.motor_axes |= JointAxesMask::from(axis);
+            set_motor(&mut data.motors[axis as usize], law, substep);
         }
     }
-    data
 }
 
-fn set_motor(data: &mut GenericJoint, axis: JointAxis, law: &AxisLaw, substep: Real) {
+fn set_motor(motor: &mut JointMotor, law: &AxisLaw, substep: Real) {
     let (stiffness, damping) = (law.stiffness as Real, law.damping as Real);
-    data.motor_axes |= JointAxesMask::from(axis);
-    let motor = &mut data.motors[axis as usize];
+    motor.impulse = 0.0;
     motor.model = MotorModel::ForceBased;
     motor.stiffness = stiffness;
     motor.damping = damping.max(SOFTEST / substep - substep * stiffness);

@@ -95,10 +95,9 @@ pub fn power_label(exponent: f64) -> String {
 
 /// Lowest and highest of the finite values.
 fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.filter(|value| value.is_finite()).fold(None, |range, value| match range {
-        None => Some((value, value)),
-        Some((low, high)) => Some((value.min(low), value.max(high))),
-    })
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values.filter(|value| value.is_finite()).fold(none, |(low, high), value| (value.min(low), value.max(high)));
+    (low <= high).then_some((low, high))
 }
 
 /// The 1, 2 or 5 times a power of ten that is at least `least`.

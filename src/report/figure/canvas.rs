@@ -79,23 +79,24 @@ pub fn natural_height(panel: &Panel, width: f64) -> f64 {
 }
 
 fn draw_cell(scene: &mut Scene, cell: &Cell) {
-    let (plots, layout) = (plots(cell), layout(cell));
+    let (x, y) = axes(cell);
+    let dense = is_dense(cell, &y);
+    let (plots, layout) = (plots(cell, (x, y), dense), layout(cell, (x, y)));
     let mut drawn = render_multiple(plots, layout);
     name_clips_by_content(&mut drawn);
     scene.defs.append(&mut drawn.defs);
     scene.add(Primitive::GroupStart { transform: Some(format!("translate({},{})", cell.left, cell.top)), title: None, extra_attrs: None });
     scene.elements.append(&mut drawn.elements);
     scene.add(Primitive::GroupEnd);
-    if let Some(note) = note(cell) {
+    if let Some(note) = note(cell, &x, dense) {
         add_text(scene, cell.left + cell.width - RIGHT, cell.top + TOP - 8.0, note, TextAnchor::End, false);
     }
 }
 
 /// The panel's own note, and how a dense panel is to be read.
-fn note(cell: &Cell) -> Option<String> {
-    let (x, y) = axes(cell);
+fn note(cell: &Cell, x: &Axis, dense: bool) -> Option<String> {
     let (width, _) = area(cell);
-    let reading = is_dense(cell, &y).then(|| format!("mean and range over {} each", quantity(x.span() * DENSE_COLUMN / width, "s")));
+    let reading = dense.then(|| format!("mean and range over {} each", quantity(x.span() * DENSE_COLUMN / width, "s")));
     let notes: Vec<String> = reading.into_iter().chain(cell.panel.note.clone()).collect();
     (!notes.is_empty()).then(|| notes.join("; "))
 }
@@ -114,9 +115,8 @@ fn name_clips_by_content(scene: &mut Scene) {
     }
 }
 
-fn layout(cell: &Cell) -> Layout {
+fn layout(cell: &Cell, (x, y): (Axis, Axis)) -> Layout {
     let panel = cell.panel;
-    let (x, y) = axes(cell);
     let y_ticks = if matches!(panel.scale, Scale::Log | Scale::LogLog) { ticks(power_label) } else { ticks(move |value| y.label(value)) };
     let x_ticks = if panel.scale == Scale::LogLog { ticks(power_label) } else { ticks(move |value| x.label(value)) };
     let mut layout = Layout::new((x.low, x.high), (y.low, y.high))
@@ -173,10 +173,8 @@ fn axes(cell: &Cell) -> (Axis, Axis) {
 }
 
 /// Marks first, so that they lie under the curves.
-fn plots(cell: &Cell) -> Vec<Plot> {
-    let (x, y) = axes(cell);
+fn plots(cell: &Cell, (x, y): (Axis, Axis), dense: bool) -> Vec<Plot> {
     let marks = cell.panel.marks.iter().map(|mark| mark_plot(mark, &x, &y));
-    let dense = is_dense(cell, &y);
     let curves = cell.panel.curves.iter().flat_map(|curve| curve_plots(curve, cell, &x, dense));
     let plots: Vec<Plot> = marks.chain(curves).collect();
     // Without any plot kuva draws no axes.

@@ -185,9 +185,9 @@ impl Panel {
     fn cut_rare_peaks(&mut self, note: impl Fn(f64) -> String) {
         let mut heights: Vec<f64> =
             self.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).filter(|y| y.is_finite()).collect();
-        heights.sort_by(f64::total_cmp);
-        let Some(&peak) = heights.last() else { return };
-        let usual = heights[(heights.len() - 1) * 995 / 1000];
+        let Some(last) = heights.len().checked_sub(1) else { return };
+        let peak = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (_, &mut usual, _) = heights.select_nth_unstable_by(last * 995 / 1000, f64::total_cmp);
         if usual > 0.0 && peak > 3.0 * usual {
             self.ceiling = Some(1.3 * usual);
             self.note = Some(note(peak));

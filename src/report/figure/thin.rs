@@ -48,7 +48,13 @@ fn chunks(points: &[[f64; 2]], n_columns: usize) -> impl Iterator<Item = &[[f64;
     let width = points.last().map_or(0.0, |point| point[0] - first) / n_columns as f64;
     // The last point stands on the far edge of the last column.
     let column = move |point: &[f64; 2]| (((point[0] - first) / width) as usize).min(n_columns - 1);
-    points.chunk_by(move |a, b| column(a) == column(b))
+    let mut rest = points;
+    std::iter::from_fn(move || {
+        let here = column(rest.first()?);
+        let (chunk, others) = rest.split_at(rest.partition_point(|point| column(point) <= here));
+        rest = others;
+        Some(chunk)
+    })
 }
 
 fn column_of(points: &[[f64; 2]]) -> Column {

@@ -1,0 +1,174 @@
+//! The hot paths: what runs once a step, a tick or a row. Each is a function of the library's public interface, so that whatever stands behind it may
+//! be rewritten.
+
+use std::hint::black_box;
+
+use cohaul::backend::friction::{FrictionSolver, Regime};
+use cohaul::backend::{BackendKind, BackendOptions, Status, build};
+use cohaul::math::{Mat3, Vec2, Vec3, direction};
+use cohaul::report::table::write_trace;
+use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
+use cohaul::simulation::{Keep, Simulation};
+use cohaul::verify::scenes::{SLIP_LIMIT, SUPPORT_RADIUS, at_rest, paper_springs, paper_system};
+
+/// One hot path.
+pub struct HotPath {
+    pub name: &'static str,
+    /// Calls that are counted: enough to be typical, few enough to take a second or two.
+    pub n_calls: u32,
+    /// Sets up and warms up what is called.
+    pub prepare: fn() -> Box<dyn FnMut()>,
+}
+
+/// All of them, in the order of the table.
+pub const HOT_PATHS: [HotPath; 10] = [
+    HotPath { name: "quasi-static-4-springs", n_calls: 4, prepare: || dragging(4, &quasi_static()) },
+    HotPath { name: "quasi-static-10-springs", n_calls: 3, prepare: || dragging(10, &quasi_static()) },
+    HotPath { name: "quasi-static-100-springs", n_calls: 1, prepare: || dragging(100, &quasi_static()) },
+    HotPath { name: "inertial-4-springs", n_calls: 6, prepare: || dragging(4, &dynamic(BackendKind::Inertial)) },
+    HotPath { name: "rapier-4-springs", n_calls: 3, prepare: || dragging(4, &dynamic(BackendKind::Rapier)) },
+    HotPath { name: "cone-solve-warm", n_calls: 20, prepare: cone_solve },
+    HotPath { name: "tick-4-ants", n_calls: 10, prepare: tick_of_four_ants },
+    HotPath { name: "tick-200-far-ants", n_calls: 4, prepare: tick_of_far_ants },
+    HotPath { name: "trace-row", n_calls: 40, prepare: trace_row },
+    HotPath { name: "csv-20-rows", n_calls: 1, prepare: csv_rows },
+];
+
+/// What is named by `name`.
+pub fn find(name: &str) -> Option<&'static HotPath> {
+    HOT_PATHS.iter().find(|path| path.name == name)
+}
+
+/// Clock of the paper's scene (s).
+const CONTROL_PERIOD: f64 = 2.5e-3;
+/// Longest step with inertia (s).
+const DYNAMIC_STEP: f64 = 1e-3;
+/// Of pulling ants (m/s).
+const PULL_SPEED: f64 = 0.03;
+/// Simulated time after which a load slides steadily (s): the springs are stretched in a third of it.
+const UNTIL_SLIDING: f64 = 1.5;
+
+fn quasi_static() -> BackendOptions {
+    BackendOptions::new(BackendKind::QuasiStatic, CONTROL_PERIOD)
+}
+
+fn dynamic(kind: BackendKind) -> BackendOptions {
+    BackendOptions::new(kind, DYNAMIC_STEP)
+}
+
+/// One step of the paper's load, dragged by the tips of `n` springs in directions up to 0.3 rad apart.
+fn dragging(n: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
+    let system = paper_system(paper_springs(n));
+    let step = options.step_s;
+    let mut tips: Vec<Vec2> = system.springs.iter().map(|spring| spring.rest_tip()).collect();
+    let ways: Vec<Vec2> = (0..n).map(|j| step * PULL_SPEED * direction(0.3 * j as f64 / n as f64)).collect();
+    let mut backend = build(&system, at_rest(), options);
+    tips.iter().enumerate().for_each(|(spring, tip)| backend.grasp(spring, *tip));
+    let mut advance = move || {
+        tips.iter_mut().zip(&ways).for_each(|(tip, way)| *tip += way);
+        (backend.advance(&tips, step), backend.motion().twist.linear.norm())
+    };
+    let n_until_sliding = (UNTIL_SLIDING / step) as u32;
+    for _ in 1..n_until_sliding {
+        advance();
+    }
+    let (report, speed) = advance();
+    assert_eq!((report.status, report.n_steps, report.n_skipped), (Status::Converged, 1, 0), "every step is solved: {report:?}");
+    assert!(speed > 0.5 * PULL_SPEED, "the load slides along, at {speed} m/s");
+    Box::new(move || {
+        black_box(advance());
+    })
+}
+
+/// The cone problem of a load on the paper's tripod whose drive turns a little from call to call, as from step to step.
+fn cone_solve() -> Box<dyn FnMut()> {
+    let system = paper_system(Vec::new());
+    let mut solver = FrictionSolver::new(&system.ground, system.load.radius);
+    let stiffness = SLIP_LIMIT / SUPPORT_RADIUS;
+    let across = SUPPORT_RADIUS * SUPPORT_RADIUS;
+    let hessian = stiffness * Mat3::new(1.0, 0.1, 0.0, 0.1, 1.5, 0.2 * SUPPORT_RADIUS, 0.0, 0.2 * SUPPORT_RADIUS, across);
+    let mut angle = 0.0;
+    let mut solve = move || {
+        angle += 1e-3;
+        let pull = 1.1 * SLIP_LIMIT * direction(angle);
+        let solution = solver.solve(&hessian, &Vec3::new(pull.x, pull.y, 0.1 * SLIP_LIMIT * SUPPORT_RADIUS));
+        assert_eq!(solution.regime, Regime::Slip);
+        solution.increment
+    };
+    for _ in 0..10 {
+        solve();
+    }
+    Box::new(move || {
+        black_box(solve());
+    })
+}
+
+/// A control period of the paper's scene while its ants pull, load and all.
+fn tick_of_four_ants() -> Box<dyn FnMut()> {
+    let mut run = simulation(paper_scene(), Keep::Outcome);
+    while run.time() < 20.0 {
+        run.step();
+    }
+    assert!(run.outcome().pulls.n() > 4 && !run.is_finished(), "ants have pulled and go on");
+    Box::new(move || run.step())
+}
+
+/// A control period of 200 ants that are nowhere near the load; four of them are the period of their beliefs.
+fn tick_of_far_ants() -> Box<dyn FnMut()> {
+    let mut scene = paper_scene();
+    let Drive::Ants(drive) = &mut scene.drive else { panic!("the paper's scene is driven by ants") };
+    (drive.n_ants, drive.start_half_width) = (200, 100.0);
+    let mut run = simulation(scene, Keep::Outcome);
+    (0..40).for_each(|_| run.step());
+    assert_eq!(run.outcome().steps.n_solves, 0, "nobody holds the load");
+    Box::new(move || run.step())
+}
+
+/// A control period of a load that rests between four held tips, which leaves little to do but keeping the row.
+fn trace_row() -> Box<dyn FnMut()> {
+    let mut run = simulation(resting_scene(), Keep::Trace);
+    // Between 256 and 512 rows the vector does not grow.
+    (0..300).for_each(|_| run.step());
+    assert!(run.trace().rows.len() == 300 && run.trace().rows[299].tips.len() == 4, "a row a step, with all tips");
+    Box::new(move || run.step())
+}
+
+/// The table of 20 rows with four pulls each, head included.
+fn csv_rows() -> Box<dyn FnMut()> {
+    let mut run = simulation(paper_scene(), Keep::Trace);
+    while run.time() < 20.0 {
+        run.step();
+    }
+    let (mut trace, _) = run.into_results();
+    trace.rows.drain(..trace.rows.len() - 20);
+    let mut bytes = Vec::with_capacity(1 << 20);
+    let mut write = move || {
+        bytes.clear();
+        write_trace(&trace, 4, &mut bytes).expect("a run's numbers are finite and memory takes them");
+        bytes.len()
+    };
+    assert!(write() > 4000, "20 rows of 21 numbers");
+    Box::new(move || {
+        black_box(write());
+    })
+}
+
+fn simulation(scene: Scenario, keep: Keep) -> Simulation<'static> {
+    Simulation::new(Box::leak(Box::new(scene)), &quasi_static(), keep)
+}
+
+fn paper_scene() -> Scenario {
+    Scenario::parse(include_str!("../../scenarios/paper/four-ants-four-springs.json"), "the paper's scene").expect("it is a valid scenario")
+}
+
+/// The paper's load with all tips held where they rest, for good.
+fn resting_scene() -> Scenario {
+    let scene = paper_scene();
+    let held = |(spring, rest): (usize, &cohaul::model::PolarSpring)| TipPath {
+        spring,
+        waypoints: vec![Waypoint { time: 0.0, position: rest.rest_tip() }],
+        release: None,
+    };
+    let paths = scene.system.springs.iter().enumerate().map(held).collect();
+    Scenario { drive: Drive::Tips(paths), ..scene }
+}
