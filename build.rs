@@ -1,4 +1,4 @@
-//! Tells the program the commit that it is built from, if it is built from a repository, and the instruction counter how it is built.
+//! Tells the program the commit that it is built from, if it is built from a repository, the compiler and how it is built.
 
 use std::env;
 use std::path::Path;

@@ -10,10 +10,11 @@
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`check`] and [`verify`], [`report`], [`cli`].
+//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`check`], [`stress`] and [`verify`], [`report`], [`cli`].
 #![forbid(unsafe_code)]
 
 pub mod backend;
+pub mod bench;
 pub mod check;
 pub mod cli;
 pub mod compare;
@@ -23,6 +24,7 @@ pub mod model;
 pub mod report;
 pub mod scenario;
 pub mod simulation;
+pub mod stress;
 pub mod verify;
 
 /// The README's example runs as a test.

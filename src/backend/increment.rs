@@ -133,6 +133,7 @@ const LONGEST_TURN: f64 = 0.5;
 pub fn minimise(mut potential: Potential, ground: &Ground, solver: &mut FrictionSolver, length: f64, guess: Option<Vec3>) -> Increment {
     let turn = rotation(potential.start.heading);
     guess
+        .filter(|_| solver.accuracy() == 0.0)
         .and_then(|guess| glide(&mut potential, ground, solver, &turn, length, guess))
         .unwrap_or_else(|| descend_from_rest(&mut potential, ground, solver, &turn, length))
 }
@@ -200,7 +201,7 @@ fn descend_from_rest(potential: &mut Potential, ground: &Ground, solver: &mut Fr
         if !step.iter().all(|v| v.is_finite()) {
             break;
         }
-        let tolerance = RELATIVE_TOLERANCE * size(&solution.increment) + ABSOLUTE_TOLERANCE;
+        let tolerance = RELATIVE_TOLERANCE.max(solver.accuracy()) * size(&solution.increment) + ABSOLUTE_TOLERANCE;
         let is_last = size(&step) <= tolerance || is_frictionless && local.is_balanced(&hessian, &step, &potential.start, length);
         residual = solution.residual.max(if is_last { 0.0 } else { size(&step) / size(&solution.increment).max(1.0) });
         if step == Vec3::zeros() {
@@ -219,7 +220,7 @@ fn descend_from_rest(potential: &mut Potential, ground: &Ground, solver: &mut Fr
         }
     }
     report.residual = if residual.is_finite() { residual } else { 1.0 };
-    report.status = if residual <= LARGEST_RESIDUAL { Status::Converged } else { Status::NotConverged };
+    report.status = if residual <= LARGEST_RESIDUAL.max(solver.accuracy()) { Status::Converged } else { Status::NotConverged };
     report.n_not_converged = u64::from(report.status != Status::Converged);
     Increment { twist: at, friction: friction_loss(ground, &at), regime, report }
 }

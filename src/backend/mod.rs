@@ -300,6 +300,20 @@ pub struct BackendOptions {
     /// What may be left out.
     #[serde(default, skip_serializing_if = "is_default")]
     pub skips: Skips,
+    /// Of the quasi-static backend at a fixed step.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub cone_solver: ConeSolver,
+}
+
+/// What solves the friction problem.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ConeSolver {
+    /// The exact one of [`friction`].
+    #[default]
+    Exact,
+    /// An interior-point solver, for comparison: see [`quasi_static::conic`].
+    Clarabel,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -317,7 +331,15 @@ fn is_unlimited(step: &f64) -> bool {
 impl BackendOptions {
     /// The usual settings at this longest step (s).
     pub fn new(kind: BackendKind, step_s: f64) -> Self {
-        Self { kind, step_s, tolerance: None, integrator: Integrator::default(), rapier: RapierOptions::default(), skips: Skips::ALL }
+        Self {
+            kind,
+            step_s,
+            tolerance: None,
+            integrator: Integrator::default(),
+            rapier: RapierOptions::default(),
+            skips: Skips::ALL,
+            cone_solver: ConeSolver::Exact,
+        }
     }
 
     /// An exact backend under error control.
@@ -410,7 +432,9 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
         return Box::new(Tandem { answer: controlled(answer), check: controlled(check) });
     }
     match options.kind {
-        BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system.clone(), start, Stepping::Fixed(options.step_s))),
+        BackendKind::QuasiStatic => {
+            Box::new(quasi_static::QuasiStatic::new(system.clone(), start, Stepping::Fixed(options.step_s)).through(options.cone_solver))
+        }
         BackendKind::Inertial => {
             Box::new(inertial::Inertial::new(system.clone(), start, Stepping::Fixed(options.step_s), options.integrator))
         }

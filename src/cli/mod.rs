@@ -3,11 +3,13 @@
 //! Exit codes: 0 done, 1 a run failed or missed what it was asked to check, 2 usage or input, 3 internal, 130 interrupted. Results go to standard output, everything
 //! else to standard error.
 
+mod bench;
 mod check;
 mod compare;
 mod interrupt;
 mod run;
 mod scenario;
+mod stress;
 mod verify;
 
 use std::io::Write;
@@ -43,6 +45,10 @@ enum Command {
     Check(check::CheckArgs),
     /// Put questions with known answers to the backends and say whether they hold
     Verify(verify::VerifyArgs),
+    /// Measure run time against error, method by method
+    Bench(bench::BenchArgs),
+    /// Run scenes far beyond what they are made for and say where which backend breaks, and why
+    Stress(stress::StressArgs),
     /// Look at scenario files
     #[command(subcommand)]
     Scenario(scenario::ScenarioCommand),
@@ -124,6 +130,8 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::compare(args),
         Command::Check(args) => check::check(args),
         Command::Verify(args) => verify::verify(args),
+        Command::Bench(args) => bench::bench(args),
+        Command::Stress(args) => stress::stress(args),
         Command::Scenario(command) => scenario::scenario(command),
     };
     match done {

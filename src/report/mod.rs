@@ -14,11 +14,16 @@
 //! quantity.rs  a number with its unit, for people
 //! comparison.rs  a comparison: JSON, text and files
 //! check.rs     a check against baselines: JSON, text and files
+//! stress.rs    stress maps: JSON, text and files; stress_map.rs draws one as a heat map
 //! text.rs      a run summary as a text table
 //! verification.rs  a verification: JSON, text and files
+//! bench.rs     a benchmark: JSON; bench_text.rs as text, bench_files.rs its files
 //! progress.rs  a progress bar on standard error
 //! ```
 
+mod bench;
+mod bench_files;
+mod bench_text;
 mod check;
 mod comparison;
 pub mod figure;
@@ -29,6 +34,8 @@ mod manifest;
 mod progress;
 mod quantity;
 mod run;
+mod stress;
+mod stress_map;
 pub mod table;
 mod text;
 mod verification;
@@ -36,6 +43,9 @@ mod verification;
 #[cfg(test)]
 pub(crate) mod synthetic;
 
+pub use bench::{BenchLine, Benchmark, FitLine, GrowthLine, Noise, SolverLine};
+pub use bench_files::write_benchmark;
+pub use bench_text::bench_text;
 pub use check::{CheckReport, check_text, this_build, write_check};
 pub use comparison::{Comparison, Tiers, compare_text, write_comparison};
 pub use folder::{FolderError, OutputFolder, check_target};
@@ -47,5 +57,6 @@ pub use manifest::{Libraries, Machine, Manifest, sha256_hex};
 pub use progress::Progress;
 pub use quantity::{number, quantity};
 pub use run::{RunFiles, write_run};
+pub use stress::{Stress, stress_list, stress_text, write_stress};
 pub use text::{inertia_warning, run_text};
 pub use verification::{Line, Question, Verification, list_text, verify_text, write_verification};

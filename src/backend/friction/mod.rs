@@ -25,7 +25,8 @@ mod smoothed;
 
 use serde::{Deserialize, Serialize};
 
-use super::RestoreError;
+use super::quasi_static::conic::{self, ConicSolver};
+use super::{ConeSolver, RestoreError};
 use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
 
@@ -37,6 +38,8 @@ pub struct FrictionSolver {
     cones: Cones,
     last: WarmStart,
     support_forces: Vec<Vec2>,
+    /// Answers in place of the exact solver, if it is there.
+    conic: Option<ConicSolver>,
 }
 
 /// The last answer (scaled). Where the next one starts decides its last bits, so this belongs to the state of a run.
@@ -94,12 +97,28 @@ impl FrictionSolver {
             last: WarmStart { twist: None, pin: None, slipped: false, forces: vec![Vec2::zeros(); cones.len()] },
             support_forces: vec![Vec2::zeros(); ground.supports.len()],
             cones,
+            conic: None,
         }
+    }
+
+    /// The same with its problems handed to `solver`.
+    pub fn through(self, solver: ConeSolver, ground: &Ground, length_scale: f64) -> Self {
+        Self { conic: (solver == ConeSolver::Clarabel).then(|| ConicSolver::new(ground, length_scale)), ..self }
+    }
+
+    /// Error that an increment may have through the solver, over its size (1); the exact one has none but rounding.
+    pub fn accuracy(&self) -> f64 {
+        if self.conic.is_some() { conic::ACCURACY } else { 0.0 }
     }
 
     /// Minimises for `hessian` (N/m, N, N m/rad; positive semidefinite) and `drive` w (N, N, N m), both over a body-twist increment
     /// (m, m, rad). Where no support has a slip limit the answer is the linear one.
     pub fn solve(&mut self, hessian: &Mat3, drive: &Vec3) -> FrictionSolution {
+        if let Some(conic) = &mut self.conic {
+            let solution = conic.friction_solution(hessian, drive);
+            self.support_forces.iter_mut().zip(conic.forces()).for_each(|(force, along)| *force = -along);
+            return solution;
+        }
         let (h, w) = self.cones.scaled(hessian, drive);
         let mut n_iterations = 0;
         let candidate = self.search(&h, &w, &mut n_iterations);
@@ -153,11 +172,10 @@ impl FrictionSolver {
         if self.cones.is_empty() {
             return Candidate { twist: linear_answer(h, w), regime: Regime::Slip };
         }
-        if let Some(start) = self.last.twist.filter(|_| self.last.slipped) {
-            if let Some((twist, _)) = gliding::slip(&self.cones, h, w, &start, n_iterations) {
-                self.cones.write_slip_forces(&twist, &mut self.last.forces);
-                return Candidate { twist, regime: Regime::Slip };
-            }
+        let near = self.last.twist.filter(|_| self.last.slipped);
+        if let Some((twist, _)) = near.and_then(|near| gliding::slip(&self.cones, h, w, &near, n_iterations)) {
+            self.cones.write_slip_forces(&twist, &mut self.last.forces);
+            return Candidate { twist, regime: Regime::Slip };
         }
         if self.cones.stick_forces(w, &mut self.last.forces) {
             return Candidate { twist: Vec3::zeros(), regime: Regime::Stick };

@@ -14,7 +14,7 @@ use super::held::{Grip, HeldSprings};
 use super::increment::{Forecast, Increment, Potential, Stage, minimise};
 use super::spring_blocks::{Accepted, SpringBlocks};
 use super::transition::{Transition, TransitionKind};
-use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
+use super::{Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 
@@ -80,6 +80,11 @@ impl QuasiStatic {
             from: Vec::new(),
             transitions: Vec::new(),
         }
+    }
+
+    /// The same with its friction problems handed to `solver`.
+    pub fn through(self, solver: ConeSolver) -> Self {
+        Self { solver: self.solver.through(solver, &self.system.ground, self.system.load.radius), ..self }
     }
 
     /// Moves the load from where a grasp or a release has left it to the balance for tips that stand still. The friction of a long way depends on

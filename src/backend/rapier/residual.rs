@@ -25,7 +25,17 @@ pub fn residual(load: &Load, slip_limit: f64, step: &Step) -> f64 {
         }
     }
     worst = worst.max(gap.xy().norm()).max(gap.z.abs() / gyration);
-    worst / (slip_limit + step.sum.force_scale).max(f64::MIN_POSITIVE)
+    relative(worst, slip_limit + step.sum.force_scale)
+}
+
+/// `violation` (N) over `forces` (N). Where there are none, nothing is violated or all is: one.
+fn relative(violation: f64, forces: f64) -> f64 {
+    let ratio = violation / forces;
+    match () {
+        _ if violation == 0.0 => 0.0,
+        _ if violation.is_finite() && !ratio.is_finite() => 1.0,
+        _ => ratio,
+    }
 }
 
 /// `M (v - v_n) / h - W + (h K + D) v` (N, N, N m).
@@ -49,4 +59,16 @@ fn slip_below_limit(joint: &FrictionJoint, slip: &Vec2, force: &Vec2, rate: f64)
 
 fn column(twist: &Twist) -> Vec3 {
     twist.linear.push(twist.angular)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::relative;
+
+    /// A load without friction and springs that the engine slows down all the same, as its largest speed as shipped does, has a residual of one.
+    #[test]
+    fn without_any_force_a_residual_has_a_value() {
+        assert_eq!([relative(0.0, 0.0), relative(1e-3, 0.0), relative(1e3, 1e-307), relative(1e-3, 2e-3)], [0.0, 1.0, 1.0, 0.5]);
+        assert!(relative(f64::NAN, 1.0).is_nan());
+    }
 }

@@ -6,7 +6,8 @@
 use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::{LinePlot, LineStyle};
+use kuva::plot::scatter::MarkerShape;
+use kuva::plot::{LinePlot, LineStyle, ScatterPlot};
 use kuva::render::color::Color;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -202,11 +203,14 @@ fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
     if dense {
         return runs.map(|run| band(&curve.style, &thin::columns(run, (width / DENSE_COLUMN) as usize))).collect();
     }
+    if matches!(curve.shape, Shape::Marked | Shape::Crosses | Shape::Unseen) {
+        return marked(curve, runs);
+    }
     let thinned = |run: &[[f64; 2]]| match curve.shape {
         // Columns of two pixels: lines are about that wide.
         Shape::Graph | Shape::Steps => thin::by_column(run, (width / 2.0) as usize),
         // A third of a pixel.
-        Shape::Path => thin::by_distance(run, x.span() / width / 3.0),
+        _ => thin::by_distance(run, x.span() / width / 3.0),
     };
     let plot = |run: &[[f64; 2]]| {
         let mut plot = line(&curve.style).with_data(thinned(run).into_iter().map(|[x, y]| (x, y)));
@@ -214,6 +218,20 @@ fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
         plot.into()
     };
     runs.map(plot).collect()
+}
+
+/// Few points, each with its mark.
+fn marked<'a>(curve: &Curve, runs: impl Iterator<Item = &'a [[f64; 2]]>) -> Vec<Plot> {
+    let data = |run: &[[f64; 2]]| run.iter().map(|[x, y]| (*x, *y)).collect::<Vec<_>>();
+    let marks = |run: &[[f64; 2]], shape, size| -> Plot {
+        ScatterPlot::new().with_data(data(run)).with_color(curve.style.color).with_size(size).with_marker(shape).into()
+    };
+    let plots = |run: &[[f64; 2]]| match curve.shape {
+        Shape::Marked => vec![line(&curve.style).with_data(data(run)).into(), marks(run, MarkerShape::Circle, 2.6)],
+        Shape::Crosses => vec![marks(run, MarkerShape::Cross, 5.0)],
+        _ => Vec::new(),
+    };
+    runs.flat_map(plots).collect()
 }
 
 fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {

@@ -7,6 +7,7 @@
 //! ```text
 //! panels.rs      traces -> panels: what is shown
 //! convergence.rs rows of a verification -> panels
+//! bench.rs       settings of a benchmark -> panels
 //! difference.rs  distance of two traces over time
 //! panel.rs       a panel as data: labels, curves, marks
 //! axis.rs        ranges, ticks and their labels
@@ -15,6 +16,7 @@
 //! ```
 
 mod axis;
+mod bench;
 mod canvas;
 mod convergence;
 mod difference;
@@ -22,9 +24,12 @@ mod panel;
 mod panels;
 pub mod thin;
 
+pub(crate) use axis::power_label;
 use canvas::{Cell, Sheet};
 use panel::{Entry, Panel};
 
+use super::{BenchLine, GrowthLine};
+use crate::bench::SceneFacts;
 use crate::math::Vec2;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
@@ -165,6 +170,32 @@ pub fn convergence(rows: &[Row]) -> String {
     sheet.into_svg(&[legend])
 }
 
+/// Error against CPU time of the settings in one scene (both logarithmic): exact methods, and the engine's variants. What took longer than `budget` (s) is
+/// drawn there.
+pub fn work_precision(facts: &SceneFacts, lines: &[BenchLine], budget: f64) -> String {
+    let own: Vec<&BenchLine> = lines.iter().filter(|line| line.scene == facts.scene).collect();
+    let (panels, legends) = bench::work_precision(&own, budget);
+    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, WORK_HEIGHT);
+    for (i, panel) in panels.iter().enumerate() {
+        sheet.add(Cell { panel, left: i as f64 * COLUMN_WIDTH, top: 0.0, width: COLUMN_WIDTH, height: WORK_HEIGHT });
+    }
+    sheet.letter_panels();
+    sheet.into_svg(&legends)
+}
+
+/// Cost of a step or tick against the number of springs, supports and ants (both logarithmic).
+pub fn growth(lines: &[GrowthLine]) -> String {
+    let (panels, legend) = bench::growth(lines);
+    let mut sheet = Sheet::new(panels.len() as f64 * GROWTH_WIDTH, PANEL_HEIGHT);
+    for (i, panel) in panels.iter().enumerate() {
+        sheet.add(Cell { panel, left: i as f64 * GROWTH_WIDTH, top: 0.0, width: GROWTH_WIDTH, height: PANEL_HEIGHT });
+    }
+    sheet.letter_panels();
+    sheet.into_svg(&[legend])
+}
+
+const WORK_HEIGHT: f64 = 420.0;
+const GROWTH_WIDTH: f64 = 340.0;
 const COLUMN_WIDTH: f64 = 480.0;
 const ROW_HEIGHT: f64 = 220.0;
 const PANEL_HEIGHT: f64 = 280.0;

@@ -47,6 +47,12 @@ pub enum Shape {
     Steps,
     /// Any line in the plane.
     Path,
+    /// As a graph, with a dot at each point.
+    Marked,
+    /// A cross at each point, and no line.
+    Crosses,
+    /// Nothing: the axes have room for the points.
+    Unseen,
 }
 
 /// A line across the whole panel.

@@ -1,0 +1,241 @@
+//! Cost of a step over the number of held springs and of supports, and of a control tick over the number of ants.
+//!
+//! Stiffness and weight are shared out among springs and supports, so that loads of all sizes move alike and only the work differs. Every round runs the
+//! same steps from the same start.
+
+use serde::{Deserialize, Serialize};
+
+use super::clock::{Clock, Timing};
+use super::fit::{Line, PowerLaw, line, power_law};
+use crate::backend::{BackendKind, BackendOptions, Motion, build, default_step};
+use crate::math::{Pose, Twist, Vec2, direction};
+use crate::model::{Ground, Load, PolarSpring, SupportPoint, System};
+use crate::scenario::{Drive, Scenario};
+use crate::simulation::{Keep, Simulation};
+
+/// What there is more and more of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Time of a step.
+    Springs,
+    /// Time of a step.
+    Supports,
+    /// Time of a control tick.
+    Ants,
+}
+
+/// Cost at one size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GrowthPoint {
+    pub quantity: Quantity,
+    pub backend: BackendKind,
+    pub n: usize,
+    /// CPU time a step, or a tick, of each round (s).
+    pub seconds: Vec<f64>,
+}
+
+/// How a cost grows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fit {
+    pub quantity: Quantity,
+    pub backend: BackendKind,
+    /// Over sizes from a thirtieth of the largest on, where what does not grow is small; `null` with fewer than two of them.
+    pub power_law: Option<PowerLaw>,
+    /// Over all sizes (s, s per one more).
+    pub line: Option<Line>,
+}
+
+/// Sizes up to the largest at which each quantity is tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Growth {
+    /// A scene of ants; their number is replaced.
+    pub ants: Scenario,
+    pub is_quick: bool,
+}
+
+impl Quantity {
+    pub const ALL: [Quantity; 3] = [Quantity::Springs, Quantity::Supports, Quantity::Ants];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Springs => "springs",
+            Quantity::Supports => "supports",
+            Quantity::Ants => "ants",
+        }
+    }
+
+    fn largest(self) -> usize {
+        if self == Quantity::Ants { 10_000 } else { 1_000 }
+    }
+}
+
+impl GrowthPoint {
+    pub fn timing(&self) -> Option<Timing> {
+        Timing::of(&self.seconds)
+    }
+}
+
+/// Steps that bring a load from rest to a steady slip, and ticks that bring ants to it.
+const LEAD_IN: u64 = 40;
+/// Timed steps or ticks: fewer of large systems.
+const MOST_STEPS: u64 = 400;
+const FEWEST_STEPS: u64 = 20;
+/// Steps times size that are about enough.
+const WORK: u64 = 20_000;
+
+impl Growth {
+    /// All points without times.
+    pub fn points(&self) -> Vec<GrowthPoint> {
+        let mut points = Vec::new();
+        for quantity in Quantity::ALL {
+            let backends = if quantity == Quantity::Ants { &[BackendKind::QuasiStatic][..] } else { &BackendKind::ALL };
+            for backend in backends {
+                let sizes = sizes(quantity.largest(), self.is_quick);
+                points.extend(sizes.into_iter().map(|n| GrowthPoint { quantity, backend: *backend, n, seconds: Vec::new() }));
+            }
+        }
+        points
+    }
+
+    /// Adds the time of one round.
+    pub fn time(&self, point: &mut GrowthPoint) {
+        let n_steps = (WORK / point.n as u64).clamp(FEWEST_STEPS, MOST_STEPS);
+        let seconds = match point.quantity {
+            Quantity::Springs => drag(&dragged(point.n, 3), point.backend, n_steps),
+            Quantity::Supports => drag(&dragged(4, point.n), point.backend, n_steps),
+            Quantity::Ants => ticks(&self.ants, point.n, n_steps),
+        };
+        point.seconds.push(seconds);
+    }
+}
+
+/// 1, 3, 10, 30 ... up to `largest`; only powers of ten if it is to be quick.
+fn sizes(largest: usize, is_quick: bool) -> Vec<usize> {
+    let decades = (0..).map(|power| 10usize.pow(power)).take_while(|size| *size <= largest);
+    decades.flat_map(|size| [size, 3 * size]).filter(|size| *size <= largest && !(is_quick && size.to_string().starts_with('3'))).collect()
+}
+
+/// A load of 1.6 g on `n_supports` supports and `n_springs` springs, with weight and stiffness shared out evenly.
+fn dragged(n_springs: usize, n_supports: usize) -> System {
+    const RADIUS: f64 = 0.0122;
+    const MASS: f64 = 1.6e-3;
+    /// Of all springs together (N/m, N m/rad): four of the paper's.
+    const STIFFNESS: (f64, f64) = (4.0 * 0.664, 4.0 * 4.52e-4);
+    let turn = std::f64::consts::TAU;
+    let share = 1.0 / n_springs as f64;
+    let spring = |j: usize| {
+        let bearing = turn * j as f64 * share;
+        PolarSpring {
+            root: RADIUS * direction(bearing),
+            bearing,
+            rest_length: 0.0263,
+            radial_stiffness: share * STIFFNESS.0,
+            torsional_stiffness: share * STIFFNESS.1,
+            damping_ratio: 0.0,
+        }
+    };
+    let support = |i: usize| {
+        let offset = 2.0 / 3.0 * RADIUS * direction(0.25 * turn + turn * i as f64 / n_supports as f64);
+        SupportPoint { offset, normal_load: 9.81 * MASS / n_supports as f64 }
+    };
+    System {
+        load: Load { mass: MASS, inertia: 0.5 * MASS * RADIUS * RADIUS, radius: RADIUS },
+        ground: Ground { friction_coefficient: 1.4, supports: (0..n_supports).map(support).collect() },
+        springs: (0..n_springs).map(spring).collect(),
+    }
+}
+
+/// CPU time a step (s) while all tips go on at 30 mm/s along a bow, after the load has begun to slip.
+fn drag(system: &System, kind: BackendKind, n_steps: u64) -> f64 {
+    const SPEED: f64 = 0.03;
+    const PERIOD: f64 = 2.5e-3;
+    // The fastest oscillation is that of four springs, whatever their number.
+    let step = default_step(kind, &dragged(4, 3), PERIOD);
+    let start = Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO };
+    let mut backend = build(system, start, &BackendOptions::new(kind, step));
+    let tips = |time: f64| -> Vec<Vec2> {
+        let bow = Vec2::new(SPEED * time, 0.5 * SPEED * time * time);
+        system.springs.iter().map(|spring| spring.rest_tip() + bow).collect()
+    };
+    tips(0.0).into_iter().enumerate().for_each(|(spring, tip)| backend.grasp(spring, tip));
+    // A stretch of 8 mm makes four springs of the paper slip: 0.27 s.
+    let slips_at = 0.3;
+    for i in 1..=LEAD_IN {
+        backend.advance(&tips(slips_at * i as f64 / LEAD_IN as f64), slips_at / LEAD_IN as f64);
+    }
+    let all: Vec<Vec<Vec2>> = (1..=n_steps).map(|i| tips(slips_at + i as f64 * step)).collect();
+    let clock = Clock::start();
+    for tips in &all {
+        backend.advance(tips, step);
+    }
+    clock.seconds() / n_steps as f64
+}
+
+/// CPU time a control tick (s) with this number of ants.
+fn ticks(scenario: &Scenario, n_ants: usize, n_ticks: u64) -> f64 {
+    let mut scenario = scenario.clone();
+    if let Drive::Ants(drive) = &mut scenario.drive {
+        drive.n_ants = n_ants;
+    }
+    let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
+    let mut run = Simulation::new(&scenario, &options, Keep::Outcome);
+    (0..LEAD_IN).for_each(|_| run.step());
+    let clock = Clock::start();
+    (0..n_ticks).for_each(|_| run.step());
+    clock.seconds() / n_ticks as f64
+}
+
+/// Fits of all curves among the points.
+pub fn fits(points: &[GrowthPoint]) -> Vec<Fit> {
+    let of_curve = |curve: &[GrowthPoint]| {
+        let timed: Vec<[f64; 2]> = curve.iter().filter_map(|point| Some([point.n as f64, point.timing()?.min_s])).collect();
+        let largest = timed.iter().map(|point| point[0]).fold(0.0, f64::max);
+        let large: Vec<[f64; 2]> = timed.iter().filter(|point| 30.0 * point[0] >= largest).copied().collect();
+        Fit { quantity: curve[0].quantity, backend: curve[0].backend, power_law: power_law(&large), line: line(&timed) }
+    };
+    points.chunk_by(|one, next| one.quantity == next.quantity && one.backend == next.backend).map(of_curve).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_even_in_the_logarithm() {
+        assert_eq!(sizes(1000, false), [1, 3, 10, 30, 100, 300, 1000]);
+        assert_eq!(sizes(1000, true), [1, 10, 100, 1000]);
+    }
+
+    #[test]
+    fn each_curve_has_its_own_fit() {
+        let mut points = Growth { ants: crate::scenario::Scenario::random(1), is_quick: false }.points();
+        for point in &mut points {
+            let n = point.n as f64;
+            // Two rounds: the least counts.
+            let cost = if point.quantity == Quantity::Springs { 1e-6 + 1e-8 * n } else { 1e-9 * n * n };
+            point.seconds = vec![2.0 * cost, cost];
+        }
+        let fits = fits(&points);
+        assert_eq!(fits.len(), 7);
+        for fit in &fits {
+            let (line, law) = (fit.line.unwrap(), fit.power_law.unwrap());
+            if fit.quantity == Quantity::Springs {
+                assert!((line.slope / 1e-8 - 1.0).abs() < 1e-9 && law.exponent > 0.6 && law.exponent < 1.0, "{fit:?}");
+            } else {
+                assert!((law.exponent - 2.0).abs() < 1e-9, "{fit:?}");
+            }
+        }
+    }
+
+    /// Loads of all sizes are dragged alike, so that costs compare.
+    #[test]
+    fn dragged_loads_slip_in_the_timed_steps() {
+        for (n_springs, n_supports) in [(1, 3), (3, 3), (100, 3), (4, 1), (4, 30)] {
+            let system = dragged(n_springs, n_supports);
+            assert!((system.total_slip_limit() - 1.4 * 9.81 * 1.6e-3).abs() < 1e-15);
+            assert!((system.springs.iter().map(|spring| spring.radial_stiffness).sum::<f64>() - 2.656).abs() < 1e-12);
+            assert!(drag(&system, BackendKind::QuasiStatic, 3) > 0.0);
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Closed-form paths of some scenes: slides and spins to rest, and a spring through the centre whose tip leaves at a constant speed and may stop.
+//!
+//! They are recognised by what the scenario says, not by its name. `src/verify` derives and tests the same laws (`slide.rs`, `pull.rs`).
+
+use crate::backend::BackendKind;
+use crate::math::{Pose, Twist, Vec2, perpendicular};
+use crate::scenario::{Drive, Scenario, TipPath};
+
+/// A path in closed form.
+pub struct Known {
+    pub formula: &'static str,
+    path: Box<dyn Fn(f64) -> Pose>,
+}
+
+impl Known {
+    /// Pose at `time` (s).
+    pub fn at(&self, time: f64) -> Pose {
+        (self.path)(time)
+    }
+}
+
+/// Share of the whole up to which forces that should cancel may be left by rounded places of supports (1).
+const BALANCED: f64 = 1e-12;
+
+/// The path of the scenario's load without inertia or with it, if it has a closed form.
+pub fn known(scenario: &Scenario, kind: BackendKind) -> Option<Known> {
+    let Drive::Tips(paths) = &scenario.drive else { return None };
+    match paths.as_slice() {
+        [] if kind != BackendKind::QuasiStatic => slide(scenario).or_else(|| spin(scenario)),
+        [path] => pull(scenario, path, kind),
+        _ => None,
+    }
+}
+
+/// Supports whose friction on a load that shifts has no torque.
+fn is_centred(scenario: &Scenario) -> bool {
+    let ground = &scenario.system.ground;
+    let torque = ground.supports.iter().zip(ground.slip_limits()).fold(Vec2::zeros(), |sum, (support, limit)| sum + limit * support.offset);
+    torque.norm() <= BALANCED * scenario.system.total_slip_limit() * scenario.system.load.radius
+}
+
+fn slide(scenario: &Scenario) -> Option<Known> {
+    let (start, Twist { linear, angular }) = (scenario.start.pose, scenario.start.twist);
+    let speed = linear.norm();
+    if angular != 0.0 || speed == 0.0 || !is_centred(scenario) {
+        return None;
+    }
+    let braking = scenario.system.total_slip_limit() / scenario.system.load.mass;
+    let path = move |time: f64| {
+        let time = time.min(speed / braking);
+        Pose { position: start.position + linear * (time - 0.5 * braking * time * time / speed), ..start }
+    };
+    Some(Known { formula: "v0 t - mu g t^2 / 2 up to rest", path: Box::new(path) })
+}
+
+fn spin(scenario: &Scenario) -> Option<Known> {
+    let (start, Twist { linear, angular }) = (scenario.start.pose, scenario.start.twist);
+    let ground = &scenario.system.ground;
+    let parts = || ground.supports.iter().zip(ground.slip_limits()).filter(|(support, _)| support.offset.norm() > 0.0);
+    let force = parts().fold(Vec2::zeros(), |sum, (support, limit)| sum + limit * perpendicular(&support.offset.normalize()));
+    if angular == 0.0 || linear != Vec2::zeros() || force.norm() > BALANCED * scenario.system.total_slip_limit() {
+        return None;
+    }
+    let braking = parts().map(|(support, limit)| limit * support.offset.norm()).sum::<f64>() / scenario.system.load.inertia;
+    let path = move |time: f64| {
+        let time = time.min(angular.abs() / braking);
+        Pose { heading: start.heading + angular * time - angular.signum() * 0.5 * braking * time * time, ..start }
+    };
+    Some(Known { formula: "omega0 t - f a t^2 / (2 I) up to rest", path: Box::new(path) })
+}
+
+/// A tip that leaves the centre of a load at rest straight, and stops once. Without inertia the load follows at the stretch f / k; with it, it ripples about
+/// that, and swings on to a rest when the tip stops.
+fn pull(scenario: &Scenario, path: &TipPath, kind: BackendKind) -> Option<Known> {
+    let (start, system) = (scenario.start, &scenario.system);
+    let spring = &system.springs[path.spring];
+    let ([first, last], None) = (path.waypoints.as_slice(), path.release) else { return None };
+    let is_plain = spring.is_isotropic() && spring.root == Vec2::zeros() && spring.damping_ratio == 0.0;
+    if !is_plain || start.twist != Twist::ZERO || first.position != start.pose.position || !is_centred(scenario) {
+        return None;
+    }
+    let way = last.position - first.position;
+    let speed = way.norm() / (last.time - first.time);
+    let (stiffness, limit) = (spring.radial_stiffness, system.total_slip_limit());
+    let onset = first.time + limit / (stiffness * speed);
+    if onset >= last.time {
+        return None;
+    }
+    let rate = (stiffness / system.load.mass).sqrt();
+    // Amplitude of the ripple: it turns the load back only above f / k.
+    let amplitude = speed / rate;
+    if amplitude > limit / stiffness {
+        return None;
+    }
+    let ramp = move |tau: f64| speed * tau - amplitude * (rate * tau).sin();
+    let held = last.time - onset;
+    // From the stop on a free oscillation about v tau less the same force, to its first turning point.
+    let (lag, slope) = (-amplitude * (rate * held).sin(), speed * (1.0 - (rate * held).cos()));
+    let swing = (lag * lag + (slope / rate).powi(2)).sqrt();
+    let phase = (slope / rate).atan2(lag);
+    let way_after = move |tau: f64| match kind {
+        BackendKind::QuasiStatic => speed * tau.min(held),
+        _ if tau <= held => ramp(tau),
+        _ => speed * held + swing * ((rate * (tau - held)).min(phase) - phase).cos(),
+    };
+    let along = way.normalize();
+    let path = move |time: f64| Pose { position: start.pose.position + along * way_after((time - onset).max(0.0)), ..start.pose };
+    let formula = match kind {
+        BackendKind::QuasiStatic => "v t - f / k",
+        _ => "v tau - (v / omega) sin omega tau",
+    };
+    Some(Known { formula, path: Box::new(path) })
+}

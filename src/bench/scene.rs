@@ -1,0 +1,137 @@
+//! A scenario with its references, and the steps and tolerances to try.
+
+use serde::{Deserialize, Serialize};
+
+use super::method::Method;
+use super::reference::{Reference, rim_distance};
+use crate::backend::{BackendKind, default_step};
+use crate::math::Twist;
+use crate::scenario::Scenario;
+
+/// A step or a tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// (s)
+    Step(f64),
+    /// On the load's rim (m).
+    Tolerance(f64),
+}
+
+/// A scenario whose ticks are as long as the longest step that is tried: prescribed tips do not read them, but rows and steps end there.
+pub struct Scene {
+    pub name: String,
+    pub scenario: Scenario,
+}
+
+/// What is known of a scene before any method is tried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneFacts {
+    pub scene: String,
+    /// Way of the load's rim in the longer of the references (m): what errors are shares of.
+    pub path_length_m: f64,
+    /// Time between two rows (s).
+    pub row_period_s: f64,
+    /// How far the references without and with inertia lie apart on the rim, at most (m); `null` where there is only one.
+    pub inertia_effect_m: Option<f64>,
+    /// Where the references come from and how far each may be wrong on the rim (m); `null` where there is none without inertia.
+    pub quasi_static_reference: Option<String>,
+    pub quasi_static_reference_error_m: Option<f64>,
+    pub inertial_reference: String,
+    pub inertial_reference_error_m: f64,
+}
+
+/// References of a scene: without inertia, where a load without it moves at all, and with it.
+pub struct References {
+    pub quasi_static: Option<Reference>,
+    pub inertial: Reference,
+}
+
+/// Rows that a run should have at least, where its control period allows.
+const ROWS: f64 = 100.0;
+/// Steps without inertia, each a quarter of the one before, and with it, each a half.
+const N_QUASI_STATIC: i32 = 6;
+const N_INERTIAL: i32 = 10;
+/// Tolerances over the length of the path (1), from a hundredth on.
+const TOLERANCES: [f64; 6] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
+/// The longest step with inertia over the default one (1): four radians of the fastest oscillation.
+const LONGEST: f64 = 40.0;
+
+impl Scene {
+    pub fn new(name: impl Into<String>, scenario: &Scenario) -> Self {
+        let mut control_period = scenario.control_period;
+        while scenario.duration >= 2.0 * ROWS * control_period {
+            control_period *= 2.0;
+        }
+        Self { name: name.into(), scenario: Scenario { control_period, ..scenario.clone() } }
+    }
+
+    /// Whether `method` can answer: without inertia a load that starts with a speed has none, and one without springs no path.
+    pub fn asks(&self, method: &Method) -> bool {
+        method.kind() != BackendKind::QuasiStatic || self.moves_without_inertia()
+    }
+
+    fn moves_without_inertia(&self) -> bool {
+        self.scenario.start.twist == Twist::ZERO && !self.scenario.system.springs.is_empty()
+    }
+
+    /// What `method` is tried at, the coarsest first; every second of it if it is to be quick.
+    pub fn levels(&self, method: &Method, path_length: f64, is_quick: bool) -> Vec<Level> {
+        let row = self.scenario.control_period;
+        let all: Vec<Level> = if method.is_controlled() {
+            TOLERANCES.iter().map(|share| Level::Tolerance(share * path_length)).collect()
+        } else if method.kind() == BackendKind::QuasiStatic {
+            (0..N_QUASI_STATIC).map(|i| Level::Step(row * 0.25f64.powi(i))).collect()
+        } else {
+            let longest = LONGEST * default_step(method.kind(), &self.scenario.system, row);
+            let halvings = (row / longest - 1e-9).max(1.0).log2().ceil() as i32;
+            (0..N_INERTIAL).map(|i| Level::Step(row * 0.5f64.powi(halvings + i))).collect()
+        };
+        all.into_iter().step_by(if is_quick { 2 } else { 1 }).collect()
+    }
+
+    /// `watch` as in [`Reference::find`].
+    ///
+    /// # Errors
+    /// When a reference has no finite answer.
+    pub fn references(&self, mut watch: impl FnMut(f64) -> bool) -> Option<Result<References, String>> {
+        let find = |kind, watch: &mut dyn FnMut(f64) -> bool| Reference::find(&self.scenario, kind, watch);
+        let quasi_static =
+            if self.moves_without_inertia() { Some(find(BackendKind::QuasiStatic, &mut |share| watch(0.5 * share))?) } else { None };
+        let inertial = find(BackendKind::Inertial, &mut |share| watch(0.5 + 0.5 * share))?;
+        Some(quasi_static.transpose().and_then(|quasi_static| Ok(References { quasi_static, inertial: inertial? })))
+    }
+
+    pub fn facts(&self, references: &References) -> SceneFacts {
+        let radius = self.scenario.system.load.radius;
+        let References { quasi_static, inertial } = references;
+        let apart = |other: &Reference| {
+            let distances = other.poses.iter().zip(&inertial.poses).map(|(one, other)| rim_distance(one, other, radius));
+            distances.fold(0.0, f64::max)
+        };
+        let lengths = quasi_static.iter().chain([inertial]).map(|reference| reference.path_length(radius));
+        SceneFacts {
+            scene: self.name.clone(),
+            path_length_m: lengths.fold(0.0, f64::max),
+            row_period_s: self.scenario.control_period,
+            inertia_effect_m: quasi_static.as_ref().map(apart),
+            quasi_static_reference: quasi_static.as_ref().map(|reference| reference.source.clone()),
+            quasi_static_reference_error_m: quasi_static.as_ref().map(|reference| reference.own_error),
+            inertial_reference: inertial.source.clone(),
+            inertial_reference_error_m: inertial.own_error,
+        }
+    }
+}
+
+impl References {
+    /// What a method of this kind is held against.
+    ///
+    /// # Panics
+    /// When a load without inertia has no path in the scene.
+    pub fn of(&self, kind: BackendKind) -> &Reference {
+        match kind {
+            BackendKind::QuasiStatic => self.quasi_static.as_ref().expect("the scene was asked"),
+            BackendKind::Inertial | BackendKind::Rapier => &self.inertial,
+        }
+    }
+}

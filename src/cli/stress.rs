@@ -1,0 +1,165 @@
+//! `cohaul stress`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::time::{Instant, SystemTime};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::{CliError, interrupt, print};
+use crate::report::{Manifest, Progress, Stress, check_target, sha256_hex, stress_list, stress_text, write_stress};
+use crate::stress::{self, Done, Effort, Map, Row, Variant};
+
+#[derive(Args)]
+pub struct StressArgs {
+    /// Only these maps; without it all
+    #[arg(long, value_name = "NAME", num_args = 1..)]
+    map: Vec<String>,
+    /// Only these backends; without it all
+    #[arg(long, value_name = "BACKEND", num_args = 1..)]
+    backend: Vec<Variant>,
+    /// Four values an axis in place of tens
+    #[arg(long)]
+    quick: bool,
+    /// Say which maps there are
+    #[arg(long, conflicts_with_all = ["json", "out", "backend", "quick"])]
+    list: bool,
+    /// Folder for cells, heat maps, summary and manifest; what an interrupted run has done is kept beside it, as DIR.state.json
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was asked: a state belongs to one such.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Asked {
+    version: String,
+    commit: Option<String>,
+    maps: Vec<String>,
+    backends: Vec<Variant>,
+    effort: Effort,
+}
+
+/// An interrupted run.
+#[derive(Serialize, Deserialize)]
+struct State {
+    asked: Asked,
+    /// Of runs before this one (s).
+    wall_s: f64,
+    done: Done,
+}
+
+pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
+    let maps = chosen(&args.map)?;
+    if args.list {
+        print(&stress_list(&maps))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let Some(out) = &args.out {
+        check_target(out)?;
+    }
+    let effort = if args.quick { Effort::Quick } else { Effort::Full };
+    let maps: Vec<Map> = maps.iter().map(|map| effort.of(map)).collect();
+    let backends: Vec<Variant> = Variant::ALL.into_iter().filter(|it| args.backend.is_empty() || args.backend.contains(it)).collect();
+    let asked = asked(&maps, &backends, effort);
+    let file = args.out.as_deref().map(state_file);
+    let (started, clock) = (SystemTime::now(), Instant::now());
+    let before = file.as_deref().map(|file| saved(file, &asked)).transpose()?.flatten();
+    let (done, spent) = before.map_or((Done::new(), 0.0), |state| (state.done, state.wall_s));
+    let done = run(&maps, &backends, done);
+    let wall_s = spent + clock.elapsed().as_secs_f64();
+    if done.len() < stress::n_cells(&maps) {
+        return interrupted(file.as_deref(), State { asked, wall_s, done });
+    }
+    let rows: Vec<Row> = done.into_values().flatten().collect();
+    let found = Stress::new(&maps, &rows, args.quick, wall_s);
+    if let Some(out) = &args.out {
+        write_stress(out, &found, &maps, &rows, &manifest(&asked, started))?;
+    }
+    if let Some(file) = file.filter(|file| file.exists()) {
+        fs::remove_file(&file).map_err(|source| CliError::File { path: file, source })?;
+    }
+    print(&if args.json { found.to_json() } else { stress_text(&found) })?;
+    Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The maps of these names, or all.
+fn chosen(names: &[String]) -> Result<Vec<Map>, CliError> {
+    let all = stress::all();
+    if let Some(name) = names.iter().find(|name| !all.iter().any(|map| map.name == **name)) {
+        return Err(CliError::Usage(format!("--map: must be a map that `cohaul stress --list` names, found {name}")));
+    }
+    Ok(all.into_iter().filter(|map| names.is_empty() || names.iter().any(|name| name == map.name)).collect())
+}
+
+fn asked(maps: &[Map], backends: &[Variant], effort: Effort) -> Asked {
+    let build = Manifest::new(serde_json::Value::Null, String::new(), 0, serde_json::Value::Null, Vec::new(), SystemTime::UNIX_EPOCH);
+    Asked {
+        version: build.version.to_owned(),
+        commit: build.commit.map(str::to_owned),
+        maps: maps.iter().map(|map| map.name.to_owned()).collect(),
+        backends: backends.to_vec(),
+        effort,
+    }
+}
+
+fn run(maps: &[Map], backends: &[Variant], done: Done) -> Done {
+    let progress = Mutex::new(Progress::of_share("stress"));
+    let watch = |share: f64| {
+        // Only one thread draws; the others need not wait for it.
+        if let Ok(mut progress) = progress.try_lock() {
+            progress.at(share);
+        }
+        !interrupt::asked()
+    };
+    let done = stress::stress(maps, backends, done, watch);
+    progress.into_inner().expect("no thread panicked while it drew").finish();
+    done
+}
+
+fn state_file(out: &Path) -> PathBuf {
+    let mut name = out.file_name().unwrap_or_default().to_owned();
+    name.push(".state.json");
+    out.with_file_name(name)
+}
+
+/// What an interrupted run of the same question has left; `None` where there is none.
+fn saved(file: &Path, asked: &Asked) -> Result<Option<State>, CliError> {
+    let path = || file.to_owned();
+    let text = match fs::read_to_string(file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        other => other.map_err(|source| CliError::File { path: path(), source })?,
+    };
+    let state: State = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path(), source })?;
+    if state.asked != *asked {
+        let what = "was left by another command or build; run that again, or remove the file";
+        return Err(CliError::Usage(format!("{}: {what}", file.display())));
+    }
+    Ok(Some(state))
+}
+
+/// Keeps what is done, whole or not at all.
+fn interrupted(file: Option<&Path>, state: State) -> Result<ExitCode, CliError> {
+    if let Some(file) = file {
+        let text = serde_json::to_string(&state).expect("rows are plain data");
+        let partial = file.with_extension("partial");
+        let kept = fs::create_dir_all(file.parent().unwrap_or(Path::new("")))
+            .and_then(|()| fs::write(&partial, text))
+            .and_then(|()| fs::rename(&partial, file));
+        kept.map_err(|source| CliError::File { path: file.to_owned(), source })?;
+    }
+    Err(CliError::Interrupted)
+}
+
+/// In place of a scenario stand the maps asked for.
+fn manifest(asked: &Asked, started: SystemTime) -> Manifest {
+    let scenario = serde_json::json!({ "name": "stress", "maps": asked.maps });
+    let options = serde_json::json!({ "backends": asked.backends, "effort": asked.effort });
+    let hash = sha256_hex(scenario.to_string().as_bytes());
+    Manifest::new(scenario, hash, 0, options, std::env::args().collect(), started)
+}

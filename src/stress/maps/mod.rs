@@ -1,0 +1,14 @@
+//! The maps: what is varied, over which scene, and what is known of its answer.
+
+mod ground;
+mod hours;
+mod scales;
+mod springs;
+mod steps;
+
+use super::map::Map;
+
+/// All maps.
+pub fn all() -> Vec<Map> {
+    [steps::maps(), ground::maps(), springs::maps(), scales::maps(), hours::maps()].concat()
+}

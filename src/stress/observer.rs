@@ -1,0 +1,245 @@
+//! A backend that is watched at every step: it answers as the one inside does, and what is seen of it is kept.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use crate::backend::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SavedState, StepReport, Transition};
+use crate::math::{Pose, Vec2, rotation};
+use crate::model::{PolarSpring, System};
+
+/// What was seen of a run so far.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    /// Steps of the scene, each an advance.
+    pub n_advances: u64,
+    pub report: StepReport,
+    /// The first number without a value, by name, and its step.
+    pub not_finite: Option<String>,
+    /// The first tip that was not where it was sent.
+    pub misplaced: Option<String>,
+    /// Bound of the error of the tips' work (J): sum over steps and springs of the change of the pull times the way of the tip.
+    pub quadrature: f64,
+    /// Largest sum of elastic and kinetic energy (J).
+    pub peak_energy: f64,
+    /// Largest force of a spring (N).
+    pub peak_force: f64,
+    /// Shortest distance of a tip from its root on the way, over the rest length (1); infinite without springs that have one.
+    pub shortest: f64,
+    /// Largest swing (rad).
+    pub swing: f64,
+    /// Some spring's energy was not convex in the place of its tip.
+    pub left_convex: bool,
+    /// Fastest oscillation of the load on its held springs as they were, in translation or turning (rad/s).
+    pub rate: f64,
+    /// Longest way of a tip in one step, over the rest length of its spring or the radius of the load (1).
+    pub tip_way: f64,
+    /// Longest way (over the radius, 1) and turn (rad) of the load in one step, and its largest speed, that of the rim by turning included (m/s).
+    pub step_way: f64,
+    pub step_turn: f64,
+    pub speed: f64,
+    /// Longest way from the start along x, across it, of the rim by shift and turn, and of the origin from the world's (m).
+    pub along: f64,
+    pub across: f64,
+    pub rim: f64,
+    pub farthest: f64,
+}
+
+pub struct Observer {
+    backend: Box<dyn Backend>,
+    system: System,
+    start: Pose,
+    swings: Vec<f64>,
+    seen: Rc<RefCell<Seen>>,
+}
+
+impl Observer {
+    pub fn new(backend: Box<dyn Backend>, system: &System) -> (Box<Self>, Rc<RefCell<Seen>>) {
+        let seen = Rc::new(RefCell::new(Seen { shortest: f64::INFINITY, ..Seen::default() }));
+        let (start, swings) = (backend.motion().pose, vec![0.0; system.springs.len()]);
+        (Box::new(Self { backend, system: system.clone(), start, swings, seen: Rc::clone(&seen) }), seen)
+    }
+
+    /// Tip from root in the frame that the spring's bearing gives (m), of each held spring.
+    fn shapes(&self) -> Vec<Option<Vec2>> {
+        let pose = self.backend.motion().pose;
+        let shape = |(at, spring): (usize, &PolarSpring)| {
+            let tip = self.backend.tip(at)?;
+            let in_load = rotation(pose.heading).tr_mul(&(tip - pose.position));
+            Some(rotation(spring.bearing).tr_mul(&(in_load - spring.root)))
+        };
+        self.system.springs.iter().enumerate().map(shape).collect()
+    }
+
+    fn pulls(&self) -> Vec<Vec2> {
+        (0..self.system.springs.len()).map(|at| self.backend.force_on_tip(at)).collect()
+    }
+
+    fn tips(&self) -> Vec<Option<Vec2>> {
+        (0..self.system.springs.len()).map(|at| self.backend.tip(at)).collect()
+    }
+
+    fn see_springs(&mut self, seen: &mut Seen, before: &[Option<Vec2>]) {
+        let (mut linear, mut angular) = (0.0, 0.0);
+        for (at, (after, before)) in self.shapes().iter().zip(before).enumerate() {
+            let (Some(after), Some(before)) = (after, before) else { continue };
+            let spring = &self.system.springs[at];
+            let shape = spring.shape(&Pose::new(0.0, 0.0, 0.0), &(spring.root + rotation(spring.bearing) * after), self.swings[at]);
+            self.swings[at] = shape.swing;
+            let torsion = if spring.torsional_stiffness > 0.0 { spring.torsional_stiffness / shape.length.powi(2) } else { 0.0 };
+            let stiffness = spring.radial_stiffness.max(torsion);
+            linear += stiffness;
+            angular += stiffness * (spring.root + rotation(spring.bearing) * after).norm_squared();
+            if spring.rest_length > 0.0 {
+                seen.shortest = seen.shortest.min(closest(before, after) / spring.rest_length);
+                seen.swing = seen.swing.max(shape.swing.abs());
+                seen.left_convex |= !is_convex(spring, shape.length, shape.swing);
+            }
+        }
+        let load = &self.system.load;
+        seen.rate = seen.rate.max((linear / load.mass).max(angular / load.inertia).sqrt());
+    }
+
+    fn see_load(&self, seen: &mut Seen, before: &Pose) {
+        let Motion { pose: Pose { position, heading }, twist } = self.backend.motion();
+        let radius = self.system.load.radius;
+        seen.step_way = seen.step_way.max((position - before.position).norm() / radius);
+        seen.step_turn = seen.step_turn.max((heading - before.heading).abs());
+        seen.speed = seen.speed.max(twist.linear.norm() + radius * twist.angular.abs());
+        let (shift, turn) = (position - self.start.position, self.system.load.radius * (heading - self.start.heading).abs());
+        seen.along = seen.along.max(shift.x.abs());
+        seen.across = seen.across.max(shift.y.abs() + turn);
+        seen.rim = seen.rim.max(shift.norm() + turn);
+        seen.farthest = seen.farthest.max(position.norm());
+        let energy = self.backend.energy();
+        seen.peak_energy = seen.peak_energy.max(energy.elastic + energy.kinetic);
+    }
+
+    /// The first number without a value in all that the backend tells.
+    fn not_finite(&self, report: &StepReport) -> Option<String> {
+        let Motion { pose, twist } = self.backend.motion();
+        let energy = self.backend.energy();
+        let numbers = [
+            ("x", pose.position.x),
+            ("y", pose.position.y),
+            ("heading", pose.heading),
+            ("velocity along x", twist.linear.x),
+            ("velocity along y", twist.linear.y),
+            ("turn rate", twist.angular),
+            ("elastic energy", energy.elastic),
+            ("kinetic energy", energy.kinetic),
+            ("friction loss", energy.friction),
+            ("damping loss", energy.damping),
+            ("released energy", energy.released),
+            ("work of the tips", energy.tip_work),
+            ("energy at the start", energy.initial),
+            ("energy of jumps", energy.jumps),
+            ("numerical damping", energy.numerical_damping),
+            ("defect", energy.defect()),
+            ("residual", report.residual),
+        ];
+        let of_tips = |forces: Vec<Vec2>, name: &str| {
+            forces.iter().position(|force| !(force.x.is_finite() && force.y.is_finite())).map(|at| format!("{name} {at}"))
+        };
+        let single = numbers.iter().find(|(_, value)| !value.is_finite()).map(|(name, _)| (*name).to_owned());
+        let error = self.backend.pose_error().filter(|error| !(error.position.is_finite() && error.heading.is_finite()));
+        single
+            .or_else(|| of_tips(self.pulls(), "force on tip"))
+            .or_else(|| of_tips(self.tips().into_iter().flatten().collect(), "place of held tip"))
+            .or_else(|| of_tips(self.backend.friction_forces(), "friction force on support"))
+            .or_else(|| error.map(|_| "error of the pose".to_owned()))
+    }
+}
+
+/// Shortest distance from zero of the way from `a` to `b`.
+fn closest(a: &Vec2, b: &Vec2) -> f64 {
+    let way = b - a;
+    let share = if way.norm_squared() > 0.0 { (-a.dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+    (a + share * way).norm()
+}
+
+/// Whether both principal minors of H_d (see `model::spring`) are positive.
+fn is_convex(spring: &PolarSpring, length: f64, swing: f64) -> bool {
+    let torsion = spring.torsional_stiffness / (length * length);
+    let across = spring.radial_stiffness * (1.0 - spring.rest_length / length) + torsion;
+    spring.radial_stiffness * across > (torsion * swing).powi(2)
+}
+
+impl Backend for Observer {
+    fn grasp(&mut self, spring: usize, tip: Vec2) {
+        self.swings[spring] = 0.0;
+        self.backend.grasp(spring, tip);
+        let shapes = self.shapes();
+        let seen = Rc::clone(&self.seen);
+        self.see_springs(&mut seen.borrow_mut(), &shapes);
+    }
+
+    fn release(&mut self, spring: usize) {
+        self.backend.release(spring);
+    }
+
+    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        let (shapes, tips, pulls) = (self.shapes(), self.tips(), self.pulls());
+        let before = self.backend.motion().pose;
+        let report = self.backend.advance(tip_targets, duration);
+        let seen = Rc::clone(&self.seen);
+        let seen = &mut *seen.borrow_mut();
+        seen.report.add(&report);
+        seen.n_advances += 1;
+        let step = seen.n_advances;
+        for (at, (tip, pull)) in tips.iter().zip(&pulls).enumerate() {
+            let Some(tip) = tip else { continue };
+            let (way, spring) = (tip_targets[at] - tip, &self.system.springs[at]);
+            let after = self.backend.force_on_tip(at);
+            let size = if spring.rest_length > 0.0 { spring.rest_length } else { self.system.load.radius };
+            seen.quadrature += (after - pull).norm() * way.norm();
+            seen.peak_force = seen.peak_force.max(after.norm());
+            seen.tip_way = seen.tip_way.max(way.norm() / size);
+            let has_failed = report.status == crate::backend::Status::Failed;
+            if self.backend.tip(at) != Some(tip_targets[at]) && !has_failed && seen.misplaced.is_none() {
+                seen.misplaced = Some(format!("tip {at} is not where it was sent at step {step}"));
+            }
+        }
+        self.see_springs(seen, &shapes);
+        self.see_load(seen, &before);
+        if seen.not_finite.is_none() {
+            seen.not_finite = self.not_finite(&report).map(|what| format!("{what} at step {step}"));
+        }
+        report
+    }
+
+    fn motion(&self) -> Motion {
+        self.backend.motion()
+    }
+
+    fn tip(&self, spring: usize) -> Option<Vec2> {
+        self.backend.tip(spring)
+    }
+
+    fn force_on_tip(&self, spring: usize) -> Vec2 {
+        self.backend.force_on_tip(spring)
+    }
+
+    fn friction_forces(&self) -> Vec<Vec2> {
+        self.backend.friction_forces()
+    }
+
+    fn energy(&self) -> EnergyLedger {
+        self.backend.energy()
+    }
+
+    fn transitions(&self) -> &[Transition] {
+        self.backend.transitions()
+    }
+
+    fn pose_error(&self) -> Option<PoseError> {
+        self.backend.pose_error()
+    }
+
+    fn save(&self) -> SavedState {
+        self.backend.save()
+    }
+
+    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
+        self.backend.restore(state)
+    }
+}

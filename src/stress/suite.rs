@@ -1,0 +1,135 @@
+//! All cells of maps on all processors. What is done can be kept, and a later call goes on from there.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::cause::Facts;
+use super::guard::guarded;
+use super::judge::{Outcome, judge};
+use super::map::{Answer, Cell, Map};
+use super::run::{self, Make, Numbers, Run, built};
+use super::variant::Variant;
+use crate::scenario::Scenario;
+
+/// How fine maps are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effort {
+    Full,
+    /// Four values an axis, the extreme ones among them.
+    Quick,
+}
+
+impl Effort {
+    pub fn of(self, map: &Map) -> Map {
+        match self {
+            Effort::Full => map.clone(),
+            Effort::Quick => map.thinned(4),
+        }
+    }
+}
+
+/// One cell on one backend.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    pub map: String,
+    pub x: f64,
+    pub y: f64,
+    pub variant: Variant,
+    pub outcome: Outcome,
+    /// Empty for a cell that finished.
+    pub cause: String,
+    pub numbers: Numbers,
+}
+
+/// Rows of the cells that are done, by the number of the cell through all maps.
+pub type Done = BTreeMap<usize, Vec<Row>>;
+
+pub fn n_cells(maps: &[Map]) -> usize {
+    maps.iter().map(Map::n_cells).sum()
+}
+
+/// Runs all cells of `maps` that are not `done`, on each of `variants`. `watch` is told the share done (1) now and then and says whether to go on. All are done
+/// when as many are returned as there are cells.
+pub fn stress(maps: &[Map], variants: &[Variant], done: Done, watch: impl Fn(f64) -> bool + Sync) -> Done {
+    stress_with(maps, variants, done, &built, watch)
+}
+
+/// The same on backends made by `make`; references are made as usual.
+pub fn stress_with(maps: &[Map], variants: &[Variant], done: Done, make: &Make, watch: impl Fn(f64) -> bool + Sync) -> Done {
+    let tasks: Vec<(usize, &Map, usize)> = maps
+        .iter()
+        .flat_map(|map| (0..map.n_cells()).map(move |index| (map, index)))
+        .enumerate()
+        .map(|(n, (map, i))| (n, map, i))
+        .collect();
+    let n_done = AtomicUsize::new(done.len());
+    let left: Vec<&(usize, &Map, usize)> = tasks.iter().filter(|(number, ..)| !done.contains_key(number)).collect();
+    let done = Mutex::new(done);
+    // One by one: the dearest are a thousand times the cheapest and stand side by side.
+    left.par_iter().with_max_len(1).for_each(|(number, map, index)| {
+        if !watch(n_done.load(Relaxed) as f64 / tasks.len() as f64) {
+            return;
+        }
+        let rows = rows(map, *index, variants, make);
+        n_done.fetch_add(1, Relaxed);
+        done.lock().expect("no thread panicked while it kept a row").insert(*number, rows);
+    });
+    done.into_inner().expect("no thread panicked while it kept a row")
+}
+
+fn rows(map: &Map, index: usize, variants: &[Variant], make: &Make) -> Vec<Row> {
+    let [x, y] = map.parameters(index);
+    let row = |variant: Variant, (outcome, cause, numbers)| Row { map: map.name.to_owned(), x, y, variant, outcome, cause, numbers };
+    let all = |outcome: Outcome, cause: &str| {
+        variants.iter().map(|variant| row(*variant, (outcome, cause.to_owned(), Numbers::default()))).collect()
+    };
+    let cell = match guarded(|| (map.cell)(x, y)) {
+        Ok(cell) => cell,
+        Err(message) => return all(Outcome::Panicked, &message),
+    };
+    let scenario = match &cell.scenario {
+        Ok(scenario) => scenario,
+        Err(error) => return all(Outcome::Refused, &error.findings().iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")),
+    };
+    if let Some(why) = run::too_long(scenario) {
+        return all(Outcome::TooLong, &why);
+    }
+    let mut references: Vec<(Variant, Option<Run>)> = Vec::new();
+    let found = variants.iter().map(|variant| {
+        let of = if matches!(cell.asked.answer, Answer::Scaled { .. }) { *variant } else { variant.exact() };
+        if !references.iter().any(|(known, _)| *known == of) {
+            references.push((of, run::reference(scenario, &cell.asked.answer, of, &built)));
+        }
+        let reference = references.iter().find(|(known, _)| *known == of).and_then(|(_, run)| run.as_ref());
+        row(*variant, ended(&cell, scenario, *variant, reference, make))
+    });
+    found.collect()
+}
+
+/// Outcome, cause and numbers of one cell on one backend.
+fn ended(cell: &Cell, scenario: &Scenario, variant: Variant, reference: Option<&Run>, make: &Make) -> (Outcome, String, Numbers) {
+    let run = match run::run(scenario, variant, make) {
+        Ok(run) => run,
+        Err(message) => return (Outcome::Panicked, message, Numbers::default()),
+    };
+    let error_of = |run: &Run| run::error(scenario, &cell.asked.answer, variant, run, reference);
+    let error = error_of(&run);
+    let (outcome, numbers) = judge(scenario, &cell.asked, variant, &run, error);
+    let finer_error = || error_of(&run::finer(scenario, variant, make)?);
+    let facts = Facts { scenario, variant, run: &run, error, finer_error: &finer_error };
+    let (outcome, cause) = match outcome {
+        Outcome::Finished => (outcome, String::new()),
+        Outcome::NotFinite => (outcome, run.seen.not_finite.clone().unwrap_or_default()),
+        Outcome::Unexplained => (outcome, run.lost.clone().unwrap_or_default()),
+        Outcome::TooLong => (outcome, format!("{} solutions and iterations are more than the budget", run.seen.report.n_iterations)),
+        _ => facts
+            .explain(outcome)
+            .map_or_else(|| (Outcome::Unexplained, format!("{} without a known cause", outcome.name())), |cause| (outcome, cause)),
+    };
+    (outcome, cause, numbers)
+}

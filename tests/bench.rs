@@ -1,0 +1,297 @@
+//! Run time against error: what is claimed of errors and of the tables made from them; no test asserts a time.
+
+use std::fs;
+use std::process::Output;
+
+use assert_cmd::Command;
+use cohaul::backend::quasi_static::conic::ACCURACY;
+use cohaul::backend::{BackendKind, BackendOptions, ConeSolver, Status};
+use cohaul::bench::{
+    Effort, Ending, Host, LEVELS, Level, METHODS, Measured, Plan, Problem, Reference, Row, Scene, Sequence, Solver, bench, equal_errors,
+    four_ants, kkt_residual, named, problems_of, standard_scenes,
+};
+use cohaul::math::{Vec2, Vec3};
+use cohaul::report::{Benchmark, bench_text};
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Keep, Simulation};
+use serde_json::Value;
+use tempfile::tempdir;
+
+fn scene(name: &str) -> Scene {
+    standard_scenes().into_iter().find(|scene| scene.name == name).unwrap_or_else(|| panic!("{name}"))
+}
+
+fn reference(scene: &Scene, kind: BackendKind) -> Reference {
+    Reference::find(&scene.scenario, kind, |_| true).unwrap().unwrap()
+}
+
+/// Largest errors on the rim (m) of a method at its levels.
+fn errors(scene: &Scene, method: &str, levels: &[Level]) -> Vec<f64> {
+    let method = named(method).unwrap();
+    let reference = reference(scene, if method.kind() == BackendKind::QuasiStatic { method.kind() } else { BackendKind::Inertial });
+    let row = |level: &Level| Row::measure(scene, method, *level, (&reference, 1.0), f64::INFINITY, |_| true).unwrap();
+    levels.iter().map(|level| row(level).errors_m.unwrap()[0]).collect()
+}
+
+/// Powers with which errors fall when the step is halved.
+fn orders(scene: &Scene, method: &str, longest: f64) -> Vec<f64> {
+    let levels: Vec<Level> = (0..4).map(|i| Level::Step(longest * 0.5f64.powi(i))).collect();
+    errors(scene, method, &levels).windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+}
+
+#[test]
+fn errors_fall_with_the_order_of_the_method() {
+    let pull = scene("ramp-and-hold");
+    // Onset and rest lie anywhere within a step: some of the error jumps about by that.
+    for (method, order) in [("inertial euler", 1.0), ("inertial midpoint", 2.0), ("rapier aligned", 1.0)] {
+        let found = orders(&pull, method, 2e-3);
+        let mean = found.iter().sum::<f64>() / 3.0;
+        assert!((mean - order).abs() < 0.2 && found.iter().all(|found| (found - order).abs() < 0.7), "{method}: {found:?}");
+    }
+    // Without inertia that scene is exact at any step; a turning slip is not.
+    assert!(errors(&pull, "quasi-static", &[Level::Step(8e-3)])[0] < 1e-15);
+    let found = orders(&scene("four-tips-held"), "quasi-static", 0.02);
+    assert!(found.iter().all(|order| (order - 1.0).abs() < 0.2), "{found:?}");
+}
+
+/// The closed forms and error control know nothing of each other.
+#[test]
+fn closed_forms_are_met_under_error_control() {
+    let mut n_known = 0;
+    for scene in standard_scenes() {
+        for (kind, method) in [(BackendKind::QuasiStatic, "quasi-static controlled"), (BackendKind::Inertial, "inertial controlled")] {
+            let Some(_) = cohaul::bench::known(&scene.scenario, kind) else { continue };
+            let error = errors(&scene, method, &[Level::Tolerance(1e-7)])[0];
+            // A shift of the tolerance and a turn that moves the rim as far.
+            assert!(error < 2e-7, "{} {}: {error}", scene.name, kind.name());
+            n_known += 1;
+        }
+    }
+    // Slide and spin with inertia; the pull, and the pull that stops, both ways.
+    assert_eq!(n_known, 6);
+}
+
+fn end_of(scenario: &Scenario, cone_solver: ConeSolver) -> cohaul::simulation::Outcome {
+    let options = BackendOptions { cone_solver, ..BackendOptions::new(BackendKind::QuasiStatic, 0.04) };
+    let mut run = Simulation::new(scenario, &options, Keep::Outcome);
+    run.run(|_| true);
+    run.outcome()
+}
+
+#[test]
+fn clarabel_moves_the_load_as_the_exact_solver_does_but_by_other_bits() {
+    let scene = scene("four-tips-prescribed");
+    let scenario = Scenario { duration: 6.0, ..scene.scenario };
+    let [exact, clarabel] = [ConeSolver::Exact, ConeSolver::Clarabel].map(|solver| end_of(&scenario, solver));
+    assert_eq!((exact.steps.status, clarabel.steps.status), (Status::Converged, Status::Converged));
+    let [a, b] = [exact, clarabel].map(|outcome| outcome.motion.pose);
+    let (apart, way) = ((a.position - b.position).norm(), a.position.norm());
+    assert!(way > 0.04 && apart < ACCURACY * way && apart > 0.0, "{apart} of {way}");
+    assert!((a.heading - b.heading).abs() < ACCURACY && a.heading != b.heading);
+}
+
+#[test]
+fn the_cone_solver_is_an_option_that_the_exact_one_does_not_show() {
+    let exact = BackendOptions::new(BackendKind::QuasiStatic, 1e-3);
+    let text = serde_json::to_string(&exact).unwrap();
+    assert!(!text.contains("cone_solver") && serde_json::from_str::<BackendOptions>(&text).unwrap() == exact);
+    let clarabel = BackendOptions { cone_solver: ConeSolver::Clarabel, ..exact };
+    let text = serde_json::to_string(&clarabel).unwrap();
+    assert!(text.contains("\"cone_solver\":\"clarabel\"") && serde_json::from_str::<BackendOptions>(&text).unwrap() == clarabel);
+}
+
+#[test]
+fn the_residual_of_a_friction_problem_is_rounding_for_the_exact_solver_and_sees_a_wrong_answer() {
+    let scenario = four_ants();
+    let (ground, length) = (&scenario.system.ground, scenario.system.load.radius);
+    let problems = problems_of(&scenario, 300);
+    assert_eq!(problems.len(), 300);
+    let mut solver = cohaul::backend::friction::FrictionSolver::new(ground, length);
+    let mut n_moving = 0;
+    for problem in &problems {
+        let increment = solver.solve(&problem.hessian, &problem.drive).increment;
+        let resistances: Vec<Vec2> = solver.forces().iter().map(|force| -force).collect();
+        let residual = |problem: &Problem| kkt_residual(ground, length, problem, &increment, &resistances);
+        // Some tens of roundings.
+        assert!(residual(problem) < 1e-13, "{}", residual(problem));
+        let pushed = Problem { drive: 1.001 * problem.drive, ..*problem };
+        // A thousandth of the drive is out of balance, at least half of it in one entry.
+        let drive = problem.drive.component_div(&Vec3::new(1.0, 1.0, length)).norm();
+        let out_of_balance = 5e-4 * drive / (scenario.system.total_slip_limit() + 1.001 * drive);
+        n_moving += usize::from(increment.norm() > 0.0);
+        assert!(residual(&pushed) > out_of_balance, "{} {out_of_balance}", residual(&pushed));
+    }
+    assert!(n_moving > 30, "{n_moving}");
+}
+
+fn plan(scene: Scene, budget_s: f64) -> Plan {
+    Plan { scenes: vec![scene], effort: Effort { repeats: 2, budget_s, quick: true }, solvers: None, growth: None }
+}
+
+#[test]
+fn settings_that_take_too_long_are_rows_and_nothing_finer_is_tried() {
+    let plan = plan(scene("slide"), 1e-9);
+    let mut found = Measured::default();
+    assert!(bench(&plan, &mut found, &mut |_| true).unwrap());
+    let n_methods = METHODS.iter().filter(|method| method.kind() != BackendKind::QuasiStatic).count();
+    assert_eq!(found.rows.iter().filter(|row| row.ending == Ending::TooLong(1e-9)).count(), n_methods);
+    assert!(found.rows.len() > 2 * n_methods && found.rows.iter().all(|row| !row.is_answered() && row.cause().is_some()));
+    let benchmark = Benchmark::new(Host::here(), plan.effort, &found, 0.1);
+    assert!(benchmark.rows.iter().all(|line| line.cpu_min_s.is_none() && line.cause.as_ref().unwrap().contains("longer than")));
+    assert!(benchmark.equal_error.iter().all(|line| line.cpu_s.is_none() && line.step_s.is_none()));
+    let text = benchmark.to_json() + &bench_text(&benchmark);
+    assert!(!text.contains("NaN") && text.contains("without a plain success"));
+}
+
+/// All but the times, which nobody knows beforehand.
+fn untimed(found: &Measured) -> (Vec<Row>, Vec<usize>) {
+    let rows = found.rows.iter().map(|row| Row { seconds: Vec::new(), ..row.clone() }).collect();
+    (rows, found.rows.iter().map(|row| row.seconds.len()).collect())
+}
+
+#[test]
+fn a_benchmark_that_was_stopped_goes_on_and_measures_nothing_twice() {
+    let whole = {
+        let mut found = Measured::default();
+        assert!(bench(&plan(scene("spin"), 10.0), &mut found, &mut |_| true).unwrap());
+        found
+    };
+    let (mut found, mut n_stops) = (Measured::default(), 0);
+    loop {
+        let mut n_calls = 0;
+        let mut stop_soon = |share: f64| {
+            assert!((0.0..=1.0).contains(&share), "{share}");
+            n_calls += 1;
+            n_calls < 400
+        };
+        if bench(&plan(scene("spin"), 10.0), &mut found, &mut stop_soon).unwrap() {
+            break;
+        }
+        // As through a file.
+        found = serde_json::from_str(&serde_json::to_string(&found).unwrap()).unwrap();
+        n_stops += 1;
+        assert!(n_stops < 100);
+    }
+    assert!(n_stops > 1, "{n_stops}");
+    assert_eq!(untimed(&found), untimed(&whole));
+    assert!(untimed(&whole).1.iter().all(|n| *n == 2));
+    assert_eq!(found.scenes, whole.scenes);
+}
+
+#[test]
+fn error_control_reaches_levels_that_no_engine_does_and_costs_are_monotone() {
+    let mut found = Measured::default();
+    assert!(bench(&plan(scene("tripod-spin-pinned"), 10.0), &mut found, &mut |_| true).unwrap());
+    let table = equal_errors(&found.rows);
+    for method in METHODS {
+        let costs: Vec<Option<f64>> = table.iter().filter(|line| line.method == method.name).map(|line| line.cpu_s).collect();
+        assert!(costs.is_empty() == (method.kind() == BackendKind::QuasiStatic));
+        assert!(costs.is_empty() || costs.len() == LEVELS.len());
+        // A level that is not reached ends the list, and no finer one costs less.
+        assert!(costs.windows(2).all(|pair| pair[1].is_none() || pair[0].is_some_and(|cost| cost <= pair[1].unwrap())), "{costs:?}");
+    }
+    let reached = |method: &str| table.iter().filter(|line| line.method == method && line.cpu_s.is_some()).count();
+    assert!(reached("inertial controlled") > reached("inertial midpoint") && reached("inertial midpoint") > reached("rapier aligned"));
+}
+
+#[test]
+fn times_that_spread_warn_and_are_counted() {
+    let mut found = Measured::default();
+    assert!(bench(&plan(scene("slide"), 1e-9), &mut found, &mut |_| true).unwrap());
+    let noise = |found: &Measured| Benchmark::new(Host::here(), plan(scene("slide"), 1.0).effort, found, 0.1);
+    found.rows.iter_mut().for_each(|row| row.seconds = vec![1.0, 1.1, 1.2]);
+    let calm = noise(&found);
+    assert!(!calm.noise.is_noisy && calm.noise.n_spread == 0 && !calm.warnings.iter().any(|warning| warning.contains("busy")));
+    // A fifth of them.
+    found.rows.iter_mut().step_by(5).for_each(|row| row.seconds = vec![1.0, 1.4, 1.5]);
+    let busy = noise(&found);
+    assert!(busy.noise.is_noisy && busy.warnings.iter().any(|warning| warning.contains("too busy")), "{:?}", busy.warnings);
+}
+
+fn call(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cohaul")).arg("bench").args(args).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+const SLIDE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/analytic/slide.json");
+const ANTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/paper/four-ants-four-springs.json");
+
+#[test]
+fn the_program_writes_tables_figures_and_manifest_whole() {
+    let room = tempdir().unwrap();
+    let out = room.path().join("out");
+    let folder = out.to_str().unwrap();
+    let output = call(&[SLIDE, "--solvers", "--quick", "--repeats", "1", "--out", folder]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let table = text(&output.stdout);
+    assert!(
+        table.starts_with("slide: way of 1.456 mm\n") && table.contains("inertial midpoint") && table.contains("exact, warm"),
+        "{table}"
+    );
+    let mut names: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert_eq!(names, ["bench.csv", "bench.json", "equal-error.csv", "manifest.json", "solvers.csv", "work-precision-slide.svg"]);
+    // Nothing beside it.
+    assert_eq!(fs::read_dir(room.path()).unwrap().count(), 1);
+    let json: Value = serde_json::from_str(&fs::read_to_string(out.join("bench.json")).unwrap()).unwrap();
+    let rows = json["rows"].as_array().unwrap();
+    let mut table = csv::Reader::from_path(out.join("bench.csv")).unwrap();
+    let records: Vec<_> = table.records().map(Result::unwrap).collect();
+    assert_eq!(records.len(), rows.len());
+    for (record, row) in records.iter().zip(rows) {
+        assert_eq!((&record[1], record[4].parse().ok()), (row["method"].as_str().unwrap(), row["error_max_m"].as_f64()));
+        assert!(row["reference"].as_str().unwrap().contains("closed form") && row["n_runs"] == 1);
+    }
+    let figure = fs::read_to_string(out.join("work-precision-slide.svg")).unwrap();
+    assert!(figure.starts_with("<svg") && !figure.contains("NaN") && figure.contains("CPU time (s)"));
+    let solvers = json["solvers"].as_array().unwrap();
+    assert_eq!(solvers.len(), 2 * Solver::ALL.len());
+    assert!(solvers.iter().any(|line| line["problems"] == Sequence::Moving.name() && line["n_problems"].as_u64().unwrap() > 100));
+    // Both solve the same problems; how exactly tells them apart.
+    let residual = |at: usize| solvers[at]["residual_max"].as_f64().unwrap();
+    assert!(residual(0) < 1e-13 && residual(1) > 1e-13 && residual(1) < 1e-6, "{} {}", residual(0), residual(1));
+}
+
+#[test]
+fn the_program_prints_one_object_and_keeps_nothing_of_a_finished_benchmark() {
+    let room = tempdir().unwrap();
+    let state = room.path().join("state");
+    let output = call(&[SLIDE, "--quick", "--repeats", "1", "--budget-s", "0.01", "--json", "--state", state.to_str().unwrap()]);
+    let found: Value = serde_json::from_str(text(&output.stdout)).unwrap();
+    assert_eq!(found["scenes"][0]["scene"], "slide");
+    assert!(found["host"]["rustc"].as_str().unwrap().starts_with("rustc"));
+    assert!(!state.exists());
+}
+
+#[test]
+fn nonsense_is_usage() {
+    let room = tempdir().unwrap();
+    fs::write(room.path().join("mine.txt"), "mine").unwrap();
+    let taken = room.path().to_str().unwrap();
+    let foreign = room.path().join("mine.txt");
+    let other = room.path().join("other.state");
+    let effort = serde_json::json!({ "repeats": 9, "budget_s": 1.0, "quick": false });
+    let question = serde_json::json!({ "version": "0", "commit": null, "cpu": null, "scenes": [], "solvers": false, "growth": false, "effort": effort });
+    let found = serde_json::to_value(Measured::default()).unwrap();
+    fs::write(&other, serde_json::json!({ "question": question, "wall_s": 1.0, "found": found }).to_string()).unwrap();
+    for (args, word) in [
+        (&["no-such-file.json"][..], "no-such-file"),
+        (&[ANTS], "prescribed tips"),
+        (&[SLIDE, SLIDE], "again"),
+        (&[SLIDE, "--repeats", "0"], "--repeats"),
+        (&[SLIDE, "--repeats", "-1"], "-1"),
+        (&[SLIDE, "--budget-s", "0"], "--budget-s"),
+        (&[SLIDE, "--out", taken], "not empty"),
+        (&[SLIDE, "--state", foreign.to_str().unwrap()], "not a saved"),
+        (&[SLIDE, "--state", other.to_str().unwrap()], "other scenes"),
+    ] {
+        let output = call(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        assert_eq!(text(&output.stdout), "", "{args:?}");
+        assert!(text(&output.stderr).contains(word) && !text(&output.stderr).contains("panicked"), "{args:?}: {}", text(&output.stderr));
+    }
+    assert!(foreign.exists() && other.exists());
+}
