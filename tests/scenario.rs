@@ -204,7 +204,7 @@ fn the_paper_load_has_the_derived_constants() {
     assert!((system.load.inertia / (system.load.mass * arm * arm) - 1.125).abs() < 1e-14);
 }
 
-/// Springs that are held have no slack at the start: their tips begin at the rest shape, or at the root of an isotropic spring, unless the
+/// Springs that are held from the start have no slack there: their tips begin at the rest shape, or at the root of an isotropic spring, unless the
 /// scene says otherwise by its name.
 #[test]
 fn prescribed_tips_start_at_rest() {
@@ -214,7 +214,7 @@ fn prescribed_tips_start_at_rest() {
         if file.file_name().unwrap().to_str().unwrap().starts_with("hold-") {
             continue;
         }
-        for path in paths {
+        for path in paths.iter().filter(|path| path.waypoints[0].time == 0.0) {
             let rest = scenario.start.pose.to_world(&scenario.system.springs[path.spring].rest_tip());
             // Tips are written with nine decimals.
             assert!((path.waypoints[0].position - rest).norm() < 1e-9, "{} {}", file.display(), path.spring);

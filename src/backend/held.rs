@@ -47,7 +47,12 @@ impl HeldSprings {
     }
 
     pub fn get(&self, spring: usize) -> Option<&Grip> {
-        self.grips.binary_search_by_key(&spring, |grip| grip.spring).ok().map(|at| &self.grips[at])
+        self.place(spring).map(|at| &self.grips[at])
+    }
+
+    /// Place of a held spring among the grips.
+    pub fn place(&self, spring: usize) -> Option<usize> {
+        self.grips.binary_search_by_key(&spring, |grip| grip.spring).ok()
     }
 
     /// Tip of a held spring (m, world); `None` for a free one.

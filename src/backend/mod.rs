@@ -12,6 +12,7 @@ pub mod quasi_static;
 pub mod rapier;
 mod skips;
 mod spring_blocks;
+mod stick_bound;
 mod tandem;
 mod transition;
 
@@ -420,7 +421,7 @@ pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> 
 /// When a tolerance is asked of rapier: an engine has no error control.
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     if let Some(tolerance) = &options.tolerance {
-        let controlled = |control| controlled(system, start, options.kind, control);
+        let controlled = |control| controlled(system, start, options, control);
         let answer = tolerance.control(system, settling_time(options.kind, system));
         let check = Control {
             position: CHECK_SHARE * answer.position,
@@ -433,20 +434,22 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
     }
     match options.kind {
         BackendKind::QuasiStatic => {
-            Box::new(quasi_static::QuasiStatic::new(system.clone(), start, Stepping::Fixed(options.step_s)).through(options.cone_solver))
+            let backend = quasi_static::QuasiStatic::new(system.clone(), start, Stepping::Fixed(options.step_s), options.skips);
+            Box::new(backend.through(options.cone_solver))
         }
         BackendKind::Inertial => {
-            Box::new(inertial::Inertial::new(system.clone(), start, Stepping::Fixed(options.step_s), options.integrator))
+            let stepping = Stepping::Fixed(options.step_s);
+            Box::new(inertial::Inertial::new(system.clone(), start, stepping, options.integrator, options.skips))
         }
         BackendKind::Rapier => rapier::build(system.clone(), start, options),
     }
 }
 
-fn controlled(system: &System, start: Motion, kind: BackendKind, control: Control) -> Box<dyn Backend> {
+fn controlled(system: &System, start: Motion, options: &BackendOptions, control: Control) -> Box<dyn Backend> {
     let (system, stepping) = (system.clone(), Stepping::Controlled(control));
-    match kind {
-        BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system, start, stepping)),
-        BackendKind::Inertial => Box::new(inertial::Inertial::new(system, start, stepping, Integrator::Euler)),
+    match options.kind {
+        BackendKind::QuasiStatic => Box::new(quasi_static::QuasiStatic::new(system, start, stepping, options.skips)),
+        BackendKind::Inertial => Box::new(inertial::Inertial::new(system, start, stepping, Integrator::Euler, options.skips)),
         BackendKind::Rapier => panic!("rapier has no error control"),
     }
 }

@@ -8,7 +8,8 @@
 //! H = k_r ee' + (k_r (1 - l_0 / l) + k_t / l^2) tt' - (k_t psi / l^2) (et' + te')
 //! ```
 //!
-//! The swing psi is the polar angle of d less the bearing, on the branch nearest to that of the last accepted pose. A block with a spring too short to have a
+//! The swing psi is the polar angle of d less the bearing, on the branch nearest to that of the last accepted pose. Mostly it is that one's swing and a small angle
+//! more, for which seven terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
 //! direction is left to [`PolarSpring`] itself. Lanes beyond the last spring repeat the first of their block without stiffness.
 
 use wide::f64x4;
@@ -19,6 +20,17 @@ use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::{PolarSpring, Reaction};
 
 const LANES: usize = 4;
+/// Tangent of an angle up to which the terms of the arctangent's series that are left out stay below a rounding of one.
+const SMALL_TANGENT: f64 = 1.0 / 16.0;
+
+/// Where swings come from.
+#[derive(Clone, Copy, PartialEq)]
+enum Swings {
+    /// From where the tips are.
+    Found,
+    /// As the grips have them.
+    Given,
+}
 
 /// All held springs, in the order of their grips.
 #[derive(Clone, Debug, Default)]
@@ -57,9 +69,12 @@ struct Block {
     /// Tip at the accepted pose (m, world), and the pull of its holder there (N, world).
     accepted_tip: Plane,
     accepted_pull: Plane,
-    /// Swing (rad) and pull of the holder (N, load axes) at the last pose evaluated.
+    /// Unit vector from root to tip there (load axes).
+    accepted_direction: Plane,
+    /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes) at the last pose evaluated.
     swing_there: f64x4,
     pull_there: Plane,
+    direction_there: Plane,
 }
 
 /// Four vectors of the plane.
@@ -173,14 +188,24 @@ impl SpringBlocks {
         self.evaluated = Evaluated::default();
     }
 
+    /// Takes `pose` as the accepted one, with the swings as gathered.
+    pub fn start(&mut self, pose: &Pose) {
+        self.evaluate(pose, Swings::Given);
+        self.accept(pose);
+    }
+
     /// Sum of the reactions of all springs at `pose`.
     pub fn reaction(&mut self, pose: &Pose) -> Reaction {
+        self.evaluate(pose, Swings::Found)
+    }
+
+    fn evaluate(&mut self, pose: &Pose, swings: Swings) -> Reaction {
         let turn = rotation(pose.heading);
         let mut sums = Sums::default();
         let mut apart = Reaction::ZERO;
         for (at, block) in self.blocks.iter_mut().enumerate() {
             let mut of_block = sums;
-            if block.add_to(&mut of_block, pose, &turn) {
+            if block.add_to(&mut of_block, pose, &turn, swings) {
                 sums = of_block;
             } else {
                 let n = (self.n - at * LANES).min(LANES);
@@ -233,6 +258,11 @@ impl SpringBlocks {
         }
     }
 
+    /// Force on the tip of the grip in this place at the accepted pose (N, world), Eq. (10).
+    pub fn force_on_tip(&self, at: usize) -> Vec2 {
+        -self.blocks[at / LANES].accepted_pull.lane(at % LANES)
+    }
+
     /// Writes tips and swings of the accepted pose to the grips that were gathered.
     pub fn scatter(&self, grips: &mut [Grip]) {
         for (block, grips) in self.blocks.iter().zip(grips.chunks_mut(LANES)) {
@@ -262,7 +292,7 @@ impl Block {
     }
 
     /// Adds the reactions at `pose` and keeps swings and pulls there; says no, with sums of no use, when a spring is too short to have a direction.
-    fn add_to(&mut self, sums: &mut Sums, pose: &Pose, turn: &Mat2) -> bool {
+    fn add_to(&mut self, sums: &mut Sums, pose: &Pose, turn: &Mat2, swings: Swings) -> bool {
         let (cos, sin) = (f64x4::splat(turn.m11), f64x4::splat(turn.m21));
         let arm = self.tip.less(Plane::splat(pose.position)).turned(cos, -sin);
         let d = arm.less(self.root);
@@ -272,12 +302,12 @@ impl Block {
         }
         let inverse = f64x4::ONE / length;
         let (e_x, e_y) = (d.x * inverse, d.y * inverse);
-        let swing = self.swing_of(d);
+        let swing = if swings == Swings::Given { self.swing } else { self.swing_of(d) };
         let stretch = length - self.rest_length;
         let torsion = self.torsional * inverse * inverse;
         let (radial_pull, torsional_pull) = (self.radial * stretch, torsion * length * swing);
         let pull = Plane { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
-        (self.swing_there, self.pull_there) = (swing, pull);
+        (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Plane { x: e_x, y: e_y });
 
         let across = self.radial * (stretch * inverse) + torsion;
         let coupling = -torsion * swing;
@@ -307,6 +337,12 @@ impl Block {
 
     /// Polar angle of d less the bearing, on the branch of the accepted swing (rad).
     fn swing_of(&self, d: Plane) -> f64x4 {
+        let along = self.accepted_direction.dot(d);
+        let tangent = self.accepted_direction.perp(d) / along;
+        // Not a number is not small.
+        if (tangent.abs().simd_le(f64x4::splat(SMALL_TANGENT)) & along.simd_gt(f64x4::ZERO)).all() {
+            return self.swing + small_arctangent(tangent);
+        }
         let principal = self.bearing.perp(d).atan2(self.bearing.dot(d));
         let swing = principal + self.turns;
         let (pi, whole) = (f64x4::splat(std::f64::consts::PI), f64x4::splat(std::f64::consts::TAU));
@@ -322,10 +358,12 @@ impl Block {
             let shape = spring.shape(pose, &self.tip.lane(k), self.swing.to_array()[k]);
             sum.add(&spring.reaction(pose, &shape));
             self.swing_there.as_mut_array()[k] = shape.swing;
+            self.direction_there.set_lane(k, direction(spring.bearing + shape.swing));
             self.pull_there.set_lane(k, -turn.tr_mul(&spring.force_on_tip(pose, &shape)));
         }
         for k in lanes.len()..LANES {
             self.swing_there.as_mut_array()[k] = self.swing_there.to_array()[0];
+            self.direction_there.set_lane(k, self.direction_there.lane(0));
             self.pull_there.set_lane(k, Vec2::zeros());
         }
         sum
@@ -339,7 +377,8 @@ impl Block {
         let sum = Plane { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
         let squared_way = way.dot(way);
         let error = (change.dot(change) * squared_way).sqrt();
-        (self.accepted_tip, self.accepted_pull, self.swing) = (self.tip, pull, self.swing_there);
+        (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.direction_there);
+        self.swing = self.swing_there;
         let turned = f64x4::splat(std::f64::consts::PI);
         if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
             self.turns = f64x4::new(self.swing.to_array().map(whole_turns));
@@ -370,6 +409,16 @@ impl Sums {
             ),
         }
     }
+}
+
+/// t - t^3 / 3 + t^5 / 5 - ... of seven terms.
+fn small_arctangent(t: f64x4) -> f64x4 {
+    let square = t * t;
+    let mut sum = f64x4::splat(1.0 / 13.0);
+    for odd in [11.0, 9.0, 7.0, 5.0, 3.0] {
+        sum = f64x4::splat(1.0 / odd) - square * sum;
+    }
+    t - t * square * sum
 }
 
 /// The multiple of a whole turn in `swing` (rad) whose rest lies within half a turn.

@@ -14,7 +14,7 @@ use std::rc::Rc;
 
 use cohaul::backend::held::HeldSprings;
 use cohaul::backend::quasi_static::QuasiStatic;
-use cohaul::backend::{Backend, EnergyLedger, Motion, RestoreError, SavedState, StepReport, Stepping};
+use cohaul::backend::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, StepReport, Stepping};
 use cohaul::math::{Pose, Vec2, mean_rotation, rotation};
 use cohaul::model::System;
 use cohaul::model::support::slip_velocity;
@@ -47,7 +47,7 @@ impl Audited {
     /// The backend, and where its findings appear.
     pub fn new(system: &System, start: Motion) -> (Self, Rc<RefCell<Findings>>) {
         let findings = Rc::new(RefCell::new(Findings::default()));
-        let inner = QuasiStatic::new(system.clone(), start, Stepping::Fixed(f64::INFINITY));
+        let inner = QuasiStatic::new(system.clone(), start, Stepping::Fixed(f64::INFINITY), Skips::ALL.without(Skip::StickBound));
         let audited = Self { inner, system: system.clone(), held: HeldSprings::default(), disturbed: false, findings: findings.clone() };
         (audited, findings)
     }

@@ -19,6 +19,8 @@ pub(super) struct Cones {
     force: f64,
     /// (sum_i c_i^2 B_i' B_i)^-1, if there is one: least-norm forces for a wrench, each in units of its limit.
     balance: Option<Mat3>,
+    /// Largest change of each cone's force, as the certificate of rest makes it, by a change of the wrench; empty where there is none.
+    sways: Vec<f64>,
 }
 
 /// Supports nearer to each other than this share of their extent are one: no solver could tell them apart.
@@ -36,6 +38,7 @@ impl Cones {
             length,
             force: if force > 0.0 { force } else { 1.0 },
             balance: None,
+            sways: Vec::new(),
         };
         for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
             let share = (limit > 0.0).then(|| cones.merge(support.offset / length, limit / cones.force));
@@ -45,6 +48,7 @@ impl Cones {
             *share /= cones.limits[*cone];
         }
         cones.balance = cones.balance_matrix();
+        cones.sways = cones.sways_of(cones.balance.as_ref());
         cones
     }
 
@@ -76,6 +80,28 @@ impl Cones {
             gram += limit * limit * slip_gram(offset);
         }
         gram.try_inverse()
+    }
+
+    /// c_i^2 |B_i M|, by Frobenius' norm.
+    fn sways_of(&self, balance: Option<&Mat3>) -> Vec<f64> {
+        let sway = |balance: &Mat3, offset: &Vec2, limit: f64| {
+            let columns = balance.column_iter().map(|column| slip_velocity(offset, &column.into_owned()).norm_squared());
+            limit * limit * columns.sum::<f64>().sqrt()
+        };
+        let of = |balance: &Mat3| self.offsets.iter().zip(&self.limits).map(|(offset, limit)| sway(balance, offset, *limit)).collect();
+        balance.map(of).unwrap_or_default()
+    }
+
+    /// By how much the wrench that `forces` balance may change (scaled, Euclidean norm) and still be balanced within all limits; zero where that is not known.
+    pub fn room(&self, forces: &[Vec2]) -> f64 {
+        let room = |((force, limit), sway): ((&Vec2, &f64), &f64)| (limit - force.norm()) / sway;
+        let least = forces.iter().zip(&self.limits).zip(&self.sways).map(room).fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least.max(0.0) } else { 0.0 }
+    }
+
+    /// Largest norm of a wrench (scaled) with such a force (N) and such a torque (N m).
+    pub fn scaled_wrench(&self, force: f64, torque: f64) -> f64 {
+        force.hypot(torque / self.length) / self.force
     }
 
     /// H and w in scaled units: energies over length times force.

@@ -135,6 +135,26 @@ impl FrictionSolver {
         }
     }
 
+    /// By how much the wrench may change (scaled) with the load of the last solution, one at rest, surely staying where it is.
+    pub fn stick_room(&self) -> f64 {
+        if self.conic.is_some() { 0.0 } else { self.cones.room(&self.last.forces) }
+    }
+
+    /// Norm of a wrench by that scale, with a force (N) and a torque (N m) of these sizes.
+    pub fn scaled_wrench(&self, force: f64, torque: f64) -> f64 {
+        self.cones.scaled_wrench(force, torque)
+    }
+
+    /// This solver with the forces by which a load at rest goes on to bear `drive` (N, N, N m).
+    pub fn bearing(&self, drive: &Vec3) -> Self {
+        let mut bearing = self.clone();
+        let (_, w) = self.cones.scaled(&Mat3::zeros(), drive);
+        if bearing.cones.stick_forces(&w, &mut bearing.last.forces) {
+            bearing.cones.share_forces(&bearing.last.forces, &mut bearing.support_forces);
+        }
+        bearing
+    }
+
     /// Friction force on each support of the ground in the last solution (N, load axes): opposite to its slip.
     pub fn forces(&self) -> &[Vec2] {
         &self.support_forces

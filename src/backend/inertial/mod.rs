@@ -21,7 +21,7 @@ use super::held::{Grip, HeldSprings};
 use super::increment::Forecast;
 use super::spring_blocks::SpringBlocks;
 use super::transition::{Transition, TransitionKind};
-use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
+use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 use dashpots::Dashpots;
@@ -33,13 +33,13 @@ pub struct Inertial {
     system: System,
     stepping: Stepping,
     integrator: Integrator,
+    skips: Skips,
     resolving_step: f64,
     is_damped: bool,
     solver: FrictionSolver,
     state: State,
-    /// The held springs as they are evaluated, and whether the state's have changed since.
+    /// The held springs as they are evaluated, unless the state is stale.
     springs: SpringBlocks,
-    is_stale: bool,
     dashpots: Dashpots,
     /// Grips at the start of an advance.
     from: Vec<Grip>,
@@ -59,6 +59,8 @@ pub(super) struct State {
     /// Nothing was grasped or let go since the step that ended in the regime.
     undisturbed: bool,
     forecast: Forecast,
+    /// The held springs have changed since they were last evaluated.
+    is_stale: bool,
     /// Stride to start the next advance with under error control (s).
     stride: f64,
     warm_start: WarmStart,
@@ -102,7 +104,7 @@ struct Stepped {
 }
 
 impl Inertial {
-    pub fn new(system: System, start: Motion, stepping: Stepping, integrator: Integrator) -> Self {
+    pub fn new(system: System, start: Motion, stepping: Stepping, integrator: Integrator, skips: Skips) -> Self {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
         let kinetic = system.load.kinetic_energy(&start.twist);
         let state = State {
@@ -114,6 +116,7 @@ impl Inertial {
             regime: if start.twist == Twist::ZERO { Regime::Stick } else { Regime::Slip },
             undisturbed: false,
             forecast: Forecast::default(),
+            is_stale: true,
             stride: f64::MAX,
             warm_start: solver.warm_start().clone(),
         };
@@ -123,12 +126,12 @@ impl Inertial {
             system,
             stepping,
             integrator,
+            skips,
             resolving_step,
             is_damped,
             solver,
             state,
             springs: SpringBlocks::default(),
-            is_stale: true,
             dashpots: Dashpots::default(),
             from: Vec::new(),
             transitions: Vec::new(),
@@ -149,9 +152,9 @@ impl Inertial {
 
     /// Takes over what was grasped, let go or put in place of the state.
     fn gather(&mut self) {
-        if std::mem::take(&mut self.is_stale) {
+        if std::mem::take(&mut self.state.is_stale) {
             self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.accept(&self.state.motion.pose);
+            self.springs.start(&self.state.motion.pose);
         }
     }
 
@@ -188,7 +191,7 @@ impl FirstOrder for Inertial {
     }
 
     fn set_state(&mut self, state: State) {
-        (self.state, self.is_stale) = (state, true);
+        self.state = State { is_stale: true, ..state };
     }
 
     fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
@@ -217,7 +220,7 @@ impl FirstOrder for Inertial {
             Integrator::Midpoint => midpoint::step(problem, &mut self.solver),
         };
         if !stepped.motion.pose.is_finite() || !stepped.motion.twist.is_finite() {
-            self.is_stale = true;
+            self.state.is_stale = true;
             return StepReport { status: Status::Failed, ..stepped.report };
         }
         if stage_at != to {
@@ -261,7 +264,7 @@ impl FirstOrder for Inertial {
         state.held.accept(&self.system.springs, &state.motion.pose);
         state.energy.elastic = state.held.energy(&self.system.springs, &state.motion.pose);
         state.energy.kinetic = self.system.load.kinetic_energy(&state.motion.twist);
-        self.is_stale = true;
+        self.state.is_stale = true;
     }
 }
 
@@ -270,7 +273,7 @@ impl Backend for Inertial {
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
         (self.state.settled, self.state.undisturbed) = (false, false);
-        self.is_stale = true;
+        self.state.is_stale = true;
     }
 
     fn release(&mut self, spring: usize) {
@@ -278,7 +281,7 @@ impl Backend for Inertial {
         self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
         self.state.dashpot_on_tip[spring] = Vec2::zeros();
         (self.state.settled, self.state.undisturbed) = (false, false);
-        self.is_stale = true;
+        self.state.is_stale = true;
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
@@ -287,8 +290,12 @@ impl Backend for Inertial {
             Stepping::Fixed(longest) => n_steps_in(duration, longest),
             Stepping::Controlled(_) => 1,
         };
-        if self.state.settled && self.state.held.tips_are_at(tip_targets) {
-            return StepReport { n_steps, n_skipped: n_steps, ..StepReport::default() };
+        let is_free = self.state.held.is_empty();
+        let skips = if is_free { self.skips.free_load } else { self.skips.still_tips };
+        if skips && self.state.settled && self.state.held.tips_are_at(tip_targets) {
+            let (free_load, still_tips) = if is_free { (n_steps, 0) } else { (0, n_steps) };
+            let skipped = SkipCounts { free_load, still_tips, ..SkipCounts::default() };
+            return StepReport { n_steps, n_skipped: n_steps, skipped, ..StepReport::default() };
         }
         let mut from = std::mem::take(&mut self.from);
         from.clear();
@@ -318,7 +325,12 @@ impl Backend for Inertial {
     }
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.state.held.force_on_tip(&self.system.springs, spring, &self.state.motion.pose) + self.state.dashpot_on_tip[spring]
+        let State { held, motion, is_stale, dashpot_on_tip, .. } = &self.state;
+        let force = match held.place(spring) {
+            Some(at) if !is_stale => self.springs.force_on_tip(at),
+            _ => held.force_on_tip(&self.system.springs, spring, &motion.pose),
+        };
+        force + dashpot_on_tip[spring]
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
@@ -344,7 +356,11 @@ impl Backend for Inertial {
             return Err(RestoreError(format!("{} dashpots for {} springs", state.dashpot_on_tip.len(), self.system.springs.len())));
         }
         self.solver.set_warm_start(state.warm_start.clone())?;
-        (self.state, self.is_stale) = (state, true);
+        self.state = state;
+        if !self.state.is_stale {
+            self.springs.gather(&self.system.springs, self.state.held.grips());
+            self.springs.start(&self.state.motion.pose);
+        }
         Ok(())
     }
 }

@@ -13,9 +13,12 @@ use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
 use super::increment::{Forecast, Increment, Potential, Stage, minimise};
 use super::spring_blocks::{Accepted, SpringBlocks};
+use super::stick_bound::StickBound;
 use super::transition::{Transition, TransitionKind};
-use super::{Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport, Stepping, n_steps_in};
-use crate::math::{Pose, Twist, Vec2};
+use super::{
+    Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SavedState, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in,
+};
+use crate::math::{Pose, Twist, Vec2, Vec3, rotation};
 use crate::model::System;
 
 /// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
@@ -27,11 +30,11 @@ const SNAP_ROUNDING: f64 = 1e-13;
 pub struct QuasiStatic {
     system: System,
     stepping: Stepping,
+    skips: Skips,
     solver: FrictionSolver,
     state: State,
-    /// The held springs as they are evaluated, and whether the state's have changed since.
+    /// The held springs as they are evaluated, unless the state is stale.
     springs: SpringBlocks,
-    is_stale: bool,
     /// Grips at the start of an advance.
     from: Vec<Grip>,
     transitions: Vec<Transition>,
@@ -48,6 +51,11 @@ pub(super) struct State {
     /// Nothing was grasped or let go since the step that ended in the regime.
     regime_is_known: bool,
     forecast: Forecast,
+    /// The held springs have changed since they were last evaluated.
+    is_stale: bool,
+    /// Their tips have gone on since then, with a load that surely stood: its books lag behind.
+    is_waiting: bool,
+    stick: StickBound,
     /// Stride to start the next advance with under error control (s).
     stride: f64,
     warm_start: WarmStart,
@@ -55,7 +63,7 @@ pub(super) struct State {
 
 impl QuasiStatic {
     /// A load at the pose of `start`, at rest: without inertia there is no other start.
-    pub fn new(system: System, start: Motion, stepping: Stepping) -> Self {
+    pub fn new(system: System, start: Motion, stepping: Stepping, skips: Skips) -> Self {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
         let motion = Motion { twist: Twist::ZERO, ..start };
         let warm_start = solver.warm_start().clone();
@@ -67,19 +75,13 @@ impl QuasiStatic {
             regime: Regime::Stick,
             regime_is_known: false,
             forecast: Forecast::default(),
+            is_stale: true,
+            is_waiting: false,
+            stick: StickBound::default(),
             stride: f64::MAX,
             warm_start,
         };
-        Self {
-            system,
-            stepping,
-            solver,
-            state,
-            springs: SpringBlocks::default(),
-            is_stale: true,
-            from: Vec::new(),
-            transitions: Vec::new(),
-        }
+        Self { system, stepping, skips, solver, state, springs: SpringBlocks::default(), from: Vec::new(), transitions: Vec::new() }
     }
 
     /// The same with its friction problems handed to `solver`.
@@ -130,13 +132,16 @@ impl QuasiStatic {
         let before = std::mem::replace(&mut self.state.regime, Regime::Stick);
         self.note_transition(before, 0.0);
         self.state.motion.twist = Twist::ZERO;
-        StepReport { n_steps, n_skipped: n_steps, ..StepReport::default() }
+        let (free_load, still_tips) = if self.state.held.is_empty() { (n_steps, 0) } else { (0, n_steps) };
+        let skipped = SkipCounts { free_load, still_tips, ..SkipCounts::default() };
+        StepReport { n_steps, n_skipped: n_steps, skipped, ..StepReport::default() }
     }
 
     fn steps(&mut self, way: &Way, n_steps: u64) -> StepReport {
         let mut report = StepReport::default();
         let share = |i: u64| i as f64 / n_steps as f64;
-        for i in 1..=n_steps {
+        let n_sure = self.wait(way, n_steps, &mut report);
+        for i in n_sure + 1..=n_steps {
             let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
             let (cost, accepted) = self.step_to(way, share(i - 1), share(i));
             report.add(&cost);
@@ -153,12 +158,43 @@ impl QuasiStatic {
         self.transitions.extend(kind.map(|kind| Transition { time, kind }));
     }
 
-    /// Takes over what was grasped, let go or put in place of the state.
+    /// Takes over what was grasped, let go, moved on or put in place of the state.
     fn gather(&mut self) {
-        if std::mem::take(&mut self.is_stale) {
+        self.catch_up();
+        if std::mem::take(&mut self.state.is_stale) {
             self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.accept(&self.state.motion.pose);
+            self.springs.start(&self.state.motion.pose);
         }
+    }
+
+    /// Brings the books of a load that stood while tips moved up to where they are.
+    fn catch_up(&mut self) {
+        if std::mem::take(&mut self.state.is_waiting) {
+            self.state.energy = self.energy_with(self.state.held.energy(&self.system.springs, &self.state.motion.pose));
+            self.state.held.accept(&self.system.springs, &self.state.motion.pose);
+        }
+    }
+
+    /// The books of a load that stood while the elastic energy became `elastic` (J).
+    fn energy_with(&self, elastic: f64) -> EnergyLedger {
+        let energy = self.state.energy;
+        EnergyLedger { elastic, tip_work: energy.tip_work + (elastic - energy.elastic), ..energy }
+    }
+
+    /// Steps of the first part of the way, as far as the load surely sticks; the share of the way that they cover.
+    fn wait(&mut self, way: &Way, n_steps: u64, report: &mut StepReport) -> u64 {
+        if !self.skips.stick_bound || self.state.regime != Regime::Stick {
+            return 0;
+        }
+        let n_sure = (self.state.stick.share(&self.state.held, way.targets) * n_steps as f64).floor() as u64;
+        if n_sure > 0 {
+            self.state.held.place_tips(way.from, way.targets, n_sure as f64 / n_steps as f64);
+            (self.state.is_stale, self.state.is_waiting) = (true, true);
+            self.state.motion.twist = Twist::ZERO;
+            let skipped = SkipCounts { stick_bound: n_sure, ..SkipCounts::default() };
+            report.add(&StepReport { n_steps: n_sure, n_skipped: n_sure, skipped, ..StepReport::default() });
+        }
+        n_sure
     }
 
     fn step_to(&mut self, way: &Way, from: f64, to: f64) -> (StepReport, Accepted) {
@@ -195,6 +231,12 @@ impl QuasiStatic {
         }
         let accepted = self.springs.accept(&pose);
         self.springs.scatter(self.state.held.grips_mut());
+        match self.state.regime {
+            Regime::Stick if self.skips.stick_bound && pose == before && report.status == Status::Converged => {
+                self.state.stick.renew(&self.system.springs, &self.state.held, &pose, &self.solver);
+            }
+            _ => self.state.stick.forget(),
+        }
         self.state.motion.pose = pose;
         self.state.energy.tip_work += accepted.of_tips;
         self.state.energy.elastic = accepted.elastic;
@@ -224,7 +266,7 @@ impl FirstOrder for QuasiStatic {
     }
 
     fn set_state(&mut self, state: State) {
-        (self.state, self.is_stale) = (state, true);
+        self.state = State { is_stale: true, ..state };
     }
 
     fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
@@ -254,7 +296,8 @@ impl FirstOrder for QuasiStatic {
         (self.state.energy.friction, self.state.energy.tip_work) = (flow[6], flow[7]);
         self.state.held.accept(&self.system.springs, &self.state.motion.pose);
         self.state.energy.elastic = self.state.held.energy(&self.system.springs, &self.state.motion.pose);
-        self.is_stale = true;
+        self.state.is_stale = true;
+        self.state.stick.forget();
     }
 
     fn finish_snap(&mut self, before: &State, report: &mut StepReport) -> Option<TransitionKind> {
@@ -266,16 +309,20 @@ impl FirstOrder for QuasiStatic {
 
 impl Backend for QuasiStatic {
     fn grasp(&mut self, spring: usize, tip: Vec2) {
+        self.catch_up();
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
         self.state.disturbed |= brought != 0.0;
-        self.is_stale = true;
+        self.state.is_stale = true;
+        self.state.stick.forget();
     }
 
     fn release(&mut self, spring: usize) {
+        self.catch_up();
         let lost = self.state.held.release(&self.system.springs, spring, &self.state.motion.pose);
         self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
-        (self.state.disturbed, self.is_stale) = (true, true);
+        (self.state.disturbed, self.state.is_stale) = (true, true);
+        self.state.stick.forget();
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
@@ -285,7 +332,8 @@ impl Backend for QuasiStatic {
             report.add(&self.jump());
             (self.state.disturbed, self.state.regime_is_known) = (false, false);
         }
-        if self.state.held.tips_are_at(tip_targets) {
+        let skips = if self.state.held.is_empty() { self.skips.free_load } else { self.skips.still_tips };
+        if skips && self.state.held.tips_are_at(tip_targets) {
             report.add(&self.rest(duration));
             return report;
         }
@@ -315,15 +363,29 @@ impl Backend for QuasiStatic {
     }
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.state.held.force_on_tip(&self.system.springs, spring, &self.state.motion.pose)
+        let State { held, motion, is_stale, .. } = &self.state;
+        match held.place(spring) {
+            Some(at) if !is_stale => self.springs.force_on_tip(at),
+            _ => held.force_on_tip(&self.system.springs, spring, &motion.pose),
+        }
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
-        self.solver.forces_in_world(self.state.motion.pose.heading)
+        let pose = &self.state.motion.pose;
+        if !self.state.is_waiting {
+            return self.solver.forces_in_world(pose.heading);
+        }
+        let pulls = -self.state.held.reaction(&self.system.springs, pose).gradient;
+        let in_load = rotation(pose.heading).tr_mul(&pulls.xy());
+        self.solver.bearing(&Vec3::new(in_load.x, in_load.y, pulls.z)).forces_in_world(pose.heading)
     }
 
     fn energy(&self) -> EnergyLedger {
-        self.state.energy
+        if self.state.is_waiting {
+            self.energy_with(self.state.held.energy(&self.system.springs, &self.state.motion.pose))
+        } else {
+            self.state.energy
+        }
     }
 
     fn transitions(&self) -> &[Transition] {
@@ -338,7 +400,11 @@ impl Backend for QuasiStatic {
         let state: State = state.read()?;
         state.held.check(&self.system.springs)?;
         self.solver.set_warm_start(state.warm_start.clone())?;
-        (self.state, self.is_stale) = (state, true);
+        self.state = state;
+        if !self.state.is_stale {
+            self.springs.gather(&self.system.springs, self.state.held.grips());
+            self.springs.start(&self.state.motion.pose);
+        }
         Ok(())
     }
 }
