@@ -12,8 +12,6 @@
 //! E is not convex in general. The minimum wanted is the one that descent from rest reaches, by proximal Newton: the cone problem with the
 //! Hessian of E, made positive definite where it is not, and a line search on the true objective.
 
-use serde::{Deserialize, Serialize};
-
 use super::friction::{EXACT, FrictionSolver, Regime};
 use super::spring_blocks::SpringBlocks;
 use super::{Status, StepReport};
@@ -64,43 +62,6 @@ pub struct Coasting {
     pub turn: f64,
     /// Mass and moment of inertia over the squared step (N/m, N m/rad).
     pub stiffness: (f64, f64),
-}
-
-/// What the next increment is likely to be: the last one, continued by how it differed from the one before.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Forecast {
-    /// Increments of the last two steps, both as of the length of the last (m, m, rad).
-    last: Option<Vec3>,
-    before: Option<Vec3>,
-    /// Length of the last step, by a measure that is the caller's.
-    step: f64,
-}
-
-impl Forecast {
-    /// Body-twist increment of the next step, of length `step`; `None` where nothing is known.
-    pub fn increment(&self, step: f64) -> Option<Vec3> {
-        let (last, before) = (self.last?, self.before.unwrap_or(self.last?));
-        let ratio = self.ratio(step);
-        Some((last + ratio * (last - before)) * ratio)
-    }
-
-    /// Takes the increment of a step of this length into account; one at which not all supports slip ends what is known.
-    pub fn learn(&mut self, increment: &Increment, step: f64) {
-        if increment.regime != Regime::Slip {
-            return self.forget();
-        }
-        let ratio = self.ratio(step);
-        *self = Self { last: Some(increment.twist), before: self.last.map(|last| ratio * last), step };
-    }
-
-    /// Of a step's length to that of the last one; exactly one where they are equal but for rounding, so that a path at another pace is the same to the last bit.
-    fn ratio(&self, step: f64) -> f64 {
-        if (step - self.step).abs() <= 1e-6 * step { 1.0 } else { step / self.step }
-    }
-
-    pub fn forget(&mut self) {
-        *self = Self::default();
-    }
 }
 
 /// The increment found.

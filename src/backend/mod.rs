@@ -4,14 +4,18 @@
 //! neither ants nor scenario files. Between two calls of [`Backend::advance`] nothing moves.
 
 mod controlled;
+mod forecast;
 pub mod friction;
 pub mod held;
 pub mod increment;
 pub mod inertial;
+mod ledger;
+mod options;
 pub mod quasi_static;
 pub mod rapier;
 mod skips;
 mod spring_blocks;
+mod step_report;
 mod stick_bound;
 mod tandem;
 mod transition;
@@ -19,13 +23,17 @@ mod transition;
 use serde::{Deserialize, Serialize};
 
 use crate::math::{Pose, Twist, Vec2};
-use crate::model::{Load, System};
+use crate::model::System;
 use controlled::{Column, Control};
+use options::CHECK_SHARE;
 use tandem::Tandem;
 
 pub use inertial::Integrator;
+pub use ledger::{DefectParts, EnergyLedger};
+pub use options::{BackendKind, BackendOptions, ConeSolver, Tolerance};
 pub use rapier::RapierOptions;
 pub use skips::{Skip, SkipCounts, Skips};
+pub use step_report::{Status, StepReport};
 pub use transition::{Transition, TransitionCounts, TransitionKind};
 
 /// Where the load is and how it moves, in world axes.
@@ -136,272 +144,6 @@ impl SavedState {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("saved state does not fit this run: {0}")]
 pub struct RestoreError(pub String);
-
-/// Where the energy of a run is and where it went (J).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct EnergyLedger {
-    /// In the held springs now.
-    pub elastic: f64,
-    /// In the moving load now; zero for a method without inertia.
-    pub kinetic: f64,
-    /// Lost to the ground by friction so far.
-    pub friction: f64,
-    /// Lost in the springs' dashpots so far.
-    pub damping: f64,
-    /// Lost with springs that were let go so far: a free spring relaxes by itself.
-    pub released: f64,
-    /// Done by the tips' holders so far, grasps of deformed springs included.
-    pub tip_work: f64,
-    /// At the start, kinetic.
-    pub initial: f64,
-    /// Lost in jumps of a load without inertia so far; one with inertia would have got it into motion.
-    pub jumps: f64,
-    /// Lost by the moving load so far to nobody but the way in which steps are cut: what the springs did on it less what friction took and what it has
-    /// kept in motion.
-    pub numerical_damping: f64,
-}
-
-/// Where a ledger's defect comes from (J). The parts add up to it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DefectParts {
-    /// Minus what was lost in jumps.
-    pub jumps: f64,
-    /// Minus what steps took from the moving load.
-    pub numerical_damping: f64,
-    /// What remains: error of the trapezoid sums of work.
-    pub quadrature: f64,
-}
-
-impl EnergyLedger {
-    /// Books a grasp whose spring brings `brought` (J): its holder deformed it.
-    pub fn book_grasp(&mut self, brought: f64) {
-        self.tip_work += brought;
-        self.elastic += brought;
-    }
-
-    /// Books a release whose spring takes `lost` (J) and leaves `elastic` (J) in the others.
-    pub fn book_release(&mut self, lost: f64, elastic: f64) {
-        self.released += lost;
-        self.elastic = elastic;
-    }
-
-    /// All that was lost on purpose: friction, damping and released springs (J).
-    pub fn dissipated(&self) -> f64 {
-        self.friction + self.damping + self.released
-    }
-
-    /// Energy that appeared from nowhere (J): negative is numerical damping, or a jump of a method without inertia.
-    pub fn defect(&self) -> f64 {
-        self.elastic + self.kinetic + self.dissipated() - self.tip_work - self.initial
-    }
-
-    /// The defect by its causes.
-    ///
-    /// With W the trapezoid work of the springs on the load in a step, D what friction and dashpots took there, K the kinetic and U the elastic energy,
-    ///
-    /// ```text
-    /// defect of a step = dU + dK + D - tip work = (dK + D - W) + (dU + W - tip work)
-    /// ```
-    ///
-    /// The first bracket is the load's own balance: for implicit Euler minus 1/2 |dv|^2_M + 1/2 dx' K (dx - dp) to leading order, first order in the step. The
-    /// second is that of the springs, whose energy depends on nothing but poses and tips, so that only the trapezoids are wrong there: second order.
-    pub fn defect_parts(&self) -> DefectParts {
-        let (jumps, numerical_damping) = (0.0 - self.jumps, 0.0 - self.numerical_damping);
-        DefectParts { jumps, numerical_damping, quadrature: self.defect() - jumps - numerical_damping }
-    }
-}
-
-/// How an advance ended. The order is that of severity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// Every step met its tolerance.
-    #[default]
-    Converged,
-    /// Some step ended above its tolerance; its best point was kept.
-    NotConverged,
-    /// Some step had no finite answer: the load stayed where it was.
-    Failed,
-}
-
-/// What an advance cost and how well it ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StepReport {
-    pub status: Status,
-    /// Largest residual of a step, relative to the forces in it (1).
-    pub residual: f64,
-    /// Steps of the backend's own; under error control strides.
-    pub n_steps: u64,
-    /// Solutions of the friction problem.
-    pub n_solves: u64,
-    /// Newton iterations over all of them.
-    pub n_iterations: u64,
-    /// Steps that were known without solving.
-    pub n_skipped: u64,
-    /// Steps that did not converge.
-    pub n_not_converged: u64,
-    /// Strides that error control found too long.
-    pub n_rejected: u64,
-    /// What was left out, by kind.
-    #[serde(default)]
-    pub skipped: SkipCounts,
-}
-
-impl StepReport {
-    pub fn add(&mut self, other: &StepReport) {
-        self.status = self.status.max(other.status);
-        self.residual = self.residual.max(other.residual);
-        self.n_steps += other.n_steps;
-        self.n_solves += other.n_solves;
-        self.n_iterations += other.n_iterations;
-        self.n_skipped += other.n_skipped;
-        self.n_not_converged += other.n_not_converged;
-        self.n_rejected += other.n_rejected;
-        self.skipped.add(&other.skipped);
-    }
-}
-
-/// The ways to move a load.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum BackendKind {
-    /// The paper's max-min step: no inertia.
-    QuasiStatic,
-    /// The same step with the mass matrix: the reference dynamics.
-    Inertial,
-    /// The rigid-body engine rapier2d.
-    Rapier,
-}
-
-impl BackendKind {
-    pub const ALL: [BackendKind; 3] = [BackendKind::QuasiStatic, BackendKind::Inertial, BackendKind::Rapier];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            BackendKind::QuasiStatic => "quasi-static",
-            BackendKind::Inertial => "inertial",
-            BackendKind::Rapier => "rapier",
-        }
-    }
-}
-
-/// How to move the load.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BackendOptions {
-    pub kind: BackendKind,
-    /// Longest step (s): a duration is cut into the fewest equal steps that do not exceed it. Infinite under error control.
-    #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
-    pub step_s: f64,
-    /// Error control in place of the step, for the exact backends.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tolerance: Option<Tolerance>,
-    /// Of the inertial backend at a fixed step.
-    pub integrator: Integrator,
-    pub rapier: RapierOptions,
-    /// What may be left out.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub skips: Skips,
-    /// Of the quasi-static backend at a fixed step.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub cone_solver: ConeSolver,
-}
-
-/// What solves the friction problem.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ConeSolver {
-    /// The exact one of [`friction`].
-    #[default]
-    Exact,
-    /// An interior-point solver, for comparison: see [`quasi_static::conic`].
-    Clarabel,
-}
-
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
-fn unlimited() -> f64 {
-    f64::INFINITY
-}
-
-fn is_unlimited(step: &f64) -> bool {
-    step.is_infinite()
-}
-
-impl BackendOptions {
-    /// The usual settings at this longest step (s).
-    pub fn new(kind: BackendKind, step_s: f64) -> Self {
-        Self {
-            kind,
-            step_s,
-            tolerance: None,
-            integrator: Integrator::default(),
-            rapier: RapierOptions::default(),
-            skips: Skips::ALL,
-            cone_solver: ConeSolver::Exact,
-        }
-    }
-
-    /// An exact backend under error control.
-    pub fn within(kind: BackendKind, tolerance: Tolerance) -> Self {
-        Self { tolerance: Some(tolerance), ..Self::new(kind, f64::INFINITY) }
-    }
-}
-
-/// Error that the pose of a run may have at any instant, given its grasps, releases and tip motions.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tolerance {
-    pub position_m: f64,
-    pub heading_rad: f64,
-    /// How often the errors of strides, which add up to that of the run, have been divided by ten because they added up to too much.
-    #[serde(default)]
-    pub tightened: u32,
-}
-
-/// Error of a stride over that of the run (1). The former add up, but friction and springs bring a load back to its path, so that it is not for long.
-const STRIDE_SHARE: f64 = 1e-4;
-/// Largest error of a stride over the load's radius (1): beyond, an error is no longer small against what it is estimated from.
-const LARGEST_STRIDE_ERROR: f64 = 1e-3;
-/// Smallest error of a stride over the load's radius (1): below, roundings of places decide.
-const SMALLEST_STRIDE_ERROR: f64 = 1e-13;
-/// How often a run is repeated with smaller errors of strides.
-const MOST_TIGHTENED: u32 = 3;
-/// Tolerance of the run that checks another one, over that one's (1).
-const CHECK_SHARE: f64 = 4.0;
-
-impl Tolerance {
-    /// Of a load whose rim may be off by `position_m` (m) through a shift, and by as much through a turn.
-    pub fn on_rim(position_m: f64, load: &Load) -> Self {
-        Self { position_m, heading_rad: position_m / load.radius, tightened: 0 }
-    }
-
-    /// The same, for a run whose strides err a tenth as much; `None` when that would not help any more.
-    pub fn tightened(&self) -> Option<Self> {
-        (self.tightened < MOST_TIGHTENED).then_some(Self { tightened: self.tightened + 1, ..*self })
-    }
-
-    /// Whether an error keeps to it.
-    pub fn allows(&self, error: &PoseError) -> bool {
-        error.position <= self.position_m && error.heading <= self.heading_rad
-    }
-
-    fn control(&self, system: &System, settling_time: Option<f64>) -> Control {
-        let load = &system.load;
-        // What friction or a spring stretched by the load's radius has: energies err by that times the error of the position.
-        let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);
-        let force = system.total_slip_limit() + stiffness * load.radius;
-        let share = STRIDE_SHARE * 0.1f64.powi(self.tightened as i32);
-        let of_stride = |error: f64, size: f64| (share * error).clamp(SMALLEST_STRIDE_ERROR * size, LARGEST_STRIDE_ERROR * size);
-        Control {
-            position: of_stride(self.position_m, load.radius),
-            heading: of_stride(self.heading_rad, 1.0),
-            energy: of_stride(self.position_m, load.radius) * force,
-            settling_time,
-            keeps: Column::Last,
-        }
-    }
-}
 
 /// Shortest step (s) that is taken unasked: a scene may be too stiff to resolve in reasonable time, and all methods are stable beyond.
 const SHORTEST_UNASKED: f64 = 1e-5;

@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 pub enum Skip {
     /// Steps of a load at rest of which no spring is held.
     FreeLoad,
-    /// Steps of a load at rest of which no held tip moves.
+    /// Steps of a load at rest of which no held tip moves. After a single step that takes a load far round, a further one with tips that stand would still
+    /// correct what the constant twist of the first has left.
     StillTips,
-    /// Solutions of the friction problem while the held tips have not gone far enough to make the load slip.
+    /// Solutions of the friction problem while the held tips have not gone far enough to make the load slip (quasi-static, at fixed steps).
     StickBound,
     /// Springs that an ant is too far from to sense.
     DistantAnts,

@@ -16,9 +16,9 @@ mod midpoint;
 use serde::{Deserialize, Serialize};
 
 use super::controlled::{self, FirstOrder, Way};
+use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
-use super::increment::Forecast;
 use super::spring_blocks::SpringBlocks;
 use super::transition::{Transition, TransitionKind};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in};

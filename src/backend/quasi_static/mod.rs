@@ -9,14 +9,15 @@ pub mod conic;
 use serde::{Deserialize, Serialize};
 
 use super::controlled::{self, FirstOrder, Way};
+use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
-use super::increment::{Forecast, Increment, Potential, Stage, minimise};
+use super::increment::{Increment, Potential, Stage, minimise};
 use super::spring_blocks::{Accepted, SpringBlocks};
 use super::stick_bound::StickBound;
 use super::transition::{Transition, TransitionKind};
 use super::{
-    Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SavedState, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in,
+    Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SavedState, Skip, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in,
 };
 use crate::math::{Pose, Twist, Vec2, Vec3, rotation};
 use crate::model::System;
@@ -67,6 +68,8 @@ impl QuasiStatic {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
         let motion = Motion { twist: Twist::ZERO, ..start };
         let warm_start = solver.warm_start().clone();
+        // Strides under error control are long already, and take their states back.
+        let skips = if matches!(stepping, Stepping::Fixed(_)) { skips } else { skips.without(Skip::StickBound) };
         let state = State {
             motion,
             held: HeldSprings::default(),
@@ -181,7 +184,7 @@ impl QuasiStatic {
         EnergyLedger { elastic, tip_work: energy.tip_work + (elastic - energy.elastic), ..energy }
     }
 
-    /// Steps of the first part of the way, as far as the load surely sticks; the share of the way that they cover.
+    /// Leaves out the first steps of the way, as far as the load surely sticks, and gives their number.
     fn wait(&mut self, way: &Way, n_steps: u64, report: &mut StepReport) -> u64 {
         if !self.skips.stick_bound || self.state.regime != Regime::Stick {
             return 0;

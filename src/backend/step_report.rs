@@ -1,0 +1,55 @@
+//! What an advance says of itself.
+
+use serde::{Deserialize, Serialize};
+
+use super::SkipCounts;
+
+/// How an advance ended. The order is that of severity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Every step met its tolerance.
+    #[default]
+    Converged,
+    /// Some step ended above its tolerance; its best point was kept.
+    NotConverged,
+    /// Some step had no finite answer: the load stayed where it was.
+    Failed,
+}
+
+/// What an advance cost and how well it ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    pub status: Status,
+    /// Largest residual of a step, relative to the forces in it (1).
+    pub residual: f64,
+    /// Steps of the backend's own; under error control strides.
+    pub n_steps: u64,
+    /// Solutions of the friction problem.
+    pub n_solves: u64,
+    /// Newton iterations over all of them.
+    pub n_iterations: u64,
+    /// Steps that were known without solving.
+    pub n_skipped: u64,
+    /// Steps that did not converge.
+    pub n_not_converged: u64,
+    /// Strides that error control found too long.
+    pub n_rejected: u64,
+    /// What was left out, by kind.
+    #[serde(default)]
+    pub skipped: SkipCounts,
+}
+
+impl StepReport {
+    pub fn add(&mut self, other: &StepReport) {
+        self.status = self.status.max(other.status);
+        self.residual = self.residual.max(other.residual);
+        self.n_steps += other.n_steps;
+        self.n_solves += other.n_solves;
+        self.n_iterations += other.n_iterations;
+        self.n_skipped += other.n_skipped;
+        self.n_not_converged += other.n_not_converged;
+        self.n_rejected += other.n_rejected;
+        self.skipped.add(&other.skipped);
+    }
+}
