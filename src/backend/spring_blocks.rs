@@ -461,9 +461,15 @@ mod tests {
         let tolerance = 4e-15 * f64::from(n);
         let units = Vec3::new(1.0, 1.0, 0.04);
         assert!((blocks.energy - springs.energy).abs() < tolerance * springs.energy.max(1e-4), "{} {}", blocks.energy, springs.energy);
-        assert!((blocks.gradient - springs.gradient).component_div(&units).amax() < tolerance * (0.03 + springs.energy / 0.02), "{blocks:?} {springs:?}");
+        assert!(
+            (blocks.gradient - springs.gradient).component_div(&units).amax() < tolerance * (0.03 + springs.energy / 0.02),
+            "{blocks:?} {springs:?}"
+        );
         let difference = blocks.hessian - springs.hessian;
-        assert!(Mat3::from_fn(|i, j| difference[(i, j)] / units[i] / units[j]).amax() < tolerance * (3.0 + springs.energy / 0.02f64.powi(2)), "{blocks:?} {springs:?}");
+        assert!(
+            Mat3::from_fn(|i, j| difference[(i, j)] / units[i] / units[j]).amax() < tolerance * (3.0 + springs.energy / 0.02f64.powi(2)),
+            "{blocks:?} {springs:?}"
+        );
     }
 
     /// Any number of lanes, through small motions, which the series follows, and large ones, which it does not.

@@ -44,9 +44,13 @@ impl Ant {
     /// Velocity of the tip in the mandibles of a pulling ant (m/s, world), Eq. (21): backwards along the heading, and sideways when
     /// the ant turns about a point `control_offset` (m) behind its mandibles.
     pub fn tip_velocity(&self, command: &Command, control_offset: f64) -> Vec2 {
-        let ahead = direction(self.heading);
-        command.velocity * ahead + command.turn_rate * control_offset * perpendicular(&ahead)
+        tip_velocity(&direction(self.heading), command, control_offset)
     }
+}
+
+/// [`Ant::tip_velocity`] of an ant that faces `ahead`, a unit vector.
+pub fn tip_velocity(ahead: &Vec2, command: &Command, control_offset: f64) -> Vec2 {
+    command.velocity * ahead + command.turn_rate * control_offset * perpendicular(ahead)
 }
 
 /// Turn rate (rad/s), Eq. (20): gain (1/s) times heading error (rad), as its mean over `duration` (s) while the desired heading stands

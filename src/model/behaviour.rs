@@ -3,11 +3,9 @@
 //! Deviation: the paper gives probabilities per step of a step it does not print. Here decisions have rates: a probability p per decision
 //! period D is the hazard -ln(1 - p) / D, so that results do not depend on the control period. The literal per-tick reading is [`Pace::PerTick`].
 
-use std::f64::consts::PI;
-
 use serde::{Deserialize, Serialize};
 
-use crate::math::wrap_to_pi;
+use crate::math::{Vec2, perpendicular, wrap_to_pi};
 
 /// When an ant draws for a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,15 +54,45 @@ impl ReleaseLaw {
     }
 }
 
-/// The direction in which an ant wants to pull (rad), Eq. (22): towards the nest, but at most `half_angle` (rad) off the direction in which
-/// its spring leads away from the load. A nest exactly behind the spring counts as on its left.
-pub fn pull_direction(spring_direction: f64, nest_direction: f64, half_angle: f64) -> f64 {
-    spring_direction + wrap_to_pi(nest_direction - spring_direction).clamp(-half_angle, half_angle)
+/// beta of Eq. (22): how far a pull may be off the direction of its spring, as the rotations by it to both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfAngle {
+    sin: f64,
+    cos: f64,
 }
 
-/// The heading of an ant that pulls in `pull_direction` (rad): it walks backwards, Eq. (21).
-pub fn heading_for_pull(pull_direction: f64) -> f64 {
-    pull_direction + PI
+impl HalfAngle {
+    /// From 0 to pi (rad).
+    pub fn new(half_angle: f64) -> Self {
+        let (sin, cos) = half_angle.sin_cos();
+        Self { sin, cos }
+    }
+
+    /// The direction in which an ant wants to pull, of any length, Eq. (22): towards the nest, but at most the half angle off the direction in which its `spring`
+    /// leads away from the load. A nest exactly behind the spring counts as on its left.
+    pub fn pull_direction(&self, spring: &Vec2, nest: &Vec2) -> Vec2 {
+        let is_left = spring.perp(nest) >= 0.0;
+        let turned = self.cos * spring + if is_left { self.sin } else { -self.sin } * perpendicular(spring);
+        let beyond = turned.perp(nest);
+        let is_beyond = match (self.cos > 0.0, spring.dot(nest) < 0.0) {
+            (true, true) => true,
+            (false, false) => false,
+            _ if is_left => beyond > 0.0,
+            _ => beyond < 0.0,
+        };
+        if is_beyond { turned } else { *nest }
+    }
+}
+
+/// Where an ant that pulls in `pull_direction` faces: it walks backwards, Eq. (21).
+pub fn facing_for_pull(pull_direction: &Vec2) -> Vec2 {
+    -pull_direction
+}
+
+/// Signed angle from the unit vector `ahead` to a `desired` direction of any length in (-pi, pi] (rad), Eq. (19).
+pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
+    // Without minus zero, which stands for minus pi.
+    (ahead.perp(desired) + 0.0).atan2(ahead.dot(desired))
 }
 
 /// Signed difference from `heading` to `desired` in (-pi, pi] (rad), Eq. (19).
@@ -74,7 +102,10 @@ pub fn heading_error(desired: f64, heading: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{PI, TAU};
+
     use super::*;
+    use crate::math::direction;
 
     const PAPER: ReleaseLaw = ReleaseLaw { strong_pull: 0.020, steepness: 100.0, period: 0.25 };
 
@@ -98,15 +129,39 @@ mod tests {
         assert!((probability_within(hazard_of(0.2, 0.0025), 0.0025) - 0.2).abs() < 1e-16);
     }
 
+    /// The same by angles.
+    fn by_angles(spring: f64, nest: f64, half_angle: f64) -> f64 {
+        spring + wrap_to_pi(nest - spring).clamp(-half_angle, half_angle)
+    }
+
     #[test]
     fn pulls_stay_within_the_half_angle_of_the_spring() {
-        assert!((pull_direction(0.0, 0.3, 0.5) - 0.3).abs() < 1e-15);
-        assert_eq!(pull_direction(0.0, 2.0, 0.5), 0.5);
-        assert_eq!(pull_direction(0.0, -2.0, 0.5), -0.5);
-        // Across the cut: the nest is 0.2 rad beyond the spring, not 2 pi - 0.2 behind it.
-        assert!((pull_direction(3.1, -3.1, 0.5) - (2.0 * PI - 3.1)).abs() < 1e-14);
-        // The tie is decided, and the same way every time.
-        assert_eq!(pull_direction(0.0, PI, 0.5), 0.5);
-        assert_eq!(pull_direction(0.0, -PI, 0.5), 0.5);
+        for half_angle in [0.0, 0.5, 0.5 * PI, 2.0, PI] {
+            let limit = HalfAngle::new(half_angle);
+            for (k, j) in (0..60).flat_map(|k| (0..61).map(move |j| (k, j))) {
+                let (spring, nest) = (TAU * f64::from(k) / 60.0 - PI + 0.01, TAU * f64::from(j) / 61.0 - PI + 0.02);
+                let pull = limit.pull_direction(&(0.02 * direction(spring)), &(0.3 * direction(nest)));
+                // Rounding of angles of order one.
+                assert!(
+                    wrap_to_pi(pull.y.atan2(pull.x) - by_angles(spring, nest, half_angle)).abs() < 1e-14,
+                    "{spring} {nest} {half_angle}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_nest_exactly_behind_the_spring_is_on_its_left() {
+        for spring in [Vec2::new(0.01, 0.0), Vec2::new(-0.01, 0.0), Vec2::new(0.003, 0.0), Vec2::new(-0.001, 0.007)] {
+            for half_angle in [0.0, 0.5, 1.5, 2.0] {
+                let pull = HalfAngle::new(half_angle).pull_direction(&spring, &(-4.0 * spring));
+                assert!((turn_towards(&pull, &spring.normalize()) - half_angle).abs() < 1e-15, "{spring} {half_angle}");
+                let pull = HalfAngle::new(PI - half_angle).pull_direction(&spring, &(4.0 * spring));
+                assert!(turn_towards(&pull, &spring.normalize()).abs() < 1e-15, "{spring} {half_angle}");
+            }
+        }
+        let ahead = Vec2::new(1.0, 0.0);
+        assert_eq!(turn_towards(&Vec2::new(-2.0, -0.0), &ahead), PI);
+        assert_eq!(turn_towards(&facing_for_pull(&Vec2::new(0.0, 3.0)), &ahead), -0.5 * PI);
     }
 }

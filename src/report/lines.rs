@@ -17,33 +17,42 @@ pub struct Lines<W> {
     block: Vec<u8>,
     /// How much of the block is filled.
     filled: usize,
-    /// The last number of each column.
-    above: Vec<Text>,
+    /// The last number of each column in this block.
+    above: Vec<Written>,
     column: usize,
 }
 
-/// A number as it is written.
+/// A number that stands in the block.
 #[derive(Clone, Copy)]
-struct Text {
+struct Written {
     bits: u64,
-    text: [u8; WIDTH],
+    at: usize,
     length: usize,
 }
 
-impl Text {
-    fn of(value: f64) -> Self {
-        let mut number = zmij::Buffer::new();
-        let digits = number.format_finite(value).as_bytes();
-        let mut text = [0; WIDTH];
-        text[..digits.len()].copy_from_slice(digits);
-        Self { bits: value.to_bits(), text, length: digits.len() }
+impl Written {
+    /// Of no finite number.
+    const NONE: Written = Written { bits: u64::MAX, at: 0, length: 0 };
+}
+
+/// Puts a text of at most [`WIDTH`] bytes at the beginning of `place`: two pieces of a fixed length that overlap are faster than one of any length.
+fn put(text: &[u8], place: &mut [u8]) {
+    let n = text.len();
+    if n >= 16 {
+        place[..16].copy_from_slice(&text[..16]);
+        place[n - 8..n].copy_from_slice(&text[n - 8..]);
+    } else if n >= 8 {
+        place[..8].copy_from_slice(&text[..8]);
+        place[n - 8..n].copy_from_slice(&text[n - 8..]);
+    } else {
+        place.iter_mut().zip(text).for_each(|(place, byte)| *place = *byte);
     }
 }
 
 impl<W: Write> Lines<W> {
     pub fn new(out: W, n_columns: usize) -> Self {
         let block = vec![0; BLOCK + n_columns * (WIDTH + 1)];
-        Self { out, block, filled: 0, above: vec![Text::of(0.0); n_columns], column: 0 }
+        Self { out, block, filled: 0, above: vec![Written::NONE; n_columns], column: 0 }
     }
 
     /// Names need no quotes.
@@ -56,17 +65,23 @@ impl<W: Write> Lines<W> {
         if self.filled < BLOCK {
             return Ok(());
         }
+        self.above.fill(Written::NONE);
         self.out.write_all(&self.block[..std::mem::take(&mut self.filled)])
     }
 
     /// The next field of a line: a finite number.
     pub fn number(&mut self, value: f64) {
         let above = &mut self.above[self.column];
-        if above.bits != value.to_bits() {
-            *above = Text::of(value);
+        if above.bits == value.to_bits() {
+            // All that a number may take, as that is faster than a part of unknown length; what follows the number is overwritten.
+            self.block.copy_within(above.at..above.at + WIDTH, self.filled);
+        } else {
+            let mut number = zmij::Buffer::new();
+            let text = number.format_finite(value).as_bytes();
+            put(text, &mut self.block[self.filled..self.filled + WIDTH]);
+            (above.bits, above.length) = (value.to_bits(), text.len());
         }
-        // All of it, as that is faster than a part of unknown length; what follows the number is overwritten.
-        self.block[self.filled..self.filled + WIDTH].copy_from_slice(&above.text);
+        above.at = self.filled;
         self.filled += above.length;
         self.part();
     }

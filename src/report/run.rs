@@ -16,12 +16,18 @@ pub struct RunFiles<'a> {
     pub manifest: &'a Manifest,
 }
 
+/// Real time of a run (s) from which its files are brought to the disk before they take their name.
+const WORTH_WAITING: f64 = 1.0;
+
 /// Writes `summary.json`, `trace.csv`, `events.csv`, `transitions.csv`, `overview.svg` and `manifest.json` to the folder `target`, all or nothing.
+///
+/// A run of less than a second is not waited for until it is on the disk: see [`OutputFolder::unsynced`].
 ///
 /// # Errors
 /// When the folder may not be written (see [`super::check_target`]), a number of the trace is not finite, or the disk fails.
 pub fn write_run(target: &Path, files: &RunFiles) -> Result<(), FolderError> {
-    let mut folder = OutputFolder::create(target)?;
+    let folder = OutputFolder::create(target)?;
+    let mut folder = if files.summary.wall_s < WORTH_WAITING { folder.unsynced() } else { folder };
     folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
     folder.write("trace.csv", |out| table::write_trace(files.trace, files.n_springs, out))?;
     folder.write("events.csv", |out| table::write_events(files.trace, out))?;

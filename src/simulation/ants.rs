@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use super::sensing::{Around, Placed, Sensing};
 use super::{Driver, Event, EventKind, Orders, View};
 use crate::backend::{Backend, Motion, RestoreError};
-use crate::math::{Chance, Stream, Summary, Vec2};
-use crate::model::ant::{Ant, Command, Mode, Steering};
-use crate::model::behaviour::{Pace, hazard_of, heading_error, heading_for_pull, probability_within, pull_direction};
+use crate::math::{Chance, Stream, Summary, Vec2, direction};
+use crate::model::ant::{Ant, Command, Mode, Steering, tip_velocity};
+use crate::model::behaviour::{HalfAngle, Pace, facing_for_pull, hazard_of, heading_error, probability_within, turn_towards};
 use crate::scenario::{AntDrive, Scenario};
 
 /// All ants of one run.
@@ -24,8 +24,11 @@ pub struct Ants {
     grasp_probability: f64,
     /// Standard deviation of a belief along each axis (m).
     belief_spread: f64,
+    half_angle: HalfAngle,
     state: State,
     sensing: Sensing,
+    /// Where the load was seen last.
+    load: Placed,
     /// For each ant that pulls, the first tick from which a decision period may have passed.
     next_decisions: Vec<u64>,
     targets: Vec<Vec2>,
@@ -53,8 +56,10 @@ impl Ants {
             control_period: period,
             grasp_probability,
             belief_spread: drive.target_variance.sqrt(),
+            half_angle: HalfAngle::new(drive.steering_half_angle),
             state: State { ants: (0..drive.n_ants).map(start).collect(), pulls: Summary::default() },
             sensing: Sensing::new(springs, drive.sensing_range),
+            load: Placed::new(&scenario.start.pose),
             next_decisions: vec![0; drive.n_ants],
             targets: vec![Vec2::zeros(); springs.len()],
         }
@@ -101,7 +106,8 @@ impl Ants {
 
     /// Searching ants grasp, or draw a new belief of where the load is when its time has come; the error is normal with the target variance in each axis.
     fn grasp_or_believe(&mut self, view: &View, tick: u64, orders: &mut Orders) {
-        let load = Placed::new(&view.backend.motion().pose);
+        self.load = self.load.moved_to(&view.backend.motion().pose);
+        let load = self.load;
         let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
         let belief = n_beliefs(tick);
         let is_due = tick == 0 || belief > n_beliefs(tick - 1);
@@ -145,11 +151,11 @@ impl Ants {
         self.next_decisions[i] = tick.saturating_add(quiet_ticks(0, self.drive.release.period / self.control_period));
     }
 
-    /// Eq. (22).
-    fn pull_direction(&self, ant: &Ant, root: &Vec2, load: Placed) -> f64 {
+    /// Eq. (19, 22): how far a pulling ant that faces `ahead` is off where it wants to face (rad).
+    fn pull_error(&self, ant: &Ant, ahead: &Vec2, root: &Vec2, load: Placed) -> f64 {
         let along = ant.position - load.to_world(root);
         let to_nest = self.drive.nest_position - ant.position;
-        pull_direction(along.y.atan2(along.x), to_nest.y.atan2(to_nest.x), self.drive.steering_half_angle)
+        turn_towards(&facing_for_pull(&self.half_angle.pull_direction(&along, &to_nest)), ahead)
     }
 }
 
@@ -186,7 +192,8 @@ impl Driver for Ants {
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
         let duration = until - view.time;
         let steering = Steering::new(self.drive.steering_gain, duration);
-        let load = Placed::new(&view.backend.motion().pose);
+        self.load = self.load.moved_to(&view.backend.motion().pose);
+        let load = self.load;
         let springs = &view.scenario.system.springs;
         for i in 0..self.state.ants.len() {
             let ant = self.state.ants[i];
@@ -197,9 +204,10 @@ impl Driver for Ants {
                     ant.walked(&Command { velocity: self.drive.search_speed, turn_rate: steering.turn_rate(error) }, duration)
                 }
                 Mode::Transport { spring, .. } => {
-                    let error = heading_error(heading_for_pull(self.pull_direction(&ant, &springs[spring].root, load)), ant.heading);
+                    let ahead = direction(ant.heading);
+                    let error = self.pull_error(&ant, &ahead, &springs[spring].root, load);
                     let command = Command { velocity: -self.drive.pull_speed, turn_rate: steering.turn_rate(error) };
-                    let tip = ant.position + duration * ant.tip_velocity(&command, self.drive.control_offset);
+                    let tip = ant.position + duration * tip_velocity(&ahead, &command, self.drive.control_offset);
                     self.targets[spring] = tip;
                     Ant { position: tip, heading: ant.heading + command.turn_rate * duration, ..ant }
                 }

@@ -26,6 +26,7 @@ pub struct Sensing {
 #[derive(Clone, Copy)]
 pub struct Placed {
     pub position: Vec2,
+    heading: f64,
     turn: Mat2,
 }
 
@@ -42,7 +43,12 @@ pub struct Around<'a> {
 
 impl Placed {
     pub fn new(pose: &Pose) -> Self {
-        Self { position: pose.position, turn: rotation(pose.heading) }
+        Self { position: pose.position, heading: pose.heading, turn: rotation(pose.heading) }
+    }
+
+    /// The same at another pose; the rotation is taken anew only where it is another one.
+    pub fn moved_to(self, pose: &Pose) -> Self {
+        if pose.heading == self.heading { Self { position: pose.position, ..self } } else { Self::new(pose) }
     }
 
     /// As [`Pose::to_world`], to the last bit.

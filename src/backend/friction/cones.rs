@@ -1,4 +1,8 @@
 //! The supports as cones in scaled units: distinct points with positive limits.
+//!
+//! H and w know the load's size, friction the supports' arms. Where the arms are far shorter than the load, lengths are in units of the load: in those of
+//! the arms the moments would outgrow the forces beside them, and their rounding hide them. There, and where the supports are far closer to each other than
+//! to the origin, twists are taken about a point among them: the slips would otherwise be small differences of large numbers.
 
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
@@ -7,13 +11,17 @@ use crate::model::support::{slip_velocity, wrench_of};
 /// Supports on the same point act as one with the sum of their limits; those without a limit do not act at all.
 #[derive(Clone, Debug)]
 pub(super) struct Cones {
-    /// Positions over `length`.
+    /// Positions from `centre` over `length`.
     pub offsets: Vec<Vec2>,
     /// Limits over `force`; they add up to one.
     pub limits: Vec<f64>,
     /// Cone of each support and the share of its limit there; `None` for a support without a limit.
     shares: Vec<Option<(usize, f64)>>,
-    /// Unit of length (m): the largest distance of a support from the origin.
+    /// Largest distance of a support from `centre` over `length` where they are close together by the measure of the load.
+    pub cluster: Option<f64>,
+    /// Point that twists are about (m, load axes), if it is not the load's origin.
+    centre: Option<Vec2>,
+    /// Unit of length (m): the largest distance of a support from there, or the size of the load.
     length: f64,
     /// Unit of force (N): the sum of the limits.
     force: f64,
@@ -25,23 +33,33 @@ pub(super) struct Cones {
 
 /// Supports nearer to each other than this share of their extent are one: no solver could tell them apart.
 const SAME_POINT: f64 = 1e-12;
+/// Largest distance of a support from their middle below which they are close together, over the size of the load (1).
+const SHORT: f64 = 0.1;
+/// The same over the distance of the middle from the origin (1).
+const CLOSE: f64 = 1e-2;
 
 impl Cones {
     pub fn new(ground: &Ground, length_scale: f64) -> Self {
         let force: f64 = ground.slip_limits().sum();
-        let extent = ground.supports.iter().map(|s| s.offset.norm()).fold(0.0, f64::max);
-        let length = if extent > 0.0 { extent } else { length_scale };
+        let carrying: Vec<Vec2> =
+            ground.supports.iter().zip(ground.slip_limits()).filter(|(_, c)| *c > 0.0).map(|(s, _)| s.offset).collect();
+        let Frame { centre, length, cluster, point } = Frame::of(&carrying, length_scale);
         let mut cones = Cones {
             offsets: Vec::new(),
             limits: Vec::new(),
             shares: Vec::new(),
+            cluster,
+            centre,
             length,
             force: if force > 0.0 { force } else { 1.0 },
             balance: None,
             sways: Vec::new(),
         };
         for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
-            let share = (limit > 0.0).then(|| cones.merge(support.offset / length, limit / cones.force));
+            let share = (limit > 0.0).then(|| {
+                let arm = point.unwrap_or_else(|| centre.map_or(support.offset, |centre| support.offset - centre));
+                cones.merge(arm / length, limit / cones.force)
+            });
             cones.shares.push(share);
         }
         for (cone, share) in cones.shares.iter_mut().flatten() {
@@ -62,7 +80,7 @@ impl Cones {
 
     /// The cone that a support joins, and its limit there.
     fn merge(&mut self, offset: Vec2, limit: f64) -> (usize, f64) {
-        if let Some(k) = self.offsets.iter().position(|known| (known - offset).norm() <= SAME_POINT) {
+        if let Some(k) = self.offsets.iter().position(|known| (known - offset).norm() <= SAME_POINT * self.cluster.unwrap_or(1.0)) {
             self.limits[k] += limit;
             return (k, limit);
         }
@@ -99,25 +117,30 @@ impl Cones {
         if least.is_finite() { least.max(0.0) } else { 0.0 }
     }
 
-    /// Largest norm of a wrench (scaled) with such a force (N) and such a torque (N m).
+    /// Largest norm of a wrench (scaled) with such a force (N) and such a torque about the load's origin (N m).
     pub fn scaled_wrench(&self, force: f64, torque: f64) -> f64 {
-        force.hypot(torque / self.length) / self.force
+        let about_centre = torque + self.centre.map_or(0.0, |centre| centre.norm()) * force;
+        force.hypot(about_centre / self.length) / self.force
     }
 
     /// H and w in scaled units: energies over length times force.
     pub fn scaled(&self, hessian: &Mat3, drive: &Vec3) -> (Mat3, Vec3) {
         let units = self.twist_units();
         let energy = self.length * self.force;
-        let h = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j] / energy);
-        (h, drive.component_mul(&units) / energy)
+        let in_units = |hessian: &Mat3| Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j] / energy);
+        let Some(centre) = self.centre else { return (in_units(hessian), drive.component_mul(&units) / energy) };
+        let map = Mat3::new(1.0, 0.0, centre.y, 0.0, 1.0, -centre.x, 0.0, 0.0, 1.0);
+        (in_units(&(map.transpose() * hessian * map)), map.tr_mul(drive).component_mul(&units) / energy)
     }
 
     pub fn unscaled_twist(&self, twist: &Vec3) -> Vec3 {
-        twist.component_mul(&self.twist_units())
+        let twist = twist.component_mul(&self.twist_units());
+        self.centre.map_or(twist, |centre| slip_velocity(&-centre, &twist).push(twist.z))
     }
 
     pub fn scaled_twist(&self, twist: &Vec3) -> Vec3 {
-        Vec3::new(twist.x / self.length, twist.y / self.length, twist.z)
+        let at_centre = self.centre.map_or(twist.xy(), |centre| slip_velocity(&centre, twist));
+        Vec3::new(at_centre.x / self.length, at_centre.y / self.length, twist.z)
     }
 
     fn twist_units(&self) -> Vec3 {
@@ -182,9 +205,11 @@ impl Cones {
             let (slip, force, limit) = (self.slip(k, twist), forces[k], self.limits[k]);
             let above = (force.norm() - limit).max(0.0);
             let speed = slip.norm();
-            // A slipping support's force is its limit along the slip; speeds within rounding of the twist have no direction.
-            let aligned = speed <= 1e-15 * twist.amax();
-            let misaligned = if aligned { 0.0 } else { limit - force.dot(&slip) / speed };
+            // A slipping support's force is its limit along the slip; speeds within rounding of the twist have no direction, and those not far above
+            // it have one within an angle.
+            let angle = 1e-15 * twist.amax() / speed;
+            let aligned = speed == 0.0 || angle >= 1.0;
+            let misaligned = if aligned { 0.0 } else { limit - force.dot(&slip) / speed - 0.5 * angle * angle * limit };
             above.max(misaligned)
         });
         cones.fold(balance, f64::max) / self.force_scale(h, w, twist)
@@ -194,6 +219,40 @@ impl Cones {
     pub fn force_scale(&self, h: &Mat3, w: &Vec3, twist: &Vec3) -> f64 {
         let products = (0..3).map(|j| h.column(j).amax() * twist[j].abs()).fold(0.0, f64::max);
         w.amax() + 1.0 + products
+    }
+}
+
+/// What the cones are measured by.
+struct Frame {
+    centre: Option<Vec2>,
+    length: f64,
+    cluster: Option<f64>,
+    /// Where all supports stand (m), if that is one point.
+    point: Option<Vec2>,
+}
+
+impl Frame {
+    /// For supports at `offsets` (m) under a load of size `length_scale` (m).
+    fn of(offsets: &[Vec2], length_scale: f64) -> Self {
+        let extent_about = |centre: Vec2| offsets.iter().map(|offset| (offset - centre).norm()).fold(0.0, f64::max);
+        let reach = extent_about(Vec2::zeros());
+        let middle = offsets.iter().sum::<Vec2>() / offsets.len().max(1) as f64;
+        let extent = extent_about(middle);
+        if extent <= SAME_POINT * reach.max(length_scale) {
+            // One point: it has a method of its own, about the origin.
+            Self {
+                centre: None,
+                length: if reach > SHORT * length_scale { reach } else { length_scale },
+                cluster: None,
+                point: Some(middle),
+            }
+        } else if extent <= SHORT * length_scale {
+            Self { centre: Some(middle), length: length_scale, cluster: Some(extent / length_scale), point: None }
+        } else if extent <= CLOSE * middle.norm() {
+            Self { centre: Some(middle), length: extent, cluster: None, point: None }
+        } else {
+            Self { centre: None, length: reach, cluster: None, point: None }
+        }
     }
 }
 

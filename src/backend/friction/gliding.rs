@@ -13,7 +13,7 @@ use super::cones::Cones;
 use super::{Candidate, EXACT, FrictionSolution, FrictionSolver, Regime};
 use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3};
 
-/// Slip of a support over the size of the twist (1) below which its direction is left to the polar coordinates.
+/// Slip of a support over the size of the twist, by the reach of the supports (1), below which its direction is left to the polar coordinates.
 const SLOWEST: f64 = 1e-3;
 /// Where these do not do, the start was not near.
 const MOST_ITERATIONS: u32 = 8;
@@ -79,7 +79,8 @@ struct Balance {
 /// Adds friction to the `gradient` and the `hessian` of what else acts at `twist`; `None` where a support slips too slowly.
 fn balance(cones: &Cones, gradient: &Vec3, hessian: &Mat3, twist: &Vec3) -> Option<Balance> {
     let (mut residual, mut derivative) = (*gradient, *hessian);
-    let slowest = SLOWEST * SLOWEST * twist.norm_squared();
+    let reach = cones.cluster.unwrap_or(1.0);
+    let slowest = SLOWEST * SLOWEST * Vec3::new(twist.x, twist.y, reach * twist.z).norm_squared();
     for (offset, limit) in cones.offsets.iter().zip(&cones.limits) {
         let slip = Vec2::new(twist.x - twist.z * offset.y, twist.y + twist.z * offset.x);
         let squared = slip.norm_squared();

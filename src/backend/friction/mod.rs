@@ -9,17 +9,21 @@
 //! At the minimum `H x - w + sum_i B_i' f_i = 0`, with `f_i = c_i B_i x / |B_i x|` where support i slips and `|f_i| <= c_i` where it sticks. The
 //! problem is convex, so whatever satisfies these conditions is the answer, and the order of the attempts below is one of cost only:
 //!
+//! One (`single.rs`): all supports stand on one point; a problem of its own, solved in closed form but for one scalar.
+//!
 //! 0. Gliding (`gliding.rs`): as in the last answer all supports slip, none of them slowly.
 //! 1. Rest (`cones.rs`): forces within all limits that balance w. Nothing moves.
 //! 2. Pinned (`pinned.rs`): rotation about one support that sticks. With two distinct ones sticking, all do.
 //! 3. Slipping (`slipping.rs`): all supports slip, or stick close to it. Newton's method in coordinates in which the kink at a slow support is smooth.
 //! 4. Smoothed (`smoothed.rs`): continuation over rounded cones, which gives the others a start where they have none.
 //!
-//! All of it happens in units of the supports' extent and of the sum of the limits, so that no tolerance has a dimension.
+//! All of it happens in units of the supports' extent and of the sum of the limits, so that no tolerance has a dimension, and about a point among the
+//! supports where they stand close together off the origin (`cones.rs`).
 
 mod cones;
 mod gliding;
 mod pinned;
+mod single;
 mod slipping;
 mod smoothed;
 
@@ -90,7 +94,7 @@ struct Candidate {
 pub const EXACT: f64 = 1e-13;
 
 impl FrictionSolver {
-    /// `length_scale` (m) stands in where the supports have no extent of their own.
+    /// `length_scale` (m) is the size of the load, which stands in where the supports have next to no extent of their own.
     pub fn new(ground: &Ground, length_scale: f64) -> Self {
         let cones = Cones::new(ground, length_scale);
         Self {
@@ -192,15 +196,23 @@ impl FrictionSolver {
         if self.cones.is_empty() {
             return Candidate { twist: linear_answer(h, w), regime: Regime::Slip };
         }
+        if self.cones.len() == 1 {
+            return single::solve(&self.cones, h, w, &mut self.last.forces, n_iterations);
+        }
         let near = self.last.twist.filter(|_| self.last.slipped);
         if let Some((twist, _)) = near.and_then(|near| gliding::slip(&self.cones, h, w, &near, n_iterations)) {
+            self.cones.write_slip_forces(&twist, &mut self.last.forces);
+            return Candidate { twist, regime: Regime::Slip };
+        }
+        let far = self.cones.cluster.map(|_| far_answer(&self.cones, h, w, n_iterations).0);
+        if let Some((twist, _)) = far.and_then(|far| gliding::slip(&self.cones, h, w, &far, n_iterations)) {
             self.cones.write_slip_forces(&twist, &mut self.last.forces);
             return Candidate { twist, regime: Regime::Slip };
         }
         if self.cones.stick_forces(w, &mut self.last.forces) {
             return Candidate { twist: Vec3::zeros(), regime: Regime::Stick };
         }
-        let start = self.last.twist.unwrap_or_else(|| linear_answer(h, w));
+        let start = self.last.twist.or(far).unwrap_or_else(|| linear_answer(h, w));
         if let Some(found) = self.pin(h, w) {
             return found;
         }
@@ -235,6 +247,19 @@ impl FrictionSolver {
         }
         self.cones.share_forces(&self.last.forces, &mut self.support_forces);
     }
+}
+
+/// A start far from which no answer should be, and how far supports move at it: the one for all limits at one point where the supports are
+/// close together, which leaves only their turn about a point among them open, and else the one without friction.
+fn far_answer(cones: &Cones, h: &Mat3, w: &Vec3, n_iterations: &mut u32) -> (Vec3, f64) {
+    if let Some(extent) = cones.cluster {
+        let (found, _) = single::about(&Vec2::zeros(), 1.0, h, w, n_iterations);
+        // Even with no moment about that point, as much as friction there can hold may turn it.
+        let held = Some(extent / h.m33).filter(|turn| turn.is_finite()).unwrap_or(0.0);
+        return (found.twist, found.twist.xy().norm() + extent * (found.twist.z.abs() + held));
+    }
+    let free = linear_answer(h, w);
+    (free, free.xy().norm() + free.z.abs())
 }
 
 /// The minimiser without friction, with a ridge of 1e-12 of the largest diagonal entry where H is singular.

@@ -5,7 +5,7 @@
 //! between two regimes within rounding.
 
 use super::cones::Cones;
-use super::{Candidate, EXACT, Regime, linear_answer, pinned, slipping};
+use super::{Candidate, EXACT, Regime, far_answer, gliding, pinned, slipping};
 use crate::math::{Mat2, Mat3, Vec2, Vec3};
 use crate::model::support::wrench_of;
 
@@ -13,20 +13,27 @@ use crate::model::support::wrench_of;
 const N_STAGES: i32 = 15;
 /// Enough to halve a damped step from one end of double precision to the other; a stage takes some ten.
 const MOST_ITERATIONS: u32 = 60;
+/// In all stages and the exact methods between them, which take some hundred where one of these finds the answer.
+const MOST_IN_ALL: u32 = 300;
 
 /// The answer found on the way, or the best one at its end, with the cones' forces written.
 pub(super) fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
-    let free = linear_answer(h, w);
-    let scale = extent(&free).min(extent_of_motion(h, w));
-    let mut twist = Vec3::zeros();
+    let (start, motion) = far_answer(cones, h, w, n_iterations);
+    let mut twist = if cones.cluster.is_some() { start } else { Vec3::zeros() };
+    let scale = if cones.cluster.is_some() { motion } else { motion.min(extent_of_motion(h, w)) };
+    let mut rounding = scale;
+    let most = *n_iterations + MOST_IN_ALL;
     for stage in 0..N_STAGES {
-        let rounding = scale * 10f64.powi(-stage);
+        if *n_iterations >= most {
+            break;
+        }
+        rounding = scale * 10f64.powi(-stage);
         twist = minimise(&Rounded { cones, h, w, rounding }, twist, n_iterations);
         if let Some(found) = exact_from(cones, h, w, &twist, rounding, forces, n_iterations) {
             return found;
         }
     }
-    best_of_both(cones, h, w, &twist, scale * 10f64.powi(1 - N_STAGES), forces)
+    best_of_both(cones, h, w, &twist, rounding, forces)
 }
 
 /// Largest displacement of a twist, with supports at distance one.
@@ -59,6 +66,12 @@ fn exact_from(
     let started = pinned::about(cones, slowest, h, w, forces);
     if started.is_some() || cones.slip(slowest, twist).norm() <= rounding {
         return started;
+    }
+    // Among supports close together the polar coordinates, made for their arms, would lose the turn beside a fast slip.
+    let glides = cones.cluster.and_then(|_| gliding::slip(cones, h, w, twist, n_iterations));
+    if let Some((twist, _)) = glides {
+        cones.write_slip_forces(&twist, forces);
+        return Some(Candidate { twist, regime: Regime::Slip });
     }
     slipping::slip(cones, h, w, twist, forces, n_iterations).or_else(|| slipping::stick(cones, w, twist, forces, n_iterations))
 }

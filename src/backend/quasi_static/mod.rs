@@ -25,6 +25,9 @@ use crate::model::System;
 /// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
 const MOST_LEGS: u32 = 10;
 
+/// Way of the rim in a jump, over the load's radius (1), below which it is the rounding of a load at the very edge of slipping.
+const SMALLEST_JUMP: f64 = 1e-12;
+
 /// Rounding of the energies of a run, of which the defect of a step is a difference (1).
 const SNAP_ROUNDING: f64 = 1e-13;
 
@@ -98,7 +101,9 @@ impl QuasiStatic {
         let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
         let report = self.settle();
         self.state.regime = regime;
-        if self.state.motion.pose != start {
+        let end = &self.state.motion.pose;
+        let way = (end.position - start.position).norm() + self.system.load.radius * (end.heading - start.heading).abs();
+        if way > SMALLEST_JUMP * self.system.load.radius {
             let kind = self.book_jump(&start, defect);
             self.transitions.push(Transition { time: 0.0, kind });
         }

@@ -3,6 +3,8 @@
 //! kuva draws axes, ticks and curves of one panel. Ranges and ticks are computed here (its log axis ends at 1e-10 and its automatic ranges
 //! need not fit equal scales); panels are put side by side here, and the legend stands below them where it covers nothing.
 
+use std::borrow::Cow;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
@@ -29,11 +31,10 @@ pub struct Cell<'a> {
 }
 
 /// Panels on their way to SVG.
-pub struct Sheet<'a> {
-    width: f64,
-    height: f64,
-    cells: Vec<Cell<'a>>,
-    lettered: bool,
+pub struct Sheet {
+    scene: Scene,
+    /// The letters of the panels to come.
+    letters: Option<RangeInclusive<char>>,
 }
 
 /// Space for labels around the axes of a panel (px).
@@ -43,33 +44,30 @@ const TOP: f64 = 24.0;
 const BOTTOM: f64 = 44.0;
 const TEXT: u32 = 12;
 
-impl<'a> Sheet<'a> {
+impl Sheet {
     pub fn new(width: f64, height: f64) -> Self {
-        Self { width, height, cells: Vec::new(), lettered: false }
+        let mut scene = Scene::new(width, height);
+        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".to_owned());
+        scene.text_color = Some("black".to_owned());
+        Self { scene, letters: None }
     }
 
-    pub fn add(&mut self, cell: Cell<'a>) {
-        self.cells.push(cell);
+    /// With a, b, c ... beside the panels, in the order they are added.
+    pub fn lettered(width: f64, height: f64) -> Self {
+        Self { letters: Some('a'..='z'), ..Self::new(width, height) }
     }
 
-    /// Puts a, b, c ... beside the panels, in the order they were added.
-    pub fn letter_panels(&mut self) {
-        self.lettered = true;
+    pub fn add(&mut self, cell: &Cell) {
+        draw_cell(&mut self.scene, cell);
+        if let Some(letter) = self.letters.as_mut().and_then(Iterator::next) {
+            add_text(&mut self.scene, cell.left + 6.0, cell.top + 16.0, letter.to_string(), TextAnchor::Start, true);
+        }
     }
 
     /// The SVG with the groups of the `legend` below the panels, each from a new line.
-    pub fn into_svg(self, legend: &[Vec<Entry>]) -> String {
-        let mut scene = Scene::new(self.width, self.height);
-        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".to_owned());
-        scene.text_color = Some("black".to_owned());
-        for (cell, letter) in self.cells.iter().zip('a'..) {
-            draw_cell(&mut scene, cell);
-            if self.lettered {
-                add_text(&mut scene, cell.left + 6.0, cell.top + 16.0, letter.to_string(), TextAnchor::Start, true);
-            }
-        }
-        scene.height = add_legend(&mut scene, legend);
-        SvgBackend::new().render_scene(&scene)
+    pub fn into_svg(mut self, legend: &[Vec<Entry>]) -> String {
+        self.scene.height = add_legend(&mut self.scene, legend);
+        SvgBackend::new().render_scene(&self.scene)
     }
 }
 
@@ -154,23 +152,42 @@ fn area(cell: &Cell) -> (f64, f64) {
 fn axes(cell: &Cell) -> (Axis, Axis) {
     let panel = cell.panel;
     let (width, height) = area(cell);
-    let xs = || panel.curves.iter().flat_map(|curve| &curve.points).map(|point| point[0]);
+    // As good as all points where the axis is linear.
+    let extremes: Vec<[[f64; 2]; 2]> = panel.curves.iter().map(|curve| extremes(&curve.points)).collect();
+    let logarithms = |axis: usize| panel.curves.iter().flat_map(|curve| &curve.points).map(move |point| point[axis].log10());
+    let xs = || extremes.iter().flatten().map(|point| point[0]);
     let levels = panel.marks.iter().filter_map(|mark| match mark.at {
         Across::Horizontal(level) => Some(level),
         Across::Vertical(_) => None,
     });
     let ceiling = panel.ceiling.unwrap_or(f64::INFINITY);
-    let ys = panel.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).chain(levels).map(|y| y.min(ceiling));
+    let ys = extremes.iter().flatten().map(|point| point[1]).chain(levels.clone()).map(|y| y.min(ceiling));
+    let log_ys = logarithms(1).chain(levels.map(f64::log10)).map(|y| y.min(ceiling.log10()));
     // A tick every 55 px or more to the right, every 26 px upwards.
     let (n_right, n_up) = (width / 55.0, height / 26.0);
     match panel.scale {
         Scale::Linear => (Axis::tight(xs(), n_right), Axis::around(ys, n_up)),
         Scale::FromZero => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up)),
         Scale::Count => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up).whole()),
-        Scale::Log => (Axis::tight(xs(), n_right), Axis::decades(ys.map(f64::log10), n_up)),
-        Scale::LogLog => (Axis::decades(xs().map(f64::log10), n_right), Axis::decades(ys.map(f64::log10), n_up)),
+        Scale::Log => (Axis::tight(xs(), n_right), Axis::decades(log_ys, n_up)),
+        Scale::LogLog => (Axis::decades(logarithms(0), n_right), Axis::decades(log_ys, n_up)),
         Scale::Plane => Axis::equal(Axis::around(xs(), n_right), Axis::around(ys, n_up), width, height),
     }
+}
+
+/// Lowest and highest finite numbers along both axes; infinite ones without any.
+fn extremes(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let mut extremes = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    for point in points {
+        for axis in 0..2 {
+            let value = point[axis];
+            if value.is_finite() {
+                extremes[0][axis] = extremes[0][axis].min(value);
+                extremes[1][axis] = extremes[1][axis].max(value);
+            }
+        }
+    }
+    extremes
 }
 
 /// Marks first, so that they lie under the curves.
@@ -193,12 +210,11 @@ fn mark_plot(mark: &Mark, x: &Axis, y: &Axis) -> Plot {
 /// A curve without its gaps: one line for each run of finite points, thinned to what the panel can show.
 fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
     let (width, _) = area(cell);
-    let upright = |point: &[f64; 2]| match cell.panel.scale {
-        Scale::Log => [point[0], point[1].log10()],
-        Scale::LogLog => point.map(f64::log10),
-        _ => *point,
+    let points: Cow<[[f64; 2]]> = match cell.panel.scale {
+        Scale::Log => curve.points.iter().map(|point| [point[0], point[1].log10()]).collect(),
+        Scale::LogLog => curve.points.iter().map(|point| point.map(f64::log10)).collect(),
+        _ => Cow::Borrowed(&curve.points),
     };
-    let points: Vec<[f64; 2]> = curve.points.iter().map(upright).collect();
     let runs = finite_runs(&points);
     if dense {
         return runs.map(|run| band(&curve.style, &thin::columns(run, (width / DENSE_COLUMN) as usize))).collect();

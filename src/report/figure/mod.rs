@@ -5,6 +5,7 @@
 //! thinned to what can be seen, extremes kept: see [`thin`]. Where a line would be a wall of ink, a panel shows means and ranges and says so.
 //!
 //! ```text
+//! shown.rs       rows -> what is shown of them, in print units
 //! panels.rs      traces -> panels: what is shown
 //! convergence.rs rows of a verification -> panels
 //! bench.rs       settings of a benchmark -> panels
@@ -22,11 +23,13 @@ mod convergence;
 mod difference;
 mod panel;
 mod panels;
+mod shown;
 pub mod thin;
 
 pub(crate) use axis::power_label;
 use canvas::{Cell, Sheet};
 use panel::{Entry, Panel};
+use shown::Seen;
 
 use super::{BenchLine, GrowthLine};
 use crate::bench::SceneFacts;
@@ -74,40 +77,40 @@ impl Scene {
 /// Path of the load's origin in the plane, equal scales, with the load's outline at the start (grey) and at each end. The radius in an
 /// outline points along the heading.
 pub fn path(traces: &[Labelled], scene: &Scene) -> String {
-    let panel = panels::path(traces, scene);
+    let panel = panels::path(&Seen::all(traces), scene);
     let legend = vec![panels::trace_entries(traces), panels::scene_entries(scene)];
     alone(&panel, legend, canvas::natural_height(&panel, WIDTH))
 }
 
 /// Heading over time, whole turns counted (rad).
 pub fn heading(traces: &[Labelled]) -> String {
-    over_time(&panels::heading(traces), traces)
+    over_time(&panels::heading(&Seen::all(traces)), traces)
 }
 
 /// Speed of the load's origin over time (mm/s). Where a few peaks exceed all else by far, the axis cuts them and a note says how high they are.
 pub fn speed(traces: &[Labelled]) -> String {
-    over_time(&panels::speed(traces), traces)
+    over_time(&panels::speed(&Seen::all(traces)), traces)
 }
 
 /// Size of the sum of all pulls over time (mN) under the force that moves the load.
 pub fn net_pull(traces: &[Labelled], scene: &Scene) -> String {
     let marks = [panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
-    alone(&panels::net_pull(traces, scene), vec![panels::trace_entries(traces), marks], TIME_HEIGHT)
+    alone(&panels::net_pull(&Seen::all(traces), scene), vec![panels::trace_entries(traces), marks], TIME_HEIGHT)
 }
 
 /// Sum of the sizes of all pulls over time (mN): what the holders spend, working against each other included.
 pub fn total_pull(traces: &[Labelled]) -> String {
-    over_time(&panels::total_pull(traces), traces)
+    over_time(&panels::total_pull(&Seen::all(traces)), traces)
 }
 
 /// Number of held springs over time.
 pub fn holders(traces: &[Labelled]) -> String {
-    over_time(&panels::holders(traces), traces)
+    over_time(&panels::holders(&Seen::all(traces)), traces)
 }
 
 /// Energy over time (mJ) of one trace: done by the tips, dissipated, elastic.
 pub fn energy(trace: &Labelled) -> String {
-    alone(&panels::energy(trace), vec![panels::energy_entries(), panels::event_entries(&[*trace])], TIME_HEIGHT)
+    alone(&panels::energy(&Seen::of(trace)), vec![panels::energy_entries(), panels::event_entries(&[*trace])], TIME_HEIGHT)
 }
 
 /// Distance of the load's positions between traces over time (m, log axis): all pairs of up to three traces, else each against the first.
@@ -123,19 +126,25 @@ pub fn heading_difference(traces: &[Labelled]) -> String {
 
 /// All of it on one sheet: differences with two traces and more, the energy with one.
 pub fn overview(traces: &[Labelled], scene: &Scene) -> String {
-    let (left, right) = columns(traces, scene);
-    let n_rows = right.len() as f64;
-    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, n_rows * ROW_HEIGHT);
+    let seen = Seen::all(traces);
+    let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, 4.0 * ROW_HEIGHT);
+    // Drawn one by one: the points of one panel are gone before the next one's.
+    let mut add = |panel: &Panel, left: f64, row: f64, n_rows: f64| {
+        sheet.add(&Cell { panel, left, top: row * ROW_HEIGHT, width: COLUMN_WIDTH, height: n_rows * ROW_HEIGHT });
+    };
     // The path is as high as two of the others.
-    let tops = [0.0, 2.0, 3.0];
-    for (panel, top) in left.iter().zip(tops) {
-        let height = if top == 0.0 { 2.0 * ROW_HEIGHT } else { ROW_HEIGHT };
-        sheet.add(Cell { panel, left: 0.0, top: top * ROW_HEIGHT, width: COLUMN_WIDTH, height });
+    add(&panels::path(&seen, scene), 0.0, 0.0, 2.0);
+    if let [one] = &seen[..] {
+        add(&panels::total_pull(&seen), 0.0, 2.0, 1.0);
+        add(&panels::energy(one), 0.0, 3.0, 1.0);
+    } else {
+        add(&panels::position_difference(traces), 0.0, 2.0, 1.0);
+        add(&panels::heading_difference(traces), 0.0, 3.0, 1.0);
     }
-    for (row, panel) in right.iter().enumerate() {
-        sheet.add(Cell { panel, left: COLUMN_WIDTH, top: row as f64 * ROW_HEIGHT, width: COLUMN_WIDTH, height: ROW_HEIGHT });
-    }
-    sheet.letter_panels();
+    add(&panels::heading(&seen), COLUMN_WIDTH, 0.0, 1.0);
+    add(&panels::speed(&seen), COLUMN_WIDTH, 1.0, 1.0);
+    add(&panels::net_pull(&seen, scene), COLUMN_WIDTH, 2.0, 1.0);
+    add(&panels::holders(&seen), COLUMN_WIDTH, 3.0, 1.0);
     let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries() };
     let marks = [panels::scene_entries(scene), panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
     sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
@@ -143,16 +152,16 @@ pub fn overview(traces: &[Labelled], scene: &Scene) -> String {
 
 /// The load's path, heading and speed as `expected` and as `found`, and how far they lie apart.
 pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
-    let path = panels::path(traces, scene);
-    let others = [panels::heading(traces), panels::speed(traces), panels::position_difference(traces), panels::heading_difference(traces)];
-    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, 3.0 * ROW_HEIGHT);
-    sheet.add(Cell { panel: &path, left: 0.0, top: 0.0, width: COLUMN_WIDTH, height: 2.0 * ROW_HEIGHT });
+    let seen = Seen::all(traces);
+    let path = panels::path(&seen, scene);
+    let others = [panels::heading(&seen), panels::speed(&seen), panels::position_difference(traces), panels::heading_difference(traces)];
+    let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, 3.0 * ROW_HEIGHT);
+    sheet.add(&Cell { panel: &path, left: 0.0, top: 0.0, width: COLUMN_WIDTH, height: 2.0 * ROW_HEIGHT });
     let places = [(1.0, 0.0), (1.0, 1.0), (0.0, 2.0), (1.0, 2.0)];
     for (panel, (column, row)) in others.iter().zip(places) {
         let (left, top) = (column * COLUMN_WIDTH, row * ROW_HEIGHT);
-        sheet.add(Cell { panel, left, top, width: COLUMN_WIDTH, height: ROW_HEIGHT });
+        sheet.add(&Cell { panel, left, top, width: COLUMN_WIDTH, height: ROW_HEIGHT });
     }
-    sheet.letter_panels();
     let marks = [panels::scene_entries(scene), panels::event_entries(traces)].concat();
     sheet.into_svg(&[panels::trace_entries(traces), panels::pair_entries(traces), marks])
 }
@@ -161,12 +170,11 @@ pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
 pub fn convergence(rows: &[Row]) -> String {
     let (panels, legend) = convergence::panels(rows);
     let n_rows = panels.len().div_ceil(2) as f64;
-    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, n_rows * PANEL_HEIGHT);
+    let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, n_rows * PANEL_HEIGHT);
     for (i, panel) in panels.iter().enumerate() {
         let (left, top) = ((i % 2) as f64 * COLUMN_WIDTH, (i / 2) as f64 * PANEL_HEIGHT);
-        sheet.add(Cell { panel, left, top, width: COLUMN_WIDTH, height: PANEL_HEIGHT });
+        sheet.add(&Cell { panel, left, top, width: COLUMN_WIDTH, height: PANEL_HEIGHT });
     }
-    sheet.letter_panels();
     sheet.into_svg(&[legend])
 }
 
@@ -175,22 +183,20 @@ pub fn convergence(rows: &[Row]) -> String {
 pub fn work_precision(facts: &SceneFacts, lines: &[BenchLine], budget: f64) -> String {
     let own: Vec<&BenchLine> = lines.iter().filter(|line| line.scene == facts.scene).collect();
     let (panels, legends) = bench::work_precision(&own, budget);
-    let mut sheet = Sheet::new(2.0 * COLUMN_WIDTH, WORK_HEIGHT);
+    let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, WORK_HEIGHT);
     for (i, panel) in panels.iter().enumerate() {
-        sheet.add(Cell { panel, left: i as f64 * COLUMN_WIDTH, top: 0.0, width: COLUMN_WIDTH, height: WORK_HEIGHT });
+        sheet.add(&Cell { panel, left: i as f64 * COLUMN_WIDTH, top: 0.0, width: COLUMN_WIDTH, height: WORK_HEIGHT });
     }
-    sheet.letter_panels();
     sheet.into_svg(&legends)
 }
 
 /// Cost of a step or tick against the number of springs, supports and ants (both logarithmic).
 pub fn growth(lines: &[GrowthLine]) -> String {
     let (panels, legend) = bench::growth(lines);
-    let mut sheet = Sheet::new(panels.len() as f64 * GROWTH_WIDTH, PANEL_HEIGHT);
+    let mut sheet = Sheet::lettered(panels.len() as f64 * GROWTH_WIDTH, PANEL_HEIGHT);
     for (i, panel) in panels.iter().enumerate() {
-        sheet.add(Cell { panel, left: i as f64 * GROWTH_WIDTH, top: 0.0, width: GROWTH_WIDTH, height: PANEL_HEIGHT });
+        sheet.add(&Cell { panel, left: i as f64 * GROWTH_WIDTH, top: 0.0, width: GROWTH_WIDTH, height: PANEL_HEIGHT });
     }
-    sheet.letter_panels();
     sheet.into_svg(&[legend])
 }
 
@@ -199,19 +205,11 @@ const GROWTH_WIDTH: f64 = 340.0;
 const COLUMN_WIDTH: f64 = 480.0;
 const ROW_HEIGHT: f64 = 220.0;
 const PANEL_HEIGHT: f64 = 280.0;
+/// Print units over those of a trace: mm, mN, mJ.
+const MILLI: f64 = 1e3;
 /// Size of a figure of one panel.
 const WIDTH: f64 = 680.0;
 const TIME_HEIGHT: f64 = 360.0;
-
-fn columns(traces: &[Labelled], scene: &Scene) -> (Vec<Panel>, Vec<Panel>) {
-    let path = panels::path(traces, scene);
-    let right = vec![panels::heading(traces), panels::speed(traces), panels::net_pull(traces, scene), panels::holders(traces)];
-    let left = match traces {
-        [one] => vec![path, panels::total_pull(traces), panels::energy(one)],
-        _ => vec![path, panels::position_difference(traces), panels::heading_difference(traces)],
-    };
-    (left, right)
-}
 
 fn over_time(panel: &Panel, traces: &[Labelled]) -> String {
     alone(panel, vec![panels::trace_entries(traces), panels::event_entries(traces)], TIME_HEIGHT)
@@ -223,7 +221,7 @@ fn between(panel: &Panel, traces: &[Labelled]) -> String {
 
 fn alone(panel: &Panel, legend: Vec<Vec<Entry>>, height: f64) -> String {
     let mut sheet = Sheet::new(WIDTH, height);
-    sheet.add(Cell { panel, left: 0.0, top: 0.0, width: WIDTH, height });
+    sheet.add(&Cell { panel, left: 0.0, top: 0.0, width: WIDTH, height });
     sheet.into_svg(&legend)
 }
 

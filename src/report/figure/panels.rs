@@ -4,68 +4,64 @@ use std::f64::consts::TAU;
 
 use super::difference::{self, Difference};
 use super::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use super::{Labelled, Scene};
+use super::shown::{Instant, Seen};
+use super::{Labelled, MILLI, Scene};
 use crate::math::{Pose, Vec2, direction};
 use crate::report::quantity;
-use crate::simulation::{EventKind, Row};
+use crate::simulation::{Event, EventKind};
 
 /// Events are marked when there are at most this many at different instants: more would be a grey wall.
 const MOST_EVENTS: usize = 40;
 
-const MILLI: f64 = 1e3;
-
-pub fn path(traces: &[Labelled], scene: &Scene) -> Panel {
+pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
     let mut panel = Panel::new("x (mm)", "y (mm)", Scale::Plane);
     if let Some(nest) = scene.nest {
         panel.add(circle(nest.position, nest.arrival_radius), Style::NEST, Shape::Path);
     }
-    for (index, rows) in traces.iter().map(|one| &one.trace.rows).enumerate() {
-        let Some((first, last)) = rows.first().zip(rows.last()) else { continue };
+    for (index, one) in traces.iter().enumerate() {
+        let Some([first, last]) = &one.ends else { continue };
         if index == 0 {
-            panel.add(outline(&first.motion.pose, scene.load_radius), Style::START, Shape::Path);
+            panel.add(outline(first, scene.load_radius), Style::START, Shape::Path);
         }
         let style = Style::of_trace(index);
-        panel.add(rows.iter().map(|row| in_mm(row.motion.pose.position)).collect(), style, Shape::Path);
-        panel.add(outline(&last.motion.pose, scene.load_radius), style.thin(), Shape::Path);
+        panel.add(one.instants.iter().map(|instant| instant.position).collect(), style, Shape::Path);
+        panel.add(outline(last, scene.load_radius), style.thin(), Shape::Path);
     }
     panel
 }
 
-pub fn heading(traces: &[Labelled]) -> Panel {
-    of_rows(traces, "heading (rad)", Scale::Linear, Shape::Graph, |row| row.motion.pose.heading)
+pub fn heading(traces: &[Seen]) -> Panel {
+    of_instants(traces, "heading (rad)", Scale::Linear, Shape::Graph, |instant| instant.heading)
 }
 
-pub fn speed(traces: &[Labelled]) -> Panel {
-    let mut panel = of_rows(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, |row| MILLI * row.motion.twist.linear.norm());
+pub fn speed(traces: &[Seen]) -> Panel {
+    let mut panel = of_instants(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, |instant| instant.speed);
     panel.cut_rare_peaks(|peak| format!("peaks up to {} cut off", quantity(peak / MILLI, "m/s")));
     panel
 }
 
-pub fn net_pull(traces: &[Labelled], scene: &Scene) -> Panel {
-    let net = |row: &Row| MILLI * row.tips.iter().map(|tip| tip.pull).sum::<Vec2>().norm();
-    let mut panel = of_rows(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, net);
+pub fn net_pull(traces: &[Seen], scene: &Scene) -> Panel {
+    let mut panel = of_instants(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, |instant| instant.net_pull);
     if scene.slip_limit > 0.0 {
         panel.marks.push(Mark { at: Across::Horizontal(MILLI * scene.slip_limit), style: Style::SLIP_LIMIT });
     }
     panel
 }
 
-pub fn total_pull(traces: &[Labelled]) -> Panel {
-    let total = |row: &Row| MILLI * row.tips.iter().map(|tip| tip.pull.norm()).sum::<f64>();
-    of_rows(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, total)
+pub fn total_pull(traces: &[Seen]) -> Panel {
+    of_instants(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, |instant| instant.total_pull)
 }
 
-pub fn holders(traces: &[Labelled]) -> Panel {
-    of_rows(traces, "held springs", Scale::Count, Shape::Steps, |row| row.tips.len() as f64)
+pub fn holders(traces: &[Seen]) -> Panel {
+    of_instants(traces, "held springs", Scale::Count, Shape::Steps, |instant| instant.n_holders)
 }
 
-pub fn energy(one: &Labelled) -> Panel {
+pub fn energy(one: &Seen) -> Panel {
     let mut panel = Panel::new("time (s)", "energy (mJ)", Scale::FromZero);
-    panel.mark_events(&[*one]);
-    let kinds: [fn(&Row) -> f64; 3] = [|row| row.energy.tip_work, |row| row.energy.dissipated(), |row| row.energy.elastic];
-    for (index, kind) in kinds.iter().enumerate() {
-        let points = one.trace.rows.iter().map(|row| [row.time, MILLI * kind(row)]).collect();
-        panel.add(points, Style::of_pair(index), Shape::Graph);
+    panel.mark_events([one.events]);
+    for kind in 0..3 {
+        let points = one.instants.iter().map(|instant| [instant.time, instant.energies[kind]]).collect();
+        panel.add(points, Style::of_pair(kind), Shape::Graph);
     }
     panel
 }
@@ -103,7 +99,7 @@ pub fn slip_limit_entry(scene: &Scene) -> Vec<Entry> {
 }
 
 pub fn event_entries(traces: &[Labelled]) -> Vec<Entry> {
-    if event_marks(traces).is_empty() {
+    if event_marks(traces.iter().map(|one| &one.trace.events[..])).is_empty() {
         return Vec::new();
     }
     vec![Entry::upright("grasp", Style::GRASP), Entry::upright("release", Style::RELEASE)]
@@ -115,11 +111,11 @@ fn pairs(n_traces: usize) -> Vec<(usize, usize)> {
     (0..n_from).flat_map(|from| (from + 1..n_traces).map(move |to| (from, to))).collect()
 }
 
-fn of_rows(traces: &[Labelled], y_label: &str, scale: Scale, shape: Shape, y: impl Fn(&Row) -> f64) -> Panel {
+fn of_instants(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, y: impl Fn(&Instant) -> f64) -> Panel {
     let mut panel = Panel::new("time (s)", y_label, scale);
-    panel.mark_events(traces);
+    panel.mark_events(traces.iter().map(|one| one.events));
     for (index, one) in traces.iter().enumerate() {
-        let points = one.trace.rows.iter().map(|row| [row.time, y(row)]).collect();
+        let points = one.instants.iter().map(|instant| [instant.time, y(instant)]).collect();
         panel.add(points, Style::of_trace(index), shape);
     }
     panel
@@ -127,7 +123,7 @@ fn of_rows(traces: &[Labelled], y_label: &str, scale: Scale, shape: Shape, y: im
 
 fn of_pairs(traces: &[Labelled], y_label: &str, y: impl Fn(&Difference) -> f64) -> Panel {
     let mut panel = Panel::new("time (s)", y_label, Scale::Log);
-    panel.mark_events(traces);
+    panel.mark_events(traces.iter().map(|one| &one.trace.events[..]));
     for (index, (from, to)) in pairs(traces.len()).into_iter().enumerate() {
         let differences = difference::over_time(traces[from].trace, traces[to].trace);
         let seen = |one: &Difference| if y(one) < AGREEMENT { 0.0 } else { y(one) };
@@ -141,9 +137,8 @@ fn of_pairs(traces: &[Labelled], y_label: &str, y: impl Fn(&Difference) -> f64) 
 const AGREEMENT: f64 = 1e-12;
 
 /// One mark for each instant and kind, in the order of time; none when there are too many.
-fn event_marks(traces: &[Labelled]) -> Vec<Mark> {
-    let mut events: Vec<_> =
-        traces.iter().flat_map(|one| &one.trace.events).map(|event| (event.time, event.kind == EventKind::Grasp)).collect();
+fn event_marks<'a>(of_traces: impl IntoIterator<Item = &'a [Event]>) -> Vec<Mark> {
+    let mut events: Vec<_> = of_traces.into_iter().flatten().map(|event| (event.time, event.kind == EventKind::Grasp)).collect();
     events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     events.dedup();
     if events.len() > MOST_EVENTS {
@@ -177,8 +172,8 @@ impl Panel {
         self.curves.push(Curve { points, style, shape });
     }
 
-    fn mark_events(&mut self, traces: &[Labelled]) {
-        self.marks.extend(event_marks(traces));
+    fn mark_events<'a>(&mut self, of_traces: impl IntoIterator<Item = &'a [Event]>) {
+        self.marks.extend(event_marks(of_traces));
     }
 
     /// Cuts the y axis when less than half a percent of all points lie beyond three times the height of the rest.
