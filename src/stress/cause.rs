@@ -122,10 +122,12 @@ impl Facts<'_> {
     fn unlike_inertia(&self, outcome: Outcome) -> Option<String> {
         let is_about_sweeps =
             matches!(outcome, Outcome::NotConverged | Outcome::EnergyFromNowhere) && self.variant.kind() == BackendKind::Rapier;
-        let load = &self.scenario.system.load;
-        let share = load.inertia / (load.mass * load.radius * load.radius);
+        let (load, supports) = (&self.scenario.system.load, &self.scenario.system.ground.supports);
+        let reach = supports.iter().map(|support| support.offset.norm()).fold(load.radius, f64::max);
+        let share = load.inertia / (load.mass * reach * reach);
         let is_unlike = !(1.0 / UNLIKE..=UNLIKE).contains(&share);
-        (is_unlike && is_about_sweeps).then(|| format!("mass ratio: the moment of inertia is {share:.1e} m R^2"))
+        let whose = if reach > load.radius { "R the distance of the farthest support" } else { "R the load's radius" };
+        (is_unlike && is_about_sweeps).then(|| format!("mass ratio: the moment of inertia is {share:.1e} m R^2, {whose}"))
     }
 
     /// f32 holds speeds and places to a ten-millionth of themselves, and a step has to be seen above that.
