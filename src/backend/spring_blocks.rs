@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The swing psi is the polar angle of d less the bearing, on the branch nearest to that of the last accepted pose. Mostly it is that one's swing and a small angle
-//! more, for which seven terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
+//! more, for which nine terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
 //! direction is left to [`PolarSpring`] itself. Lanes beyond the last spring repeat the first of their block without stiffness.
 
 use wide::f64x4;
@@ -21,7 +21,7 @@ use crate::model::{PolarSpring, Reaction};
 
 const LANES: usize = 4;
 /// Tangent of an angle up to which the terms of the arctangent's series that are left out stay below a rounding of one.
-const SMALL_TANGENT: f64 = 1.0 / 16.0;
+const SMALL_TANGENT: f64 = 1.0 / 8.0;
 
 /// Where swings come from.
 #[derive(Clone, Copy, PartialEq)]
@@ -47,6 +47,8 @@ pub struct SpringBlocks {
 #[derive(Clone, Copy, Debug)]
 struct Evaluated {
     pose: Pose,
+    /// By its heading.
+    turn: Mat2,
     energy: f64,
     gradient: Vec3,
 }
@@ -112,7 +114,7 @@ pub struct Accepted {
 
 impl Default for Evaluated {
     fn default() -> Self {
-        Self { pose: Pose::new(f64::NAN, f64::NAN, f64::NAN), energy: 0.0, gradient: Vec3::zeros() }
+        Self { pose: Pose::new(f64::NAN, f64::NAN, f64::NAN), turn: Mat2::zeros(), energy: 0.0, gradient: Vec3::zeros() }
     }
 }
 
@@ -214,7 +216,7 @@ impl SpringBlocks {
         }
         let mut reaction = sums.in_world(&turn);
         reaction.add(&apart);
-        self.evaluated = Evaluated { pose: *pose, energy: reaction.energy, gradient: reaction.gradient };
+        self.evaluated = Evaluated { pose: *pose, turn, energy: reaction.energy, gradient: reaction.gradient };
         reaction
     }
 
@@ -236,8 +238,7 @@ impl SpringBlocks {
         if self.evaluated.pose != *pose {
             self.reaction(pose);
         }
-        let (sin, cos) = pose.heading.sin_cos();
-        let (sin, cos) = (f64x4::splat(sin), f64x4::splat(cos));
+        let (cos, sin) = (f64x4::splat(self.evaluated.turn.m11), f64x4::splat(self.evaluated.turn.m21));
         let (mut work, mut error, mut way) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
         for block in &mut self.blocks {
             let [of_tips, change, moved] = block.accept(cos, sin);
@@ -411,11 +412,11 @@ impl Sums {
     }
 }
 
-/// t - t^3 / 3 + t^5 / 5 - ... of seven terms.
+/// t - t^3 / 3 + t^5 / 5 - ... of nine terms.
 fn small_arctangent(t: f64x4) -> f64x4 {
     let square = t * t;
-    let mut sum = f64x4::splat(1.0 / 13.0);
-    for odd in [11.0, 9.0, 7.0, 5.0, 3.0] {
+    let mut sum = f64x4::splat(1.0 / 17.0);
+    for odd in [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
         sum = f64x4::splat(1.0 / odd) - square * sum;
     }
     t - t * square * sum

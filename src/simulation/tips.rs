@@ -8,6 +8,8 @@ use crate::scenario::{Scenario, TipPath, Waypoint};
 /// Drives tips along paths. It has no state of its own: all follows from the time.
 pub struct Tips {
     paths: Vec<TipPath>,
+    /// Number of the first waypoint of each path after the last instant asked for: where to look first.
+    after: Vec<usize>,
     /// All times of waypoints and releases, in order (s).
     instants: Vec<f64>,
     targets: Vec<Vec2>,
@@ -28,7 +30,8 @@ impl Tips {
         let is_held = |path: &TipPath| path.release.is_none_or(|release| release > path.waypoints[0].time);
         let paths: Vec<TipPath> = paths.iter().map(snapped).filter(is_held).collect();
         let instants = instants_of(&paths, scenario.control_period);
-        Self { paths, instants, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
+        let after = vec![0; paths.len()];
+        Self { paths, after, instants, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
     }
 }
 
@@ -46,9 +49,18 @@ fn instants_of(paths: &[TipPath], control_period: f64) -> Vec<f64> {
     instants
 }
 
-/// Where a path is at `time` (s); at its ends before the first and after the last waypoint.
-fn position_at(path: &TipPath, time: f64) -> Vec2 {
-    let after = path.waypoints.partition_point(|at| at.time <= time);
+/// Number of the first of a path's waypoints after `time` (s), looked for near `guess` first.
+fn first_after(path: &TipPath, time: f64, guess: usize) -> usize {
+    let is_it = |at: usize| {
+        let is_after = |at: usize| path.waypoints.get(at).is_none_or(|waypoint| waypoint.time > time);
+        at <= path.waypoints.len() && is_after(at) && (at == 0 || !is_after(at - 1))
+    };
+    let near = [guess, guess + 1].into_iter().find(|at| is_it(*at));
+    near.unwrap_or_else(|| path.waypoints.partition_point(|at| at.time <= time))
+}
+
+/// Where a path is at `time` (s), with the first waypoint `after` it; at its ends before the first and after the last one.
+fn position_at(path: &TipPath, time: f64, after: usize) -> Vec2 {
     match (after.checked_sub(1).map(|i| path.waypoints[i]), path.waypoints.get(after)) {
         (Some(last), Some(next)) => {
             let share = (time - last.time) / (next.time - last.time);
@@ -62,7 +74,7 @@ fn position_at(path: &TipPath, time: f64) -> Vec2 {
 impl Driver for Tips {
     fn decide(&mut self, view: &View, orders: &mut Orders) {
         let mut event = |path: &TipPath, kind| {
-            let tip = position_at(path, view.time);
+            let tip = position_at(path, view.time, first_after(path, view.time, 0));
             orders.events.push(Event { time: view.time, spring: path.spring, ant: None, tip, kind });
         };
         for path in self.paths.iter().filter(|path| path.release == Some(view.time)) {
@@ -74,8 +86,9 @@ impl Driver for Tips {
     }
 
     fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
-        for path in &self.paths {
-            self.targets[path.spring] = position_at(path, until);
+        for (path, after) in self.paths.iter().zip(&mut self.after) {
+            *after = first_after(path, until, *after);
+            self.targets[path.spring] = position_at(path, until, *after);
         }
         &self.targets
     }
