@@ -55,10 +55,10 @@ pub struct BackendOptions {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ConeSolver {
-    /// The exact one of [`friction`].
+    /// The exact one of [`super::friction`].
     #[default]
     Exact,
-    /// An interior-point solver, for comparison: see [`quasi_static::conic`].
+    /// An interior-point solver, for comparison: see [`super::quasi_static::conic`].
     Clarabel,
 }
 

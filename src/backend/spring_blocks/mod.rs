@@ -12,25 +12,14 @@
 //! more, for which nine terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
 //! direction is left to [`PolarSpring`] itself. Lanes beyond the last spring repeat the first of their block without stiffness.
 
+mod block;
+
 use wide::f64x4;
 
 use super::held::Grip;
-use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, direction, rotation};
-use crate::model::spring::SHORTEST_LENGTH;
+use crate::math::{Mat2, Pose, Vec2, Vec3, rotation};
 use crate::model::{PolarSpring, Reaction};
-
-const LANES: usize = 4;
-/// Tangent of an angle up to which the terms of the arctangent's series that are left out stay below a rounding of one.
-const SMALL_TANGENT: f64 = 1.0 / 8.0;
-
-/// Where swings come from.
-#[derive(Clone, Copy, PartialEq)]
-enum Swings {
-    /// From where the tips are.
-    Found,
-    /// As the grips have them.
-    Given,
-}
+use block::{Block, LANES, Sums, Swings};
 
 /// All held springs, in the order of their grips.
 #[derive(Clone, Debug, Default)]
@@ -53,50 +42,6 @@ struct Evaluated {
     gradient: Vec3,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Block {
-    root: Plane,
-    /// Unit vector along the undeformed spring (load axes).
-    bearing: Plane,
-    rest_length: f64x4,
-    /// Length at and below which a spring has no direction (m); negative in lanes beyond the last spring.
-    shortest: f64x4,
-    radial: f64x4,
-    torsional: f64x4,
-    /// Now (m, world).
-    tip: Plane,
-    /// Swing at the accepted pose (rad), and its whole turns.
-    swing: f64x4,
-    turns: f64x4,
-    /// Tip at the accepted pose (m, world), and the pull of its holder there (N, world).
-    accepted_tip: Plane,
-    accepted_pull: Plane,
-    /// Unit vector from root to tip there (load axes).
-    accepted_direction: Plane,
-    /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes) at the last pose evaluated.
-    swing_there: f64x4,
-    pull_there: Plane,
-    direction_there: Plane,
-}
-
-/// Four vectors of the plane.
-#[derive(Clone, Copy, Debug, Default)]
-struct Plane {
-    x: f64x4,
-    y: f64x4,
-}
-
-/// Sums over springs in load axes: the parts of a [`Reaction`].
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    energy: f64x4,
-    pull: Plane,
-    moment: f64x4,
-    stiffness: [f64x4; 3],
-    mixed: Plane,
-    angular: f64x4,
-}
-
 /// What the tips' holders did since the last accepted pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Accepted {
@@ -115,42 +60,6 @@ pub struct Accepted {
 impl Default for Evaluated {
     fn default() -> Self {
         Self { pose: Pose::new(f64::NAN, f64::NAN, f64::NAN), turn: Mat2::zeros(), energy: 0.0, gradient: Vec3::zeros() }
-    }
-}
-
-impl Plane {
-    fn splat(v: Vec2) -> Self {
-        Self { x: f64x4::splat(v.x), y: f64x4::splat(v.y) }
-    }
-
-    fn dot(self, other: Self) -> f64x4 {
-        self.x * other.x + self.y * other.y
-    }
-
-    fn perp(self, other: Self) -> f64x4 {
-        self.x * other.y - self.y * other.x
-    }
-
-    fn less(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y }
-    }
-
-    /// Turned by the rotation whose first column is this (cos, sin).
-    fn turned(self, cos: f64x4, sin: f64x4) -> Self {
-        Self { x: cos * self.x - sin * self.y, y: sin * self.x + cos * self.y }
-    }
-
-    fn lane(&self, k: usize) -> Vec2 {
-        Vec2::new(self.x.to_array()[k], self.y.to_array()[k])
-    }
-
-    fn set_lane(&mut self, k: usize, v: Vec2) {
-        self.x.as_mut_array()[k] = v.x;
-        self.y.as_mut_array()[k] = v.y;
-    }
-
-    fn sum(self) -> Vec2 {
-        Vec2::new(self.x.reduce_add(), self.y.reduce_add())
     }
 }
 
@@ -275,163 +184,11 @@ impl SpringBlocks {
     }
 }
 
-impl Block {
-    fn set_spring(&mut self, k: usize, spring: &PolarSpring, acts: bool) {
-        self.root.set_lane(k, spring.root);
-        self.bearing.set_lane(k, direction(spring.bearing));
-        let stiffness = |value: f64| if acts { value } else { 0.0 };
-        self.rest_length.as_mut_array()[k] = spring.rest_length;
-        self.shortest.as_mut_array()[k] = if acts { (SHORTEST_LENGTH * spring.rest_length).max(f64::MIN_POSITIVE) } else { -1.0 };
-        self.radial.as_mut_array()[k] = stiffness(spring.radial_stiffness);
-        self.torsional.as_mut_array()[k] = stiffness(spring.torsional_stiffness);
-    }
-
-    fn set_grip(&mut self, k: usize, grip: &Grip) {
-        self.tip.set_lane(k, grip.tip);
-        self.swing.as_mut_array()[k] = grip.swing;
-        self.turns.as_mut_array()[k] = whole_turns(grip.swing);
-    }
-
-    /// Adds the reactions at `pose` and keeps swings and pulls there; says no, with sums of no use, when a spring is too short to have a direction.
-    fn add_to(&mut self, sums: &mut Sums, pose: &Pose, turn: &Mat2, swings: Swings) -> bool {
-        let (cos, sin) = (f64x4::splat(turn.m11), f64x4::splat(turn.m21));
-        let arm = self.tip.less(Plane::splat(pose.position)).turned(cos, -sin);
-        let d = arm.less(self.root);
-        let length = d.dot(d).sqrt();
-        if length.simd_le(self.shortest).any() {
-            return false;
-        }
-        let inverse = f64x4::ONE / length;
-        let (e_x, e_y) = (d.x * inverse, d.y * inverse);
-        let swing = if swings == Swings::Given { self.swing } else { self.swing_of(d) };
-        let stretch = length - self.rest_length;
-        let torsion = self.torsional * inverse * inverse;
-        let (radial_pull, torsional_pull) = (self.radial * stretch, torsion * length * swing);
-        let pull = Plane { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
-        (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Plane { x: e_x, y: e_y });
-
-        let across = self.radial * (stretch * inverse) + torsion;
-        let coupling = -torsion * swing;
-        let (xx, yy, xy) = (e_x * e_x, e_y * e_y, e_x * e_y);
-        let twice = coupling * (xy + xy);
-        let stiffness = [
-            self.radial * xx + across * yy - twice,
-            self.radial * yy + across * xx + twice,
-            (self.radial - across) * xy + coupling * (xx - yy),
-        ];
-        // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
-        let by_turn = Plane { x: arm.y, y: -arm.x };
-        let stiff_turn =
-            Plane { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
-        sums.energy += self.radial * stretch * stretch + self.torsional * swing * swing;
-        sums.pull.x += pull.x;
-        sums.pull.y += pull.y;
-        sums.moment += pull.dot(by_turn);
-        for (sum, entry) in sums.stiffness.iter_mut().zip(stiffness) {
-            *sum += entry;
-        }
-        sums.mixed.x += pull.y - stiff_turn.x;
-        sums.mixed.y -= pull.x + stiff_turn.y;
-        sums.angular += by_turn.dot(stiff_turn) - pull.dot(arm);
-        true
-    }
-
-    /// Polar angle of d less the bearing, on the branch of the accepted swing (rad).
-    fn swing_of(&self, d: Plane) -> f64x4 {
-        let along = self.accepted_direction.dot(d);
-        let tangent = self.accepted_direction.perp(d) / along;
-        // Not a number is not small.
-        if (tangent.abs().simd_le(f64x4::splat(SMALL_TANGENT)) & along.simd_gt(f64x4::ZERO)).all() {
-            return self.swing + small_arctangent(tangent);
-        }
-        let principal = self.bearing.perp(d).atan2(self.bearing.dot(d));
-        let swing = principal + self.turns;
-        let (pi, whole) = (f64x4::splat(std::f64::consts::PI), f64x4::splat(std::f64::consts::TAU));
-        let change = swing - self.swing;
-        let turns = (change.simd_gt(pi) & whole) - ((-change).simd_gt(pi) & whole);
-        swing - turns
-    }
-
-    /// The same by [`PolarSpring`], spring by spring.
-    fn reaction_apart(&mut self, lanes: &[(PolarSpring, Grip)], pose: &Pose, turn: &Mat2) -> Reaction {
-        let mut sum = Reaction::ZERO;
-        for (k, (spring, _)) in lanes.iter().enumerate() {
-            let shape = spring.shape(pose, &self.tip.lane(k), self.swing.to_array()[k]);
-            sum.add(&spring.reaction(pose, &shape));
-            self.swing_there.as_mut_array()[k] = shape.swing;
-            self.direction_there.set_lane(k, direction(spring.bearing + shape.swing));
-            self.pull_there.set_lane(k, -turn.tr_mul(&spring.force_on_tip(pose, &shape)));
-        }
-        for k in lanes.len()..LANES {
-            self.swing_there.as_mut_array()[k] = self.swing_there.to_array()[0];
-            self.direction_there.set_lane(k, self.direction_there.lane(0));
-            self.pull_there.set_lane(k, Vec2::zeros());
-        }
-        sum
-    }
-
-    /// Twice the work of the holders by the trapezoid rule (J), the change of the pulls times the way of the tips (J), and the squared way (m^2).
-    fn accept(&mut self, cos: f64x4, sin: f64x4) -> [f64x4; 3] {
-        let pull = self.pull_there.turned(cos, sin);
-        let way = self.tip.less(self.accepted_tip);
-        let change = pull.less(self.accepted_pull);
-        let sum = Plane { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
-        let squared_way = way.dot(way);
-        let error = (change.dot(change) * squared_way).sqrt();
-        (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.direction_there);
-        self.swing = self.swing_there;
-        let turned = f64x4::splat(std::f64::consts::PI);
-        if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
-            self.turns = f64x4::new(self.swing.to_array().map(whole_turns));
-        }
-        let acts = self.shortest.simd_gt(f64x4::ZERO);
-        [sum.dot(way), error, acts & squared_way]
-    }
-}
-
-impl Sums {
-    fn in_world(&self, turn: &Mat2) -> Reaction {
-        let [xx, yy, xy] = self.stiffness.map(f64x4::reduce_add);
-        let linear = turn * Mat2::new(xx, xy, xy, yy) * turn.transpose();
-        let (force, mixed) = (turn * self.pull.sum(), turn * self.mixed.sum());
-        Reaction {
-            energy: 0.5 * self.energy.reduce_add(),
-            gradient: Vec3::new(-force.x, -force.y, self.moment.reduce_add()),
-            hessian: Mat3::new(
-                linear.m11,
-                linear.m12,
-                mixed.x, //
-                linear.m21,
-                linear.m22,
-                mixed.y, //
-                mixed.x,
-                mixed.y,
-                self.angular.reduce_add(),
-            ),
-        }
-    }
-}
-
-/// t - t^3 / 3 + t^5 / 5 - ... of nine terms.
-fn small_arctangent(t: f64x4) -> f64x4 {
-    let square = t * t;
-    let mut sum = f64x4::splat(1.0 / 17.0);
-    for odd in [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
-        sum = f64x4::splat(1.0 / odd) - square * sum;
-    }
-    t - t * square * sum
-}
-
-/// The multiple of a whole turn in `swing` (rad) whose rest lies within half a turn.
-fn whole_turns(swing: f64) -> f64 {
-    (swing / std::f64::consts::TAU).round() * std::f64::consts::TAU
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::backend::held::HeldSprings;
-    use crate::math::{Chance, Stream};
+    use crate::math::{Chance, Mat3, Stream, direction};
 
     const STIFFNESS: f64 = 0.664;
 
