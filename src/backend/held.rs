@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::RestoreError;
-use crate::math::{Pose, Vec2, perpendicular};
+use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, Reaction, SpringShape};
 
 /// One held spring.
@@ -14,15 +14,6 @@ pub struct Grip {
     pub tip: Vec2,
     /// Swing at the last accepted pose (rad): tells which branch the next one lies on.
     pub swing: f64,
-}
-
-/// Work in one step (J).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work {
-    /// Of the tips' holders on the springs.
-    pub of_tips: f64,
-    /// Of the springs on the load.
-    pub on_load: f64,
 }
 
 /// All held springs in the order of their index. What depends on their sum does not depend on the order of grasping.
@@ -114,31 +105,7 @@ impl HeldSprings {
         self.grips.iter().all(|grip| grip.tip == targets[grip.spring])
     }
 
-    /// Work while the tips went from where `from` has them to where they are, and the load from `before` to `after`: mean of the forces at both ends
-    /// times the way. Of tips at a load that stood it is exact: all of it is in the springs.
-    pub fn trapezoid_work(&self, springs: &[PolarSpring], from: &[Grip], before: &Pose, after: &Pose) -> Work {
-        let pairs = || self.grips.iter().zip(from);
-        if before == after {
-            let gain = |(now, last): (&Grip, &Grip)| {
-                let [now, last] = [now, last].map(|grip| springs[now.spring].energy(&grip.shape(springs, before)));
-                now - last
-            };
-            return Work { of_tips: pairs().map(gain).fold(0.0, |sum, gain| sum + gain), on_load: 0.0 };
-        }
-        let (shift, turn) = (after.position - before.position, after.heading - before.heading);
-        let mut work = Work::default();
-        for (now, last) in pairs() {
-            for (grip, pose) in [(last, before), (now, after)] {
-                let force = springs[grip.spring].force_on_tip(pose, &grip.shape(springs, pose));
-                let way_on_load = shift + turn * perpendicular(&(grip.tip - pose.position));
-                work.of_tips -= 0.5 * force.dot(&(now.tip - last.tip));
-                work.on_load -= 0.5 * force.dot(&way_on_load);
-            }
-        }
-        work
-    }
-
-    /// What bounds the error of that work on a smooth path (J): half the change of the pulls times the way of the tips.
+    /// What bounds the error of the tips' work by trapezoids on a smooth path (J), since they were where `from` has them: half the change of the pulls times the way of the tips.
     pub fn largest_work_error(&self, springs: &[PolarSpring], from: &Self, before: &Pose, after: &Pose) -> f64 {
         let bound = |(now, last): (&Grip, &Grip)| {
             let spring = &springs[now.spring];

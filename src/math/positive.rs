@@ -22,11 +22,6 @@ impl PositiveDefinite {
         is_positive.then_some(Self { pivots: Vec3::new(first, second, third), lower: Vec3::new(l21, l31, l32) })
     }
 
-    /// Pivots of the three unknowns in turn.
-    pub fn pivots(&self) -> &Vec3 {
-        &self.pivots
-    }
-
     /// A^-1 b.
     pub fn solve(&self, b: &Vec3) -> Vec3 {
         let (l21, l31, l32) = (self.lower.x, self.lower.y, self.lower.z);
@@ -47,7 +42,7 @@ mod tests {
         let x = Vec3::new(0.3, -1.7, 2.2);
         // Rounding of sums of order ten times a condition number of three.
         assert!((PositiveDefinite::new(&a).unwrap().solve(&(a * x)) - x).amax() < 1e-14);
-        let determinant = PositiveDefinite::new(&a).unwrap().pivots().product();
+        let determinant = PositiveDefinite::new(&a).unwrap().pivots.product();
         assert!((determinant - a.determinant()).abs() < 1e-13);
         // Raising one off-diagonal entry to just below and above sqrt(4 * 3), with the third unknown apart, decides definiteness.
         let pair = |b: f64| Mat3::new(4.0, b, 0.0, b, 3.0, 0.0, 0.0, 0.0, 1.0);
