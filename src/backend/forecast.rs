@@ -1,4 +1,4 @@
-//! Where Newton's method starts: the last increment of a load that goes on slipping, continued.
+//! Where Newton's method starts: the last increment of a load that goes on slipping or turning about a support, continued.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,8 @@ pub struct Forecast {
     before: Option<Vec3>,
     /// Length of the last step, by a measure that is the caller's.
     step: f64,
+    /// That of both.
+    regime: Option<Regime>,
 }
 
 impl Forecast {
@@ -24,13 +26,13 @@ impl Forecast {
         Some((last + ratio * (last - before)) * ratio)
     }
 
-    /// Takes the increment of a step of this length into account; one at which not all supports slip ends what is known.
+    /// Takes the increment of a step of this length into account; rest and another regime end what was known.
     pub fn learn(&mut self, increment: &Increment, step: f64) {
-        if increment.regime != Regime::Slip {
+        if increment.regime == Regime::Stick {
             return self.forget();
         }
-        let ratio = self.ratio(step);
-        *self = Self { last: Some(increment.twist), before: self.last.map(|last| ratio * last), step };
+        let before = self.last.filter(|_| self.regime == Some(increment.regime)).map(|last| self.ratio(step) * last);
+        *self = Self { last: Some(increment.twist), before, step, regime: Some(increment.regime) };
     }
 
     /// Of a step's length to that of the last one; exactly one where they are equal but for rounding, so that a path at another pace is the same to the last bit.

@@ -34,7 +34,7 @@ pub fn problems_of(scenario: &Scenario, n: usize) -> Vec<Problem> {
         for tip in &pair[1].tips {
             held.grasp(springs, tip.spring, tip.position, &pose);
         }
-        let local = in_body_increments(&held.reaction(springs, &pose), &rotation(pose.heading), &Vec3::zeros());
+        let local = in_body_increments(&held.reaction(springs, &pose), &rotation(pose.heading));
         (!held.is_empty()).then(|| Problem { hessian: positive_definite(&local.hessian, length), drive: -local.gradient })
     };
     run.trace().rows.windows(2).filter_map(problem).take(n).collect()

@@ -49,8 +49,8 @@ pub struct References {
 
 /// Rows that a run should have at least, where its control period allows.
 const ROWS: f64 = 100.0;
-/// Steps without inertia, each a quarter of the one before, and with it, each a half.
-const N_QUASI_STATIC: i32 = 6;
+/// Steps without inertia and with it, each half of the one before.
+const N_QUASI_STATIC: i32 = 11;
 const N_INERTIAL: i32 = 10;
 /// Tolerances over the length of the path (1), from a hundredth on.
 const TOLERANCES: [f64; 6] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
@@ -81,7 +81,7 @@ impl Scene {
         let all: Vec<Level> = if method.is_controlled() {
             TOLERANCES.iter().map(|share| Level::Tolerance(share * path_length)).collect()
         } else if method.kind() == BackendKind::QuasiStatic {
-            (0..N_QUASI_STATIC).map(|i| Level::Step(row * 0.25f64.powi(i))).collect()
+            (0..N_QUASI_STATIC).map(|i| Level::Step(row * 0.5f64.powi(i))).collect()
         } else {
             let longest = LONGEST * default_step(method.kind(), &self.scenario.system, row);
             let halvings = (row / longest - 1e-9).max(1.0).log2().ceil() as i32;

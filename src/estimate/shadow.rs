@@ -131,13 +131,17 @@ impl Shadow {
     }
 
     fn in_body(&self, world: &Reaction) -> Reaction {
-        in_body_increments(world, &rotation(self.pose.heading), &Vec3::zeros())
+        in_body_increments(world, &rotation(self.pose.heading))
     }
 
     /// Direction in which a shadow at rest begins to slip, if it does.
     fn onset(&self, system: &System, pulls: &Pulls, solver: &mut FrictionSolver) -> Option<Vec3> {
+        let pull = pulls.drag - pulls.elastic.gradient;
+        if solver.rest(&-pull).is_some() {
+            return None;
+        }
         let hessian = positive_definite(&pulls.elastic.hessian, system.load.radius);
-        let twist = solver.solve(&hessian, &(pulls.drag - pulls.elastic.gradient)).increment;
+        let twist = solver.solve(&hessian, &pull).increment;
         let length = rim(&twist, system.load.radius);
         (length > 0.0 && length.is_finite()).then(|| twist / length)
     }

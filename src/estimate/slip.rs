@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix2x3;
 
-use crate::math::{Mat2, Mat3, Pose, Vec3, mean_rotation, rotation};
+use crate::math::{Arc, Mat2, Mat3, Pose, Vec3, rotation};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
 
@@ -21,7 +21,7 @@ pub fn increment(from: &Pose, to: &Pose) -> Vec3 {
     let turn = to.heading - from.heading;
     let shift = rotation(from.heading).tr_mul(&(to.position - from.position));
     // After a whole turn no shift of the twist remains; a chord stands in.
-    let straight = mean_rotation(turn).try_inverse().map_or(shift, |inverse| inverse * shift);
+    let straight = Arc::of(turn).mean_rotation().try_inverse().map_or(shift, |inverse| inverse * shift);
     Vec3::new(straight.x, straight.y, turn)
 }
 

@@ -8,7 +8,7 @@ mod statistics;
 
 pub use angle::{direction, perpendicular, rotation, unwrap_near, wrap_to_pi};
 pub use chance::{Chance, Stream};
-pub use pose::{Pose, Twist, Wrench, mean_rotation, mean_rotation_derivatives, shift_of};
+pub use pose::{Arc, Pose, Twist, Wrench, shift_of};
 pub use positive::PositiveDefinite;
 pub use statistics::{Interval, Summary, mean_interval};
 

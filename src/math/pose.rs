@@ -69,53 +69,69 @@ impl Twist {
 
 /// [`Pose::shift_by`] for a load whose axes `turn` takes to world axes.
 pub fn shift_of(turn: &Mat2, increment: &Vec3) -> Vec2 {
-    turn * (mean_rotation(increment.z) * increment.xy())
+    turn * Arc::of(increment.z).shift(&increment.xy())
 }
 
-/// V(delta): the mean of the rotations from 0 to `delta`, the left Jacobian of SE(2).
-pub fn mean_rotation(delta: f64) -> Mat2 {
-    let (along, across) = mean_rotation_entries(delta);
-    Mat2::new(along, -across, across, along)
-}
-
-/// First and second derivative of V by delta.
-pub fn mean_rotation_derivatives(delta: f64) -> (Mat2, Mat2) {
-    let ((a1, b1), (a2, b2)) = if delta.abs() < SERIES_BELOW {
-        series_derivatives(delta)
-    } else {
-        let (sin, cos) = delta.sin_cos();
-        let (a, b) = (sin / delta, (1.0 - cos) / delta);
-        let (a1, b1) = ((cos - a) / delta, (sin - b) / delta);
-        ((a1, b1), ((-sin - 2.0 * a1) / delta, (cos - 2.0 * b1) / delta))
-    };
-    (Mat2::new(a1, -b1, b1, a1), Mat2::new(a2, -b2, b2, a2))
+/// The rotation by an angle delta and the mean V of all rotations on the way there, with what V's derivatives take. Near zero nothing cancels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc {
+    delta: f64,
+    cos: f64,
+    sin: f64,
+    /// (1 - sin d / d) / d^2, (1 - cos d) / d^2 and (1 - 2 (1 - cos d) / d^2) / d^2.
+    sine_rest: f64,
+    cosine_rest: f64,
+    mean_rest: f64,
 }
 
 /// Below this angle (rad) the closed forms cancel and their Taylor series are exact: the first term left out is under 1e-17.
-const SERIES_BELOW: f64 = 0.03;
+const SERIES_BELOW: f64 = 0.25;
 
-/// (sin d / d, (1 - cos d) / d).
-fn mean_rotation_entries(delta: f64) -> (f64, f64) {
-    if delta.abs() < SERIES_BELOW {
-        let d2 = delta * delta;
-        let along = 1.0 - d2 / 6.0 * (1.0 - d2 / 20.0 * (1.0 - d2 / 42.0 * (1.0 - d2 / 72.0)));
-        let across = delta / 2.0 * (1.0 - d2 / 12.0 * (1.0 - d2 / 30.0 * (1.0 - d2 / 56.0)));
-        (along, across)
-    } else {
+impl Arc {
+    pub fn of(delta: f64) -> Self {
+        let square = delta * delta;
+        if delta.abs() < SERIES_BELOW {
+            // sum_k (-d^2)^k / (2k + 3)!, the same with (2k + 2)!, and twice that with (2k + 4)!.
+            let series = |factors: [f64; 5], first: f64| factors.iter().fold(1.0, |rest, factor| 1.0 - square * factor * rest) * first;
+            let sine_rest = series([1.0 / 156.0, 1.0 / 110.0, 1.0 / 72.0, 1.0 / 42.0, 1.0 / 20.0], 1.0 / 6.0);
+            let cosine_rest = series([1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0, 1.0 / 12.0], 1.0 / 2.0);
+            let mean_rest = series([1.0 / 182.0, 1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0], 1.0 / 12.0);
+            let (cos, sin) = (1.0 - square * cosine_rest, delta * (1.0 - square * sine_rest));
+            return Self { delta, cos, sin, sine_rest, cosine_rest, mean_rest };
+        }
+        let (sin, cos) = delta.sin_cos();
         // 1 - cos d = 2 sin^2(d / 2) keeps every digit.
         let half = (0.5 * delta).sin();
-        (delta.sin() / delta, 2.0 * half * half / delta)
+        let cosine_rest = 2.0 * half * half / square;
+        Self { delta, cos, sin, sine_rest: (1.0 - sin / delta) / square, cosine_rest, mean_rest: (1.0 - 2.0 * cosine_rest) / square }
     }
-}
 
-/// Derivatives of [`mean_rotation_entries`] from its Taylor series, five terms each.
-fn series_derivatives(d: f64) -> ((f64, f64), (f64, f64)) {
-    let d2 = d * d;
-    let a1 = d * (-1.0 / 3.0 + d2 * (1.0 / 30.0 + d2 * (-1.0 / 840.0 + d2 / 45_360.0)));
-    let b1 = 0.5 + d2 * (-1.0 / 8.0 + d2 * (1.0 / 144.0 + d2 * (-1.0 / 5_760.0 + d2 / 403_200.0)));
-    let a2 = -1.0 / 3.0 + d2 * (1.0 / 10.0 + d2 * (-1.0 / 168.0 + d2 / 6_480.0));
-    let b2 = d * (-1.0 / 4.0 + d2 * (1.0 / 36.0 + d2 * (-1.0 / 960.0 + d2 / 50_400.0)));
-    ((a1, b1), (a2, b2))
+    pub fn rotation(&self) -> Mat2 {
+        Mat2::new(self.cos, -self.sin, self.sin, self.cos)
+    }
+
+    /// V(delta): the mean of the rotations from 0 to `delta`, the left Jacobian of SE(2).
+    pub fn mean_rotation(&self) -> Mat2 {
+        let (along, across) = (1.0 - self.delta * self.delta * self.sine_rest, self.delta * self.cosine_rest);
+        Mat2::new(along, -across, across, along)
+    }
+
+    /// V u: how far the twist with the linear part `u` (m) takes the origin on this arc (m, axes at its start).
+    pub fn shift(&self, u: &Vec2) -> Vec2 {
+        self.mean_rotation() * u
+    }
+
+    /// First derivative of V by delta, seen in the axes at the end of the arc: R(-delta) V'.
+    pub fn first_at_end(&self) -> Mat2 {
+        let (along, across) = (self.delta * self.sine_rest, self.cosine_rest);
+        Mat2::new(along, -across, across, along)
+    }
+
+    /// Second derivative of V by delta, seen there.
+    pub fn second_at_end(&self) -> Mat2 {
+        let (along, across) = (-2.0 * self.sine_rest, self.delta * self.mean_rest);
+        Mat2::new(along, -across, across, along)
+    }
 }
 
 #[cfg(test)]
@@ -136,16 +152,34 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_of_the_mean_rotation_match_differences_and_join_at_the_series_limit() {
-        for delta in [0.0, 0.01, 0.0299999, 0.0300001, 0.4, -1.3, 2.9] {
+    fn arcs_are_rotations_and_their_derivatives_match_differences_on_both_sides_of_the_series() {
+        for delta in [0.0, 1e-9, 0.01, 0.2499999, 0.2500001, 0.4, -0.2, -1.3, 2.9] {
+            let arc = Arc::of(delta);
+            // Roundings of one.
+            assert!((arc.rotation() - rotation(delta)).norm() < 4e-16, "{delta}");
             let step = 1e-4;
-            let (first, second) = mean_rotation_derivatives(delta);
-            let (plus, minus) = (mean_rotation(delta + step), mean_rotation(delta - step));
+            let (plus, minus) = (Arc::of(delta + step), Arc::of(delta - step));
+            let at_end = |arc: &Arc| arc.rotation() * arc.first_at_end();
             // Central differences: step^2 / 6 times a third derivative below 0.3, then rounding / step.
-            assert!(((plus - minus) / (2.0 * step) - first).norm() < 5e-9, "{delta}");
-            let (first_plus, _) = mean_rotation_derivatives(delta + step);
-            let (first_minus, _) = mean_rotation_derivatives(delta - step);
-            assert!(((first_plus - first_minus) / (2.0 * step) - second).norm() < 5e-9, "{delta}");
+            let first = (plus.mean_rotation() - minus.mean_rotation()) / (2.0 * step);
+            assert!((first - at_end(&arc)).norm() < 5e-9, "{delta}");
+            let second = (at_end(&plus) - at_end(&minus)) / (2.0 * step);
+            assert!((second - arc.rotation() * arc.second_at_end()).norm() < 5e-9, "{delta}");
+        }
+    }
+
+    /// What series and closed forms give next to the limit between them: the digits that cancel in the latter, some ten roundings over the square.
+    #[test]
+    fn series_and_closed_forms_join() {
+        let (below, above) = (Arc::of(SERIES_BELOW - 1e-15), Arc::of(SERIES_BELOW));
+        for (a, b, tolerance) in [
+            (below.sine_rest, above.sine_rest, 1e-14),
+            (below.cosine_rest, above.cosine_rest, 1e-15),
+            (below.mean_rest, above.mean_rest, 4e-14),
+            (below.sin, above.sin, 2e-15),
+            (below.cos, above.cos, 1e-15),
+        ] {
+            assert!((a - b).abs() < tolerance, "{a} {b}");
         }
     }
 }

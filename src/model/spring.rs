@@ -64,6 +64,15 @@ impl Reaction {
         self.gradient += other.gradient;
         self.hessian += other.hessian;
     }
+
+    /// The same with derivatives by shifts along axes that `turn` takes to world axes.
+    pub fn in_axes(&self, turn: &Mat2) -> Reaction {
+        let gradient = turn.tr_mul(&self.gradient.xy());
+        let linear = turn.tr_mul(&self.hessian.fixed_view::<2, 2>(0, 0).into_owned()) * turn;
+        let mixed = turn.tr_mul(&Vec2::new(self.hessian.m13, self.hessian.m23));
+        let hessian = Mat3::new(linear.m11, linear.m12, mixed.x, linear.m21, linear.m22, mixed.y, mixed.x, mixed.y, self.hessian.m33);
+        Reaction { energy: self.energy, gradient: gradient.push(self.gradient.z), hessian }
+    }
 }
 
 /// Below this share of the rest length the direction of the spring is no longer a physical quantity: the polar law is continued with the

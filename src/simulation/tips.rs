@@ -28,11 +28,22 @@ impl Tips {
             release: path.release.map(snap),
         };
         let is_held = |path: &TipPath| path.release.is_none_or(|release| release > path.waypoints[0].time);
-        let paths: Vec<TipPath> = paths.iter().map(snapped).filter(is_held).collect();
-        let instants = instants_of(&paths, scenario.control_period);
+        let is_snapped = |path: &TipPath| times_of(path).all(|time| snap(time) == time);
+        let (paths, instants) = if paths.iter().all(|path| is_snapped(path) && is_held(path)) {
+            (paths.to_vec(), instants)
+        } else {
+            let paths: Vec<TipPath> = paths.iter().map(snapped).filter(is_held).collect();
+            let instants = instants_of(&paths, scenario.control_period);
+            (paths, instants)
+        };
         let after = vec![0; paths.len()];
         Self { paths, after, instants, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
     }
+}
+
+/// Times of a path's waypoints, and of its release (s).
+fn times_of(path: &TipPath) -> impl Iterator<Item = f64> + '_ {
+    path.waypoints.iter().map(|at| at.time).chain(path.release)
 }
 
 /// All times of waypoints and releases in order (s), ticks in place of what is within rounding of them, and one of each group within rounding.
@@ -42,8 +53,8 @@ fn instants_of(paths: &[TipPath], control_period: f64) -> Vec<f64> {
         let tick = (time / control_period).round() * control_period;
         if (time - tick).abs() <= same { tick } else { time }
     };
-    let times = |path: &TipPath| path.waypoints.iter().map(|at| at.time).chain(path.release).collect::<Vec<_>>();
-    let mut instants: Vec<f64> = paths.iter().flat_map(times).map(at_tick).collect();
+    let mut instants = Vec::with_capacity(paths.iter().map(|path| path.waypoints.len() + 1).sum());
+    paths.iter().for_each(|path| instants.extend(times_of(path).map(at_tick)));
     instants.sort_by(f64::total_cmp);
     instants.dedup_by(|later, kept| *later - *kept <= same);
     instants

@@ -15,7 +15,7 @@ use std::rc::Rc;
 use cohaul::backend::held::HeldSprings;
 use cohaul::backend::quasi_static::QuasiStatic;
 use cohaul::backend::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, StepReport, Stepping};
-use cohaul::math::{Pose, Vec2, mean_rotation, rotation};
+use cohaul::math::{Arc, Pose, Vec2, rotation};
 use cohaul::model::System;
 use cohaul::model::support::slip_velocity;
 
@@ -93,7 +93,7 @@ const ROUNDING: f64 = 1e-30;
 fn friction_loss(system: &System, from: &Pose, to: &Pose) -> f64 {
     let turn = to.heading - from.heading;
     let shift = rotation(from.heading).tr_mul(&(to.position - from.position));
-    let twist = (mean_rotation(turn).try_inverse().expect("less than a whole turn") * shift).push(turn);
+    let twist = (Arc::of(turn).mean_rotation().try_inverse().expect("less than a whole turn") * shift).push(turn);
     let supports = system.ground.supports.iter().zip(system.ground.slip_limits());
     supports.map(|(support, limit)| limit * slip_velocity(&support.offset, &twist).norm()).sum()
 }

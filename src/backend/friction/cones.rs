@@ -25,6 +25,9 @@ pub(super) struct Cones {
     length: f64,
     /// Unit of force (N): the sum of the limits.
     force: f64,
+    /// What scales each entry of a gradient, and of a Hessian.
+    per_gradient: Vec3,
+    per_hessian: Mat3,
     /// (sum_i c_i^2 B_i' B_i)^-1, if there is one: least-norm forces for a wrench, each in units of its limit.
     balance: Option<Mat3>,
     /// Largest change of each cone's force, as the certificate of rest makes it, by a change of the wrench; empty where there is none.
@@ -44,6 +47,8 @@ impl Cones {
         let carrying: Vec<Vec2> =
             ground.supports.iter().zip(ground.slip_limits()).filter(|(_, c)| *c > 0.0).map(|(s, _)| s.offset).collect();
         let Frame { centre, length, cluster, point } = Frame::of(&carrying, length_scale);
+        let force = if force > 0.0 { force } else { 1.0 };
+        let units = Vec3::new(length, length, 1.0);
         let mut cones = Cones {
             offsets: Vec::new(),
             limits: Vec::new(),
@@ -51,7 +56,9 @@ impl Cones {
             cluster,
             centre,
             length,
-            force: if force > 0.0 { force } else { 1.0 },
+            force,
+            per_gradient: units / (length * force),
+            per_hessian: units * units.transpose() / (length * force),
             balance: None,
             sways: Vec::new(),
         };
@@ -125,26 +132,25 @@ impl Cones {
 
     /// H and w in scaled units: energies over length times force.
     pub fn scaled(&self, hessian: &Mat3, drive: &Vec3) -> (Mat3, Vec3) {
-        let units = self.twist_units();
-        let energy = self.length * self.force;
-        let in_units = |hessian: &Mat3| Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j] / energy);
-        let Some(centre) = self.centre else { return (in_units(hessian), drive.component_mul(&units) / energy) };
+        let Some(centre) = self.centre else { return (hessian.component_mul(&self.per_hessian), self.scaled_gradient(drive)) };
         let map = Mat3::new(1.0, 0.0, centre.y, 0.0, 1.0, -centre.x, 0.0, 0.0, 1.0);
-        (in_units(&(map.transpose() * hessian * map)), map.tr_mul(drive).component_mul(&units) / energy)
+        ((map.transpose() * hessian * map).component_mul(&self.per_hessian), self.scaled_gradient(drive))
+    }
+
+    /// w alone.
+    pub fn scaled_gradient(&self, gradient: &Vec3) -> Vec3 {
+        let at_centre = |centre: Vec2| Vec3::new(gradient.x, gradient.y, gradient.z + centre.y * gradient.x - centre.x * gradient.y);
+        self.centre.map_or(*gradient, at_centre).component_mul(&self.per_gradient)
     }
 
     pub fn unscaled_twist(&self, twist: &Vec3) -> Vec3 {
-        let twist = twist.component_mul(&self.twist_units());
+        let twist = Vec3::new(self.length * twist.x, self.length * twist.y, twist.z);
         self.centre.map_or(twist, |centre| slip_velocity(&-centre, &twist).push(twist.z))
     }
 
     pub fn scaled_twist(&self, twist: &Vec3) -> Vec3 {
         let at_centre = self.centre.map_or(twist.xy(), |centre| slip_velocity(&centre, twist));
         Vec3::new(at_centre.x / self.length, at_centre.y / self.length, twist.z)
-    }
-
-    fn twist_units(&self) -> Vec3 {
-        Vec3::new(self.length, self.length, 1.0)
     }
 
     pub fn first_support_of(&self, cone: usize) -> usize {

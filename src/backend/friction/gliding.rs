@@ -43,10 +43,11 @@ impl FrictionSolver {
     }
 
     /// Takes an increment at which all supports slip as the last solution.
-    pub fn keep_gliding(&mut self, increment: &Vec3) {
+    pub fn keep_gliding(&mut self, increment: &Vec3) -> Regime {
         let twist = self.cones.scaled_twist(increment);
         self.cones.write_slip_forces(&twist, &mut self.last.forces);
         self.keep(&Candidate { twist, regime: Regime::Slip });
+        Regime::Slip
     }
 }
 

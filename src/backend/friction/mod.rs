@@ -139,6 +139,20 @@ impl FrictionSolver {
         }
     }
 
+    /// Whether a load that was at rest in the last answer stays there under this `gradient` (N, N, N m) of what acts besides friction: the residual (1) of
+    /// that, which is then the last answer; `None`, with nothing changed, where it was not, or that is not sure at once.
+    pub fn rest(&mut self, gradient: &Vec3) -> Option<f64> {
+        if self.conic.is_some() || self.last.slipped || self.last.pin.is_some() {
+            return None;
+        }
+        let w = -self.cones.scaled_gradient(gradient);
+        self.cones.stick_forces(&w, &mut self.last.forces).then(|| {
+            let residual = self.cones.residual(&Mat3::zeros(), &w, &Vec3::zeros(), &self.last.forces);
+            self.keep(&Candidate { twist: Vec3::zeros(), regime: Regime::Stick });
+            residual
+        })
+    }
+
     /// By how much the wrench may change (scaled) with the load of the last solution, one at rest, surely staying where it is.
     pub fn stick_room(&self) -> f64 {
         if self.conic.is_some() { 0.0 } else { self.cones.room(&self.last.forces) }
@@ -152,7 +166,7 @@ impl FrictionSolver {
     /// This solver with the forces by which a load at rest goes on to bear `drive` (N, N, N m).
     pub fn bearing(&self, drive: &Vec3) -> Self {
         let mut bearing = self.clone();
-        let (_, w) = self.cones.scaled(&Mat3::zeros(), drive);
+        let w = self.cones.scaled_gradient(drive);
         if bearing.cones.stick_forces(&w, &mut bearing.last.forces) {
             bearing.cones.share_forces(&bearing.last.forces, &mut bearing.support_forces);
         }

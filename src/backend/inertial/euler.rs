@@ -8,7 +8,7 @@ use super::{Problem, Stepped};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
-use crate::math::Twist;
+use crate::math::{Pose, Twist};
 
 pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let Problem { system, start: Motion { pose: before, twist }, springs, dashpots, forecast, step, .. } = problem;
@@ -16,8 +16,8 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
         Potential { start: before, springs, dashpots, inertia: Some(Coasting::of(&system.load, &twist, step)), springs_at: Stage::END };
     let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
     forecast.learn(&found, step);
-    let Increment { twist: increment, friction, regime, report } = found;
-    let pose = before.moved_by(&increment);
-    let twist = Twist { linear: before.shift_by(&increment) / step, angular: increment.z / step };
+    let Increment { twist: increment, shift, friction, regime, report } = found;
+    let pose = Pose { position: before.position + shift, heading: before.heading + increment.z };
+    let twist = Twist { linear: shift / step, angular: increment.z / step };
     Stepped { motion: Motion { pose, twist }, stage: pose, friction, regime, report }
 }

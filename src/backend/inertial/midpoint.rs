@@ -33,8 +33,8 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
         Potential { start: half_way, springs, dashpots, inertia: Some(Coasting::of(&system.load, &old, step)), springs_at: stage };
     let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
     forecast.learn(&found, step);
-    let Increment { twist: increment, regime, report, .. } = found;
-    let twist = Twist { linear: half_way.shift_by(&increment) / step, angular: increment.z / step };
+    let Increment { twist: increment, shift, regime, report, .. } = found;
+    let twist = Twist { linear: shift / step, angular: increment.z / step };
     let pose = drifted(&half_way, &twist, 0.5 * step);
     let moved = 0.5 * (coasted + increment);
     let slipping = system.ground.supports.iter().zip(solver.forces());

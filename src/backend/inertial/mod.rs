@@ -19,10 +19,10 @@ use super::controlled::{self, FirstOrder, Way};
 use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
-use super::spring_blocks::SpringBlocks;
+use super::spring_blocks::{Place, SpringBlocks};
 use super::transition::{Transition, TransitionKind};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in};
-use crate::math::{Pose, Twist, Vec2};
+use crate::math::{Mat2, Pose, Twist, Vec2};
 use crate::model::System;
 use dashpots::Dashpots;
 
@@ -61,6 +61,8 @@ pub(super) struct State {
     forecast: Forecast,
     /// The held springs have changed since they were last evaluated.
     is_stale: bool,
+    /// Rotation by the heading as the springs were last evaluated with it: only that gives them the same bits again.
+    turn: Mat2,
     /// Stride to start the next advance with under error control (s).
     stride: f64,
     warm_start: WarmStart,
@@ -117,6 +119,7 @@ impl Inertial {
             undisturbed: false,
             forecast: Forecast::default(),
             is_stale: true,
+            turn: Mat2::identity(),
             stride: f64::MAX,
             warm_start: solver.warm_start().clone(),
         };
@@ -154,7 +157,7 @@ impl Inertial {
     fn gather(&mut self) {
         if std::mem::take(&mut self.state.is_stale) {
             self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.start(&self.state.motion.pose);
+            self.springs.start(&Place::of(&self.state.motion.pose));
         }
     }
 
@@ -167,6 +170,7 @@ impl Inertial {
             on_dashpots -= force.dot(&(tip - last.tip));
             self.state.dashpot_on_tip[last.spring] = force;
         }
+        self.state.turn = self.springs.place().turn;
         self.springs.scatter(self.state.held.grips_mut());
         let kinetic = self.system.load.kinetic_energy(&motion.twist);
         let state = &mut self.state;
@@ -359,7 +363,7 @@ impl Backend for Inertial {
         self.state = state;
         if !self.state.is_stale {
             self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.start(&self.state.motion.pose);
+            self.springs.start(&Place { pose: self.state.motion.pose, turn: self.state.turn });
         }
         Ok(())
     }

@@ -13,13 +13,13 @@ use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
 use super::increment::{Increment, Potential, Stage, minimise};
-use super::spring_blocks::{Accepted, SpringBlocks};
+use super::spring_blocks::{Accepted, Place, SpringBlocks};
 use super::stick_bound::StickBound;
 use super::transition::{Transition, TransitionKind};
 use super::{
     Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SavedState, Skip, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in,
 };
-use crate::math::{Pose, Twist, Vec2, Vec3, rotation};
+use crate::math::{Mat2, Pose, Twist, Vec2, Vec3, rotation};
 use crate::model::System;
 
 /// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
@@ -60,6 +60,8 @@ pub(super) struct State {
     /// Their tips have gone on since then, with a load that surely stood: its books lag behind.
     is_waiting: bool,
     stick: StickBound,
+    /// Rotation by the heading as the springs were last evaluated with it: only that gives them the same bits again.
+    turn: Mat2,
     /// Stride to start the next advance with under error control (s).
     stride: f64,
     warm_start: WarmStart,
@@ -85,6 +87,7 @@ impl QuasiStatic {
             is_waiting: false,
             stick: StickBound::default(),
             stride: f64::MAX,
+            turn: Mat2::identity(),
             warm_start,
         };
         Self { system, stepping, skips, solver, state, springs: SpringBlocks::default(), from: Vec::new(), transitions: Vec::new() }
@@ -171,7 +174,7 @@ impl QuasiStatic {
         self.catch_up();
         if std::mem::take(&mut self.state.is_stale) {
             self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.start(&self.state.motion.pose);
+            self.springs.start(&Place::of(&self.state.motion.pose));
         }
     }
 
@@ -228,8 +231,8 @@ impl QuasiStatic {
             Some(step) => self.state.forecast.learn(&increment, step),
             None => self.state.forecast.forget(),
         }
-        let Increment { twist, friction, regime, mut report } = increment;
-        let mut pose = before.moved_by(&twist);
+        let Increment { twist, shift, friction, regime, mut report } = increment;
+        let mut pose = Pose { position: before.position + shift, heading: before.heading + twist.z };
         if pose.is_finite() {
             self.state.regime = regime;
             self.state.energy.friction += friction;
@@ -238,6 +241,7 @@ impl QuasiStatic {
             pose = before;
         }
         let accepted = self.springs.accept(&pose);
+        self.state.turn = self.springs.place().turn;
         self.springs.scatter(self.state.held.grips_mut());
         match self.state.regime {
             Regime::Stick if self.skips.stick_bound && pose == before && report.status == Status::Converged => {
@@ -411,7 +415,7 @@ impl Backend for QuasiStatic {
         self.state = state;
         if !self.state.is_stale {
             self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.start(&self.state.motion.pose);
+            self.springs.start(&Place { pose: self.state.motion.pose, turn: self.state.turn });
         }
         Ok(())
     }

@@ -3,7 +3,8 @@
 use wide::f64x4;
 
 use super::super::held::Grip;
-use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, direction};
+use super::Place;
+use crate::math::{Mat3, Vec2, Vec3, direction};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::{PolarSpring, Reaction};
 
@@ -117,10 +118,10 @@ impl Block {
         self.turns.as_mut_array()[k] = whole_turns(grip.swing);
     }
 
-    /// Adds the reactions at `pose` and keeps swings and pulls there; says no, with sums of no use, when a spring is too short to have a direction.
-    pub fn add_to(&mut self, sums: &mut Sums, pose: &Pose, turn: &Mat2, swings: Swings) -> bool {
-        let (cos, sin) = (f64x4::splat(turn.m11), f64x4::splat(turn.m21));
-        let arm = self.tip.less(Plane::splat(pose.position)).turned(cos, -sin);
+    /// Adds the reactions at a place and keeps swings and pulls there; says no, and adds nothing, when a spring is too short to have a direction.
+    pub fn add_to(&mut self, sums: &mut Sums, at: &Place, swings: Swings) -> bool {
+        let (cos, sin) = (f64x4::splat(at.turn.m11), f64x4::splat(at.turn.m21));
+        let arm = self.tip.less(Plane::splat(at.pose.position)).turned(cos, -sin);
         let d = arm.less(self.root);
         let length = d.dot(d).sqrt();
         if length.simd_le(self.shortest).any() {
@@ -177,8 +178,8 @@ impl Block {
         swing - turns
     }
 
-    /// The same by [`PolarSpring`], spring by spring.
-    pub fn reaction_apart(&mut self, lanes: &[(PolarSpring, Grip)], pose: &Pose, turn: &Mat2) -> Reaction {
+    /// The same by [`PolarSpring`], spring by spring, with derivatives in world axes.
+    pub fn reaction_apart(&mut self, lanes: &[(PolarSpring, Grip)], Place { pose, turn }: &Place) -> Reaction {
         let mut sum = Reaction::ZERO;
         for (k, (spring, _)) in lanes.iter().enumerate() {
             let shape = spring.shape(pose, &self.tip.lane(k), self.swing.to_array()[k]);
@@ -215,19 +216,19 @@ impl Block {
 }
 
 impl Sums {
-    pub fn in_world(&self, turn: &Mat2) -> Reaction {
+    /// Derivatives by shifts along the load's axes and by the heading.
+    pub fn in_load(&self) -> Reaction {
         let [xx, yy, xy] = self.stiffness.map(f64x4::reduce_add);
-        let linear = turn * Mat2::new(xx, xy, xy, yy) * turn.transpose();
-        let (force, mixed) = (turn * self.pull.sum(), turn * self.mixed.sum());
+        let (pull, mixed) = (self.pull.sum(), self.mixed.sum());
         Reaction {
             energy: 0.5 * self.energy.reduce_add(),
-            gradient: Vec3::new(-force.x, -force.y, self.moment.reduce_add()),
+            gradient: Vec3::new(-pull.x, -pull.y, self.moment.reduce_add()),
             hessian: Mat3::new(
-                linear.m11,
-                linear.m12,
+                xx,
+                xy,
                 mixed.x, //
-                linear.m21,
-                linear.m22,
+                xy,
+                yy,
                 mixed.y, //
                 mixed.x,
                 mixed.y,

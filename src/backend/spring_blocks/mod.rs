@@ -14,6 +14,7 @@
 
 mod block;
 
+use serde::{Deserialize, Serialize};
 use wide::f64x4;
 
 use super::held::Grip;
@@ -32,12 +33,17 @@ pub struct SpringBlocks {
     accepted: Evaluated,
 }
 
-/// A pose, and energy (J) and gradient of all springs there.
+/// A pose of the load, and the rotation by its heading, to whatever last bits that was found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    pub pose: Pose,
+    pub turn: Mat2,
+}
+
+/// Energy (J) of all springs at a place and its gradient, in world axes.
 #[derive(Clone, Copy, Debug)]
 struct Evaluated {
-    pose: Pose,
-    /// By its heading.
-    turn: Mat2,
+    at: Place,
     energy: f64,
     gradient: Vec3,
 }
@@ -59,7 +65,14 @@ pub struct Accepted {
 
 impl Default for Evaluated {
     fn default() -> Self {
-        Self { pose: Pose::new(f64::NAN, f64::NAN, f64::NAN), turn: Mat2::zeros(), energy: 0.0, gradient: Vec3::zeros() }
+        let nowhere = Place { pose: Pose::new(f64::NAN, f64::NAN, f64::NAN), turn: Mat2::zeros() };
+        Self { at: nowhere, energy: 0.0, gradient: Vec3::zeros() }
+    }
+}
+
+impl Place {
+    pub fn of(pose: &Pose) -> Self {
+        Self { pose: *pose, turn: rotation(pose.heading) }
     }
 }
 
@@ -99,34 +112,40 @@ impl SpringBlocks {
         self.evaluated = Evaluated::default();
     }
 
-    /// Takes `pose` as the accepted one, with the swings as gathered.
-    pub fn start(&mut self, pose: &Pose) {
-        self.evaluate(pose, Swings::Given);
-        self.accept(pose);
+    /// Takes a place as the accepted one, with the swings as gathered.
+    pub fn start(&mut self, at: &Place) {
+        self.evaluate(at, Swings::Given);
+        self.accept(&at.pose);
     }
 
-    /// Sum of the reactions of all springs at `pose`.
-    pub fn reaction(&mut self, pose: &Pose) -> Reaction {
-        self.evaluate(pose, Swings::Found)
+    /// Sum of the reactions of all springs, with derivatives by shifts along the load's axes and by its heading.
+    pub fn reaction(&mut self, at: &Place) -> Reaction {
+        self.evaluate(at, Swings::Found)
     }
 
-    fn evaluate(&mut self, pose: &Pose, swings: Swings) -> Reaction {
-        let turn = rotation(pose.heading);
+    fn evaluate(&mut self, at: &Place, swings: Swings) -> Reaction {
         let mut sums = Sums::default();
-        let mut apart = Reaction::ZERO;
-        for (at, block) in self.blocks.iter_mut().enumerate() {
-            let mut of_block = sums;
-            if block.add_to(&mut of_block, pose, &turn, swings) {
-                sums = of_block;
-            } else {
-                let n = (self.n - at * LANES).min(LANES);
-                apart.add(&block.reaction_apart(&self.lanes[at * LANES..at * LANES + n], pose, &turn));
+        let mut apart: Option<Reaction> = None;
+        for (i, block) in self.blocks.iter_mut().enumerate() {
+            if !block.add_to(&mut sums, at, swings) {
+                let n = (self.n - i * LANES).min(LANES);
+                apart.get_or_insert(Reaction::ZERO).add(&block.reaction_apart(&self.lanes[i * LANES..i * LANES + n], at));
             }
         }
-        let mut reaction = sums.in_world(&turn);
-        reaction.add(&apart);
-        self.evaluated = Evaluated { pose: *pose, turn, energy: reaction.energy, gradient: reaction.gradient };
+        let mut reaction = sums.in_load();
+        if let Some(apart) = apart {
+            reaction.add(&apart.in_axes(&at.turn));
+        }
+        let force = at.turn * reaction.gradient.xy();
+        self.evaluated = Evaluated { at: *at, energy: reaction.energy, gradient: force.push(reaction.gradient.z) };
         reaction
+    }
+
+    /// Evaluates at `pose` unless that is where it was done last.
+    fn evaluate_at(&mut self, pose: &Pose) {
+        if self.evaluated.at.pose != *pose {
+            self.reaction(&Place::of(pose));
+        }
     }
 
     /// Tips now, in the order of the grips (m, world).
@@ -136,18 +155,15 @@ impl SpringBlocks {
 
     /// Elastic energy at `pose` (J).
     pub fn energy(&mut self, pose: &Pose) -> f64 {
-        if self.evaluated.pose != *pose {
-            self.reaction(pose);
-        }
+        self.evaluate_at(pose);
         self.evaluated.energy
     }
 
     /// Takes `pose` and the tips as they are as the new start.
     pub fn accept(&mut self, pose: &Pose) -> Accepted {
-        if self.evaluated.pose != *pose {
-            self.reaction(pose);
-        }
-        let (cos, sin) = (f64x4::splat(self.evaluated.turn.m11), f64x4::splat(self.evaluated.turn.m21));
+        self.evaluate_at(pose);
+        let turn = &self.evaluated.at.turn;
+        let (cos, sin) = (f64x4::splat(turn.m11), f64x4::splat(turn.m21));
         let (mut work, mut error, mut way) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
         for block in &mut self.blocks {
             let [of_tips, change, moved] = block.accept(cos, sin);
@@ -156,16 +172,21 @@ impl SpringBlocks {
             way += moved;
         }
         let (last, now) = (self.accepted, self.evaluated);
-        let moved =
-            Vec3::new(pose.position.x - last.pose.position.x, pose.position.y - last.pose.position.y, pose.heading - last.pose.heading);
+        let from = &last.at.pose;
+        let moved = (pose.position - from.position).push(pose.heading - from.heading);
         self.accepted = now;
         Accepted {
             elastic: now.energy,
-            of_tips: if now.pose == last.pose { now.energy - last.energy } else { 0.5 * work.reduce_add() },
+            of_tips: if *pose == *from { now.energy - last.energy } else { 0.5 * work.reduce_add() },
             on_load: -0.5 * (last.gradient + now.gradient).dot(&moved),
             error: 0.5 * error.reduce_add(),
             tips_stood: way.reduce_add() == 0.0,
         }
+    }
+
+    /// The accepted place.
+    pub fn place(&self) -> &Place {
+        &self.accepted.at
     }
 
     /// Force on the tip of the grip in this place at the accepted pose (N, world), Eq. (10).
@@ -214,6 +235,10 @@ mod tests {
         (springs, held)
     }
 
+    fn in_load(blocks: &mut SpringBlocks, pose: &Pose) -> Reaction {
+        blocks.reaction(&Place::of(pose))
+    }
+
     fn assert_equal(blocks: &Reaction, springs: &Reaction, n: u32) {
         // Some ten roundings of each of n terms, of the size that springs of 2 cm give them; turns count over the extent of load and spring, 4 cm.
         let tolerance = 4e-15 * f64::from(n);
@@ -237,12 +262,12 @@ mod tests {
             let (springs, mut held) = held(n, 7 + u64::from(n));
             let mut blocks = SpringBlocks::default();
             blocks.gather(&springs, held.grips());
-            blocks.start(&Pose::new(0.0, 0.0, 0.0));
+            blocks.start(&Place::of(&Pose::new(0.0, 0.0, 0.0)));
             for step in 1..40 {
                 let t = f64::from(step);
                 let stride = if step % 5 == 0 { 0.3 } else { 2e-3 };
                 let pose = Pose::new(3e-3 * (0.7 * t).sin(), 2e-3 * t.cos(), stride * t.sin());
-                assert_equal(&blocks.reaction(&pose), &held.reaction(&springs, &pose), n);
+                assert_equal(&in_load(&mut blocks, &pose), &held.reaction(&springs, &pose).in_axes(&rotation(pose.heading)), n);
                 blocks.accept(&pose);
                 held.accept(&springs, &pose);
                 let mut grips = held.grips().to_vec();
@@ -264,14 +289,14 @@ mod tests {
         let mut blocks = SpringBlocks::default();
         let still = Pose::new(0.0, 0.0, 0.0);
         blocks.gather(&springs, held.grips());
-        blocks.start(&still);
+        blocks.start(&Place::of(&still));
         let from = held.grips().to_vec();
         for step in 0..=60 {
             let angle = 0.4 * f64::from(step);
             let targets: Vec<Vec2> = springs.iter().map(|spring| spring.root + 0.02 * direction(spring.bearing + angle)).collect();
             blocks.place_tips(&from, &targets, 1.0);
             held.place_tips(&from, &targets, 1.0);
-            assert_equal(&blocks.reaction(&still), &held.reaction(&springs, &still), 10);
+            assert_equal(&in_load(&mut blocks, &still), &held.reaction(&springs, &still), 10);
             blocks.accept(&still);
             held.accept(&springs, &still);
         }
@@ -280,7 +305,7 @@ mod tests {
         on_root[1] = springs[1].root;
         blocks.place_tips(&from, &on_root, 1.0);
         held.place_tips(&from, &on_root, 1.0);
-        let (block, apart) = (blocks.reaction(&still), held.reaction(&springs, &still));
+        let (block, apart) = (in_load(&mut blocks, &still), held.reaction(&springs, &still));
         assert!((block.energy - apart.energy).abs() <= 1e-14 * apart.energy && block.gradient.iter().all(|v| v.is_finite()));
         // A root has the stiffness k_t / l^2 of the shortest length, 7e11 N/m.
         assert!((block.hessian - apart.hessian).amax() <= 1e-12 * apart.hessian.amax());
@@ -293,7 +318,7 @@ mod tests {
         let mut blocks = SpringBlocks::default();
         let still = Pose::new(0.0, 0.0, 0.0);
         blocks.gather(&springs, held.grips());
-        blocks.start(&still);
+        blocks.start(&Place::of(&still));
         let before = blocks.energy(&still);
         let targets: Vec<Vec2> = held.grips().iter().map(|grip| grip.tip + Vec2::new(1e-3, -2e-3)).collect();
         blocks.place_tips(held.grips(), &targets, 1.0);
