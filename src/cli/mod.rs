@@ -4,6 +4,7 @@
 //! else to standard error.
 
 mod bench;
+mod calibrate;
 mod check;
 mod compare;
 mod interrupt;
@@ -49,6 +50,9 @@ enum Command {
     Bench(bench::BenchArgs),
     /// Run scenes far beyond what they are made for and say where which backend breaks, and why
     Stress(stress::StressArgs),
+    /// Springs as force sensors: fit them to measurements, design them, read forces off recorded tips
+    #[command(subcommand)]
+    Calibrate(calibrate::CalibrateCommand),
     /// Look at scenario files
     #[command(subcommand)]
     Scenario(scenario::ScenarioCommand),
@@ -132,6 +136,7 @@ pub fn main() -> ExitCode {
         Command::Verify(args) => verify::verify(args),
         Command::Bench(args) => bench::bench(args),
         Command::Stress(args) => stress::stress(args),
+        Command::Calibrate(command) => calibrate::calibrate(command),
         Command::Scenario(command) => scenario::scenario(command),
     };
     match done {

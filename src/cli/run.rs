@@ -42,6 +42,9 @@ pub struct RunArgs {
     /// Folder for trace, events, figures, summary and manifest
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Also write tips.csv, the held tips as `cohaul calibrate forces` reads them
+    #[arg(long, requires = "out")]
+    tips: bool,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
@@ -101,7 +104,8 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         let options = serde_json::to_value(options).expect("options are plain data");
         let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
         let n_springs = scenario.system.springs.len();
-        write_run(out, &RunFiles { summary: &summary, trace: &trace, n_springs, scene: &Scene::of(&scenario), manifest: &manifest })?;
+        let (scene, with_tips) = (Scene::of(&scenario), args.tips);
+        write_run(out, &RunFiles { summary: &summary, trace: &trace, n_springs, with_tips, scene: &scene, manifest: &manifest })?;
     }
     if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;

@@ -17,6 +17,8 @@
 //! stress.rs    stress maps: JSON, text and files; stress_map.rs draws one as a heat map
 //! text.rs      a run summary as a text table
 //! verification.rs  a verification: JSON, text and files
+//! calibration.rs  a calibration, a design, forces on tips: JSON and files; calibration_text.rs as text
+//! tips.rs      tips.csv
 //! bench.rs     a benchmark: JSON; bench_text.rs as text, bench_files.rs its files
 //! progress.rs  a progress bar on standard error
 //! ```
@@ -24,6 +26,8 @@
 mod bench;
 mod bench_files;
 mod bench_text;
+mod calibration;
+mod calibration_text;
 mod check;
 mod comparison;
 pub mod figure;
@@ -38,6 +42,7 @@ mod stress;
 mod stress_map;
 pub mod table;
 mod text;
+mod tips;
 mod verification;
 
 #[cfg(test)]
@@ -46,6 +51,8 @@ pub(crate) mod synthetic;
 pub use bench::{BenchLine, Benchmark, FitLine, GrowthLine, Noise, SolverLine};
 pub use bench_files::write_benchmark;
 pub use bench_text::bench_text;
+pub use calibration::{DesignReport, FORCE_COLUMNS, ForcesReport, fit_json, write_calibration, write_design, write_tip_forces};
+pub use calibration_text::fit_text;
 pub use check::{CheckReport, check_text, this_build, write_check};
 pub use comparison::{Comparison, Tiers, compare_text, write_comparison};
 pub use folder::{FolderError, OutputFolder, check_target};
@@ -59,4 +66,5 @@ pub use quantity::{number, quantity};
 pub use run::{RunFiles, write_run};
 pub use stress::{Stress, stress_list, stress_text, write_stress};
 pub use text::{inertia_warning, run_text};
+pub use tips::{TIP_COLUMNS, write_tips};
 pub use verification::{Line, Question, Verification, list_text, verify_text, write_verification};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::figure::{self, Labelled, Scene};
-use super::{FolderError, Manifest, OutputFolder, RunSummary, table};
+use super::{FolderError, Manifest, OutputFolder, RunSummary, table, write_tips};
 use crate::simulation::Trace;
 
 /// What is written of a run.
@@ -12,6 +12,8 @@ pub struct RunFiles<'a> {
     pub summary: &'a RunSummary,
     pub trace: &'a Trace,
     pub n_springs: usize,
+    /// Whether `tips.csv` is written too.
+    pub with_tips: bool,
     pub scene: &'a Scene,
     pub manifest: &'a Manifest,
 }
@@ -30,6 +32,9 @@ pub fn write_run(target: &Path, files: &RunFiles) -> Result<(), FolderError> {
     let mut folder = if files.summary.wall_s < WORTH_WAITING { folder.unsynced() } else { folder };
     folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
     folder.write("trace.csv", |out| table::write_trace(files.trace, files.n_springs, out))?;
+    if files.with_tips {
+        folder.write("tips.csv", |out| write_tips(files.trace, out))?;
+    }
     folder.write("events.csv", |out| table::write_events(files.trace, out))?;
     folder.write("transitions.csv", |out| table::write_transitions(files.trace, out))?;
     let labelled = [Labelled { label: files.summary.backend.name(), trace: files.trace }];
@@ -53,7 +58,7 @@ mod tests {
         let (mut trace, scene, manifest) = (synthetic::trace(200, 1.0), Scene::default(), manifest());
         trace.rows[150].motion.twist.angular = f64::INFINITY;
         let write = |trace: &Trace| {
-            let files = RunFiles { summary: &summary, trace, n_springs: 4, scene: &scene, manifest: &manifest };
+            let files = RunFiles { summary: &summary, trace, n_springs: 4, with_tips: false, scene: &scene, manifest: &manifest };
             write_run(&target, &files)
         };
         let error = write(&trace).unwrap_err().to_string();

@@ -219,7 +219,7 @@ fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
     if dense {
         return runs.map(|run| band(&curve.style, &thin::columns(run, (width / DENSE_COLUMN) as usize))).collect();
     }
-    if matches!(curve.shape, Shape::Marked | Shape::Crosses | Shape::Unseen) {
+    if matches!(curve.shape, Shape::Marked | Shape::Crosses | Shape::Dots | Shape::Area | Shape::Unseen) {
         return marked(curve, runs);
     }
     let thinned = |run: &[[f64; 2]]| match curve.shape {
@@ -245,9 +245,22 @@ fn marked<'a>(curve: &Curve, runs: impl Iterator<Item = &'a [[f64; 2]]>) -> Vec<
     let plots = |run: &[[f64; 2]]| match curve.shape {
         Shape::Marked => vec![line(&curve.style).with_data(data(run)).into(), marks(run, MarkerShape::Circle, 2.6)],
         Shape::Crosses => vec![marks(run, MarkerShape::Cross, 5.0)],
+        Shape::Dots => vec![marks(run, MarkerShape::Circle, 2.2)],
+        Shape::Area => vec![area_between(&curve.style, run)],
         _ => Vec::new(),
     };
     runs.flat_map(plots).collect()
+}
+
+/// The area between pairs of points, under a line of no width.
+fn area_between(style: &Style, pairs: &[[f64; 2]]) -> Plot {
+    let middle = pairs.chunks_exact(2).map(|pair| (pair[0][0], 0.5 * (pair[0][1] + pair[1][1])));
+    let ends = |end: usize| pairs.chunks_exact(2).map(|pair| pair[end][1]).collect::<Vec<f64>>();
+    let mut plot = line(&Style { width: 0.0, ..*style }).with_data(middle).with_band(ends(0), ends(1));
+    if let Some(band) = &mut plot.band {
+        band.opacity = 0.2;
+    }
+    plot.into()
 }
 
 fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {

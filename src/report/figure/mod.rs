@@ -9,6 +9,7 @@
 //! panels.rs      traces -> panels: what is shown
 //! convergence.rs rows of a verification -> panels
 //! bench.rs       settings of a benchmark -> panels
+//! calibration.rs measured and model curves of a spring, forces on its tip -> panels
 //! difference.rs  distance of two traces over time
 //! panel.rs       a panel as data: labels, curves, marks
 //! axis.rs        ranges, ticks and their labels
@@ -18,6 +19,7 @@
 
 mod axis;
 mod bench;
+mod calibration;
 mod canvas;
 mod convergence;
 mod difference;
@@ -33,6 +35,7 @@ use shown::Seen;
 
 use super::{BenchLine, GrowthLine};
 use crate::bench::SceneFacts;
+use crate::calibrate::{Calibration, Measurements, TipForces};
 use crate::math::Vec2;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
@@ -200,6 +203,28 @@ pub fn growth(lines: &[GrowthLine]) -> String {
     sheet.into_svg(&[legend])
 }
 
+/// Force over displacement as measured, by the fitted model and by the linear law with their intervals: a panel a case.
+pub fn calibration(found: &Calibration, measurements: &Measurements) -> String {
+    let (panels, legend) = calibration::panels(found, measurements);
+    let mut sheet = Sheet::lettered(panels.len() as f64 * CALIBRATION_WIDTH, WORK_HEIGHT);
+    for (i, panel) in panels.iter().enumerate() {
+        sheet.add(&Cell { panel, left: i as f64 * CALIBRATION_WIDTH, top: 0.0, width: CALIBRATION_WIDTH, height: WORK_HEIGHT });
+    }
+    sheet.into_svg(&legend)
+}
+
+/// Size of the forces on tips over time.
+pub fn tip_forces(found: &TipForces) -> String {
+    let (panels, legend) = calibration::forces(found);
+    let height = if panels.len() == 1 { TIME_HEIGHT } else { ROW_HEIGHT };
+    let mut sheet = Sheet::new(WIDTH, panels.len() as f64 * height);
+    for (i, panel) in panels.iter().enumerate() {
+        sheet.add(&Cell { panel, left: 0.0, top: i as f64 * height, width: WIDTH, height });
+    }
+    sheet.into_svg(&[legend])
+}
+
+const CALIBRATION_WIDTH: f64 = 380.0;
 const WORK_HEIGHT: f64 = 420.0;
 const GROWTH_WIDTH: f64 = 340.0;
 const COLUMN_WIDTH: f64 = 480.0;

@@ -51,6 +51,10 @@ pub enum Shape {
     Marked,
     /// A cross at each point, and no line.
     Crosses,
+    /// A dot at each point, and no line.
+    Dots,
+    /// The area between pairs of points, the lower end of each first.
+    Area,
     /// Nothing: the axes have room for the points.
     Unseen,
 }

@@ -1,0 +1,8 @@
+//! Prints `data/spring-calibration.csv`: measurements that were never made, with a known truth.
+
+use cohaul::calibrate::generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
+use cohaul::model::SpringDesign;
+
+fn main() {
+    print!("{}", to_csv(&measurements(&SpringDesign::PAPER, &Plan::EXAMPLE), EXAMPLE_COMMENT));
+}

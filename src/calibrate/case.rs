@@ -1,0 +1,102 @@
+//! The three ways of pulling at a tip, numbered as Eq. (1)-(3) and Table I.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::SpringDesign;
+
+/// Turn (rad) of a pivot up to which one straight link stands for a bent member: beyond, Eq. (1) runs off to infinity as members get straight.
+pub const MOST_TURN: f64 = FRAC_PI_3;
+
+/// How a spring was loaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Case {
+    /// Along the spring, Eq. (1): the four folded pivots turn.
+    Radial,
+    /// Across the spring, Eq. (2): one folded pivot turns.
+    #[serde(rename = "tangential-2")]
+    TangentialTwo,
+    /// Across the spring to its other side, Eq. (3): the short member's pivot turns.
+    #[serde(rename = "tangential-3")]
+    TangentialThree,
+}
+
+impl Case {
+    pub const ALL: [Case; 3] = [Case::Radial, Case::TangentialTwo, Case::TangentialThree];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Case::Radial => "radial",
+            Case::TangentialTwo => "tangential-2",
+            Case::TangentialThree => "tangential-3",
+        }
+    }
+
+    /// By name, or by the number of its equation.
+    pub fn named(text: &str) -> Option<Self> {
+        Case::ALL.into_iter().zip(["1", "2", "3"]).find(|(case, number)| case.name() == text || *number == text).map(|(case, _)| case)
+    }
+
+    pub fn is_radial(self) -> bool {
+        self == Case::Radial
+    }
+
+    /// Force of the pseudo-rigid-body model (N) at a stretch (m), or across the spring at a swing (rad). Linear in Young's modulus.
+    ///
+    /// # Panics
+    /// At or beyond [`Case::limit`].
+    pub fn force(self, design: &SpringDesign, at: f64) -> f64 {
+        match self {
+            Case::Radial => design.radial_force(at),
+            Case::TangentialTwo => design.tangential_case_2(folded_turn(design, at)).1,
+            Case::TangentialThree => design.tangential_case_3(at),
+        }
+    }
+
+    /// Where a pivot of the model has made a quarter turn (m, rad): a measurement beyond has another unit, or another spring.
+    pub fn limit(self, design: &SpringDesign) -> f64 {
+        match self {
+            Case::Radial => 2.0 * design.folded_member_length,
+            Case::TangentialTwo => design.link_length.atan2(design.short_member_length),
+            Case::TangentialThree => FRAC_PI_2,
+        }
+    }
+
+    /// Force of the linear law (N) per kappa_rho (N/m) or kappa_tau (N m/rad): r, or theta / l_0. Eq. (10) has the spring's length of the moment
+    /// in place of l_0.
+    pub fn linear(self, design: &SpringDesign, at: f64) -> f64 {
+        if self.is_radial() { at } else { at / design.rest_length() }
+    }
+
+    /// Unit of the displacement.
+    pub fn unit(self) -> &'static str {
+        if self.is_radial() { "m" } else { "rad" }
+    }
+}
+
+/// Turn of the folded pivot (rad) at which the tip's polar angle is `swing`: by the sines of the triangle of root, pivot and tip,
+/// sin(turn - swing) / l_1 = sin(swing) / (l_3 + l_5).
+fn folded_turn(design: &SpringDesign, swing: f64) -> f64 {
+    swing + (design.short_member_length * swing.sin() / design.link_length).clamp(-1.0, 1.0).asin()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_triangle_inverts_eq_2_up_to_the_limit() {
+        for (short, link) in [(9.8e-3, 16.5e-3), (16.5e-3, 9.8e-3)] {
+            let design = SpringDesign { short_member_length: short, link_length: link, ..SpringDesign::PAPER };
+            for turn in [-1.5, -0.2, 0.0, 1e-6, 0.7, 1.57] {
+                let (swing, force) = design.tangential_case_2(turn);
+                assert!(swing.abs() < Case::TangentialTwo.limit(&design));
+                // The arcsine loses half of the digits near its end, which a quarter turn of the pivot does not reach.
+                assert!((folded_turn(&design, swing) - turn).abs() < 1e-12, "{turn}");
+                assert!((Case::TangentialTwo.force(&design, swing) - force).abs() <= 1e-12 * force.abs());
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The ants' forces on tips that a camera saw, and how certain they are.
+//!
+//! The force of the holder is dU/dd of the polar spring, the opposite of Eq. (10). A tip with equal errors sigma along both axes and stiffnesses with errors of
+//! their own give its size F = |f|, with u = f / F, the variance
+//!
+//! ```text
+//! sigma^2 |H_d u|^2 + (u_r (l - l_0) sd(kappa_rho))^2 + (u_t psi / l sd(kappa_tau))^2
+//! ```
+//!
+//! The first part is another in every frame and averages out; the others are the same in all frames and do not. Where the force is small beside sigma |H_d u|, its size
+//! is biased upwards, as that of any noisy vector.
+//!
+//! Eq. (1) gives the force along the spring too, with its stiffening, while its pivots turn by no more than [`MOST_TURN`]. Eq. (2) and (3) hold for tips on their own mechanism's
+//! path only, which a held tip leaves: the force across the spring is that of the linear law.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::case::MOST_TURN;
+use super::{Case, Recording, Sensor, Tip};
+use crate::math::{Pose, Summary, Vec2};
+use crate::model::{PolarSpring, SpringDesign, SpringShape};
+
+/// What a holder does at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Force {
+    /// (s)
+    pub time: f64,
+    pub spring: usize,
+    pub shape: SpringShape,
+    /// Outwards along the spring, and across it, counter-clockwise (N).
+    pub radial: f64,
+    pub tangential: f64,
+    /// Size of both (N).
+    pub size: f64,
+    pub size_sd: f64,
+    /// The part of that which tips have (N); the rest is the same in all frames.
+    pub tip_part: f64,
+    /// Outwards along the spring by Eq. (1) (N); `None` beyond its reach or without a model.
+    pub radial_by_model: Option<f64>,
+    /// In world axes (N); `None` of a tip in the root's frame.
+    pub in_world: Option<Vec2>,
+}
+
+/// All forces of a recording, in its order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TipForces {
+    pub forces: Vec<Force>,
+}
+
+impl TipForces {
+    /// Tips so near their root that the direction of the spring, by which the couple turns into a force, is hardly known.
+    pub fn n_near_root(&self, sensor: &Sensor) -> usize {
+        let is_near = |force: &&Force| force.shape.length < NEAR_ROOT * sensor.spring(force.spring).rest_length;
+        self.forces.iter().filter(is_near).count()
+    }
+}
+
+/// Share of the rest length below which a tip is near its root.
+const NEAR_ROOT: f64 = 0.1;
+
+/// Forces on one spring, or on all.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ForceSummary {
+    /// `null` of all springs together.
+    pub spring: Option<usize>,
+    pub n: u64,
+    pub mean_n: f64,
+    pub sd_n: f64,
+    pub max_n: f64,
+    pub max_sd_n: f64,
+    pub time_of_max_s: f64,
+    /// Standard error that the stiffnesses give the mean.
+    pub mean_error_n: f64,
+    /// Largest distance along the spring between linear law and Eq. (1); `null` where the latter reaches nowhere.
+    pub linear_less_model_n: Option<f64>,
+}
+
+/// Forces on the tips of a recording, each swing on the branch of the frame before.
+pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
+    let (mut frame, mut time) = (0usize, f64::NEG_INFINITY);
+    let mut last: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
+    let mut forces = Vec::with_capacity(recording.samples.len());
+    for sample in &recording.samples {
+        if sample.time > time {
+            (frame, time) = (frame + 1, sample.time);
+        }
+        // A tip that nobody held a frame ago begins at its own rest.
+        let near = last.get(&sample.spring).filter(|(seen, _)| seen + 1 >= frame).map_or(0.0, |(_, swing)| *swing);
+        let spring = sensor.spring(sample.spring);
+        let (shape, in_world) = match &sample.tip {
+            Tip::InRoot(tip) => (in_root(spring, tip, near), None),
+            Tip::InWorld { load, tip } => {
+                let shape = spring.shape(load, tip, near);
+                (shape, Some(-spring.force_on_tip(load, &shape)))
+            }
+        };
+        last.insert(sample.spring, (frame, shape.swing));
+        forces.push(Force { time: sample.time, spring: sample.spring, in_world, ..force(spring, &shape, sensor) });
+    }
+    TipForces { forces }
+}
+
+fn in_root(spring: &PolarSpring, tip: &Vec2, near: f64) -> SpringShape {
+    PolarSpring { root: Vec2::zeros(), bearing: 0.0, ..*spring }.shape(&Pose::new(0.0, 0.0, 0.0), tip, near)
+}
+
+/// All but time, spring and world axes.
+fn force(spring: &PolarSpring, shape: &SpringShape, sensor: &Sensor) -> Force {
+    let pull = spring.pull_in_root(shape);
+    let along = if shape.length > 0.0 { shape.tip_in_root / shape.length } else { Vec2::new(1.0, 0.0) };
+    let (radial, tangential) = (pull.dot(&along), along.perp(&pull));
+    let size = pull.norm();
+    let direction = if size > 0.0 { pull / size } else { along };
+    // The load turned so that the spring points along x: the force by the tip is then as in the root's frame.
+    let hessian = spring.reaction(&Pose::new(0.0, 0.0, -spring.bearing), shape).hessian;
+    let tip_part = sensor.tip_error * (hessian.fixed_view::<2, 2>(0, 0) * direction).norm();
+    let share = |part: f64, stiffness: f64, error: f64| if stiffness > 0.0 { part * error / stiffness } else { 0.0 };
+    let by_radial = share(direction.dot(&along) * radial, spring.radial_stiffness, sensor.radial_error);
+    let by_torsional = share(along.perp(&direction) * tangential, spring.torsional_stiffness, sensor.torsional_error);
+    let stretch = shape.length - spring.rest_length;
+    let within_reach = |model: &&SpringDesign| stretch.abs() <= MOST_TURN.sin() * Case::Radial.limit(model);
+    Force {
+        time: 0.0,
+        spring: 0,
+        shape: *shape,
+        radial,
+        tangential,
+        size,
+        size_sd: tip_part.hypot(by_radial).hypot(by_torsional),
+        tip_part,
+        radial_by_model: sensor.model.as_ref().filter(within_reach).map(|model| model.radial_force(stretch)),
+        in_world: None,
+    }
+}
+
+/// Of each spring in the order of their indices, then of all.
+pub fn summaries(found: &TipForces, sensor: &Sensor) -> Vec<ForceSummary> {
+    let mut springs: Vec<usize> = found.forces.iter().map(|force| force.spring).collect();
+    springs.sort_unstable();
+    springs.dedup();
+    let each = springs.iter().map(Some).chain([None]);
+    each.filter_map(|spring| {
+        let own: Vec<&Force> = found.forces.iter().filter(|force| spring.is_none_or(|spring| force.spring == *spring)).collect();
+        summary(spring.copied(), &own, sensor)
+    })
+    .collect()
+}
+
+fn summary(spring: Option<usize>, forces: &[&Force], sensor: &Sensor) -> Option<ForceSummary> {
+    let mut sizes = Summary::default();
+    sizes.extend(forces.iter().map(|force| force.size));
+    let strongest = forces.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
+    let n = forces.len() as f64;
+    let mean = |of: &dyn Fn(&Force) -> f64| forces.iter().map(|force| of(force)).sum::<f64>() / n;
+    // dF/dkappa times kappa is the square of a part over the size.
+    let share = |part: f64, size: f64| if size > 0.0 { part * part / size } else { 0.0 };
+    let relative = |error: f64, of: fn(&PolarSpring) -> f64| {
+        let stiffness = of(sensor.spring(strongest.spring));
+        if stiffness > 0.0 { error / stiffness } else { 0.0 }
+    };
+    let by_radial = mean(&|force| share(force.radial, force.size)) * relative(sensor.radial_error, |spring| spring.radial_stiffness);
+    let by_torsional =
+        mean(&|force| share(force.tangential, force.size)) * relative(sensor.torsional_error, |spring| spring.torsional_stiffness);
+    let apart = forces.iter().filter_map(|force| Some(force.radial - force.radial_by_model?));
+    Some(ForceSummary {
+        spring,
+        n: sizes.n(),
+        mean_n: sizes.mean(),
+        sd_n: sizes.sd(),
+        max_n: sizes.max(),
+        max_sd_n: strongest.size_sd,
+        time_of_max_s: strongest.time,
+        mean_error_n: by_radial.hypot(by_torsional),
+        linear_less_model_n: apart.max_by(|a, b| a.abs().total_cmp(&b.abs())),
+    })
+}

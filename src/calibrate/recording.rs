@@ -1,0 +1,116 @@
+//! Tips as a camera saw them: in the root's frame, or in world axes beside the load's pose.
+
+use std::path::Path;
+
+use super::table::{InputError, Table};
+use crate::math::{Pose, Vec2};
+
+/// Columns of a recording: the first two, and either the next two or the last five.
+const COLUMNS: [&str; 9] = ["time_s", "spring", "tip_in_root_x_m", "tip_in_root_y_m", "x_m", "y_m", "heading_rad", "tip_x_m", "tip_y_m"];
+
+/// Where a tip was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tip {
+    /// From the root, x along the undeformed spring (m).
+    InRoot(Vec2),
+    /// In world axes (m), with the pose of the load.
+    InWorld { load: Pose, tip: Vec2 },
+}
+
+/// A held tip in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// (s)
+    pub time: f64,
+    pub spring: usize,
+    pub tip: Tip,
+}
+
+/// Samples in the order of time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    pub samples: Vec<Sample>,
+}
+
+/// Springs of which this many rest lengths seem to lie between root and tip were recorded in another unit (1).
+const LONGEST: f64 = 100.0;
+
+impl Recording {
+    /// Whether any tip is in world axes.
+    pub fn is_in_world(&self) -> bool {
+        self.samples.iter().any(|sample| matches!(sample.tip, Tip::InWorld { .. }))
+    }
+
+    /// Instants at which tips were seen.
+    pub fn n_frames(&self) -> usize {
+        self.samples.chunk_by(|one, next| one.time == next.time).count()
+    }
+
+    /// Reads a recording of `n_springs` springs, or of any number, whose rest length is about `rest_length` (m).
+    ///
+    /// # Errors
+    /// When the file cannot be read, or any of it cannot be where a tip was.
+    pub fn read(path: &Path, n_springs: Option<usize>, rest_length: f64) -> Result<Self, InputError> {
+        let mut table = Table::read(path, &COLUMNS)?;
+        table.require(&COLUMNS[..2]);
+        let is_in_root = table.has(COLUMNS[2]) || table.has(COLUMNS[3]);
+        table.require(if is_in_root { &COLUMNS[2..4] } else { &COLUMNS[4..] });
+        if is_in_root && COLUMNS[4..].iter().any(|name| table.has(name)) {
+            table.report("header".to_owned(), "must have tips in the root's frame or in world axes", "both");
+        }
+        let mut table = table.whole()?;
+        let mut samples: Vec<Sample> = Vec::with_capacity(table.n_rows());
+        for row in 0..table.n_rows() {
+            let Some(sample) = sample(&mut table, row, is_in_root) else { continue };
+            if n_springs.is_some_and(|n| sample.spring >= n) {
+                table.at(row, "spring", &format!("must be below {}, the number of springs", n_springs.unwrap_or(0)), sample.spring);
+            }
+            if samples.last().is_some_and(|last| sample.time < last.time) {
+                table.at(row, "time_s", "must not go back", sample.time);
+            }
+            let same_frame = samples.iter().rev().take_while(|other| other.time == sample.time);
+            if same_frame.into_iter().any(|other| other.spring == sample.spring) {
+                table.at(row, "spring", "must stand once in a frame", sample.spring);
+            }
+            if sample.tip.distance() > LONGEST * rest_length {
+                let column = if is_in_root { COLUMNS[2] } else { "tip_x_m" };
+                let rule =
+                    format!("must lie within {LONGEST} rest lengths, {:.3} m, of its root (is it in millimetres?)", LONGEST * rest_length);
+                table.at(row, column, &rule, format!("{:.4} m", sample.tip.distance()));
+            }
+            samples.push(sample);
+        }
+        if table.n_rows() == 0 {
+            table.report("rows".to_owned(), "must hold tips", "none");
+        }
+        table.whole()?;
+        Ok(Self { samples })
+    }
+}
+
+impl Tip {
+    /// From the root, or from the load's origin (m).
+    fn distance(&self) -> f64 {
+        match self {
+            Tip::InRoot(tip) => tip.norm(),
+            Tip::InWorld { load, tip } => (tip - load.position).norm(),
+        }
+    }
+}
+
+fn sample(table: &mut Table, row: usize, is_in_root: bool) -> Option<Sample> {
+    let time = table.number(row, "time_s");
+    let spring = table.text(row, "spring").parse().ok();
+    if spring.is_none() {
+        let found = table.text(row, "spring").to_owned();
+        table.at(row, "spring", "must be a whole number from 0", found);
+    }
+    let columns = if is_in_root { &COLUMNS[2..4] } else { &COLUMNS[4..] };
+    let numbers: Vec<Option<f64>> = columns.iter().map(|column| table.number(row, column)).collect();
+    let numbers: Vec<f64> = numbers.into_iter().collect::<Option<_>>()?;
+    let tip = match numbers[..] {
+        [x, y] => Tip::InRoot(Vec2::new(x, y)),
+        _ => Tip::InWorld { load: Pose::new(numbers[0], numbers[1], numbers[2]), tip: Vec2::new(numbers[3], numbers[4]) },
+    };
+    Some(Sample { time: time?, spring: spring?, tip })
+}

@@ -1,0 +1,82 @@
+//! What turns tips into forces: springs, and how well they are known.
+
+use super::equivalents::PAPER_STRETCH;
+use super::{Calibration, Case};
+use crate::math::Vec2;
+use crate::model::{PolarSpring, SpringDesign};
+
+/// kappa_rho (N/m) and kappa_tau (N m/rad) as the paper prints them.
+const PRINTED: [f64; 2] = [0.664, 4.52e-4];
+/// Rest lengths that differ by more than this share are not of one design.
+const SAME_LENGTH: f64 = 0.01;
+
+/// Springs, at least one, and the errors of what they measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    /// By index; the first stands for those beyond.
+    pub springs: Vec<PolarSpring>,
+    /// Standard error of kappa_rho (N/m).
+    pub radial_error: f64,
+    /// Standard error of kappa_tau (N m/rad).
+    pub torsional_error: f64,
+    /// Standard deviation of a tip from its root along either axis (m).
+    pub tip_error: f64,
+    /// For Eq. (1).
+    pub model: Option<SpringDesign>,
+}
+
+impl Sensor {
+    /// The paper's spring for tips in their roots' frames.
+    pub fn paper() -> Self {
+        let spring = PolarSpring {
+            root: Vec2::zeros(),
+            bearing: 0.0,
+            rest_length: SpringDesign::PAPER.rest_length(),
+            radial_stiffness: PRINTED[0],
+            torsional_stiffness: PRINTED[1],
+            damping_ratio: 0.0,
+        };
+        Self { model: Some(SpringDesign::PAPER), ..Self::exact(vec![spring]) }
+    }
+
+    /// Springs whose stiffnesses are known.
+    pub fn exact(springs: Vec<PolarSpring>) -> Self {
+        Self { springs, radial_error: 0.0, torsional_error: 0.0, tip_error: 0.0, model: None }
+    }
+
+    /// The same springs with the stiffnesses that were fitted. What was not measured follows from E, with its error, as the paper has it: kappa_rho as the secant
+    /// at 8 mm, kappa_tau as the sum of all pivots.
+    pub fn calibrated(mut self, found: &Calibration) -> Self {
+        let modulus = &found.youngs_modulus_pa;
+        let design = found.dimensions.of_material(modulus.value);
+        let of_modulus = |stiffness: f64| [stiffness, stiffness * modulus.standard_error / modulus.value];
+        let stretch = PAPER_STRETCH.min(0.5 * Case::Radial.limit(&design));
+        let measured = |estimate: Option<super::Estimate>| estimate.map(|found| [found.value, found.standard_error]);
+        let radial = measured(found.radial_stiffness_n_per_m).unwrap_or_else(|| of_modulus(design.secant_radial_stiffness(stretch)));
+        let torsional = measured(found.torsional_stiffness_nm_per_rad).unwrap_or_else(|| of_modulus(design.torsional_stiffness()));
+        for spring in &mut self.springs {
+            (spring.radial_stiffness, spring.torsional_stiffness) = (radial[0], torsional[0]);
+        }
+        Self { radial_error: radial[1], torsional_error: torsional[1], model: Some(design), ..self }
+    }
+
+    /// Stiffnesses (N/m, N m/rad) that are given count as exact.
+    pub fn with_given(mut self, radial: Option<f64>, torsional: Option<f64>) -> Self {
+        for spring in &mut self.springs {
+            spring.radial_stiffness = radial.unwrap_or(spring.radial_stiffness);
+            spring.torsional_stiffness = torsional.unwrap_or(spring.torsional_stiffness);
+        }
+        let error = |given: Option<f64>, fitted: f64| if given.is_some() { 0.0 } else { fitted };
+        Self { radial_error: error(radial, self.radial_error), torsional_error: error(torsional, self.torsional_error), ..self }
+    }
+
+    pub fn spring(&self, index: usize) -> &PolarSpring {
+        self.springs.get(index).unwrap_or(&self.springs[0])
+    }
+
+    /// Rest length (m) of a spring that is not of the model's, if there is one.
+    pub fn foreign_length(&self) -> Option<f64> {
+        let own = self.model?.rest_length();
+        self.springs.iter().map(|spring| spring.rest_length).find(|length| (length / own - 1.0).abs() > SAME_LENGTH)
+    }
+}

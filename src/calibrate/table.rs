@@ -1,0 +1,129 @@
+//! CSV tables with units in the names of their columns, and what is wrong with them: file, line, column, rule, and what was found.
+
+use std::path::Path;
+
+use csv::StringRecord;
+
+use crate::scenario::Finding;
+
+/// Faults that are listed of one file; the rest is counted.
+const MOST_FAULTS: usize = 20;
+
+/// Why a file gives no data.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    #[error("{file}: cannot be read: {source}")]
+    Unreadable { file: String, source: std::io::Error },
+    /// Every broken rule, one a line.
+    #[error("{}", lines(file, findings))]
+    Invalid { file: String, findings: Vec<Finding> },
+}
+
+fn lines(file: &str, findings: &[Finding]) -> String {
+    let more = findings.len().saturating_sub(MOST_FAULTS);
+    let rest = (more > 0).then(|| format!("{file}: and {more} more"));
+    findings.iter().take(MOST_FAULTS).map(|finding| format!("{file}: {finding}")).chain(rest).collect::<Vec<_>>().join("\n")
+}
+
+/// Rows of a CSV file; lines that begin with `#` are comments.
+pub struct Table {
+    file: String,
+    columns: Vec<String>,
+    rows: Vec<StringRecord>,
+    findings: Vec<Finding>,
+}
+
+impl Table {
+    /// # Errors
+    /// When the file cannot be read, is no CSV, or has a column that is not in `known` or a column twice.
+    pub fn read(path: &Path, known: &[&str]) -> Result<Self, InputError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| InputError::Unreadable { file: file.clone(), source })?;
+        Self::parse(&text, &file, known)
+    }
+
+    /// The same from text, under the name `file` in errors.
+    ///
+    /// # Errors
+    /// As [`Table::read`].
+    pub fn parse(text: &str, file: &str, known: &[&str]) -> Result<Self, InputError> {
+        // Spreadsheets put a byte-order mark before the first name.
+        let text = text.trim_start_matches('\u{feff}');
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+        let mut table = Self { file: file.to_owned(), columns: Vec::new(), rows: Vec::new(), findings: Vec::new() };
+        match reader.headers() {
+            Ok(names) => table.columns = names.iter().map(str::to_owned).collect(),
+            Err(error) => table.report("header".to_owned(), "must be CSV", error),
+        }
+        for (at, name) in table.columns.clone().iter().enumerate() {
+            if !known.contains(&name.as_str()) {
+                table.report("header".to_owned(), &format!("must have columns of {} only", known.join(", ")), name);
+            } else if table.columns[..at].contains(name) {
+                table.report("header".to_owned(), "must name each column once", name);
+            }
+        }
+        for row in reader.records() {
+            match row {
+                Ok(row) => table.rows.push(row),
+                Err(error) => table.report("rows".to_owned(), "must be CSV with as many fields as the header", error),
+            }
+        }
+        table.whole()
+    }
+
+    /// The table, unless something was wrong with it.
+    ///
+    /// # Errors
+    /// Everything reported so far.
+    pub fn whole(self) -> Result<Self, InputError> {
+        if self.findings.is_empty() { Ok(self) } else { Err(InputError::Invalid { file: self.file, findings: self.findings }) }
+    }
+
+    pub fn n_rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub fn has(&self, column: &str) -> bool {
+        self.columns.iter().any(|name| name == column)
+    }
+
+    /// Reports unless all of these columns are there.
+    pub fn require(&mut self, columns: &[&str]) {
+        let missing: Vec<&str> = columns.iter().filter(|name| !self.has(name)).copied().collect();
+        if !missing.is_empty() {
+            let found = self.columns.join(", ");
+            self.report("header".to_owned(), &format!("must have columns {}", missing.join(", ")), found);
+        }
+    }
+
+    /// The field as text; empty where there is none.
+    pub fn text(&self, row: usize, column: &str) -> &str {
+        let at = self.columns.iter().position(|name| name == column);
+        at.and_then(|at| self.rows[row].get(at)).unwrap_or_default()
+    }
+
+    pub fn is_empty_at(&self, row: usize, column: &str) -> bool {
+        self.text(row, column).is_empty()
+    }
+
+    /// The field as a finite number; reported otherwise.
+    pub fn number(&mut self, row: usize, column: &str) -> Option<f64> {
+        let text = self.text(row, column).to_owned();
+        let value = text.parse().ok().filter(|value: &f64| value.is_finite());
+        if value.is_none() {
+            self.at(row, column, "must be a finite number", if text.is_empty() { "nothing" } else { &text });
+        }
+        value
+    }
+
+    /// Reports a broken rule at a field.
+    pub fn at(&mut self, row: usize, column: &str, rule: &str, found: impl std::fmt::Display) {
+        let line = self.rows[row].position().map_or(0, csv::Position::line);
+        self.report(format!("line {line}, {column}"), rule, found);
+    }
+
+    /// Reports a broken rule of the whole file.
+    pub fn report(&mut self, path: String, rule: &str, found: impl std::fmt::Display) {
+        self.findings.push(Finding { path, rule: rule.to_owned(), found: found.to_string() });
+    }
+}

@@ -1,0 +1,24 @@
+//! Springs as force sensors: known parameters are found again, intervals hold what they promise, forces of recorded tips are those of the run.
+
+mod coverage;
+mod design;
+mod fit;
+mod forces;
+mod program;
+
+use cohaul::calibrate::generated::{Plan, measurements};
+use cohaul::calibrate::{Calibration, Dimensions, Measurements, Ranges, fit};
+use cohaul::model::SpringDesign;
+
+const TRUTH: SpringDesign = SpringDesign::PAPER;
+
+/// No noise and no difference between trials.
+const EXACT: Plan = Plan { between_trials: 0.0, noise: 0.0, states_noise: false, ..Plan::EXAMPLE };
+
+fn fitted(data: &Measurements, ranges: &Ranges) -> Calibration {
+    fit(data, &Dimensions::default(), ranges, 0.95).unwrap()
+}
+
+fn of(plan: &Plan) -> Calibration {
+    fitted(&measurements(&TRUTH, plan), &Ranges::default())
+}
