@@ -233,7 +233,10 @@ fn the_program_writes_tables_figures_and_manifest_whole() {
     );
     let mut names: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["bench.csv", "bench.json", "equal-error.csv", "manifest.json", "solvers.csv", "work-precision-slide.svg"]);
+    assert_eq!(
+        names,
+        ["bench.csv", "bench.json", "equal-error.csv", "manifest.json", "report.html", "solvers.csv", "work-precision-slide.svg"]
+    );
     // Nothing beside it.
     assert_eq!(fs::read_dir(room.path()).unwrap().count(), 1);
     let json: Value = serde_json::from_str(&fs::read_to_string(out.join("bench.json")).unwrap()).unwrap();

@@ -553,6 +553,23 @@ fn every_shipped_scenario_compares() {
     }
 }
 
+/// A report is asked for, stands with the other files, and is said to be there; in a folder or not at all.
+#[test]
+fn a_report_of_a_run_is_written_when_it_is_asked_for() {
+    let room = Room::new();
+    let (file, out) = (room.tips(), room.path("out"));
+    let output = call(&["run", &file, "--backend", "inertial", "--out", &out, "--report"]);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
+    let report = Path::new(&out).join("report.html");
+    assert!(text(&output.stdout).ends_with(&format!("\nreport\n  {}\n", report.display())), "{}", text(&output.stdout));
+    let page = fs::read_to_string(report).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n") && page.contains("<title>one tip</title>"));
+    // With --json nothing but that is said.
+    json_of(&["run", &file, "--json", "--out", &out, "--report"]);
+    assert!(names(out.as_ref()).contains(&"report.html".to_owned()));
+    assert_eq!(call(&["run", &file, "--report"]).status.code(), Some(2));
+}
+
 #[test]
 fn compare_finds_differences_and_writes_every_tier() {
     let room = Room::new();
@@ -560,7 +577,7 @@ fn compare_finds_differences_and_writes_every_tier() {
     let value = json_of(&["compare", &tips, "--json", "--out", &out]);
     // A release under load parts a run with inertia from one without.
     assert!(number(&value, "/tiers/prescribed/inertia_effect/position_max_m") > 1e-4);
-    assert!(names(out.as_ref()).contains(&"overview-prescribed.svg".to_owned()));
+    assert!(["overview-prescribed.svg", "report.html"].iter().all(|name| names(out.as_ref()).contains(&(*name).to_owned())));
     for backend in BACKENDS {
         rows_of_tier(&out, "prescribed", backend, 0.01, 0.173);
     }

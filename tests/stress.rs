@@ -253,7 +253,7 @@ fn the_program_lists_its_maps_and_writes_them_whole() {
     assert_eq!((&found["holds"], &found["n_cells"], &found["n_runs"]), (&true.into(), &32.into(), &64.into()));
     let mut names: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["cells.csv", "manifest.json", "step-mass.svg", "summary.json", "supports.svg"]);
+    assert_eq!(names, ["cells.csv", "manifest.json", "report.html", "step-mass.svg", "summary.json", "supports.svg"]);
     assert_eq!(fs::read_dir(room.path()).unwrap().count(), 1, "no state is left beside");
     let mut table = csv::Reader::from_path(out.join("cells.csv")).unwrap();
     assert!(table.headers().unwrap().iter().take(3).eq(["map", "x_name", "x"]));

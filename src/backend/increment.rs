@@ -241,12 +241,11 @@ impl Step<'_> {
                 residual = if is_exact { solution.residual } else { residual };
                 break;
             }
-            if n_before == 0 && is_full && regime != Regime::Stick && solver.accuracy() == 0.0 {
-                if let Some(mut found) = self.glide(solver, at, Some(local)) {
-                    found.report.n_solves += report.n_solves;
-                    found.report.n_iterations += report.n_iterations;
-                    return found;
-                }
+            let may_glide = n_before == 0 && is_full && regime != Regime::Stick && solver.accuracy() == 0.0;
+            if let Some(mut found) = may_glide.then(|| self.glide(solver, at, Some(local))).flatten() {
+                found.report.n_solves += report.n_solves;
+                found.report.n_iterations += report.n_iterations;
+                return found;
             }
         }
         report.residual = if residual.is_finite() { residual } else { 1.0 };

@@ -8,7 +8,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{CliError, interrupt, positive, print};
+use super::{CliError, interrupt, positive, print, print_report};
 use crate::bench::{self, Effort, Growth, Host, Measured, Plan, Scene, crowd, four_ants, standard_scenes};
 use crate::report::{Benchmark, Manifest, Progress, bench_text, check_target, sha256_hex, write_benchmark};
 use crate::scenario::Scenario;
@@ -103,6 +103,9 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
         std::fs::remove_file(&path).map_err(|source| CliError::File { path, source })?;
     }
     print(&if args.json { benchmark.to_json() } else { bench_text(&benchmark) })?;
+    if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
+        print_report(out)?;
+    }
     benchmark.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     Ok(ExitCode::SUCCESS)
 }

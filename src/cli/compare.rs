@@ -7,10 +7,9 @@ use std::time::{Instant, SystemTime};
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, EngineArgs, interrupt, positive, print, read_scenario, step};
+use super::{CliError, EngineArgs, interrupt, positive, print, print_report, read_scenario, step};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::compare::{Settings, Tier, closed_loop, prescribed, replayed};
-use crate::report::figure::Scene;
 use crate::report::{Comparison, Manifest, Progress, check_target, compare_text, write_comparison};
 use crate::scenario::{Drive, Scenario};
 
@@ -39,7 +38,7 @@ pub struct CompareArgs {
     /// Difference that counts as agreement, over the length of the load's path (1)
     #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = positive)]
     agreement: f64,
-    /// Folder for traces, figures, summary and manifest
+    /// Folder for the report, traces, figures, summary and manifest
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a table
@@ -80,9 +79,12 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
         let options = serde_json::to_value(settings).expect("settings are plain data");
         let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
-        write_comparison(out, &comparison, &Scene::of(&scenario), scenario.system.springs.len(), &manifest)?;
+        write_comparison(out, &comparison, &scenario, &manifest)?;
     }
     print(&if args.json { comparison.to_json() } else { compare_text(&comparison) })?;
+    if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
+        print_report(out)?;
+    }
     Ok(if comparison.tiers.are_computed() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

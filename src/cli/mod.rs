@@ -21,6 +21,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 use crate::backend::{RapierOptions, RestoreError};
+use crate::report::html::REPORT;
 use crate::report::{FolderError, NotFinite};
 use crate::scenario::{Scenario, ScenarioError};
 
@@ -165,6 +166,11 @@ fn step(text: &str) -> Result<f64, String> {
 fn positive(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("must be a number, found {text}"))?;
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("must be positive and finite, found {text}")) }
+}
+
+/// Says where the report in the folder `out` is.
+fn print_report(out: &std::path::Path) -> Result<(), CliError> {
+    print(&format!("report\n  {}\n", out.join(REPORT).display()))
 }
 
 /// Writes a result to standard output.

@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
-use super::{CliError, EngineArgs, interrupt, positive, print, read_scenario, step};
+use super::{CliError, EngineArgs, interrupt, positive, print, print_report, read_scenario, step};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
@@ -45,6 +45,9 @@ pub struct RunArgs {
     /// Also write tips.csv, the held tips as `cohaul calibrate forces` reads them
     #[arg(long, requires = "out")]
     tips: bool,
+    /// Write a report with a replay, report.html, to that folder too
+    #[arg(long, requires = "out")]
+    report: bool,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
@@ -104,13 +107,17 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         let options = serde_json::to_value(options).expect("options are plain data");
         let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
         let n_springs = scenario.system.springs.len();
-        let (scene, with_tips) = (Scene::of(&scenario), args.tips);
-        write_run(out, &RunFiles { summary: &summary, trace: &trace, n_springs, with_tips, scene: &scene, manifest: &manifest })?;
+        let (scene, report) = (&Scene::of(&scenario), args.report.then_some(&scenario));
+        let (summary, trace, manifest, with_tips) = (&summary, &trace, &manifest, args.tips);
+        write_run(out, &RunFiles { summary, trace, n_springs, with_tips, scene, manifest, report })?;
     }
     if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     }
     print(&if args.json { summary.to_json() } else { run_text(&summary) })?;
+    if let Some(out) = args.out.as_deref().filter(|_| args.report && !args.json) {
+        print_report(out)?;
+    }
     if let Some(estimate) = summary.inertia_estimate.filter(|estimate| !estimate.is_negligible) {
         let _ = writeln!(std::io::stderr(), "warning: {}", inertia_warning(&estimate));
     }

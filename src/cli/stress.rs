@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::{CliError, interrupt, print};
+use super::{CliError, interrupt, print, print_report};
 use crate::report::{Manifest, Progress, Stress, check_target, sha256_hex, stress_list, stress_text, write_stress};
 use crate::stress::{self, Done, Effort, Map, Row, Variant};
 
@@ -85,6 +85,9 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
         fs::remove_file(&file).map_err(|source| CliError::File { path: file, source })?;
     }
     print(&if args.json { found.to_json() } else { stress_text(&found) })?;
+    if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
+        print_report(out)?;
+    }
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

@@ -39,6 +39,9 @@ pub struct Measure {
     pub inertia_effect: Shift,
     /// Rapier minus inertial.
     pub engine_error: Shift,
+    /// Of every seed, in the order of [`BackendKind::ALL`], for figures.
+    #[serde(skip)]
+    pub values: Vec<[Option<f64>; 3]>,
 }
 
 /// Mean, spread and interval of the mean; `n` counts the seeds in which the quantity exists.
@@ -164,7 +167,9 @@ fn measure(at: usize, runs: &[[Run; 3]]) -> Measure {
         let difference = |run: &[Run; 3]| Some(run[a].values[at]? - run[b].values[at]?);
         Shift::of(&runs.iter().filter_map(difference).collect::<Vec<_>>(), inertial.mean)
     };
-    Measure { name: MEASURES[at].0, quasi_static: of(0), inertial, rapier: of(2), inertia_effect: paired(1, 0), engine_error: paired(2, 1) }
+    let values = runs.iter().map(|run| run.each_ref().map(|run| run.values[at])).collect();
+    let (inertia_effect, engine_error) = (paired(1, 0), paired(2, 1));
+    Measure { name: MEASURES[at].0, quasi_static: of(0), inertial, rapier: of(2), inertia_effect, engine_error, values }
 }
 
 impl Distribution {

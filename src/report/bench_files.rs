@@ -6,14 +6,16 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::bench::Benchmark;
+use super::html::{REPORT, bench_page};
 use super::{FolderError, Manifest, OutputFolder, figure};
 
-/// Writes the tables, figures, `bench.json` and `manifest.json` to the folder `target`, all or nothing; tables and figures only of what was measured.
+/// Writes `report.html`, the tables, figures, `bench.json` and `manifest.json` to the folder `target`, all or nothing; tables and figures only of what was measured.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.
 pub fn write_benchmark(target: &Path, found: &Benchmark, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
+    folder.write(REPORT, |out| out.write_all(bench_page(found, manifest).to_html().as_bytes()))?;
     folder.write("bench.json", |out| out.write_all(found.to_json().as_bytes()))?;
     write_table(&mut folder, "bench.csv", &found.rows)?;
     write_table(&mut folder, "equal-error.csv", &found.equal_error)?;

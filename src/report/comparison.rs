@@ -5,10 +5,11 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::figure::{self, Labelled, Scene};
+use super::html::{REPORT, comparison_page};
 use super::text::Lines;
 use super::{FolderError, Manifest, NotFinite, OutputFolder, number, quantity, table};
 use crate::backend::{BackendKind, Status};
-use crate::compare::{ClosedLoop, Difference, Distribution, OccasionKind, Parting, Pathwise, Remedy, Settings, Shift, Verdict};
+use crate::compare::{ClosedLoop, Difference, Distribution, Occasion, OccasionKind, Parting, Pathwise, Remedy, Settings, Shift, Verdict};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 
@@ -80,19 +81,15 @@ impl Tiers {
     }
 }
 
-/// Writes `summary.json`, `overview-TIER.svg`, `trace-TIER-BACKEND.csv`, `events-TIER-BACKEND.csv` and `manifest.json` to the folder `target`, all or
+/// Writes `report.html`, `summary.json`, `overview-TIER.svg`, `trace-TIER-BACKEND.csv`, `events-TIER-BACKEND.csv` and `manifest.json` to the folder `target`, all or
 /// nothing.
 ///
 /// # Errors
 /// When the folder may not be written, a number is not finite, or the disk fails.
-pub fn write_comparison(
-    target: &Path,
-    comparison: &Comparison,
-    scene: &Scene,
-    n_springs: usize,
-    manifest: &Manifest,
-) -> Result<(), FolderError> {
+pub fn write_comparison(target: &Path, comparison: &Comparison, scenario: &Scenario, manifest: &Manifest) -> Result<(), FolderError> {
+    let (scene, n_springs) = (&Scene::of(scenario), scenario.system.springs.len());
     let mut folder = OutputFolder::create(target)?;
+    folder.write(REPORT, |out| out.write_all(comparison_page(comparison, scenario, manifest).to_html().as_bytes()))?;
     folder.write("summary.json", |out| out.write_all(comparison.to_json().as_bytes()))?;
     for (tier, pathwise) in [("prescribed", &comparison.tiers.prescribed), ("replayed", &comparison.tiers.replayed)] {
         if let Some(pathwise) = pathwise {
@@ -176,7 +173,7 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     }
 }
 
-fn remedied(remedy: &Remedy) -> String {
+pub(super) fn remedied(remedy: &Remedy) -> String {
     match remedy {
         Remedy::SmallerStep { step_s } => format!("steps of rapier of at most {}", quantity(*step_s, "s")),
         Remedy::OtherModel => "another model of friction or springs in rapier, or its recommended settings: no step helps".to_owned(),
@@ -188,7 +185,7 @@ fn remedied(remedy: &Remedy) -> String {
     }
 }
 
-fn or_none(value: Option<f64>, unit: &str) -> String {
+pub(super) fn or_none(value: Option<f64>, unit: &str) -> String {
     value.map_or("none".to_owned(), |value| quantity(value, unit))
 }
 
@@ -199,26 +196,27 @@ fn difference(difference: &Difference) -> String {
     format!("{position}; {heading}")
 }
 
-fn parting(parting: Option<&Parting>, cause: &str) -> String {
+pub(super) fn parting(parting: Option<&Parting>, cause: &str) -> String {
     let Some(parting) = parting else { return format!("never {cause}") };
     let time = quantity(parting.time_s, "s");
-    match &parting.after {
-        Some(after) => {
-            let what = match after.kind {
-                OccasionKind::Grasp => "grasp",
-                OccasionKind::Release => "release",
-                OccasionKind::Onset => "onset of motion",
-                OccasionKind::Stop => "stop",
-                OccasionKind::Capture => "capture",
-                OccasionKind::Freed => "end of rest",
-                OccasionKind::Jump => "jump",
-            };
-            let spring = after.spring.map(|spring| format!(" of spring {spring}"));
-            let which = spring.or(after.support.map(|support| format!(" of support {support}"))).unwrap_or_default();
-            format!("{cause} at {time}, after the {what}{which} at {}", quantity(after.time_s, "s"))
-        }
-        None => format!("{cause} at {time}"),
-    }
+    let after = parting.after.map(|after| format!(", after {} at {}", occasion(&after), quantity(after.time_s, "s")));
+    format!("{cause} at {time}{}", after.unwrap_or_default())
+}
+
+/// With an article: `the release of spring 1`.
+pub(super) fn occasion(occasion: &Occasion) -> String {
+    let what = match occasion.kind {
+        OccasionKind::Grasp => "grasp",
+        OccasionKind::Release => "release",
+        OccasionKind::Onset => "onset of motion",
+        OccasionKind::Stop => "stop",
+        OccasionKind::Capture => "capture",
+        OccasionKind::Freed => "end of rest",
+        OccasionKind::Jump => "jump",
+    };
+    let spring = occasion.spring.map(|spring| format!(" of spring {spring}"));
+    let which = spring.or(occasion.support.map(|support| format!(" of support {support}"))).unwrap_or_default();
+    format!("the {what}{which}")
 }
 
 fn of_ensemble(found: &ClosedLoop, lines: &mut Lines) {
@@ -239,7 +237,7 @@ fn of_ensemble(found: &ClosedLoop, lines: &mut Lines) {
 }
 
 /// A measure's name without its unit, and the unit.
-fn named(name: &str) -> (String, &'static str) {
+pub(super) fn named(name: &str) -> (String, &'static str) {
     let units = [("_m_per_s", "m/s"), ("_s", "s"), ("_n", "N")];
     let found = units.iter().find_map(|(ending, unit)| Some((name.strip_suffix(ending)?, *unit)));
     let (name, unit) = found.unwrap_or((name, ""));
@@ -253,7 +251,7 @@ fn distribution(found: &Distribution, unit: &str) -> String {
     format!("{} +- {} ({} runs)", quantity(found.mean, unit), quantity(found.sd, unit), found.n)
 }
 
-fn shift(found: &Shift, unit: &str) -> String {
+pub(super) fn shift(found: &Shift, unit: &str) -> String {
     let Some(interval) = found.interval else { return "too few pairs".to_owned() };
     let range = format!("{} to {}", quantity(interval.low, unit), quantity(interval.high, unit));
     let says = match (found.is_shifted, found.is_equal) {

@@ -11,6 +11,7 @@
 //! folder.rs    an output folder that is there whole or not at all
 //! run.rs       the files of one run, put into such a folder
 //! figure/      SVG figures over one or several traces
+//! html/        reports as one HTML file each, with a replay
 //! quantity.rs  a number with its unit, for people
 //! comparison.rs  a comparison: JSON, text and files
 //! check.rs     a check against baselines: JSON, text and files
@@ -32,6 +33,7 @@ mod check;
 mod comparison;
 pub mod figure;
 mod folder;
+pub mod html;
 mod json;
 mod lines;
 mod manifest;

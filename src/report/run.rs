@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::figure::{self, Labelled, Scene};
+use super::html::{REPORT, run_page};
 use super::{FolderError, Manifest, OutputFolder, RunSummary, table, write_tips};
+use crate::scenario::Scenario;
 use crate::simulation::Trace;
 
 /// What is written of a run.
@@ -16,12 +18,15 @@ pub struct RunFiles<'a> {
     pub with_tips: bool,
     pub scene: &'a Scene,
     pub manifest: &'a Manifest,
+    /// Scenario of the report; `None` for no report, which takes longer to write than all else.
+    pub report: Option<&'a Scenario>,
 }
 
 /// Real time of a run (s) from which its files are brought to the disk before they take their name.
 const WORTH_WAITING: f64 = 1.0;
 
-/// Writes `summary.json`, `trace.csv`, `events.csv`, `transitions.csv`, `overview.svg` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes `summary.json`, `trace.csv`, `events.csv`, `transitions.csv`, `overview.svg`, `manifest.json` and, if asked for, `report.html` to the folder `target`, all or
+/// nothing.
 ///
 /// A run of less than a second is not waited for until it is on the disk: see [`OutputFolder::unsynced`].
 ///
@@ -39,6 +44,10 @@ pub fn write_run(target: &Path, files: &RunFiles) -> Result<(), FolderError> {
     folder.write("transitions.csv", |out| table::write_transitions(files.trace, out))?;
     let labelled = [Labelled { label: files.summary.backend.name(), trace: files.trace }];
     folder.write("overview.svg", |out| out.write_all(figure::overview(&labelled, files.scene).as_bytes()))?;
+    if let Some(scenario) = files.report {
+        let page = run_page(files.summary, files.trace, scenario, files.manifest);
+        folder.write(REPORT, |out| out.write_all(page.to_html().as_bytes()))?;
+    }
     folder.finish(files.manifest)
 }
 
@@ -58,7 +67,8 @@ mod tests {
         let (mut trace, scene, manifest) = (synthetic::trace(200, 1.0), Scene::default(), manifest());
         trace.rows[150].motion.twist.angular = f64::INFINITY;
         let write = |trace: &Trace| {
-            let files = RunFiles { summary: &summary, trace, n_springs: 4, with_tips: false, scene: &scene, manifest: &manifest };
+            let (summary, manifest) = (&summary, &manifest);
+            let files = RunFiles { summary, trace, n_springs: 4, with_tips: false, scene: &scene, manifest, report: None };
             write_run(&target, &files)
         };
         let error = write(&trace).unwrap_err().to_string();

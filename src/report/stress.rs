@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::html::{REPORT, stress_page};
 use super::stress_map::heat_map;
 use super::{FolderError, Manifest, OutputFolder, quantity};
 use crate::stress::{Map, Outcome, Row, Variant};
@@ -182,12 +183,13 @@ pub fn stress_list(maps: &[Map]) -> String {
     maps.iter().map(|map| format!("{:<name_width$}  {:>7}  {:<axes_width$}  {}\n", map.name, size(map), axes(map), map.what)).collect()
 }
 
-/// Writes `cells.csv`, a heat map a map as SVG, `summary.json` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes `report.html`, `cells.csv`, a heat map a map as SVG, `summary.json` and `manifest.json` to the folder `target`, all or nothing.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.
 pub fn write_stress(target: &Path, found: &Stress, maps: &[Map], rows: &[Row], manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
+    folder.write(REPORT, |out| out.write_all(stress_page(found, maps, rows, manifest).to_html().as_bytes()))?;
     folder.write("cells.csv", |out| write_csv(maps, rows, out))?;
     for map in maps {
         let of_map: Vec<&Row> = rows.iter().filter(|row| row.map == map.name).collect();

@@ -79,7 +79,7 @@ fn inertia(estimate: &InertiaEstimate, lines: &mut Lines) {
     lines.row("after", &format!("the start {}, jumps {}, driving {}", parts[0], parts[1], parts[2]));
 }
 
-fn cause(largest: &Largest) -> String {
+pub(super) fn cause(largest: &Largest) -> String {
     let spring = largest.spring.map_or(String::new(), |spring| format!(" of spring {spring}"));
     let what = match largest.cause {
         Cause::Start => return "the start with speed".to_owned(),

@@ -8,12 +8,13 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::sensing::{Around, Placed, Sensing};
-use super::{Driver, Event, EventKind, Orders, View};
+use super::{Driver, Event, EventKind, HeldTip, Orders, Trace, View};
 use crate::backend::{Backend, Motion, RestoreError};
 use crate::math::{Chance, Stream, Summary, Vec2, direction};
+use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Command, Mode, Steering, tip_velocity};
 use crate::model::behaviour::{HalfAngle, Pace, facing_for_pull, hazard_of, heading_error, probability_within, turn_towards};
-use crate::scenario::{AntDrive, Scenario};
+use crate::scenario::{AntDrive, Drive, Scenario};
 
 /// All ants of one run.
 pub struct Ants {
@@ -108,9 +109,7 @@ impl Ants {
     fn grasp_or_believe(&mut self, view: &View, tick: u64, orders: &mut Orders) {
         self.load = self.load.moved_to(&view.backend.motion().pose);
         let load = self.load;
-        let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
-        let belief = n_beliefs(tick);
-        let is_due = tick == 0 || belief > n_beliefs(tick - 1);
+        let belief = self.belief_due(tick);
         let n_released = orders.events.len();
         for i in 0..self.state.ants.len() {
             if self.state.ants[i].mode != Mode::Search {
@@ -129,9 +128,38 @@ impl Ants {
                     continue;
                 }
             }
-            if is_due {
-                let normal = self.chance.normal_pair(Stream::Target, i as u32, belief as u64);
-                self.state.ants[i].belief_error = self.belief_spread * normal;
+            if let Some(belief) = belief {
+                self.believe(i, belief);
+            }
+        }
+    }
+
+    /// Number of the belief that is drawn at a tick; `None` between.
+    fn belief_due(&self, tick: u64) -> Option<u64> {
+        let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
+        let belief = n_beliefs(tick);
+        (tick == 0 || belief > n_beliefs(tick - 1)).then_some(belief as u64)
+    }
+
+    fn believe(&mut self, i: usize, belief: u64) {
+        self.state.ants[i].belief_error = self.belief_spread * self.chance.normal_pair(Stream::Target, i as u32, belief);
+    }
+
+    /// Takes grasps and releases from a recorded run in place of deciding them; beliefs are drawn as in the run.
+    fn follow(&mut self, events: &[Event], tick: u64) {
+        let mut has_grasped = vec![false; self.state.ants.len()];
+        for (event, i) in events.iter().filter_map(|event| Some((event, event.ant?))) {
+            let ant = &mut self.state.ants[i];
+            has_grasped[i] = event.kind == EventKind::Grasp;
+            (ant.position, ant.mode) = match event.kind {
+                EventKind::Grasp => (event.tip, Mode::Transport { spring: event.spring, grasp_tick: tick }),
+                EventKind::Release => (ant.position, Mode::Search),
+            };
+        }
+        let belief = self.belief_due(tick);
+        for (i, has_grasped) in has_grasped.into_iter().enumerate() {
+            if !has_grasped && self.state.ants[i].mode == Mode::Search {
+                belief.into_iter().for_each(|belief| self.believe(i, belief));
             }
         }
     }
@@ -151,11 +179,64 @@ impl Ants {
         self.next_decisions[i] = tick.saturating_add(quiet_ticks(0, self.drive.release.period / self.control_period));
     }
 
+    /// Puts ants that hold a tip where the tip is.
+    fn hold(&mut self, tips: &[HeldTip]) {
+        for ant in &mut self.state.ants {
+            let Mode::Transport { spring, .. } = ant.mode else { continue };
+            if let Some(tip) = tips.iter().find(|tip| tip.spring == spring) {
+                ant.position = tip.position;
+            }
+        }
+    }
+
+    /// Walks all ants for `duration` (s) while the load is at `motion`, and leaves where their tips get to in `targets`.
+    fn walk(&mut self, motion: &Motion, springs: &[PolarSpring], duration: f64) {
+        let steering = Steering::new(self.drive.steering_gain, duration);
+        self.load = self.load.moved_to(&motion.pose);
+        let load = self.load;
+        for i in 0..self.state.ants.len() {
+            let ant = self.state.ants[i];
+            self.state.ants[i] = match ant.mode {
+                Mode::Search => {
+                    let target = load.position + ant.belief_error - ant.position;
+                    let error = heading_error(target.y.atan2(target.x), ant.heading);
+                    ant.walked(&Command { velocity: self.drive.search_speed, turn_rate: steering.turn_rate(error) }, duration)
+                }
+                Mode::Transport { spring, .. } => {
+                    let ahead = direction(ant.heading);
+                    let error = self.pull_error(&ant, &ahead, &springs[spring].root, load);
+                    let command = Command { velocity: -self.drive.pull_speed, turn_rate: steering.turn_rate(error) };
+                    let tip = ant.position + duration * tip_velocity(&ahead, &command, self.drive.control_offset);
+                    self.targets[spring] = tip;
+                    Ant { position: tip, heading: ant.heading + command.turn_rate * duration, ..ant }
+                }
+            };
+        }
+    }
+
     /// Eq. (19, 22): how far a pulling ant that faces `ahead` is off where it wants to face (rad).
     fn pull_error(&self, ant: &Ant, ahead: &Vec2, root: &Vec2, load: Placed) -> f64 {
         let along = ant.position - load.to_world(root);
         let to_nest = self.drive.nest_position - ant.position;
         turn_towards(&facing_for_pull(&self.half_angle.pull_direction(&along, &to_nest)), ahead)
+    }
+}
+
+/// Walks the ants of `scenario` again beside a run of them that was recorded, on the same draws: `see` gets the number of each row and the ants at that instant, in
+/// order. A trace without ants has nothing to see.
+pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut see: impl FnMut(usize, &[Ant])) {
+    let Drive::Ants(drive) = &scenario.drive else { return };
+    let mut ants = Ants::new(scenario, drive);
+    let mut events = &trace.events[..];
+    for (at, row) in trace.rows.iter().enumerate() {
+        let (now, later) = events.split_at(events.partition_point(|event| event.time <= row.time));
+        ants.follow(now, at as u64);
+        ants.hold(&row.tips);
+        events = later;
+        see(at, ants.ants());
+        if let Some(next) = trace.rows.get(at + 1) {
+            ants.walk(&row.motion, &scenario.system.springs, next.time - row.time);
+        }
     }
 }
 
@@ -190,29 +271,7 @@ impl Driver for Ants {
 
     /// Walks all ants to `until` on the way.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
-        let duration = until - view.time;
-        let steering = Steering::new(self.drive.steering_gain, duration);
-        self.load = self.load.moved_to(&view.backend.motion().pose);
-        let load = self.load;
-        let springs = &view.scenario.system.springs;
-        for i in 0..self.state.ants.len() {
-            let ant = self.state.ants[i];
-            self.state.ants[i] = match ant.mode {
-                Mode::Search => {
-                    let target = load.position + ant.belief_error - ant.position;
-                    let error = heading_error(target.y.atan2(target.x), ant.heading);
-                    ant.walked(&Command { velocity: self.drive.search_speed, turn_rate: steering.turn_rate(error) }, duration)
-                }
-                Mode::Transport { spring, .. } => {
-                    let ahead = direction(ant.heading);
-                    let error = self.pull_error(&ant, &ahead, &springs[spring].root, load);
-                    let command = Command { velocity: -self.drive.pull_speed, turn_rate: steering.turn_rate(error) };
-                    let tip = ant.position + duration * tip_velocity(&ahead, &command, self.drive.control_offset);
-                    self.targets[spring] = tip;
-                    Ant { position: tip, heading: ant.heading + command.turn_rate * duration, ..ant }
-                }
-            };
-        }
+        self.walk(&view.backend.motion(), &view.scenario.system.springs, until - view.time);
         &self.targets
     }
 
@@ -255,6 +314,25 @@ impl Driver for Ants {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::{BackendKind, BackendOptions};
+    use crate::simulation::{Keep, Simulation};
+
+    /// The trace alone leads ants to where they were, to the last bit: whoever was wrong at one tick would be so at the end.
+    #[test]
+    fn followed_ants_go_where_they_went() {
+        let text = include_str!("../../scenarios/paper/four-ants-four-springs.json");
+        let scenario = Scenario { duration: 12.34, ..Scenario::parse(text, "four ants").unwrap() };
+        let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3), Keep::Trace);
+        run.run(|_| true);
+        let state: State = serde_json::from_value(serde_json::to_value(run.save()).unwrap()["driver"].clone()).unwrap();
+        let mut last = Vec::new();
+        follow_ants(&scenario, run.trace(), |_, ants| last = ants.to_vec());
+        assert!(run.trace().events.len() > 20, "grasps and releases are part of it");
+        for (ant, followed) in state.ants.iter().zip(&last) {
+            assert_eq!((ant.position, ant.heading), (followed.position, followed.heading));
+        }
+        assert_eq!(last.len(), 4);
+    }
 
     /// No decision falls on a tick that is passed over, whatever period and tick; and not many ticks are looked at in vain.
     #[test]

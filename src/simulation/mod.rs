@@ -15,7 +15,7 @@ use crate::backend::{
 use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
 
-pub use ants::Ants;
+pub use ants::{Ants, follow_ants};
 pub use replay::Replay;
 pub use saved::SavedRun;
 pub use tips::Tips;

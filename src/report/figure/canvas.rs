@@ -83,6 +83,8 @@ fn draw_cell(scene: &mut Scene, cell: &Cell) {
     let (plots, layout) = (plots(cell, (x, y), dense), layout(cell, (x, y)));
     let mut drawn = render_multiple(plots, layout);
     name_clips_by_content(&mut drawn);
+    // Panels of one size share their clip region.
+    drawn.defs.retain(|definition| !scene.defs.contains(definition));
     scene.defs.append(&mut drawn.defs);
     scene.add(Primitive::GroupStart { transform: Some(format!("translate({},{})", cell.left, cell.top)), title: None, extra_attrs: None });
     scene.elements.append(&mut drawn.elements);

@@ -30,7 +30,7 @@ pub mod thin;
 
 pub(crate) use axis::power_label;
 use canvas::{Cell, Sheet};
-use panel::{Entry, Panel};
+use panel::{Entry, Panel, Style};
 use shown::Seen;
 
 use super::{BenchLine, GrowthLine};
@@ -40,6 +40,11 @@ use crate::math::Vec2;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
 use crate::verify::Row;
+
+/// Colour of trace `index`, in drawings beside the figures.
+pub(crate) fn trace_color(index: usize) -> &'static str {
+    Style::of_trace(index).color
+}
 
 /// A trace and the name it has in legends.
 #[derive(Clone, Copy, Debug)]
