@@ -10,7 +10,8 @@
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`calibrate`], [`check`], [`stress`] and [`verify`], [`report`], [`cli`].
+//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`calibrate`], [`check`], [`stress`], [`sweep`] and
+//! [`verify`], [`report`], [`cli`].
 #![forbid(unsafe_code)]
 
 pub mod backend;
@@ -26,6 +27,7 @@ pub mod report;
 pub mod scenario;
 pub mod simulation;
 pub mod stress;
+pub mod sweep;
 pub mod verify;
 
 /// The README's example runs as a test.

@@ -8,9 +8,11 @@ mod calibrate;
 mod check;
 mod compare;
 mod interrupt;
+mod merge;
 mod run;
 mod scenario;
 mod stress;
+mod sweep;
 mod verify;
 
 use std::io::Write;
@@ -24,6 +26,7 @@ use crate::backend::{RapierOptions, RestoreError};
 use crate::report::html::REPORT;
 use crate::report::{FolderError, NotFinite};
 use crate::scenario::{Scenario, ScenarioError};
+use crate::sweep::SweepError;
 
 #[derive(Parser)]
 #[command(name = "cohaul", version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES)]
@@ -54,6 +57,10 @@ enum Command {
     /// Springs as force sensors: fit them to measurements, design them, read forces off recorded tips
     #[command(subcommand)]
     Calibrate(calibrate::CalibrateCommand),
+    /// Run one scenario over seeds and parameters into one table
+    Sweep(sweep::SweepArgs),
+    /// Make one table of the shards of a sweep
+    Merge(merge::MergeArgs),
     /// Look at scenario files
     #[command(subcommand)]
     Scenario(scenario::ScenarioCommand),
@@ -101,6 +108,8 @@ enum CliError {
     Restore { path: PathBuf, source: RestoreError },
     #[error("{0}")]
     Usage(String),
+    #[error(transparent)]
+    Sweep(SweepError),
     #[error("interrupted")]
     Interrupted,
     #[error("a result is not finite: {0}")]
@@ -138,6 +147,8 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::bench(args),
         Command::Stress(args) => stress::stress(args),
         Command::Calibrate(command) => calibrate::calibrate(command),
+        Command::Sweep(args) => sweep::sweep(args),
+        Command::Merge(args) => merge::merge(args),
         Command::Scenario(command) => scenario::scenario(command),
     };
     match done {

@@ -21,6 +21,8 @@ pub enum Stream {
     Release = 3,
     /// What a random scenario is made of.
     Scene = 4,
+    /// Points of a sweep's design.
+    Design = 5,
 }
 
 /// All chance of one run.

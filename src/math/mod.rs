@@ -10,7 +10,7 @@ pub use angle::{direction, perpendicular, rotation, unwrap_near, wrap_to_pi};
 pub use chance::{Chance, Stream};
 pub use pose::{Arc, Pose, Twist, Wrench, shift_of};
 pub use positive::PositiveDefinite;
-pub use statistics::{Interval, Summary, mean_interval};
+pub use statistics::{Interval, Summary, mean_interval, proportion_interval};
 
 /// A point or a free vector in the plane.
 pub type Vec2 = nalgebra::Vector2<f64>;

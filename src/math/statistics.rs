@@ -1,7 +1,7 @@
 //! Summaries of samples: moments that add without cancelling, and Student intervals of a mean.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Mean, spread and extremes of a sample, updated one value at a time (Welford 1962).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -39,6 +39,13 @@ impl Summary {
     pub fn max(&self) -> f64 {
         self.max
     }
+
+    /// The interval of the mean at the confidence `level` (0.95, say) by Student's t; `None` below two values.
+    pub fn mean_interval(&self, level: f64) -> Option<Interval> {
+        let student = StudentsT::new(0.0, 1.0, self.n.checked_sub(1)? as f64).ok()?;
+        let half = student.inverse_cdf(0.5 * (1.0 + level)) * self.sd() / (self.n as f64).sqrt();
+        Some(Interval { low: self.mean - half, high: self.mean + half })
+    }
 }
 
 impl Extend<f64> for Summary {
@@ -58,9 +65,22 @@ pub struct Interval {
 pub fn mean_interval(values: &[f64], level: f64) -> Option<Interval> {
     let mut summary = Summary::default();
     summary.extend(values.iter().copied());
-    let student = StudentsT::new(0.0, 1.0, summary.n().checked_sub(1)? as f64).ok()?;
-    let half = student.inverse_cdf(0.5 * (1.0 + level)) * summary.sd() / (summary.n() as f64).sqrt();
-    Some(Interval { low: summary.mean() - half, high: summary.mean() + half })
+    summary.mean_interval(level)
+}
+
+/// The interval of a probability of which `n_hits` of `n` trials tell, at the confidence `level` (E. B. Wilson 1927); `None` without a trial.
+pub fn proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> {
+    if n == 0 {
+        return None;
+    }
+    let (n, share) = (n as f64, n_hits as f64 / n as f64);
+    let z = Normal::new(0.0, 1.0).ok()?.inverse_cdf(0.5 * (1.0 + level));
+    let (widening, middle) = (1.0 + z * z / n, share + 0.5 * z * z / n);
+    let half = z * (share * (1.0 - share) / n + 0.25 * z * z / (n * n)).sqrt();
+    // At the ends the two terms cancel, but for rounding.
+    let low = if n_hits == 0 { 0.0 } else { (middle - half) / widening };
+    let high = if share == 1.0 { 1.0 } else { (middle + half) / widening };
+    Some(Interval { low, high })
 }
 
 #[cfg(test)]
@@ -84,5 +104,16 @@ mod tests {
         assert!((interval.low + interval.high - 4.0).abs() < 1e-12);
         assert_eq!(mean_interval(&[1.0], 0.95), None);
         assert_eq!(mean_interval(&[], 0.95), None);
+    }
+
+    /// 8 of 10 at 95 %: 0.49016 to 0.94332 (tables); none and all of 10 reach the end on their side, and z^2 / (n + z^2) = 0.2775 on the other.
+    #[test]
+    fn the_interval_of_a_share_stays_within_zero_and_one() {
+        let interval = proportion_interval(8, 10, 0.95).unwrap();
+        assert!((interval.low - 0.49016).abs() < 5e-6 && (interval.high - 0.94332).abs() < 5e-6, "{interval:?}");
+        let none = proportion_interval(0, 10, 0.95).unwrap();
+        assert!(none.low == 0.0 && (none.high - 0.2775).abs() < 5e-5, "{none:?}");
+        assert!(proportion_interval(10, 10, 0.95).unwrap().high == 1.0);
+        assert_eq!(proportion_interval(0, 0, 0.95), None);
     }
 }

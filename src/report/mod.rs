@@ -21,6 +21,7 @@
 //! calibration.rs  a calibration, a design, forces on tips: JSON and files; calibration_text.rs as text
 //! tips.rs      tips.csv
 //! bench.rs     a benchmark: JSON; bench_text.rs as text, bench_files.rs its files
+//! sweep.rs    a sweep: JSON and text; sweep_files.rs its files, sweep_parquet.rs its table as Parquet
 //! progress.rs  a progress bar on standard error
 //! ```
 
@@ -42,6 +43,10 @@ mod quantity;
 mod run;
 mod stress;
 mod stress_map;
+mod sweep;
+mod sweep_files;
+#[cfg(feature = "parquet")]
+mod sweep_parquet;
 pub mod table;
 mod text;
 mod tips;
@@ -67,6 +72,8 @@ pub use progress::Progress;
 pub use quantity::{number, quantity};
 pub use run::{RunFiles, write_run};
 pub use stress::{Stress, stress_list, stress_text, write_stress};
+pub use sweep::{Cost, Failure, SweepSummary, sweep_text};
+pub use sweep_files::write_sweep;
 pub use text::{inertia_warning, run_text};
 pub use tips::{TIP_COLUMNS, write_tips};
 pub use verification::{Line, Question, Verification, list_text, verify_text, write_verification};

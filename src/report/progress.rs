@@ -55,6 +55,11 @@ impl Progress {
         Self { unit: "", ..Self::start(1.0, label) }
     }
 
+    /// Progress of `total` pieces of work, of which the number done is told in place of a time; `unit` is their name.
+    pub fn of_count(total: u64, unit: &'static str, label: &str) -> Self {
+        Self { unit, ..Self::start(total as f64, label) }
+    }
+
     /// The run has reached `time` (s, simulated).
     pub fn at(&mut self, time: f64) {
         if matches!(self.display, Display::Off) {

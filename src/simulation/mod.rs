@@ -172,6 +172,16 @@ impl<'a> Simulation<'a> {
         self.time
     }
 
+    /// Pose and twist of the load now.
+    pub fn motion(&self) -> Motion {
+        self.backend.motion()
+    }
+
+    /// Number of springs that are held.
+    pub fn n_held(&self) -> usize {
+        self.held.len()
+    }
+
     pub fn trace(&self) -> &Trace {
         &self.trace
     }

@@ -20,7 +20,7 @@
 //! ```
 
 mod cause;
-mod guard;
+pub(crate) mod guard;
 mod judge;
 mod map;
 mod maps;

@@ -26,12 +26,14 @@ mod difference;
 mod panel;
 mod panels;
 mod shown;
+mod sweep;
 pub mod thin;
 
 pub(crate) use axis::power_label;
 use canvas::{Cell, Sheet};
 use panel::{Entry, Panel, Style};
 use shown::Seen;
+pub use sweep::Times;
 
 use super::{BenchLine, GrowthLine};
 use crate::bench::SceneFacts;
@@ -39,6 +41,7 @@ use crate::calibrate::{Calibration, Measurements, TipForces};
 use crate::math::Vec2;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
+use crate::sweep::{Group, Identity};
 use crate::verify::Row;
 
 /// Colour of trace `index`, in drawings beside the figures.
@@ -230,6 +233,20 @@ pub fn tip_forces(found: &TipForces) -> String {
 }
 
 const CALIBRATION_WIDTH: f64 = 380.0;
+
+/// Means of a sweep's groups over the first parameter that takes several numbers, or a histogram of the times to the nest where only seeds differ; `None` where
+/// there is neither.
+pub fn sweep(identity: &Identity, groups: &[Group], times: &Times) -> Option<String> {
+    let (panels, legend) = sweep::panels(identity, groups, times)?;
+    let n_columns = panels.len().clamp(1, 2);
+    let mut sheet = Sheet::lettered(n_columns as f64 * COLUMN_WIDTH, panels.len().div_ceil(n_columns) as f64 * PANEL_HEIGHT);
+    for (i, panel) in panels.iter().enumerate() {
+        let (left, top) = ((i % n_columns) as f64 * COLUMN_WIDTH, (i / n_columns) as f64 * PANEL_HEIGHT);
+        sheet.add(&Cell { panel, left, top, width: COLUMN_WIDTH, height: PANEL_HEIGHT });
+    }
+    Some(sheet.into_svg(&[legend]))
+}
+
 const WORK_HEIGHT: f64 = 420.0;
 const GROWTH_WIDTH: f64 = 340.0;
 const COLUMN_WIDTH: f64 = 480.0;

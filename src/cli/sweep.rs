@@ -1,0 +1,338 @@
+//! `cohaul sweep`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::time::{Instant, SystemTime};
+
+use clap::Args;
+use cpu_time::ProcessTime;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde_json::{Value, json};
+
+use super::{CliError, EngineArgs, interrupt, positive, print, step};
+use crate::backend::{BackendKind, Integrator, Skip, Skips};
+use crate::report::{Cost, FolderError, Manifest, Progress, SweepSummary, check_target, sweep_text, write_sweep};
+use crate::scenario::Scenario;
+use crate::sweep::{
+    Ask, Axis, Design, Header, INERTIA, Identity, Journal, Method, Part, Plan, Sample, SweepError, Table, Variant, finish_shard, header_of,
+    validate, verified, work,
+};
+
+#[derive(Args)]
+pub struct SweepArgs {
+    /// Scenario file
+    scenario: PathBuf,
+    /// Number of seeds at each point
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seeds: u64,
+    /// First seed, in place of the scenario's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Parameter and its values: a,b,c or FIRST:LAST:N or log:FIRST:LAST:N, or with --sample LOW..HIGH or log:LOW..HIGH; several make a grid
+    #[arg(long, value_name = "PATH=VALUES")]
+    vary: Vec<Axis>,
+    /// Factors of mass and moment of inertia at the same normal loads, and so the same friction; values as with --vary
+    #[arg(long, value_name = "VALUES")]
+    scale_inertia: Option<String>,
+    /// How the ranges are sampled, latin-hypercube or sobol, and by how many points
+    #[arg(long, num_args = 2, value_names = ["METHOD", "N"])]
+    sample: Option<Vec<String>>,
+    /// Key of the sample's chance; without it 1 for latin-hypercube, and the plain sequence for sobol
+    #[arg(long, value_name = "N", requires = "sample")]
+    sample_seed: Option<u64>,
+    /// What moves the load; may be repeated
+    #[arg(long, value_name = "BACKEND", default_value = "quasi-static")]
+    backend: Vec<BackendKind>,
+    /// Longest step of the backend (s); may be repeated
+    #[arg(long, value_name = "H", value_parser = step)]
+    step_s: Vec<f64>,
+    /// Error that the load's position may have at any instant, in place of a step (m): quasi-static and inertial
+    #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"])]
+    tolerance: Option<f64>,
+    /// How the inertial backend cuts a step
+    #[arg(long, value_name = "METHOD", default_value = "midpoint")]
+    integrator: Integrator,
+    /// Kind of work that is done although its outcome is known; may be repeated
+    #[arg(long, value_name = "KIND")]
+    no_skip: Vec<Skip>,
+    /// Threads; without it one a processor
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Only part I of N, from 1/N to N/N, into DIR/shards; `cohaul merge` makes one table of all
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Part>,
+    /// Folder for tables, figure, summary and manifest; what a stopped sweep has done is kept beside it, as DIR.journal
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    engine: EngineArgs,
+}
+
+pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
+    let plan = plan(args)?;
+    let pool = pool(args.threads)?;
+    match args.shard {
+        Some(part) => one_shard(args, &plan, &pool, part),
+        None => whole(args, &plan, &pool),
+    }
+}
+
+fn plan(args: &SweepArgs) -> Result<Plan, CliError> {
+    let text = fs::read_to_string(&args.scenario).map_err(|source| CliError::File { path: args.scenario.clone(), source })?;
+    let inertia = args.scale_inertia.as_deref().map(|values| Axis::new(INERTIA, values)).transpose()?;
+    let axes = args.vary.iter().cloned().chain(inertia).collect();
+    Ok(Plan::new(Ask {
+        file: args.scenario.display().to_string(),
+        text,
+        design: Design::new(axes, sample(args)?)?,
+        variants: variants(args)?,
+        first_seed: args.seed,
+        n_seeds: args.seeds,
+    })?)
+}
+
+fn sample(args: &SweepArgs) -> Result<Option<Sample>, CliError> {
+    let Some([method, n]) = args.sample.as_deref() else { return Ok(None) };
+    let usage = |what: &str, found: &str| CliError::Usage(format!("--sample: must be {what}, found {found}"));
+    let method = <Method as clap::ValueEnum>::from_str(method, false).map_err(|_| usage("latin-hypercube or sobol", method))?;
+    let n = n.parse().map_err(|_| usage("a method and a number of points", n))?;
+    Ok(Some(Sample { method, n, seed: args.sample_seed }))
+}
+
+/// Every backend at every step.
+fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
+    if args.tolerance.is_some() && args.backend.contains(&BackendKind::Rapier) {
+        return Err(CliError::Usage("--tolerance: must be of quasi-static or inertial, found rapier: an engine's steps are fixed".into()));
+    }
+    let steps: Vec<Option<f64>> = if args.step_s.is_empty() { vec![None] } else { args.step_s.iter().copied().map(Some).collect() };
+    let of = |backend: BackendKind, step_s: Option<f64>| Variant {
+        backend,
+        step_s,
+        tolerance_m: args.tolerance,
+        integrator: args.integrator,
+        rapier: args.engine.options(),
+        skips: Skips::ALL.without_all(&args.no_skip),
+    };
+    let variants: Vec<Variant> = args.backend.iter().flat_map(|backend| steps.iter().map(|step_s| of(*backend, *step_s))).collect();
+    let repeated = (1..variants.len()).find(|at| variants[..*at].contains(&variants[*at]));
+    match repeated {
+        Some(_) => Err(CliError::Usage("--backend, --step-s: must name every backend and step once, found one again".into())),
+        None => Ok(variants),
+    }
+}
+
+fn pool(threads: Option<usize>) -> Result<ThreadPool, CliError> {
+    if threads == Some(0) {
+        return Err(CliError::Usage("--threads: must be at least 1, found 0".into()));
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    pool.map_err(|error| CliError::Usage(format!("--threads: {error}")))
+}
+
+/// All cells, into the folder.
+fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, CliError> {
+    let out = &args.out;
+    check_target(out)?;
+    let path = beside(out, "journal");
+    if let Some(summary) = finished(out, &plan.identity)? {
+        // Killed between the last two steps, a sweep leaves both.
+        if path.exists() {
+            fs::remove_file(&path).map_err(|source| CliError::File { path, source })?;
+        }
+        eprintln!("{}: is finished", out.display());
+        return said(&summary, args.json);
+    }
+    let (started, wall, cpu) = (SystemTime::now(), Instant::now(), ProcessTime::now());
+    let header = Header::new(plan.identity.clone(), 0, plan.identity.n_cells);
+    let Some(journal) = filled(plan, pool, &path, &header)? else { return Ok(ExitCode::from(130)) };
+    remove_partials(out);
+    let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
+    let cost = Cost { wall_s, cpu_s, n_threads: pool.current_num_threads() };
+    let summary = written(out, &plan.identity, &journal, Some(cost), started)?;
+    journal.remove()?;
+    said(&summary, args.json)
+}
+
+/// One part, into the folder of shards.
+fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Result<ExitCode, CliError> {
+    let folder = args.out.join("shards");
+    if args.out.join("manifest.json").exists() {
+        let what = "holds a finished output; shards go to a folder of their own";
+        return Err(CliError::Usage(format!("{}: {what}", args.out.display())));
+    }
+    fs::create_dir_all(&folder).map_err(|source| CliError::File { path: folder.clone(), source })?;
+    let cells = part.cells(plan.identity.n_cells);
+    let header = Header::new(plan.identity.clone(), cells.start, cells.end);
+    let (path, journal_path) = (folder.join(format!("{}.rows", part.name())), folder.join(format!("{}.journal", part.name())));
+    check_neighbours(&folder, &plan.identity)?;
+    let is_skipped = verified(&path, &header)?;
+    if is_skipped {
+        // Killed between the last two steps, a shard leaves both.
+        let _ = fs::remove_file(&journal_path);
+    } else {
+        let Some(journal) = filled(plan, pool, &journal_path, &header)? else { return Ok(ExitCode::from(130)) };
+        remove_partials(&path);
+        finish_shard(&path, &header, &journal)?;
+        journal.remove()?;
+    }
+    let n_runs = cells.end - cells.start;
+    if args.json {
+        let found = json!({ "shard": part.index, "n_shards": part.n, "first_cell": cells.start, "n_runs": n_runs, "file": path, "was_finished": is_skipped });
+        print(&format!("{found:#}\n"))?;
+    } else {
+        let how = if is_skipped { "was finished" } else { "is finished" };
+        print(&format!("shard {} of {} {how}: {n_runs} runs in {}\n", part.index, part.n, path.display()))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Shards of another sweep in the same folder are a mistake that is better known before the work than after it.
+fn check_neighbours(folder: &Path, identity: &Identity) -> Result<(), CliError> {
+    let entries = fs::read_dir(folder).map_err(|source| CliError::File { path: folder.to_owned(), source })?;
+    let mut paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let Some(path) = paths.find(|path| path.extension().is_some_and(|extension| extension == "rows")) else { return Ok(()) };
+    let differences = identity.differences(&header_of(&path)?.sweep);
+    if differences.is_empty() { Ok(()) } else { Err(SweepError::Other { path, differences }.into()) }
+}
+
+/// The journal with the rows of all its cells, run as far as they were missing; `None` when the user stopped.
+fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Result<Option<Journal>, CliError> {
+    header.check_size()?;
+    if let Some(parent) = path.parent() {
+        fs::create_dir_all(parent).map_err(|source| CliError::File { path: parent.to_owned(), source })?;
+    }
+    let is_new = !path.exists();
+    if is_new {
+        validate(plan, header.begin..header.end, pool)?;
+    }
+    let mut journal = Journal::open(path, header)?;
+    let n_left = header.end - header.begin - journal.n_done();
+    if journal.n_dropped > 0 {
+        eprintln!(
+            "{}: its last {} bytes were cut off or spoilt; the runs that they were of are run again",
+            path.display(),
+            journal.n_dropped
+        );
+    }
+    if !is_new && journal.n_done() > 0 {
+        eprintln!("{}: goes on after {} runs, {n_left} are left", path.display(), journal.n_done());
+    }
+    run_left(plan, pool, header, &mut journal, n_left)?;
+    if journal.is_complete() {
+        return Ok(Some(journal));
+    }
+    journal.sync()?;
+    eprintln!("stopped after {} of {} runs; the same command goes on from {}", journal.n_done(), header.end - header.begin, path.display());
+    Ok(None)
+}
+
+fn run_left(plan: &Plan, pool: &ThreadPool, header: &Header, journal: &mut Journal, n_left: u64) -> Result<(), CliError> {
+    if n_left == 0 {
+        return Ok(());
+    }
+    let done: Vec<bool> = (header.begin..header.end).map(|cell| journal.has(cell)).collect();
+    let is_done = |cell: u64| done[(cell - header.begin) as usize];
+    let (progress, n_ended) = (Mutex::new(Progress::of_count(n_left, "runs", "sweep")), AtomicU64::new(0));
+    let go_on = || {
+        // Only one thread draws; the others need not wait for it.
+        if let Ok(mut progress) = progress.try_lock() {
+            progress.at(n_ended.load(Relaxed) as f64);
+        }
+        !interrupt::asked()
+    };
+    let ended = work(plan, header.begin..header.end, pool, is_done, go_on, |cell, line| {
+        n_ended.fetch_add(1, Relaxed);
+        journal.append(cell, line)
+    });
+    progress.into_inner().expect("no thread panicked while it drew").finish();
+    Ok(ended?)
+}
+
+/// Writes the folder of a table that is complete.
+pub(super) fn written(
+    out: &Path,
+    identity: &Identity,
+    table: &dyn Table,
+    cost: Option<Cost>,
+    started: SystemTime,
+) -> Result<SweepSummary, CliError> {
+    if cfg!(not(feature = "parquet")) {
+        eprintln!("runs.parquet is left out: this program was built without the feature parquet");
+    }
+    let base = Scenario::parse(&identity.scenario.to_string(), "scenario")?;
+    let summary = SweepSummary::new(identity, &base.name, cost);
+    let options = json!({ "sweep": identity, "cost": cost });
+    let expanded = serde_json::to_value(base.expanded()).expect("a scenario is plain data");
+    let command = std::env::args().collect();
+    let manifest = Manifest::new(expanded, identity.scenario_sha256.clone(), None, options, command, started);
+    Ok(write_sweep(out, identity, table, summary, &manifest)?)
+}
+
+/// Prints the summary; runs that failed are what a sweep was not asked for.
+pub(super) fn said(summary: &SweepSummary, json: bool) -> Result<ExitCode, CliError> {
+    print(&if json { summary.to_json() } else { sweep_text(summary) })?;
+    Ok(if summary.n_failed() > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+/// The summary of this very sweep where the folder holds it; `None` where it holds no sweep.
+///
+/// # Errors
+/// When it holds another sweep.
+pub(super) fn finished(out: &Path, identity: &Identity) -> Result<Option<SweepSummary>, CliError> {
+    let path = out.join("manifest.json");
+    let Ok(text) = fs::read(&path) else { return Ok(None) };
+    let manifest: Value = serde_json::from_slice(&text).unwrap_or_default();
+    let Some(found) = manifest["options"].get("sweep") else { return Ok(None) };
+    let differences = match serde_json::from_value::<Identity>(found.clone()) {
+        Ok(found) => identity.differences(&found),
+        Err(error) => vec![format!("it is of another version of this program: {error}")],
+    };
+    if !differences.is_empty() {
+        return Err(SweepError::Other { path: out.to_owned(), differences }.into());
+    }
+    let path = out.join("summary.json");
+    let text = fs::read(&path).map_err(|source| CliError::File { path: path.clone(), source })?;
+    let summary = serde_json::from_slice(&text).map_err(|source| CliError::NotASavedRun { path, source })?;
+    Ok(Some(summary))
+}
+
+/// `DIR.what` beside the folder.
+fn beside(out: &Path, what: &str) -> PathBuf {
+    let mut name = out.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{what}"));
+    out.with_file_name(name)
+}
+
+/// Removes what a killed process left half-written of this output: whoever holds its journal is alone.
+fn remove_partials(target: &Path) {
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let stem = target.file_stem().unwrap_or_default().to_string_lossy();
+    let (folder, file) = (format!(".{name}.partial-"), format!("{stem}.partial-"));
+    let parent = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
+        let found = entry.file_name().to_string_lossy().into_owned();
+        // What cannot be removed does no harm.
+        let _ = if found.starts_with(&folder) {
+            fs::remove_dir_all(entry.path())
+        } else if found.starts_with(&file) {
+            fs::remove_file(entry.path())
+        } else {
+            Ok(())
+        };
+    }
+}
+
+impl From<SweepError> for CliError {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Io { path, source } => CliError::Folder(FolderError::Io { path, source }),
+            error => CliError::Sweep(error),
+        }
+    }
+}
