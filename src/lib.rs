@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`calibrate`], [`check`], [`stress`], [`sweep`] and
-//! [`verify`], [`report`], [`cli`].
+//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`calibrate`], [`check`], [`paper`], [`stress`],
+//! [`sweep`] and [`verify`], [`report`], [`cli`].
 #![forbid(unsafe_code)]
 
 pub mod backend;
@@ -23,6 +23,7 @@ pub mod compare;
 pub mod estimate;
 pub mod math;
 pub mod model;
+pub mod paper;
 pub mod report;
 pub mod scenario;
 pub mod simulation;

@@ -39,7 +39,8 @@ fn tips() -> Value {
 
 fn ants() -> Value {
     let mut file = tips();
-    file["drive"] = json!({ "kind": "ants", "n_ants": 4 });
+    // Aged releases have a rule more than hazards.
+    file["drive"] = json!({ "kind": "ants", "n_ants": 4, "release_pace": "aged" });
     file
 }
 
@@ -316,7 +317,7 @@ fn a_hair_inside_of_each_threshold_is_accepted() {
     // A certain grasp at every tick is a probability, not a hazard; a decision between ticks is no matter for one.
     let certain = changed(changed(ants(), "/drive/grasp_pace", json!("per-tick")), "/drive/grasp_probability", json!(1));
     assert!(Scenario::parse(&certain.to_string(), "good.json").is_ok());
-    let hasty = changed(changed(ants(), "/drive/preset", json!("hazard")), "/drive/release_decision_period_s", json!(1e-4));
+    let hasty = changed(changed(ants(), "/drive/release_pace", json!("hazard")), "/drive/release_decision_period_s", json!(1e-4));
     assert!(Scenario::parse(&hasty.to_string(), "good.json").is_ok());
 }
 

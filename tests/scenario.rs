@@ -101,7 +101,7 @@ fn the_hash_is_that_of_the_scenario_and_not_of_its_writing() {
         text.replace("\"gravity_m_per_s2\": 9.81,", ""),
         text.replace("\"radius_m\": 0.0122 },", "\"radius_m\": 0.0122, \"heading_rad\": -0.0, \"position_m\": [0, -0.0] },"),
         text.replacen('{', "{ \"$schema\": \"https://example.org/scenario.json\",", 1),
-        text.replace("\"kind\": \"ants\",", "\"kind\": \"ants\", \"preset\": \"default\", \"pull_speed_m_per_s\": 0.03,"),
+        text.replace("\"kind\": \"ants\",", "\"kind\": \"ants\", \"preset\": \"default\", \"pull_speed_m_per_s\": 0.05,"),
     ];
     for writing in other_writings {
         assert_ne!(writing, text);
@@ -127,7 +127,7 @@ fn the_schema_describes_every_key_and_says_what_is_inferred() {
         assert!(ants[key]["description"].as_str().unwrap().contains("Inferred:"), "{key}");
     }
     assert!(!ants["grasp_probability"]["description"].as_str().unwrap().contains("Inferred:"));
-    assert_eq!(ants["pull_speed_m_per_s"]["default"], 0.03);
+    assert_eq!(ants["pull_speed_m_per_s"]["default"], 0.05);
 }
 
 #[test]
@@ -135,11 +135,11 @@ fn a_key_beats_its_preset_and_a_preset_beats_the_default() {
     let ants = |drive| ants_of(drive);
     assert_eq!(ants(json!({ "kind": "ants", "n_ants": 4 })), presets::ants(Preset::Default, 4));
     let speedy = ants(json!({ "kind": "ants", "n_ants": 4, "preset": "paper-speed" }));
-    assert_eq!((speedy.pull_speed, speedy.release.period, speedy.release_pace), (0.08, 0.10, Pace::Aged));
+    assert_eq!((speedy.pull_speed, speedy.release.period, speedy.release_pace), (0.08, 0.106, Pace::Hazard));
     let own = ants(json!({ "kind": "ants", "n_ants": 4, "preset": "paper-speed", "pull_speed_m_per_s": 0.05 }));
-    assert_eq!((own.pull_speed, own.release.period), (0.05, 0.10));
-    let hazard = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "hazard" }));
-    assert_eq!((hazard.pull_speed, hazard.release.period, hazard.release_pace), (0.03, 0.20, Pace::Hazard));
+    assert_eq!((own.pull_speed, own.release.period), (0.05, 0.106));
+    let aged = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "aged" }));
+    assert_eq!((aged.pull_speed, aged.release.period, aged.release_pace), (0.08, 0.08, Pace::Aged));
     let newtons = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "literal-newtons" }));
     assert_eq!((newtons.grasp_pace, newtons.release_pace, newtons.release.steepness), (Pace::PerTick, Pace::PerTick, 100.0));
     let millinewtons = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "literal-millinewtons" }));

@@ -35,7 +35,7 @@ fn ants_that_are_passed_over_change_no_bit() {
     let scenes = [
         ants(6, 4, json!({})),
         // More springs than ants, so that tips in reach are many and mostly free.
-        ants(30, 40, json!({ "preset": "hazard" })),
+        ants(30, 40, json!({ "preset": "aged" })),
         // Crowded, and a reach wider than the ring of tips.
         ants(60, 12, json!({ "sensing_range_m": 0.09, "grasp_probability": 0.05 })),
     ];

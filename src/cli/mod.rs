@@ -9,6 +9,7 @@ mod check;
 mod compare;
 mod interrupt;
 mod merge;
+mod paper;
 mod run;
 mod scenario;
 mod stress;
@@ -61,6 +62,8 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Make one table of the shards of a sweep
     Merge(merge::MergeArgs),
+    /// Make the paper's results again and judge each beside what it prints
+    Paper(paper::PaperArgs),
     /// Look at scenario files
     #[command(subcommand)]
     Scenario(scenario::ScenarioCommand),
@@ -149,6 +152,7 @@ pub fn main() -> ExitCode {
         Command::Calibrate(command) => calibrate::calibrate(command),
         Command::Sweep(args) => sweep::sweep(args),
         Command::Merge(args) => merge::merge(args),
+        Command::Paper(args) => paper::paper(args),
         Command::Scenario(command) => scenario::scenario(command),
     };
     match done {

@@ -23,6 +23,8 @@ pub enum Stream {
     Scene = 4,
     /// Points of a sweep's design.
     Design = 5,
+    /// In which order, or how often, parts of a sample are taken again.
+    Resample = 6,
 }
 
 /// All chance of one run.

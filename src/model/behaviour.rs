@@ -3,6 +3,8 @@
 //! Deviation: the paper gives probabilities per step of a step it does not print. Here decisions have rates: a probability p per decision
 //! period D is the hazard -ln(1 - p) / D, so that results do not depend on the control period. The literal per-tick reading is [`Pace::PerTick`].
 
+use std::f64::consts::LN_2;
+
 use serde::{Deserialize, Serialize};
 
 use crate::math::{Vec2, perpendicular, wrap_to_pi};
@@ -51,6 +53,12 @@ impl ReleaseLaw {
         let z = self.steepness * (pull - 0.5 * self.strong_pull);
         // softplus without overflow.
         (z.max(0.0) + (-z.abs()).exp().ln_1p()) / self.period
+    }
+
+    /// A hazard (1/s) that [`ReleaseLaw::hazard`] never exceeds, without its exponential: softplus z is at most max(z, 0) + ln 2.
+    pub fn most_hazard(&self, pull: f64) -> f64 {
+        let z = self.steepness * (pull - 0.5 * self.strong_pull);
+        (z.max(0.0) + LN_2) / self.period
     }
 }
 
@@ -124,6 +132,8 @@ mod tests {
             let within = probability_within(PAPER.hazard(pull), PAPER.period);
             // Both are of order one; rounding of exp and ln_1p.
             assert!((within - PAPER.probability(pull)).abs() < 1e-14);
+            // Where the pull is at the even odds, the two are the same number.
+            assert!(PAPER.hazard(pull) <= PAPER.most_hazard(pull) * (1.0 + 1e-15));
         }
         assert!(PAPER.hazard(1e6).is_finite());
         assert!((probability_within(hazard_of(0.2, 0.0025), 0.0025) - 0.2).abs() < 1e-16);

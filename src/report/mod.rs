@@ -17,6 +17,7 @@
 //! check.rs     a check against baselines: JSON, text and files
 //! stress.rs    stress maps: JSON, text and files; stress_map.rs draws one as a heat map
 //! text.rs      a run summary as a text table
+//! paper.rs     the paper's results: JSON; paper_why.rs the reasons, paper_text.rs as text, paper_files.rs its files, paper_readme.rs the page beside them
 //! verification.rs  a verification: JSON, text and files
 //! calibration.rs  a calibration, a design, forces on tips: JSON and files; calibration_text.rs as text
 //! tips.rs      tips.csv
@@ -38,6 +39,11 @@ pub mod html;
 mod json;
 mod lines;
 mod manifest;
+mod paper;
+mod paper_files;
+mod paper_readme;
+mod paper_text;
+mod paper_why;
 mod progress;
 mod quantity;
 mod run;
@@ -68,6 +74,9 @@ pub use json::{
     finite,
 };
 pub use manifest::{Libraries, Machine, Manifest, sha256_hex};
+pub use paper::{FitRow, Paper, Runs as PaperRuns, SetLine, TableRow, TransitionRow, largest};
+pub use paper_files::write_paper;
+pub use paper_text::paper_text;
 pub use progress::Progress;
 pub use quantity::{number, quantity};
 pub use run::{RunFiles, write_run};

@@ -23,6 +23,8 @@ pub struct Ants {
     control_period: f64,
     /// Probability of a grasp per tick in reach of a tip.
     grasp_probability: f64,
+    /// Time between two decisions to let go, at which pulls are looked at (s).
+    decision_period: f64,
     /// Standard deviation of a belief along each axis (m).
     belief_spread: f64,
     half_angle: HalfAngle,
@@ -56,6 +58,7 @@ impl Ants {
             chance,
             control_period: period,
             grasp_probability,
+            decision_period: if drive.release_pace == Pace::PerTick { period } else { drive.release.period },
             belief_spread: drive.target_variance.sqrt(),
             half_angle: HalfAngle::new(drive.steering_half_angle),
             state: State { ants: (0..drive.n_ants).map(start).collect(), pulls: Summary::default() },
@@ -86,8 +89,8 @@ impl Ants {
     fn lets_go(&mut self, i: usize, spring: usize, tick: u64, age: u64, backend: &dyn Backend) -> bool {
         let law = &self.drive.release;
         let is_decision = tick >= self.next_decisions[i] && age > 0 && {
-            let in_ticks = law.period / self.control_period;
-            let n_decisions = |ticks| n_periods(ticks, self.control_period, law.period);
+            let in_ticks = self.decision_period / self.control_period;
+            let n_decisions = |ticks| n_periods(ticks, self.control_period, self.decision_period);
             self.next_decisions[i] = tick.saturating_add(quiet_ticks(age, in_ticks));
             n_decisions(age) > n_decisions(age - 1)
         };
@@ -98,11 +101,14 @@ impl Ants {
         if is_decision {
             self.state.pulls.add(pull);
         }
-        let probability = match self.drive.release_pace {
-            Pace::Aged | Pace::PerTick => law.probability(pull),
-            Pace::Hazard => probability_within(law.hazard(pull), self.control_period),
-        };
-        self.chance.uniform(Stream::Release, i as u32, tick) < probability
+        let drawn = self.chance.uniform(Stream::Release, i as u32, tick);
+        match self.drive.release_pace {
+            Pace::Aged | Pace::PerTick => drawn < law.probability(pull),
+            // A probability is at most its hazard times the time: most draws are beyond that.
+            Pace::Hazard => {
+                drawn <= law.most_hazard(pull) * self.control_period && drawn < probability_within(law.hazard(pull), self.control_period)
+            }
+        }
     }
 
     /// Searching ants grasp, or draw a new belief of where the load is when its time has come; the error is normal with the target variance in each axis.
@@ -176,7 +182,7 @@ impl Ants {
         ant.position = tip;
         self.state.pulls.add(0.0);
         self.sensing.take(spring);
-        self.next_decisions[i] = tick.saturating_add(quiet_ticks(0, self.drive.release.period / self.control_period));
+        self.next_decisions[i] = tick.saturating_add(quiet_ticks(0, self.decision_period / self.control_period));
     }
 
     /// Puts ants that hold a tip where the tip is.

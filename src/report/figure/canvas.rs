@@ -280,7 +280,7 @@ fn is_dense(cell: &Cell, y: &Axis) -> bool {
     let most = CROSSINGS_PER_COLUMN * width / DENSE_COLUMN;
     let is_dense = |curve: &Curve| {
         let n: f64 = finite_runs(&curve.points).map(|run| thin::n_crossings(run, y.low, y.high)).sum();
-        curve.shape != Shape::Path && n > most
+        matches!(curve.shape, Shape::Graph | Shape::Steps | Shape::Marked) && n > most
     };
     !matches!(cell.panel.scale, Scale::Log | Scale::LogLog) && cell.panel.curves.iter().any(is_dense)
 }

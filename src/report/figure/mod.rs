@@ -25,6 +25,8 @@ mod convergence;
 mod difference;
 mod panel;
 mod panels;
+mod paper;
+mod paper_run;
 mod shown;
 mod sweep;
 pub mod thin;
@@ -35,10 +37,11 @@ use panel::{Entry, Panel, Style};
 use shown::Seen;
 pub use sweep::Times;
 
-use super::{BenchLine, GrowthLine};
+use super::{BenchLine, GrowthLine, Paper};
 use crate::bench::SceneFacts;
 use crate::calibrate::{Calibration, Measurements, TipForces};
 use crate::math::Vec2;
+use crate::paper::{Extreme, RunFacts, Shown, Unit};
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
 use crate::sweep::{Group, Identity};
@@ -247,6 +250,40 @@ pub fn sweep(identity: &Identity, groups: &[Group], times: &Times) -> Option<Str
     Some(sheet.into_svg(&[legend]))
 }
 
+/// Figures of the paper's results, by the name of their file: pulls, group sizes, backends, the fit, and one run.
+pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Vec<(&'static str, String)> {
+    let mut figures = vec![
+        ("pulls", grid(paper::pulls(found, units, largest), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
+        ("group-size", grid(paper::group_size(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
+    ];
+    if found.sets.len() > 1 {
+        figures.push(("backends", grid(paper::backends(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)));
+    }
+    if !found.fit.is_empty() {
+        figures.push(("fit", grid(paper::fit(&found.fit), 2, COLUMN_WIDTH, PANEL_HEIGHT)));
+    }
+    if let Some(shown) = shown {
+        let runs: Vec<&RunFacts> = units.iter().filter_map(|unit| unit.of(shown.trial)).collect();
+        figures.push(("transition", grid(paper_run::transition(shown, &runs), 1, WIDTH, ROW_HEIGHT)));
+        figures.push(("snapshots", grid(paper_run::snapshots(shown), 3, SNAPSHOT, SNAPSHOT)));
+        let path = paper_run::path(shown);
+        figures.push(("path", alone(&path, vec![], canvas::natural_height(&path, WIDTH))));
+    }
+    figures
+}
+
+/// Panels in rows of `n_columns`.
+fn grid((panels, legend): (Vec<Panel>, Vec<Entry>), n_columns: usize, width: f64, height: f64) -> String {
+    let n_rows = panels.len().div_ceil(n_columns) as f64;
+    let mut sheet = Sheet::lettered(n_columns as f64 * width, n_rows * height);
+    for (i, panel) in panels.iter().enumerate() {
+        let (left, top) = ((i % n_columns) as f64 * width, (i / n_columns) as f64 * height);
+        sheet.add(&Cell { panel, left, top, width, height });
+    }
+    sheet.into_svg(&[legend])
+}
+
+const SNAPSHOT: f64 = 330.0;
 const WORK_HEIGHT: f64 = 420.0;
 const GROWTH_WIDTH: f64 = 340.0;
 const COLUMN_WIDTH: f64 = 480.0;

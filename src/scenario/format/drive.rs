@@ -134,7 +134,7 @@ pub struct AntsEntry {
     pub release_decision_period_s: Option<f64>,
     /// When an ant draws for a release. Inferred: not printed in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "ReleasePace", extend("default" = "aged"))]
+    #[schemars(with = "ReleasePace", extend("default" = "hazard"))]
     pub release_pace: Option<ReleasePace>,
 }
 

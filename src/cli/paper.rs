@@ -1,0 +1,218 @@
+//! `cohaul paper`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::time::{Duration, Instant, SystemTime};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::{CliError, interrupt, print};
+use crate::backend::{BackendKind, Status};
+use crate::paper::{self, Case, Done, Plan, Set, Trial, study};
+use crate::report::{Manifest, Paper, PaperRuns, Progress, check_target, figure, largest, paper_text, sha256_hex, write_paper};
+use crate::scenario::presets::Preset;
+
+#[derive(Args)]
+pub struct PaperArgs {
+    /// Seeds of the main set; rapier, other masses and other presets get fewer. Below 8 seeds other presets and the fit are left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100_000))]
+    seeds: Option<u64>,
+    /// First seed
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Only these backends; the first of them, in the order of the help, is what others are held against
+    #[arg(long, value_name = "BACKEND", num_args = 1..)]
+    backend: Vec<BackendKind>,
+    /// The ants' parameters
+    #[arg(long, value_name = "NAME", default_value = "default")]
+    preset: Preset,
+    /// A few seeds, one other mass, no replays and no fit: half a minute in place of a quarter of an hour
+    #[arg(long)]
+    quick: bool,
+    /// Folder for tables, figures, summary and manifest; what an interrupted run has done is kept beside it, as DIR.state.json
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was asked: a state belongs to one such.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Asked {
+    version: String,
+    commit: Option<String>,
+    plan: Plan,
+}
+
+/// An interrupted study.
+#[derive(Serialize, Deserialize)]
+struct State {
+    asked: Asked,
+    /// Of runs before this one (s).
+    wall_s: f64,
+    done: Done,
+}
+
+/// A state is written at most this often.
+const KEEP_EVERY: Duration = Duration::from_secs(15);
+/// Seeds unasked: as many as give the printed size of the sample of pulls.
+const SEEDS: u64 = 200;
+const QUICK_SEEDS: u64 = 12;
+/// Sets of parameters of each kind, and seeds of each: fewer seeds could not tell sets apart.
+const FIT_POINTS: usize = 80;
+const FIT_SEEDS: u64 = 8;
+/// Who asks for fewer does not ask for the fit and other presets.
+const FEWEST_FOR_OTHERS: u64 = 8;
+
+pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
+    if let Some(out) = &args.out {
+        check_target(out)?;
+    }
+    let plan = plan(args);
+    let asked = asked(&plan);
+    let file = args.out.as_deref().map(state_file);
+    let (started, clock) = (SystemTime::now(), Instant::now());
+    let before = file.as_deref().map(|file| saved(file, &asked)).transpose()?.flatten();
+    let (done, spent) = before.map_or((Done::new(), 0.0), |state| (state.done, state.wall_s));
+    let wall_s = || spent + clock.elapsed().as_secs_f64();
+    let done = run(&plan, done, |done| match &file {
+        Some(file) => write_state(file, &State { asked: asked.clone(), wall_s: wall_s(), done: done.clone() }),
+        None => Ok(()),
+    })?;
+    if done.len() < plan.tasks().len() {
+        return interrupted(file.as_deref(), State { asked, wall_s: wall_s(), done });
+    }
+    let found = Paper::new(&plan, &done, args.quick, wall_s());
+    found.check_finite()?;
+    if let Some(out) = &args.out {
+        let runs = PaperRuns::new(&plan, &done);
+        let units = runs.units(0);
+        let shown = paper::shown(Trial::FourFour, &plan.sets[0].case, plan.first_seed);
+        let figures = figure::of_paper(&found, &units, largest(&units), shown.as_ref());
+        write_paper(out, &found, &runs.flat(), &figures, &manifest(&plan, started))?;
+    }
+    if let Some(file) = file.filter(|file| file.exists()) {
+        fs::remove_file(&file).map_err(|source| CliError::File { path: file, source })?;
+    }
+    print(&if args.json { found.to_json() } else { paper_text(&found) })?;
+    Ok(if found.status == Status::Failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+fn plan(args: &PaperArgs) -> Plan {
+    let n_seeds = args.seeds.unwrap_or(if args.quick { QUICK_SEEDS } else { SEEDS });
+    let is_asked = |backend: &BackendKind| args.backend.is_empty() || args.backend.contains(backend);
+    let fewer = |by: u64, least: u64| (n_seeds / by).max(least).min(n_seeds);
+    let set = |case: Case, n_seeds: u64| {
+        // The dear engine and other models leave the law of numbers to the rest.
+        let has_crowd = case.preset == args.preset && case.backend != BackendKind::Rapier;
+        let of_crowd = if args.quick { 4 } else { n_seeds.div_ceil(4) };
+        Set { case, n_seeds, n_crowd_seeds: if has_crowd { of_crowd.min(n_seeds) } else { 0 } }
+    };
+    let mut sets: Vec<Set> = Vec::new();
+    for backend in BackendKind::ALL.into_iter().filter(is_asked) {
+        let n_seeds = if backend == BackendKind::Rapier { fewer(4, 2) } else { n_seeds };
+        sets.push(set(Case::new(args.preset, backend), n_seeds));
+    }
+    if is_asked(&BackendKind::Inertial) {
+        let factors: &[f64] = if args.quick { &[100.0] } else { &[0.1, 10.0, 100.0] };
+        let scaled = |inertia: &f64| set(Case { inertia: *inertia, ..Case::new(args.preset, BackendKind::Inertial) }, fewer(4, 4));
+        sets.extend(factors.iter().map(scaled));
+    }
+    let has_others = is_asked(&BackendKind::QuasiStatic) && n_seeds >= FEWEST_FOR_OTHERS;
+    if has_others {
+        let other = |preset: Preset| set(Case::new(preset, BackendKind::QuasiStatic), fewer(8, 2));
+        sets.extend(Preset::ALL.into_iter().filter(|preset| *preset != args.preset).map(other));
+    }
+    let has_all = BackendKind::ALL.iter().all(is_asked);
+    Plan {
+        preset: args.preset,
+        first_seed: args.seed,
+        sets,
+        n_fit_points: if has_others && !args.quick { FIT_POINTS } else { 0 },
+        n_fit_seeds: FIT_SEEDS,
+        replayed: if has_all && !args.quick { Trial::ALL.to_vec() } else { Vec::new() },
+        replayed_s: 60.0,
+    }
+}
+
+fn asked(plan: &Plan) -> Asked {
+    let build = Manifest::new(serde_json::Value::Null, String::new(), 0, serde_json::Value::Null, Vec::new(), SystemTime::UNIX_EPOCH);
+    Asked { version: build.version.to_owned(), commit: build.commit.map(str::to_owned), plan: plan.clone() }
+}
+
+/// Does what is left, and hands what is done to `keep` now and then.
+fn run(plan: &Plan, done: Done, keep: impl Fn(&Done) -> Result<(), CliError> + Sync) -> Result<Done, CliError> {
+    let progress = Mutex::new(Progress::of_share("paper"));
+    let (last_kept, failure) = (Mutex::new(Instant::now()), Mutex::new(None));
+    let watch = |share: f64| {
+        // Only one thread draws; the others need not wait for it.
+        if let Ok(mut progress) = progress.try_lock() {
+            progress.at(share);
+        }
+        !interrupt::asked()
+    };
+    let keep_at_times = |done: &Done| {
+        let mut last = last_kept.lock().expect("no thread panicked while it kept a state");
+        if last.elapsed() >= KEEP_EVERY {
+            if let Err(error) = keep(done) {
+                failure.lock().expect("no thread panicked while it failed").get_or_insert(error);
+            }
+            *last = Instant::now();
+        }
+    };
+    let done = study(plan, done, watch, keep_at_times);
+    progress.into_inner().expect("no thread panicked while it drew").finish();
+    failure.into_inner().expect("no thread panicked while it failed").map_or(Ok(done), Err)
+}
+
+fn state_file(out: &Path) -> PathBuf {
+    let mut name = out.file_name().unwrap_or_default().to_owned();
+    name.push(".state.json");
+    out.with_file_name(name)
+}
+
+/// What an interrupted run of the same question has left; `None` where there is none.
+fn saved(file: &Path, asked: &Asked) -> Result<Option<State>, CliError> {
+    let path = || file.to_owned();
+    let text = match fs::read_to_string(file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        other => other.map_err(|source| CliError::File { path: path(), source })?,
+    };
+    let state: State = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path(), source })?;
+    if state.asked != *asked {
+        let what = "was left by another command or build; run that again, or remove the file";
+        return Err(CliError::Usage(format!("{}: {what}", file.display())));
+    }
+    Ok(Some(state))
+}
+
+/// Whole or not at all.
+fn write_state(file: &Path, state: &State) -> Result<(), CliError> {
+    let text = serde_json::to_string(state).expect("answers are plain data");
+    let partial = file.with_extension("partial");
+    let kept = fs::create_dir_all(file.parent().unwrap_or(Path::new("")))
+        .and_then(|()| fs::write(&partial, text))
+        .and_then(|()| fs::rename(&partial, file));
+    kept.map_err(|source| CliError::File { path: file.to_owned(), source })
+}
+
+fn interrupted(file: Option<&Path>, state: State) -> Result<ExitCode, CliError> {
+    if let Some(file) = file {
+        write_state(file, &state)?;
+    }
+    Err(CliError::Interrupted)
+}
+
+/// In place of a scenario stand the trials, as run at the first seed.
+fn manifest(plan: &Plan, started: SystemTime) -> Manifest {
+    let case = Case::new(plan.preset, BackendKind::QuasiStatic);
+    let trials: Vec<_> = Trial::ALL.into_iter().map(|trial| trial.scenario(&case, plan.first_seed).expanded()).collect();
+    let scenario = serde_json::json!({ "name": "the paper's trials", "trials": trials });
+    let options = serde_json::to_value(plan).expect("a plan is plain data");
+    let hash = sha256_hex(scenario.to_string().as_bytes());
+    Manifest::new(scenario, hash, None, options, std::env::args().collect(), started)
+}
