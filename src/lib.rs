@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`calibrate`], [`check`], [`paper`], [`stress`],
+//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`calibrate`], [`check`], [`paper`], [`regime`], [`stress`],
 //! [`sweep`] and [`verify`], [`report`], [`cli`].
 #![forbid(unsafe_code)]
 
@@ -24,6 +24,7 @@ pub mod estimate;
 pub mod math;
 pub mod model;
 pub mod paper;
+pub mod regime;
 pub mod report;
 pub mod scenario;
 pub mod simulation;

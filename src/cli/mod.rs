@@ -10,6 +10,7 @@ mod compare;
 mod interrupt;
 mod merge;
 mod paper;
+mod regime;
 mod run;
 mod scenario;
 mod stress;
@@ -64,6 +65,8 @@ enum Command {
     Merge(merge::MergeArgs),
     /// Make the paper's results again and judge each beside what it prints
     Paper(paper::PaperArgs),
+    /// Map where inertia matters: tip speed against time between events, and where theory is off
+    Regime(regime::RegimeArgs),
     /// Look at scenario files
     #[command(subcommand)]
     Scenario(scenario::ScenarioCommand),
@@ -153,6 +156,7 @@ pub fn main() -> ExitCode {
         Command::Sweep(args) => sweep::sweep(args),
         Command::Merge(args) => merge::merge(args),
         Command::Paper(args) => paper::paper(args),
+        Command::Regime(args) => regime::regime(args),
         Command::Scenario(command) => scenario::scenario(command),
     };
     match done {

@@ -16,6 +16,7 @@
 //! comparison.rs  a comparison: JSON, text and files
 //! check.rs     a check against baselines: JSON, text and files
 //! stress.rs    stress maps: JSON, text and files; stress_map.rs draws one as a heat map
+//! regime.rs    the regime map: JSON, text and files; regime_map.rs its figures, of panels of regime_plane.rs; regime_page.rs its page
 //! text.rs      a run summary as a text table
 //! paper.rs     the paper's results: JSON; paper_why.rs the reasons, paper_text.rs as text, paper_files.rs its files, paper_readme.rs the page beside them
 //! verification.rs  a verification: JSON, text and files
@@ -46,6 +47,10 @@ mod paper_text;
 mod paper_why;
 mod progress;
 mod quantity;
+mod regime;
+mod regime_map;
+mod regime_page;
+mod regime_plane;
 mod run;
 mod stress;
 mod stress_map;
@@ -79,6 +84,7 @@ pub use paper_files::write_paper;
 pub use paper_text::paper_text;
 pub use progress::Progress;
 pub use quantity::{number, quantity};
+pub use regime::{CellLine, MapLine, Regime, RuleLine, is_sound_by_rule, regime_text, write_regime};
 pub use run::{RunFiles, write_run};
 pub use stress::{Stress, stress_list, stress_text, write_stress};
 pub use sweep::{Cost, Failure, SweepSummary, sweep_text};

@@ -210,14 +210,19 @@ fn outcome_color(outcome: Outcome) -> &'static str {
     }
 }
 
-/// From dark blue (rounding) over green to yellow (a hundred ways), evenly brighter: the stops are those of matplotlib's viridis.
+/// From dark blue (rounding) to yellow (a hundred ways).
 fn error_color(error: Option<f64>) -> String {
-    const STOPS: [[f64; 3]; 6] =
-        [[68.0, 1.0, 84.0], [65.0, 68.0, 135.0], [42.0, 120.0, 142.0], [34.0, 168.0, 132.0], [122.0, 209.0, 81.0], [253.0, 231.0, 37.0]];
     let Some(error) = error else { return NOTHING.to_owned() };
     // In tenths of the range, so that neighbours of one colour are one rectangle.
     let decade = error.max(1e-300).log10().clamp(LOWEST, HIGHEST).round();
-    let at = (decade - LOWEST) / (HIGHEST - LOWEST) * (STOPS.len() - 1) as f64;
+    viridis((decade - LOWEST) / (HIGHEST - LOWEST))
+}
+
+/// From dark blue (0) over green to yellow (1), evenly brighter: the stops are those of matplotlib's viridis.
+pub(super) fn viridis(share: f64) -> String {
+    const STOPS: [[f64; 3]; 6] =
+        [[68.0, 1.0, 84.0], [65.0, 68.0, 135.0], [42.0, 120.0, 142.0], [34.0, 168.0, 132.0], [122.0, 209.0, 81.0], [253.0, 231.0, 37.0]];
+    let at = share * (STOPS.len() - 1) as f64;
     let low = (at as usize).min(STOPS.len() - 2);
     let share = at - low as f64;
     let [r, g, b] = [0, 1, 2].map(|i| ((1.0 - share) * STOPS[low][i] + share * STOPS[low + 1][i]).round() as u8);
@@ -270,13 +275,13 @@ fn title(name: &str) -> String {
     unit.map_or_else(|| plain(name), |(ending, unit)| format!("{} ({unit})", plain(name.strip_suffix(ending).unwrap_or(name))))
 }
 
-enum Anchor {
+pub(super) enum Anchor {
     Start,
     Middle,
     End,
 }
 
-fn text(svg: &mut String, [x, y]: [f64; 2], anchor: Anchor, size: f64, content: &str) {
+pub(super) fn text(svg: &mut String, [x, y]: [f64; 2], anchor: Anchor, size: f64, content: &str) {
     let anchor = match anchor {
         Anchor::Start => "start",
         Anchor::Middle => "middle",
@@ -286,15 +291,15 @@ fn text(svg: &mut String, [x, y]: [f64; 2], anchor: Anchor, size: f64, content: 
         .expect("a string takes all");
 }
 
-fn tick(svg: &mut String, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2]) {
+pub(super) fn tick(svg: &mut String, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2]) {
     writeln!(svg, "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"black\"/>").expect("a string takes all");
 }
 
-fn swatch(svg: &mut String, [x, y]: [f64; 2], width: f64, color: &str) {
+pub(super) fn swatch(svg: &mut String, [x, y]: [f64; 2], width: f64, color: &str) {
     writeln!(svg, "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width}\" height=\"12\" fill=\"{color}\"/>").expect("a string takes all");
 }
 
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -108,10 +108,15 @@ pub fn sweep_text(found: &SweepSummary) -> String {
     text
 }
 
-fn table(found: &SweepSummary, groups: &[Group]) -> String {
+/// Names of the columns, then a row a group.
+pub(super) fn group_rows(found: &SweepSummary, groups: &[Group]) -> Vec<Vec<String>> {
     let measured = ["backend", "runs", "arrived", "time to nest", "pull, mean", "pull, sd", "speed"];
     let head: Vec<String> = found.parameters.iter().map(String::as_str).chain(measured).map(str::to_owned).collect();
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(groups.iter().map(line)).collect();
+    std::iter::once(head).chain(groups.iter().map(line)).collect()
+}
+
+fn table(found: &SweepSummary, groups: &[Group]) -> String {
+    let rows = group_rows(found, groups);
     let width = |at: usize| rows.iter().map(|row| row[at].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
     let padded = |row: &Vec<String>| {

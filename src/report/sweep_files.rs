@@ -1,9 +1,10 @@
-//! The files of a sweep: `runs.csv`, `runs.parquet`, `groups.csv`, a figure, summary and manifest. Rows pass through; none is kept.
+//! The files of a sweep: `runs.csv`, `runs.parquet`, `groups.csv`, a figure, a report, summary and manifest. Rows pass through; none is kept.
 
 use std::io::Write;
 use std::path::Path;
 
 use super::figure::{Times, sweep as draw};
+use super::html::{REPORT, sweep_page};
 use super::sweep::{Failure, MOST_FAILURES, SweepSummary};
 use super::{FolderError, Manifest, OutputFolder};
 use crate::math::Interval;
@@ -26,9 +27,11 @@ pub fn write_sweep(
     folder.write("groups.csv", |out| write_groups(identity, table, &mut summary, out))?;
     #[cfg(feature = "parquet")]
     folder.write("runs.parquet", |out| super::sweep_parquet::write_parquet(&identity.columns, table, out))?;
-    if let Some(svg) = draw(identity, summary.groups.as_deref().unwrap_or_default(), &times) {
+    let figure = draw(identity, summary.groups.as_deref().unwrap_or_default(), &times);
+    if let Some(svg) = &figure {
         folder.write("figure.svg", |out| out.write_all(svg.as_bytes()))?;
     }
+    folder.write(REPORT, |out| out.write_all(sweep_page(&summary, figure, manifest).to_html().as_bytes()))?;
     folder.write("summary.json", |out| out.write_all(summary.to_json().as_bytes()))?;
     folder.finish(manifest)?;
     Ok(summary)

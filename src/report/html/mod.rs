@@ -38,6 +38,7 @@ mod render;
 mod replay;
 mod run;
 mod stress;
+mod sweep;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -52,6 +53,7 @@ pub(super) use comparison::comparison_page;
 pub use replay::{Replay, Shown};
 pub(super) use run::run_page;
 pub(super) use stress::stress_page;
+pub(super) use sweep::sweep_page;
 
 /// Name of the report in an output folder.
 pub const REPORT: &str = "report.html";

@@ -1,0 +1,140 @@
+//! `cohaul regime`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::time::{Instant, SystemTime};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::{CliError, interrupt, print};
+use crate::regime::{self, Cell, Done, Effort, Grid, Scene};
+use crate::report::{Manifest, Progress, Regime, check_target, regime_text, sha256_hex, write_regime};
+
+#[derive(Args)]
+pub struct RegimeArgs {
+    /// Only these scenes; without it all
+    #[arg(long, value_name = "SCENE", num_args = 1..)]
+    scene: Vec<Scene>,
+    /// Six values an axis in place of twenty
+    #[arg(long)]
+    quick: bool,
+    /// Folder for maps, cells, summary and manifest; what an interrupted run has done is kept beside it, as DIR.state.json
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was asked: a state belongs to one such.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Asked {
+    version: String,
+    commit: Option<String>,
+    scenes: Vec<Scene>,
+    effort: Effort,
+}
+
+/// An interrupted run.
+#[derive(Serialize, Deserialize)]
+struct State {
+    asked: Asked,
+    /// Of runs before this one (s).
+    wall_s: f64,
+    done: Done,
+}
+
+pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
+    if let Some(out) = &args.out {
+        check_target(out)?;
+    }
+    let effort = if args.quick { Effort::Quick } else { Effort::Full };
+    let scenes: Vec<Scene> = Scene::ALL.into_iter().filter(|scene| args.scene.is_empty() || args.scene.contains(scene)).collect();
+    let maps: Vec<Grid> = scenes.iter().map(|scene| Grid::of(*scene, effort)).collect();
+    let grids: Vec<Grid> = maps.iter().cloned().chain(scenes.iter().map(|scene| Grid::paper(*scene))).collect();
+    let asked = asked(scenes, effort);
+    let file = args.out.as_deref().map(state_file);
+    let (started, clock) = (SystemTime::now(), Instant::now());
+    let before = file.as_deref().map(|file| saved(file, &asked)).transpose()?.flatten();
+    let (done, spent) = before.map_or((Done::new(), 0.0), |state| (state.done, state.wall_s));
+    let done = run(&grids, done);
+    let wall_s = spent + clock.elapsed().as_secs_f64();
+    if done.len() < regime::cells(&grids).len() {
+        return interrupted(file.as_deref(), &State { asked, wall_s, done });
+    }
+    let mut cells: Vec<Cell> = done.into_values().collect();
+    let paper = cells.split_off(maps.iter().map(Grid::n_cells).sum());
+    let found = Regime::new(&maps, cells, &paper, args.quick, wall_s);
+    if let Some(out) = &args.out {
+        write_regime(out, &found, &manifest(&asked, started))?;
+    }
+    if let Some(file) = file.filter(|file| file.exists()) {
+        fs::remove_file(&file).map_err(|source| CliError::File { path: file, source })?;
+    }
+    print(&if args.json { found.to_json() } else { regime_text(&found) })?;
+    Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn asked(scenes: Vec<Scene>, effort: Effort) -> Asked {
+    let build = Manifest::new(serde_json::Value::Null, String::new(), 0, serde_json::Value::Null, Vec::new(), SystemTime::UNIX_EPOCH);
+    Asked { version: build.version.to_owned(), commit: build.commit.map(str::to_owned), scenes, effort }
+}
+
+fn run(grids: &[Grid], done: Done) -> Done {
+    let progress = Mutex::new(Progress::of_share("regime"));
+    let watch = |share: f64| {
+        // Only one thread draws; the others need not wait for it.
+        if let Ok(mut progress) = progress.try_lock() {
+            progress.at(share);
+        }
+        !interrupt::asked()
+    };
+    let done = regime::measure(grids, done, watch);
+    progress.into_inner().expect("no thread panicked while it drew").finish();
+    done
+}
+
+fn state_file(out: &Path) -> PathBuf {
+    let mut name = out.file_name().unwrap_or_default().to_owned();
+    name.push(".state.json");
+    out.with_file_name(name)
+}
+
+/// What an interrupted run of the same question has left; `None` where there is none.
+fn saved(file: &Path, asked: &Asked) -> Result<Option<State>, CliError> {
+    let path = || file.to_owned();
+    let text = match fs::read_to_string(file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        other => other.map_err(|source| CliError::File { path: path(), source })?,
+    };
+    let state: State = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path(), source })?;
+    if state.asked != *asked {
+        let what = "was left by another command or build; run that again, or remove the file";
+        return Err(CliError::Usage(format!("{}: {what}", file.display())));
+    }
+    Ok(Some(state))
+}
+
+/// Keeps what is done, whole or not at all.
+fn interrupted(file: Option<&Path>, state: &State) -> Result<ExitCode, CliError> {
+    if let Some(file) = file {
+        let text = serde_json::to_string(state).expect("cells are plain data");
+        let partial = file.with_extension("partial");
+        let kept = fs::create_dir_all(file.parent().unwrap_or(Path::new("")))
+            .and_then(|()| fs::write(&partial, text))
+            .and_then(|()| fs::rename(&partial, file));
+        kept.map_err(|source| CliError::File { path: file.to_owned(), source })?;
+    }
+    Err(CliError::Interrupted)
+}
+
+/// In place of a scenario stand the scenes asked for.
+fn manifest(asked: &Asked, started: SystemTime) -> Manifest {
+    let scenario = serde_json::json!({ "name": "regime", "scenes": asked.scenes });
+    let options = serde_json::json!({ "effort": asked.effort });
+    let hash = sha256_hex(scenario.to_string().as_bytes());
+    Manifest::new(scenario, hash, 0, options, std::env::args().collect(), started)
+}

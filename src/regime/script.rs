@@ -1,0 +1,113 @@
+//! Grasps and releases at given ticks, tips at given velocities. Where a tip is grasped follows the load: paths with and without inertia have their own.
+
+use serde::{Deserialize, Serialize};
+
+use crate::backend::{Motion, RestoreError};
+use crate::math::Vec2;
+use crate::math::rotation;
+use crate::simulation::{Driver, Event, EventKind, Orders, View};
+
+/// Something to do to one spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cue {
+    pub tick: u64,
+    pub spring: usize,
+    pub act: Act,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Act {
+    /// Takes the tip of the undeformed spring, moved by `stretch` (m, world), and leaves with it at `velocity` (m/s, world).
+    Grasp {
+        stretch: Vec2,
+        velocity: Vec2,
+    },
+    Release,
+}
+
+/// Follows cues, which stand in the order of their ticks, releases of a tick first.
+pub struct Script {
+    cues: Vec<Cue>,
+    state: State,
+    targets: Vec<Vec2>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    /// Number of the next cue.
+    next: usize,
+    held: Vec<Option<Held>>,
+}
+
+/// A tip on its way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Held {
+    /// (s)
+    since: f64,
+    /// (m, world)
+    from: Vec2,
+    /// (m/s, world)
+    velocity: Vec2,
+}
+
+impl Held {
+    /// From the grasp in one product, so that no rounding grows.
+    fn position(&self, time: f64) -> Vec2 {
+        self.from + (time - self.since) * self.velocity
+    }
+}
+
+impl Script {
+    pub fn new(cues: Vec<Cue>, n_springs: usize) -> Self {
+        Self { cues, state: State { next: 0, held: vec![None; n_springs] }, targets: vec![Vec2::zeros(); n_springs] }
+    }
+}
+
+impl Driver for Script {
+    fn decide(&mut self, view: &View, orders: &mut Orders) {
+        let Motion { pose, .. } = view.backend.motion();
+        while let Some(cue) = self.cues.get(self.state.next).filter(|cue| view.tick == Some(cue.tick)) {
+            let (time, held) = (view.time, &mut self.state.held[cue.spring]);
+            let (tip, kind) = match cue.act {
+                Act::Release => (held.take().map_or(Vec2::zeros(), |held| held.position(time)), EventKind::Release),
+                Act::Grasp { stretch, velocity } => {
+                    let rest = rotation(pose.heading) * view.scenario.system.springs[cue.spring].rest_tip();
+                    let from = pose.position + rest + stretch;
+                    *held = Some(Held { since: time, from, velocity });
+                    (from, EventKind::Grasp)
+                }
+            };
+            orders.events.push(Event { time, spring: cue.spring, ant: None, tip, kind });
+            self.state.next += 1;
+        }
+    }
+
+    fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
+        for (target, held) in self.targets.iter_mut().zip(&self.state.held) {
+            *target = held.map_or(*target, |held| held.position(until));
+        }
+        &self.targets
+    }
+
+    /// All that happens, happens at ticks.
+    fn next_instant(&self, _: f64) -> Option<f64> {
+        None
+    }
+
+    fn arrived(&self, _: &Motion) -> Option<bool> {
+        None
+    }
+
+    fn save(&self) -> serde_json::Value {
+        serde_json::to_value(&self.state).expect("tips are plain data")
+    }
+
+    fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
+        let state: State = Deserialize::deserialize(state).map_err(|error: serde_json::Error| RestoreError(error.to_string()))?;
+        if state.held.len() != self.state.held.len() || state.next > self.cues.len() {
+            return Err(RestoreError("a driver's state for another script".into()));
+        }
+        self.state = state;
+        Ok(())
+    }
+}

@@ -1,0 +1,157 @@
+//! What theory expects of the scenes, in units of 1 / omega_n, v / omega_n and v.
+//!
+//! While a load on one spring slips forward under a tip at speed v, the stretch beyond f / k is a free oscillation s of the load, whatever friction is, and the load stands s behind the
+//! one without inertia. With a dashpot it slips at `k s + c v = f` already, that is at s = -2 zeta, unless the dashpot alone pulls harder than friction holds: then at the
+//! grasp, at s = -1 / epsilon. A load let go at speed u coasts `epsilon u^2 / 2`.
+//!
+//! The tug of war starts its slip from s = Phi, since both tips have gone that far, at the rate 1. Where its load stops (s' = 1) it stays until the tip has made up for it.
+
+use std::f64::consts::PI;
+
+/// Stretch beyond f / k and its rate `time` after they were `start`, without forces but spring and dashpot.
+pub fn stretch(zeta: f64, [stretch, rate]: [f64; 2], time: f64) -> [f64; 2] {
+    let damped = (1.0 - zeta * zeta).abs().sqrt();
+    let (cos, sin) = match zeta {
+        _ if zeta < 1.0 => ((damped * time).cos(), (damped * time).sin() / damped),
+        _ if zeta > 1.0 => ((damped * time).cosh(), (damped * time).sinh() / damped),
+        _ => (1.0, time),
+    };
+    let decay = (-zeta * time).exp();
+    [decay * (stretch * cos + (rate + zeta * stretch) * sin), decay * (rate * cos - (stretch + zeta * rate) * sin)]
+}
+
+/// Stretch beyond f / k at which a load at rest on a dashpot and a spring, pulled from the rest shape on, begins to slip.
+pub fn onset(epsilon: f64, zeta: f64) -> f64 {
+    -(2.0 * zeta).min(1.0 / epsilon)
+}
+
+/// Way of a load pulled for Phi since its quasi-static onset and then let go, over the way without inertia, undamped:
+/// `[phi - sin phi + (epsilon / 2) (1 - cos phi)^2] / phi`.
+pub fn excursion_undamped(phi: f64, epsilon: f64) -> f64 {
+    (phi - phi.sin() + 0.5 * epsilon * (1.0 - phi.cos()).powi(2)) / phi
+}
+
+/// The same with a dashpot.
+pub fn excursion(phi: f64, epsilon: f64, zeta: f64) -> f64 {
+    let [behind, rate] = excursion_stretch(phi, epsilon, zeta);
+    (phi - behind + coast(epsilon, 1.0 - rate)) / phi
+}
+
+/// Largest distance of that load from the one without inertia, over the way of the latter.
+pub fn excursion_share(phi: f64, epsilon: f64, zeta: f64) -> f64 {
+    const INTERVAL: f64 = 0.02;
+    let early = onset(epsilon, zeta);
+    let n = ((phi - early) / INTERVAL).ceil();
+    let apart = |i: usize| {
+        let time = early + (phi - early) * i as f64 / n;
+        (time.min(0.0) - excursion_stretch(time, epsilon, zeta)[0]).abs()
+    };
+    let driven = (0..=n as usize).map(apart).fold(0.0, f64::max);
+    driven.max(phi * (excursion(phi, epsilon, zeta) - 1.0).abs()) / phi
+}
+
+fn excursion_stretch(time: f64, epsilon: f64, zeta: f64) -> [f64; 2] {
+    let early = onset(epsilon, zeta);
+    stretch(zeta, [early, 1.0], time - early)
+}
+
+/// Way after a force has stepped up, over the way without inertia, when the next event comes after Phi: a first swing, cut short where Phi leaves no time for it. Undamped
+/// `1 - cos phi`, and 2 at most; after a whole swing `1 + exp(-pi zeta / sqrt(1 - zeta^2))`.
+pub fn release_factor(phi: f64, zeta: f64) -> f64 {
+    let half_swing = if zeta < 1.0 { PI / (1.0 - zeta * zeta).sqrt() } else { f64::INFINITY };
+    1.0 - stretch(zeta, [1.0, 0.0], phi.min(half_swing))[0]
+}
+
+/// Way of the tug of war's load over the way without inertia, jump and drive each by its own law.
+pub fn release(phi: f64, epsilon: f64, zeta: f64) -> f64 {
+    0.5 * (release_factor(phi, zeta) + excursion(phi, epsilon, zeta))
+}
+
+/// The same in closed form, with the first stop, the wait and the second onset; `None` where friction turns the load back.
+pub fn release_exact(phi: f64, epsilon: f64, zeta: f64) -> Option<f64> {
+    let start = [phi, 1.0];
+    let way = |time: f64, behind: f64| (time + phi - behind) / (2.0 * phi);
+    let let_go = |[behind, rate]: [f64; 2]| way(phi, behind) + coast(epsilon, 1.0 - rate) / (2.0 * phi);
+    let Some(stop) = first_stop(zeta, start, phi) else { return Some(let_go(stretch(zeta, start, phi))) };
+    let [stopped, _] = stretch(zeta, start, stop);
+    if stopped + 2.0 * zeta < -2.0 / epsilon {
+        return None;
+    }
+    let again = stop - 2.0 * zeta - stopped;
+    Some(if phi <= again { way(stop, stopped) } else { let_go(stretch(zeta, [-2.0 * zeta, 1.0], phi - again)) })
+}
+
+/// When the tug of war's load first stops after the release, if that is before `until`.
+pub fn first_stop(zeta: f64, start: [f64; 2], until: f64) -> Option<f64> {
+    const INTERVAL: f64 = 0.01;
+    let speed = |time: f64| 1.0 - stretch(zeta, start, time)[1];
+    let n = (until / INTERVAL).ceil() as usize;
+    // The load starts from rest.
+    let after = (2..=n).find(|i| speed(INTERVAL * *i as f64) <= 0.0)?;
+    let (mut low, mut high) = (INTERVAL * (after - 1) as f64, INTERVAL * after as f64);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if speed(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    (high < until).then_some(high)
+}
+
+/// Way of a load that is let go at this speed.
+fn coast(epsilon: f64, speed: f64) -> f64 {
+    0.5 * epsilon * speed * speed
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    /// Second differences of the oscillation give back its equation; 1e-4 of a radian leaves 1e-8 of truncation and as much of rounding.
+    #[test]
+    fn the_stretch_obeys_its_equation_on_all_sides_of_critical_damping() {
+        for zeta in [0.0, 0.3, 0.999, 1.0, 1.001, 2.0] {
+            let at = |time: f64| stretch(zeta, [0.7, -0.4], time);
+            let (h, t) = (1e-4, 1.3);
+            let [s, rate] = at(t);
+            let second = (at(t + h)[1] - at(t - h)[1]) / (2.0 * h);
+            assert!((second + 2.0 * zeta * rate + s).abs() < 1e-7, "{zeta}");
+            assert!(((at(t + h)[0] - at(t - h)[0]) / (2.0 * h) - rate).abs() < 1e-7, "{zeta}");
+            assert_eq!(at(0.0), [0.7, -0.4]);
+        }
+    }
+
+    /// Taylor's series of the printed formula: phi^2 / 6 + epsilon phi^3 / 8 to leading orders; a whole period leaves nothing.
+    #[test]
+    fn excursions_begin_slowly_and_end_as_without_inertia() {
+        let (phi, epsilon) = (1e-2_f64, 0.5_f64);
+        let series = phi * phi / 6.0 + epsilon * phi.powi(3) / 8.0;
+        assert!((excursion_undamped(phi, epsilon) / series - 1.0).abs() < 1e-4);
+        assert!((excursion_undamped(TAU, epsilon) - 1.0).abs() < 1e-15);
+        assert!((excursion(1.7, 0.3, 0.0) - excursion_undamped(1.7, 0.3)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_release_falls_short_below_a_quarter_period_and_overshoots_beyond() {
+        assert!(release_factor(0.5 * PI - 1e-6, 0.0) < 1.0 && release_factor(0.5 * PI + 1e-6, 0.0) > 1.0);
+        for zeta in [0.0_f64, 0.1, 0.5] {
+            let damped = (1.0 - zeta * zeta).sqrt();
+            let whole = 1.0 + (-PI * zeta / damped).exp();
+            assert!((release_factor(50.0, zeta) - whole).abs() < 1e-14);
+        }
+        // Critically damped, nothing overshoots.
+        assert!((0..1000).all(|i| release_factor(0.1 * f64::from(i), 1.0) <= 1.0));
+    }
+
+    /// Before the load first stops the two laws add up, but for the coast of the speed that the jump has given.
+    #[test]
+    fn jump_and_drive_add_up_until_the_load_stops() {
+        let phi = 2.0;
+        assert_eq!(first_stop(0.0, [phi, 1.0], 10.0).map(|stop| (1e6 * (stop - 2.0 * (PI - phi.atan()))).round()), Some(0.0));
+        let without_coast = |law: &dyn Fn(f64) -> f64| law(1e-12);
+        let sum = without_coast(&|epsilon| release(phi, epsilon, 0.0));
+        let whole = without_coast(&|epsilon| release_exact(phi, epsilon, 0.0).unwrap());
+        assert!((sum - whole).abs() < 1e-11, "{sum} {whole}");
+        assert!(release_exact(phi, 0.5, 0.0).unwrap() > release(phi, 0.5, 0.0) + 0.1);
+    }
+}

@@ -1,0 +1,149 @@
+//! The regime map: cells against closed forms, on both sides of each threshold, and what must not matter.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use cohaul::regime::{AGREEMENT, Cause, Cell, Done, Effort, Grid, Law, Scene, Setting, Standing, cells, measure, theory};
+
+fn at(phi: f64, epsilon: f64, zeta: f64) -> Setting {
+    Setting { phi, epsilon, zeta, mass_factor: 1.0 }
+}
+
+fn measured(scene: Scene, at: Setting) -> Cell {
+    let cell = Cell::measure(scene, &at, || true).unwrap();
+    assert!(cell.is_converged && cell.moves() && cell.end_speed_m_per_s == 0.0, "{cell:?}");
+    cell
+}
+
+/// Paths may err by 1e-4 of a tip's way between two events; what error control says they do is less.
+const TOLERANCE: f64 = 1e-4;
+
+/// `[phi - sin phi + (epsilon / 2) (1 - cos phi)^2] / phi`: before, at and after a quarter, a half and a whole period, for slow tips and for fast ones.
+#[test]
+fn an_undamped_excursion_goes_as_far_as_the_closed_form() {
+    for (phi, epsilon) in [(0.3, 1e-3), (0.3, 1.0), (1.5, 0.1), (FRAC_PI_2, 0.5), (PI, 0.0593), (4.0, 1.0), (6.4, 0.0445), (30.0, 0.3)] {
+        let cell = measured(Scene::Excursion, at(phi, epsilon, 0.0));
+        let ratio = cell.displacement_ratio().unwrap();
+        let known = theory::excursion_undamped(phi, epsilon);
+        assert!((ratio - known).abs() < TOLERANCE, "{phi} {epsilon}: {ratio} {known}");
+        // Not the same number by another way.
+        assert!(ratio != known);
+        // Distances are seen at ticks of 0.1 rad: a largest one between two is missed by an eighth of the square of that.
+        let (share, known) = (cell.share().unwrap(), theory::excursion_share(phi, epsilon, 0.0));
+        assert!((share / known - 1.0).abs() < 2e-3, "{phi} {epsilon}: {share} {known}");
+    }
+}
+
+/// Below, at and above critical damping; the last is so fast that its dashpot alone moves the load at the grasp.
+#[test]
+fn a_damped_excursion_begins_earlier_and_ends_as_the_closed_form() {
+    for (phi, epsilon, zeta) in [(0.3, 0.01, 0.1), (2.0, 0.2, 0.5), (2.0, 0.1, 1.0), (0.7, 0.05, 2.0), (3.0, 1.0, 1.0)] {
+        let ratio = measured(Scene::Excursion, at(phi, epsilon, zeta)).displacement_ratio().unwrap();
+        let known = theory::excursion(phi, epsilon, zeta);
+        assert!((ratio - known).abs() < TOLERANCE, "{phi} {epsilon} {zeta}: {ratio} {known}");
+        assert!((known - theory::excursion_undamped(phi, epsilon)).abs() > 10.0 * TOLERANCE);
+    }
+}
+
+/// In the tug of war jump and drive add up: with slow tips the excess over the drive is the release factor, below one before a quarter of a period, above one after it.
+#[test]
+fn a_release_falls_short_before_a_quarter_of_a_period_and_overshoots_after_it() {
+    let epsilon = 1e-3;
+    let factor = |phi: f64, zeta: f64| {
+        let way = 2.0 * measured(Scene::TugOfWar, at(phi, epsilon, zeta)).displacement_ratio().unwrap();
+        // The drive without the jump, by its closed form; what friction takes from the speed after the jump, epsilon u^2 / 2, is a thousandth.
+        let [_, rate] = theory::stretch(zeta, [phi, 1.0], phi);
+        way - (1.0 - theory::stretch(zeta, [0.0, 1.0], phi)[0] / phi) - 0.5 * epsilon * (1.0 - rate).powi(2) / phi
+    };
+    for (phi, side) in [(1.45, -1.0), (1.7, 1.0)] {
+        let found = factor(phi, 0.0);
+        assert!((found - (1.0 - phi.cos())).abs() < 3.0 * TOLERANCE, "{phi}: {found}");
+        assert!(side * (found - 1.0) > 0.1);
+    }
+    let damped = factor(2.0, 0.5);
+    assert!((damped - theory::release_factor(2.0, 0.5)).abs() < 3.0 * TOLERANCE, "{damped}");
+}
+
+/// After a whole swing the load stands `1 + exp(-pi zeta / sqrt(1 - zeta^2))` jumps ahead of where it was, and waits for the tip: at Phi = 4.2 it still does.
+#[test]
+fn an_overshoot_is_waited_for() {
+    for (phi, zeta) in [(5.0, 0.0), (4.2, 0.1), (9.0, 0.0), (60.0, 0.1)] {
+        let cell = measured(Scene::TugOfWar, at(phi, 5e-3, zeta));
+        let (found, known) = (cell.displacement_ratio().unwrap(), theory::release_exact(phi, 5e-3, zeta).unwrap());
+        assert!((found - known).abs() < TOLERANCE, "{phi} {zeta}: {found} {known}");
+    }
+    // What jump and drive promise is half a way too much, and the reason is told.
+    let cell = measured(Scene::TugOfWar, at(60.0, 5e-3, 0.0));
+    assert!(Law::Release.ratio(&cell).unwrap() < 0.8);
+    assert_eq!(Law::Release.cause(&cell), Cause::Waiting);
+}
+
+/// 1 / Phi is the share of an undamped excursion: a percent at Phi = 100, whatever the speed.
+#[test]
+fn agreement_ends_where_a_hundred_radians_begin() {
+    for epsilon in [0.01, 0.3] {
+        let share = |phi: f64| measured(Scene::Excursion, at(phi, epsilon, 0.0)).share().unwrap();
+        let (before, after) = (share(98.0), share(102.0));
+        assert!(before > AGREEMENT && after < AGREEMENT, "{before} {after}");
+    }
+}
+
+/// A quarter of the mass at the same friction, with tips twice as fast for half as long, is the same point of the plane; in the haul on springs that turn the load the moment of inertia follows.
+#[test]
+fn only_phi_epsilon_and_zeta_matter() {
+    for (scene, phi, epsilon) in [(Scene::Excursion, 2.0, 0.3), (Scene::TugOfWar, 2.0, 0.1), (Scene::Haul, 3.0, 0.15)] {
+        let here = measured(scene, at(phi, epsilon, 0.1));
+        let there = measured(scene, Setting { mass_factor: 0.25, ..at(phi, epsilon, 0.1) });
+        let (a, b) = (here.share().unwrap(), there.share().unwrap());
+        let own = here.own_share().unwrap() + there.own_share().unwrap();
+        assert!((a - b).abs() < 3.0 * TOLERANCE + own && own < 0.01 && a > 0.05, "{scene:?}: {a} {b} {own}");
+    }
+}
+
+/// Between two events tips go too short a way for three springs to move the load: nothing moves, with inertia or without, and no share is made up.
+#[test]
+fn a_haul_that_rests_has_no_share() {
+    let cell = Cell::measure(Scene::Haul, &at(1.0, 0.01, 0.0), || true).unwrap();
+    assert_eq!((cell.share(), cell.displacement_ratio(), cell.distance_m), (None, None, 0.0));
+    assert!(!cell.moves() && cell.is_converged);
+}
+
+fn small(scene: Scene) -> Grid {
+    Grid { scene, phis: vec![0.5, 2.0, 8.0], epsilons: vec![0.02, 0.5], zetas: vec![0.0, 1.0] }
+}
+
+#[test]
+fn a_map_is_the_same_on_one_thread_and_two_and_in_two_parts() {
+    let grids = [small(Scene::Excursion), small(Scene::TugOfWar)];
+    let on = |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| measure(&grids, Done::new(), |_| true));
+    let whole = on(1);
+    assert_eq!(whole.len(), cells(&grids).len());
+    assert_eq!(whole, on(2));
+    let left = AtomicUsize::new(400);
+    let part = measure(&grids, Done::new(), |_| left.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_ok());
+    assert!(!part.is_empty() && part.len() < whole.len(), "{}", part.len());
+    let part: Done = serde_json::from_str(&serde_json::to_string(&part).unwrap()).unwrap();
+    assert_eq!(measure(&grids, part, |_| true), whole);
+    // Laws that are exact hold in every cell, and none that fails does so without a reason.
+    let found: Vec<Cell> = whole.into_values().collect();
+    for standing in Standing::all(&found) {
+        assert!(!standing.causes.contains_key(&Cause::Unknown), "{standing:?}");
+        if standing.law == Law::Excursion {
+            assert!(standing.n_within == standing.n_cells && standing.n_cells == 6, "{standing:?}");
+        }
+    }
+}
+
+#[test]
+fn the_plane_is_covered_from_end_to_end() {
+    for effort in [Effort::Full, Effort::Quick] {
+        for grid in Scene::ALL.map(|scene| Grid::of(scene, effort)) {
+            let (longest, slowest) = if grid.scene == Scene::Haul { (2.9, 0.021) } else { (299.0, 0.0011) };
+            assert!(grid.phis[0] <= 0.3 && *grid.phis.last().unwrap() > longest);
+            assert!(grid.epsilons[0] <= slowest && *grid.epsilons.last().unwrap() > 0.99);
+            let last = grid.setting(grid.n_cells() - 1);
+            let ends = [&grid.phis, &grid.epsilons, &grid.zetas].map(|values| *values.last().unwrap());
+            assert_eq!([last.phi, last.epsilon, last.zeta], ends);
+        }
+    }
+}
