@@ -57,32 +57,31 @@ pub enum TableError {
 pub fn write_trace(trace: &Trace, n_springs: usize, out: impl Write) -> Result<(), TableError> {
     let n_pulls = if n_springs <= MOST_SPRINGS_WITH_COLUMNS { n_springs } else { 0 };
     let mut lines = Lines::new(out, TRACE_COLUMNS.len() + 2 * n_pulls);
-    let pulls = (0..n_pulls).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
-    let names: Vec<_> = TRACE_COLUMNS.iter().map(|name| (*name).to_owned()).chain(pulls).collect();
+    let pull_names = (0..n_pulls).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
+    let names: Vec<_> = TRACE_COLUMNS.iter().map(|name| (*name).to_owned()).chain(pull_names).collect();
     lines.head(&names)?;
+    let mut pulls = vec![None; 2 * n_pulls];
     for row in &trace.rows {
+        let state = state_of(row);
+        TRACE_COLUMNS.iter().zip(state).try_for_each(|(name, value)| finite(name, value).map(drop))?;
+        pulls_of(row, &mut pulls)?;
         lines.begin()?;
-        for (name, value) in TRACE_COLUMNS.iter().zip(state_of(row)) {
-            lines.number(finite(name, value)?);
-        }
+        lines.numbers(&state.map(Some));
         lines.count(row.tips.len());
-        write_pulls(row, n_pulls, &mut lines)?;
+        lines.numbers(&pulls);
         lines.end();
     }
     lines.finish()?;
     Ok(())
 }
 
-/// Pulls on the first `n_pulls` springs (N, world); nothing where nobody holds.
-fn write_pulls(row: &Row, n_pulls: usize, lines: &mut Lines<impl Write>) -> Result<(), NotFinite> {
-    let mut tips = row.tips.iter().peekable();
-    for spring in 0..n_pulls {
-        match tips.next_if(|tip| tip.spring == spring) {
-            Some(tip) => {
-                lines.number(finite("pull_x_n", tip.pull.x)?);
-                lines.number(finite("pull_y_n", tip.pull.y)?);
-            }
-            None => lines.nothing(2),
+/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); nothing where nobody holds.
+fn pulls_of(row: &Row, pulls: &mut [Option<f64>]) -> Result<(), NotFinite> {
+    pulls.fill(None);
+    for tip in &row.tips {
+        if let Some(pull) = pulls.get_mut(2 * tip.spring..2 * tip.spring + 2) {
+            pull[0] = Some(finite("pull_x_n", tip.pull.x)?);
+            pull[1] = Some(finite("pull_y_n", tip.pull.y)?);
         }
     }
     Ok(())
@@ -93,18 +92,24 @@ fn write_pulls(row: &Row, n_pulls: usize, lines: &mut Lines<impl Write>) -> Resu
 /// # Errors
 /// When a number is not finite, or `out` fails.
 pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-    writer.write_record(EVENT_COLUMNS)?;
+    let mut lines = Lines::new(out, EVENT_COLUMNS.len());
+    lines.head(&EVENT_COLUMNS)?;
     for event in &trace.events {
-        let name = match event.kind {
+        lines.begin()?;
+        lines.number(finite("time_s", event.time)?);
+        lines.word(match event.kind {
             EventKind::Grasp => "grasp",
             EventKind::Release => "release",
-        };
-        let time = finite("time_s", event.time)?;
-        let tip = [finite("tip_x_m", event.tip.x)?, finite("tip_y_m", event.tip.y)?];
-        writer.serialize((time, name, event.spring, event.ant, tip))?;
+        });
+        lines.count(event.spring);
+        match event.ant {
+            Some(ant) => lines.count(ant),
+            None => lines.nothing(1),
+        }
+        lines.numbers(&[Some(finite("tip_x_m", event.tip.x)?), Some(finite("tip_y_m", event.tip.y)?)]);
+        lines.end();
     }
-    writer.flush()?;
+    lines.finish()?;
     Ok(())
 }
 
@@ -114,23 +119,27 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
 /// # Errors
 /// When a number is not finite, or `out` fails.
 pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableError> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-    writer.write_record(TRANSITION_COLUMNS)?;
+    let mut lines = Lines::new(out, TRANSITION_COLUMNS.len());
+    lines.head(&TRANSITION_COLUMNS)?;
     for Transition { time, kind } in &trace.transitions {
-        let time = finite("time_s", *time)?;
-        let support = match kind {
-            TransitionKind::Capture { support } | TransitionKind::Freed { support } => Some(support),
-            _ => None,
-        };
-        let jump = match kind {
-            TransitionKind::Jump { shift, turn, energy } => {
-                [Some(finite("shift_m", *shift)?), Some(finite("turn_rad", *turn)?), Some(finite("energy_j", *energy)?)]
+        lines.begin()?;
+        lines.number(finite("time_s", *time)?);
+        lines.word(kind.name());
+        match kind {
+            TransitionKind::Capture { support } | TransitionKind::Freed { support } => {
+                lines.count(*support);
+                lines.nothing(3);
             }
-            _ => [None; 3],
-        };
-        writer.serialize((time, kind.name(), support, jump))?;
+            TransitionKind::Jump { shift, turn, energy } => {
+                lines.nothing(1);
+                let (shift, turn, energy) = (finite("shift_m", *shift)?, finite("turn_rad", *turn)?, finite("energy_j", *energy)?);
+                lines.numbers(&[Some(shift), Some(turn), Some(energy)]);
+            }
+            TransitionKind::Onset | TransitionKind::Stop => lines.nothing(4),
+        }
+        lines.end();
     }
-    writer.flush()?;
+    lines.finish()?;
     Ok(())
 }
 

@@ -15,7 +15,7 @@ pub const TIP_COLUMNS: [&str; 7] = ["time_s", "spring", "x_m", "y_m", "heading_r
 /// When a number is not finite, or `out` fails.
 pub fn write_tips(trace: &Trace, out: impl Write) -> Result<(), TableError> {
     let mut lines = Lines::new(out, TIP_COLUMNS.len());
-    lines.head(&TIP_COLUMNS.map(str::to_owned))?;
+    lines.head(&TIP_COLUMNS)?;
     for row in &trace.rows {
         let pose = &row.motion.pose;
         for tip in &row.tips {
@@ -24,8 +24,9 @@ pub fn write_tips(trace: &Trace, out: impl Write) -> Result<(), TableError> {
             lines.count(tip.spring);
             let numbers = [pose.position.x, pose.position.y, pose.heading, tip.position.x, tip.position.y];
             for (name, value) in TIP_COLUMNS[2..].iter().zip(numbers) {
-                lines.number(finite(name, value)?);
+                finite(name, value)?;
             }
+            lines.numbers(&numbers.map(Some));
             lines.end();
         }
     }

@@ -59,6 +59,7 @@ const FAILURE: Style = Style { color: "#666666", dash: "1 3", width: 1.0 };
 fn style(method: &str) -> Style {
     let (color, dash, width) = match method {
         "quasi-static" => ("#0072B2", "", 2.2),
+        "quasi-static second order" => ("#56B4E9", "", 2.2),
         "quasi-static clarabel" => ("#0072B2", "2 2.5", 1.5),
         "quasi-static controlled" => ("#56B4E9", "7 3", 1.8),
         "inertial euler" => ("#E69F00", "", 1.5),

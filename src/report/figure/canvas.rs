@@ -179,17 +179,16 @@ fn axes(cell: &Cell) -> (Axis, Axis) {
 
 /// Lowest and highest finite numbers along both axes; infinite ones without any.
 fn extremes(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
-    let mut extremes = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     for point in points {
         for axis in 0..2 {
-            let value = point[axis];
-            if value.is_finite() {
-                extremes[0][axis] = extremes[0][axis].min(value);
-                extremes[1][axis] = extremes[1][axis].max(value);
-            }
+            // Without a branch, and without `f64::min`: what is no number is neither lower nor higher.
+            let value = if point[axis].is_finite() { point[axis] } else { f64::NAN };
+            low[axis] = if value < low[axis] { value } else { low[axis] };
+            high[axis] = if value > high[axis] { value } else { high[axis] };
         }
     }
-    extremes
+    [low, high]
 }
 
 /// Marks first, so that they lie under the curves.
@@ -266,7 +265,8 @@ fn area_between(style: &Style, pairs: &[[f64; 2]]) -> Plot {
 }
 
 fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
-    points.split(|point| !(point[0].is_finite() && point[1].is_finite())).filter(|run| !run.is_empty())
+    // One question instead of two: what overflows when added is as little to be drawn.
+    points.split(|point| !(point[0] + point[1]).is_finite()).filter(|run| !run.is_empty())
 }
 
 /// Width of the columns of which a dense graph shows range and mean (px).

@@ -51,8 +51,14 @@ pub fn columns(points: &[[f64; 2]], n_columns: usize) -> Vec<Column> {
 
 /// How often the graph, cut at `low` and `high`, runs from one to the other.
 pub fn n_crossings(points: &[[f64; 2]], low: f64, high: f64) -> f64 {
-    let inside = |point: &[f64; 2]| point[1].clamp(low, high);
-    points.windows(2).map(|pair| (inside(&pair[1]) - inside(&pair[0])).abs()).sum::<f64>() / (high - low)
+    let Some((first, others)) = points.split_first() else { return 0.0 };
+    let (mut way, mut last) = (0.0, first[1].clamp(low, high));
+    for point in others {
+        let here = point[1].clamp(low, high);
+        way += (here - last).abs();
+        last = here;
+    }
+    way / (high - low)
 }
 
 /// Points of the same column of `n_columns` between the first and the last point.
@@ -71,14 +77,14 @@ fn chunks(points: &[[f64; 2]], n_columns: usize) -> impl Iterator<Item = &[[f64;
 }
 
 fn column_of(points: &[[f64; 2]]) -> Column {
-    let n = points.len() as f64;
-    let heights = || points.iter().map(|point| point[1]);
-    Column {
-        x: 0.5 * (points[0][0] + points[points.len() - 1][0]),
-        low: heights().fold(f64::INFINITY, f64::min),
-        mean: heights().sum::<f64>() / n,
-        high: heights().fold(f64::NEG_INFINITY, f64::max),
+    let (mut low, mut sum, mut high) = (f64::INFINITY, 0.0, f64::NEG_INFINITY);
+    for [_, y] in points {
+        // Not `f64::min`, which takes longer as it minds what is no number.
+        low = if *y < low { *y } else { low };
+        high = if *y > high { *y } else { high };
+        sum += y;
     }
+    Column { x: 0.5 * (points[0][0] + points[points.len() - 1][0]), low, mean: sum / points.len() as f64, high }
 }
 
 /// A line in the plane without the points that lie within `tolerance` of the one kept before them; its ends stay. No point of the line is
