@@ -34,7 +34,7 @@ fn scenes() -> [Scenario; 2] {
     [four_ants(4.0, 1), busy_tips()]
 }
 
-/// Every backend, inertial with both integrators, both exact ones under error control, and rapier also with aggregated springs and in single precision.
+/// Every backend, quasi-static in both orders, inertial with both integrators, both exact ones under error control, and rapier also with aggregated springs and in single precision.
 fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     let usual = RapierOptions::default();
     let aggregate = RapierOptions { springs: SpringModel::Aggregate, ..usual };
@@ -47,8 +47,9 @@ fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     let exact = [BackendKind::QuasiStatic, BackendKind::Inertial];
     let [quasi_static, midpoint] = exact.map(|kind| of((kind, usual)));
     let euler = BackendOptions { integrator: Integrator::Euler, ..midpoint };
+    let second_order = BackendOptions { second_order: true, ..quasi_static };
     let controlled = exact.map(|kind| BackendOptions::within(kind, Tolerance::on_rim(1e-6, &scenario.system.load)));
-    [quasi_static, euler, midpoint].into_iter().chain(controlled).chain(engines).collect()
+    [quasi_static, second_order, euler, midpoint].into_iter().chain(controlled).chain(engines).collect()
 }
 
 /// All digits of a run's rows, events and outcome: the text of a float in JSON is exact, and tells -0 from 0.

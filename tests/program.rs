@@ -326,6 +326,8 @@ fn nonsense_on_the_command_line_is_usage() {
     }
     refused(&["run", &file, "--backend", "bullet"], &["--backend", "quasi-static", "inertial", "rapier"]);
     refused(&["run", &file, "--stop-s", "0.1"], &["--state"]);
+    refused(&["run", &file, "--backend", "inertial", "--second-order"], &["--second-order", "must be of quasi-static", "inertial"]);
+    refused(&["run", &file, "--second-order", "--tolerance", "1e-6"], &["--second-order", "--tolerance"]);
     refused(&["compare", &file, "--seeds", "0"], &["--seeds", "at least 1"]);
     refused(&["compare", &file, "--agreement", "0"], &["--agreement", "must be positive"]);
     refused(&[], &["Usage"]);
@@ -632,6 +634,24 @@ fn what_show_prints_is_the_same_scenario() {
 }
 
 /// What was asked for stands beside what was found, and it holds; a rung that no strides reach is said, with the exit code of a missed check.
+/// Steps of a control period: four tips are held and drag the load along curves, so that nothing but the slip's turn is left to second order.
+#[test]
+fn steps_of_second_order_are_nearer() {
+    let file = scenarios().join("paper/four-tips-held.json");
+    let end = |options: &[&str]| {
+        let found = json_of(&[&["run", file.to_str().unwrap(), "--json", "--no-estimate"], options].concat());
+        assert_eq!(found["steps"]["n_not_converged"], 0, "{options:?}");
+        [0, 1].map(|axis| number(&found, &format!("/final/position_m/{axis}")))
+    };
+    let exact = end(&["--tolerance", "1e-7"]);
+    let error = |options: &[&str]| {
+        let found = end(options);
+        (found[0] - exact[0]).hypot(found[1] - exact[1])
+    };
+    let (first, second) = (error(&[]), error(&["--second-order"]));
+    assert!(second < 0.1 * first, "{second} {first}");
+}
+
 #[test]
 fn a_tolerance_is_kept_and_told_or_the_exit_code_says_so() {
     let room = Room::new();

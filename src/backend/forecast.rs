@@ -6,15 +6,17 @@ use super::friction::Regime;
 use super::increment::Increment;
 use crate::math::Vec3;
 
-/// What the next increment is likely to be: the last one, continued by how it differed from the one before.
+/// What the next increment is likely to be: the last one, continued by how it differed from those before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
-    /// Increments of the last two steps, both as of the length of the last (m, m, rad).
+    /// Increments of the last three steps, all as of the length of the last (m, m, rad).
     last: Option<Vec3>,
     before: Option<Vec3>,
+    #[serde(default)]
+    earlier: Option<Vec3>,
     /// Length of the last step, by a measure that is the caller's.
     step: f64,
-    /// That of both.
+    /// That of all.
     regime: Option<Regime>,
 }
 
@@ -23,7 +25,11 @@ impl Forecast {
     pub fn increment(&self, step: f64) -> Option<Vec3> {
         let (last, before) = (self.last?, self.before.unwrap_or(self.last?));
         let ratio = self.ratio(step);
-        Some((last + ratio * (last - before)) * ratio)
+        let change = match self.earlier {
+            Some(earlier) if ratio == 1.0 => 2.0 * last - 3.0 * before + earlier,
+            _ => ratio * (last - before),
+        };
+        Some((last + change) * ratio)
     }
 
     /// Takes the increment of a step of this length into account; rest and another regime end what was known.
@@ -31,8 +37,17 @@ impl Forecast {
         if increment.regime == Regime::Stick {
             return self.forget();
         }
-        let before = self.last.filter(|_| self.regime == Some(increment.regime)).map(|last| self.ratio(step) * last);
-        *self = Self { last: Some(increment.twist), before, step, regime: Some(increment.regime) };
+        let goes_on = self.regime == Some(increment.regime);
+        let ratio = self.ratio(step);
+        let scaled = |increment: Option<Vec3>| increment.filter(|_| goes_on).map(|increment| ratio * increment);
+        let earlier = self.before.filter(|_| ratio == 1.0);
+        *self =
+            Self { last: Some(increment.twist), before: scaled(self.last), earlier: scaled(earlier), step, regime: Some(increment.regime) };
+    }
+
+    /// Whether it rests on two steps.
+    pub fn has_two(&self) -> bool {
+        self.before.is_some()
     }
 
     /// Of a step's length to that of the last one; exactly one where they are equal but for rounding, so that a path at another pace is the same to the last bit.

@@ -100,6 +100,16 @@ impl HeldSprings {
         }
     }
 
+    /// Puts every tip at its entry of `targets`, and gives the longest of their straight ways there (m).
+    pub fn move_tips(&mut self, targets: &[Vec2]) -> f64 {
+        let mut longest: f64 = 0.0;
+        for grip in &mut self.grips {
+            longest = longest.max((targets[grip.spring] - grip.tip).norm_squared());
+            grip.tip = targets[grip.spring];
+        }
+        longest.sqrt()
+    }
+
     /// Whether no held tip differs from its entry of `targets`.
     pub fn tips_are_at(&self, targets: &[Vec2]) -> bool {
         self.grips.iter().all(|grip| grip.tip == targets[grip.spring])

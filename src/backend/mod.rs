@@ -14,7 +14,7 @@ mod options;
 pub mod quasi_static;
 pub mod rapier;
 mod skips;
-mod spring_blocks;
+pub(crate) mod spring_blocks;
 mod step_report;
 mod stick_bound;
 mod tandem;
@@ -177,7 +177,8 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
     match options.kind {
         BackendKind::QuasiStatic => {
             let backend = quasi_static::QuasiStatic::new(system.clone(), start, Stepping::Fixed(options.step_s), options.skips);
-            Box::new(backend.through(options.cone_solver))
+            let backend = backend.through(options.cone_solver);
+            Box::new(if options.second_order { backend.of_second_order() } else { backend })
         }
         BackendKind::Inertial => {
             let stepping = Stepping::Fixed(options.step_s);

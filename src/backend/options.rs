@@ -49,6 +49,9 @@ pub struct BackendOptions {
     /// Of the quasi-static backend at a fixed step.
     #[serde(default, skip_serializing_if = "is_default")]
     pub cone_solver: ConeSolver,
+    /// Whether quasi-static steps of fixed length are of second order where the load goes on slipping.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub second_order: bool,
 }
 
 /// What solves the friction problem.
@@ -85,6 +88,7 @@ impl BackendOptions {
             rapier: RapierOptions::default(),
             skips: Skips::ALL,
             cone_solver: ConeSolver::Exact,
+            second_order: false,
         }
     }
 

@@ -1,34 +1,37 @@
 //! How far the held tips may go before a load at rest can begin to slip.
 //!
-//! Friction forces f_i that balance the wrench w with room to spare also balance any wrench near it: with the least change in units of the limits, each f_i
-//! changes by at most `c_i^2 |B_i M|` times the change of w, M as in the certificate of rest. As long as the load stands, w depends on nothing but where the tips
-//! are, and a tip that is within a ball about its place now changes w by at most a Lipschitz constant times its distance:
+//! As long as the load stands, its wrench w depends on nothing but where the tips are: a spring pulls with F(p) at its tip p, and turns with the moment of that. To
+//! first order in the ways d of the tips from where the certificate was made, w is known, and with it the least forces f_i that balance it. What the second order
+//! adds is bounded: with a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
 //!
 //! ```text
-//! |dF/dp| <= K = max(k_r, |k_r (1 - l_0 / l)| + k_t / l^2) + k_t |psi| / l^2        |d tau/dp| <= |F| + |arm| K
+//! K = dF/dp = k_r ee' + (a / l + k_t / l^2) tt' - (b / l) (et' + te')
+//! d^2 F/dp^2 (u, u) = (A sin^2 + B sin 2) e + (B cos 2 + A sin 2) t  of the angle from e to u,    A = (k_r l_0 - 2 k_t / l) / l^2,   B = 2 b / l^2
+//! |F - F_0 - K d| <= L |d|^2 / 2,   L = (2 / sqrt 3) |A| + |B|           |tau - tau_0 - d x F_0 - p x K d| <= (|K| + |p| L / 2) |d|^2
 //! ```
 //!
-//! each at its largest in the ball. Straight ways between two places of the ball stay in it.
+//! A, B and p at their largest in a ball about the tip. A change of w that is no more than that changes each f_i by at most `c_i^2 |B_i M|` times as much, M as in the
+//! certificate of rest. Forces within their limits at both ends of straight ways are so between.
 
 use serde::{Deserialize, Serialize};
 
 use super::friction::FrictionSolver;
 use super::held::{Grip, HeldSprings};
-use crate::math::{Pose, Vec2};
+use super::spring_blocks::Place;
+use crate::math::{Mat2, Mat3x2, Vec2, Vec3, perpendicular};
 use crate::model::PolarSpring;
+use crate::model::spring::SHORTEST_LENGTH;
 
 /// Radius of the ball over the length of the spring (1): the law changes little in it.
 const BALL: f64 = 0.125;
 /// What the direction of a spring can change by in it (rad): arcsin(1/8), rounded up.
 const LARGEST_TURN: f64 = 0.1254;
-/// Left for rounding, of the room there is (1).
-const MARGIN: f64 = 1e-9;
 
 /// A certificate of rest for tips near the ones that it was made for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StickBound {
-    /// Change of the wrench that friction surely takes (scaled).
-    room: f64,
+    /// What the wrench at the time was balanced by (see [`FrictionSolver::balanced`]); `None` for no certificate.
+    balanced: Option<Vec3>,
     /// One a grip, in their order.
     balls: Vec<Ball>,
 }
@@ -40,63 +43,153 @@ struct Ball {
     centre: Vec2,
     /// (m)
     radius: f64,
-    /// Change of the wrench by the tip's way (scaled, 1/m).
-    slope: f64,
+    /// What balances the wrench of a small way of the tip, by that way (1/m).
+    response: Mat3x2,
+    /// Largest wrench of the second order by the squared way (scaled, 1/m^2).
+    bend: f64,
 }
 
 impl StickBound {
-    /// Takes the rest of a load at `pose` that `solver` has just found for the tips of `held`.
-    pub fn renew(&mut self, springs: &[PolarSpring], held: &HeldSprings, pose: &Pose, solver: &FrictionSolver) {
+    /// Takes the rest of a load at a place that `solver` has just found for the tips of `held`, whose swings are those there.
+    pub fn renew(&mut self, springs: &[PolarSpring], held: &HeldSprings, at: &Place, solver: &FrictionSolver) {
+        self.forget();
         self.balls.clear();
-        self.room = (1.0 - MARGIN) * solver.stick_room();
-        if self.room > 0.0 {
-            self.balls.extend(held.grips().iter().map(|grip| Ball::about(grip, springs, pose, solver)));
+        let mut wrench = Vec3::zeros();
+        for grip in held.grips() {
+            let Some((ball, pull)) = Ball::about(grip, &springs[grip.spring], at, solver) else { return };
+            wrench += pull;
+            self.balls.push(ball);
         }
+        self.balanced = solver.balanced(&wrench).filter(|balanced| solver.bears(balanced, 0.0));
     }
 
     pub fn forget(&mut self) {
-        self.room = 0.0;
+        self.balanced = None;
     }
 
-    /// The share of the tips' straight way from where they are to their entries of `targets` (m, world), at most one, on which the load surely sticks.
-    pub fn share(&self, held: &HeldSprings, targets: &[Vec2]) -> f64 {
-        if self.room <= 0.0 {
-            return 0.0;
+    /// Puts the tips of grips where the certificate was made for them.
+    pub fn put_back(&self, grips: &mut [Grip]) {
+        grips.iter_mut().zip(&self.balls).for_each(|(grip, ball)| grip.tip = ball.centre);
+    }
+
+    /// On how many of `n_steps` equal steps of the tips' straight way from where they are to their entries of `targets` (m, world), from the first one on, the load
+    /// surely sticks.
+    pub fn n_sure(&self, held: &HeldSprings, targets: &[Vec2], n_steps: u64, solver: &FrictionSolver) -> u64 {
+        let Some(balanced) = &self.balanced else { return 0 };
+        let is_sure = |n: u64| {
+            let share = n as f64 / n_steps as f64;
+            let (mut balanced, mut bend) = (*balanced, 0.0);
+            self.balls.iter().zip(held.grips()).all(|(ball, grip)| {
+                let way = grip.tip + share * (targets[ball.spring] - grip.tip) - ball.centre;
+                balanced += ball.response * way;
+                bend += ball.bend * way.norm_squared();
+                way.norm_squared() <= ball.radius * ball.radius
+            }) && solver.bears(&balanced, bend)
+        };
+        if is_sure(n_steps) {
+            return n_steps;
         }
-        let (mut start, mut way, mut share) = (0.0, 0.0, 1.0_f64);
-        for (ball, grip) in self.balls.iter().zip(held.grips()) {
-            let at = (grip.tip - ball.centre).norm();
-            let goes = (targets[ball.spring] - grip.tip).norm();
-            start += ball.slope * at;
-            way += ball.slope * goes;
-            if at + goes > ball.radius {
-                share = share.min((ball.radius - at) / goes);
-            }
+        let (mut sure, mut unsure) = (0, n_steps);
+        while unsure - sure > 1 {
+            let middle = sure + (unsure - sure) / 2;
+            *(if is_sure(middle) { &mut sure } else { &mut unsure }) = middle;
         }
-        if start + way > self.room {
-            share = share.min((self.room - start) / way);
-        }
-        share.max(0.0)
+        sure
     }
 }
 
 impl Ball {
-    fn about(grip: &Grip, springs: &[PolarSpring], pose: &Pose, solver: &FrictionSolver) -> Self {
-        let spring = &springs[grip.spring];
-        let shape = grip.shape(springs, pose);
+    /// With the pull of the spring on the load (N, N, N m; load axes). `None` for a spring too short to have a direction, or where nothing is known.
+    fn about(grip: &Grip, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<(Self, Vec3)> {
+        let arm = at.turn.tr_mul(&(grip.tip - at.pose.position));
+        let along = arm - spring.root;
+        let length = along.norm();
         let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
-        let arm = (grip.tip - pose.position).norm();
-        let (radius, stiffness) = if spring.is_isotropic() {
-            (arm.max(spring.root.norm()), radial)
+        let (radius, bend, pull, stiffness) = if spring.is_isotropic() {
+            (f64::MAX, 0.0, radial * along, radial * Mat2::identity())
         } else {
-            let radius = BALL * shape.length;
-            let (shortest, longest) = (shape.length - radius, shape.length + radius);
-            let across = radial * (1.0 - spring.rest_length / shortest).abs().max((1.0 - spring.rest_length / longest).abs());
-            let torsion = torsional / (shortest * shortest);
-            (radius, radial.max(across + torsion) + torsion * (shape.swing.abs() + LARGEST_TURN))
+            if length <= SHORTEST_LENGTH * spring.rest_length {
+                return None;
+            }
+            let e = along / length;
+            let t = perpendicular(&e);
+            let (stretch, swing) = (radial * (length - spring.rest_length), torsional * grip.swing / length);
+            let across = (stretch + torsional / length) / length;
+            let coupling = swing / length;
+            let mixed = e * t.transpose();
+            let stiffness = radial * e * e.transpose() + across * t * t.transpose() - coupling * (mixed + mixed.transpose());
+            let radius = BALL * length;
+            let shortest = length - radius;
+            let largest_a = (radial * spring.rest_length).max(2.0 * torsional / shortest) / (shortest * shortest);
+            let largest_b = 2.0 * torsional * (grip.swing.abs() + LARGEST_TURN) / (shortest * shortest * shortest);
+            let curvature = 1.155 * largest_a + largest_b;
+            let largest = radial.max(across.abs()) + coupling.abs();
+            let bend = solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature);
+            (radius, bend, stretch * e + swing * t, stiffness)
         };
-        let force = spring.force_on_tip(pose, &shape).norm() + stiffness * radius;
-        let slope = solver.scaled_wrench(stiffness, force + (arm + radius) * stiffness);
-        Self { spring: grip.spring, centre: grip.tip, radius, slope }
+        let column = |way: Vec2| {
+            let force = stiffness * way;
+            solver.balanced(&force.push(way.perp(&pull) + arm.perp(&force)))
+        };
+        let to_load = at.turn.transpose();
+        let response = Mat3x2::from_columns(&[column(to_load.column(0).into_owned())?, column(to_load.column(1).into_owned())?]);
+        let ball = Self { spring: grip.spring, centre: grip.tip, radius, response, bend };
+        Some((ball, pull.push(arm.perp(&pull))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Chance, Pose, Stream, direction};
+    use crate::model::{Ground, SupportPoint};
+
+    /// What a spring does beyond first order stays within the bound wherever the tip goes in its ball, and comes close to it somewhere: otherwise it would be loose.
+    #[test]
+    fn the_second_order_of_a_spring_is_bounded() {
+        let supports = [0.3, 2.1, 4.0].map(|angle| SupportPoint { offset: 0.008 * direction(angle), normal_load: 0.005 });
+        let solver = FrictionSolver::new(&Ground { friction_coefficient: 1.4, supports: supports.to_vec() }, 0.0122);
+        let mut closest: f64 = 0.0;
+        for case in 0..300 {
+            let chance = Chance::new(case);
+            let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
+            let spring = PolarSpring {
+                root: 0.0122 * direction(3.0 * draw(0)),
+                bearing: 3.0 * draw(1),
+                rest_length: if case % 5 == 0 { 0.0 } else { 0.0263 },
+                radial_stiffness: 0.664 * 8f64.powf(draw(2)),
+                torsional_stiffness: if case % 3 == 0 { 0.0 } else { 4.52e-4 * 8f64.powf(draw(3)) },
+                damping_ratio: 0.0,
+            };
+            let place = Place::of(&Pose::new(0.1, -0.2, 2.0 * draw(4)));
+            let swing = 2.5 * draw(5);
+            let reach = 0.0263 * 3f64.powf(draw(6)) * direction(spring.bearing + swing);
+            let tip = place.pose.to_world(&(spring.root + reach));
+            let wrench = |tip: &Vec2| {
+                let shape = spring.shape(&place.pose, tip, swing);
+                let force = place.turn.tr_mul(&spring.force_on_tip(&place.pose, &shape));
+                let arm = place.turn.tr_mul(&(tip - place.pose.position));
+                -force.push(arm.perp(&force))
+            };
+            let grip = Grip { spring: 0, tip, swing };
+            let (ball, pull) = Ball::about(&grip, &spring, &place, &solver).unwrap();
+            // Rounding of forces of 0.1 N.
+            assert!((pull - wrench(&tip)).norm() < 1e-15, "{case}: {pull} {}", wrench(&tip));
+            let radius = ball.radius.min(0.003);
+            for k in 0..24 {
+                let way = radius * direction(f64::from(k)) * (1.0 - 0.3 * f64::from(k % 3));
+                // Central differences: their error, some 1e-9 of it all, is far below what is of second order at millimetres.
+                let h = 1e-4;
+                let slope = (wrench(&(tip + h * way)) - wrench(&(tip - h * way))) / (2.0 * h);
+                let rest = wrench(&(tip + way)) - wrench(&tip) - slope;
+                let size = solver.scaled_wrench(rest.xy().norm(), rest.z.abs());
+                let bound = ball.bend * way.norm_squared();
+                assert!(size <= bound * (1.0 + 1e-6) + 1e-9 * solver.scaled_wrench(0.1, 0.004), "{case} {k}: {size} {bound}");
+                closest = closest.max(size / bound.max(1e-300));
+                let first = ball.response * way - solver.balanced(&slope).unwrap();
+                assert!(first.norm() < 1e-6 * (ball.response * way).norm() + 1e-9, "{case} {k}: {first}");
+            }
+        }
+        assert!(closest > 0.5, "{closest}");
     }
 }

@@ -16,6 +16,7 @@ pub struct Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum How {
     QuasiStatic(ConeSolver),
+    QuasiStaticSecondOrder,
     Inertial(Integrator),
     /// An exact backend under error control.
     Controlled(BackendKind),
@@ -32,6 +33,7 @@ const RAPIER: RapierOptions = RapierOptions {
 /// All of them, a line each.
 pub const METHODS: &[Method] = &[
     Method { name: "quasi-static", how: How::QuasiStatic(ConeSolver::Exact) },
+    Method { name: "quasi-static second order", how: How::QuasiStaticSecondOrder },
     Method { name: "quasi-static clarabel", how: How::QuasiStatic(ConeSolver::Clarabel) },
     Method { name: "quasi-static controlled", how: How::Controlled(BackendKind::QuasiStatic) },
     Method { name: "inertial euler", how: How::Inertial(Integrator::Euler) },
@@ -66,7 +68,7 @@ pub fn named(name: &str) -> Option<&'static Method> {
 impl Method {
     pub fn kind(&self) -> BackendKind {
         match self.how {
-            How::QuasiStatic(_) => BackendKind::QuasiStatic,
+            How::QuasiStatic(_) | How::QuasiStaticSecondOrder => BackendKind::QuasiStatic,
             How::Inertial(_) => BackendKind::Inertial,
             How::Controlled(kind) => kind,
             How::Rapier(_) => BackendKind::Rapier,
@@ -85,6 +87,9 @@ impl Method {
         match (self.how, level) {
             (How::QuasiStatic(cone_solver), Level::Step(step)) => {
                 BackendOptions { cone_solver, ..BackendOptions::new(BackendKind::QuasiStatic, step) }
+            }
+            (How::QuasiStaticSecondOrder, Level::Step(step)) => {
+                BackendOptions { second_order: true, ..BackendOptions::new(BackendKind::QuasiStatic, step) }
             }
             (How::Inertial(integrator), Level::Step(step)) => {
                 BackendOptions { integrator, ..BackendOptions::new(BackendKind::Inertial, step) }

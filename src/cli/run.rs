@@ -33,6 +33,9 @@ pub struct RunArgs {
     /// Error that its heading may have (rad); without it what moves the load's rim by the tolerance
     #[arg(long, value_name = "RAD", value_parser = positive, requires = "tolerance")]
     tolerance_rad: Option<f64>,
+    /// Take quasi-static steps of second order where the load goes on slipping
+    #[arg(long, conflicts_with = "tolerance")]
+    second_order: bool,
     /// How the inertial backend cuts a step
     #[arg(long, value_name = "METHOD", default_value = "midpoint")]
     integrator: Integrator,
@@ -127,12 +130,16 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
 
 fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {
     let skips = Skips::ALL.without_all(&args.no_skip);
+    if args.second_order && args.backend != BackendKind::QuasiStatic {
+        return Err(CliError::Usage(format!("--second-order: must be of quasi-static, found {}", args.backend.name())));
+    }
     let Some(position_m) = args.tolerance else {
         let step_s = args.step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
         return Ok(BackendOptions {
             integrator: args.integrator,
             rapier: args.engine.options(),
             skips,
+            second_order: args.second_order,
             ..BackendOptions::new(args.backend, step_s)
         });
     };

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::shadow::{Shadow, Tick};
+use super::shadow::{Followed, Shadow, Tick, Tools};
 use super::slip::apart;
-use crate::backend::friction::{FrictionSolver, WarmStart};
-use crate::backend::held::{Grip, HeldSprings};
+use crate::backend::friction::WarmStart;
+use crate::backend::held::HeldSprings;
 use crate::backend::{Motion, RestoreError};
 use crate::math::{Pose, Vec2};
 use crate::model::System;
@@ -66,7 +66,9 @@ pub enum Cause {
 #[derive(Clone, Debug)]
 pub struct Estimator {
     radius: f64,
-    solver: FrictionSolver,
+    tools: Tools,
+    /// Least rest length of the held springs (m).
+    shortest: f64,
     state: State,
 }
 
@@ -86,6 +88,8 @@ struct State {
     /// Ways of the rim without inertia and with (m).
     ways: [f64; 2],
     warm_start: WarmStart,
+    /// Of the supports when the shadow last rested (N, load axes).
+    bearing: Vec<Vec2>,
 }
 
 /// What the present displacement comes from.
@@ -123,7 +127,7 @@ impl InertiaEstimate {
 
 impl Estimator {
     pub fn new(system: &System, start: &Motion) -> Self {
-        let solver = FrictionSolver::new(&system.ground, system.load.radius);
+        let tools = Tools::new(system);
         let shadow = Shadow::new(system, start);
         let cause = if shadow.speed > 0.0 { Cause::Start } else { Cause::Driving };
         let state = State {
@@ -136,54 +140,75 @@ impl Estimator {
             occasion: Occasion { cause, spring: None, time: 0.0 },
             apart: Apart::default(),
             ways: [0.0; 2],
-            warm_start: solver.warm_start().clone(),
+            warm_start: tools.solver.warm_start().clone(),
+            bearing: tools.bearing.forces().to_vec(),
         };
-        Self { radius: system.load.radius, solver, state }
+        Self { radius: system.load.radius, tools, shortest: f64::INFINITY, state }
     }
 
     /// The load at `pose` was grasped at the `tip` of a spring (m, world).
     pub fn grasp(&mut self, system: &System, spring: usize, tip: Vec2, pose: &Pose) {
         self.state.held.grasp(&system.springs, spring, tip, pose);
         self.state.event = Some((Cause::Grasp, spring));
+        self.change(system);
     }
 
     /// A spring of the load at `pose` was let go.
     pub fn release(&mut self, system: &System, spring: usize, pose: &Pose) {
         self.state.held.release(&system.springs, spring, pose);
         self.state.event = Some((Cause::Release, spring));
+        self.change(system);
+    }
+
+    /// Takes note of other springs than before.
+    fn change(&mut self, system: &System) {
+        self.tools.springs.change();
+        let rest_length = |spring: usize| system.springs[spring].rest_length;
+        self.shortest = self.state.held.grips().iter().map(|grip| rest_length(grip.spring)).fold(f64::INFINITY, f64::min);
     }
 
     /// The load went from one pose to another while the tips went to `tip_targets` (m, world, one entry a spring) within `duration` (s).
     pub fn advance(&mut self, system: &System, before: &Pose, after: &Pose, tip_targets: &[Vec2], duration: f64) {
-        let from = self.state.held.grips().to_vec();
-        self.state.held.place_tips(&from, tip_targets, 1.0);
-        let distance = apart(before, after, self.radius);
-        let amplitude = apart(before, &self.state.shadow.pose, self.radius);
-        let speed = (self.state.shadow.speed - self.state.speed).abs();
-        let tick = Tick { before, after, from: &from, held: &self.state.held, is_event: self.state.event.is_some(), duration };
-        let followed = self.state.shadow.follow(system, &tick, &mut self.solver);
-        self.follow_swings(system, &from, after, distance);
-        let swing = |speed: f64| if followed.frequency > 0.0 { speed / followed.frequency } else { 0.0 };
-        self.note_occasion(distance, duration, (amplitude.powi(2) + swing(speed).powi(2)).sqrt(), swing);
-        self.state.time += duration;
-        self.state.ways[0] += distance;
-        self.state.ways[1] += followed.way;
-        let (shadow, occasion) = (self.state.shadow.pose, self.state.occasion);
-        let (shift, turn) = ((shadow.position - after.position).norm(), (shadow.heading - after.heading).abs());
-        self.state.apart.note(shift, turn, self.radius, self.state.time, &occasion);
+        let Self { radius, tools, state, .. } = self;
+        let last = state.shadow;
+        let is_event = state.event.is_some();
+        let tick = Tick { before, after, held: &state.held, targets: tip_targets, is_event, duration };
+        let followed = state.shadow.follow(system, &tick, tools);
+        let tips = state.held.move_tips(tip_targets);
+        let rests = before == after && !is_event && state.speed == 0.0 && followed == Followed::default();
+        let distance = if rests { 0.0 } else { apart(before, after, *radius) };
+        self.follow_swings(system, after, tips + distance);
+        if rests {
+            self.state.time += duration;
+        } else {
+            self.note(&last, [before, after], distance, duration, &followed);
+        }
     }
 
     /// Keeps the branches of the swings, as soon as tips and load have gone far enough for swings to have changed by some share of a turn.
-    fn follow_swings(&mut self, system: &System, from: &[Grip], pose: &Pose, distance: f64) {
+    fn follow_swings(&mut self, system: &System, pose: &Pose, way: f64) {
         const FAR: f64 = 0.2;
         let state = &mut self.state;
-        let tips = state.held.grips().iter().zip(from).map(|(now, last)| (now.tip - last.tip).norm()).fold(0.0, f64::max);
-        state.gone += tips + distance;
-        let shortest = state.held.grips().iter().map(|grip| system.springs[grip.spring].rest_length).fold(f64::INFINITY, f64::min);
-        if state.gone > FAR * shortest {
+        state.gone += way;
+        if state.gone > FAR * self.shortest {
             state.held.accept(&system.springs, pose);
             state.gone = 0.0;
+            self.tools.springs.change();
         }
+    }
+
+    /// Notes a tick in which load or shadow moved, or began or ceased to: where the shadow was `last`, and how it and the load went on.
+    fn note(&mut self, last: &Shadow, [before, after]: [&Pose; 2], distance: f64, duration: f64, followed: &Followed) {
+        let swing = |speed: f64| if followed.frequency > 0.0 { speed / followed.frequency } else { 0.0 };
+        let amplitude = (apart(before, &last.pose, self.radius).powi(2) + swing((last.speed - self.state.speed).abs()).powi(2)).sqrt();
+        self.note_occasion(distance, duration, amplitude, swing);
+        let state = &mut self.state;
+        state.time += duration;
+        state.ways[0] += distance;
+        state.ways[1] += followed.way;
+        let shadow = &state.shadow.pose;
+        let (shift, turn) = ((shadow.position - after.position).norm(), (shadow.heading - after.heading).abs());
+        state.apart.note(shift, turn, self.radius, state.time, &state.occasion);
     }
 
     /// A disturbance that is larger than the oscillation it meets (m) is what the displacement comes from henceforth: a jump by its way, a change of speed by the
@@ -220,7 +245,8 @@ impl Estimator {
     }
 
     pub fn save(&self) -> serde_json::Value {
-        let state = State { warm_start: self.solver.warm_start().clone(), ..self.state.clone() };
+        let (warm_start, bearing) = (self.tools.solver.warm_start().clone(), self.tools.bearing.forces().to_vec());
+        let state = State { warm_start, bearing, ..self.state.clone() };
         serde_json::to_value(state).expect("a state is plain data")
     }
 
@@ -229,8 +255,12 @@ impl Estimator {
     pub fn restore(&mut self, system: &System, state: &serde_json::Value) -> Result<(), RestoreError> {
         let state = State::deserialize(state).map_err(|error| RestoreError(error.to_string()))?;
         state.held.check(&system.springs)?;
-        self.solver.set_warm_start(state.warm_start.clone())?;
+        self.tools.solver.set_warm_start(state.warm_start.clone())?;
+        if !self.tools.bearing.set_forces(&state.bearing) {
+            return Err(RestoreError(format!("{} forces on {} supports", state.bearing.len(), system.ground.supports.len())));
+        }
         self.state = state;
+        self.change(system);
         Ok(())
     }
 

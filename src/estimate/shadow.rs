@@ -10,23 +10,26 @@
 //! balance, so that nothing drives the shadow's distance from it but changes of its speed: an onset at the speed s gives `-(s / w) sin(w t)`, a stop lets the
 //! shadow coast, a jump leaves it behind by all of the jump.
 //!
-//! The direction comes from the load without inertia. A shadow at rest starts in that of its own cone problem. One that moves turns towards the increment g as
-//! friction turns its momentum, `(M v / t + h'') n = M v / t n_old + h'' g`; at a jump at once. Its offset r across the slip, `n'Hr = 0`, stays while
-//! it sticks and goes over a way dx to where the springs hold the dashpots' wrench d: `h'' dr = (d - H r) dx`, taken implicitly. Where the shadow moves alone,
-//! springs and friction across its way turn it in the same manner, its mass included.
+//! The direction comes from the load without inertia. A shadow at rest that no friction holds starts in that of its own cone problem. One that moves turns
+//! towards the increment g as friction turns its momentum, `(M v / t + h'') n = M v / t n_old + h'' g`; at a jump at once. Its offset r across the slip,
+//! `n'Hr = 0`, stays while it sticks and goes over a way dx to where the springs hold the dashpots' wrench d: `h'' dr = (d - H r) dx`, taken implicitly. Where
+//! the shadow moves alone, springs and friction across its way turn it in the same manner, its mass included.
 
 use serde::{Deserialize, Serialize};
 
+use super::bearing::{Bearing, Look};
+use super::pulls::{Attached, Dashpots, Pulls};
 use super::slider::Slider;
 use super::slip::{Resistance, increment, rim};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
-use crate::backend::held::{Grip, HeldSprings};
-use crate::backend::increment::{friction_loss, in_body_increments, positive_definite};
-use crate::math::{Mat3, Pose, Vec2, Vec3, rotation};
-use crate::model::{Reaction, System};
+use crate::backend::held::HeldSprings;
+use crate::backend::increment::{friction_loss, positive_definite};
+use crate::backend::spring_blocks::Place;
+use crate::math::{Arc, Mat2, Mat3, Pose, PositiveDefinite, Vec2, Vec3, rotation};
+use crate::model::{Load, System};
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shadow {
     pub pose: Pose,
     /// Direction of slip (1, 1, 1/m); zero before anything has moved.
@@ -41,9 +44,9 @@ pub struct Shadow {
 pub struct Tick<'a> {
     pub before: &'a Pose,
     pub after: &'a Pose,
-    /// Grips before the tips moved, and after.
-    pub from: &'a [Grip],
+    /// Springs with their tips where the tick begins, and where these go (m, world, one entry a spring).
     pub held: &'a HeldSprings,
+    pub targets: &'a [Vec2],
     /// A grasp or a release came just before.
     pub is_event: bool,
     /// (s)
@@ -59,13 +62,17 @@ pub struct Followed {
     pub frequency: f64,
 }
 
-/// Springs and dashpots as a shadow feels them with the tips at the end of a tick, by body twists.
-struct Pulls {
-    elastic: Reaction,
-    /// C (N s/m, N s, N m s/rad).
-    damping: Mat3,
-    /// Of the moving tips through the dashpots on a load at rest (N, N, N m).
-    drag: Vec3,
+/// What a shadow is followed with. But for where forces and slips are looked for first, all of it follows from what is asked.
+#[derive(Clone, Debug)]
+pub struct Tools {
+    pub solver: FrictionSolver,
+    pub bearing: Bearing,
+    pub springs: Attached,
+    /// Of the shadow, and of the load without inertia.
+    own: Turned,
+    beside: Turned,
+    /// The last direction against which friction was looked at.
+    slip: Option<(Vec3, Resistance)>,
 }
 
 /// Stiffness along the slip, over the sum of the held springs', below which a load counts as on the verge of buckling (1).
@@ -74,30 +81,40 @@ const LEAST_STIFFNESS: f64 = 1e-5;
 impl Shadow {
     pub fn new(system: &System, start: &Motion) -> Self {
         let linear = rotation(start.pose.heading).tr_mul(&start.twist.linear);
-        let twist = Vec3::new(linear.x, linear.y, start.twist.angular);
+        let twist = linear.push(start.twist.angular);
         let speed = rim(&twist, system.load.radius);
         let direction = if speed > 0.0 { twist / speed } else { Vec3::zeros() };
         Self { pose: start.pose, direction, speed, gradient: None }
     }
 
     /// Goes on through a tick of the load without inertia.
-    pub fn follow(&mut self, system: &System, tick: &Tick, solver: &mut FrictionSolver) -> Followed {
-        let last = self.clone();
-        if self.is_left_alone(system, tick) {
+    pub fn follow(&mut self, system: &System, tick: &Tick, tools: &mut Tools) -> Followed {
+        if self.is_left_alone(tick, tools) {
             self.gradient = None;
             return Followed::default();
         }
-        let pulls = self.pulls(system, tick);
+        let last = *self;
+        let at = tools.own.place(&self.pose);
+        let mut course = None;
         if self.speed == 0.0 {
-            let Some(direction) = self.onset(system, &pulls, solver) else {
-                self.gradient = Some(pulls.elastic.gradient);
-                return Followed::default();
-            };
-            self.direction = direction;
-        } else {
-            self.turn(system, tick);
+            let gradient = tools.springs.gradient(system, tick, &at, 1.0);
+            let look = tools.bearing.look(&(tools.springs.drag(system, tick, &at) - gradient));
+            let Look::Open(near) = look else { return self.rest(gradient) };
+            course = Some(near);
         }
-        let followed = self.slide(system, tick, &pulls);
+        let pulls = tools.springs.pulls(system, tick, &at);
+        match course {
+            Some(near) => match onset(system, &pulls, &near, tools) {
+                Some(direction) => self.direction = direction,
+                None => return self.rest(pulls.elastic.gradient),
+            },
+            None => {
+                let way = increment(&tools.beside.place(tick.before), tick.after);
+                self.turn(system, tick, &way, tools);
+            }
+        }
+        let beside = tools.beside.place(tick.after);
+        let followed = self.slide(system, tick, &pulls, [&at, &beside], tools);
         if !self.pose.is_finite() || !self.speed.is_finite() || !self.direction.iter().all(|v| v.is_finite()) {
             *self = Self { speed: 0.0, gradient: None, ..last };
             return Followed::default();
@@ -106,131 +123,141 @@ impl Shadow {
     }
 
     /// Whether it rests and goes on resting, for nothing has changed or because it is where the load without inertia rests.
-    fn is_left_alone(&self, system: &System, tick: &Tick) -> bool {
-        let tips_stood = || tick.held.grips().iter().zip(tick.from).all(|(now, last)| now.tip == last.tip);
-        let is_undamped = || system.springs.iter().all(|spring| spring.damping_ratio == 0.0);
-        let nothing_changed = !tick.is_event && tick.before == tick.after && tips_stood();
-        self.speed == 0.0 && (nothing_changed || self.pose == *tick.after && is_undamped())
+    fn is_left_alone(&self, tick: &Tick, tools: &Tools) -> bool {
+        let nothing_changed = || !tick.is_event && tick.before == tick.after && tick.held.tips_are_at(tick.targets);
+        self.speed == 0.0 && (self.pose == *tick.after && !tools.springs.is_damped() || nothing_changed())
     }
 
-    fn pulls(&self, system: &System, tick: &Tick) -> Pulls {
-        let mut dashpots = Reaction::ZERO;
-        for (grip, last) in tick.held.grips().iter().zip(tick.from) {
-            let spring = &system.springs[grip.spring];
-            if spring.damping_ratio > 0.0 {
-                // A dashpot is a spring of stiffness c / t about its shape at the start of the tick.
-                let (radial, torsional) = system.dashpot(spring);
-                let shape = last.shape(&system.springs, &self.pose);
-                let dashpot = spring.about(&shape, radial / tick.duration, torsional / tick.duration);
-                dashpots.add(&dashpot.reaction(&self.pose, &dashpot.shape(&self.pose, &grip.tip, 0.0)));
-            }
-        }
-        let dashpots = self.in_body(&dashpots);
-        let elastic = self.in_body(&tick.held.reaction(&system.springs, &self.pose));
-        Pulls { elastic, damping: tick.duration * dashpots.hessian, drag: -dashpots.gradient }
+    /// Stays where it is, with this gradient.
+    fn rest(&mut self, gradient: Vec3) -> Followed {
+        self.gradient = Some(gradient);
+        Followed::default()
     }
 
-    fn in_body(&self, world: &Reaction) -> Reaction {
-        in_body_increments(world, &rotation(self.pose.heading))
-    }
-
-    /// Direction in which a shadow at rest begins to slip, if it does.
-    fn onset(&self, system: &System, pulls: &Pulls, solver: &mut FrictionSolver) -> Option<Vec3> {
-        let pull = pulls.drag - pulls.elastic.gradient;
-        if solver.rest(&-pull).is_some() {
-            return None;
-        }
-        let hessian = positive_definite(&pulls.elastic.hessian, system.load.radius);
-        let twist = solver.solve(&hessian, &pull).increment;
-        let length = rim(&twist, system.load.radius);
-        (length > 0.0 && length.is_finite()).then(|| twist / length)
-    }
-
-    /// Turns a moving shadow towards where the load without inertia goes.
-    fn turn(&mut self, system: &System, tick: &Tick) {
-        let twist = increment(tick.before, tick.after);
-        let length = rim(&twist, system.load.radius);
+    /// Turns a moving shadow towards the `way` of the load without inertia.
+    fn turn(&mut self, system: &System, tick: &Tick, way: &Vec3, tools: &mut Tools) {
+        let length = rim(way, system.load.radius);
         if length == 0.0 {
             return;
         }
-        let goal = twist / length;
-        let momentum = system.load.mass_matrix() * (self.speed / tick.duration);
-        let turning = Resistance::of(&system.ground, &self.direction).turning;
-        let turned = (momentum + turning).try_inverse().map(|inverse| inverse * (momentum * self.direction + turning * goal));
-        self.go(system, &turned.filter(|_| !tick.is_event).unwrap_or(goal));
+        let goal = way / length;
+        let course = if tick.is_event {
+            goal
+        } else {
+            let momentum = self.speed / tick.duration * masses(&system.load);
+            let turning = tools.resistance(system, &self.direction).turning;
+            let push = momentum.component_mul(&self.direction) + turning * goal;
+            solve(&(turning + Mat3::from_diagonal(&momentum)), &push).unwrap_or(goal)
+        };
+        self.go(system, &course);
     }
 
     /// Takes the direction of `course`, with what of its momentum goes that way.
     fn go(&mut self, system: &System, course: &Vec3) {
-        let mass = system.load.mass_matrix();
         let direction = course / rim(course, system.load.radius);
-        self.speed *= direction.dot(&(mass * self.direction)) / direction.dot(&(mass * direction));
+        let momentum = masses(&system.load).component_mul(&direction);
+        self.speed *= momentum.dot(&self.direction) / momentum.dot(&direction);
         self.direction = direction;
     }
 
-    /// Slides along its direction, then to where it goes across.
-    fn slide(&mut self, system: &System, tick: &Tick, pulls: &Pulls) -> Followed {
-        let n = self.direction;
-        let slider = slider(system, tick.held, pulls, &n);
-        let (begin, end) = (-n.dot(&self.gradient_before(system, tick)), -n.dot(&pulls.elastic.gradient));
-        let slid = slider.slide(self.speed, begin + n.dot(&pulls.drag), (end - begin) / tick.duration, tick.duration);
-        self.pose = self.pose.moved_by(&(slid.shift * n));
-        self.gradient = Some(pulls.elastic.gradient + pulls.elastic.hessian * n * slid.shift);
+    /// Slides along its direction from one of two places, then to where it goes across, beside the load without inertia at the other.
+    fn slide(&mut self, system: &System, tick: &Tick, pulls: &Pulls, [at, beside]: [&Place; 2], tools: &mut Tools) -> Followed {
+        let (n, elastic) = (self.direction, &pulls.elastic);
+        let before = self.gradient.filter(|_| !tick.is_event).unwrap_or_else(|| tools.springs.gradient(system, tick, at, 0.0));
+        let slider = slider(system, pulls, &n, tools);
+        let (begin, end) = (-n.dot(&before), -n.dot(&elastic.gradient));
+        let drag = pulls.dashpots.as_ref().map_or(0.0, |dashpots| n.dot(&dashpots.drag));
+        let frequency = slider.frequency();
+        let slid = slider.slide(self.speed, begin + drag, (end - begin) / tick.duration, tick.duration);
+        let at = moved(at, &(slid.shift * n));
+        self.pose = at.pose;
+        self.gradient = Some(elastic.gradient + elastic.hessian * n * slid.shift);
         (self.speed, self.direction) = (slid.speed.abs(), if slid.speed < 0.0 { -n } else { n });
         if slid.way > 0.0 {
             let across = Across::new(system, pulls, &n, slid.shift, tick.duration);
             let goes_alone = tick.before == tick.after && !tick.is_event && self.speed > 0.0 && slid.shift.abs() == slid.way;
+            let resistance = tools.resistance(system, &self.direction);
             if goes_alone {
-                self.steer(system, &across, slid.way, tick.duration);
-            } else {
-                self.drift(system, tick.after, &across, slider.stiffness, slid.way);
+                self.steer(system, &across, resistance, &at, slid.way, tick.duration);
+            } else if slider.stiffness > 0.0 {
+                self.drift(system, &across, resistance, [&at, beside], slider.stiffness, slid.way);
             }
         }
-        Followed { way: slid.way, frequency: slider.frequency() }
-    }
-
-    /// Gradient with the tips where they were before the tick.
-    fn gradient_before(&self, system: &System, tick: &Tick) -> Vec3 {
-        self.gradient.filter(|_| !tick.is_event).unwrap_or_else(|| {
-            let mut before = tick.held.clone();
-            before.place_tips(tick.from, &vec![Vec2::zeros(); system.springs.len()], 0.0);
-            self.in_body(&before.reaction(&system.springs, &self.pose)).gradient
-        })
+        Followed { way: slid.way, frequency }
     }
 
     /// Goes over a `way` (m) to where the springs hold the wrench of the dashpots across the slip.
-    fn drift(&mut self, system: &System, beside: &Pose, across: &Across, stiffness: f64, way: f64) {
-        if stiffness == 0.0 {
-            return;
-        }
+    fn drift(&mut self, system: &System, across: &Across, against: &Resistance, [at, beside]: [&Place; 2], stiffness: f64, way: f64) {
         let n = self.direction;
-        let offset = increment(beside, &self.pose);
+        let offset = increment(beside, &at.pose);
         let pull = across.hessian * n;
         let offset = offset - n * (pull.dot(&offset) / stiffness);
         let source = across.dashpots - pull * (n.dot(&across.dashpots) / stiffness);
-        let turning = Resistance::of(&system.ground, &n).turning;
-        let Some(inverse) = (turning + way * across.stiffness).try_inverse() else { return };
-        let change = inverse * (way * (source - across.hessian * offset));
+        let push = way * (source - across.hessian * offset);
+        let Some(change) = solve(&(against.turning + way * across.stiffness), &push) else { return };
         // The slip turns by no more than all of it.
         let share = way / rim(&change, system.load.radius).max(way);
-        self.pose = self.pose.moved_by(&(share * change));
+        self.pose = moved(at, &(share * change)).pose;
     }
 
     /// Turns a shadow that the load without inertia does not go with.
-    fn steer(&mut self, system: &System, across: &Across, way: f64, duration: f64) {
-        let Resistance { wrench, turning } = Resistance::of(&system.ground, &self.direction);
+    fn steer(&mut self, system: &System, across: &Across, against: &Resistance, at: &Place, way: f64, duration: f64) {
         let gradient = self.gradient.expect("a shadow that slid knows it");
-        let mass = system.load.mass_matrix();
-        let inertia = mass * self.direction;
-        let net = across.dashpots - gradient - wrench;
+        let masses = masses(&system.load);
+        let inertia = masses.component_mul(&self.direction);
+        let net = across.dashpots - gradient - against.wrench;
         let aside = net - inertia * (self.direction.dot(&net) / self.direction.dot(&inertia));
-        let resistance = turning + way * (mass / (duration * duration) + across.stiffness);
-        let Some(inverse) = resistance.try_inverse() else { return };
-        let aside = inverse * aside * way;
-        self.pose = self.pose.moved_by(&aside);
+        let stiffness = Mat3::from_diagonal(&(masses / (duration * duration))) + across.stiffness;
+        let Some(aside) = solve(&(against.turning + way * stiffness), &(way * aside)) else { return };
+        self.pose = moved(at, &aside).pose;
         self.gradient = Some(gradient + across.hessian * aside);
         self.go(system, &(way * self.direction + aside));
     }
+}
+
+/// The last heading (rad) whose rotation was taken.
+#[derive(Clone, Copy, Debug)]
+struct Turned {
+    heading: f64,
+    turn: Mat2,
+}
+
+impl Turned {
+    const NONE: Turned = Turned { heading: 0.0, turn: Mat2::new(1.0, 0.0, 0.0, 1.0) };
+
+    fn place(&mut self, pose: &Pose) -> Place {
+        if self.heading != pose.heading {
+            *self = Self { heading: pose.heading, turn: rotation(pose.heading) };
+        }
+        Place { pose: *pose, turn: self.turn }
+    }
+}
+
+impl Tools {
+    pub fn new(system: &System) -> Self {
+        let solver = FrictionSolver::new(&system.ground, system.load.radius);
+        let bearing = Bearing::new(&system.ground);
+        Self { solver, bearing, springs: Attached::new(system), own: Turned::NONE, beside: Turned::NONE, slip: None }
+    }
+
+    fn resistance(&mut self, system: &System, n: &Vec3) -> &Resistance {
+        let known = self.slip.take().filter(|(known, _)| known == n);
+        &self.slip.insert(known.unwrap_or_else(|| (*n, Resistance::of(&system.ground, n)))).1
+    }
+}
+
+/// Direction in which a shadow at rest begins to slip, if it does: looked for `near` one first.
+fn onset(system: &System, pulls: &Pulls, near: &Vec3, tools: &mut Tools) -> Option<Vec3> {
+    let hessian = positive_definite(&pulls.elastic.hessian, system.load.radius);
+    let pull = pulls.dashpots.as_ref().map_or(Vec3::zeros(), |dashpots| dashpots.drag) - pulls.elastic.gradient;
+    let length = (near.dot(&pull) - friction_loss(&system.ground, near)) / near.dot(&(hessian * near));
+    let slip = Some(length * near).filter(|_| length > 0.0).and_then(|near| tools.solver.slide(&hessian, &pull, &near));
+    let twist = slip.unwrap_or_else(|| tools.solver.solve(&hessian, &pull)).increment;
+    let length = rim(&twist, system.load.radius);
+    if length == 0.0 {
+        tools.bearing.go_on_from(tools.solver.forces());
+    }
+    (length > 0.0 && length.is_finite()).then(|| twist / length)
 }
 
 /// Springs and dashpots across a slip.
@@ -245,23 +272,42 @@ struct Across {
 impl Across {
     /// For a slip over the `shift` (m) along `n` within `duration` (s).
     fn new(system: &System, pulls: &Pulls, n: &Vec3, shift: f64, duration: f64) -> Self {
-        Self {
-            hessian: pulls.elastic.hessian,
-            stiffness: positive_definite(&pulls.elastic.hessian, system.load.radius) + pulls.damping / duration,
-            dashpots: pulls.drag - pulls.damping * n * (shift / duration),
+        let hessian = pulls.elastic.hessian;
+        let stiffness = positive_definite(&hessian, system.load.radius);
+        match &pulls.dashpots {
+            None => Self { hessian, stiffness, dashpots: Vec3::zeros() },
+            Some(Dashpots { damping, drag }) => {
+                Self { hessian, stiffness: stiffness + damping / duration, dashpots: drag - damping * n * (shift / duration) }
+            }
         }
     }
 }
 
 /// The shadow along `n`.
-fn slider(system: &System, held: &HeldSprings, pulls: &Pulls, n: &Vec3) -> Slider {
+fn slider(system: &System, pulls: &Pulls, n: &Vec3, tools: &mut Tools) -> Slider {
     let along = |matrix: &Mat3| n.dot(&(matrix * n));
-    let radial: f64 = held.grips().iter().map(|grip| system.springs[grip.spring].radial_stiffness).sum();
-    let stiffness = if held.is_empty() { 0.0 } else { along(&pulls.elastic.hessian).abs().max(LEAST_STIFFNESS * radial) };
+    let radial = tools.springs.radial();
+    let stiffness = along(&pulls.elastic.hessian).abs().max(LEAST_STIFFNESS * radial);
     Slider {
-        mass: along(&system.load.mass_matrix()),
-        damping: along(&pulls.damping).max(0.0),
+        mass: n.dot(&masses(&system.load).component_mul(n)),
+        damping: pulls.dashpots.as_ref().map_or(0.0, |dashpots| along(&dashpots.damping).max(0.0)),
         stiffness,
-        friction: friction_loss(&system.ground, n),
+        friction: tools.resistance(system, n).loss,
     }
+}
+
+/// Diagonal of the mass matrix (kg, kg, kg m^2).
+fn masses(load: &Load) -> Vec3 {
+    Vec3::new(load.mass, load.mass, load.inertia)
+}
+
+fn moved(at: &Place, increment: &Vec3) -> Place {
+    let arc = Arc::of(increment.z);
+    let pose = Pose { position: at.pose.position + at.turn * arc.shift(&increment.xy()), heading: at.pose.heading + increment.z };
+    Place { pose, turn: at.turn * arc.rotation() }
+}
+
+/// A^-1 b of a symmetric A.
+fn solve(a: &Mat3, b: &Vec3) -> Option<Vec3> {
+    PositiveDefinite::new(a).map(|factor| factor.solve(b)).or_else(|| a.try_inverse().map(|inverse| inverse * b))
 }

@@ -1,8 +1,7 @@
 //! Directions of slip as body twists: how long they are, how two poses lie apart, and how friction answers them.
 
-use nalgebra::Matrix2x3;
-
-use crate::math::{Arc, Mat2, Mat3, Pose, Vec3, rotation};
+use crate::backend::spring_blocks::Place;
+use crate::math::{Arc, Mat3, Pose, Vec3, perpendicular};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
 
@@ -16,18 +15,20 @@ pub fn apart(a: &Pose, b: &Pose, radius: f64) -> f64 {
     (b.position - a.position).norm() + radius * (b.heading - a.heading).abs()
 }
 
-/// The body twist that takes a load from one pose to the other.
-pub fn increment(from: &Pose, to: &Pose) -> Vec3 {
-    let turn = to.heading - from.heading;
-    let shift = rotation(from.heading).tr_mul(&(to.position - from.position));
+/// The body twist that takes a load from one place to another pose.
+pub fn increment(from: &Place, to: &Pose) -> Vec3 {
+    let turn = to.heading - from.pose.heading;
+    let shift = from.turn.tr_mul(&(to.position - from.pose.position));
     // After a whole turn no shift of the twist remains; a chord stands in.
     let straight = Arc::of(turn).mean_rotation().try_inverse().map_or(shift, |inverse| inverse * shift);
-    Vec3::new(straight.x, straight.y, turn)
+    straight.push(turn)
 }
 
-/// First and second derivative of the friction loss `sum_i c_i |B_i n|` by the body twist n.
+/// The friction loss `sum_i c_i |B_i n|` of a body twist n, with its first and second derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resistance {
+    /// (N m) for n of unit length (m) on the rim.
+    pub loss: f64,
     /// What friction pulls back with (N, N, N m).
     pub wrench: Vec3,
     /// How that turns with the slip: h'' (N, N m, N m^2); zero along the slip itself.
@@ -40,15 +41,22 @@ const PINNED: f64 = 1e-3;
 impl Resistance {
     /// Against slip in the direction `n` of unit length on the rim.
     pub fn of(ground: &Ground, n: &Vec3) -> Self {
-        let mut sum = Self { wrench: Vec3::zeros(), turning: Mat3::zeros() };
+        let mut sum = Self { loss: 0.0, wrench: Vec3::zeros(), turning: Mat3::zeros() };
         for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
-            let velocity = slip_velocity(&support.offset, n);
-            let speed = velocity.norm().max(PINNED);
+            let offset = &support.offset;
+            let velocity = slip_velocity(offset, n);
+            let length = velocity.norm();
+            let speed = length.max(PINNED);
             let course = velocity / speed;
-            let jacobian = Matrix2x3::new(1.0, 0.0, -support.offset.y, 0.0, 1.0, support.offset.x);
-            let across = Mat2::identity() - course * course.transpose();
-            sum.wrench += wrench_of(&support.offset, &(limit * course));
-            sum.turning += limit / speed * jacobian.transpose() * across * jacobian;
+            sum.loss += limit * length;
+            sum.wrench += wrench_of(offset, &(limit * course));
+            // B' (1 - u u') B, which is that of a quarter turn of u where u has unit length.
+            let across = wrench_of(offset, &perpendicular(&course));
+            sum.turning += (limit / speed * across) * across.transpose();
+            if length < PINNED {
+                let (x, y) = (Vec3::new(1.0, 0.0, -offset.y), Vec3::new(0.0, 1.0, offset.x));
+                sum.turning += limit / speed * (1.0 - course.norm_squared()) * (x * x.transpose() + y * y.transpose());
+            }
         }
         sum
     }
@@ -78,6 +86,20 @@ mod tests {
             assert!((turn - at.turning.column(i)).norm() < 1e-8, "{i}: {turn}");
         }
         assert!((at.turning * n).norm() < 1e-14);
+        // The same sum in another order.
+        assert!((at.loss - friction_loss(&ground, &n)).abs() < 1e-15);
+    }
+
+    /// About a support that all but stands, friction is as if that slipped at the least speed: a stiffness against its slip, the same in all directions.
+    #[test]
+    fn a_pin_resists_its_slip_evenly() {
+        let offset = Vec2::new(0.4, -0.3);
+        let ground = Ground { friction_coefficient: 0.5, supports: vec![SupportPoint { offset, normal_load: 2.0 }] };
+        let turning = Resistance::of(&ground, &Vec3::new(offset.y, -offset.x, 1.0)).turning;
+        for n in [Vec3::new(0.3, 0.7, 0.0), Vec3::new(-0.2, 0.1, 0.9)] {
+            // Roundings of 1e3 N/m.
+            assert!((n.dot(&(turning * n)) - slip_velocity(&offset, &n).norm_squared() / PINNED).abs() < 1e-12, "{n}");
+        }
     }
 
     #[test]
@@ -85,8 +107,8 @@ mod tests {
         let from = Pose::new(0.3, -0.2, 1.1);
         for twist in [Vec3::new(0.05, -0.02, 0.0), Vec3::new(0.05, -0.02, 0.7), Vec3::new(0.0, 0.0, -2.0)] {
             // Rounding of positions of order 0.3.
-            assert!((increment(&from, &from.moved_by(&twist)) - twist).norm() < 1e-15);
+            assert!((increment(&Place::of(&from), &from.moved_by(&twist)) - twist).norm() < 1e-15);
         }
-        assert_eq!(increment(&from, &from), Vec3::zeros());
+        assert_eq!(increment(&Place::of(&from), &from), Vec3::zeros());
     }
 }

@@ -1,6 +1,7 @@
 //! Angles: counter-clockwise, in radians, and the plane rotations that go with them.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::{Mul, Sub};
 
 use super::{Mat2, Vec2};
 
@@ -40,9 +41,31 @@ pub fn rotation(angle: f64) -> Mat2 {
     Mat2::new(cos, -sin, sin, cos)
 }
 
+/// Tangent of an angle up to which the terms of the arctangent's series that [`small_arctangent`] leaves out stay below a rounding of one.
+pub const SMALL_TANGENT: f64 = 1.0 / 8.0;
+
+/// The angle with the tangent t, at most [`SMALL_TANGENT`], of one number or of several side by side: t - t^3 / 3 + t^5 / 5 - ... of nine terms.
+pub fn small_arctangent<T: Copy + From<f64> + Mul<Output = T> + Sub<Output = T>>(t: T) -> T {
+    let square = t * t;
+    let mut sum = T::from(1.0 / 17.0);
+    for odd in [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
+        sum = T::from(1.0 / odd) - square * sum;
+    }
+    t - t * square * sum
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Roundings of a sum of terms of which the first is the largest.
+    #[test]
+    fn small_arctangents_are_arctangents() {
+        for k in -1000..=1000 {
+            let t = SMALL_TANGENT * f64::from(k) / 1000.0;
+            assert!((small_arctangent(t) - t.atan()).abs() <= 3e-16 * t.abs(), "{t}");
+        }
+    }
 
     #[test]
     fn wrapping_keeps_plus_pi_and_maps_minus_pi_onto_it() {

@@ -6,7 +6,7 @@ mod pose;
 mod positive;
 mod statistics;
 
-pub use angle::{direction, perpendicular, rotation, unwrap_near, wrap_to_pi};
+pub use angle::{SMALL_TANGENT, direction, perpendicular, rotation, small_arctangent, unwrap_near, wrap_to_pi};
 pub use chance::{Chance, Stream};
 pub use pose::{Arc, Pose, Twist, Wrench, shift_of};
 pub use positive::PositiveDefinite;
@@ -20,3 +20,5 @@ pub type Vec3 = nalgebra::Vector3<f64>;
 pub type Mat2 = nalgebra::Matrix2<f64>;
 /// A symmetric stiffness or mass over (x, y, heading).
 pub type Mat3 = nalgebra::Matrix3<f64>;
+/// A linear map from plane vectors to columns of three.
+pub type Mat3x2 = nalgebra::Matrix3x2<f64>;

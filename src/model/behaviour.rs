@@ -7,7 +7,7 @@ use std::f64::consts::LN_2;
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::{Vec2, perpendicular, wrap_to_pi};
+use crate::math::{SMALL_TANGENT, Vec2, perpendicular, small_arctangent, wrap_to_pi};
 
 /// When an ant draws for a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,8 +99,13 @@ pub fn facing_for_pull(pull_direction: &Vec2) -> Vec2 {
 
 /// Signed angle from the unit vector `ahead` to a `desired` direction of any length in (-pi, pi] (rad), Eq. (19).
 pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
+    let (across, along) = (ahead.perp(desired), ahead.dot(desired));
+    // Most ants that pull face nearly where they want to.
+    if across.abs() <= SMALL_TANGENT * along && along > 0.0 {
+        return small_arctangent(across / along);
+    }
     // Without minus zero, which stands for minus pi.
-    (ahead.perp(desired) + 0.0).atan2(ahead.dot(desired))
+    (across + 0.0).atan2(along)
 }
 
 /// Signed difference from `heading` to `desired` in (-pi, pi] (rad), Eq. (19).

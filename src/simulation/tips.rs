@@ -12,6 +12,8 @@ pub struct Tips {
     after: Vec<usize>,
     /// All times of waypoints and releases, in order (s).
     instants: Vec<f64>,
+    /// Number of the first of them after the last instant asked for: where to look first.
+    next: usize,
     targets: Vec<Vec2>,
 }
 
@@ -20,7 +22,7 @@ impl Tips {
     /// that would be let go at the instant of its grasp is never held.
     pub fn new(scenario: &Scenario, paths: &[TipPath]) -> Self {
         let same = SAME_INSTANT * scenario.control_period;
-        let instants = instants_of(paths, scenario.control_period);
+        let (instants, all_exact) = instants_of(paths, scenario.control_period);
         let snap = |time: f64| instants[instants.partition_point(|instant| *instant < time - same)];
         let snapped = |path: &TipPath| TipPath {
             spring: path.spring,
@@ -28,16 +30,22 @@ impl Tips {
             release: path.release.map(snap),
         };
         let is_held = |path: &TipPath| path.release.is_none_or(|release| release > path.waypoints[0].time);
-        let is_snapped = |path: &TipPath| times_of(path).all(|time| snap(time) == time);
-        let (paths, instants) = if paths.iter().all(|path| is_snapped(path) && is_held(path)) {
+        let (paths, instants) = if all_exact && paths.iter().all(is_held) {
             (paths.to_vec(), instants)
         } else {
             let paths: Vec<TipPath> = paths.iter().map(snapped).filter(is_held).collect();
-            let instants = instants_of(&paths, scenario.control_period);
+            let (instants, _) = instants_of(&paths, scenario.control_period);
             (paths, instants)
         };
         let after = vec![0; paths.len()];
-        Self { paths, after, instants, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
+        Self { paths, after, instants, next: 0, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
+    }
+
+    /// Number of the first instant after `time` (s).
+    fn first_after(&self, time: f64) -> usize {
+        let is_it = |at: usize| is_first_after(at, self.instants.len(), time, |at| self.instants[at]);
+        let near = [self.next, self.next + 1].into_iter().find(|at| is_it(*at));
+        near.unwrap_or_else(|| self.instants.partition_point(|instant| *instant <= time))
     }
 }
 
@@ -46,26 +54,46 @@ fn times_of(path: &TipPath) -> impl Iterator<Item = f64> + '_ {
     path.waypoints.iter().map(|at| at.time).chain(path.release)
 }
 
-/// All times of waypoints and releases in order (s), ticks in place of what is within rounding of them, and one of each group within rounding.
-fn instants_of(paths: &[TipPath], control_period: f64) -> Vec<f64> {
+/// All times of waypoints and releases in order (s), ticks in place of what is within rounding of them, and one of each group within rounding; and whether that
+/// leaves each time as it is.
+fn instants_of(paths: &[TipPath], control_period: f64) -> (Vec<f64>, bool) {
     let same = SAME_INSTANT * control_period;
-    let at_tick = |time: f64| {
-        let tick = (time / control_period).round() * control_period;
-        if (time - tick).abs() <= same { tick } else { time }
+    let mut all_exact = true;
+    let mut at_tick = |time: f64| {
+        // Half away from zero, as times are not negative; what is too large for a whole number is no tick.
+        let tick = (time / control_period + 0.5) as i64 as f64 * control_period;
+        if (time - tick).abs() > same {
+            return time;
+        }
+        all_exact &= time == tick;
+        tick
     };
-    let mut instants = Vec::with_capacity(paths.iter().map(|path| path.waypoints.len() + 1).sum());
-    paths.iter().for_each(|path| instants.extend(times_of(path).map(at_tick)));
+    let mut instants: Vec<f64> = Vec::new();
+    for path in paths {
+        let (first, known) = (paths[0].waypoints.len(), instants.len());
+        instants.extend(times_of(path).map(&mut at_tick));
+        // Paths mostly turn at the same times.
+        if known >= first && instants[known..] == instants[..first] {
+            instants.truncate(known);
+        }
+    }
     instants.sort_by(f64::total_cmp);
-    instants.dedup_by(|later, kept| *later - *kept <= same);
-    instants
+    instants.dedup_by(|later, kept| {
+        let is_same = *later - *kept <= same;
+        all_exact &= !is_same || *later == *kept;
+        is_same
+    });
+    (instants, all_exact)
+}
+
+/// Whether `at` is the number of the first of `n` instants after `time` (s).
+fn is_first_after(at: usize, n: usize, time: f64, instant: impl Fn(usize) -> f64) -> bool {
+    at <= n && (at == n || instant(at) > time) && (at == 0 || instant(at - 1) <= time)
 }
 
 /// Number of the first of a path's waypoints after `time` (s), looked for near `guess` first.
 fn first_after(path: &TipPath, time: f64, guess: usize) -> usize {
-    let is_it = |at: usize| {
-        let is_after = |at: usize| path.waypoints.get(at).is_none_or(|waypoint| waypoint.time > time);
-        at <= path.waypoints.len() && is_after(at) && (at == 0 || !is_after(at - 1))
-    };
+    let is_it = |at: usize| is_first_after(at, path.waypoints.len(), time, |at| path.waypoints[at].time);
     let near = [guess, guess + 1].into_iter().find(|at| is_it(*at));
     near.unwrap_or_else(|| path.waypoints.partition_point(|at| at.time <= time))
 }
@@ -101,11 +129,12 @@ impl Driver for Tips {
             *after = first_after(path, until, *after);
             self.targets[path.spring] = position_at(path, until, *after);
         }
+        self.next = self.first_after(until);
         &self.targets
     }
 
     fn next_instant(&self, time: f64) -> Option<f64> {
-        self.instants.get(self.instants.partition_point(|instant| *instant <= time)).copied()
+        self.instants.get(self.first_after(time)).copied()
     }
 
     fn arrived(&self, _: &Motion) -> Option<bool> {

@@ -15,6 +15,7 @@ mod midpoint;
 mod off_centre;
 mod reference;
 mod release;
+mod second_order;
 mod slide;
 mod snap;
 mod towing;

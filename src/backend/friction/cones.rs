@@ -4,6 +4,8 @@
 //! the arms the moments would outgrow the forces beside them, and their rounding hide them. There, and where the supports are far closer to each other than
 //! to the origin, twists are taken about a point among them: the slips would otherwise be small differences of large numbers.
 
+use smallvec::SmallVec;
+
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
@@ -34,6 +36,14 @@ pub(super) struct Cones {
     sways: Vec<f64>,
 }
 
+/// So often forces are taken back: nearly all that can come to rest does by then.
+const MOST_ROUNDS: u32 = 16;
+/// Share of its limit that a force is taken back to (1).
+const WITHIN: f64 = 0.98;
+/// By how much more than the way there it is taken (1): the rest of it comes back.
+const OVER: f64 = 1.6;
+/// Left for rounding of what surely sticks, of each limit (1).
+const MARGIN: f64 = 1e-9;
 /// Supports nearer to each other than this share of their extent are one: no solver could tell them apart.
 const SAME_POINT: f64 = 1e-12;
 /// Largest distance of a support from their middle below which they are close together, over the size of the load (1).
@@ -117,24 +127,36 @@ impl Cones {
         balance.map(of).unwrap_or_default()
     }
 
-    /// By how much the wrench that `forces` balance may change (scaled, Euclidean norm) and still be balanced within all limits; zero where that is not known.
-    pub fn room(&self, forces: &[Vec2]) -> f64 {
-        let room = |((force, limit), sway): ((&Vec2, &f64), &f64)| (limit - force.norm()) / sway;
-        let least = forces.iter().zip(&self.limits).zip(&self.sways).map(room).fold(f64::INFINITY, f64::min);
-        if least.is_finite() { least.max(0.0) } else { 0.0 }
+    /// The balance matrix times a wrench; `None` where there is no such matrix.
+    pub fn balanced(&self, wrench: &Vec3) -> Option<Vec3> {
+        self.balance.map(|balance| balance * wrench)
+    }
+
+    /// Whether the least forces stay within all limits when a wrench of the norm `further` is added to the `balanced` one.
+    pub fn bears(&self, balanced: &Vec3, further: f64) -> bool {
+        let bears = |k: usize| {
+            let room = (1.0 - MARGIN) * self.limits[k] - self.sways[k] * further;
+            room >= 0.0 && self.least_force(k, balanced).norm_squared() <= room * room
+        };
+        (0..self.len()).all(bears)
     }
 
     /// Largest norm of a wrench (scaled) with such a force (N) and such a torque about the load's origin (N m).
     pub fn scaled_wrench(&self, force: f64, torque: f64) -> f64 {
         let about_centre = torque + self.centre.map_or(0.0, |centre| centre.norm()) * force;
-        force.hypot(about_centre / self.length) / self.force
+        Vec2::new(force, about_centre / self.length).norm() / self.force
     }
 
     /// H and w in scaled units: energies over length times force.
     pub fn scaled(&self, hessian: &Mat3, drive: &Vec3) -> (Mat3, Vec3) {
-        let Some(centre) = self.centre else { return (hessian.component_mul(&self.per_hessian), self.scaled_gradient(drive)) };
+        (self.scaled_hessian(hessian), self.scaled_gradient(drive))
+    }
+
+    /// H alone.
+    pub fn scaled_hessian(&self, hessian: &Mat3) -> Mat3 {
+        let Some(centre) = self.centre else { return hessian.component_mul(&self.per_hessian) };
         let map = Mat3::new(1.0, 0.0, centre.y, 0.0, 1.0, -centre.x, 0.0, 0.0, 1.0);
-        ((map.transpose() * hessian * map).component_mul(&self.per_hessian), self.scaled_gradient(drive))
+        (map.transpose() * hessian * map).component_mul(&self.per_hessian)
     }
 
     /// w alone.
@@ -188,19 +210,56 @@ impl Cones {
         (0..self.len()).min_by(|a, b| speed(*a).total_cmp(&speed(*b))).expect("there is a cone")
     }
 
-    /// Whether forces within all limits balance w, found from the ones given by the least change in units of the limits. The answer no proves
-    /// nothing: the forces are then left as they were.
+    /// Whether forces within all limits balance w, found from the ones given by the least change in units of the limits, or else as the least ones. The answer
+    /// no proves nothing: the forces are then left as they were.
     pub fn stick_forces(&self, w: &Vec3, forces: &mut [Vec2]) -> bool {
         let Some(balance) = &self.balance else { return false };
-        let correction = balance * (w - self.wrench(forces));
-        let corrected = |k: usize| forces[k] + self.limits[k] * self.limits[k] * self.slip(k, &correction);
-        let fits = (0..self.len()).all(|k| corrected(k).norm_squared() <= self.limits[k] * self.limits[k]);
+        let change = balance * (w - self.wrench(forces));
+        if self.fit(|k| forces[k] + self.least_force(k, &change)) {
+            forces.iter_mut().enumerate().for_each(|(k, force)| *force += self.least_force(k, &change));
+            return true;
+        }
+        let least = balance * w;
+        let fits = self.fit(|k| self.least_force(k, &least));
         if fits {
-            for (k, force) in forces.iter_mut().enumerate() {
-                *force += self.limits[k] * self.limits[k] * self.slip(k, &correction);
-            }
+            forces.iter_mut().enumerate().for_each(|(k, force)| *force = self.least_force(k, &least));
         }
         fits
+    }
+
+    /// The same close to the edge of slipping: forces that the least change takes beyond their limits are taken back to a little within, and what that leaves is
+    /// balanced again, over and over. The change is along the slip of some twist n; one with `n'w > sum_i c_i |B_i n|` proves that nothing can hold the load.
+    pub fn pressed_forces(&self, w: &Vec3, forces: &mut [Vec2]) -> bool {
+        let Some(balance) = &self.balance else { return false };
+        let mut trial: SmallVec<[Vec2; 8]> = SmallVec::from_slice(forces);
+        for round in 0..MOST_ROUNDS {
+            let change = balance * (w - self.wrench(&trial));
+            let is_separating = || change.dot(w) > (0..self.len()).map(|k| self.limits[k] * self.slip(k, &change).norm()).sum();
+            if round % 4 == 3 && is_separating() {
+                return false;
+            }
+            trial.iter_mut().enumerate().for_each(|(k, force)| *force += self.least_force(k, &change));
+            if self.fit(|k| trial[k]) {
+                forces.copy_from_slice(&trial);
+                return true;
+            }
+            for (force, limit) in trial.iter_mut().zip(&self.limits) {
+                let (size, within) = (force.norm(), WITHIN * limit);
+                if size > within {
+                    *force *= 1.0 + OVER * (within / size - 1.0);
+                }
+            }
+        }
+        false
+    }
+
+    /// On cone k, of the least forces for a wrench, each in units of its limit; `balanced` is the balance matrix times that.
+    fn least_force(&self, k: usize, balanced: &Vec3) -> Vec2 {
+        self.limits[k] * self.limits[k] * self.slip(k, balanced)
+    }
+
+    fn fit(&self, force: impl Fn(usize) -> Vec2) -> bool {
+        (0..self.len()).all(|k| force(k).norm_squared() <= self.limits[k] * self.limits[k])
     }
 
     /// Largest violation of the optimality conditions by (twist, forces), over the forces in them.

@@ -20,6 +20,13 @@ const MOST_ITERATIONS: u32 = 8;
 /// Residual at which nothing is left to gain (1).
 const ROUNDED: f64 = 1e-15;
 
+/// How what is out of balance changes with a slip (scaled).
+pub struct Tangent {
+    factor: PositiveDefinite,
+    /// Size of the forces in it.
+    scale: f64,
+}
+
 impl FrictionSolver {
     /// The solution of [`FrictionSolver::solve`] where all supports slip and `near` (m, m, rad) is close to it; `None`, with nothing changed, where
     /// there is no such one.
@@ -33,13 +40,24 @@ impl FrictionSolver {
     }
 
     /// Newton's step (m, m, rad) from a body-twist increment at which all supports slip, and what is out of balance there, relative to the forces in it (1);
-    /// `gradient` and `hessian` are those of what acts besides friction (N, N, N m; N/m, N, N m/rad). `None` where a support slips too slowly.
-    pub fn gliding_step(&self, increment: &Vec3, gradient: &Vec3, hessian: &Mat3) -> Option<(Vec3, f64)> {
-        let (h, g) = self.cones.scaled(hessian, gradient);
-        let twist = self.cones.scaled_twist(increment);
-        let Balance { residual, derivative } = balance(&self.cones, &g, &h, &twist)?;
-        let step = PositiveDefinite::new(&derivative)?.solve(&residual);
-        Some((-self.cones.unscaled_twist(&step), residual.amax() / self.cones.force_scale(&h, &g, &twist)))
+    /// `gradient` and `hessian` are those of what acts besides friction (N, N, N m; N/m, N, N m/rad). Without a Hessian the `tangent` of the last step serves, else it
+    /// becomes the one here. `None` where a support slips too slowly.
+    pub fn gliding_step(
+        &self,
+        increment: &Vec3,
+        gradient: &Vec3,
+        hessian: Option<&Mat3>,
+        tangent: &mut Option<Tangent>,
+    ) -> Option<(Vec3, f64)> {
+        let (twist, g) = (self.cones.scaled_twist(increment), self.cones.scaled_gradient(gradient));
+        let h = hessian.map(|hessian| self.cones.scaled_hessian(hessian));
+        let mut derivative = h;
+        let residual = balance(&self.cones, &g, derivative.as_mut(), &twist)?;
+        if let (Some(h), Some(derivative)) = (h, derivative) {
+            *tangent = Some(Tangent { factor: PositiveDefinite::new(&derivative)?, scale: self.cones.force_scale(&h, &g, &twist) });
+        }
+        let Tangent { factor, scale } = tangent.as_ref()?;
+        Some((-self.cones.unscaled_twist(&factor.solve(&residual)), residual.amax() / scale))
     }
 
     /// Takes an increment at which all supports slip as the last solution.
@@ -55,7 +73,8 @@ impl FrictionSolver {
 pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, n_iterations: &mut u32) -> Option<(Vec3, f64)> {
     let (mut twist, mut last) = (*start, f64::INFINITY);
     for _ in 0..MOST_ITERATIONS {
-        let Balance { residual, derivative } = balance(cones, &(h * twist - w), h, &twist)?;
+        let mut derivative = *h;
+        let residual = balance(cones, &(h * twist - w), Some(&mut derivative), &twist)?;
         let (size, scale) = (residual.amax(), cones.force_scale(h, w, &twist));
         if size <= ROUNDED * scale || size <= EXACT * scale && size >= 0.25 * last {
             return Some((twist, size / scale));
@@ -71,15 +90,10 @@ pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, n_iterations
     None
 }
 
-/// What is out of balance at a twist, and the derivative of that (only its lower half).
-struct Balance {
-    residual: Vec3,
-    derivative: Mat3,
-}
-
-/// Adds friction to the `gradient` and the `hessian` of what else acts at `twist`; `None` where a support slips too slowly.
-fn balance(cones: &Cones, gradient: &Vec3, hessian: &Mat3, twist: &Vec3) -> Option<Balance> {
-    let (mut residual, mut derivative) = (*gradient, *hessian);
+/// What is out of balance at `twist` under friction and the `gradient` of what else acts; `derivative`, that of the latter, becomes the one of both (only its
+/// lower half). `None` where a support slips too slowly.
+fn balance(cones: &Cones, gradient: &Vec3, mut derivative: Option<&mut Mat3>, twist: &Vec3) -> Option<Vec3> {
+    let mut residual = *gradient;
     let reach = cones.cluster.unwrap_or(1.0);
     let slowest = SLOWEST * SLOWEST * Vec3::new(twist.x, twist.y, reach * twist.z).norm_squared();
     for (offset, limit) in cones.offsets.iter().zip(&cones.limits) {
@@ -95,17 +109,19 @@ fn balance(cones: &Cones, gradient: &Vec3, hessian: &Mat3, twist: &Vec3) -> Opti
         residual.x += limit * unit.x;
         residual.y += limit * unit.y;
         residual.z += limit * offset.perp(&unit);
-        // B' J u: its torque is S x J u = S . u.
-        let across = Vec3::new(-unit.y, unit.x, offset.dot(&unit));
-        let curvature = limit * inverse * across;
-        derivative.m11 += curvature.x * across.x;
-        derivative.m21 += curvature.y * across.x;
-        derivative.m22 += curvature.y * across.y;
-        derivative.m31 += curvature.z * across.x;
-        derivative.m32 += curvature.z * across.y;
-        derivative.m33 += curvature.z * across.z;
+        if let Some(derivative) = &mut derivative {
+            // B' J u: its torque is S x J u = S . u.
+            let across = Vec3::new(-unit.y, unit.x, offset.dot(&unit));
+            let curvature = limit * inverse * across;
+            derivative.m11 += curvature.x * across.x;
+            derivative.m21 += curvature.y * across.x;
+            derivative.m22 += curvature.y * across.y;
+            derivative.m31 += curvature.z * across.x;
+            derivative.m32 += curvature.z * across.y;
+            derivative.m33 += curvature.z * across.z;
+        }
     }
-    Some(Balance { residual, derivative })
+    Some(residual)
 }
 
 #[cfg(test)]

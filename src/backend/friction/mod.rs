@@ -12,7 +12,7 @@
 //! One (`single.rs`): all supports stand on one point; a problem of its own, solved in closed form but for one scalar.
 //!
 //! 0. Gliding (`gliding.rs`): as in the last answer all supports slip, none of them slowly.
-//! 1. Rest (`cones.rs`): forces within all limits that balance w. Nothing moves.
+//! 1. Rest (`cones.rs`): forces within all limits that balance w. Nothing moves. Close to the edge of slipping once more after 2, where they take some rounds to find.
 //! 2. Pinned (`pinned.rs`): rotation about one support that sticks. With two distinct ones sticking, all do.
 //! 3. Slipping (`slipping.rs`): all supports slip, or stick close to it. Newton's method in coordinates in which the kink at a slow support is smooth.
 //! 4. Smoothed (`smoothed.rs`): continuation over rounded cones, which gives the others a start where they have none.
@@ -35,6 +35,7 @@ use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
 
 use cones::Cones;
+pub use gliding::Tangent;
 
 /// Solves the cone problem for one set of supports, starting from its last answer.
 #[derive(Clone, Debug)]
@@ -139,10 +140,15 @@ impl FrictionSolver {
         }
     }
 
+    /// Whether nothing moved in the last answer of the exact solver.
+    pub fn was_at_rest(&self) -> bool {
+        self.conic.is_none() && !self.last.slipped && self.last.pin.is_none()
+    }
+
     /// Whether a load that was at rest in the last answer stays there under this `gradient` (N, N, N m) of what acts besides friction: the residual (1) of
     /// that, which is then the last answer; `None`, with nothing changed, where it was not, or that is not sure at once.
     pub fn rest(&mut self, gradient: &Vec3) -> Option<f64> {
-        if self.conic.is_some() || self.last.slipped || self.last.pin.is_some() {
+        if !self.was_at_rest() {
             return None;
         }
         let w = -self.cones.scaled_gradient(gradient);
@@ -153,12 +159,17 @@ impl FrictionSolver {
         })
     }
 
-    /// By how much the wrench may change (scaled) with the load of the last solution, one at rest, surely staying where it is.
-    pub fn stick_room(&self) -> f64 {
-        if self.conic.is_some() { 0.0 } else { self.cones.room(&self.last.forces) }
+    /// What stands for the least friction forces that balance a wrench on a load at rest (N, N, N m), linear in that; `None` where that is not known.
+    pub fn balanced(&self, wrench: &Vec3) -> Option<Vec3> {
+        if self.conic.is_some() { None } else { self.cones.balanced(&self.cones.scaled_gradient(wrench)) }
     }
 
-    /// Norm of a wrench by that scale, with a force (N) and a torque (N m) of these sizes.
+    /// Whether these forces are surely within their limits, whatever a further wrench of this norm (scaled) adds to them.
+    pub fn bears(&self, balanced: &Vec3, further: f64) -> bool {
+        self.cones.bears(balanced, further)
+    }
+
+    /// Largest scaled norm of a wrench with a force (N) and a torque (N m) of these sizes.
     pub fn scaled_wrench(&self, force: f64, torque: f64) -> f64 {
         self.cones.scaled_wrench(force, torque)
     }
@@ -231,6 +242,9 @@ impl FrictionSolver {
             return found;
         }
         let forces = &mut self.last.forces;
+        if self.cones.pressed_forces(w, forces) {
+            return Candidate { twist: Vec3::zeros(), regime: Regime::Stick };
+        }
         slipping::slip(&self.cones, h, w, &start, forces, n_iterations)
             .or_else(|| slipping::stick(&self.cones, w, &start, forces, n_iterations))
             .unwrap_or_else(|| smoothed::search(&self.cones, h, w, forces, n_iterations))

@@ -5,6 +5,7 @@
 //! moving tips take the balance away, it snaps to another one within the step. Dashpots act through rates, so they do not act here.
 
 pub mod conic;
+mod second_order;
 
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,7 @@ use super::{
 };
 use crate::math::{Mat2, Pose, Twist, Vec2, Vec3, rotation};
 use crate::model::System;
+use second_order::Past;
 
 /// Legs of one jump. Each is shorter than the last by orders of magnitude, and three are rarely needed.
 const MOST_LEGS: u32 = 10;
@@ -34,6 +36,8 @@ const SNAP_ROUNDING: f64 = 1e-13;
 pub struct QuasiStatic {
     system: System,
     stepping: Stepping,
+    /// Whether steps are of second order where they can be.
+    second_order: bool,
     skips: Skips,
     solver: FrictionSolver,
     state: State,
@@ -55,6 +59,9 @@ pub(super) struct State {
     /// Nothing was grasped or let go since the step that ended in the regime.
     regime_is_known: bool,
     forecast: Forecast,
+    /// The last step, if the load slipped on all supports in it and in the one before.
+    #[serde(default)]
+    past: Option<Past>,
     /// The held springs have changed since they were last evaluated.
     is_stale: bool,
     /// Their tips have gone on since then, with a load that surely stood: its books lag behind.
@@ -83,6 +90,7 @@ impl QuasiStatic {
             regime: Regime::Stick,
             regime_is_known: false,
             forecast: Forecast::default(),
+            past: None,
             is_stale: true,
             is_waiting: false,
             stick: StickBound::default(),
@@ -90,12 +98,27 @@ impl QuasiStatic {
             turn: Mat2::identity(),
             warm_start,
         };
-        Self { system, stepping, skips, solver, state, springs: SpringBlocks::default(), from: Vec::new(), transitions: Vec::new() }
+        Self {
+            system,
+            stepping,
+            second_order: false,
+            skips,
+            solver,
+            state,
+            springs: SpringBlocks::default(),
+            from: Vec::new(),
+            transitions: Vec::new(),
+        }
     }
 
     /// The same with its friction problems handed to `solver`.
     pub fn through(self, solver: ConeSolver) -> Self {
         Self { solver: self.solver.through(solver, &self.system.ground, self.system.load.radius), ..self }
+    }
+
+    /// The same with steps of second order where the load goes on slipping.
+    pub fn of_second_order(self) -> Self {
+        Self { second_order: true, ..self }
     }
 
     /// Moves the load from where a grasp or a release has left it to the balance for tips that stand still. The friction of a long way depends on
@@ -151,12 +174,17 @@ impl QuasiStatic {
     fn steps(&mut self, way: &Way, n_steps: u64) -> StepReport {
         let mut report = StepReport::default();
         let share = |i: u64| i as f64 / n_steps as f64;
-        let n_sure = self.wait(way, n_steps, &mut report);
-        for i in n_sure + 1..=n_steps {
+        let mut done = 0;
+        while done < n_steps {
+            done += self.wait(way, done, n_steps, &mut report);
+            if done == n_steps {
+                break;
+            }
             let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
-            let (cost, accepted) = self.step_to(way, share(i - 1), share(i));
+            let (cost, accepted) = self.step_to(way, share(done), share(done + 1));
+            done += 1;
             report.add(&cost);
-            let time = share(i) * way.duration;
+            let time = share(done) * way.duration;
             let snap = self.snap(&start, defect, || accepted.error, &mut report);
             self.transitions.extend(snap.map(|kind| Transition { time, kind }));
             self.note_transition(regime, time);
@@ -181,26 +209,30 @@ impl QuasiStatic {
     /// Brings the books of a load that stood while tips moved up to where they are.
     fn catch_up(&mut self) {
         if std::mem::take(&mut self.state.is_waiting) {
-            self.state.energy = self.energy_with(self.state.held.energy(&self.system.springs, &self.state.motion.pose));
-            self.state.held.accept(&self.system.springs, &self.state.motion.pose);
+            let accepted = self.springs.accept(&self.state.motion.pose);
+            self.book(&accepted);
         }
     }
 
-    /// The books of a load that stood while the elastic energy became `elastic` (J).
-    fn energy_with(&self, elastic: f64) -> EnergyLedger {
-        let energy = self.state.energy;
-        EnergyLedger { elastic, tip_work: energy.tip_work + (elastic - energy.elastic), ..energy }
+    /// Takes over what the springs have accepted.
+    fn book(&mut self, accepted: &Accepted) {
+        self.state.energy.tip_work += accepted.of_tips;
+        self.state.energy.elastic = accepted.elastic;
+        self.springs.scatter(self.state.held.grips_mut());
     }
 
-    /// Leaves out the first steps of the way, as far as the load surely sticks, and gives their number.
-    fn wait(&mut self, way: &Way, n_steps: u64, report: &mut StepReport) -> u64 {
+    /// Leaves out the next of the way's steps, of which some are `done`, as far as the load surely sticks, and gives their number.
+    fn wait(&mut self, way: &Way, done: u64, n_steps: u64, report: &mut StepReport) -> u64 {
         if !self.skips.stick_bound || self.state.regime != Regime::Stick {
             return 0;
         }
-        let n_sure = (self.state.stick.share(&self.state.held, way.targets) * n_steps as f64).floor() as u64;
+        let n_sure = self.state.stick.n_sure(&self.state.held, way.targets, n_steps - done, &self.solver);
         if n_sure > 0 {
-            self.state.held.place_tips(way.from, way.targets, n_sure as f64 / n_steps as f64);
-            (self.state.is_stale, self.state.is_waiting) = (true, true);
+            let share = (done + n_sure) as f64 / n_steps as f64;
+            self.state.held.place_tips(way.from, way.targets, share);
+            self.springs.place_tips(way.from, way.targets, share);
+            self.springs.look();
+            self.state.is_waiting = true;
             self.state.motion.twist = Twist::ZERO;
             let skipped = SkipCounts { stick_bound: n_sure, ..SkipCounts::default() };
             report.add(&StepReport { n_steps: n_sure, n_skipped: n_sure, skipped, ..StepReport::default() });
@@ -212,8 +244,10 @@ impl QuasiStatic {
         self.gather();
         let before = self.state.motion.pose;
         self.springs.place_tips(way.from, way.targets, to);
-        let answer = self.balance(Some(to - from));
-        let (after, step) = (self.state.motion.pose, (to - from) * way.duration);
+        let step = (to - from) * way.duration;
+        // A path at another pace is the same to the last bit where only shares of the way count, but two orders need the time.
+        let answer = self.balance(Some(if self.second_order { step } else { to - from }));
+        let after = self.state.motion.pose;
         self.state.motion.twist =
             Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
         self.state.regime_is_known = true;
@@ -221,16 +255,17 @@ impl QuasiStatic {
     }
 
     /// Moves the load to the balance for the tips as they are, or leaves it where it is when there is no finite answer.
-    /// `step` is the share of the tips' way on which it does so; `None` when they stand.
+    /// `step` measures the tips' way on which it does so; `None` when they stand.
     fn balance(&mut self, step: Option<f64>) -> (StepReport, Accepted) {
         let before = self.state.motion.pose;
-        let potential = Potential { start: before, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: Stage::END };
-        let guess = step.and_then(|step| self.state.forecast.increment(step));
-        let increment = minimise(potential, &self.system.ground, &mut self.solver, self.system.load.radius, guess);
+        let increment = self.increment(&before, step);
         match step {
             Some(step) => self.state.forecast.learn(&increment, step),
             None => self.state.forecast.forget(),
         }
+        let goes_on = self.second_order && increment.regime == Regime::Slip && self.state.forecast.has_two();
+        let past = |duration| Past { shift: increment.shift, turn: increment.twist.z, duration };
+        self.state.past = step.filter(|_| goes_on).map(past);
         let Increment { twist, shift, friction, regime, mut report } = increment;
         let mut pose = Pose { position: before.position + shift, heading: before.heading + twist.z };
         if pose.is_finite() {
@@ -242,17 +277,28 @@ impl QuasiStatic {
         }
         let accepted = self.springs.accept(&pose);
         self.state.turn = self.springs.place().turn;
-        self.springs.scatter(self.state.held.grips_mut());
+        self.book(&accepted);
         match self.state.regime {
             Regime::Stick if self.skips.stick_bound && pose == before && report.status == Status::Converged => {
-                self.state.stick.renew(&self.system.springs, &self.state.held, &pose, &self.solver);
+                self.state.stick.renew(&self.system.springs, &self.state.held, self.springs.place(), &self.solver);
             }
             _ => self.state.stick.forget(),
         }
         self.state.motion.pose = pose;
-        self.state.energy.tip_work += accepted.of_tips;
-        self.state.energy.elastic = accepted.elastic;
         (report, accepted)
+    }
+
+    /// The increment from the pose `before`: of second order where that is asked for and can be.
+    fn increment(&mut self, before: &Pose, step: Option<f64>) -> Increment {
+        let guess = step.and_then(|step| self.state.forecast.increment(step));
+        if let (Some(past), Some(duration), Some(guess)) = (&self.state.past, step, &guess) {
+            let found = second_order::step(&self.system, (before, past), duration, guess, &mut self.springs, &mut self.solver);
+            if let Some(found) = found {
+                return found;
+            }
+        }
+        let potential = Potential { start: *before, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: Stage::END };
+        minimise(potential, &self.system.ground, &mut self.solver, self.system.load.radius, guess)
     }
 
     /// Where the springs' energy is no longer convex the balance ends, and the load snaps to another one while the tips move. More energy is then missing
@@ -375,8 +421,9 @@ impl Backend for QuasiStatic {
     }
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
-        let State { held, motion, is_stale, .. } = &self.state;
+        let State { held, motion, is_stale, is_waiting, .. } = &self.state;
         match held.place(spring) {
+            Some(at) if *is_waiting => self.springs.force_on_tip_there(at),
             Some(at) if !is_stale => self.springs.force_on_tip(at),
             _ => held.force_on_tip(&self.system.springs, spring, &motion.pose),
         }
@@ -393,11 +440,12 @@ impl Backend for QuasiStatic {
     }
 
     fn energy(&self) -> EnergyLedger {
-        if self.state.is_waiting {
-            self.energy_with(self.state.held.energy(&self.system.springs, &self.state.motion.pose))
-        } else {
-            self.state.energy
+        let energy = self.state.energy;
+        if !self.state.is_waiting {
+            return energy;
         }
+        let elastic = self.springs.energy_there();
+        EnergyLedger { elastic, tip_work: energy.tip_work + (elastic - energy.elastic), ..energy }
     }
 
     fn transitions(&self) -> &[Transition] {
@@ -414,8 +462,17 @@ impl Backend for QuasiStatic {
         self.solver.set_warm_start(state.warm_start.clone())?;
         self.state = state;
         if !self.state.is_stale {
-            self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.start(&Place { pose: self.state.motion.pose, turn: self.state.turn });
+            let place = Place { pose: self.state.motion.pose, turn: self.state.turn };
+            let (grips, mut accepted) = (self.state.held.grips(), self.state.held.grips().to_vec());
+            if self.state.is_waiting {
+                self.state.stick.put_back(&mut accepted);
+            }
+            self.springs.gather(&self.system.springs, &accepted);
+            self.springs.start(&place);
+            if self.state.is_waiting {
+                self.springs.set_tips(grips);
+                self.springs.look();
+            }
         }
         Ok(())
     }

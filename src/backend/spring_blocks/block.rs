@@ -4,14 +4,11 @@ use wide::f64x4;
 
 use super::super::held::Grip;
 use super::Place;
-use crate::math::{Mat3, Vec2, Vec3, direction};
+use crate::math::{Mat3, SMALL_TANGENT, Vec2, Vec3, direction, small_arctangent};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::{PolarSpring, Reaction};
 
 pub(super) const LANES: usize = 4;
-/// Tangent of an angle up to which the terms of the arctangent's series that are left out stay below a rounding of one.
-const SMALL_TANGENT: f64 = 1.0 / 8.0;
-
 /// Where swings come from.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Swings {
@@ -43,7 +40,7 @@ pub(super) struct Block {
     accepted_direction: Plane,
     /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes) at the last pose evaluated.
     swing_there: f64x4,
-    pull_there: Plane,
+    pub pull_there: Plane,
     direction_there: Plane,
 }
 
@@ -118,8 +115,10 @@ impl Block {
         self.turns.as_mut_array()[k] = whole_turns(grip.swing);
     }
 
-    /// Adds the reactions at a place and keeps swings and pulls there; says no, and adds nothing, when a spring is too short to have a direction.
-    pub fn add_to(&mut self, sums: &mut Sums, at: &Place, swings: Swings) -> bool {
+    /// Adds the reactions at a place, second derivatives only if asked for, and keeps swings and pulls there; says no, and adds nothing, when a spring is too short to
+    /// have a direction.
+    #[inline]
+    pub fn add_to<const CURVED: bool>(&mut self, sums: &mut Sums, at: &Place, swings: Swings) -> bool {
         let (cos, sin) = (f64x4::splat(at.turn.m11), f64x4::splat(at.turn.m21));
         let arm = self.tip.less(Plane::splat(at.pose.position)).turned(cos, -sin);
         let d = arm.less(self.root);
@@ -135,7 +134,15 @@ impl Block {
         let (radial_pull, torsional_pull) = (self.radial * stretch, torsion * length * swing);
         let pull = Plane { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
         (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Plane { x: e_x, y: e_y });
-
+        // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
+        let by_turn = Plane { x: arm.y, y: -arm.x };
+        sums.energy += self.radial * stretch * stretch + self.torsional * swing * swing;
+        sums.pull.x += pull.x;
+        sums.pull.y += pull.y;
+        sums.moment += pull.dot(by_turn);
+        if !CURVED {
+            return true;
+        }
         let across = self.radial * (stretch * inverse) + torsion;
         let coupling = -torsion * swing;
         let (xx, yy, xy) = (e_x * e_x, e_y * e_y, e_x * e_y);
@@ -145,14 +152,8 @@ impl Block {
             self.radial * yy + across * xx + twice,
             (self.radial - across) * xy + coupling * (xx - yy),
         ];
-        // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
-        let by_turn = Plane { x: arm.y, y: -arm.x };
         let stiff_turn =
             Plane { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
-        sums.energy += self.radial * stretch * stretch + self.torsional * swing * swing;
-        sums.pull.x += pull.x;
-        sums.pull.y += pull.y;
-        sums.moment += pull.dot(by_turn);
         for (sum, entry) in sums.stiffness.iter_mut().zip(stiffness) {
             *sum += entry;
         }
@@ -216,13 +217,24 @@ impl Block {
 }
 
 impl Sums {
+    /// First derivatives by shifts along the load's axes and by the heading.
+    pub fn gradient(&self) -> Vec3 {
+        let pull = self.pull.sum();
+        Vec3::new(-pull.x, -pull.y, self.moment.reduce_add())
+    }
+
+    /// Energy (J).
+    pub fn energy(&self) -> f64 {
+        0.5 * self.energy.reduce_add()
+    }
+
     /// Derivatives by shifts along the load's axes and by the heading.
     pub fn in_load(&self) -> Reaction {
         let [xx, yy, xy] = self.stiffness.map(f64x4::reduce_add);
-        let (pull, mixed) = (self.pull.sum(), self.mixed.sum());
+        let mixed = self.mixed.sum();
         Reaction {
-            energy: 0.5 * self.energy.reduce_add(),
-            gradient: Vec3::new(-pull.x, -pull.y, self.moment.reduce_add()),
+            energy: self.energy(),
+            gradient: self.gradient(),
             hessian: Mat3::new(
                 xx,
                 xy,
@@ -236,16 +248,6 @@ impl Sums {
             ),
         }
     }
-}
-
-/// t - t^3 / 3 + t^5 / 5 - ... of nine terms.
-fn small_arctangent(t: f64x4) -> f64x4 {
-    let square = t * t;
-    let mut sum = f64x4::splat(1.0 / 17.0);
-    for odd in [15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0] {
-        sum = f64x4::splat(1.0 / odd) - square * sum;
-    }
-    t - t * square * sum
 }
 
 /// The multiple of a whole turn in `swing` (rad) whose rest lies within half a turn.

@@ -112,27 +112,48 @@ impl SpringBlocks {
         self.evaluated = Evaluated::default();
     }
 
+    /// Puts every tip where the grips, in their order, have it.
+    pub fn set_tips(&mut self, grips: &[Grip]) {
+        for (block, grips) in self.blocks.iter_mut().zip(grips.chunks(LANES)) {
+            (0..LANES).for_each(|k| block.tip.set_lane(k, grips.get(k).unwrap_or(&grips[0]).tip));
+        }
+        self.evaluated = Evaluated::default();
+    }
+
+    /// Evaluates at the accepted place, for a load that stands while its tips move.
+    pub fn look(&mut self) {
+        let place = self.accepted.at;
+        self.gradient(&place);
+    }
+
     /// Takes a place as the accepted one, with the swings as gathered.
     pub fn start(&mut self, at: &Place) {
-        self.evaluate(at, Swings::Given);
+        self.evaluate::<false>(at, Swings::Given);
         self.accept(&at.pose);
     }
 
     /// Sum of the reactions of all springs, with derivatives by shifts along the load's axes and by its heading.
     pub fn reaction(&mut self, at: &Place) -> Reaction {
-        self.evaluate(at, Swings::Found)
+        self.evaluate::<true>(at, Swings::Found)
     }
 
-    fn evaluate(&mut self, at: &Place, swings: Swings) -> Reaction {
+    /// First derivatives of the same alone, at less cost.
+    pub fn gradient(&mut self, at: &Place) -> Vec3 {
+        self.evaluate::<false>(at, Swings::Found).gradient
+    }
+
+    /// Without second derivatives where it is not `CURVED`.
+    fn evaluate<const CURVED: bool>(&mut self, at: &Place, swings: Swings) -> Reaction {
         let mut sums = Sums::default();
         let mut apart: Option<Reaction> = None;
         for (i, block) in self.blocks.iter_mut().enumerate() {
-            if !block.add_to(&mut sums, at, swings) {
+            if !block.add_to::<CURVED>(&mut sums, at, swings) {
                 let n = (self.n - i * LANES).min(LANES);
                 apart.get_or_insert(Reaction::ZERO).add(&block.reaction_apart(&self.lanes[i * LANES..i * LANES + n], at));
             }
         }
-        let mut reaction = sums.in_load();
+        let mut reaction =
+            if CURVED { sums.in_load() } else { Reaction { energy: sums.energy(), gradient: sums.gradient(), ..Reaction::ZERO } };
         if let Some(apart) = apart {
             reaction.add(&apart.in_axes(&at.turn));
         }
@@ -144,7 +165,7 @@ impl SpringBlocks {
     /// Evaluates at `pose` unless that is where it was done last.
     fn evaluate_at(&mut self, pose: &Pose) {
         if self.evaluated.at.pose != *pose {
-            self.reaction(&Place::of(pose));
+            self.gradient(&Place::of(pose));
         }
     }
 
@@ -192,6 +213,16 @@ impl SpringBlocks {
     /// Force on the tip of the grip in this place at the accepted pose (N, world), Eq. (10).
     pub fn force_on_tip(&self, at: usize) -> Vec2 {
         -self.blocks[at / LANES].accepted_pull.lane(at % LANES)
+    }
+
+    /// The same where the springs were evaluated last.
+    pub fn force_on_tip_there(&self, at: usize) -> Vec2 {
+        -(self.evaluated.at.turn * self.blocks[at / LANES].pull_there.lane(at % LANES))
+    }
+
+    /// Elastic energy there (J).
+    pub fn energy_there(&self) -> f64 {
+        self.evaluated.energy
     }
 
     /// Writes tips and swings of the accepted pose to the grips that were gathered.
@@ -267,6 +298,8 @@ mod tests {
                 let t = f64::from(step);
                 let stride = if step % 5 == 0 { 0.3 } else { 2e-3 };
                 let pose = Pose::new(3e-3 * (0.7 * t).sin(), 2e-3 * t.cos(), stride * t.sin());
+                let gradient = blocks.gradient(&Place::of(&pose));
+                assert!((gradient - in_load(&mut blocks, &pose).gradient).amax() <= 1e-17, "{n} {step}");
                 assert_equal(&in_load(&mut blocks, &pose), &held.reaction(&springs, &pose).in_axes(&rotation(pose.heading)), n);
                 blocks.accept(&pose);
                 held.accept(&springs, &pose);

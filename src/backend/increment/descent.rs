@@ -1,0 +1,139 @@
+//! Descent from rest: proximal Newton's method, for whatever start there is.
+
+use super::{ABSOLUTE_TOLERANCE, Increment, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE, Step, friction_loss, glide};
+use crate::backend::friction::{FrictionSolver, Regime};
+use crate::backend::{Status, StepReport};
+use crate::math::{Mat3, Pose, PositiveDefinite, Vec3};
+use crate::model::Reaction;
+
+/// Converging steps take two to six; where the energy has a kink none will do.
+const MOST_ITERATIONS: u64 = 60;
+/// Longest turn in one Newton step (rad): the quadratic model says little beyond.
+const LONGEST_TURN: f64 = 0.5;
+
+impl Step<'_> {
+    /// No increment, for a load that was at rest and can go on to be.
+    pub(super) fn rest(&mut self, solver: &mut FrictionSolver) -> Option<Increment> {
+        if !solver.was_at_rest() {
+            return None;
+        }
+        let residual = solver.rest(&self.gradient(&Vec3::zeros()))?;
+        Some(self.found(&Vec3::zeros(), Regime::Stick, StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() }))
+    }
+
+    /// Proximal Newton's method from no increment.
+    pub(super) fn descend_from_rest(&mut self, solver: &mut FrictionSolver) -> Increment {
+        let (mut local, length) = (self.at(&Vec3::zeros()), self.length);
+        let is_frictionless = solver.is_frictionless();
+        let mut at = Vec3::zeros();
+        let mut report = StepReport { n_steps: 1, ..StepReport::default() };
+        let mut residual = f64::INFINITY;
+        let mut regime = Regime::Stick;
+        for n_before in 0..MOST_ITERATIONS {
+            let hessian = positive_definite(&local.hessian, length);
+            let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
+            regime = solution.regime;
+            report.n_solves += 1;
+            report.n_iterations += u64::from(solution.n_iterations);
+            let full_step = solution.increment - at;
+            let step = shortened(full_step);
+            if !step.iter().all(|v| v.is_finite()) {
+                break;
+            }
+            let tolerance = RELATIVE_TOLERANCE.max(solver.accuracy()) * self.size(&solution.increment) + ABSOLUTE_TOLERANCE;
+            let start = &self.potential.start;
+            let is_last = self.size(&step) <= tolerance || is_frictionless && local.is_balanced(&hessian, &step, start, length);
+            residual = solution.residual.max(if is_last { 0.0 } else { self.size(&step) / self.size(&solution.increment).max(1.0) });
+            if step == Vec3::zeros() {
+                break;
+            }
+            let Some((next, there)) = self.descend(&local, &at, &step) else { break };
+            // At the end of a full step the friction is that of the solution, so that only the change of the springs' forces is left out of balance.
+            let is_full = self.size(&(next - solution.increment)) <= f64::EPSILON * self.size(&next);
+            let is_exact = is_full && {
+                let left = there.gradient - local.gradient - hessian * full_step;
+                PositiveDefinite::new(&hessian).is_some_and(|factor| self.size(&factor.solve(&left)) <= tolerance)
+            };
+            (at, local) = (next, there);
+            if is_last || is_exact || at == Vec3::zeros() {
+                residual = if is_exact { solution.residual } else { residual };
+                break;
+            }
+            let may_glide = n_before == 0 && is_full && regime != Regime::Stick && solver.accuracy() == 0.0;
+            if let Some(found) = may_glide.then(|| glide(self, solver, length, at, Some(local))).flatten() {
+                report.n_solves += found.report.n_solves;
+                report.n_iterations += found.report.n_iterations;
+                return self.found(&found.at, found.regime, StepReport { residual: found.report.residual, ..report });
+            }
+        }
+        report.residual = if residual.is_finite() { residual } else { 1.0 };
+        report.status = if residual <= LARGEST_RESIDUAL.max(solver.accuracy()) { Status::Converged } else { Status::NotConverged };
+        report.n_not_converged = u64::from(report.status != Status::Converged);
+        self.found(&at, regime, report)
+    }
+
+    /// The first of the points at 1, 1/2, 1/4 ... of the `step` from an increment where the objective has fallen by Armijo's rule, or by nothing but
+    /// rounding, and what the potential is there; `None` when there is none.
+    fn descend(&mut self, local: &Reaction, at: &Vec3, step: &Vec3) -> Option<(Vec3, Reaction)> {
+        let (friction, friction_there) = (friction_loss(self.ground, at), friction_loss(self.ground, &(at + step)));
+        let before = local.energy + friction;
+        let predicted = local.gradient.dot(step) + friction_there - friction;
+        // Rounding of the sum, and of the lengths that a stiff spring sees: its force times that of the load's position.
+        let force = (2.0 * local.energy * local.hessian.m11.max(local.hessian.m22)).max(0.0).sqrt();
+        let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_there)
+            + 4.0 * f64::EPSILON * force * (self.potential.start.position.norm() + self.length);
+        let mut share = 1.0;
+        for _ in 0..40 {
+            let next = at + share * step;
+            let there = self.at(&next);
+            let after = there.energy + friction_loss(self.ground, &next);
+            if after <= before + 1e-4 * share * predicted.min(0.0) + rounding {
+                return Some((next, there));
+            }
+            share *= 0.5;
+        }
+        None
+    }
+}
+
+impl Reaction {
+    /// Whether a Newton `step` without friction corrects nothing but rounding of the forces, for which the largest stiffness times the largest coordinate
+    /// stands. Without friction a load on one spring has a motion that no force resists, so that the step itself need not be small.
+    fn is_balanced(&self, hessian: &Mat3, step: &Vec3, pose: &Pose, length: f64) -> bool {
+        let units = Vec3::new(length, length, 1.0);
+        let stiffness = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]).amax();
+        let stretch = if stiffness > 0.0 { (2.0 * self.energy / stiffness).sqrt() } else { 0.0 };
+        let coordinate = 1.0 + pose.position.norm() / length + pose.heading.abs() + stretch;
+        (hessian * step).component_mul(&units).amax() <= 8.0 * f64::EPSILON * stiffness * coordinate
+    }
+}
+
+/// `hessian` itself where it is positive definite, in units where lengths count in `length`.
+///
+/// Where it is not, mostly because turning a load while it shifts turns its way, the pivot of the turn is replaced by its absolute value: friction resists
+/// turning far more, and the stiffness against shifts, which sets the way, stays exact. Where shifts are unstable too, absolute values of all eigenvalues
+/// take their place. Pivots are kept above 1e-12 of the largest entry.
+pub fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
+    let units = Vec3::new(length, length, 1.0);
+    let mut scaled = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]);
+    let least = 1e-12 * scaled.amax().max(f64::MIN_POSITIVE);
+    let raised = scaled - Mat3::from_diagonal(&Vec3::new(least, least, least));
+    if PositiveDefinite::new(&raised).is_some() {
+        return *hessian;
+    }
+    let shifts = raised.fixed_view::<2, 2>(0, 0).into_owned();
+    if let Some(factor) = shifts.cholesky() {
+        let coupling = scaled.fixed_view::<2, 1>(0, 2).into_owned();
+        let pivot = scaled.m33 - coupling.dot(&factor.solve(&coupling));
+        scaled.m33 += pivot.abs().max(least) - pivot;
+    } else {
+        let mut eigen = scaled.symmetric_eigen();
+        eigen.eigenvalues.apply(|value| *value = value.abs().max(least));
+        scaled = eigen.recompose();
+    }
+    Mat3::from_fn(|i, j| scaled[(i, j)] / (units[i] * units[j]))
+}
+
+fn shortened(step: Vec3) -> Vec3 {
+    if step.z.abs() > LONGEST_TURN { step * (LONGEST_TURN / step.z.abs()) } else { step }
+}
