@@ -14,6 +14,9 @@ pub struct Forecast {
     before: Option<Vec3>,
     #[serde(default)]
     earlier: Option<Vec3>,
+    /// Whether the last step was the first of its regime, which may have begun within it: it tells nothing of how increments change.
+    #[serde(default)]
+    is_first: bool,
     /// Length of the last step, by a measure that is the caller's.
     step: f64,
     /// That of all.
@@ -39,10 +42,16 @@ impl Forecast {
         }
         let goes_on = self.regime == Some(increment.regime);
         let ratio = self.ratio(step);
-        let scaled = |increment: Option<Vec3>| increment.filter(|_| goes_on).map(|increment| ratio * increment);
+        let scaled = |increment: Option<Vec3>| increment.filter(|_| goes_on && !self.is_first).map(|increment| ratio * increment);
         let earlier = self.before.filter(|_| ratio == 1.0);
-        *self =
-            Self { last: Some(increment.twist), before: scaled(self.last), earlier: scaled(earlier), step, regime: Some(increment.regime) };
+        *self = Self {
+            last: Some(increment.twist),
+            before: scaled(self.last),
+            earlier: scaled(earlier),
+            is_first: !goes_on,
+            step,
+            regime: Some(increment.regime),
+        };
     }
 
     /// Whether it rests on two steps.

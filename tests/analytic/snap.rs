@@ -91,3 +91,16 @@ fn a_load_that_slips_earlier_does_not_snap() {
         }
     }
 }
+
+/// Steps of second order follow the balance as far as it goes, and snap from there as the plain ones do: up to the way of the tip in a step, 26 um.
+#[test]
+fn a_snap_is_the_same_in_second_order() {
+    let [plain, second] = [false, true].map(|second_order| {
+        let options = BackendOptions { second_order, ..BackendOptions::new(BackendKind::QuasiStatic, 1.0) };
+        snaps(&system(slip_limit(SNAP)), &options, 9_600).0
+    });
+    assert_eq!((plain.len(), second.len()), (1, 1), "{plain:?} {second:?}");
+    let step = SWEPT / 9_600.0;
+    assert!((plain[0].time - second[0].time).abs() < 1.01 * step, "{plain:?} {second:?}");
+    assert!((plain[0].shift - second[0].shift).abs() < 2.0 * LENGTH * step, "{plain:?} {second:?}");
+}

@@ -8,6 +8,9 @@ use crate::model::Reaction;
 
 /// What an increment is to minimise, besides friction.
 pub(in crate::backend) trait Objective {
+    /// Whether an answer counts only where the springs' energy is convex, so that there is but one; where a path is followed it counts where friction makes up for that.
+    const IS_CONVEX: bool;
+
     /// Energy (J), gradient and Hessian by the increment, at the increment `at` (m, m, rad).
     fn at(&mut self, at: &Vec3) -> Reaction;
 
@@ -25,6 +28,8 @@ pub(in crate::backend) struct Glided {
 
 /// Where a guess takes more, the descent from rest is the better way.
 const MOST_GLIDING: u64 = 6;
+/// Second correction, over the size of the increment, after which a third one can still be far smaller (1).
+const STRETCHED: f64 = 0.05;
 /// Correction, over the size of the increment, that is none (1).
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Correction, over the size of the increment, up to which the next ones need no derivative of their own: what that leaves of an increment is its third power (1).
@@ -61,17 +66,22 @@ impl Approach {
             return if residual <= LARGEST_RESIDUAL { Next::Done } else { Next::GiveUp };
         }
         self.n_iterations += 1;
-        // Newton's method that converges does so fast; a guess that is off by half of itself is none.
-        let is_near = correction <= (0.5 * self.last).max(tolerance) && correction <= 0.5 * extent;
+        // Newton's method that converges does so fast; a guess that is off by half of itself is none. The first correction turns the slip along a tangent, and the
+        // second may have more to do with taking the length back that this has added.
+        let most = match self.n_iterations {
+            1 => 0.5 * extent,
+            2 => (0.5 * self.last).max(STRETCHED * extent),
+            _ => 0.5 * self.last,
+        };
+        let is_near = correction <= most.max(tolerance);
         self.last = correction;
         if is_near && self.n_iterations < MOST_GLIDING { Next::Correct } else { Next::GiveUp }
     }
 }
 
-/// `None` when it does not lead from `guess`, where the objective is `there` if that is known, to the minimum in a few iterations. Where the springs' energy is
-/// convex there is but one. `length` (m) is the extent of the load.
-pub(in crate::backend) fn glide(
-    objective: &mut impl Objective,
+/// `None` when it does not lead from `guess`, where the objective is `there` if that is known, to a minimum in a few iterations. `length` (m) is the extent of the load.
+pub(in crate::backend) fn glide<O: Objective>(
+    objective: &mut O,
     solver: &mut FrictionSolver,
     length: f64,
     guess: Vec3,
@@ -98,7 +108,7 @@ pub(in crate::backend) fn glide(
             _ => solver.gliding_step(&at, &gradient, hessian.as_ref(), &mut tangent)?,
         };
         let next = approach.judge(size(&step, length), extent, residual);
-        if hessian.is_some_and(|hessian| PositiveDefinite::new(&hessian).is_none()) {
+        if O::IS_CONVEX && hessian.is_some_and(|hessian| PositiveDefinite::new(&hessian).is_none()) {
             return None;
         }
         match next {

@@ -136,6 +136,8 @@ fn size(twist: &Vec3, length: f64) -> f64 {
 }
 
 impl Objective for Step<'_> {
+    const IS_CONVEX: bool = true;
+
     fn at(&mut self, twist: &Vec3) -> Reaction {
         let Stage { share, .. } = self.potential.springs_at;
         let stage = self.potential.springs_at.of(twist);

@@ -69,6 +69,8 @@ impl Straight<'_> {
 }
 
 impl Objective for Straight<'_> {
+    const IS_CONVEX: bool = false;
+
     fn at(&mut self, at: &Vec3) -> Reaction {
         let (place, back) = self.place(at);
         self.springs.reaction(&place).in_axes(&back.transpose())
