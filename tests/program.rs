@@ -245,6 +245,56 @@ fn run_out_writes_every_tick_and_the_exact_end() {
     }
 }
 
+/// Rows are written as they come and forgotten, unless something else needs them later: the files are the same. A full trace has more columns of the same run.
+#[test]
+fn rows_that_are_passed_on_are_those_that_are_kept() {
+    let room = Room::new();
+    let ants = room.four_ants(3.0);
+    let [passed, kept, full] = ["passed", "kept", "full"].map(|name| room.path(name));
+    json_of(&["run", &ants, "--json", "--out", &passed]);
+    json_of(&["run", &ants, "--json", "--out", &kept, "--tips"]);
+    json_of(&["run", &ants, "--json", "--out", &full, "--full-trace"]);
+    let read = |folder: &str, name: &str| fs::read_to_string(Path::new(folder).join(name)).unwrap();
+    for name in ["trace.csv", "events.csv", "transitions.csv", "overview.svg"] {
+        assert!(read(&passed, name) == read(&kept, name), "{name}");
+    }
+    assert!(read(&full, "overview.svg") == read(&passed, "overview.svg"));
+    let (narrow, wide) = (read(&passed, "trace.csv"), read(&full, "trace.csv"));
+    assert_eq!(narrow.lines().count(), 1202, "a head, and every tick of 3 s");
+    for (narrow, wide) in narrow.lines().zip(wide.lines()) {
+        let (narrow, wide): (Vec<&str>, Vec<&str>) = (narrow.split(',').collect(), wide.split(',').collect());
+        assert_eq!((narrow.len(), wide.len()), (8, 22));
+        assert_eq!((&narrow[..7], narrow[7]), (&wide[..7], wide[13]));
+    }
+}
+
+/// Whatever a run had written when it was interrupted goes, with the folders that were made for it.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_nothing_behind() {
+    let room = Room::new();
+    // A day to a nest a kilometre away.
+    let mut ants: Value = serde_json::from_str(&fs::read_to_string(room.four_ants(1.0)).unwrap()).unwrap();
+    ants["duration_s"] = 86_400.0.into();
+    ants["drive"]["nest_position_m"] = json!([1000.0, 0.0]);
+    let ants = room.write("far.json", &ants.to_string());
+    let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_cohaul"))
+        .args(["run", &ants, "--backend", "rapier", "--out", &room.path("new/deep/out")])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let is_writing = || fs::read_dir(room.path("new/deep")).is_ok_and(|mut entries| entries.next().is_some());
+    while !is_writing() {
+        assert!(run.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let interrupt = std::process::Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap();
+    assert!(interrupt.success());
+    let output = run.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!Path::new(&room.path("new")).exists());
+}
+
 #[test]
 fn only_an_earlier_output_is_replaced() {
     let room = Room::new();

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use cohaul::backend::friction::{FrictionSolver, Regime};
 use cohaul::backend::{BackendKind, BackendOptions, Status, build};
 use cohaul::math::{Mat3, Vec2, Vec3, direction};
-use cohaul::report::table::write_trace;
+use cohaul::report::table::{TraceColumns, write_trace};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Keep, Simulation};
 use cohaul::verify::scenes::{SLIP_LIMIT, SUPPORT_RADIUS, at_rest, paper_springs, paper_system};
@@ -144,7 +144,7 @@ fn csv_rows() -> Box<dyn FnMut()> {
     let mut bytes = Vec::with_capacity(1 << 20);
     let mut write = move || {
         bytes.clear();
-        write_trace(&trace, 4, &mut bytes).expect("a run's numbers are finite and memory takes them");
+        write_trace(&trace, TraceColumns::Full { n_springs: 4 }, &mut bytes).expect("a run's numbers are finite and memory takes them");
         bytes.len()
     };
     assert!(write() > 4000, "20 rows of 21 numbers");

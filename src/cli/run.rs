@@ -13,7 +13,8 @@ use super::{CliError, EngineArgs, interrupt, positive, print, print_report, read
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
-use crate::report::{Manifest, Progress, RunFiles, RunSummary, check_target, inertia_warning, run_text, write_run};
+use crate::report::table::TraceColumns;
+use crate::report::{Manifest, Progress, RunFiles, RunSummary, RunWriter, inertia_warning, run_text};
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
 
@@ -45,6 +46,9 @@ pub struct RunArgs {
     /// Folder for trace, events, figures, summary and manifest
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Also write energies, the interaction of holders and the pull on each spring to trace.csv, which makes it four times as long
+    #[arg(long, requires = "out")]
+    full_trace: bool,
     /// Also write tips.csv, the held tips as `cohaul calibrate forces` reads them
     #[arg(long, requires = "out")]
     tips: bool,
@@ -73,10 +77,10 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
-    if let Some(out) = &args.out {
-        check_target(out)?;
-    }
-    let keep = if args.out.is_some() { Keep::Trace } else { Keep::Outcome };
+    let n_springs = scenario.system.springs.len();
+    let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
+    let mut writer = args.out.as_deref().map(|out| RunWriter::create(out, columns)).transpose()?;
+    let keep = if writer.is_some() { Keep::Trace } else { Keep::Outcome };
     let (started, clock) = (SystemTime::now(), Instant::now());
     let saved = saved(&options, args.state.as_deref())?;
     let (backend, mut estimator) = backend(&scenario, saved.as_ref().map_or(&options, |saved| &saved.options), args.no_estimate);
@@ -87,32 +91,42 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         _ => Simulation::on(&scenario, &options, keep, driver_of(&scenario), backend),
     };
     let mut progress = Progress::start(scenario.duration, args.backend.name());
-    let afresh = |options: &BackendOptions| {
-        let (backend, follower) = self::backend(&scenario, options, args.no_estimate);
-        estimator = follower;
-        Simulation::on(&scenario, options, keep, driver_of(&scenario), backend)
-    };
-    run.run_within(afresh, |time| {
+    let watch = |time| {
         progress.at(time);
         !interrupt::asked() && args.stop_s.is_none_or(|stop| time < stop)
-    });
+    };
+    // Rows that nobody asks for again are not kept.
+    let passes_on = args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
+    match &mut writer {
+        Some(writer) if passes_on => run.run_past(watch, |rows| writer.add(rows))?,
+        _ => {
+            let afresh = |options: &BackendOptions| {
+                let (backend, follower) = self::backend(&scenario, options, args.no_estimate);
+                estimator = follower;
+                Simulation::on(&scenario, options, keep, driver_of(&scenario), backend)
+            };
+            run.run_within(afresh, watch);
+        }
+    }
     progress.finish();
     if !run.is_finished() {
         return interrupted(&run, args.state.as_deref());
     }
     let (trace, outcome) = run.into_results();
+    if let Some(writer) = &mut writer {
+        writer.add(&trace.rows)?;
+    }
     let mut summary = RunSummary::new(&scenario.name, &options, scenario.seed, &outcome, clock.elapsed().as_secs_f64())?;
     if let Some(estimator) = estimator {
         summary = summary.with_estimate(estimator.borrow().estimate(AGREEMENT))?;
     }
-    if let Some(out) = &args.out {
+    if let Some(writer) = writer {
         let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
         let options = serde_json::to_value(options).expect("options are plain data");
         let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
-        let n_springs = scenario.system.springs.len();
         let (scene, report) = (&Scene::of(&scenario), args.report.then_some(&scenario));
         let (summary, trace, manifest, with_tips) = (&summary, &trace, &manifest, args.tips);
-        write_run(out, &RunFiles { summary, trace, n_springs, with_tips, scene, manifest, report })?;
+        writer.finish(&RunFiles { summary, trace, with_tips, scene, manifest, report })?;
     }
     if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;

@@ -88,6 +88,8 @@ pub struct Arc {
 const SERIES_BELOW: f64 = 0.25;
 
 impl Arc {
+    // Inlined, what is not asked for of it is not worked out either.
+    #[inline]
     pub fn of(delta: f64) -> Self {
         let square = delta * delta;
         if delta.abs() < SERIES_BELOW {
@@ -104,6 +106,11 @@ impl Arc {
         let half = (0.5 * delta).sin();
         let cosine_rest = 2.0 * half * half / square;
         Self { delta, cos, sin, sine_rest: (1.0 - sin / delta) / square, cosine_rest, mean_rest: (1.0 - 2.0 * cosine_rest) / square }
+    }
+
+    /// delta (rad).
+    pub fn angle(&self) -> f64 {
+        self.delta
     }
 
     pub fn rotation(&self) -> Mat2 {

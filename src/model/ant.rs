@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::{Pose, Vec2, Vec3, direction, perpendicular};
+use crate::math::{Arc, Mat2, Vec2, direction, perpendicular};
 
 /// What an ant is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,6 +20,8 @@ pub struct Ant {
     pub position: Vec2,
     /// Direction it faces (rad, world). It pulls towards heading + pi.
     pub heading: f64,
+    /// The same as a unit vector, which turns with the heading: a rotation by what an ant turns in a tick takes far less than the sine of where it faces.
+    pub ahead: Vec2,
     pub mode: Mode,
     /// Offset of the believed from the true position of the load (m), redrawn now and then.
     pub belief_error: Vec2,
@@ -33,24 +35,32 @@ pub struct Command {
 }
 
 impl Ant {
+    /// A searching ant that believes the load to be where it is.
+    pub fn new(position: Vec2, heading: f64) -> Self {
+        Self { position, heading, ahead: direction(heading), mode: Mode::Search, belief_error: Vec2::zeros() }
+    }
+
     /// Where a walking ant stands after `duration` (s): an arc of constant velocity and turn rate, Eq. (17).
     pub fn walked(&self, command: &Command, duration: f64) -> Ant {
-        let pose = Pose { position: self.position, heading: self.heading };
-        let arc = Vec3::new(command.velocity * duration, 0.0, command.turn_rate * duration);
-        let reached = pose.moved_by(&arc);
-        Ant { position: reached.position, heading: reached.heading, ..*self }
+        let arc = Arc::of(command.turn_rate * duration);
+        let axes = Mat2::from_columns(&[self.ahead, perpendicular(&self.ahead)]);
+        let way = axes * arc.shift(&Vec2::new(command.velocity * duration, 0.0));
+        Ant { position: self.position + way, ..self.turned(&arc) }
+    }
+
+    /// The ant after a turn on the spot along `arc`.
+    pub fn turned(&self, arc: &Arc) -> Ant {
+        let ahead = arc.rotation() * self.ahead;
+        // Back to length one, from which rounding alone has taken it.
+        let length = 1.5 - 0.5 * ahead.norm_squared();
+        Ant { heading: self.heading + arc.angle(), ahead: length * ahead, ..*self }
     }
 
     /// Velocity of the tip in the mandibles of a pulling ant (m/s, world), Eq. (21): backwards along the heading, and sideways when
     /// the ant turns about a point `control_offset` (m) behind its mandibles.
     pub fn tip_velocity(&self, command: &Command, control_offset: f64) -> Vec2 {
-        tip_velocity(&direction(self.heading), command, control_offset)
+        command.velocity * self.ahead + command.turn_rate * control_offset * perpendicular(&self.ahead)
     }
-}
-
-/// [`Ant::tip_velocity`] of an ant that faces `ahead`, a unit vector.
-pub fn tip_velocity(ahead: &Vec2, command: &Command, control_offset: f64) -> Vec2 {
-    command.velocity * ahead + command.turn_rate * control_offset * perpendicular(ahead)
 }
 
 /// Turn rate (rad/s), Eq. (20): gain (1/s) times heading error (rad), as its mean over `duration` (s) while the desired heading stands
@@ -83,12 +93,14 @@ impl Steering {
 mod tests {
     use super::*;
 
-    const START: Ant = Ant { position: Vec2::new(0.0, 0.0), heading: 0.0, mode: Mode::Search, belief_error: Vec2::new(0.0, 0.0) };
+    fn start() -> Ant {
+        Ant::new(Vec2::zeros(), 0.0)
+    }
 
     #[test]
     fn a_quarter_circle_has_the_radius_velocity_over_turn_rate() {
         let quarter = Command { velocity: 0.08, turn_rate: 2.0 };
-        let reached = START.walked(&quarter, std::f64::consts::FRAC_PI_4);
+        let reached = start().walked(&quarter, std::f64::consts::FRAC_PI_4);
         // Radius 0.04 m: rounding only.
         assert!((reached.position - Vec2::new(0.04, 0.04)).norm() < 1e-16);
     }
@@ -104,10 +116,24 @@ mod tests {
         }
     }
 
+    /// Through a million ticks: the heading, some hundred radians at last, loses up to 3e-14 in each, a random walk of 3e-11.
+    #[test]
+    fn an_ant_goes_on_facing_where_it_heads() {
+        let mut ant = Ant::new(Vec2::zeros(), 0.3);
+        let mut farthest: f64 = 0.0;
+        for tick in 0..1_000_000 {
+            let turn = 2e-3 * (1e-3 * f64::from(tick)).sin() + if tick % 1000 == 0 { 0.4 } else { 0.0 };
+            ant = ant.turned(&Arc::of(turn));
+            farthest = farthest.max((ant.ahead - direction(ant.heading)).norm());
+        }
+        assert!(ant.heading > 300.0 && farthest < 1e-10, "{farthest}");
+        assert!((ant.ahead.norm() - 1.0).abs() <= 2.0 * f64::EPSILON);
+    }
+
     #[test]
     fn a_pulling_ant_drags_the_tip_backwards() {
         let back = Command { velocity: -0.03, turn_rate: 1.0 };
-        assert_eq!(START.tip_velocity(&back, 0.0), Vec2::new(-0.03, 0.0));
-        assert_eq!(START.tip_velocity(&back, 0.004), Vec2::new(-0.03, 0.004));
+        assert_eq!(start().tip_velocity(&back, 0.0), Vec2::new(-0.03, 0.0));
+        assert_eq!(start().tip_velocity(&back, 0.004), Vec2::new(-0.03, 0.004));
     }
 }

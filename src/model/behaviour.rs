@@ -7,7 +7,7 @@ use std::f64::consts::LN_2;
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::{SMALL_TANGENT, Vec2, perpendicular, small_arctangent, wrap_to_pi};
+use crate::math::{SMALL_TANGENT, Vec2, perpendicular, small_arctangent};
 
 /// When an ant draws for a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -108,17 +108,12 @@ pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
     (across + 0.0).atan2(along)
 }
 
-/// Signed difference from `heading` to `desired` in (-pi, pi] (rad), Eq. (19).
-pub fn heading_error(desired: f64, heading: f64) -> f64 {
-    wrap_to_pi(desired - heading)
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::{PI, TAU};
 
     use super::*;
-    use crate::math::direction;
+    use crate::math::{direction, wrap_to_pi};
 
     const PAPER: ReleaseLaw = ReleaseLaw { strong_pull: 0.020, steepness: 100.0, period: 0.25 };
 

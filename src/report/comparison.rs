@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::figure::{self, Labelled, Scene};
 use super::html::{REPORT, comparison_page};
+use super::table::TraceColumns;
 use super::text::Lines;
 use super::{FolderError, Manifest, NotFinite, OutputFolder, number, quantity, table};
 use crate::backend::{BackendKind, Status};
@@ -112,7 +113,8 @@ fn write_tier(
     n_springs: usize,
 ) -> Result<(), FolderError> {
     for (kind, trace) in traces {
-        folder.write(&format!("trace-{tier}-{}.csv", kind.name()), |out| table::write_trace(trace, n_springs, out))?;
+        folder
+            .write(&format!("trace-{tier}-{}.csv", kind.name()), |out| table::write_trace(trace, TraceColumns::Full { n_springs }, out))?;
         folder.write(&format!("events-{tier}-{}.csv", kind.name()), |out| table::write_events(trace, out))?;
     }
     let labelled: Vec<_> = traces.iter().map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();

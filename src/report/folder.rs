@@ -43,6 +43,8 @@ pub struct OutputFolder {
     is_synced: bool,
     /// SHA-256 of each file written so far, in hexadecimal.
     files: BTreeMap<String, String>,
+    /// Folders above the target that were made for it, the innermost first.
+    made: Vec<PathBuf>,
 }
 
 /// The manifest as written, and as much of it as is read back.
@@ -106,9 +108,10 @@ impl OutputFolder {
         // The folder itself, not a link to it, is what gets replaced.
         let target = fs::canonicalize(target).or_else(|_| std::path::absolute(target)).map_err(at(target))?;
         let parent = target.parent().ok_or_else(|| FolderError::Foreign { path: target.clone() })?;
+        let made = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
         fs::create_dir_all(parent).map_err(at(parent))?;
         let partial = make_sibling(&target, "partial")?;
-        Ok(Self { target, partial, is_synced: true, files: BTreeMap::new() })
+        Ok(Self { target, partial, is_synced: true, files: BTreeMap::new(), made })
     }
 
     /// The same without waiting for the disk, for what is sooner done again than waited for: whole or not at all whatever ends this process, but a machine that
@@ -124,16 +127,42 @@ impl OutputFolder {
     /// When `content` or the disk fails; the error names the file.
     ///
     /// # Panics
-    /// When `name` is not a plain file name, is taken, or is the manifest's.
+    /// As [`OutputFolder::open`] does.
     pub fn write<E>(&mut self, name: &str, content: impl FnOnce(&mut dyn Write) -> Result<(), E>) -> Result<(), FolderError>
     where
         E: Into<Box<dyn std::error::Error + Send + Sync>>,
     {
+        let mut out = self.open(name)?;
+        content(&mut out).map_err(|error| self.in_content(name, error))?;
+        self.close(out)
+    }
+
+    /// Begins a file that is written piece by piece, until [`OutputFolder::close`].
+    ///
+    /// # Errors
+    /// When the disk fails.
+    ///
+    /// # Panics
+    /// When `name` is not a plain file name, is taken, or is the manifest's.
+    pub fn open(&self, name: &str) -> Result<OutputFile, FolderError> {
         assert!(Path::new(name).file_name().is_some_and(|plain| plain == name), "{name:?} is a plain file name");
         assert!(name != MANIFEST && !self.files.contains_key(name), "{name} is written once");
-        let hash = self.write_hashed(name, content)?;
-        self.files.insert(name.to_owned(), hash);
+        self.open_any(name)
+    }
+
+    /// Ends it, and lists it in the manifest.
+    ///
+    /// # Errors
+    /// When the disk fails.
+    pub fn close(&mut self, file: OutputFile) -> Result<(), FolderError> {
+        let (name, hash) = self.close_any(file)?;
+        self.files.insert(name, hash);
         Ok(())
+    }
+
+    /// The error of who cannot go on writing the file of this name.
+    pub fn in_content(&self, name: &str, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> FolderError {
+        FolderError::Content { path: self.target.join(name), source: error.into() }
     }
 
     /// Writes the manifest and puts the folder in its place; an earlier output there is gone afterwards.
@@ -143,23 +172,24 @@ impl OutputFolder {
     pub fn finish(mut self, manifest: &Manifest) -> Result<(), FolderError> {
         let mut text = serde_json::to_vec_pretty(&Listed { manifest, files: &self.files }).expect("a manifest is plain data");
         text.push(b'\n');
-        self.write_hashed(MANIFEST, |out| out.write_all(&text))?;
+        let mut file = self.open_any(MANIFEST)?;
+        file.write_all(&text).map_err(at(&self.target.join(MANIFEST)))?;
+        self.close_any(file)?;
         // Again: somebody may have put a file there during the run.
         check_target(&self.target)?;
         self.replace_target()
     }
 
-    /// Through a buffer to the disk, hashed on the way.
-    fn write_hashed<E>(&mut self, name: &str, content: impl FnOnce(&mut dyn Write) -> Result<(), E>) -> Result<String, FolderError>
-    where
-        E: Into<Box<dyn std::error::Error + Send + Sync>>,
-    {
-        let (file, shown) = (self.partial.join(name), self.target.join(name));
-        let mut out = Hashed { hash: Sha256::new(), file: BufWriter::new(File::create(&file).map_err(at(&shown))?) };
-        content(&mut out).map_err(|error| FolderError::Content { path: shown.clone(), source: error.into() })?;
-        let is_synced = self.is_synced;
-        out.flush().and_then(|()| if is_synced { out.file.get_ref().sync_all() } else { Ok(()) }).map_err(at(&shown))?;
-        Ok(out.hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    fn open_any(&self, name: &str) -> Result<OutputFile, FolderError> {
+        let file = File::create(self.partial.join(name)).map_err(at(&self.target.join(name)))?;
+        Ok(OutputFile { name: name.to_owned(), hash: Sha256::new(), file: BufWriter::new(file) })
+    }
+
+    /// Its name and its hash, in hexadecimal.
+    fn close_any(&self, mut file: OutputFile) -> Result<(String, String), FolderError> {
+        let synced = |file: &mut OutputFile| if self.is_synced { file.file.get_ref().sync_all() } else { Ok(()) };
+        file.flush().and_then(|()| synced(&mut file)).map_err(at(&self.target.join(&file.name)))?;
+        Ok((file.name, file.hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
     fn replace_target(&mut self) -> Result<(), FolderError> {
@@ -176,19 +206,22 @@ impl OutputFolder {
 }
 
 impl Drop for OutputFolder {
-    /// After a rename there is nothing left to remove.
+    /// After a rename there is nothing left to remove, and the folders made for it are no longer empty.
     fn drop(&mut self) {
         drop(fs::remove_dir_all(&self.partial));
+        self.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
 }
 
-/// Everything that is written, on its way to the file.
-struct Hashed {
+/// A file of an output folder that is being written: through a buffer to the disk, hashed on the way.
+#[derive(Debug)]
+pub struct OutputFile {
+    name: String,
     hash: Sha256,
     file: BufWriter<File>,
 }
 
-impl Write for Hashed {
+impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let n = self.file.write(bytes)?;
         self.hash.update(&bytes[..n]);

@@ -151,9 +151,10 @@ impl<W: Write> Lines<W> {
         self.block[self.filled - 1] = b'\n';
     }
 
-    pub fn finish(mut self) -> io::Result<()> {
+    pub fn finish(mut self) -> io::Result<W> {
         self.out.write_all(&self.block[..self.filled])?;
-        self.out.flush()
+        self.out.flush()?;
+        Ok(self.out)
     }
 }
 

@@ -2,18 +2,19 @@
 
 use std::path::Path;
 
-use super::figure::{self, Labelled, Scene};
+use super::figure::{self, Labelled, Scene, SeenRows};
 use super::html::{REPORT, run_page};
-use super::{FolderError, Manifest, OutputFolder, RunSummary, table, write_tips};
+use super::table::{TraceColumns, TraceTable};
+use super::{FolderError, Manifest, OutputFile, OutputFolder, RunSummary, table, write_tips};
 use crate::scenario::Scenario;
-use crate::simulation::Trace;
+use crate::simulation::{Row, Trace};
 
-/// What is written of a run.
+/// What is written of a run, besides its rows.
 #[derive(Clone, Copy, Debug)]
 pub struct RunFiles<'a> {
     pub summary: &'a RunSummary,
+    /// With its rows only where tips or a report need them.
     pub trace: &'a Trace,
-    pub n_springs: usize,
     /// Whether `tips.csv` is written too.
     pub with_tips: bool,
     pub scene: &'a Scene,
@@ -25,30 +26,61 @@ pub struct RunFiles<'a> {
 /// Real time of a run (s) from which its files are brought to the disk before they take their name.
 const WORTH_WAITING: f64 = 1.0;
 
-/// Writes `summary.json`, `trace.csv`, `events.csv`, `transitions.csv`, `overview.svg`, `manifest.json` and, if asked for, `report.html` to the folder `target`, all or
-/// nothing.
-///
-/// A run of less than a second is not waited for until it is on the disk: see [`OutputFolder::unsynced`].
-///
-/// # Errors
-/// When the folder may not be written (see [`super::check_target`]), a number of the trace is not finite, or the disk fails.
-pub fn write_run(target: &Path, files: &RunFiles) -> Result<(), FolderError> {
-    let folder = OutputFolder::create(target)?;
-    let mut folder = if files.summary.wall_s < WORTH_WAITING { folder.unsynced() } else { folder };
-    folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
-    folder.write("trace.csv", |out| table::write_trace(files.trace, files.n_springs, out))?;
-    if files.with_tips {
-        folder.write("tips.csv", |out| write_tips(files.trace, out))?;
+const TRACE: &str = "trace.csv";
+
+/// The output folder of a run that goes on: rows are written as they come, and need not be kept.
+pub struct RunWriter {
+    folder: OutputFolder,
+    table: TraceTable<OutputFile>,
+    seen: SeenRows,
+}
+
+impl RunWriter {
+    /// Begins the folder `target` and its `trace.csv`. Dropped before [`RunWriter::finish`] it leaves nothing.
+    ///
+    /// # Errors
+    /// When the folder may not be written (see [`super::check_target`]), or the disk fails.
+    pub fn create(target: &Path, columns: TraceColumns) -> Result<Self, FolderError> {
+        let folder = OutputFolder::create(target)?;
+        let table = TraceTable::new(columns, folder.open(TRACE)?).map_err(|error| folder.in_content(TRACE, error))?;
+        Ok(Self { folder, table, seen: SeenRows::default() })
     }
-    folder.write("events.csv", |out| table::write_events(files.trace, out))?;
-    folder.write("transitions.csv", |out| table::write_transitions(files.trace, out))?;
-    let labelled = [Labelled { label: files.summary.backend.name(), trace: files.trace }];
-    folder.write("overview.svg", |out| out.write_all(figure::overview(&labelled, files.scene).as_bytes()))?;
-    if let Some(scenario) = files.report {
-        let page = run_page(files.summary, files.trace, scenario, files.manifest);
-        folder.write(REPORT, |out| out.write_all(page.to_html().as_bytes()))?;
+
+    /// Writes the next rows.
+    ///
+    /// # Errors
+    /// When a number in them is not finite, or the disk fails.
+    pub fn add(&mut self, rows: &[Row]) -> Result<(), FolderError> {
+        self.seen.add(rows);
+        self.table.add(rows).map_err(|error| self.folder.in_content(TRACE, error))
     }
-    folder.finish(files.manifest)
+
+    /// Writes `summary.json`, `events.csv`, `transitions.csv`, `overview.svg`, `manifest.json` and, if asked for, `tips.csv` and `report.html`, and puts the folder in its
+    /// place.
+    ///
+    /// A run of less than a second is not waited for until it is on the disk: see [`OutputFolder::unsynced`].
+    ///
+    /// # Errors
+    /// When a number is not finite, or the disk fails.
+    pub fn finish(self, files: &RunFiles) -> Result<(), FolderError> {
+        let Self { folder, table, seen } = self;
+        let mut folder = if files.summary.wall_s < WORTH_WAITING { folder.unsynced() } else { folder };
+        let table = table.finish().map_err(|error| folder.in_content(TRACE, error))?;
+        folder.close(table)?;
+        folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
+        if files.with_tips {
+            folder.write("tips.csv", |out| write_tips(files.trace, out))?;
+        }
+        folder.write("events.csv", |out| table::write_events(files.trace, out))?;
+        folder.write("transitions.csv", |out| table::write_transitions(files.trace, out))?;
+        let labelled = Labelled { label: files.summary.backend.name(), trace: files.trace };
+        folder.write("overview.svg", |out| out.write_all(figure::overview_of_rows(&labelled, &seen, files.scene).as_bytes()))?;
+        if let Some(scenario) = files.report {
+            let page = run_page(files.summary, files.trace, scenario, files.manifest);
+            folder.write(REPORT, |out| out.write_all(page.to_html().as_bytes()))?;
+        }
+        folder.finish(files.manifest)
+    }
 }
 
 #[cfg(test)]
@@ -68,8 +100,9 @@ mod tests {
         trace.rows[150].motion.twist.angular = f64::INFINITY;
         let write = |trace: &Trace| {
             let (summary, manifest) = (&summary, &manifest);
-            let files = RunFiles { summary, trace, n_springs: 4, with_tips: false, scene: &scene, manifest, report: None };
-            write_run(&target, &files)
+            let mut writer = RunWriter::create(&target, TraceColumns::Motion)?;
+            trace.rows.chunks(7).try_for_each(|rows| writer.add(rows))?;
+            writer.finish(&RunFiles { summary, trace, with_tips: false, scene: &scene, manifest, report: None })
         };
         let error = write(&trace).unwrap_err().to_string();
         assert!(error.contains("out/trace.csv: turn_rate_rad_per_s is inf"), "{error}");

@@ -15,23 +15,40 @@ use crate::simulation::{EventKind, Row, Trace};
 /// Above this number of springs `trace.csv` has no columns of pulls: they would be most of the file. `n_transporting` stays.
 pub const MOST_SPRINGS_WITH_COLUMNS: usize = 32;
 
-/// Columns of `trace.csv` that every run has.
-pub const TRACE_COLUMNS: [&str; 14] = [
-    "time_s",
-    "x_m",
-    "y_m",
-    "heading_rad",
-    "vx_m_per_s",
-    "vy_m_per_s",
-    "turn_rate_rad_per_s",
-    "elastic_j",
-    "kinetic_j",
-    "dissipated_j",
-    "tip_work_j",
-    "defect_j",
-    "interaction_n",
-    "n_transporting",
-];
+/// Columns of every `trace.csv`: the time and the load's motion, between which and [`HOLDERS`] stand the [`FORCE_COLUMNS`] of a full one.
+pub const MOTION_COLUMNS: [&str; 7] = ["time_s", "x_m", "y_m", "heading_rad", "vx_m_per_s", "vy_m_per_s", "turn_rate_rad_per_s"];
+
+/// Columns of a full `trace.csv` alone, before those of pulls: the ledger, and the sum of Eq. (4) over all pairs of holders.
+pub const FORCE_COLUMNS: [&str; 6] = ["elastic_j", "kinetic_j", "dissipated_j", "tip_work_j", "defect_j", "interaction_n"];
+
+/// The column of every `trace.csv` with the number of holders.
+pub const HOLDERS: &str = "n_transporting";
+
+/// Which columns a `trace.csv` has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TraceColumns {
+    /// [`MOTION_COLUMNS`] and [`HOLDERS`].
+    Motion,
+    /// These with [`FORCE_COLUMNS`], then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force of its holder on its tip (world axes), unless there are more
+    /// than [`MOST_SPRINGS_WITH_COLUMNS`]. Four times as much to write, and to read.
+    Full { n_springs: usize },
+}
+
+impl TraceColumns {
+    /// Number of springs whose pulls have columns.
+    fn n_pulls(self) -> usize {
+        match self {
+            Self::Full { n_springs } if n_springs <= MOST_SPRINGS_WITH_COLUMNS => n_springs,
+            _ => 0,
+        }
+    }
+
+    fn names(self) -> Vec<String> {
+        let forces = if self == Self::Motion { &[][..] } else { &FORCE_COLUMNS };
+        let pulls = (0..self.n_pulls()).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
+        MOTION_COLUMNS.iter().chain(forces).chain([&HOLDERS]).map(|name| (*name).to_owned()).chain(pulls).collect()
+    }
+}
 
 /// Columns of `events.csv`.
 pub const EVENT_COLUMNS: [&str; 6] = ["time_s", "event", "spring", "ant", "tip_x_m", "tip_y_m"];
@@ -49,30 +66,66 @@ pub enum TableError {
     Io(#[from] std::io::Error),
 }
 
-/// Writes `trace.csv`: [`TRACE_COLUMNS`], of which `interaction_n` is the sum of Eq. (4) over all pairs of holders, then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force of its holder on its tip (world axes),
-/// unless there are more than [`MOST_SPRINGS_WITH_COLUMNS`].
+/// A `trace.csv` on its way to `out`.
+pub struct TraceTable<W> {
+    columns: TraceColumns,
+    lines: Lines<W>,
+    /// Kept for its memory.
+    pulls: Vec<Option<f64>>,
+}
+
+impl<W: Write> TraceTable<W> {
+    /// Begins it with the names of its columns.
+    ///
+    /// # Errors
+    /// When `out` fails.
+    pub fn new(columns: TraceColumns, out: W) -> Result<Self, TableError> {
+        let names = columns.names();
+        let mut lines = Lines::new(out, names.len());
+        lines.head(&names)?;
+        Ok(Self { columns, lines, pulls: vec![None; 2 * columns.n_pulls()] })
+    }
+
+    /// Goes on with these rows.
+    ///
+    /// # Errors
+    /// When a number is not finite, or the table's `out` fails.
+    pub fn add(&mut self, rows: &[Row]) -> Result<(), TableError> {
+        for row in rows {
+            self.lines.begin()?;
+            self.lines.numbers(&all_finite(&MOTION_COLUMNS, motion_of(row))?);
+            if self.columns != TraceColumns::Motion {
+                self.lines.numbers(&all_finite(&FORCE_COLUMNS, forces_of(row))?);
+            }
+            self.lines.count(row.tips.len());
+            pulls_of(row, &mut self.pulls)?;
+            self.lines.numbers(&self.pulls);
+            self.lines.end();
+        }
+        Ok(())
+    }
+
+    /// # Errors
+    /// When the table's `out` fails.
+    pub fn finish(self) -> Result<W, TableError> {
+        Ok(self.lines.finish()?)
+    }
+}
+
+/// Writes `trace.csv` with these columns.
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.
-pub fn write_trace(trace: &Trace, n_springs: usize, out: impl Write) -> Result<(), TableError> {
-    let n_pulls = if n_springs <= MOST_SPRINGS_WITH_COLUMNS { n_springs } else { 0 };
-    let mut lines = Lines::new(out, TRACE_COLUMNS.len() + 2 * n_pulls);
-    let pull_names = (0..n_pulls).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
-    let names: Vec<_> = TRACE_COLUMNS.iter().map(|name| (*name).to_owned()).chain(pull_names).collect();
-    lines.head(&names)?;
-    let mut pulls = vec![None; 2 * n_pulls];
-    for row in &trace.rows {
-        let state = state_of(row);
-        TRACE_COLUMNS.iter().zip(state).try_for_each(|(name, value)| finite(name, value).map(drop))?;
-        pulls_of(row, &mut pulls)?;
-        lines.begin()?;
-        lines.numbers(&state.map(Some));
-        lines.count(row.tips.len());
-        lines.numbers(&pulls);
-        lines.end();
-    }
-    lines.finish()?;
-    Ok(())
+pub fn write_trace(trace: &Trace, columns: TraceColumns, out: impl Write) -> Result<(), TableError> {
+    let mut table = TraceTable::new(columns, out)?;
+    table.add(&trace.rows)?;
+    table.finish().map(drop)
+}
+
+/// The fields of these names, all of which are there.
+fn all_finite<const N: usize>(names: &[&str; N], values: [f64; N]) -> Result<[Option<f64>; N], NotFinite> {
+    names.iter().zip(values).try_for_each(|(name, value)| finite(name, value).map(drop))?;
+    Ok(values.map(Some))
 }
 
 /// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); nothing where nobody holds.
@@ -167,24 +220,16 @@ pub fn write_pairs(pairs: &[(check::Row, check::Row)], out: impl Write) -> Resul
     Ok(())
 }
 
-/// All of [`TRACE_COLUMNS`] but the count at their end.
-fn state_of(row: &Row) -> [f64; TRACE_COLUMNS.len() - 1] {
-    let (pose, twist, energy) = (&row.motion.pose, &row.motion.twist, &row.energy);
-    [
-        row.time,
-        pose.position.x,
-        pose.position.y,
-        pose.heading,
-        twist.linear.x,
-        twist.linear.y,
-        twist.angular,
-        energy.elastic,
-        energy.kinetic,
-        energy.dissipated(),
-        energy.tip_work,
-        energy.defect(),
-        row.interaction(),
-    ]
+/// [`MOTION_COLUMNS`] of a row.
+fn motion_of(row: &Row) -> [f64; MOTION_COLUMNS.len()] {
+    let (pose, twist) = (&row.motion.pose, &row.motion.twist);
+    [row.time, pose.position.x, pose.position.y, pose.heading, twist.linear.x, twist.linear.y, twist.angular]
+}
+
+/// [`FORCE_COLUMNS`] of a row.
+fn forces_of(row: &Row) -> [f64; FORCE_COLUMNS.len()] {
+    let energy = &row.energy;
+    [energy.elastic, energy.kinetic, energy.dissipated(), energy.tip_work, energy.defect(), row.interaction()]
 }
 
 #[cfg(test)]
@@ -193,9 +238,9 @@ mod tests {
     use crate::math::Vec2;
     use crate::report::synthetic;
 
-    fn text(trace: &Trace, n_springs: usize) -> String {
+    fn text(trace: &Trace, columns: TraceColumns) -> String {
         let mut bytes = Vec::new();
-        write_trace(trace, n_springs, &mut bytes).unwrap();
+        write_trace(trace, columns, &mut bytes).unwrap();
         String::from_utf8(bytes).unwrap()
     }
 
@@ -209,20 +254,25 @@ mod tests {
         // The hard cases: no short decimal, smallest subnormal, largest, negative zero.
         trace.rows[0].motion.pose.position = Vec2::new(0.1 + 0.2, f64::from_bits(1));
         trace.rows[0].motion.twist.linear = Vec2::new(-f64::MAX, -0.0);
-        let text = text(&trace, 4);
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let [motion, full] = [TraceColumns::Motion, TraceColumns::Full { n_springs: 4 }].map(|columns| text(&trace, columns));
+        let [mut motion, mut full] = [&motion, &full].map(|text| csv::Reader::from_reader(text.as_bytes()));
+        let bits = |fields: Vec<&str>| fields.iter().map(|field| field.parse::<f64>().unwrap().to_bits()).collect::<Vec<_>>();
+        let (n_motion, n_forces) = (MOTION_COLUMNS.len(), FORCE_COLUMNS.len());
         let mut n = 0;
-        for (row, record) in trace.rows.iter().zip(reader.records()) {
-            let record = record.unwrap();
-            for (value, field) in state_of(row).iter().zip(&record) {
-                assert_eq!(field.parse::<f64>().unwrap().to_bits(), value.to_bits(), "{field}");
-            }
-            assert_eq!(record[TRACE_COLUMNS.len() - 1].parse::<usize>().unwrap(), row.tips.len());
+        for ((row, motion), full) in trace.rows.iter().zip(motion.records()).zip(full.records()) {
+            let (motion, full) = (motion.unwrap(), full.unwrap());
+            let expected: Vec<u64> = motion_of(row).iter().chain(&forces_of(row)).map(|value| value.to_bits()).collect();
+            assert_eq!(bits(full.iter().take(n_motion + n_forces).collect()), expected);
+            assert_eq!(full[n_motion + n_forces].parse(), Ok(row.tips.len()));
             for j in 0..4 {
                 let pull = row.tips.iter().find(|tip| tip.spring == j).map(|tip| tip.pull);
-                assert_eq!(record[TRACE_COLUMNS.len() + 2 * j].parse().ok(), pull.map(|pull| pull.x));
-                assert_eq!(record[TRACE_COLUMNS.len() + 1 + 2 * j].parse().ok(), pull.map(|pull| pull.y));
+                assert_eq!(full[n_motion + n_forces + 1 + 2 * j].parse().ok(), pull.map(|pull| pull.x));
+                assert_eq!(full[n_motion + n_forces + 2 + 2 * j].parse().ok(), pull.map(|pull| pull.y));
             }
+            assert!(
+                motion.iter().eq(full.iter().take(n_motion).chain([&full[n_motion + n_forces]])),
+                "the same fields: {motion:?} {full:?}"
+            );
             n += 1;
         }
         assert_eq!(n, trace.rows.len());
@@ -233,10 +283,13 @@ mod tests {
     fn the_contract_of_trace_csv_holds_and_many_springs_have_no_columns() {
         let trace = synthetic::trace(3, 1.0);
         let contract = "time_s,x_m,y_m,heading_rad,vx_m_per_s,vy_m_per_s,turn_rate_rad_per_s,";
-        assert!(text(&trace, 1).starts_with(contract));
-        assert_eq!(columns(&text(&trace, 1))[TRACE_COLUMNS.len()..], ["pull_x_0_n", "pull_y_0_n"]);
-        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS)).len(), TRACE_COLUMNS.len() + 64);
-        assert_eq!(columns(&text(&trace, MOST_SPRINGS_WITH_COLUMNS + 1)).len(), TRACE_COLUMNS.len());
+        assert!(text(&trace, TraceColumns::Motion).starts_with(&format!("{contract}n_transporting\n")));
+        let of_springs = |n_springs| columns(&text(&trace, TraceColumns::Full { n_springs }));
+        let n_others = MOTION_COLUMNS.len() + FORCE_COLUMNS.len() + 1;
+        assert!(text(&trace, TraceColumns::Full { n_springs: 1 }).starts_with(contract));
+        assert_eq!(of_springs(1)[n_others - 1..], ["n_transporting", "pull_x_0_n", "pull_y_0_n"]);
+        assert_eq!(of_springs(MOST_SPRINGS_WITH_COLUMNS).len(), n_others + 64);
+        assert_eq!(of_springs(MOST_SPRINGS_WITH_COLUMNS + 1).len(), n_others);
     }
 
     #[test]
@@ -281,7 +334,7 @@ mod tests {
     fn a_number_that_is_not_finite_is_refused_by_name() {
         let mut trace = synthetic::trace(5, 1.0);
         trace.rows[3].motion.pose.heading = f64::NAN;
-        let error = write_trace(&trace, 1, Vec::new()).unwrap_err();
+        let error = write_trace(&trace, TraceColumns::Motion, Vec::new()).unwrap_err();
         assert!(error.to_string().starts_with("heading_rad is NaN"), "{error}");
     }
 }

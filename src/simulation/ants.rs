@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 use super::sensing::{Around, Placed, Sensing};
 use super::{Driver, Event, EventKind, HeldTip, Orders, Trace, View};
 use crate::backend::{Backend, Motion, RestoreError};
-use crate::math::{Chance, Stream, Summary, Vec2, direction};
+use crate::math::{Arc, Chance, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
-use crate::model::ant::{Ant, Command, Mode, Steering, tip_velocity};
-use crate::model::behaviour::{HalfAngle, Pace, facing_for_pull, hazard_of, heading_error, probability_within, turn_towards};
+use crate::model::ant::{Ant, Command, Mode, Steering};
+use crate::model::behaviour::{HalfAngle, Pace, facing_for_pull, hazard_of, probability_within, turn_towards};
 use crate::scenario::{AntDrive, Drive, Scenario};
 
 /// All ants of one run.
@@ -34,6 +34,8 @@ pub struct Ants {
     load: Placed,
     /// For each ant that pulls, the first tick from which a decision period may have passed.
     next_decisions: Vec<u64>,
+    /// The first tick from which a belief may be due.
+    next_belief: u64,
     targets: Vec<Vec2>,
 }
 
@@ -65,6 +67,7 @@ impl Ants {
             sensing: Sensing::new(springs, drive.sensing_range),
             load: Placed::new(&scenario.start.pose),
             next_decisions: vec![0; drive.n_ants],
+            next_belief: 0,
             targets: vec![Vec2::zeros(); springs.len()],
         }
     }
@@ -141,8 +144,13 @@ impl Ants {
     }
 
     /// Number of the belief that is drawn at a tick; `None` between.
-    fn belief_due(&self, tick: u64) -> Option<u64> {
-        let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
+    fn belief_due(&mut self, tick: u64) -> Option<u64> {
+        if tick < self.next_belief {
+            return None;
+        }
+        let period = self.drive.target_redraw_period;
+        self.next_belief = tick.saturating_add(quiet_ticks(tick, period / self.control_period));
+        let n_beliefs = |tick| n_periods(tick, self.control_period, period);
         let belief = n_beliefs(tick);
         (tick == 0 || belief > n_beliefs(tick - 1)).then_some(belief as u64)
     }
@@ -205,26 +213,25 @@ impl Ants {
             self.state.ants[i] = match ant.mode {
                 Mode::Search => {
                     let target = load.position + ant.belief_error - ant.position;
-                    let error = heading_error(target.y.atan2(target.x), ant.heading);
+                    let error = turn_towards(&target, &ant.ahead);
                     ant.walked(&Command { velocity: self.drive.search_speed, turn_rate: steering.turn_rate(error) }, duration)
                 }
                 Mode::Transport { spring, .. } => {
-                    let ahead = direction(ant.heading);
-                    let error = self.pull_error(&ant, &ahead, &springs[spring].root, load);
+                    let error = self.pull_error(&ant, &springs[spring].root, load);
                     let command = Command { velocity: -self.drive.pull_speed, turn_rate: steering.turn_rate(error) };
-                    let tip = ant.position + duration * tip_velocity(&ahead, &command, self.drive.control_offset);
+                    let tip = ant.position + duration * ant.tip_velocity(&command, self.drive.control_offset);
                     self.targets[spring] = tip;
-                    Ant { position: tip, heading: ant.heading + command.turn_rate * duration, ..ant }
+                    Ant { position: tip, ..ant.turned(&Arc::of(command.turn_rate * duration)) }
                 }
             };
         }
     }
 
-    /// Eq. (19, 22): how far a pulling ant that faces `ahead` is off where it wants to face (rad).
-    fn pull_error(&self, ant: &Ant, ahead: &Vec2, root: &Vec2, load: Placed) -> f64 {
+    /// Eq. (19, 22): how far a pulling ant is off where it wants to face (rad).
+    fn pull_error(&self, ant: &Ant, root: &Vec2, load: Placed) -> f64 {
         let along = ant.position - load.to_world(root);
         let to_nest = self.drive.nest_position - ant.position;
-        turn_towards(&facing_for_pull(&self.half_angle.pull_direction(&along, &to_nest)), ahead)
+        turn_towards(&facing_for_pull(&self.half_angle.pull_direction(&along, &to_nest)), &ant.ahead)
     }
 }
 
@@ -264,7 +271,7 @@ fn start_of(ant: u32, chance: &Chance, drive: &AntDrive, load: &Motion) -> Ant {
     let [u, v] = chance.uniform_pair(Stream::Start, ant, 0);
     let offset = drive.start_half_width * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0);
     let heading = PI * (2.0 * chance.uniform(Stream::Start, ant, 1) - 1.0);
-    Ant { position: load.pose.position + offset, heading, mode: Mode::Search, belief_error: Vec2::zeros() }
+    Ant::new(load.pose.position + offset, heading)
 }
 
 impl Driver for Ants {
@@ -312,6 +319,7 @@ impl Driver for Ants {
             }
         }
         self.next_decisions.fill(0);
+        self.next_belief = 0;
         self.state = state;
         Ok(())
     }
@@ -335,7 +343,7 @@ mod tests {
         follow_ants(&scenario, run.trace(), |_, ants| last = ants.to_vec());
         assert!(run.trace().events.len() > 20, "grasps and releases are part of it");
         for (ant, followed) in state.ants.iter().zip(&last) {
-            assert_eq!((ant.position, ant.heading), (followed.position, followed.heading));
+            assert_eq!((ant.position, ant.heading, ant.ahead), (followed.position, followed.heading, followed.ahead));
         }
         assert_eq!(last.len(), 4);
     }

@@ -126,6 +126,23 @@ impl<'a> Simulation<'a> {
         }
     }
 
+    /// Runs to the end like [`Simulation::run`], and lets `see` have the rows, some at a time, in place of keeping them; the last of them are left in the trace.
+    ///
+    /// # Errors
+    /// Those of `see`, which end the run.
+    pub fn run_past<E>(&mut self, mut watch: impl FnMut(f64) -> bool, mut see: impl FnMut(&[Row]) -> Result<(), E>) -> Result<(), E> {
+        // What a processor has nearest to it.
+        const SOME: usize = 64;
+        while !self.finished && watch(self.time) {
+            self.step();
+            if self.trace.rows.len() >= SOME {
+                see(&self.trace.rows)?;
+                self.trace.rows.clear();
+            }
+        }
+        Ok(())
+    }
+
     /// Runs to the end like [`Simulation::run`]; under error control once more with smaller errors of strides, from a start that `afresh` makes, as long as they
     /// add up to more than the tolerance. What they add up to in the end, more than the tolerance or not, is in the outcome.
     pub fn run_within(&mut self, mut afresh: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {
@@ -251,12 +268,16 @@ impl<'a> Simulation<'a> {
         if self.keep == Keep::Outcome || !(self.tick_now().is_some() || self.is_over()) {
             return;
         }
-        let tips = self.held.iter().filter_map(|spring| {
-            let position = self.backend.tip(*spring)?;
-            Some(HeldTip { spring: *spring, position, pull: -self.backend.force_on_tip(*spring) })
-        });
-        let (motion, energy, error) = (self.backend.motion(), self.backend.energy(), self.backend.pose_error());
-        self.trace.rows.push(Row { time: self.time, motion, energy, tips: tips.collect(), error });
+        let Self { backend, trace, held, .. } = self;
+        let (motion, energy, error) = (backend.motion(), backend.energy(), backend.pose_error());
+        trace.rows.push(Row { time: self.time, motion, energy, tips: HeldTips::new(), error });
+        // Filled where it stands: a row is long.
+        let tips = &mut trace.rows.last_mut().expect("a row was just added").tips;
+        for spring in held.iter().copied() {
+            if let Some(position) = backend.tip(spring) {
+                tips.push(HeldTip { spring, position, pull: -backend.force_on_tip(spring) });
+            }
+        }
     }
 
     fn next_instant(&self) -> f64 {

@@ -112,7 +112,7 @@ fn short_scenario(room: &Room) -> String {
 fn forces_of_a_run_folder_are_those_of_its_trace() {
     let room = Room(tempdir().unwrap());
     let (run, forces) = (room.path("run"), room.path("forces"));
-    assert_eq!(call(&["run", &short_scenario(&room), "--tips", "--out", &run]).status.code(), Some(0));
+    assert_eq!(call(&["run", &short_scenario(&room), "--tips", "--full-trace", "--out", &run]).status.code(), Some(0));
     assert_eq!(call(&["calibrate", "forces", &run, "--out", &forces]).status.code(), Some(0));
     let mut trace = csv::Reader::from_path(format!("{run}/trace.csv")).unwrap();
     let names = trace.headers().unwrap().clone();

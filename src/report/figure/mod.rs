@@ -35,7 +35,10 @@ pub(crate) use axis::power_label;
 use canvas::{Cell, Sheet};
 use panel::{Entry, Panel, Style};
 use shown::Seen;
+pub use shown::SeenRows;
 pub use sweep::Times;
+
+use std::borrow::Cow;
 
 use super::{BenchLine, GrowthLine, Paper};
 use crate::bench::SceneFacts;
@@ -140,25 +143,33 @@ pub fn heading_difference(traces: &[Labelled]) -> String {
 
 /// All of it on one sheet: differences with two traces and more, the energy with one.
 pub fn overview(traces: &[Labelled], scene: &Scene) -> String {
-    let seen = Seen::all(traces);
+    overview_of(traces, &Seen::all(traces), scene)
+}
+
+/// The same of one run whose `rows` are no longer in its trace.
+pub fn overview_of_rows(run: &Labelled, rows: &SeenRows, scene: &Scene) -> String {
+    overview_of(&[*run], &[Seen { rows: Cow::Borrowed(rows), events: &run.trace.events }], scene)
+}
+
+fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
     let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, 4.0 * ROW_HEIGHT);
     // Drawn one by one: the points of one panel are gone before the next one's.
     let mut add = |panel: &Panel, left: f64, row: f64, n_rows: f64| {
         sheet.add(&Cell { panel, left, top: row * ROW_HEIGHT, width: COLUMN_WIDTH, height: n_rows * ROW_HEIGHT });
     };
     // The path is as high as two of the others.
-    add(&panels::path(&seen, scene), 0.0, 0.0, 2.0);
-    if let [one] = &seen[..] {
-        add(&panels::total_pull(&seen), 0.0, 2.0, 1.0);
+    add(&panels::path(seen, scene), 0.0, 0.0, 2.0);
+    if let [one] = seen {
+        add(&panels::total_pull(seen), 0.0, 2.0, 1.0);
         add(&panels::energy(one), 0.0, 3.0, 1.0);
     } else {
         add(&panels::position_difference(traces), 0.0, 2.0, 1.0);
         add(&panels::heading_difference(traces), 0.0, 3.0, 1.0);
     }
-    add(&panels::heading(&seen), COLUMN_WIDTH, 0.0, 1.0);
-    add(&panels::speed(&seen), COLUMN_WIDTH, 1.0, 1.0);
-    add(&panels::net_pull(&seen, scene), COLUMN_WIDTH, 2.0, 1.0);
-    add(&panels::holders(&seen), COLUMN_WIDTH, 3.0, 1.0);
+    add(&panels::heading(seen), COLUMN_WIDTH, 0.0, 1.0);
+    add(&panels::speed(seen), COLUMN_WIDTH, 1.0, 1.0);
+    add(&panels::net_pull(seen, scene), COLUMN_WIDTH, 2.0, 1.0);
+    add(&panels::holders(seen), COLUMN_WIDTH, 3.0, 1.0);
     let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries() };
     let marks = [panels::scene_entries(scene), panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
     sheet.into_svg(&[panels::trace_entries(traces), curves, marks])

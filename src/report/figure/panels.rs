@@ -19,12 +19,12 @@ pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
         panel.add(circle(nest.position, nest.arrival_radius), Style::NEST, Shape::Path);
     }
     for (index, one) in traces.iter().enumerate() {
-        let Some([first, last]) = &one.ends else { continue };
+        let Some([first, last]) = &one.rows.ends else { continue };
         if index == 0 {
             panel.add(outline(first, scene.load_radius), Style::START, Shape::Path);
         }
         let style = Style::of_trace(index);
-        panel.add(one.instants.iter().map(|instant| instant.position).collect(), style, Shape::Path);
+        panel.add(one.rows.instants.iter().map(|instant| instant.position).collect(), style, Shape::Path);
         panel.add(outline(last, scene.load_radius), style.thin(), Shape::Path);
     }
     panel
@@ -60,7 +60,7 @@ pub fn energy(one: &Seen) -> Panel {
     let mut panel = Panel::new("time (s)", "energy (mJ)", Scale::FromZero);
     panel.mark_events([one.events]);
     for kind in 0..3 {
-        let points = one.instants.iter().map(|instant| [instant.time, instant.energies[kind]]).collect();
+        let points = one.rows.instants.iter().map(|instant| [instant.time, instant.energies[kind]]).collect();
         panel.add(points, Style::of_pair(kind), Shape::Graph);
     }
     panel
@@ -115,7 +115,7 @@ fn of_instants(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, y: im
     let mut panel = Panel::new("time (s)", y_label, scale);
     panel.mark_events(traces.iter().map(|one| one.events));
     for (index, one) in traces.iter().enumerate() {
-        let points = one.instants.iter().map(|instant| [instant.time, y(instant)]).collect();
+        let points = one.rows.instants.iter().map(|instant| [instant.time, y(instant)]).collect();
         panel.add(points, Style::of_trace(index), shape);
     }
     panel

@@ -1,15 +1,23 @@
 //! What figures show of a trace: worked out in one pass, as rows are long and there are many of them.
 
+use std::borrow::Cow;
+
 use super::{Labelled, MILLI};
 use crate::math::{Pose, Vec2};
 use crate::simulation::{Event, Row};
 
 /// A trace as its figures need it.
 pub struct Seen<'a> {
-    pub instants: Vec<Instant>,
+    pub rows: Cow<'a, SeenRows>,
     pub events: &'a [Event],
-    /// The load's pose at both ends; none of an empty trace.
-    pub ends: Option<[Pose; 2]>,
+}
+
+/// What figures need of rows, which may come a few at a time: a quarter of what they hold.
+#[derive(Clone, Debug, Default)]
+pub struct SeenRows {
+    pub(super) instants: Vec<Instant>,
+    /// The load's pose at both ends; none without rows.
+    pub(super) ends: Option<[Pose; 2]>,
 }
 
 /// One row in print units.
@@ -38,9 +46,19 @@ impl<'a> Seen<'a> {
     }
 
     pub fn of(one: &Labelled<'a>) -> Self {
-        let rows = &one.trace.rows;
-        let ends = rows.first().zip(rows.last()).map(|(first, last)| [first.motion.pose, last.motion.pose]);
-        Self { instants: rows.iter().map(Instant::of).collect(), events: &one.trace.events, ends }
+        let mut rows = SeenRows::default();
+        rows.add(&one.trace.rows);
+        Self { rows: Cow::Owned(rows), events: &one.trace.events }
+    }
+}
+
+impl SeenRows {
+    /// Takes note of the next rows.
+    pub fn add(&mut self, rows: &[Row]) {
+        let Some(last) = rows.last() else { return };
+        let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
+        self.ends = Some([first, last.motion.pose]);
+        self.instants.extend(rows.iter().map(Instant::of));
     }
 }
 
