@@ -43,7 +43,11 @@ impl HeldSprings {
 
     /// Place of a held spring among the grips.
     pub fn place(&self, spring: usize) -> Option<usize> {
-        self.grips.binary_search_by_key(&spring, |grip| grip.spring).ok()
+        // Where all springs before it are held, it stands at its own number.
+        match self.grips.get(spring) {
+            Some(grip) if grip.spring == spring => Some(spring),
+            _ => self.grips.binary_search_by_key(&spring, |grip| grip.spring).ok(),
+        }
     }
 
     /// Tip of a held spring (m, world); `None` for a free one.

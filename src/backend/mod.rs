@@ -222,5 +222,8 @@ fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
 /// The fewest equal steps of at most `longest` (s) that make up `duration` (s): their number. A share of 1e-9 of a step is forgiven, so that
 /// a period that is a multiple of the step up to rounding is cut into just that many.
 pub fn n_steps_in(duration: f64, longest: f64) -> u64 {
+    if duration <= longest {
+        return 1;
+    }
     (duration / longest - 1e-9).ceil().max(1.0) as u64
 }

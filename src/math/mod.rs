@@ -2,13 +2,15 @@
 
 mod angle;
 mod chance;
+mod lanes;
 mod pose;
 mod positive;
 mod statistics;
 
 pub use angle::{SMALL_TANGENT, direction, perpendicular, rotation, small_arctangent, unwrap_near, wrap_to_pi};
 pub use chance::{Chance, Stream};
-pub use pose::{Arc, Pose, Twist, Wrench, shift_of};
+pub use lanes::{LANES, Vec2x4};
+pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, shift_of, small_rotation};
 pub use positive::PositiveDefinite;
 pub use statistics::{Interval, Summary, mean_interval, proportion_interval};
 

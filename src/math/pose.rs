@@ -3,6 +3,8 @@
 //! A constant body twist (u, delta) takes the pose (x, heading) to (x + R(heading) V(delta) u, heading + delta) with
 //! `V = [[sin d / d, -(1 - cos d) / d], [(1 - cos d) / d, sin d / d]]` (the exponential map of SE(2)).
 
+use std::ops::{Mul, Sub};
+
 use serde::{Deserialize, Serialize};
 
 use super::{Mat2, Vec2, Vec3, perpendicular, rotation};
@@ -85,7 +87,32 @@ pub struct Arc {
 }
 
 /// Below this angle (rad) the closed forms cancel and their Taylor series are exact: the first term left out is under 1e-17.
-const SERIES_BELOW: f64 = 0.25;
+pub const SERIES_BELOW: f64 = 0.25;
+
+/// A number, or several side by side.
+trait Number: Copy + From<f64> + Mul<Output = Self> + Sub<Output = Self> {}
+impl<T: Copy + From<f64> + Mul<Output = T> + Sub<Output = T>> Number for T {}
+
+/// `first` times 1 - f_n d^2 (1 - f_(n-1) d^2 (...)) of an angle d with this `square`.
+fn series<T: Number>(square: T, factors: [f64; 5], first: f64) -> T {
+    factors.iter().fold(T::from(1.0), |rest, factor| T::from(1.0) - square * T::from(*factor) * rest) * T::from(first)
+}
+
+/// sum_k (-d^2)^k / (2k + 3)!
+fn sine_rest<T: Number>(square: T) -> T {
+    series(square, [1.0 / 156.0, 1.0 / 110.0, 1.0 / 72.0, 1.0 / 42.0, 1.0 / 20.0], 1.0 / 6.0)
+}
+
+/// sum_k (-d^2)^k / (2k + 2)!
+fn cosine_rest<T: Number>(square: T) -> T {
+    series(square, [1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0, 1.0 / 12.0], 1.0 / 2.0)
+}
+
+/// Cosine and sine of an angle (rad) below [`SERIES_BELOW`], or of several side by side: to the last bit those of [`Arc::rotation`].
+pub fn small_rotation<T: Copy + From<f64> + Mul<Output = T> + Sub<Output = T>>(delta: T) -> (T, T) {
+    let square = delta * delta;
+    (T::from(1.0) - square * cosine_rest(square), delta * (T::from(1.0) - square * sine_rest(square)))
+}
 
 impl Arc {
     // Inlined, what is not asked for of it is not worked out either.
@@ -93,11 +120,9 @@ impl Arc {
     pub fn of(delta: f64) -> Self {
         let square = delta * delta;
         if delta.abs() < SERIES_BELOW {
-            // sum_k (-d^2)^k / (2k + 3)!, the same with (2k + 2)!, and twice that with (2k + 4)!.
-            let series = |factors: [f64; 5], first: f64| factors.iter().fold(1.0, |rest, factor| 1.0 - square * factor * rest) * first;
-            let sine_rest = series([1.0 / 156.0, 1.0 / 110.0, 1.0 / 72.0, 1.0 / 42.0, 1.0 / 20.0], 1.0 / 6.0);
-            let cosine_rest = series([1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0, 1.0 / 12.0], 1.0 / 2.0);
-            let mean_rest = series([1.0 / 182.0, 1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0], 1.0 / 12.0);
+            let (sine_rest, cosine_rest) = (sine_rest(square), cosine_rest(square));
+            // Twice the sum of (-d^2)^k / (2k + 4)!
+            let mean_rest = series(square, [1.0 / 182.0, 1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0], 1.0 / 12.0);
             let (cos, sin) = (1.0 - square * cosine_rest, delta * (1.0 - square * sine_rest));
             return Self { delta, cos, sin, sine_rest, cosine_rest, mean_rest };
         }

@@ -1,5 +1,7 @@
 //! An ant as a point that walks (Eq. 17) and steers (Eq. 20).
 
+use std::ops::{Div, Mul, Neg};
+
 use serde::{Deserialize, Serialize};
 
 use crate::math::{Arc, Mat2, Vec2, direction, perpendicular};
@@ -55,12 +57,6 @@ impl Ant {
         let length = 1.5 - 0.5 * ahead.norm_squared();
         Ant { heading: self.heading + arc.angle(), ahead: length * ahead, ..*self }
     }
-
-    /// Velocity of the tip in the mandibles of a pulling ant (m/s, world), Eq. (21): backwards along the heading, and sideways when
-    /// the ant turns about a point `control_offset` (m) behind its mandibles.
-    pub fn tip_velocity(&self, command: &Command, control_offset: f64) -> Vec2 {
-        command.velocity * self.ahead + command.turn_rate * control_offset * perpendicular(&self.ahead)
-    }
 }
 
 /// Turn rate (rad/s), Eq. (20): gain (1/s) times heading error (rad), as its mean over `duration` (s) while the desired heading stands
@@ -83,9 +79,9 @@ impl Steering {
         Self { duration, decay: (-steering_gain * duration).exp_m1() }
     }
 
-    /// Turn rate for a heading error (rad/s).
-    pub fn turn_rate(&self, heading_error: f64) -> f64 {
-        -heading_error * self.decay / self.duration
+    /// Turn rate for a heading error (rad/s), or for several side by side.
+    pub fn turn_rate<T: From<f64> + Neg<Output = T> + Mul<Output = T> + Div<Output = T>>(&self, heading_error: T) -> T {
+        -heading_error * T::from(self.decay) / T::from(self.duration)
     }
 }
 
@@ -128,12 +124,5 @@ mod tests {
         }
         assert!(ant.heading > 300.0 && farthest < 1e-10, "{farthest}");
         assert!((ant.ahead.norm() - 1.0).abs() <= 2.0 * f64::EPSILON);
-    }
-
-    #[test]
-    fn a_pulling_ant_drags_the_tip_backwards() {
-        let back = Command { velocity: -0.03, turn_rate: 1.0 };
-        assert_eq!(start().tip_velocity(&back, 0.0), Vec2::new(-0.03, 0.0));
-        assert_eq!(start().tip_velocity(&back, 0.004), Vec2::new(-0.03, 0.004));
     }
 }

@@ -7,7 +7,9 @@ use std::f64::consts::LN_2;
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::{SMALL_TANGENT, Vec2, perpendicular, small_arctangent};
+use wide::f64x4;
+
+use crate::math::{SMALL_TANGENT, Vec2, Vec2x4, small_arctangent};
 
 /// When an ant draws for a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,36 +78,45 @@ impl HalfAngle {
         Self { sin, cos }
     }
 
-    /// The direction in which an ant wants to pull, of any length, Eq. (22): towards the nest, but at most the half angle off the direction in which its `spring`
+    /// The directions in which ants want to pull, of any length, Eq. (22): towards the nest, but at most the half angle off the direction in which the `spring` of each
     /// leads away from the load. A nest exactly behind the spring counts as on its left.
-    pub fn pull_direction(&self, spring: &Vec2, nest: &Vec2) -> Vec2 {
-        let is_left = spring.perp(nest) >= 0.0;
-        let turned = self.cos * spring + if is_left { self.sin } else { -self.sin } * perpendicular(spring);
+    pub fn pull_directions(&self, spring: Vec2x4, nest: Vec2x4) -> Vec2x4 {
+        let (sin, cos) = (f64x4::splat(self.sin), f64x4::splat(self.cos));
+        let is_left = spring.perp(nest).simd_ge(f64x4::ZERO);
+        let turned = spring.turned(cos, is_left.select(sin, -sin));
         let beyond = turned.perp(nest);
-        let is_beyond = match (self.cos > 0.0, spring.dot(nest) < 0.0) {
-            (true, true) => true,
-            (false, false) => false,
-            _ if is_left => beyond > 0.0,
-            _ => beyond < 0.0,
-        };
-        if is_beyond { turned } else { *nest }
+        let is_past = is_left.select(beyond, -beyond).simd_gt(f64x4::ZERO);
+        let is_behind = spring.dot(nest).simd_lt(f64x4::ZERO);
+        // More than a right angle off counts as past a half angle below one, and less as short of one above.
+        let is_beyond = if self.cos > 0.0 { is_behind | is_past } else { is_behind & is_past };
+        turned.or(nest, is_beyond)
     }
 }
 
-/// Where an ant that pulls in `pull_direction` faces: it walks backwards, Eq. (21).
-pub fn facing_for_pull(pull_direction: &Vec2) -> Vec2 {
-    -pull_direction
+/// Where ants that pull in these directions face: they walk backwards, Eq. (21).
+pub fn facing_for_pull(pull_directions: Vec2x4) -> Vec2x4 {
+    Vec2x4 { x: -pull_directions.x, y: -pull_directions.y }
 }
 
 /// Signed angle from the unit vector `ahead` to a `desired` direction of any length in (-pi, pi] (rad), Eq. (19).
 pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
     let (across, along) = (ahead.perp(desired), ahead.dot(desired));
-    // Most ants that pull face nearly where they want to.
     if across.abs() <= SMALL_TANGENT * along && along > 0.0 {
         return small_arctangent(across / along);
     }
     // Without minus zero, which stands for minus pi.
     (across + 0.0).atan2(along)
+}
+
+/// The same, four side by side.
+pub fn turns_towards(desired: Vec2x4, ahead: Vec2x4) -> f64x4 {
+    let (across, along) = (ahead.perp(desired), ahead.dot(desired));
+    let is_small = across.abs().simd_le(f64x4::splat(SMALL_TANGENT) * along) & along.simd_gt(f64x4::ZERO);
+    // Most ants that pull face nearly where they want to.
+    if is_small.all() {
+        return small_arctangent(across / along);
+    }
+    f64x4::new(std::array::from_fn(|k| turn_towards(&desired.lane(k), &ahead.lane(k))))
 }
 
 #[cfg(test)]
@@ -139,6 +150,12 @@ mod tests {
         assert!((probability_within(hazard_of(0.2, 0.0025), 0.0025) - 0.2).abs() < 1e-16);
     }
 
+    /// Of one ant, between three that pull another way.
+    fn pull_direction(limit: &HalfAngle, spring: &Vec2, nest: &Vec2) -> Vec2 {
+        let beside = |own: &Vec2| Vec2x4::new([-own, *own, Vec2::new(own.y, own.x), Vec2::new(0.3, 0.1)]);
+        limit.pull_directions(beside(spring), beside(nest)).lane(1)
+    }
+
     /// The same by angles.
     fn by_angles(spring: f64, nest: f64, half_angle: f64) -> f64 {
         spring + wrap_to_pi(nest - spring).clamp(-half_angle, half_angle)
@@ -150,7 +167,7 @@ mod tests {
             let limit = HalfAngle::new(half_angle);
             for (k, j) in (0..60).flat_map(|k| (0..61).map(move |j| (k, j))) {
                 let (spring, nest) = (TAU * f64::from(k) / 60.0 - PI + 0.01, TAU * f64::from(j) / 61.0 - PI + 0.02);
-                let pull = limit.pull_direction(&(0.02 * direction(spring)), &(0.3 * direction(nest)));
+                let pull = pull_direction(&limit, &(0.02 * direction(spring)), &(0.3 * direction(nest)));
                 // Rounding of angles of order one.
                 assert!(
                     wrap_to_pi(pull.y.atan2(pull.x) - by_angles(spring, nest, half_angle)).abs() < 1e-14,
@@ -164,14 +181,14 @@ mod tests {
     fn a_nest_exactly_behind_the_spring_is_on_its_left() {
         for spring in [Vec2::new(0.01, 0.0), Vec2::new(-0.01, 0.0), Vec2::new(0.003, 0.0), Vec2::new(-0.001, 0.007)] {
             for half_angle in [0.0, 0.5, 1.5, 2.0] {
-                let pull = HalfAngle::new(half_angle).pull_direction(&spring, &(-4.0 * spring));
+                let pull = pull_direction(&HalfAngle::new(half_angle), &spring, &(-4.0 * spring));
                 assert!((turn_towards(&pull, &spring.normalize()) - half_angle).abs() < 1e-15, "{spring} {half_angle}");
-                let pull = HalfAngle::new(PI - half_angle).pull_direction(&spring, &(4.0 * spring));
+                let pull = pull_direction(&HalfAngle::new(PI - half_angle), &spring, &(4.0 * spring));
                 assert!(turn_towards(&pull, &spring.normalize()).abs() < 1e-15, "{spring} {half_angle}");
             }
         }
         let ahead = Vec2::new(1.0, 0.0);
         assert_eq!(turn_towards(&Vec2::new(-2.0, -0.0), &ahead), PI);
-        assert_eq!(turn_towards(&facing_for_pull(&Vec2::new(0.0, 3.0)), &ahead), -0.5 * PI);
+        assert_eq!(turn_towards(&facing_for_pull(Vec2x4::splat(Vec2::new(0.0, 3.0))).lane(2), &ahead), -0.5 * PI);
     }
 }

@@ -10,6 +10,7 @@ pub mod load;
 pub mod spring;
 pub mod spring_design;
 pub mod support;
+pub mod team;
 
 pub use interaction::interaction_force;
 pub use load::{Load, System};

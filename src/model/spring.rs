@@ -85,6 +85,12 @@ impl PolarSpring {
         self.rest_length == 0.0 && self.torsional_stiffness == 0.0
     }
 
+    /// Stiffness against a way of the tip from where it rests, along or across the spring, whichever is larger (N/m).
+    pub fn largest_stiffness(&self) -> f64 {
+        let across = if self.torsional_stiffness == 0.0 { 0.0 } else { self.torsional_stiffness / self.rest_length.powi(2) };
+        self.radial_stiffness.max(across)
+    }
+
     /// A spring with the same root that is undeformed in `shape`, with stiffnesses (N/m, N m/rad) of its own.
     pub fn about(&self, shape: &SpringShape, radial_stiffness: f64, torsional_stiffness: f64) -> PolarSpring {
         let softened = PolarSpring { radial_stiffness, torsional_stiffness, damping_ratio: 0.0, ..*self };

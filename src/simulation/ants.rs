@@ -6,14 +6,16 @@
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 
 use super::sensing::{Around, Placed, Sensing};
 use super::{Driver, Event, EventKind, HeldTip, Orders, Trace, View};
 use crate::backend::{Backend, Motion, RestoreError};
-use crate::math::{Arc, Chance, Stream, Summary, Vec2};
+use crate::math::{Chance, LANES, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Command, Mode, Steering};
-use crate::model::behaviour::{HalfAngle, Pace, facing_for_pull, hazard_of, probability_within, turn_towards};
+use crate::model::behaviour::{HalfAngle, Pace, hazard_of, probability_within, turn_towards};
+use crate::model::team::Haul;
 use crate::scenario::{AntDrive, Drive, Scenario};
 
 /// All ants of one run.
@@ -34,8 +36,6 @@ pub struct Ants {
     load: Placed,
     /// For each ant that pulls, the first tick from which a decision period may have passed.
     next_decisions: Vec<u64>,
-    /// The first tick from which a belief may be due.
-    next_belief: u64,
     targets: Vec<Vec2>,
 }
 
@@ -67,7 +67,6 @@ impl Ants {
             sensing: Sensing::new(springs, drive.sensing_range),
             load: Placed::new(&scenario.start.pose),
             next_decisions: vec![0; drive.n_ants],
-            next_belief: 0,
             targets: vec![Vec2::zeros(); springs.len()],
         }
     }
@@ -116,6 +115,9 @@ impl Ants {
 
     /// Searching ants grasp, or draw a new belief of where the load is when its time has come; the error is normal with the target variance in each axis.
     fn grasp_or_believe(&mut self, view: &View, tick: u64, orders: &mut Orders) {
+        if self.state.ants.iter().all(|ant| ant.mode != Mode::Search) {
+            return;
+        }
         self.load = self.load.moved_to(&view.backend.motion().pose);
         let load = self.load;
         let belief = self.belief_due(tick);
@@ -144,13 +146,8 @@ impl Ants {
     }
 
     /// Number of the belief that is drawn at a tick; `None` between.
-    fn belief_due(&mut self, tick: u64) -> Option<u64> {
-        if tick < self.next_belief {
-            return None;
-        }
-        let period = self.drive.target_redraw_period;
-        self.next_belief = tick.saturating_add(quiet_ticks(tick, period / self.control_period));
-        let n_beliefs = |tick| n_periods(tick, self.control_period, period);
+    fn belief_due(&self, tick: u64) -> Option<u64> {
+        let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
         let belief = n_beliefs(tick);
         (tick == 0 || belief > n_beliefs(tick - 1)).then_some(belief as u64)
     }
@@ -207,31 +204,49 @@ impl Ants {
     fn walk(&mut self, motion: &Motion, springs: &[PolarSpring], duration: f64) {
         let steering = Steering::new(self.drive.steering_gain, duration);
         self.load = self.load.moved_to(&motion.pose);
-        let load = self.load;
+        let haul = Haul {
+            load: (self.load.position, self.load.turn),
+            nest: self.drive.nest_position,
+            half_angle: self.half_angle,
+            steering,
+            speed: self.drive.pull_speed,
+            control_offset: self.drive.control_offset,
+            duration,
+        };
+        // Ants that pull, and their springs, until there are as many as walk side by side.
+        let mut team: SmallVec<[(usize, usize); LANES]> = SmallVec::new();
         for i in 0..self.state.ants.len() {
-            let ant = self.state.ants[i];
-            self.state.ants[i] = match ant.mode {
+            let ant = &mut self.state.ants[i];
+            match ant.mode {
                 Mode::Search => {
-                    let target = load.position + ant.belief_error - ant.position;
-                    let error = turn_towards(&target, &ant.ahead);
-                    ant.walked(&Command { velocity: self.drive.search_speed, turn_rate: steering.turn_rate(error) }, duration)
+                    let target = self.load.position + ant.belief_error - ant.position;
+                    let turn_rate = steering.turn_rate(turn_towards(&target, &ant.ahead));
+                    *ant = ant.walked(&Command { velocity: self.drive.search_speed, turn_rate }, duration);
                 }
                 Mode::Transport { spring, .. } => {
-                    let error = self.pull_error(&ant, &springs[spring].root, load);
-                    let command = Command { velocity: -self.drive.pull_speed, turn_rate: steering.turn_rate(error) };
-                    let tip = ant.position + duration * ant.tip_velocity(&command, self.drive.control_offset);
-                    self.targets[spring] = tip;
-                    Ant { position: tip, ..ant.turned(&Arc::of(command.turn_rate * duration)) }
+                    team.push((i, spring));
+                    if team.len() == LANES {
+                        self.pull(&team, &haul, springs);
+                        team.clear();
+                    }
                 }
-            };
+            }
+        }
+        if !team.is_empty() {
+            self.pull(&team, &haul, springs);
         }
     }
 
-    /// Eq. (19, 22): how far a pulling ant is off where it wants to face (rad).
-    fn pull_error(&self, ant: &Ant, root: &Vec2, load: Placed) -> f64 {
-        let along = ant.position - load.to_world(root);
-        let to_nest = self.drive.nest_position - ant.position;
-        turn_towards(&facing_for_pull(&self.half_angle.pull_direction(&along, &to_nest)), &ant.ahead)
+    /// Lets a team take its tips with it: at most as many ants as walk side by side, each with its spring.
+    fn pull(&mut self, team: &[(usize, usize)], haul: &Haul, springs: &[PolarSpring]) {
+        let ants = &mut self.state.ants;
+        // Places that nobody takes walk as the first one does.
+        let of = |k: usize| team[if k < team.len() { k } else { 0 }];
+        let pulled = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
+        for ((i, spring), pulled) in team.iter().zip(pulled) {
+            ants[*i] = pulled;
+            self.targets[*spring] = pulled.position;
+        }
     }
 }
 
@@ -319,7 +334,6 @@ impl Driver for Ants {
             }
         }
         self.next_decisions.fill(0);
-        self.next_belief = 0;
         self.state = state;
         Ok(())
     }

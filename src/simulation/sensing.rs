@@ -27,7 +27,8 @@ pub struct Sensing {
 pub struct Placed {
     pub position: Vec2,
     heading: f64,
-    turn: Mat2,
+    /// Rotation of the load's axes to those of the world.
+    pub turn: Mat2,
 }
 
 /// What ants sense at one instant.

@@ -39,10 +39,25 @@ struct Polar {
     course: f64,
 }
 
+/// The angles of [`Polar`] as directions: sine and cosine of the tilt, and the unit vector of the course.
+#[derive(Clone, Copy)]
+struct Aim {
+    sin: f64,
+    cos: f64,
+    course: Vec2,
+}
+
+impl Polar {
+    fn aim(&self) -> Aim {
+        let (sin, cos) = self.tilt.sin_cos();
+        Aim { sin, cos, course: direction(self.course) }
+    }
+}
+
 /// The slip found from `start`, with the cones' forces written; `None`, with the forces as they were, when Newton's method ends elsewhere.
 pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
     let problem = Rebased::new(cones, cones.slowest(start), h, w);
-    let at = problem.newton(|at| problem.balance(at), problem.polar_of(start)?, n_iterations)?;
+    let at = problem.newton(|speed, aim| problem.balance(speed, aim), problem.polar_of(start)?, n_iterations)?;
     problem.write_forces(&at, 1.0, forces);
     Some(Candidate { twist: problem.twist_at(&at), regime: Regime::Slip })
 }
@@ -52,7 +67,7 @@ pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut
 pub(super) fn stick(cones: &Cones, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
     let problem = Rebased::new(cones, cones.slowest(start), &Mat3::zeros(), w);
     let start = Polar { speed: 1.0, ..problem.polar_of(start)? };
-    let at = problem.newton(|at| problem.gauge(at), start, n_iterations).filter(|at| at.speed <= 1.0)?;
+    let at = problem.newton(|speed, aim| problem.gauge(speed, aim), start, n_iterations).filter(|at| at.speed <= 1.0)?;
     problem.write_forces(&at, at.speed, forces);
     Some(Candidate { twist: Vec3::zeros(), regime: Regime::Stick })
 }
@@ -77,25 +92,24 @@ impl<'a> Rebased<'a> {
     }
 
     fn twist_at(&self, at: &Polar) -> Vec3 {
-        let slip_and_turn = at.speed * self.unit_twist(at);
+        let slip_and_turn = at.speed * self.unit_twist(&at.aim());
         let at_origin = slip_and_turn.xy() + slip_and_turn.z * Vec2::new(self.pivot().y, -self.pivot().x);
         Vec3::new(at_origin.x, at_origin.y, slip_and_turn.z)
     }
 
     /// (v_k, omega) at s = 1.
-    fn unit_twist(&self, at: &Polar) -> Vec3 {
-        let (sin, cos) = at.tilt.sin_cos();
-        let course = direction(at.course);
-        Vec3::new(sin * course.x, sin * course.y, cos / self.reach)
+    fn unit_twist(&self, aim: &Aim) -> Vec3 {
+        Vec3::new(aim.sin * aim.course.x, aim.sin * aim.course.y, aim.cos / self.reach)
     }
 
     /// A zero of `residual`, which also gives the derivative by (s, psi, phi).
-    fn newton(&self, residual: impl Fn(&Polar) -> (Vec3, Mat3), mut at: Polar, n_iterations: &mut u32) -> Option<Polar> {
+    fn newton(&self, residual: impl Fn(f64, &Aim) -> (Vec3, Mat3), mut at: Polar, n_iterations: &mut u32) -> Option<Polar> {
         let (mut best, mut best_residual, mut waited) = (at, f64::INFINITY, 0);
         for _ in 0..MOST_ITERATIONS {
-            let (value, jacobian) = residual(&at);
+            let aim = at.aim();
+            let (value, jacobian) = residual(at.speed, &aim);
             let size = value.amax();
-            let scale = self.cones.force_scale(&self.h, &self.w, &(at.speed * self.unit_twist(&at)));
+            let scale = self.cones.force_scale(&self.h, &self.w, &(at.speed * self.unit_twist(&aim)));
             waited = if size < best_residual { 0 } else { waited + 1 };
             if size < best_residual {
                 (best, best_residual) = (at, size);
@@ -114,38 +128,37 @@ impl<'a> Rebased<'a> {
             }
             at = Polar { speed: at.speed - step.x, tilt: at.tilt - step.y, course: at.course - step.z };
         }
-        let scale = self.cones.force_scale(&self.h, &self.w, &(best.speed * self.unit_twist(&best)));
+        let scale = self.cones.force_scale(&self.h, &self.w, &(best.speed * self.unit_twist(&best.aim())));
         (best_residual <= EXACT * scale && best.speed >= 0.0 && best.tilt.sin() >= 0.0).then_some(best)
     }
 
     /// `s H' d - w' + friction`: the balance about support k of a slip.
-    fn balance(&self, at: &Polar) -> (Vec3, Mat3) {
-        let (unit_twist, by_tilt, by_course) = self.unit_twist_derivatives(at);
-        let (friction, friction_by_tilt, friction_by_course) = self.friction(at);
-        let residual = at.speed * (self.h * unit_twist) - self.w + friction;
-        let tilt_column = at.speed * (self.h * by_tilt) + friction_by_tilt;
-        let course_column = at.speed * (self.h * by_course) + friction_by_course;
+    fn balance(&self, speed: f64, aim: &Aim) -> (Vec3, Mat3) {
+        let (unit_twist, by_tilt, by_course) = self.unit_twist_derivatives(aim);
+        let (friction, friction_by_tilt, friction_by_course) = self.friction(aim);
+        let residual = speed * (self.h * unit_twist) - self.w + friction;
+        let tilt_column = speed * (self.h * by_tilt) + friction_by_tilt;
+        let course_column = speed * (self.h * by_course) + friction_by_course;
         (residual, Mat3::from_columns(&[self.h * unit_twist, tilt_column, course_column]))
     }
 
     /// `g friction - w'`, with g in the place of s.
-    fn gauge(&self, at: &Polar) -> (Vec3, Mat3) {
-        let (friction, by_tilt, by_course) = self.friction(at);
-        (at.speed * friction - self.w, Mat3::from_columns(&[friction, at.speed * by_tilt, at.speed * by_course]))
+    fn gauge(&self, share: f64, aim: &Aim) -> (Vec3, Mat3) {
+        let (friction, by_tilt, by_course) = self.friction(aim);
+        (share * friction - self.w, Mat3::from_columns(&[friction, share * by_tilt, share * by_course]))
     }
 
-    fn unit_twist_derivatives(&self, at: &Polar) -> (Vec3, Vec3, Vec3) {
-        let (sin, cos) = at.tilt.sin_cos();
-        let course = direction(at.course);
+    fn unit_twist_derivatives(&self, aim: &Aim) -> (Vec3, Vec3, Vec3) {
+        let Aim { sin, cos, course } = aim;
         let by_tilt = Vec3::new(cos * course.x, cos * course.y, -sin / self.reach);
         let by_course = Vec3::new(-sin * course.y, sin * course.x, 0.0);
-        (self.unit_twist(at), by_tilt, by_course)
+        (self.unit_twist(aim), by_tilt, by_course)
     }
 
     /// Wrench of the full friction forces about support k, and its derivatives by psi and phi.
-    fn friction(&self, at: &Polar) -> (Vec3, Vec3, Vec3) {
-        let (unit_twist, by_tilt, by_course) = self.unit_twist_derivatives(at);
-        let (course, limit) = (direction(at.course), self.cones.limits[self.k]);
+    fn friction(&self, aim: &Aim) -> (Vec3, Vec3, Vec3) {
+        let (unit_twist, by_tilt, by_course) = self.unit_twist_derivatives(aim);
+        let (course, limit) = (aim.course, self.cones.limits[self.k]);
         let mut wrench = limit * Vec3::new(course.x, course.y, 0.0);
         let mut wrench_by_tilt = Vec3::zeros();
         let mut wrench_by_course = limit * Vec3::new(-course.y, course.x, 0.0);
@@ -168,10 +181,11 @@ impl<'a> Rebased<'a> {
     }
 
     fn write_forces(&self, at: &Polar, share: f64, forces: &mut [Vec2]) {
-        let unit_twist = self.unit_twist(at);
+        let aim = at.aim();
+        let unit_twist = self.unit_twist(&aim);
         for (i, force) in forces.iter_mut().enumerate() {
             let arm = self.cones.offsets[i] - self.pivot();
-            let course = if i == self.k { direction(at.course) } else { slip_velocity(&arm, &unit_twist).normalize() };
+            let course = if i == self.k { aim.course } else { slip_velocity(&arm, &unit_twist).normalize() };
             *force = share * self.cones.limits[i] * course;
         }
     }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::controlled::{self, FirstOrder, Way};
 use super::forecast::Forecast;
-use super::friction::{FrictionSolver, Regime, WarmStart};
+use super::friction::{EXACT, FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
 use super::increment::{Increment, Potential, Stage, minimise};
 use super::spring_blocks::{Accepted, Place, SpringBlocks};
@@ -53,7 +53,7 @@ pub(super) struct State {
     motion: Motion,
     held: HeldSprings,
     energy: EnergyLedger,
-    /// A grasp or a release has changed the forces since the last balance.
+    /// A grasp or a release has changed the forces since the last balance, by more than what counts as none of it: ants grasp tips at rest.
     disturbed: bool,
     regime: Regime,
     /// Nothing was grasped or let go since the step that ended in the regime.
@@ -123,6 +123,8 @@ impl QuasiStatic {
 
     /// Moves the load from where a grasp or a release has left it to the balance for tips that stand still. The friction of a long way depends on
     /// the way, here one constant twist; where that ends the load may have to go on, by far less, before it stays.
+    // Apart from the steps, which come far more often and leave the processor no room for it.
+    #[inline(never)]
     fn jump(&mut self) -> StepReport {
         let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
         let report = self.settle();
@@ -370,8 +372,11 @@ impl Backend for QuasiStatic {
         self.catch_up();
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
-        self.state.disturbed |= brought != 0.0;
-        self.state.is_stale = true;
+        let largest_pull = (2.0 * brought * self.system.springs[spring].largest_stiffness()).sqrt();
+        let is_at_rest = brought == 0.0 || largest_pull <= EXACT * self.system.total_slip_limit();
+        self.state.disturbed |= !is_at_rest;
+        self.state.forecast.forget();
+        (self.state.regime_is_known, self.state.past, self.state.is_stale) = (false, None, true);
         self.state.stick.forget();
     }
 

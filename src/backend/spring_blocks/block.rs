@@ -4,11 +4,10 @@ use wide::f64x4;
 
 use super::super::held::Grip;
 use super::Place;
-use crate::math::{Mat3, SMALL_TANGENT, Vec2, Vec3, direction, small_arctangent};
+use crate::math::{LANES, Mat3, SMALL_TANGENT, Vec2, Vec2x4, Vec3, direction, small_arctangent};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::{PolarSpring, Reaction};
 
-pub(super) const LANES: usize = 4;
 /// Where swings come from.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Swings {
@@ -20,82 +19,39 @@ pub(super) enum Swings {
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Block {
-    root: Plane,
+    root: Vec2x4,
     /// Unit vector along the undeformed spring (load axes).
-    bearing: Plane,
+    bearing: Vec2x4,
     rest_length: f64x4,
     /// Length at and below which a spring has no direction (m); negative in lanes beyond the last spring.
     shortest: f64x4,
     radial: f64x4,
     torsional: f64x4,
     /// Now (m, world).
-    pub tip: Plane,
+    pub tip: Vec2x4,
     /// Swing at the accepted pose (rad), and its whole turns.
     pub swing: f64x4,
     turns: f64x4,
     /// Tip at the accepted pose (m, world), and the pull of its holder there (N, world).
-    pub accepted_tip: Plane,
-    pub accepted_pull: Plane,
+    pub accepted_tip: Vec2x4,
+    pub accepted_pull: Vec2x4,
     /// Unit vector from root to tip there (load axes).
-    accepted_direction: Plane,
+    accepted_direction: Vec2x4,
     /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes) at the last pose evaluated.
     swing_there: f64x4,
-    pub pull_there: Plane,
-    direction_there: Plane,
-}
-
-/// Four vectors of the plane.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Plane {
-    x: f64x4,
-    y: f64x4,
+    pub pull_there: Vec2x4,
+    direction_there: Vec2x4,
 }
 
 /// Sums over springs in load axes: the parts of a [`Reaction`].
 #[derive(Clone, Copy, Default)]
 pub(super) struct Sums {
     energy: f64x4,
-    pull: Plane,
+    pull: Vec2x4,
     moment: f64x4,
     stiffness: [f64x4; 3],
-    mixed: Plane,
+    mixed: Vec2x4,
     angular: f64x4,
-}
-
-impl Plane {
-    fn splat(v: Vec2) -> Self {
-        Self { x: f64x4::splat(v.x), y: f64x4::splat(v.y) }
-    }
-
-    fn dot(self, other: Self) -> f64x4 {
-        self.x * other.x + self.y * other.y
-    }
-
-    fn perp(self, other: Self) -> f64x4 {
-        self.x * other.y - self.y * other.x
-    }
-
-    fn less(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y }
-    }
-
-    /// Turned by the rotation whose first column is this (cos, sin).
-    fn turned(self, cos: f64x4, sin: f64x4) -> Self {
-        Self { x: cos * self.x - sin * self.y, y: sin * self.x + cos * self.y }
-    }
-
-    pub fn lane(&self, k: usize) -> Vec2 {
-        Vec2::new(self.x.to_array()[k], self.y.to_array()[k])
-    }
-
-    pub fn set_lane(&mut self, k: usize, v: Vec2) {
-        self.x.as_mut_array()[k] = v.x;
-        self.y.as_mut_array()[k] = v.y;
-    }
-
-    fn sum(self) -> Vec2 {
-        Vec2::new(self.x.reduce_add(), self.y.reduce_add())
-    }
 }
 
 impl Block {
@@ -120,7 +76,7 @@ impl Block {
     #[inline]
     pub fn add_to<const CURVED: bool>(&mut self, sums: &mut Sums, at: &Place, swings: Swings) -> bool {
         let (cos, sin) = (f64x4::splat(at.turn.m11), f64x4::splat(at.turn.m21));
-        let arm = self.tip.less(Plane::splat(at.pose.position)).turned(cos, -sin);
+        let arm = self.tip.less(Vec2x4::splat(at.pose.position)).turned(cos, -sin);
         let d = arm.less(self.root);
         let length = d.dot(d).sqrt();
         if length.simd_le(self.shortest).any() {
@@ -132,10 +88,10 @@ impl Block {
         let stretch = length - self.rest_length;
         let torsion = self.torsional * inverse * inverse;
         let (radial_pull, torsional_pull) = (self.radial * stretch, torsion * length * swing);
-        let pull = Plane { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
-        (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Plane { x: e_x, y: e_y });
+        let pull = Vec2x4 { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
+        (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Vec2x4 { x: e_x, y: e_y });
         // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
-        let by_turn = Plane { x: arm.y, y: -arm.x };
+        let by_turn = Vec2x4 { x: arm.y, y: -arm.x };
         sums.energy += self.radial * stretch * stretch + self.torsional * swing * swing;
         sums.pull.x += pull.x;
         sums.pull.y += pull.y;
@@ -153,7 +109,7 @@ impl Block {
             (self.radial - across) * xy + coupling * (xx - yy),
         ];
         let stiff_turn =
-            Plane { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
+            Vec2x4 { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
         for (sum, entry) in sums.stiffness.iter_mut().zip(stiffness) {
             *sum += entry;
         }
@@ -164,7 +120,7 @@ impl Block {
     }
 
     /// Polar angle of d less the bearing, on the branch of the accepted swing (rad).
-    fn swing_of(&self, d: Plane) -> f64x4 {
+    fn swing_of(&self, d: Vec2x4) -> f64x4 {
         let along = self.accepted_direction.dot(d);
         let tangent = self.accepted_direction.perp(d) / along;
         // Not a number is not small.
@@ -202,7 +158,7 @@ impl Block {
         let pull = self.pull_there.turned(cos, sin);
         let way = self.tip.less(self.accepted_tip);
         let change = pull.less(self.accepted_pull);
-        let sum = Plane { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
+        let sum = Vec2x4 { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
         let squared_way = way.dot(way);
         let error = (change.dot(change) * squared_way).sqrt();
         (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.direction_there);

@@ -18,9 +18,9 @@ use serde::{Deserialize, Serialize};
 use wide::f64x4;
 
 use super::held::Grip;
-use crate::math::{Mat2, Pose, Vec2, Vec3, rotation};
+use crate::math::{LANES, Mat2, Pose, Vec2, Vec3, rotation};
 use crate::model::{PolarSpring, Reaction};
-use block::{Block, LANES, Sums, Swings};
+use block::{Block, Sums, Swings};
 
 /// All held springs, in the order of their grips.
 #[derive(Clone, Debug, Default)]

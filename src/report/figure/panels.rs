@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::difference::{self, Difference};
 use super::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use super::shown::{Instant, Seen};
+use super::shown::{Seen, SeenRows};
 use super::{Labelled, MILLI, Scene};
 use crate::math::{Pose, Vec2, direction};
 use crate::report::quantity;
@@ -24,24 +24,24 @@ pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
             panel.add(outline(first, scene.load_radius), Style::START, Shape::Path);
         }
         let style = Style::of_trace(index);
-        panel.add(one.rows.instants.iter().map(|instant| instant.position).collect(), style, Shape::Path);
+        panel.add(points(&one.rows.x, &one.rows.y), style, Shape::Path);
         panel.add(outline(last, scene.load_radius), style.thin(), Shape::Path);
     }
     panel
 }
 
 pub fn heading(traces: &[Seen]) -> Panel {
-    of_instants(traces, "heading (rad)", Scale::Linear, Shape::Graph, |instant| instant.heading)
+    of_rows(traces, "heading (rad)", Scale::Linear, Shape::Graph, |rows| &rows.headings)
 }
 
 pub fn speed(traces: &[Seen]) -> Panel {
-    let mut panel = of_instants(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, |instant| instant.speed);
+    let mut panel = of_rows(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, |rows| &rows.speeds);
     panel.cut_rare_peaks(|peak| format!("peaks up to {} cut off", quantity(peak / MILLI, "m/s")));
     panel
 }
 
 pub fn net_pull(traces: &[Seen], scene: &Scene) -> Panel {
-    let mut panel = of_instants(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, |instant| instant.net_pull);
+    let mut panel = of_rows(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, |rows| &rows.net_pulls);
     if scene.slip_limit > 0.0 {
         panel.marks.push(Mark { at: Across::Horizontal(MILLI * scene.slip_limit), style: Style::SLIP_LIMIT });
     }
@@ -49,19 +49,18 @@ pub fn net_pull(traces: &[Seen], scene: &Scene) -> Panel {
 }
 
 pub fn total_pull(traces: &[Seen]) -> Panel {
-    of_instants(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, |instant| instant.total_pull)
+    of_rows(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, |rows| &rows.total_pulls)
 }
 
 pub fn holders(traces: &[Seen]) -> Panel {
-    of_instants(traces, "held springs", Scale::Count, Shape::Steps, |instant| instant.n_holders)
+    of_rows(traces, "held springs", Scale::Count, Shape::Steps, |rows| &rows.n_holders)
 }
 
 pub fn energy(one: &Seen) -> Panel {
     let mut panel = Panel::new("time (s)", "energy (mJ)", Scale::FromZero);
     panel.mark_events([one.events]);
-    for kind in 0..3 {
-        let points = one.rows.instants.iter().map(|instant| [instant.time, instant.energies[kind]]).collect();
-        panel.add(points, Style::of_pair(kind), Shape::Graph);
+    for (kind, energies) in one.rows.energies.iter().enumerate() {
+        panel.add(points(&one.rows.times, energies), Style::of_pair(kind), Shape::Graph);
     }
     panel
 }
@@ -111,14 +110,17 @@ fn pairs(n_traces: usize) -> Vec<(usize, usize)> {
     (0..n_from).flat_map(|from| (from + 1..n_traces).map(move |to| (from, to))).collect()
 }
 
-fn of_instants(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, y: impl Fn(&Instant) -> f64) -> Panel {
+fn of_rows(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, y: impl Fn(&SeenRows) -> &[f64]) -> Panel {
     let mut panel = Panel::new("time (s)", y_label, scale);
     panel.mark_events(traces.iter().map(|one| one.events));
     for (index, one) in traces.iter().enumerate() {
-        let points = one.rows.instants.iter().map(|instant| [instant.time, y(instant)]).collect();
-        panel.add(points, Style::of_trace(index), shape);
+        panel.add(points(&one.rows.times, y(&one.rows)), Style::of_trace(index), shape);
     }
     panel
+}
+
+fn points(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
+    x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
 fn of_pairs(traces: &[Labelled], y_label: &str, y: impl Fn(&Difference) -> f64) -> Panel {

@@ -1,8 +1,9 @@
-//! What figures show of a trace: worked out in one pass, as rows are long and there are many of them.
+//! What figures show of a trace: taken from the rows once, as these are long and there are many of them.
 
 use std::borrow::Cow;
 
 use super::{Labelled, MILLI};
+use crate::backend::EnergyLedger;
 use crate::math::{Pose, Vec2};
 use crate::simulation::{Event, Row};
 
@@ -12,32 +13,27 @@ pub struct Seen<'a> {
     pub events: &'a [Event],
 }
 
-/// What figures need of rows, which may come a few at a time: a quarter of what they hold.
+/// What figures need of rows, which may come a few at a time: in print units, a quantity after the other, as each is drawn by itself.
 #[derive(Clone, Debug, Default)]
 pub struct SeenRows {
-    pub(super) instants: Vec<Instant>,
+    /// (s)
+    pub(super) times: Vec<f64>,
+    /// Position (mm).
+    pub(super) x: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    /// (rad)
+    pub(super) headings: Vec<f64>,
+    /// (mm/s)
+    pub(super) speeds: Vec<f64>,
+    /// Size of the sum of the pulls (mN).
+    pub(super) net_pulls: Vec<f64>,
+    /// Sum of their sizes (mN).
+    pub(super) total_pulls: Vec<f64>,
+    pub(super) n_holders: Vec<f64>,
+    /// Done by the tips, dissipated, elastic (mJ).
+    pub(super) energies: [Vec<f64>; 3],
     /// The load's pose at both ends; none without rows.
     pub(super) ends: Option<[Pose; 2]>,
-}
-
-/// One row in print units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instant {
-    /// (s)
-    pub time: f64,
-    /// (mm)
-    pub position: [f64; 2],
-    /// (rad)
-    pub heading: f64,
-    /// (mm/s)
-    pub speed: f64,
-    /// Size of the sum of the pulls (mN).
-    pub net_pull: f64,
-    /// Sum of their sizes (mN).
-    pub total_pull: f64,
-    pub n_holders: f64,
-    /// Done by the tips, dissipated, elastic (mJ).
-    pub energies: [f64; 3],
 }
 
 impl<'a> Seen<'a> {
@@ -58,22 +54,18 @@ impl SeenRows {
         let Some(last) = rows.last() else { return };
         let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
         self.ends = Some([first, last.motion.pose]);
-        self.instants.extend(rows.iter().map(Instant::of));
-    }
-}
-
-impl Instant {
-    fn of(row: &Row) -> Self {
-        let (motion, energy) = (&row.motion, &row.energy);
-        Self {
-            time: row.time,
-            position: [MILLI * motion.pose.position.x, MILLI * motion.pose.position.y],
-            heading: motion.pose.heading,
-            speed: MILLI * motion.twist.linear.norm(),
-            net_pull: MILLI * row.tips.iter().map(|tip| tip.pull).sum::<Vec2>().norm(),
-            total_pull: MILLI * row.tips.iter().map(|tip| tip.pull.norm()).sum::<f64>(),
-            n_holders: row.tips.len() as f64,
-            energies: [energy.tip_work, energy.dissipated(), energy.elastic].map(|energy| MILLI * energy),
+        let motions = || rows.iter().map(|row| &row.motion);
+        self.times.extend(rows.iter().map(|row| row.time));
+        self.x.extend(motions().map(|motion| MILLI * motion.pose.position.x));
+        self.y.extend(motions().map(|motion| MILLI * motion.pose.position.y));
+        self.headings.extend(motions().map(|motion| motion.pose.heading));
+        self.speeds.extend(motions().map(|motion| MILLI * motion.twist.linear.norm()));
+        self.net_pulls.extend(rows.iter().map(|row| MILLI * row.tips.iter().map(|tip| tip.pull).sum::<Vec2>().norm()));
+        self.total_pulls.extend(rows.iter().map(|row| MILLI * row.tips.iter().map(|tip| tip.pull.norm()).sum::<f64>()));
+        self.n_holders.extend(rows.iter().map(|row| row.tips.len() as f64));
+        let energies: [fn(&EnergyLedger) -> f64; 3] = [|energy| energy.tip_work, EnergyLedger::dissipated, |energy| energy.elastic];
+        for (column, energy) in self.energies.iter_mut().zip(energies) {
+            column.extend(rows.iter().map(|row| MILLI * energy(&row.energy)));
         }
     }
 }
