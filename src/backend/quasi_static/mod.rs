@@ -168,6 +168,10 @@ impl QuasiStatic {
         let before = std::mem::replace(&mut self.state.regime, Regime::Stick);
         self.note_transition(before, 0.0);
         self.state.motion.twist = Twist::ZERO;
+        if self.state.is_stale {
+            // Somebody may ask for their forces, again and again.
+            self.gather();
+        }
         let (free_load, still_tips) = if self.state.held.is_empty() { (n_steps, 0) } else { (0, n_steps) };
         let skipped = SkipCounts { free_load, still_tips, ..SkipCounts::default() };
         StepReport { n_steps, n_skipped: n_steps, skipped, ..StepReport::default() }
@@ -203,8 +207,10 @@ impl QuasiStatic {
     fn gather(&mut self) {
         self.catch_up();
         if std::mem::take(&mut self.state.is_stale) {
+            let place = Place::of(&self.state.motion.pose);
             self.springs.gather(&self.system.springs, self.state.held.grips());
-            self.springs.start(&Place::of(&self.state.motion.pose));
+            self.springs.start(&place);
+            self.state.turn = place.turn;
         }
     }
 

@@ -54,6 +54,9 @@ impl SeenRows {
         let Some(last) = rows.last() else { return };
         let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
         self.ends = Some([first, last.motion.pose]);
+        if self.times.is_empty() {
+            self.reserve();
+        }
         let motions = || rows.iter().map(|row| &row.motion);
         self.times.extend(rows.iter().map(|row| row.time));
         self.x.extend(motions().map(|motion| MILLI * motion.pose.position.x));
@@ -67,5 +70,12 @@ impl SeenRows {
         for (column, energy) in self.energies.iter_mut().zip(energies) {
             column.extend(rows.iter().map(|row| MILLI * energy(&row.energy)));
         }
+    }
+    /// Room from which on columns grow without being moved: what is left behind would cost more than the room.
+    fn reserve(&mut self) {
+        const ROOM: usize = 1 << 14;
+        let Self { times, x, y, headings, speeds, net_pulls, total_pulls, n_holders, energies, ends: _ } = self;
+        let columns = [times, x, y, headings, speeds, net_pulls, total_pulls, n_holders];
+        columns.into_iter().chain(energies).for_each(|column| column.reserve(ROOM));
     }
 }
