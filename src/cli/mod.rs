@@ -13,6 +13,7 @@ mod paper;
 mod regime;
 mod run;
 mod scenario;
+mod state;
 mod stress;
 mod sweep;
 mod verify;

@@ -1,7 +1,6 @@
 //! `cohaul paper`.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant, SystemTime};
@@ -9,7 +8,7 @@ use std::time::{Duration, Instant, SystemTime};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::{CliError, interrupt, print};
+use super::{CliError, interrupt, print, state};
 use crate::backend::{BackendKind, Status};
 use crate::paper::{self, Case, Done, Plan, Set, Trial, study};
 use crate::report::{Manifest, Paper, PaperRuns, Progress, check_target, figure, largest, paper_text, sha256_hex, write_paper};
@@ -74,17 +73,17 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
     }
     let plan = plan(args);
     let asked = asked(&plan);
-    let file = args.out.as_deref().map(state_file);
+    let file = args.out.as_deref().map(state::file_beside);
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let before = file.as_deref().map(|file| saved(file, &asked)).transpose()?.flatten();
+    let before = file.as_deref().map(|file| state::saved(file, |state: &State| state.asked == asked)).transpose()?.flatten();
     let (done, spent) = before.map_or((Done::new(), 0.0), |state| (state.done, state.wall_s));
     let wall_s = || spent + clock.elapsed().as_secs_f64();
     let done = run(&plan, done, |done| match &file {
-        Some(file) => write_state(file, &State { asked: asked.clone(), wall_s: wall_s(), done: done.clone() }),
+        Some(file) => state::keep(file, &State { asked: asked.clone(), wall_s: wall_s(), done: done.clone() }),
         None => Ok(()),
     })?;
     if done.len() < plan.tasks().len() {
-        return interrupted(file.as_deref(), State { asked, wall_s: wall_s(), done });
+        return state::interrupted(file.as_deref(), &State { asked, wall_s: wall_s(), done });
     }
     let found = Paper::new(&plan, &done, args.quick, wall_s());
     found.check_finite()?;
@@ -95,9 +94,7 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
         let figures = figure::of_paper(&found, &units, largest(&units), shown.as_ref());
         write_paper(out, &found, &runs.flat(), &figures, &manifest(&plan, started))?;
     }
-    if let Some(file) = file.filter(|file| file.exists()) {
-        fs::remove_file(&file).map_err(|source| CliError::File { path: file, source })?;
-    }
+    state::remove(file)?;
     print(&if args.json { found.to_json() } else { paper_text(&found) })?;
     Ok(if found.status == Status::Failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
@@ -167,44 +164,6 @@ fn run(plan: &Plan, done: Done, keep: impl Fn(&Done) -> Result<(), CliError> + S
     let done = study(plan, done, watch, keep_at_times);
     progress.into_inner().expect("no thread panicked while it drew").finish();
     failure.into_inner().expect("no thread panicked while it failed").map_or(Ok(done), Err)
-}
-
-fn state_file(out: &Path) -> PathBuf {
-    let mut name = out.file_name().unwrap_or_default().to_owned();
-    name.push(".state.json");
-    out.with_file_name(name)
-}
-
-/// What an interrupted run of the same question has left; `None` where there is none.
-fn saved(file: &Path, asked: &Asked) -> Result<Option<State>, CliError> {
-    let path = || file.to_owned();
-    let text = match fs::read_to_string(file) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        other => other.map_err(|source| CliError::File { path: path(), source })?,
-    };
-    let state: State = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path(), source })?;
-    if state.asked != *asked {
-        let what = "was left by another command or build; run that again, or remove the file";
-        return Err(CliError::Usage(format!("{}: {what}", file.display())));
-    }
-    Ok(Some(state))
-}
-
-/// Whole or not at all.
-fn write_state(file: &Path, state: &State) -> Result<(), CliError> {
-    let text = serde_json::to_string(state).expect("answers are plain data");
-    let partial = file.with_extension("partial");
-    let kept = fs::create_dir_all(file.parent().unwrap_or(Path::new("")))
-        .and_then(|()| fs::write(&partial, text))
-        .and_then(|()| fs::rename(&partial, file));
-    kept.map_err(|source| CliError::File { path: file.to_owned(), source })
-}
-
-fn interrupted(file: Option<&Path>, state: State) -> Result<ExitCode, CliError> {
-    if let Some(file) = file {
-        write_state(file, &state)?;
-    }
-    Err(CliError::Interrupted)
 }
 
 /// In place of a scenario stand the trials, as run at the first seed.

@@ -1,7 +1,6 @@
 //! `cohaul regime`.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Instant, SystemTime};
@@ -9,7 +8,7 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::{CliError, interrupt, print};
+use super::{CliError, interrupt, print, state};
 use crate::regime::{self, Cell, Done, Effort, Grid, Scene};
 use crate::report::{Manifest, Progress, Regime, check_target, regime_text, sha256_hex, write_regime};
 
@@ -56,14 +55,14 @@ pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
     let maps: Vec<Grid> = scenes.iter().map(|scene| Grid::of(*scene, effort)).collect();
     let grids: Vec<Grid> = maps.iter().cloned().chain(scenes.iter().map(|scene| Grid::paper(*scene))).collect();
     let asked = asked(scenes, effort);
-    let file = args.out.as_deref().map(state_file);
+    let file = args.out.as_deref().map(state::file_beside);
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let before = file.as_deref().map(|file| saved(file, &asked)).transpose()?.flatten();
+    let before = file.as_deref().map(|file| state::saved(file, |state: &State| state.asked == asked)).transpose()?.flatten();
     let (done, spent) = before.map_or((Done::new(), 0.0), |state| (state.done, state.wall_s));
     let done = run(&grids, done);
     let wall_s = spent + clock.elapsed().as_secs_f64();
     if done.len() < regime::cells(&grids).len() {
-        return interrupted(file.as_deref(), &State { asked, wall_s, done });
+        return state::interrupted(file.as_deref(), &State { asked, wall_s, done });
     }
     let mut cells: Vec<Cell> = done.into_values().collect();
     let paper = cells.split_off(maps.iter().map(Grid::n_cells).sum());
@@ -71,9 +70,7 @@ pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.out {
         write_regime(out, &found, &manifest(&asked, started))?;
     }
-    if let Some(file) = file.filter(|file| file.exists()) {
-        fs::remove_file(&file).map_err(|source| CliError::File { path: file, source })?;
-    }
+    state::remove(file)?;
     print(&if args.json { found.to_json() } else { regime_text(&found) })?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
@@ -95,40 +92,6 @@ fn run(grids: &[Grid], done: Done) -> Done {
     let done = regime::measure(grids, done, watch);
     progress.into_inner().expect("no thread panicked while it drew").finish();
     done
-}
-
-fn state_file(out: &Path) -> PathBuf {
-    let mut name = out.file_name().unwrap_or_default().to_owned();
-    name.push(".state.json");
-    out.with_file_name(name)
-}
-
-/// What an interrupted run of the same question has left; `None` where there is none.
-fn saved(file: &Path, asked: &Asked) -> Result<Option<State>, CliError> {
-    let path = || file.to_owned();
-    let text = match fs::read_to_string(file) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        other => other.map_err(|source| CliError::File { path: path(), source })?,
-    };
-    let state: State = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path(), source })?;
-    if state.asked != *asked {
-        let what = "was left by another command or build; run that again, or remove the file";
-        return Err(CliError::Usage(format!("{}: {what}", file.display())));
-    }
-    Ok(Some(state))
-}
-
-/// Keeps what is done, whole or not at all.
-fn interrupted(file: Option<&Path>, state: &State) -> Result<ExitCode, CliError> {
-    if let Some(file) = file {
-        let text = serde_json::to_string(state).expect("cells are plain data");
-        let partial = file.with_extension("partial");
-        let kept = fs::create_dir_all(file.parent().unwrap_or(Path::new("")))
-            .and_then(|()| fs::write(&partial, text))
-            .and_then(|()| fs::rename(&partial, file));
-        kept.map_err(|source| CliError::File { path: file.to_owned(), source })?;
-    }
-    Err(CliError::Interrupted)
 }
 
 /// In place of a scenario stand the scenes asked for.

@@ -1,0 +1,56 @@
+//! What an interrupted command leaves beside its output folder, for the same command to go on from.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::CliError;
+
+/// The file beside the folder `out`.
+pub fn file_beside(out: &Path) -> PathBuf {
+    let mut name = out.file_name().unwrap_or_default().to_owned();
+    name.push(".state.json");
+    out.with_file_name(name)
+}
+
+/// What the same command has left, by what `is_same` says of it; `None` where there is nothing.
+pub fn saved<S: DeserializeOwned>(file: &Path, is_same: impl FnOnce(&S) -> bool) -> Result<Option<S>, CliError> {
+    let path = || file.to_owned();
+    let text = match fs::read_to_string(file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        other => other.map_err(|source| CliError::File { path: path(), source })?,
+    };
+    let state: S = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path(), source })?;
+    if !is_same(&state) {
+        let what = "was left by another command or build; run that again, or remove the file";
+        return Err(CliError::Usage(format!("{}: {what}", file.display())));
+    }
+    Ok(Some(state))
+}
+
+/// Keeps what is done, whole or not at all.
+pub fn keep(file: &Path, state: &impl Serialize) -> Result<(), CliError> {
+    let text = serde_json::to_string(state).expect("what is done is plain data");
+    let partial = file.with_extension("partial");
+    let kept = fs::create_dir_all(file.parent().unwrap_or(Path::new("")))
+        .and_then(|()| fs::write(&partial, text))
+        .and_then(|()| fs::rename(&partial, file));
+    kept.map_err(|source| CliError::File { path: file.to_owned(), source })
+}
+
+/// Ends an interrupted command, whose state is kept if there is a file for it.
+pub fn interrupted(file: Option<&Path>, state: &impl Serialize) -> Result<ExitCode, CliError> {
+    file.map_or(Ok(()), |file| keep(file, state))?;
+    Err(CliError::Interrupted)
+}
+
+/// Removes the state of a command that is done.
+pub fn remove(file: Option<PathBuf>) -> Result<(), CliError> {
+    match file.filter(|file| file.exists()) {
+        Some(file) => fs::remove_file(&file).map_err(|source| CliError::File { path: file, source }),
+        None => Ok(()),
+    }
+}
