@@ -2,13 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::apart::{Apart, Both, Cause, Largest, Occasion};
 use super::shadow::{Followed, Shadow, Tick, Tools};
 use super::slip::apart;
+use super::stride::Stride;
 use crate::backend::friction::WarmStart;
 use crate::backend::held::HeldSprings;
 use crate::backend::{Motion, RestoreError};
 use crate::math::{Pose, Vec2};
-use crate::model::System;
+use crate::model::{PolarSpring, System};
 use crate::scenario::Scenario;
 use crate::simulation::{Event, EventKind, Row, Trace};
 
@@ -36,39 +38,15 @@ pub struct InertiaEstimate {
     pub is_negligible: bool,
 }
 
-/// Where the displacement is largest, and what it comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Largest {
-    pub time_s: f64,
-    pub cause: Cause,
-    /// Spring of the grasp or the release that made the load jump; left out for other causes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub spring: Option<usize>,
-    /// Of that jump, or of the change of speed (s).
-    pub since_s: f64,
-}
-
-/// What sets a load with inertia apart from one without.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// It started with speed.
-    Start,
-    /// A grasp left it out of balance.
-    Grasp,
-    /// A release did.
-    Release,
-    /// Tips set it going or stopped it.
-    Driving,
-}
-
 /// Follows a run call by call: what happens to the load is told to it, in the order in which it happens.
 #[derive(Clone, Debug)]
 pub struct Estimator {
-    radius: f64,
+    system: System,
     tools: Tools,
     /// Least rest length of the held springs (m).
     shortest: f64,
+    /// Time in which a load on the held springs side by side swings by a radian (s).
+    radian: f64,
     state: State,
 }
 
@@ -76,7 +54,9 @@ pub struct Estimator {
 struct State {
     held: HeldSprings,
     shadow: Shadow,
+    /// Where the present stride began, or will (s).
     time: f64,
+    stride: Stride,
     /// Way of tips and load since the swings' branches were last looked at (m).
     gone: f64,
     /// The last grasp or release since the load last moved on.
@@ -92,26 +72,10 @@ struct State {
     bearing: Vec<Vec2>,
 }
 
-/// What the present displacement comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Occasion {
-    cause: Cause,
-    spring: Option<usize>,
-    time: f64,
-}
-
-/// How far the shadow is and has been (m, rad).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Apart {
-    shift: f64,
-    turn: f64,
-    shift_max: f64,
-    turn_max: f64,
-    from_start: f64,
-    from_jumps: f64,
-    from_driving: f64,
-    largest: Option<Largest>,
-}
+/// Longest stride of a load that slips, in radians of the held springs' oscillation (1): so long, forces and directions of slip are steady.
+const MOST_PHASE: f64 = 1.0 / 3.0;
+/// Of one that rests, where nothing but forces changes.
+const MOST_PHASE_AT_REST: f64 = 1.0;
 
 impl InertiaEstimate {
     /// From the trace of a quasi-static run of `scenario`; `agreement` is the share of its way that counts as negligible (1).
@@ -119,7 +83,7 @@ impl InertiaEstimate {
         let mut estimator = Estimator::new(&scenario.system, &scenario.start);
         let mut targets = vec![Vec2::zeros(); scenario.system.springs.len()];
         for rows in trace.rows.windows(2) {
-            estimator.advance_through(&scenario.system, [&rows[0], &rows[1]], &trace.events, &mut targets);
+            estimator.advance_through([&rows[0], &rows[1]], &trace.events, &mut targets);
         }
         estimator.estimate(agreement)
     }
@@ -134,6 +98,7 @@ impl Estimator {
             held: HeldSprings::default(),
             shadow,
             time: 0.0,
+            stride: Stride::new(system.springs.len()),
             gone: 0.0,
             event: None,
             speed: 0.0,
@@ -143,52 +108,77 @@ impl Estimator {
             warm_start: tools.solver.warm_start().clone(),
             bearing: tools.bearing.forces().to_vec(),
         };
-        Self { radius: system.load.radius, tools, shortest: f64::INFINITY, state }
+        Self { system: system.clone(), tools, shortest: f64::INFINITY, radian: f64::INFINITY, state }
     }
 
     /// The load at `pose` was grasped at the `tip` of a spring (m, world).
-    pub fn grasp(&mut self, system: &System, spring: usize, tip: Vec2, pose: &Pose) {
-        self.state.held.grasp(&system.springs, spring, tip, pose);
+    pub fn grasp(&mut self, spring: usize, tip: Vec2, pose: &Pose) {
+        self.end_stride();
+        self.state.held.grasp(&self.system.springs, spring, tip, pose);
         self.state.event = Some((Cause::Grasp, spring));
-        self.change(system);
+        self.change();
     }
 
     /// A spring of the load at `pose` was let go.
-    pub fn release(&mut self, system: &System, spring: usize, pose: &Pose) {
-        self.state.held.release(&system.springs, spring, pose);
+    pub fn release(&mut self, spring: usize, pose: &Pose) {
+        self.end_stride();
+        self.state.held.release(&self.system.springs, spring, pose);
         self.state.event = Some((Cause::Release, spring));
-        self.change(system);
+        self.change();
     }
 
     /// Takes note of other springs than before.
-    fn change(&mut self, system: &System) {
+    fn change(&mut self) {
         self.tools.springs.change();
-        let rest_length = |spring: usize| system.springs[spring].rest_length;
-        self.shortest = self.state.held.grips().iter().map(|grip| rest_length(grip.spring)).fold(f64::INFINITY, f64::min);
+        let held = || self.state.held.grips().iter().map(|grip| &self.system.springs[grip.spring]);
+        self.shortest = held().map(|spring| spring.rest_length).fold(f64::INFINITY, f64::min);
+        let stiffness: f64 = held().map(PolarSpring::largest_stiffness).sum();
+        self.radian = (self.system.load.mass / stiffness).sqrt();
     }
 
     /// The load went from one pose to another while the tips went to `tip_targets` (m, world, one entry a spring) within `duration` (s).
-    pub fn advance(&mut self, system: &System, before: &Pose, after: &Pose, tip_targets: &[Vec2], duration: f64) {
-        let Self { radius, tools, state, .. } = self;
+    pub fn advance(&mut self, before: &Pose, after: &Pose, tip_targets: &[Vec2], duration: f64) {
+        let (State { stride, held, .. }, rests) = (&self.state, before == after);
+        let longest = self.radian * if rests { MOST_PHASE_AT_REST } else { MOST_PHASE };
+        let goes_on = || stride.rests() == rests && stride.duration + duration <= longest && stride.leads_on(held, tip_targets, duration);
+        if stride.is_begun() && !goes_on() {
+            self.end_stride();
+        }
+        self.state.stride.extend([before, after], tip_targets, duration);
+        // What a shadow does alone turns on itself, tick by tick.
+        let moves_alone = rests && self.state.shadow.speed > 0.0;
+        if moves_alone || self.state.event.is_some() {
+            self.end_stride();
+        }
+    }
+
+    /// Lets the shadow follow through the ticks so far.
+    fn end_stride(&mut self) {
+        let Self { system, tools, state, .. } = self;
+        let Stride { before, after, duration, .. } = state.stride;
+        if duration == 0.0 {
+            return;
+        }
+        state.stride.duration = 0.0;
         let last = state.shadow;
         let is_event = state.event.is_some();
-        let tick = Tick { before, after, held: &state.held, targets: tip_targets, is_event, duration };
+        let tick = Tick { before: &before, after: &after, held: &state.held, targets: &state.stride.targets, is_event, duration };
         let followed = state.shadow.follow(system, &tick, tools);
-        let tips = state.held.move_tips(tip_targets);
+        let tips = state.held.move_tips(&state.stride.targets);
         let rests = before == after && !is_event && state.speed == 0.0 && followed == Followed::default();
-        let distance = if rests { 0.0 } else { apart(before, after, *radius) };
-        self.follow_swings(system, after, tips + distance);
+        let distance = if rests { 0.0 } else { apart(&before, &after, system.load.radius) };
+        self.follow_swings(&after, tips + distance);
         if rests {
             self.state.time += duration;
         } else {
-            self.note(&last, [before, after], distance, duration, &followed);
+            self.note(&last, [&before, &after], distance, duration, &followed);
         }
     }
 
     /// Keeps the branches of the swings, as soon as tips and load have gone far enough for swings to have changed by some share of a turn.
-    fn follow_swings(&mut self, system: &System, pose: &Pose, way: f64) {
+    fn follow_swings(&mut self, pose: &Pose, way: f64) {
         const FAR: f64 = 0.2;
-        let state = &mut self.state;
+        let Self { system, state, .. } = self;
         state.gone += way;
         if state.gone > FAR * self.shortest {
             state.held.accept(&system.springs, pose);
@@ -197,18 +187,18 @@ impl Estimator {
         }
     }
 
-    /// Notes a tick in which load or shadow moved, or began or ceased to: where the shadow was `last`, and how it and the load went on.
-    fn note(&mut self, last: &Shadow, [before, after]: [&Pose; 2], distance: f64, duration: f64, followed: &Followed) {
+    /// Notes a stride in which load or shadow moved, or began or ceased to: where the shadow was `last`, and how it and the load went on.
+    fn note(&mut self, last: &Shadow, ends: [&Pose; 2], distance: f64, duration: f64, followed: &Followed) {
         let swing = |speed: f64| if followed.frequency > 0.0 { speed / followed.frequency } else { 0.0 };
-        let amplitude = (apart(before, &last.pose, self.radius).powi(2) + swing((last.speed - self.state.speed).abs()).powi(2)).sqrt();
+        let amplitude =
+            (apart(ends[0], &last.pose, self.system.load.radius).powi(2) + swing((last.speed - self.state.speed).abs()).powi(2)).sqrt();
         self.note_occasion(distance, duration, amplitude, swing);
         let state = &mut self.state;
         state.time += duration;
         state.ways[0] += distance;
         state.ways[1] += followed.way;
-        let shadow = &state.shadow.pose;
-        let (shift, turn) = ((shadow.position - after.position).norm(), (shadow.heading - after.heading).abs());
-        state.apart.note(shift, turn, self.radius, state.time, &state.occasion);
+        let both = Both { load: ends, shadow: [last, &state.shadow], duration, is_short: duration <= MOST_PHASE * self.radian };
+        state.apart.note(&both, self.system.load.radius, state.time, &state.occasion);
     }
 
     /// A disturbance that is larger than the oscillation it meets (m) is what the displacement comes from henceforth: a jump by its way, a change of speed by the
@@ -228,12 +218,14 @@ impl Estimator {
 
     /// What has been found so far; `agreement` is the share of the way that counts as negligible (1).
     pub fn estimate(&self, agreement: f64) -> InertiaEstimate {
-        let State { apart, ways, .. } = &self.state;
-        let displacement_max_m = apart.shift_max + self.radius * apart.turn_max;
+        let mut so_far = self.clone();
+        so_far.end_stride();
+        let State { apart, ways, .. } = &so_far.state;
+        let displacement_max_m = apart.shift_max + self.system.load.radius * apart.turn_max;
         let path_length_m = ways[0].max(ways[1]);
         InertiaEstimate {
             displacement_max_m,
-            displacement_final_m: apart.shift + self.radius * apart.turn,
+            displacement_final_m: apart.shift + self.system.load.radius * apart.turn,
             largest: apart.largest,
             from_start_m: apart.from_start,
             from_jumps_m: apart.from_jumps,
@@ -252,20 +244,24 @@ impl Estimator {
 
     /// # Errors
     /// When the state is not one that an estimator of this system saved.
-    pub fn restore(&mut self, system: &System, state: &serde_json::Value) -> Result<(), RestoreError> {
+    pub fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
+        let system = &self.system;
         let state = State::deserialize(state).map_err(|error| RestoreError(error.to_string()))?;
         state.held.check(&system.springs)?;
         self.tools.solver.set_warm_start(state.warm_start.clone())?;
         if !self.tools.bearing.set_forces(&state.bearing) {
             return Err(RestoreError(format!("{} forces on {} supports", state.bearing.len(), system.ground.supports.len())));
         }
+        if state.stride.targets.len() != system.springs.len() {
+            return Err(RestoreError(format!("{} tips of {} springs", state.stride.targets.len(), system.springs.len())));
+        }
         self.state = state;
-        self.change(system);
+        self.change();
         Ok(())
     }
 
     /// What a trace tells between two of its rows; `targets` keeps where the tips are.
-    fn advance_through(&mut self, system: &System, rows: [&Row; 2], events: &[Event], targets: &mut [Vec2]) {
+    fn advance_through(&mut self, rows: [&Row; 2], events: &[Event], targets: &mut [Vec2]) {
         let [last, next] = rows;
         let pose = last.motion.pose;
         // The load of a row has not moved yet after what happened there.
@@ -274,32 +270,13 @@ impl Estimator {
         for event in &events[first..until] {
             targets[event.spring] = event.tip;
             match event.kind {
-                EventKind::Grasp => self.grasp(system, event.spring, event.tip, &pose),
-                EventKind::Release => self.release(system, event.spring, &pose),
+                EventKind::Grasp => self.grasp(event.spring, event.tip, &pose),
+                EventKind::Release => self.release(event.spring, &pose),
             }
         }
         next.tips.iter().for_each(|tip| targets[tip.spring] = tip.position);
         let at_end = events[until..].iter().take_while(|event| event.time == next.time);
         at_end.filter(|event| event.kind == EventKind::Release).for_each(|event| targets[event.spring] = event.tip);
-        self.advance(system, &pose, &next.motion.pose, targets, next.time - last.time);
-    }
-}
-
-impl Apart {
-    fn note(&mut self, shift: f64, turn: f64, radius: f64, time: f64, occasion: &Occasion) {
-        let displacement = shift + radius * turn;
-        let so_far = self.from_start.max(self.from_jumps).max(self.from_driving);
-        if displacement > so_far {
-            let Occasion { cause, spring, time: since } = *occasion;
-            self.largest = Some(Largest { time_s: time, cause, spring, since_s: since });
-        }
-        let part = match occasion.cause {
-            Cause::Start => &mut self.from_start,
-            Cause::Grasp | Cause::Release => &mut self.from_jumps,
-            Cause::Driving => &mut self.from_driving,
-        };
-        *part = part.max(displacement);
-        (self.shift, self.turn) = (shift, turn);
-        (self.shift_max, self.turn_max) = (self.shift_max.max(shift), self.turn_max.max(turn));
+        self.advance(&pose, &next.motion.pose, targets, next.time - last.time);
     }
 }

@@ -11,19 +11,24 @@
 //! slip.rs      directions of slip, and how friction turns them
 //! pulls.rs     held springs and dashpots as the shadow feels them
 //! shadow.rs    the load with its mass beside the load without
-//! estimator.rs follows a run and keeps how far the two lie apart, and why
+//! stride.rs    ticks that are gone through at once
+//! apart.rs     how far the two lie apart, and what that comes from
+//! estimator.rs follows a run call by call
 //! watched.rs   a quasi-static backend with an estimator beside it
 //! ```
 
+mod apart;
 mod bearing;
 mod estimator;
 mod pulls;
 mod shadow;
 mod slider;
 mod slip;
+mod stride;
 mod watched;
 
-pub use estimator::{Cause, Estimator, InertiaEstimate, Largest};
+pub use apart::{Cause, Largest};
+pub use estimator::{Estimator, InertiaEstimate};
 pub use watched::Watched;
 
 /// Displacement that counts as negligible, over the length of the load's way (1): as `compare` has it.

@@ -87,6 +87,11 @@ impl Shadow {
         Self { pose: start.pose, direction, speed, gradient: None }
     }
 
+    /// Its twist (m/s, m/s, rad/s; load axes).
+    pub fn twist(&self) -> Vec3 {
+        self.speed * self.direction
+    }
+
     /// Goes on through a tick of the load without inertia.
     pub fn follow(&mut self, system: &System, tick: &Tick, tools: &mut Tools) -> Followed {
         if self.is_left_alone(tick, tools) {

@@ -13,7 +13,6 @@ use crate::model::System;
 /// Answers as the backend inside does, bit for bit.
 pub struct Watched {
     backend: Box<dyn Backend>,
-    system: System,
     estimator: Rc<RefCell<Estimator>>,
 }
 
@@ -29,7 +28,7 @@ impl Watched {
         assert_eq!(options.kind, BackendKind::QuasiStatic, "inertia is estimated of a run without");
         let estimator = Rc::new(RefCell::new(Estimator::new(system, &start)));
         let backend = build(system, start, options);
-        (Box::new(Self { backend, system: system.clone(), estimator: Rc::clone(&estimator) }), estimator)
+        (Box::new(Self { backend, estimator: Rc::clone(&estimator) }), estimator)
     }
 
     /// What has been found so far.
@@ -41,13 +40,13 @@ impl Watched {
 impl Backend for Watched {
     fn grasp(&mut self, spring: usize, tip: Vec2) {
         let pose = self.motion().pose;
-        self.estimator.borrow_mut().grasp(&self.system, spring, tip, &pose);
+        self.estimator.borrow_mut().grasp(spring, tip, &pose);
         self.backend.grasp(spring, tip);
     }
 
     fn release(&mut self, spring: usize) {
         let pose = self.motion().pose;
-        self.estimator.borrow_mut().release(&self.system, spring, &pose);
+        self.estimator.borrow_mut().release(spring, &pose);
         self.backend.release(spring);
     }
 
@@ -55,7 +54,7 @@ impl Backend for Watched {
         let before = self.motion().pose;
         let report = self.backend.advance(tip_targets, duration);
         let after = self.motion().pose;
-        self.estimator.borrow_mut().advance(&self.system, &before, &after, tip_targets, duration);
+        self.estimator.borrow_mut().advance(&before, &after, tip_targets, duration);
         report
     }
 
@@ -95,7 +94,7 @@ impl Backend for Watched {
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
         let estimator = state.0.get(KEY).ok_or_else(|| RestoreError("it was saved without an inertia estimate".into()))?;
-        self.estimator.borrow_mut().restore(&self.system, estimator)?;
+        self.estimator.borrow_mut().restore(estimator)?;
         self.backend.restore(state)
     }
 }
