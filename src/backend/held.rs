@@ -3,8 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::RestoreError;
+use super::friction::EXACT;
 use crate::math::{Pose, Vec2};
-use crate::model::{PolarSpring, Reaction, SpringShape};
+use crate::model::{PolarSpring, Reaction, SpringShape, System};
+
+/// Whether a spring of this elastic energy (J) may pull at the load by more than what counts as exact.
+pub fn pulls_with(system: &System, spring: usize, energy: f64) -> bool {
+    let largest_pull = (2.0 * energy * system.springs[spring].largest_stiffness()).sqrt();
+    let is_at_rest = energy == 0.0 || largest_pull <= EXACT * system.total_slip_limit();
+    !is_at_rest
+}
 
 /// One held spring.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

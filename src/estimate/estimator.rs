@@ -7,7 +7,7 @@ use super::shadow::{Followed, Shadow, Tick, Tools};
 use super::slip::apart;
 use super::stride::Stride;
 use crate::backend::friction::WarmStart;
-use crate::backend::held::HeldSprings;
+use crate::backend::held::{HeldSprings, pulls_with};
 use crate::backend::{Motion, RestoreError};
 use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, System};
@@ -59,7 +59,7 @@ struct State {
     stride: Stride,
     /// Way of tips and load since the swings' branches were last looked at (m).
     gone: f64,
-    /// The last grasp or release since the load last moved on.
+    /// The last grasp that pulled or release since the load last moved on.
     event: Option<(Cause, usize)>,
     /// Of the load without inertia, on the rim (m/s).
     speed: f64,
@@ -114,8 +114,10 @@ impl Estimator {
     /// The load at `pose` was grasped at the `tip` of a spring (m, world).
     pub fn grasp(&mut self, spring: usize, tip: Vec2, pose: &Pose) {
         self.end_stride();
-        self.state.held.grasp(&self.system.springs, spring, tip, pose);
-        self.state.event = Some((Cause::Grasp, spring));
+        let brought = self.state.held.grasp(&self.system.springs, spring, tip, pose);
+        if pulls_with(&self.system, spring, brought) {
+            self.state.event = Some((Cause::Grasp, spring));
+        }
         self.change();
     }
 

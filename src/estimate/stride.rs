@@ -49,7 +49,8 @@ impl Stride {
     pub fn leads_on(&self, held: &HeldSprings, targets: &[Vec2], duration: f64) -> bool {
         held.grips().iter().all(|grip| {
             let (so_far, now) = (self.targets[grip.spring], targets[grip.spring]);
-            let (last, next) = ((so_far - grip.tip) / self.duration, (now - so_far) / duration);
+            // Velocities times both durations.
+            let (last, next) = (duration * (so_far - grip.tip), self.duration * (now - so_far));
             (next - last).norm_squared() <= BEND * BEND * next.norm_squared()
         })
     }

@@ -118,8 +118,7 @@ impl Ants {
         if self.state.ants.iter().all(|ant| ant.mode != Mode::Search) {
             return;
         }
-        self.load = self.load.moved_to(&view.backend.motion().pose);
-        let load = self.load;
+        let load = view.backend.motion().pose;
         let belief = self.belief_due(tick);
         let n_released = orders.events.len();
         for i in 0..self.state.ants.len() {
@@ -242,10 +241,11 @@ impl Ants {
         let ants = &mut self.state.ants;
         // Places that nobody takes walk as the first one does.
         let of = |k: usize| team[if k < team.len() { k } else { 0 }];
-        let pulled = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
-        for ((i, spring), pulled) in team.iter().zip(pulled) {
-            ants[*i] = pulled;
-            self.targets[*spring] = pulled.position;
+        let stand = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
+        for (lane, (i, spring)) in team.iter().enumerate() {
+            let ant = &mut ants[*i];
+            stand.take(lane, ant);
+            self.targets[*spring] = ant.position;
         }
     }
 }

@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use super::controlled::{self, FirstOrder, Way};
 use super::forecast::Forecast;
-use super::friction::{EXACT, FrictionSolver, Regime, WarmStart};
-use super::held::{Grip, HeldSprings};
+use super::friction::{FrictionSolver, Regime, WarmStart};
+use super::held::{Grip, HeldSprings, pulls_with};
 use super::increment::{Increment, Potential, Stage, minimise};
 use super::spring_blocks::{Accepted, Place, SpringBlocks};
 use super::stick_bound::StickBound;
@@ -318,9 +318,7 @@ impl Backend for QuasiStatic {
         self.catch_up();
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
-        let largest_pull = (2.0 * brought * self.system.springs[spring].largest_stiffness()).sqrt();
-        let is_at_rest = brought == 0.0 || largest_pull <= EXACT * self.system.total_slip_limit();
-        self.state.disturbed |= !is_at_rest;
+        self.state.disturbed |= pulls_with(&self.system, spring, brought);
         self.state.forecast.forget();
         (self.state.regime_is_known, self.state.past, self.state.is_stale) = (false, None, true);
         self.state.stick.forget();
