@@ -1,8 +1,8 @@
 //! How far the held tips may go before a load at rest can begin to slip.
 //!
 //! As long as the load stands, its wrench w depends on nothing but where the tips are: a spring pulls with F(p) at its tip p, and turns with the moment of that. To
-//! first order in the ways d of the tips from where the certificate was made, w is known, and with it the least forces f_i that balance it. What the second order
-//! adds is bounded: with a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
+//! first order in the ways d of the tips from where the certificate was made, w is known. What was balanced there by forces f_i with room to their limits is balanced
+//! by them and the least forces for what w has changed by. What the second order adds is bounded: with a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
 //!
 //! ```text
 //! K = dF/dp = k_r ee' + (a / l + k_t / l^2) tt' - (b / l) (et' + te')
@@ -30,8 +30,9 @@ const LARGEST_TURN: f64 = 0.1254;
 /// A certificate of rest for tips near the ones that it was made for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StickBound {
-    /// What the wrench at the time was balanced by (see [`FrictionSolver::balanced`]); `None` for no certificate.
-    balanced: Option<Vec3>,
+    is_made: bool,
+    /// What the wrench at the time was balanced by (see [`FrictionSolver::roomy_forces`]).
+    forces: Vec<Vec2>,
     /// One a grip, in their order.
     balls: Vec<Ball>,
 }
@@ -60,11 +61,11 @@ impl StickBound {
             wrench += pull;
             self.balls.push(ball);
         }
-        self.balanced = solver.balanced(&wrench).filter(|balanced| solver.bears(balanced, 0.0));
+        self.is_made = solver.roomy_forces(&wrench, &mut self.forces) && solver.bears(&self.forces, &Vec3::zeros(), 0.0);
     }
 
     pub fn forget(&mut self) {
-        self.balanced = None;
+        self.is_made = false;
     }
 
     /// Puts the tips of grips where the certificate was made for them.
@@ -75,16 +76,18 @@ impl StickBound {
     /// On how many of `n_steps` equal steps of the tips' straight way from where they are to their entries of `targets` (m, world), from the first one on, the load
     /// surely sticks.
     pub fn n_sure(&self, held: &HeldSprings, targets: &[Vec2], n_steps: u64, solver: &FrictionSolver) -> u64 {
-        let Some(balanced) = &self.balanced else { return 0 };
+        if !self.is_made {
+            return 0;
+        }
         let is_sure = |n: u64| {
             let share = n as f64 / n_steps as f64;
-            let (mut balanced, mut bend) = (*balanced, 0.0);
+            let (mut change, mut bend) = (Vec3::zeros(), 0.0);
             self.balls.iter().zip(held.grips()).all(|(ball, grip)| {
                 let way = grip.tip + share * (targets[ball.spring] - grip.tip) - ball.centre;
-                balanced += ball.response * way;
+                change += ball.response * way;
                 bend += ball.bend * way.norm_squared();
                 way.norm_squared() <= ball.radius * ball.radius
-            }) && solver.bears(&balanced, bend)
+            }) && solver.bears(&self.forces, &change, bend)
         };
         if is_sure(n_steps) {
             return n_steps;

@@ -6,7 +6,7 @@
 
 use smallvec::SmallVec;
 
-use crate::math::{Mat3, Vec2, Vec3};
+use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
 
@@ -42,6 +42,12 @@ const MOST_ROUNDS: u32 = 16;
 const WITHIN: f64 = 0.98;
 /// By how much more than the way there it is taken (1): the rest of it comes back.
 const OVER: f64 = 1.6;
+/// So often limits are weighed to find room: that does but within a percent or so of slipping.
+const MOST_WEIGHINGS: u32 = 16;
+/// Share of the room that there can be which is enough (1).
+const ENOUGH: f64 = 0.75;
+/// Least weight (1).
+const LIGHTEST: f64 = 1e-4;
 /// Left for rounding of what surely sticks, of each limit (1).
 const MARGIN: f64 = 1e-9;
 /// Supports nearer to each other than this share of their extent are one: no solver could tell them apart.
@@ -132,11 +138,53 @@ impl Cones {
         self.balance.map(|balance| balance * wrench)
     }
 
-    /// Whether the least forces stay within all limits when a wrench of the norm `further` is added to the `balanced` one.
-    pub fn bears(&self, balanced: &Vec3, further: f64) -> bool {
+    /// Forces that balance w and leave room to all limits, if any do, in place of `forces`; `false` where nothing is known. From the least ones on, those near to their
+    /// limits weigh more and more (Lawson 1961), which leads to those of which the largest share of its limit is least. The twist n that belongs to them tells how
+    /// small that can be: nothing balances w with less than `n'w / sum_i c_i |B_i n|`.
+    pub fn roomy_forces(&self, w: &Vec3, forces: &mut Vec<Vec2>) -> bool {
+        forces.clear();
+        let Some(balance) = &self.balance else { return false };
+        forces.resize(self.len(), Vec2::zeros());
+        let [mut weights, mut shares]: [SmallVec<[f64; 8]>; 2] = [1.0, 0.0].map(|value| SmallVec::from_elem(value, self.len()));
+        let (mut twist, mut best) = (balance * w, f64::INFINITY);
+        for _ in 0..MOST_WEIGHINGS {
+            let (mut largest, mut loss) = (0.0f64, 0.0);
+            for (k, weight) in weights.iter().enumerate() {
+                let slip = self.slip(k, &twist).norm();
+                shares[k] = self.limits[k] / weight * slip;
+                (largest, loss) = (largest.max(shares[k]), loss + self.limits[k] * slip);
+            }
+            if largest < best {
+                let weighted = |k: usize| self.least_force(k, &twist) / weights[k];
+                forces.iter_mut().enumerate().for_each(|(k, force)| *force = weighted(k));
+                best = largest;
+            }
+            let least = twist.dot(w) / loss;
+            let is_worth_more = least < 1.0 && 1.0 - best < ENOUGH * (1.0 - least);
+            if !is_worth_more {
+                break;
+            }
+            let mut gram = Mat3::zeros();
+            for (k, weight) in weights.iter_mut().enumerate() {
+                // A common factor of all weights means nothing.
+                *weight = (*weight * shares[k] / largest).max(LIGHTEST);
+                gram += self.limits[k] * self.limits[k] / *weight * slip_gram(&self.offsets[k]);
+            }
+            let Some(factor) = PositiveDefinite::new(&gram) else { break };
+            twist = factor.solve(w);
+        }
+        // What rounding has left of it.
+        let change = balance * (w - self.wrench(forces));
+        forces.iter_mut().enumerate().for_each(|(k, force)| *force += self.least_force(k, &change));
+        true
+    }
+
+    /// Whether these forces stay within all limits when the least ones for a wrench are added, of which `balanced` is the balance matrix times that, and for a
+    /// further one of the norm `further`.
+    pub fn bears(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
         let bears = |k: usize| {
             let room = (1.0 - MARGIN) * self.limits[k] - self.sways[k] * further;
-            room >= 0.0 && self.least_force(k, balanced).norm_squared() <= room * room
+            room >= 0.0 && (forces[k] + self.least_force(k, balanced)).norm_squared() <= room * room
         };
         (0..self.len()).all(bears)
     }
@@ -324,4 +372,56 @@ impl Frame {
 /// B'B of one support.
 fn slip_gram(offset: &Vec2) -> Mat3 {
     Mat3::new(1.0, 0.0, -offset.y, 0.0, 1.0, offset.x, -offset.y, offset.x, offset.norm_squared())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::friction::{FrictionSolver, Regime};
+    use crate::math::{Chance, Stream};
+    use crate::model::SupportPoint;
+
+    /// Of wrenches up to 95 % of what slips, which the exact solver tells: forces that balance them to rounding, and leave most of the room that there can be. Three
+    /// quarters of it end the search, of a bound that is itself within a tenth or so.
+    #[test]
+    fn roomy_forces_balance_a_wrench_and_leave_most_of_the_room_there_is() {
+        let mut n_crowded = 0;
+        for case in 0..200 {
+            let chance = Chance::new(case);
+            let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
+            let support = |k: u64| SupportPoint {
+                offset: 0.01 * Vec2::new(draw(2 * k), draw(2 * k + 1)),
+                normal_load: 0.005 * 3f64.powf(draw(60 + k)),
+            };
+            let ground = Ground { friction_coefficient: 1.4, supports: (0..3 + case % 4).map(support).collect() };
+            let cones = Cones::new(&ground, 0.0122);
+            let course = Vec3::new(draw(100), draw(101), draw(102));
+            let slips = |size: f64| {
+                let mut solver = FrictionSolver::new(&ground, 0.0122);
+                let drive = Vec3::new(size * course.x, size * course.y, 0.01 * size * course.z);
+                solver.solve(&Mat3::from_diagonal(&Vec3::new(3.0, 3.0, 4e-4)), &drive).regime != Regime::Stick
+            };
+            let (mut rests, mut moves) = (0.0, 10.0);
+            for _ in 0..50 {
+                let middle = 0.5 * (rests + moves);
+                *(if slips(middle) { &mut moves } else { &mut rests }) = middle;
+            }
+            for share in [0.3, 0.6, 0.9, 0.95] {
+                let size = share * rests;
+                let w = cones.scaled_gradient(&Vec3::new(size * course.x, size * course.y, 0.01 * size * course.z));
+                let mut forces = Vec::new();
+                assert!(cones.roomy_forces(&w, &mut forces));
+                // Scaled: sums of numbers up to one.
+                assert!((cones.wrench(&forces) - w).amax() < 1e-14, "{case} {share}");
+                let used =
+                    |forces: &[Vec2]| forces.iter().zip(&cones.limits).map(|(force, limit)| force.norm() / limit).fold(0.0, f64::max);
+                let room = (1.0 - used(&forces)) / (1.0 - share);
+                assert!(room > 0.5 && room < 1.0 + 1e-6, "{case} {share}: {room}");
+                let least: Vec<Vec2> = (0..cones.len()).map(|k| cones.least_force(k, &(cones.balance.unwrap() * w))).collect();
+                n_crowded += u32::from(used(&least) > 1.0);
+            }
+        }
+        // The least forces alone would not have done.
+        assert!(n_crowded > 100, "{n_crowded}");
+    }
 }

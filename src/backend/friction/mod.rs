@@ -164,9 +164,15 @@ impl FrictionSolver {
         if self.conic.is_some() { None } else { self.cones.balanced(&self.cones.scaled_gradient(wrench)) }
     }
 
-    /// Whether these forces are surely within their limits, whatever a further wrench of this norm (scaled) adds to them.
-    pub fn bears(&self, balanced: &Vec3, further: f64) -> bool {
-        self.cones.bears(balanced, further)
+    /// Friction forces (scaled, one a cone) that balance a wrench on a load at rest (N, N, N m) and leave room to their limits, if any do, in place of `forces`;
+    /// `false` where that is not known.
+    pub fn roomy_forces(&self, wrench: &Vec3, forces: &mut Vec<Vec2>) -> bool {
+        self.conic.is_none() && self.cones.roomy_forces(&self.cones.scaled_gradient(wrench), forces)
+    }
+
+    /// Whether these forces and what stands for the least ones are surely within their limits together, whatever a further wrench of this norm (scaled) adds to them.
+    pub fn bears(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
+        self.cones.bears(forces, balanced, further)
     }
 
     /// Largest scaled norm of a wrench with a force (N) and a torque (N m) of these sizes.
@@ -178,7 +184,8 @@ impl FrictionSolver {
     pub fn bearing(&self, drive: &Vec3) -> Self {
         let mut bearing = self.clone();
         let w = self.cones.scaled_gradient(drive);
-        if bearing.cones.stick_forces(&w, &mut bearing.last.forces) {
+        let forces = &mut bearing.last.forces;
+        if bearing.cones.stick_forces(&w, forces) || bearing.cones.roomy_forces(&w, forces) {
             bearing.cones.share_forces(&bearing.last.forces, &mut bearing.support_forces);
         }
         bearing
