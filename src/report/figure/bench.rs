@@ -29,13 +29,13 @@ pub fn work_precision(lines: &[&BenchLine], budget: f64) -> ([Panel; 2], [Vec<En
 
 fn panel(lines: &[&BenchLine], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[f64; 2]]) -> Panel {
     let mut panel = Panel::new("CPU time (s)", "largest error over the way (1)", Scale::LogLog);
-    panel.curves.push(Curve { points: room.to_vec(), style: FAILURE, shape: Shape::Unseen });
+    panel.curves.push(Curve { columns: Vec::new(), points: room.to_vec(), style: FAILURE, shape: Shape::Unseen });
     for method in METHODS.iter().filter(|method| of(method.name)) {
         let own = || lines.iter().filter(|line| line.method == method.name);
         let points: Vec<[f64; 2]> = own().filter(|line| line.error_max_share.is_some()).filter_map(|line| point(line, budget)).collect();
         let failures: Vec<[f64; 2]> = own().filter(|line| line.cause.is_some()).filter_map(|line| point(line, budget)).collect();
-        panel.curves.push(Curve { points, style: style(method.name), shape: Shape::Marked });
-        panel.curves.push(Curve { points: failures, style: style(method.name), shape: Shape::Crosses });
+        panel.curves.push(Curve { columns: Vec::new(), points, style: style(method.name), shape: Shape::Marked });
+        panel.curves.push(Curve { columns: Vec::new(), points: failures, style: style(method.name), shape: Shape::Crosses });
     }
     let n_failures =
         |word: &str| lines.iter().filter(|line| of(&line.method) && line.cause.as_ref().is_some_and(|cause| cause.contains(word))).count();
@@ -86,7 +86,7 @@ pub fn growth(lines: &[GrowthLine]) -> (Vec<Panel>, Vec<Entry>) {
         let mut panel = Panel::new(&format!("number of {quantity}"), cost, Scale::LogLog);
         for curve in lines.chunk_by(|one, next| one.backend == next.backend) {
             let points = curve.iter().filter_map(|line| Some([line.n as f64, line.cpu_min_s?])).collect();
-            panel.curves.push(Curve { points, style: backend_style(curve[0].backend), shape: Shape::Marked });
+            panel.curves.push(Curve { columns: Vec::new(), points, style: backend_style(curve[0].backend), shape: Shape::Marked });
         }
         panel
     };

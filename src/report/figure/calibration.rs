@@ -47,7 +47,12 @@ fn panel(found: &Calibration, fit: &CaseFit, measurements: &Measurements) -> Pan
     let design = found.dimensions.of_material(1.0);
     let model = |at: f64| case.force(&design, at);
     // Room for the outermost points.
-    panel.curves.push(Curve { points: vec![[-0.02 * unit * far, 0.0], [1.04 * unit * far, 0.0]], style: LINEAR, shape: Shape::Unseen });
+    panel.curves.push(Curve {
+        columns: Vec::new(),
+        points: vec![[-0.02 * unit * far, 0.0], [1.04 * unit * far, 0.0]],
+        style: LINEAR,
+        shape: Shape::Unseen,
+    });
     law(&mut panel, &model, &found.youngs_modulus_pa, [0.0, far], unit, MODEL);
     if let Some(linear) = found.linear.iter().find(|linear| linear.case == case) {
         let range = linear.range.map(|at| at.copysign(far));
@@ -68,10 +73,10 @@ fn law(panel: &mut Panel, basis: &dyn Fn(f64) -> f64, slope: &Estimate, [from, t
             let (a, b) = (MILLI * interval.low * basis(at), MILLI * interval.high * basis(at));
             [[unit * at, a.min(b)], [unit * at, a.max(b)]]
         };
-        panel.curves.push(Curve { points: places().flat_map(ends).collect(), style, shape: Shape::Area });
+        panel.curves.push(Curve { columns: Vec::new(), points: places().flat_map(ends).collect(), style, shape: Shape::Area });
     }
     let points = places().map(|at| [unit * at, MILLI * slope.value * basis(at)]).collect();
-    panel.curves.push(Curve { points, style, shape: Shape::Graph });
+    panel.curves.push(Curve { columns: Vec::new(), points, style, shape: Shape::Graph });
 }
 
 /// Dots, and bars of one standard deviation to either side where it is known.
@@ -81,9 +86,9 @@ fn points(panel: &mut Panel, trial: &Trial, index: usize, unit: f64) {
         let (at, sd) = (unit * point.at, point.sd?);
         Some([[at, MILLI * (point.force - sd)], [at, MILLI * (point.force + sd)], [f64::NAN; 2]])
     });
-    panel.curves.push(Curve { points: bars.flatten().collect(), style, shape: Shape::Path });
+    panel.curves.push(Curve { columns: Vec::new(), points: bars.flatten().collect(), style, shape: Shape::Path });
     let dots = trial.points.iter().map(|point| [unit * point.at, MILLI * point.force]).collect();
-    panel.curves.push(Curve { points: dots, style, shape: Shape::Dots });
+    panel.curves.push(Curve { columns: Vec::new(), points: dots, style, shape: Shape::Dots });
 }
 
 fn bar(index: usize) -> Style {
@@ -100,9 +105,14 @@ pub fn forces(found: &TipForces) -> (Vec<Panel>, Vec<Entry>) {
     let ends = frames.first().zip(frames.last()).map_or(vec![], |(first, last)| vec![[*first, 0.0], [*last, 0.0]]);
     let panel = |springs: &[usize]| {
         let mut panel = Panel::new("time (s)", "force on tip (mN)", Scale::FromZero);
-        panel.curves.push(Curve { points: ends.clone(), style: of_spring(0), shape: Shape::Unseen });
+        panel.curves.push(Curve { columns: Vec::new(), points: ends.clone(), style: of_spring(0), shape: Shape::Unseen });
         for (index, spring) in springs.iter().enumerate() {
-            panel.curves.push(Curve { points: over_time(found, *spring, &frames), style: of_spring(index), shape: Shape::Graph });
+            panel.curves.push(Curve {
+                columns: Vec::new(),
+                points: over_time(found, *spring, &frames),
+                style: of_spring(index),
+                shape: Shape::Graph,
+            });
         }
         panel
     };

@@ -217,6 +217,9 @@ fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
         _ => Cow::Borrowed(&curve.points),
     };
     let runs = finite_runs(&points);
+    if dense && !curve.columns.is_empty() {
+        return vec![band(&curve.style, &thin::merged(&curve.columns, (width / DENSE_COLUMN) as usize))];
+    }
     if dense {
         return runs.map(|run| band(&curve.style, &thin::columns(run, (width / DENSE_COLUMN) as usize))).collect();
     }

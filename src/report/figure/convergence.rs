@@ -18,7 +18,7 @@ fn panel(family: Family, rows: &[Row]) -> Option<Panel> {
         let points: Vec<[f64; 2]> = plan.iter().filter_map(|row| on_curve(row)).collect();
         // One step shows no slope.
         if points.len() > 1 {
-            panel.curves.push(Curve { points, style: style(plan[0].variant), shape: Shape::Graph });
+            panel.curves.push(Curve { columns: Vec::new(), points, style: style(plan[0].variant), shape: Shape::Graph });
         }
     }
     panel.note = Some(family.name().to_owned());

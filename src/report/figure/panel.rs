@@ -1,5 +1,7 @@
 //! A panel as data: what is drawn, not how.
 
+use super::thin::Column;
+
 /// One pair of axes and what is in it, in the units of its labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
@@ -35,6 +37,8 @@ pub enum Scale {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     pub points: Vec<[f64; 2]>,
+    /// What the points of a graph stand for, if they are not all there were.
+    pub columns: Vec<Column>,
     pub style: Style,
     pub shape: Shape,
 }

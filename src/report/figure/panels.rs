@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::difference::{self, Difference};
 use super::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use super::shown::{Seen, SeenRows};
+use super::shown::{Quantity, Seen};
+use super::thin::{self, Column};
 use super::{Labelled, MILLI, Scene};
 use crate::math::{Pose, Vec2, direction};
 use crate::report::quantity;
@@ -24,24 +25,24 @@ pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
             panel.add(outline(first, scene.load_radius), Style::START, Shape::Path);
         }
         let style = Style::of_trace(index);
-        panel.add(points(&one.rows.x, &one.rows.y), style, Shape::Path);
+        panel.add(one.rows.path(), style, Shape::Path);
         panel.add(outline(last, scene.load_radius), style.thin(), Shape::Path);
     }
     panel
 }
 
 pub fn heading(traces: &[Seen]) -> Panel {
-    of_rows(traces, "heading (rad)", Scale::Linear, Shape::Graph, |rows| &rows.headings)
+    of_rows(traces, "heading (rad)", Scale::Linear, Shape::Graph, Quantity::Heading)
 }
 
 pub fn speed(traces: &[Seen]) -> Panel {
-    let mut panel = of_rows(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, |rows| &rows.speeds);
+    let mut panel = of_rows(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, Quantity::Speed);
     panel.cut_rare_peaks(|peak| format!("peaks up to {} cut off", quantity(peak / MILLI, "m/s")));
     panel
 }
 
 pub fn net_pull(traces: &[Seen], scene: &Scene) -> Panel {
-    let mut panel = of_rows(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, |rows| &rows.net_pulls);
+    let mut panel = of_rows(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, Quantity::NetPull);
     if scene.slip_limit > 0.0 {
         panel.marks.push(Mark { at: Across::Horizontal(MILLI * scene.slip_limit), style: Style::SLIP_LIMIT });
     }
@@ -49,18 +50,18 @@ pub fn net_pull(traces: &[Seen], scene: &Scene) -> Panel {
 }
 
 pub fn total_pull(traces: &[Seen]) -> Panel {
-    of_rows(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, |rows| &rows.total_pulls)
+    of_rows(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, Quantity::TotalPull)
 }
 
 pub fn holders(traces: &[Seen]) -> Panel {
-    of_rows(traces, "held springs", Scale::Count, Shape::Steps, |rows| &rows.n_holders)
+    of_rows(traces, "held springs", Scale::Count, Shape::Steps, Quantity::Holders)
 }
 
 pub fn energy(one: &Seen) -> Panel {
     let mut panel = Panel::new("time (s)", "energy (mJ)", Scale::FromZero);
     panel.mark_events([one.events]);
-    for (kind, energies) in one.rows.energies.iter().enumerate() {
-        panel.add(points(&one.rows.times, energies), Style::of_pair(kind), Shape::Graph);
+    for (kind, energy) in [Quantity::TipWork, Quantity::Dissipated, Quantity::Elastic].into_iter().enumerate() {
+        panel.add_columns(one.rows.columns(energy), Style::of_pair(kind), Shape::Graph);
     }
     panel
 }
@@ -110,17 +111,13 @@ fn pairs(n_traces: usize) -> Vec<(usize, usize)> {
     (0..n_from).flat_map(|from| (from + 1..n_traces).map(move |to| (from, to))).collect()
 }
 
-fn of_rows(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, y: impl Fn(&SeenRows) -> &[f64]) -> Panel {
+fn of_rows(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, quantity: Quantity) -> Panel {
     let mut panel = Panel::new("time (s)", y_label, scale);
     panel.mark_events(traces.iter().map(|one| one.events));
     for (index, one) in traces.iter().enumerate() {
-        panel.add(points(&one.rows.times, y(&one.rows)), Style::of_trace(index), shape);
+        panel.add_columns(one.rows.columns(quantity), Style::of_trace(index), shape);
     }
     panel
-}
-
-fn points(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
-    x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
 fn of_pairs(traces: &[Labelled], y_label: &str, y: impl Fn(&Difference) -> f64) -> Panel {
@@ -171,7 +168,13 @@ impl Panel {
     }
 
     fn add(&mut self, points: Vec<[f64; 2]>, style: Style, shape: Shape) {
-        self.curves.push(Curve { points, style, shape });
+        self.curves.push(Curve { points, columns: Vec::new(), style, shape });
+    }
+
+    /// Adds a graph of which ranges and means are known.
+    fn add_columns(&mut self, columns: Vec<Column>, style: Style, shape: Shape) {
+        let points = thin::up_and_down(&columns);
+        self.curves.push(Curve { points, columns, style, shape });
     }
 
     fn mark_events<'a>(&mut self, of_traces: impl IntoIterator<Item = &'a [Event]>) {

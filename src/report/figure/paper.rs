@@ -17,7 +17,7 @@ const BAR: f64 = 0.36;
 const CAP: f64 = 0.12;
 
 pub fn curve(points: Vec<[f64; 2]>, style: Style, shape: Shape) -> Curve {
-    Curve { points, style, shape }
+    Curve { columns: Vec::new(), points, style, shape }
 }
 
 fn bar(x: f64, height: f64, style: Style) -> Curve {

@@ -117,7 +117,7 @@ fn margins(x: &X, shown: &Shown, groups: &[Group]) -> Option<Curve> {
         groups.iter().filter_map(|group| x.of(group)).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)));
     let y = groups.iter().find_map(|group| (shown.of)(group).0)?;
     let room = 0.03 * (high - low);
-    Some(Curve { points: vec![[low - room, y], [high + room, y]], style: style(0), shape: Shape::Unseen })
+    Some(Curve { columns: Vec::new(), points: vec![[low - room, y], [high + room, y]], style: style(0), shape: Shape::Unseen })
 }
 
 /// What a curve's groups share: the backend and, with their names, all lists but the one to the right.
@@ -132,10 +132,10 @@ fn curve_name(x: &X, identity: &Identity, group: &Group) -> String {
 fn drawn(x: &X, shown: &Shown, members: &[&Group], style: Style) -> Vec<Curve> {
     let points = members.iter().filter_map(|group| Some([x.of(group)?, (shown.of)(group).0?])).collect();
     let shape = if x.is_sampled { Shape::Crosses } else { Shape::Marked };
-    let mut curves = vec![Curve { points, style, shape }];
+    let mut curves = vec![Curve { columns: Vec::new(), points, style, shape }];
     curves.extend(members.iter().filter_map(|group| {
         let (at, interval) = (x.of(group)?, (shown.of)(group).1?);
-        Some(Curve { points: vec![[at, interval.low], [at, interval.high]], style: style.thin(), shape: Shape::Path })
+        Some(Curve { columns: Vec::new(), points: vec![[at, interval.low], [at, interval.high]], style: style.thin(), shape: Shape::Path })
     }));
     curves
 }
@@ -164,7 +164,7 @@ fn histogram(times: &Times) -> Option<(Vec<Panel>, Vec<Entry>)> {
         let mut points: Vec<[f64; 2]> = vec![[low, 0.0]];
         points.extend(counts.iter().enumerate().flat_map(|(bin, n)| [[edge(bin), f64::from(*n)], [edge(bin + 1), f64::from(*n)]]));
         points.push([edge(counts.len()), 0.0]);
-        panel.curves.push(Curve { points, style: style(at), shape: Shape::Path });
+        panel.curves.push(Curve { columns: Vec::new(), points, style: style(at), shape: Shape::Path });
         entries.push(Entry::line(backend.clone(), style(at)));
     }
     Some((vec![panel], entries))

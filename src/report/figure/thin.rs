@@ -7,7 +7,7 @@ pub fn by_column(points: &[[f64; 2]], n_columns: usize) -> Vec<[f64; 2]> {
     if points.len() <= 4 * n_columns {
         return points.to_vec();
     }
-    chunks(points, n_columns).flat_map(extremes).collect()
+    chunks(points, n_columns, |point| point[0]).flat_map(extremes).collect()
 }
 
 /// First, lowest, highest and last point of a column, each once.
@@ -46,7 +46,33 @@ pub struct Column {
 
 /// Range and mean of a graph (x not decreasing) in each of `n_columns` equal columns that has points. Points must be finite.
 pub fn columns(points: &[[f64; 2]], n_columns: usize) -> Vec<Column> {
-    chunks(points, n_columns).map(column_of).collect()
+    chunks(points, n_columns, |point| point[0]).map(column_of).collect()
+}
+
+/// The same from narrower columns of as many points each.
+pub fn merged(columns: &[Column], n_columns: usize) -> Vec<Column> {
+    let of = |chunk: &[Column]| {
+        let (first, last) = (chunk[0], chunk[chunk.len() - 1]);
+        let low = chunk.iter().map(|column| column.low).fold(f64::INFINITY, f64::min);
+        let high = chunk.iter().map(|column| column.high).fold(f64::NEG_INFINITY, f64::max);
+        let mean = chunk.iter().map(|column| column.mean).sum::<f64>() / chunk.len() as f64;
+        Column { x: 0.5 * (first.x + last.x), low, mean, high }
+    };
+    chunks(columns, n_columns, |column| column.x).map(of).collect()
+}
+
+/// A line through both ends of each column, the nearer one to where it comes from first.
+pub fn up_and_down(columns: &[Column]) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = Vec::with_capacity(2 * columns.len());
+    for Column { x, low, high, .. } in columns {
+        let from = points.last().map_or(*low, |last| last[1]);
+        let [near, far] = if (from - low).abs() <= (from - high).abs() { [*low, *high] } else { [*high, *low] };
+        points.push([*x, near]);
+        if near != far {
+            points.push([*x, far]);
+        }
+    }
+    points
 }
 
 /// How often the graph, cut at `low` and `high`, runs from one to the other.
@@ -61,12 +87,12 @@ pub fn n_crossings(points: &[[f64; 2]], low: f64, high: f64) -> f64 {
     way / (high - low)
 }
 
-/// Points of the same column of `n_columns` between the first and the last point.
-fn chunks(points: &[[f64; 2]], n_columns: usize) -> impl Iterator<Item = &[[f64; 2]]> {
-    let first = points.first().map_or(0.0, |point| point[0]);
-    let width = points.last().map_or(0.0, |point| point[0] - first) / n_columns as f64;
+/// Those of the same column of `n_columns` between the first and the last one.
+fn chunks<T>(points: &[T], n_columns: usize, x: impl Fn(&T) -> f64) -> impl Iterator<Item = &[T]> {
+    let first = points.first().map_or(0.0, &x);
+    let width = points.last().map_or(0.0, |point| x(point) - first) / n_columns as f64;
     // The last point stands on the far edge of the last column.
-    let column = move |point: &[f64; 2]| (((point[0] - first) / width) as usize).min(n_columns - 1);
+    let column = move |point: &T| (((x(point) - first) / width) as usize).min(n_columns - 1);
     let mut rest = points;
     std::iter::from_fn(move || {
         let here = column(rest.first()?);
