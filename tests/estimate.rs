@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, build};
 use cohaul::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
 use cohaul::math::{Twist, Vec2, rotation};
-use cohaul::scenario::{Drive, Scenario};
+use cohaul::scenario::{Drive, Scenario, Waypoint};
 use cohaul::simulation::{Keep, SavedRun, Simulation, driver_of};
 
 fn scene(name: &str) -> Scenario {
@@ -49,6 +49,26 @@ fn an_onset_swings_by_speed_over_omega() {
     assert_near(found.displacement_max_m, 0.005 / omega(&scenario), 1e-4);
     assert_eq!((found.largest.unwrap().cause, found.from_jumps_m, found.from_start_m), (Cause::Driving, 0.0, 0.0));
     assert!(found.is_negligible);
+}
+
+/// A tip that goes twice as fast from t_1 on, anywhere within a stride, starts a second swing beside that of the onset at t_0: together up to
+/// 2 (v / omega) |cos(omega (t_1 - t_0) / 2)|.
+#[test]
+fn a_tip_that_changes_its_pace_starts_a_swing_of_its_own() {
+    let scenario = scene("analytic/centre-pull");
+    let (speed, omega) = (0.005, omega(&scenario));
+    let onset = scenario.system.total_slip_limit() / scenario.system.springs[0].radial_stiffness / speed;
+    for phase in [0.8, 1.0, 5.5] {
+        let (mut scenario, corner) = (scenario.clone(), onset + (6.0 * PI + phase) / omega);
+        let Drive::Tips(paths) = &mut scenario.drive else { panic!("a scene with prescribed tips") };
+        let last = paths[0].waypoints.last_mut().unwrap();
+        let (end, middle) = (last.time, Vec2::new(speed * corner, 0.0));
+        last.position = middle + Vec2::new(2.0 * speed * (end - corner), 0.0);
+        let turn = Waypoint { time: corner, position: middle };
+        paths[0].waypoints.insert(1, turn);
+        // As for the onset alone: crests are found to 0.33^4 / 384 = 3e-5.
+        assert_near(estimate(&scenario).displacement_max_m, 2.0 * speed / omega * (0.5 * phase).cos().abs(), 1e-4);
+    }
 }
 
 /// A ramp that stops after tau of slipping leaves the load 2 (v / omega) |sin(omega tau / 2)| further than without inertia.

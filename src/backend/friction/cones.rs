@@ -44,6 +44,8 @@ const WITHIN: f64 = 0.98;
 const OVER: f64 = 1.6;
 /// So often limits are weighed to find room: that does but within a percent or so of slipping.
 const MOST_WEIGHINGS: u32 = 16;
+/// Room that is not worth the search, of each limit (1).
+const NARROW: f64 = 0.01;
 /// Share of the room that there can be which is enough (1).
 const ENOUGH: f64 = 0.75;
 /// Least weight (1).
@@ -160,7 +162,7 @@ impl Cones {
                 best = largest;
             }
             let least = twist.dot(w) / loss;
-            let is_worth_more = least < 1.0 && 1.0 - best < ENOUGH * (1.0 - least);
+            let is_worth_more = 1.0 - least > NARROW && 1.0 - best < ENOUGH * (1.0 - least);
             if !is_worth_more {
                 break;
             }
