@@ -26,7 +26,7 @@ pub struct Haul {
 impl Haul {
     /// Where ants that pull at springs with these roots (m, load axes) stand after the step, Eq. (19-22): each drags its tip backwards, while it turns to where it wants
     /// to pull.
-    pub fn pulled(&self, ants: [&Ant; LANES], roots: [&Vec2; LANES]) -> Stand {
+    pub fn pulled(&self, ants: [&Ant; LANES], roots: [&Vec2; LANES]) -> [Ant; LANES] {
         let position = Vec2x4::new(ants.map(|ant| ant.position));
         let ahead = Vec2x4::new(ants.map(|ant| ant.ahead));
         let (origin, turn) = &self.load;
@@ -36,26 +36,10 @@ impl Haul {
         let turn_rate = self.steering.turn_rate(turns_towards(desired, ahead));
         let across = Vec2x4 { x: -ahead.y, y: ahead.x }.times(turn_rate * f64x4::splat(self.control_offset));
         let tip_velocity = ahead.times(f64x4::splat(-self.speed)).and(across);
+        let tips = position.and(tip_velocity.times(f64x4::splat(self.duration))).lanes();
         let turns = turn_rate * f64x4::splat(self.duration);
-        Stand { position: position.and(tip_velocity.times(f64x4::splat(self.duration))), turns, ahead: turned(ahead, turns) }
-    }
-}
-
-/// Where ants stand that have pulled.
-#[derive(Clone, Copy, Debug)]
-pub struct Stand {
-    position: Vec2x4,
-    /// By what each has turned (rad).
-    turns: f64x4,
-    ahead: Vec2x4,
-}
-
-impl Stand {
-    /// Puts the ant of this lane there.
-    pub fn take(&self, lane: usize, ant: &mut Ant) {
-        ant.position = self.position.lane(lane);
-        ant.heading += self.turns.as_array()[lane];
-        ant.ahead = self.ahead.lane(lane);
+        let (headings, aheads) = (turns.to_array(), turned(ahead, turns).lanes());
+        std::array::from_fn(|k| Ant { position: tips[k], heading: ants[k].heading + headings[k], ahead: aheads[k], ..*ants[k] })
     }
 }
 
@@ -99,10 +83,8 @@ mod tests {
                 let towards = by_angles(&haul, &at, &roots[ant]);
                 Ant::new(at, towards + apart * draw(ant, 4))
             });
-            let stand = haul.pulled([0, 1, 2, 3].map(|k| &ants[k]), [0, 1, 2, 3].map(|k| &roots[k]));
-            for (lane, (ant, root)) in ants.iter().zip(&roots).enumerate() {
-                let mut pulled = *ant;
-                stand.take(lane, &mut pulled);
+            let pulled = haul.pulled([0, 1, 2, 3].map(|k| &ants[k]), [0, 1, 2, 3].map(|k| &roots[k]));
+            for ((ant, root), pulled) in ants.iter().zip(&roots).zip(&pulled) {
                 let error = wrap_to_pi(by_angles(&haul, &ant.position, root) - ant.heading);
                 let rate = haul.steering.turn_rate(error);
                 let velocity = -haul.speed * ant.ahead + rate * haul.control_offset * perpendicular(&ant.ahead);

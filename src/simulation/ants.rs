@@ -241,11 +241,10 @@ impl Ants {
         let ants = &mut self.state.ants;
         // Places that nobody takes walk as the first one does.
         let of = |k: usize| team[if k < team.len() { k } else { 0 }];
-        let stand = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
-        for (lane, (i, spring)) in team.iter().enumerate() {
-            let ant = &mut ants[*i];
-            stand.take(lane, ant);
-            self.targets[*spring] = ant.position;
+        let pulled = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
+        for ((i, spring), pulled) in team.iter().zip(pulled) {
+            ants[*i] = pulled;
+            self.targets[*spring] = pulled.position;
         }
     }
 }

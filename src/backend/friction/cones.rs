@@ -47,7 +47,7 @@ const MOST_WEIGHINGS: u32 = 16;
 /// Room that is not worth the search, of each limit (1).
 const NARROW: f64 = 0.01;
 /// Share of the room that there can be which is enough (1).
-const ENOUGH: f64 = 0.75;
+const ENOUGH: f64 = 0.5;
 /// Least weight (1).
 const LIGHTEST: f64 = 1e-4;
 /// Left for rounding of what surely sticks, of each limit (1).
@@ -383,8 +383,8 @@ mod tests {
     use crate::math::{Chance, Stream};
     use crate::model::SupportPoint;
 
-    /// Of wrenches up to 95 % of what slips, which the exact solver tells: forces that balance them to rounding, and leave most of the room that there can be. Three
-    /// quarters of it end the search, of a bound that is itself within a tenth or so.
+    /// Of wrenches up to 95 % of what slips, which the exact solver tells: forces that balance them to rounding, and leave most of the room that there can be. Half
+    /// of it ends the search, of a bound that is itself within a tenth or so.
     #[test]
     fn roomy_forces_balance_a_wrench_and_leave_most_of_the_room_there_is() {
         let mut n_crowded = 0;
