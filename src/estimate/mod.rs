@@ -1,7 +1,7 @@
 //! Floor 4: what inertia would have done to a quasi-static run, from that run alone.
 //!
-//! Beside the load without inertia goes a shadow of it with its mass: along the way, one oscillator that is stepped exactly over each control period. It is a
-//! reduced model of the dynamics, not a solution: it costs a third of what the run does without it, keeps no trace, and takes its course from the
+//! Beside the load without inertia goes a shadow of it with its mass: along the way, one oscillator that is stepped exactly over strides of a few control periods.
+//! It is a reduced model of the dynamics, not a solution: it costs a fifth of what the run does without it, keeps no trace, and takes its course from the
 //! quasi-static load. How well it tells the inertia effect that a comparison measures, `examples/calibrate_estimate` shows over all scenes and many
 //! random ones.
 //!
