@@ -78,6 +78,8 @@ fn slow_pull(way: Vec2, skips: Skips, n_steps: u64) -> (Vec<StepReport>, System)
                 assert!((energy.elastic - energy.tip_work).abs() <= 1e-15 * energy.tip_work, "{i}: {energy:?}");
                 // Rounding of sums of 22 mN.
                 assert!((friction - run.force_on_tip(0)).norm() < 1e-16, "{i}: {friction} {}", run.force_on_tip(0));
+                let mut forces = run.friction_forces().into_iter().zip(system.ground.slip_limits());
+                assert!(forces.all(|(force, limit)| force.norm() <= limit * (1.0 + 1e-12)), "{i}: {:?}", run.friction_forces());
             }
             report
         })

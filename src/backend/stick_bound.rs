@@ -64,6 +64,11 @@ impl StickBound {
         self.is_made = solver.roomy_forces(&wrench, &mut self.forces) && solver.bears(&self.forces, &Vec3::zeros(), 0.0);
     }
 
+    /// What the wrench was balanced by when the certificate was made (scaled, one a cone).
+    pub fn forces(&self) -> &[Vec2] {
+        &self.forces
+    }
+
     pub fn forget(&mut self) {
         self.is_made = false;
     }

@@ -58,7 +58,7 @@ pub struct WarmStart {
     #[serde(default)]
     slipped: bool,
     /// Forces f_i, one a cone.
-    forces: Vec<Vec2>,
+    pub(super) forces: Vec<Vec2>,
 }
 
 /// The minimiser and what it means.
@@ -180,12 +180,13 @@ impl FrictionSolver {
         self.cones.scaled_wrench(force, torque)
     }
 
-    /// This solver with the forces by which a load at rest goes on to bear `drive` (N, N, N m).
-    pub fn bearing(&self, drive: &Vec3) -> Self {
+    /// This solver with the forces by which a load at rest bears `drive` (N, N, N m): those `from` which a certificate of rest goes on (scaled, one a cone), and the
+    /// least ones for what `drive` has changed by since.
+    pub fn bearing(&self, drive: &Vec3, from: &[Vec2]) -> Self {
         let mut bearing = self.clone();
         let w = self.cones.scaled_gradient(drive);
-        let forces = &mut bearing.last.forces;
-        if bearing.cones.stick_forces(&w, forces) || bearing.cones.roomy_forces(&w, forces) {
+        bearing.last.forces.copy_from_slice(from);
+        if bearing.cones.stick_forces(&w, &mut bearing.last.forces) {
             bearing.cones.share_forces(&bearing.last.forces, &mut bearing.support_forces);
         }
         bearing

@@ -385,7 +385,7 @@ impl Backend for QuasiStatic {
         }
         let pulls = -self.state.held.reaction(&self.system.springs, pose).gradient;
         let in_load = rotation(pose.heading).tr_mul(&pulls.xy());
-        self.solver.bearing(&Vec3::new(in_load.x, in_load.y, pulls.z)).forces_in_world(pose.heading)
+        self.solver.bearing(&Vec3::new(in_load.x, in_load.y, pulls.z), self.state.stick.forces()).forces_in_world(pose.heading)
     }
 
     fn energy(&self) -> EnergyLedger {
@@ -409,6 +409,10 @@ impl Backend for QuasiStatic {
         let state: State = state.read()?;
         state.held.check(&self.system.springs)?;
         self.solver.set_warm_start(state.warm_start.clone())?;
+        let (n_forces, n_supports) = (state.stick.forces().len(), state.warm_start.forces.len());
+        if n_forces != n_supports && (state.is_waiting || n_forces > 0) {
+            return Err(RestoreError(format!("a certificate of rest with forces on {n_forces} supports, not on {n_supports}")));
+        }
         self.state = state;
         if !self.state.is_stale {
             let place = Place { pose: self.state.motion.pose, turn: self.state.turn };
