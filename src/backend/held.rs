@@ -90,6 +90,11 @@ impl HeldSprings {
         self.grips.iter().map(|grip| springs[grip.spring].energy(&grip.shape(springs, pose))).fold(0.0, |sum, energy| sum + energy)
     }
 
+    /// Sum of the largest stiffnesses of all held springs (N/m).
+    pub fn largest_stiffness(&self, springs: &[PolarSpring]) -> f64 {
+        self.grips.iter().map(|grip| springs[grip.spring].largest_stiffness()).sum()
+    }
+
     /// Sum of the reactions of all held springs at `pose`.
     pub fn reaction(&self, springs: &[PolarSpring], pose: &Pose) -> Reaction {
         let mut sum = Reaction::ZERO;

@@ -10,7 +10,7 @@ use crate::backend::friction::WarmStart;
 use crate::backend::held::{HeldSprings, pulls_with};
 use crate::backend::{Motion, RestoreError};
 use crate::math::{Pose, Vec2};
-use crate::model::{PolarSpring, System};
+use crate::model::System;
 use crate::scenario::Scenario;
 use crate::simulation::{Event, EventKind, Row, Trace};
 
@@ -132,10 +132,9 @@ impl Estimator {
     /// Takes note of other springs than before.
     fn change(&mut self) {
         self.tools.springs.change();
-        let held = || self.state.held.grips().iter().map(|grip| &self.system.springs[grip.spring]);
-        self.shortest = held().map(|spring| spring.rest_length).fold(f64::INFINITY, f64::min);
-        let stiffness: f64 = held().map(PolarSpring::largest_stiffness).sum();
-        self.radian = (self.system.load.mass / stiffness).sqrt();
+        let (springs, held) = (&self.system.springs, &self.state.held);
+        self.shortest = held.grips().iter().map(|grip| springs[grip.spring].rest_length).fold(f64::INFINITY, f64::min);
+        self.radian = (self.system.load.mass / held.largest_stiffness(springs)).sqrt();
     }
 
     /// The load went from one pose to another while the tips went to `tip_targets` (m, world, one entry a spring) within `duration` (s).

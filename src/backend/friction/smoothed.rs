@@ -99,7 +99,7 @@ struct Rounded<'a> {
 
 impl Rounded<'_> {
     fn speed(&self, slip: &Vec2) -> f64 {
-        slip.norm().hypot(self.rounding)
+        (slip.norm_squared() + self.rounding * self.rounding).sqrt()
     }
 
     fn force(&self, k: usize, twist: &Vec3) -> Vec2 {

@@ -2,6 +2,7 @@
 
 use super::QuasiStatic;
 use crate::backend::StepReport;
+use crate::backend::friction::EXACT;
 use crate::backend::transition::{Transition, TransitionKind};
 use crate::math::Pose;
 
@@ -23,27 +24,43 @@ impl QuasiStatic {
         let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
         let report = self.settle();
         self.state.regime = regime;
-        let end = &self.state.motion.pose;
-        let way = (end.position - start.position).norm() + self.system.load.radius * (end.heading - start.heading).abs();
-        if way > SMALLEST_JUMP * self.system.load.radius {
+        if self.way_from(&start) > SMALLEST_JUMP * self.system.load.radius {
             let kind = self.book_jump(&start, defect);
             self.transitions.push(Transition { time: 0.0, kind });
         }
         report
     }
 
-    /// Legs to a balance with the tips as they are.
+    /// Legs to a balance with the tips as they are. Friction is wrong by the way that it was taken constant along, so that a leg goes with the square of the one before
+    /// it: where two of them tell that the next would be none, it is not looked for.
     fn settle(&mut self) -> StepReport {
         self.gather();
-        let mut report = StepReport::default();
+        let no_way = self.no_way();
+        let (mut report, mut last) = (StepReport::default(), None);
         for _ in 0..MOST_LEGS {
             let before = self.state.motion.pose;
             report.add(&self.balance(None).0);
-            if self.state.motion.pose == before {
+            let way = self.way_from(&before);
+            let next = last.map_or(way, |last: f64| way * (way / last).powi(2));
+            if next <= no_way {
                 break;
             }
+            last = Some(way);
         }
         report
+    }
+
+    /// A way of the rim (m) that is rounding, of the pose and of the springs' pulls.
+    fn no_way(&self) -> f64 {
+        let Self { system, state, .. } = self;
+        let pulls = EXACT * system.total_slip_limit() / state.held.largest_stiffness(&system.springs);
+        (SMALLEST_JUMP * system.load.radius).min(pulls)
+    }
+
+    /// How far the rim has moved since the load was at `start` (m).
+    fn way_from(&self, start: &Pose) -> f64 {
+        let end = &self.state.motion.pose;
+        (end.position - start.position).norm() + self.system.load.radius * (end.heading - start.heading).abs()
     }
 
     /// Books the jump that led from the pose `start` and this energy `defect` (J) to the present ones.
@@ -71,5 +88,50 @@ impl QuasiStatic {
         report.add(&StepReport { n_steps: 0, ..self.settle() });
         self.state.regime = regime;
         Some(self.book_jump(start, defect))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::{Backend, Skips, Stepping};
+    use crate::math::{Chance, Stream, Vec2};
+    use crate::scenario::Scenario;
+
+    /// Legs that a jump leaves out lead nowhere: further ones stay within what counts as no way, and rounding. Soft springs and stiff ones, short jumps
+    /// and long.
+    #[test]
+    fn a_jump_ends_where_no_leg_leads_on() {
+        let text = include_str!("../../../scenarios/paper/four-ants-four-springs.json");
+        let Scenario { system, start, .. } = Scenario::parse(text, "four ants").unwrap();
+        let (mut n_jumps, mut n_cut) = (0, 0);
+        for case in 0..300 {
+            let (chance, mut system) = (Chance::new(case), system.clone());
+            let stiffer = 10f64.powf(4.0 * chance.uniform(Stream::Scene, 0, 0));
+            for spring in &mut system.springs {
+                spring.radial_stiffness *= stiffer;
+                spring.torsional_stiffness *= stiffer;
+            }
+            let reach = 0.5 * 10f64.powf(-2.0 * chance.uniform(Stream::Scene, 0, 1)) * system.springs[0].rest_length;
+            let mut backend = QuasiStatic::new(system.clone(), start, Stepping::Fixed(f64::INFINITY), Skips::ALL);
+            for (spring, polar) in system.springs.iter().enumerate().take(3) {
+                let [u, v] = chance.uniform_pair(Stream::Scene, spring as u32, 2);
+                backend.grasp(spring, start.pose.to_world(&polar.rest_tip()) + reach * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0));
+            }
+            backend.jump();
+            let end = backend.state.motion.pose;
+            let way = backend.way_from(&start.pose);
+            let mut last = end;
+            for _ in 0..MOST_LEGS {
+                last = backend.state.motion.pose;
+                backend.balance(None);
+            }
+            // Rounding of where tips are.
+            let (rounding, further) = (4.0 * f64::EPSILON * (system.load.radius + system.springs[0].rest_length), backend.way_from(&end));
+            assert!(further <= 2.0 * backend.no_way() + rounding, "{case}: {further:e} after {way:e}");
+            n_jumps += u32::from(way > 0.0);
+            n_cut += u32::from(last != end);
+        }
+        assert!(n_jumps > 100 && n_cut > 0, "{n_jumps} {n_cut}");
     }
 }

@@ -17,10 +17,7 @@ pub struct Seen<'a> {
 /// figure could show apart, neighbours share a group, of which ranges and means are left.
 #[derive(Clone, Debug)]
 pub struct SeenRows {
-    /// Of the first row of each group (s).
-    times: Vec<f64>,
-    /// Of each [`Quantity`], one a group.
-    ranges: [Vec<Range>; Quantity::COUNT],
+    groups: Vec<Group>,
     /// Rows of a group, and of the last one, which may not be full.
     n_each: usize,
     n_last: usize,
@@ -63,24 +60,29 @@ impl Quantity {
     }
 }
 
-/// A quantity in a group of rows.
+/// Rows that share a place: the least, the largest and the sum of each [`Quantity`].
 #[derive(Clone, Copy, Debug)]
-struct Range {
-    low: f64,
-    high: f64,
-    sum: f64,
+struct Group {
+    /// Of its first row (s).
+    time: f64,
+    low: [f64; Quantity::COUNT],
+    high: [f64; Quantity::COUNT],
+    sum: [f64; Quantity::COUNT],
 }
 
-impl Range {
-    fn of(value: f64) -> Self {
-        Self { low: value, high: value, sum: value }
+impl Group {
+    fn of(time: f64, values: [f64; Quantity::COUNT]) -> Self {
+        Self { time, low: values, high: values, sum: values }
     }
 
-    fn and(self, other: Self) -> Self {
-        // Not `f64::min`, which takes longer as it minds what is no number.
-        let low = if other.low < self.low { other.low } else { self.low };
-        let high = if other.high > self.high { other.high } else { self.high };
-        Self { low, high, sum: self.sum + other.sum }
+    /// With a later one.
+    fn add(&mut self, other: &Self) {
+        for at in 0..Quantity::COUNT {
+            // Not `f64::min`, which takes longer as it minds what is no number.
+            self.low[at] = if other.low[at] < self.low[at] { other.low[at] } else { self.low[at] };
+            self.high[at] = if other.high[at] > self.high[at] { other.high[at] } else { self.high[at] };
+            self.sum[at] += other.sum[at];
+        }
     }
 }
 
@@ -111,8 +113,7 @@ impl<'a> Seen<'a> {
 
 impl Default for SeenRows {
     fn default() -> Self {
-        let ranges = Default::default();
-        Self { times: Vec::new(), ranges, n_each: 1, n_last: 1, path: Path::default(), ends: None }
+        Self { groups: Vec::new(), n_each: 1, n_last: 1, path: Path::default(), ends: None }
     }
 }
 
@@ -123,16 +124,17 @@ impl SeenRows {
         let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
         self.ends = Some([first, last.motion.pose]);
         for row in rows {
-            let values = Quantity::of(row);
-            if self.n_last < self.n_each {
-                self.n_last += 1;
-                let lasts = self.ranges.iter_mut().filter_map(|ranges| ranges.last_mut());
-                lasts.zip(values).for_each(|(range, value)| *range = range.and(Range::of(value)));
-            } else {
-                self.join_when_full();
-                self.n_last = 1;
-                self.times.push(row.time);
-                self.ranges.iter_mut().zip(values).for_each(|(ranges, value)| ranges.push(Range::of(value)));
+            let own = Group::of(row.time, Quantity::of(row));
+            match self.groups.last_mut() {
+                Some(group) if self.n_last < self.n_each => {
+                    group.add(&own);
+                    self.n_last += 1;
+                }
+                _ => {
+                    self.join_when_full();
+                    self.groups.push(own);
+                    self.n_last = 1;
+                }
             }
             self.path.add([MILLI * row.motion.pose.position.x, MILLI * row.motion.pose.position.y]);
         }
@@ -140,26 +142,26 @@ impl SeenRows {
 
     /// Makes room for one more group.
     fn join_when_full(&mut self) {
-        if self.times.len() < MOST_GROUPS {
+        if self.groups.len() < MOST_GROUPS {
             return;
         }
         self.n_each *= 2;
         for k in 0..MOST_GROUPS / 2 {
-            self.times[k] = self.times[2 * k];
-            self.ranges.iter_mut().for_each(|ranges| ranges[k] = ranges[2 * k].and(ranges[2 * k + 1]));
+            let later = self.groups[2 * k + 1];
+            self.groups[k] = self.groups[2 * k];
+            self.groups[k].add(&later);
         }
-        self.times.truncate(MOST_GROUPS / 2);
-        self.ranges.iter_mut().for_each(|ranges| ranges.truncate(MOST_GROUPS / 2));
+        self.groups.truncate(MOST_GROUPS / 2);
     }
 
     /// A quantity over time, group by group.
     pub(super) fn columns(&self, quantity: Quantity) -> Vec<Column> {
-        let n_groups = self.times.len();
-        let of = |(k, (x, range)): (usize, (&f64, &Range))| {
+        let (at, n_groups) = (quantity as usize, self.groups.len());
+        let of = |(k, group): (usize, &Group)| {
             let n = if k + 1 < n_groups { self.n_each } else { self.n_last };
-            Column { x: *x, low: range.low, mean: range.sum / n as f64, high: range.high }
+            Column { x: group.time, low: group.low[at], mean: group.sum[at] / n as f64, high: group.high[at] }
         };
-        self.times.iter().zip(&self.ranges[quantity as usize]).enumerate().map(of).collect()
+        self.groups.iter().enumerate().map(of).collect()
     }
 
     /// The load's path (mm).
