@@ -98,8 +98,10 @@ impl<W: Write> TraceTable<W> {
                 self.lines.numbers(&all_finite(&FORCE_COLUMNS, forces_of(row))?);
             }
             self.lines.count(row.tips.len());
-            pulls_of(row, &mut self.pulls)?;
-            self.lines.numbers(&self.pulls);
+            if !self.pulls.is_empty() {
+                pulls_of(row, &mut self.pulls)?;
+                self.lines.numbers(&self.pulls);
+            }
             self.lines.end();
         }
         Ok(())

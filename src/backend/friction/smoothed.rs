@@ -11,6 +11,10 @@ use crate::model::support::wrench_of;
 
 /// Down to the rounding of double precision.
 const N_STAGES: i32 = 15;
+/// First stages, in which nearly every answer is found, and their accuracy (1): from there the exact methods take over, or the next stage does. Who gets past
+/// them may depend on more.
+const FIRST_STAGES: i32 = 4;
+const NEAR: f64 = 1e-3;
 /// Enough to halve a damped step from one end of double precision to the other; a stage takes some ten.
 const MOST_ITERATIONS: u32 = 60;
 /// In all stages and the exact methods between them, which take some hundred where one of these finds the answer.
@@ -28,7 +32,8 @@ pub(super) fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_i
             break;
         }
         rounding = scale * 10f64.powi(-stage);
-        twist = minimise(&Rounded { cones, h, w, rounding }, twist, n_iterations);
+        let accuracy = if stage < FIRST_STAGES { NEAR } else { EXACT };
+        twist = minimise(&Rounded { cones, h, w, rounding }, twist, accuracy, n_iterations);
         if let Some(found) = exact_from(cones, h, w, &twist, rounding, forces, n_iterations) {
             return found;
         }
@@ -128,13 +133,14 @@ impl Rounded<'_> {
     }
 }
 
-/// Damped Newton: a step counts when the objective falls by Armijo's rule, or when it has reached its rounding and the gradient still falls.
-fn minimise(problem: &Rounded, start: Vec3, n_iterations: &mut u32) -> Vec3 {
+/// Damped Newton until the gradient is down to the `accuracy`, over the forces in it (1): a step counts when the objective falls by Armijo's rule, or when it has
+/// reached its rounding and the gradient still falls.
+fn minimise(problem: &Rounded, start: Vec3, accuracy: f64, n_iterations: &mut u32) -> Vec3 {
     let mut twist = start;
     let (mut gradient, mut hessian) = problem.derivatives(&twist);
     for _ in 0..MOST_ITERATIONS {
         let scale = problem.cones.force_scale(problem.h, problem.w, &twist);
-        if gradient.amax() <= EXACT * scale {
+        if gradient.amax() <= accuracy * scale {
             break;
         }
         *n_iterations += 1;
