@@ -1,8 +1,9 @@
 //! How far the held tips may go before a load at rest can begin to slip.
 //!
-//! As long as the load stands, its wrench w depends on nothing but where the tips are: a spring pulls with F(p) at its tip p, and turns with the moment of that. To
-//! first order in the ways d of the tips from where the certificate was made, w is known. What was balanced there by forces f_i with room to their limits is balanced
-//! by them and the least forces for what w has changed by. What the second order adds is bounded: with a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
+//! As long as the load stands, its wrench w depends on nothing but where the tips are: a spring pulls with F(p) at its tip p, and turns with the moment of that. What
+//! was balanced where the certificate was made by forces f_i with room to their limits is balanced by them and the least forces for what w has changed by. At the end
+//! of one step w is simply evaluated. Over many, it is known to first order in the ways d of the tips, and what the second order adds is bounded: with
+//! a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
 //!
 //! ```text
 //! K = dF/dp = k_r ee' + (a / l + k_t / l^2) tt' - (b / l) (et' + te')
@@ -31,7 +32,9 @@ const LARGEST_TURN: f64 = 0.1254;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StickBound {
     is_made: bool,
-    /// What the wrench at the time was balanced by (see [`FrictionSolver::roomy_forces`]).
+    /// Of the springs on the load at the time (N, N, N m; load axes).
+    wrench: Vec3,
+    /// What that was balanced by (see [`FrictionSolver::roomy_forces`]).
     forces: Vec<Vec2>,
     /// One a grip, in their order.
     balls: Vec<Ball>,
@@ -61,7 +64,12 @@ impl StickBound {
             wrench += pull;
             self.balls.push(ball);
         }
+        self.wrench = wrench;
         self.is_made = solver.roomy_forces(&wrench, &mut self.forces) && solver.bears(&self.forces, &Vec3::zeros(), 0.0);
+    }
+
+    pub fn is_made(&self) -> bool {
+        self.is_made
     }
 
     /// What the wrench was balanced by when the certificate was made (scaled, one a cone).
@@ -76,6 +84,13 @@ impl StickBound {
     /// Puts the tips of grips where the certificate was made for them.
     pub fn put_back(&self, grips: &mut [Grip]) {
         grips.iter_mut().zip(&self.balls).for_each(|(grip, ball)| grip.tip = ball.centre);
+    }
+
+    /// Whether the load surely sticks under this wrench of the springs (N, N, N m; load axes), with their tips here (m, world, in the order of the grips).
+    pub fn holds(&self, wrench: &Vec3, tips: impl Iterator<Item = Vec2>, solver: &FrictionSolver) -> bool {
+        let is_near = |(ball, tip): (&Ball, Vec2)| (tip - ball.centre).norm_squared() <= ball.radius * ball.radius;
+        let change = solver.balanced(&(wrench - self.wrench));
+        self.is_made && change.is_some_and(|change| solver.bears(&self.forces, &change, 0.0)) && self.balls.iter().zip(tips).all(is_near)
     }
 
     /// On how many of `n_steps` equal steps of the tips' straight way from where they are to their entries of `targets` (m, world), from the first one on, the load

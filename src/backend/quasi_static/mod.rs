@@ -185,20 +185,29 @@ impl QuasiStatic {
 
     /// Leaves out the next of the way's steps, of which some are `done`, as far as the load surely sticks, and gives their number.
     fn wait(&mut self, way: &Way, done: u64, n_steps: u64, report: &mut StepReport) -> u64 {
-        if !self.skips.stick_bound || self.state.regime != Regime::Stick {
+        let State { stick, held, .. } = &mut self.state;
+        if !self.skips.stick_bound || !stick.is_made() {
             return 0;
         }
-        let n_sure = self.state.stick.n_sure(&self.state.held, way.targets, n_steps - done, &self.solver);
-        if n_sure > 0 {
-            let share = (done + n_sure) as f64 / n_steps as f64;
-            self.state.held.place_tips(way.from, way.targets, share);
-            self.springs.place_tips(way.from, way.targets, share);
+        let share = |n: u64| n as f64 / n_steps as f64;
+        // One step is known from where it ends, which takes less than a bound for all of it and reaches farther.
+        let n_left = n_steps - done;
+        let n_bound = if n_left > 1 { stick.n_sure(held, way.targets, n_left, &self.solver) } else { 0 };
+        let n_sure = n_bound.max(1);
+        self.springs.place_tips(way.from, way.targets, share(done + n_sure));
+        let wrench = -self.springs.look();
+        if n_bound == 0 && !stick.holds(&wrench, self.springs.tips(), &self.solver) {
+            self.springs.place_tips(way.from, way.targets, share(done));
             self.springs.look();
-            self.state.is_waiting = true;
-            self.state.motion.twist = Twist::ZERO;
-            let skipped = SkipCounts { stick_bound: n_sure, ..SkipCounts::default() };
-            report.add(&StepReport { n_steps: n_sure, n_skipped: n_sure, skipped, ..StepReport::default() });
+            return 0;
         }
+        held.place_tips(way.from, way.targets, share(done + n_sure));
+        (self.state.is_waiting, self.state.regime_is_known) = (true, true);
+        self.state.motion.twist = Twist::ZERO;
+        let before = std::mem::replace(&mut self.state.regime, Regime::Stick);
+        self.note_transition(before, share(done + 1) * way.duration);
+        let skipped = SkipCounts { stick_bound: n_sure, ..SkipCounts::default() };
+        report.add(&StepReport { n_steps: n_sure, n_skipped: n_sure, skipped, ..StepReport::default() });
         n_sure
     }
 

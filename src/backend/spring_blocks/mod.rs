@@ -120,10 +120,10 @@ impl SpringBlocks {
         self.evaluated = Evaluated::default();
     }
 
-    /// Evaluates at the accepted place, for a load that stands while its tips move.
-    pub fn look(&mut self) {
+    /// The gradient at the accepted place, for a load that stands while its tips move.
+    pub fn look(&mut self) -> Vec3 {
         let place = self.accepted.at;
-        self.gradient(&place);
+        self.gradient(&place)
     }
 
     /// Takes a place as the accepted one, with the swings as gathered.
