@@ -1,7 +1,7 @@
 //! Work that the exact backends leave out: nobody would have noticed it, and the counts say how often it was.
 
 use cohaul::backend::{BackendKind, BackendOptions, Motion, Skip, Skips, StepReport, build, default_step};
-use cohaul::math::{Pose, Twist, Vec2};
+use cohaul::math::{Pose, Twist, Vec2, direction};
 use cohaul::model::System;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Outcome, Simulation, Trace};
@@ -114,6 +114,29 @@ fn a_load_waits_until_just_before_it_slips() {
         }
         assert!(share > 0.98, "{way} {n_each}: {share}");
     }
+}
+
+/// A tip that goes around its root one and a half times, on a spring too weak to move the load: a certificate ends before the swing could be taken for one on another
+/// branch.
+#[test]
+fn a_load_that_waits_knows_how_often_a_spring_was_swung_around() {
+    let mut system = paper_system(paper_springs(1));
+    system.springs[0].radial_stiffness *= 1e-3;
+    system.springs[0].torsional_stiffness *= 1e-3;
+    let (start, spring) = (Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO }, system.springs[0]);
+    let mut run = build(&system, start, &BackendOptions::new(BackendKind::QuasiStatic, 1.0));
+    run.grasp(0, spring.rest_tip());
+    let (n, mut n_skipped) = (600, 0);
+    for i in 1..=n {
+        let swing = 3.0 * std::f64::consts::PI * f64::from(i) / f64::from(n);
+        let tip = spring.root + spring.rest_length * direction(spring.bearing + swing);
+        n_skipped += run.advance(&[tip], 1.0).skipped.stick_bound;
+        let energy = 0.5 * spring.torsional_stiffness * swing * swing;
+        // Roundings of the swing from step to step, 1e-16 each, and of the length.
+        assert!((run.energy().elastic - energy).abs() <= 1e-12 * energy, "{i}: {} {energy}", run.energy().elastic);
+    }
+    assert_eq!(run.motion().pose, start.pose);
+    assert!((500..600).contains(&n_skipped), "{n_skipped}");
 }
 
 /// A load at rest without springs, or with tips that stand, has nowhere to go: what is left out is what would have been found.
