@@ -247,8 +247,8 @@ fn make_sibling(target: &Path, role: &str) -> Result<PathBuf, FolderError> {
     }
 }
 
-/// The hash of a file in a manifest. XXH3 tells a file that was cut short or changed, as a cryptographic hash would, at a thirtieth of the time; against somebody
-/// who forges one a list beside it would not help anyway.
+/// The hash of a file in a manifest. XXH3 tells a file that was cut short or changed as a cryptographic hash would, in far less time; against somebody who forges
+/// one a list beside it would not help anyway.
 fn in_text(hash: u128) -> String {
     format!("xxh128:{hash:032x}")
 }

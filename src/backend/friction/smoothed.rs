@@ -11,9 +11,9 @@ use crate::model::support::wrench_of;
 
 /// Down to the rounding of double precision.
 const N_STAGES: i32 = 15;
-/// First stages, in which nearly every answer is found, and their accuracy (1): from there the exact methods take over, or the next stage does. Who gets past
-/// them may depend on more.
+/// In so many stages nearly every answer is found; who gets past them may depend on exact ones.
 const FIRST_STAGES: i32 = 4;
+/// Accuracy of these (1): the exact methods take over from there, or the next stage does.
 const NEAR: f64 = 1e-3;
 /// Enough to halve a damped step from one end of double precision to the other; a stage takes some ten.
 const MOST_ITERATIONS: u32 = 60;
