@@ -1,6 +1,7 @@
 //! The springs that are held now: tips, branches of their swings, energy and forces. Shared by all backends.
 
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 
 use super::RestoreError;
 use super::friction::EXACT;
@@ -23,6 +24,19 @@ pub struct Grip {
     /// Swing at the last accepted pose (rad): tells which branch the next one lies on.
     pub swing: f64,
 }
+
+/// A held tip at one instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldTip {
+    pub spring: usize,
+    /// (m, world)
+    pub position: Vec2,
+    /// Force of the holder on the tip, opposite to Eq. (10) (N, world).
+    pub pull: Vec2,
+}
+
+/// Up to four without memory elsewhere: mostly there are no more.
+pub type HeldTips = SmallVec<[HeldTip; 4]>;
 
 /// All held springs in the order of their index. What depends on their sum does not depend on the order of grasping.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

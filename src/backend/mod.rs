@@ -28,6 +28,7 @@ use controlled::{Column, Control};
 use options::CHECK_SHARE;
 use tandem::Tandem;
 
+pub use held::{HeldTip, HeldTips};
 pub use inertial::Integrator;
 pub use ledger::{DefectParts, EnergyLedger};
 pub use options::{BackendKind, BackendOptions, ConeSolver, Tolerance};
@@ -82,6 +83,14 @@ pub trait Backend {
 
     /// Force of the spring on its tip (N, world), Eq. (10), its dashpot's included; zero for a free spring. The ant pulls with its opposite.
     fn force_on_tip(&self, spring: usize) -> Vec2;
+
+    /// Puts place and pull now into `tips`: all that are held, in the order of their springs.
+    fn look_at(&self, tips: &mut [HeldTip]) {
+        for tip in tips {
+            tip.position = self.tip(tip.spring).unwrap_or(tip.position);
+            tip.pull = -self.force_on_tip(tip.spring);
+        }
+    }
 
     /// Friction force of the ground on each support (N, world), averaged over the last step.
     fn friction_forces(&self) -> Vec<Vec2>;
@@ -222,8 +231,9 @@ fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
 /// The fewest equal steps of at most `longest` (s) that make up `duration` (s): their number. A share of 1e-9 of a step is forgiven, so that
 /// a period that is a multiple of the step up to rounding is cut into just that many.
 pub fn n_steps_in(duration: f64, longest: f64) -> u64 {
-    if duration <= longest {
+    const FORGIVEN: f64 = 1e-9;
+    if duration <= (1.0 + FORGIVEN) * longest {
         return 1;
     }
-    (duration / longest - 1e-9).ceil().max(1.0) as u64
+    (duration / longest - FORGIVEN).ceil().max(1.0) as u64
 }

@@ -33,6 +33,16 @@ impl Skips {
     pub const ALL: Skips = Skips { free_load: true, still_tips: true, stick_bound: true, distant_ants: true };
     pub const NONE: Skips = Skips { free_load: false, still_tips: false, stick_bound: false, distant_ants: false };
 
+    /// Whether work of this kind is left out.
+    pub fn has(&self, skip: Skip) -> bool {
+        match skip {
+            Skip::FreeLoad => self.free_load,
+            Skip::StillTips => self.still_tips,
+            Skip::StickBound => self.stick_bound,
+            Skip::DistantAnts => self.distant_ants,
+        }
+    }
+
     /// All of these but one kind.
     pub fn without(self, skip: Skip) -> Self {
         match skip {
@@ -69,6 +79,15 @@ pub struct SkipCounts {
 }
 
 impl SkipCounts {
+    pub fn count(&mut self, why: Skip, n: u64) {
+        match why {
+            Skip::FreeLoad => self.free_load += n,
+            Skip::StillTips => self.still_tips += n,
+            Skip::StickBound => self.stick_bound += n,
+            Skip::DistantAnts => self.distant_ants += n,
+        }
+    }
+
     pub fn add(&mut self, other: &SkipCounts) {
         self.free_load += other.free_load;
         self.still_tips += other.still_tips;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::SkipCounts;
+use super::{Skip, SkipCounts};
 
 /// How an advance ended. The order is that of severity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -41,6 +41,13 @@ pub struct StepReport {
 }
 
 impl StepReport {
+    /// Adds `n_steps` that were left out.
+    pub fn leave_out(&mut self, why: Skip, n_steps: u64) {
+        self.n_steps += n_steps;
+        self.n_skipped += n_steps;
+        self.skipped.count(why, n_steps);
+    }
+
     pub fn add(&mut self, other: &StepReport) {
         self.status = self.status.max(other.status);
         self.residual = self.residual.max(other.residual);

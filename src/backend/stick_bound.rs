@@ -36,17 +36,26 @@ pub struct StickBound {
     wrench: Vec3,
     /// What that was balanced by (see [`FrictionSolver::roomy_forces`]).
     forces: Vec<Vec2>,
+    /// Where the load was.
+    at: Option<Place>,
     /// One a grip, in their order.
     balls: Vec<Ball>,
+    /// Of the same; none before many steps are asked for.
+    growths: Vec<Growth>,
 }
 
+/// Where a tip is known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Ball {
-    spring: usize,
-    /// (m, world)
-    centre: Vec2,
+    /// As it was when the certificate was made.
+    grip: Grip,
     /// (m)
     radius: f64,
+}
+
+/// How the wrench of a spring changes with the way of its tip from there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Growth {
     /// What balances the wrench of a small way of the tip, by that way (1/m).
     response: Mat3x2,
     /// Largest wrench of the second order by the squared way (scaled, 1/m^2).
@@ -58,13 +67,14 @@ impl StickBound {
     pub fn renew(&mut self, springs: &[PolarSpring], held: &HeldSprings, at: &Place, solver: &FrictionSolver) {
         self.forget();
         self.balls.clear();
+        self.growths.clear();
         let mut wrench = Vec3::zeros();
         for grip in held.grips() {
-            let Some((ball, pull)) = Ball::about(grip, &springs[grip.spring], at, solver) else { return };
+            let Some((ball, pull)) = Ball::about(grip, &springs[grip.spring], at) else { return };
             wrench += pull;
             self.balls.push(ball);
         }
-        self.wrench = wrench;
+        (self.wrench, self.at) = (wrench, Some(*at));
         self.is_made = solver.roomy_forces(&wrench, &mut self.forces) && solver.bears(&self.forces, &Vec3::zeros(), 0.0);
     }
 
@@ -83,30 +93,35 @@ impl StickBound {
 
     /// Puts the tips of grips where the certificate was made for them.
     pub fn put_back(&self, grips: &mut [Grip]) {
-        grips.iter_mut().zip(&self.balls).for_each(|(grip, ball)| grip.tip = ball.centre);
+        grips.iter_mut().zip(&self.balls).for_each(|(grip, ball)| grip.tip = ball.grip.tip);
     }
 
     /// Whether the load surely sticks under this wrench of the springs (N, N, N m; load axes), with their tips here (m, world, in the order of the grips).
     pub fn holds(&self, wrench: &Vec3, tips: impl Iterator<Item = Vec2>, solver: &FrictionSolver) -> bool {
-        let is_near = |(ball, tip): (&Ball, Vec2)| (tip - ball.centre).norm_squared() <= ball.radius * ball.radius;
+        let is_near = |(ball, tip): (&Ball, Vec2)| ball.contains(&(tip - ball.grip.tip));
         let change = solver.balanced(&(wrench - self.wrench));
         self.is_made && change.is_some_and(|change| solver.bears(&self.forces, &change, 0.0)) && self.balls.iter().zip(tips).all(is_near)
     }
 
     /// On how many of `n_steps` equal steps of the tips' straight way from where they are to their entries of `targets` (m, world), from the first one on, the load
     /// surely sticks.
-    pub fn n_sure(&self, held: &HeldSprings, targets: &[Vec2], n_steps: u64, solver: &FrictionSolver) -> u64 {
-        if !self.is_made {
+    pub fn n_sure(&mut self, springs: &[PolarSpring], held: &HeldSprings, targets: &[Vec2], n_steps: u64, solver: &FrictionSolver) -> u64 {
+        let Some(at) = self.at.filter(|_| self.is_made) else { return 0 };
+        if self.growths.is_empty() {
+            let growth = |ball: &Ball| Growth::in_ball(ball, &springs[ball.grip.spring], &at, solver);
+            self.growths = self.balls.iter().map_while(growth).collect();
+        }
+        if self.growths.len() < self.balls.len() {
             return 0;
         }
         let is_sure = |n: u64| {
             let share = n as f64 / n_steps as f64;
             let (mut change, mut bend) = (Vec3::zeros(), 0.0);
-            self.balls.iter().zip(held.grips()).all(|(ball, grip)| {
-                let way = grip.tip + share * (targets[ball.spring] - grip.tip) - ball.centre;
-                change += ball.response * way;
-                bend += ball.bend * way.norm_squared();
-                way.norm_squared() <= ball.radius * ball.radius
+            self.balls.iter().zip(&self.growths).zip(held.grips()).all(|((ball, growth), grip)| {
+                let way = grip.tip + share * (targets[grip.spring] - grip.tip) - ball.grip.tip;
+                change += growth.response * way;
+                bend += growth.bend * way.norm_squared();
+                ball.contains(&way)
             }) && solver.bears(&self.forces, &change, bend)
         };
         if is_sure(n_steps) {
@@ -122,18 +137,52 @@ impl StickBound {
 }
 
 impl Ball {
-    /// With the pull of the spring on the load (N, N, N m; load axes). `None` for a spring too short to have a direction, or where nothing is known.
-    fn about(grip: &Grip, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<(Self, Vec3)> {
-        let arm = at.turn.tr_mul(&(grip.tip - at.pose.position));
-        let along = arm - spring.root;
-        let length = along.norm();
-        let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
-        let (radius, bend, pull, stiffness) = if spring.is_isotropic() {
-            (f64::MAX, 0.0, radial * along, radial * Mat2::identity())
+    /// With the pull of the spring on the load (N, N, N m; load axes). `None` for a spring too short to have a direction.
+    fn about(grip: &Grip, spring: &PolarSpring, at: &Place) -> Option<(Self, Vec3)> {
+        let Reach { arm, along, length } = Reach::of(grip, spring, at);
+        let radial = spring.radial_stiffness;
+        let (radius, pull) = if spring.is_isotropic() {
+            (f64::MAX, radial * along)
         } else {
             if length <= SHORTEST_LENGTH * spring.rest_length {
                 return None;
             }
+            let e = along / length;
+            let (stretch, swing) = (radial * (length - spring.rest_length), spring.torsional_stiffness * grip.swing / length);
+            (BALL * length, stretch * e + swing * perpendicular(&e))
+        };
+        Some((Self { grip: *grip, radius }, pull.push(arm.perp(&pull))))
+    }
+
+    /// Whether it reaches as far as this way (m) from its centre.
+    fn contains(&self, way: &Vec2) -> bool {
+        way.norm_squared() <= self.radius * self.radius
+    }
+}
+
+/// A tip from the origin of the load and from the root of its spring (m, load axes).
+struct Reach {
+    arm: Vec2,
+    along: Vec2,
+    length: f64,
+}
+
+impl Reach {
+    fn of(grip: &Grip, spring: &PolarSpring, at: &Place) -> Self {
+        let arm = at.turn.tr_mul(&(grip.tip - at.pose.position));
+        let along = arm - spring.root;
+        Self { arm, along, length: along.norm() }
+    }
+}
+
+impl Growth {
+    /// Within a ball about the tip of a spring that has a direction. `None` where nothing is known of the supports.
+    fn in_ball(Ball { grip, radius }: &Ball, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<Self> {
+        let Reach { arm, along, length } = Reach::of(grip, spring, at);
+        let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
+        let (bend, pull, stiffness) = if spring.is_isotropic() {
+            (0.0, radial * along, radial * Mat2::identity())
+        } else {
             let e = along / length;
             let t = perpendicular(&e);
             let (stretch, swing) = (radial * (length - spring.rest_length), torsional * grip.swing / length);
@@ -141,14 +190,13 @@ impl Ball {
             let coupling = swing / length;
             let mixed = e * t.transpose();
             let stiffness = radial * e * e.transpose() + across * t * t.transpose() - coupling * (mixed + mixed.transpose());
-            let radius = BALL * length;
             let shortest = length - radius;
             let largest_a = (radial * spring.rest_length).max(2.0 * torsional / shortest) / (shortest * shortest);
             let largest_b = 2.0 * torsional * (grip.swing.abs() + LARGEST_TURN) / (shortest * shortest * shortest);
             let curvature = 1.155 * largest_a + largest_b;
             let largest = radial.max(across.abs()) + coupling.abs();
             let bend = solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature);
-            (radius, bend, stretch * e + swing * t, stiffness)
+            (bend, stretch * e + swing * t, stiffness)
         };
         let column = |way: Vec2| {
             let force = stiffness * way;
@@ -156,8 +204,7 @@ impl Ball {
         };
         let to_load = at.turn.transpose();
         let response = Mat3x2::from_columns(&[column(to_load.column(0).into_owned())?, column(to_load.column(1).into_owned())?]);
-        let ball = Self { spring: grip.spring, centre: grip.tip, radius, response, bend };
-        Some((ball, pull.push(arm.perp(&pull))))
+        Some(Self { response, bend })
     }
 }
 
@@ -195,7 +242,8 @@ mod tests {
                 -force.push(arm.perp(&force))
             };
             let grip = Grip { spring: 0, tip, swing };
-            let (ball, pull) = Ball::about(&grip, &spring, &place, &solver).unwrap();
+            let (ball, pull) = Ball::about(&grip, &spring, &place).unwrap();
+            let growth = Growth::in_ball(&ball, &spring, &place, &solver).unwrap();
             // Rounding of forces of 0.1 N.
             assert!((pull - wrench(&tip)).norm() < 1e-15, "{case}: {pull} {}", wrench(&tip));
             let radius = ball.radius.min(0.003);
@@ -206,11 +254,11 @@ mod tests {
                 let slope = (wrench(&(tip + h * way)) - wrench(&(tip - h * way))) / (2.0 * h);
                 let rest = wrench(&(tip + way)) - wrench(&tip) - slope;
                 let size = solver.scaled_wrench(rest.xy().norm(), rest.z.abs());
-                let bound = ball.bend * way.norm_squared();
+                let bound = growth.bend * way.norm_squared();
                 assert!(size <= bound * (1.0 + 1e-6) + 1e-9 * solver.scaled_wrench(0.1, 0.004), "{case} {k}: {size} {bound}");
                 closest = closest.max(size / bound.max(1e-300));
-                let first = ball.response * way - solver.balanced(&slope).unwrap();
-                assert!(first.norm() < 1e-6 * (ball.response * way).norm() + 1e-9, "{case} {k}: {first}");
+                let first = growth.response * way - solver.balanced(&slope).unwrap();
+                assert!(first.norm() < 1e-6 * (growth.response * way).norm() + 1e-9, "{case} {k}: {first}");
             }
         }
         assert!(closest > 0.5, "{closest}");

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SavedState, StepReport, Transition};
+use super::{Backend, EnergyLedger, HeldTip, Motion, PoseError, RestoreError, SavedState, StepReport, Transition};
 use crate::math::Vec2;
 
 pub(super) struct Tandem {
@@ -48,6 +48,10 @@ impl Backend for Tandem {
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
         self.answer.force_on_tip(spring)
+    }
+
+    fn look_at(&self, tips: &mut [HeldTip]) {
+        self.answer.look_at(tips);
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {

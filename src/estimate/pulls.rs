@@ -1,6 +1,6 @@
 //! The held springs and their dashpots as a shadow feels them, by body twists from where it is.
 //!
-//! The shadow's springs are those of the load, with the same tips and on the same branches, evaluated four at a time at another pose. A shadow at rest, as it
+//! The shadow's springs are those of the load, with the same tips and on the same branches, evaluated side by side at another pose. A shadow at rest, as it
 //! mostly is, asks for no more than their gradient.
 
 use super::shadow::Tick;

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::{Estimator, InertiaEstimate};
 use crate::backend::{
-    Backend, BackendKind, BackendOptions, EnergyLedger, Motion, PoseError, RestoreError, SavedState, StepReport, Transition, build,
+    Backend, BackendKind, BackendOptions, EnergyLedger, HeldTip, Motion, PoseError, RestoreError, SavedState, StepReport, Transition, build,
 };
 use crate::math::Vec2;
 use crate::model::System;
@@ -68,6 +68,10 @@ impl Backend for Watched {
 
     fn force_on_tip(&self, spring: usize) -> Vec2 {
         self.backend.force_on_tip(spring)
+    }
+
+    fn look_at(&self, tips: &mut [HeldTip]) {
+        self.backend.look_at(tips);
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {

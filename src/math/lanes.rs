@@ -1,33 +1,33 @@
-//! Vectors of the plane, four side by side.
-
-use wide::f64x4;
+//! Numbers and vectors of the plane, some side by side.
 
 use super::Vec2;
 
-/// Numbers side by side.
-pub const LANES: usize = 4;
+/// Numbers side by side: as many as one register holds on every processor that this is built for. With more, what is at hand no longer fits into registers.
+pub type Numbers = wide::f64x2;
+
+pub const LANES: usize = 2;
 
 /// As many vectors of the plane.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Vec2x4 {
-    pub x: f64x4,
-    pub y: f64x4,
+pub struct Vectors {
+    pub x: Numbers,
+    pub y: Numbers,
 }
 
-impl Vec2x4 {
+impl Vectors {
     pub fn splat(v: Vec2) -> Self {
-        Self { x: f64x4::splat(v.x), y: f64x4::splat(v.y) }
+        Self { x: Numbers::splat(v.x), y: Numbers::splat(v.y) }
     }
 
     pub fn new(lanes: [Vec2; LANES]) -> Self {
-        Self { x: f64x4::new(lanes.map(|v| v.x)), y: f64x4::new(lanes.map(|v| v.y)) }
+        Self { x: Numbers::new(lanes.map(|v| v.x)), y: Numbers::new(lanes.map(|v| v.y)) }
     }
 
-    pub fn dot(self, other: Self) -> f64x4 {
+    pub fn dot(self, other: Self) -> Numbers {
         self.x * other.x + self.y * other.y
     }
 
-    pub fn perp(self, other: Self) -> f64x4 {
+    pub fn perp(self, other: Self) -> Numbers {
         self.x * other.y - self.y * other.x
     }
 
@@ -39,17 +39,17 @@ impl Vec2x4 {
         Self { x: self.x + other.x, y: self.y + other.y }
     }
 
-    pub fn times(self, factor: f64x4) -> Self {
+    pub fn times(self, factor: Numbers) -> Self {
         Self { x: factor * self.x, y: factor * self.y }
     }
 
     /// Turned by the rotation whose first column is this (cos, sin).
-    pub fn turned(self, cos: f64x4, sin: f64x4) -> Self {
+    pub fn turned(self, cos: Numbers, sin: Numbers) -> Self {
         Self { x: cos * self.x - sin * self.y, y: sin * self.x + cos * self.y }
     }
 
     /// This where the `mask` is set, the other one elsewhere.
-    pub fn or(self, other: Self, mask: f64x4) -> Self {
+    pub fn or(self, other: Self, mask: Numbers) -> Self {
         Self { x: mask.select(self.x, other.x), y: mask.select(self.y, other.y) }
     }
 

@@ -7,9 +7,7 @@ use std::f64::consts::LN_2;
 
 use serde::{Deserialize, Serialize};
 
-use wide::f64x4;
-
-use crate::math::{SMALL_TANGENT, Vec2, Vec2x4, small_arctangent};
+use crate::math::{Numbers, SMALL_TANGENT, Vec2, Vectors, small_arctangent};
 
 /// When an ant draws for a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,13 +78,13 @@ impl HalfAngle {
 
     /// The directions in which ants want to pull, of any length, Eq. (22): towards the nest, but at most the half angle off the direction in which the `spring` of each
     /// leads away from the load. A nest exactly behind the spring counts as on its left.
-    pub fn pull_directions(&self, spring: Vec2x4, nest: Vec2x4) -> Vec2x4 {
-        let (sin, cos) = (f64x4::splat(self.sin), f64x4::splat(self.cos));
-        let is_left = spring.perp(nest).simd_ge(f64x4::ZERO);
+    pub fn pull_directions(&self, spring: Vectors, nest: Vectors) -> Vectors {
+        let (sin, cos) = (Numbers::splat(self.sin), Numbers::splat(self.cos));
+        let is_left = spring.perp(nest).simd_ge(Numbers::ZERO);
         let turned = spring.turned(cos, is_left.select(sin, -sin));
         let beyond = turned.perp(nest);
-        let is_past = is_left.select(beyond, -beyond).simd_gt(f64x4::ZERO);
-        let is_behind = spring.dot(nest).simd_lt(f64x4::ZERO);
+        let is_past = is_left.select(beyond, -beyond).simd_gt(Numbers::ZERO);
+        let is_behind = spring.dot(nest).simd_lt(Numbers::ZERO);
         // More than a right angle off counts as past a half angle below one, and less as short of one above.
         let is_beyond = if self.cos > 0.0 { is_behind | is_past } else { is_behind & is_past };
         turned.or(nest, is_beyond)
@@ -94,8 +92,8 @@ impl HalfAngle {
 }
 
 /// Where ants that pull in these directions face: they walk backwards, Eq. (21).
-pub fn facing_for_pull(pull_directions: Vec2x4) -> Vec2x4 {
-    Vec2x4 { x: -pull_directions.x, y: -pull_directions.y }
+pub fn facing_for_pull(pull_directions: Vectors) -> Vectors {
+    Vectors { x: -pull_directions.x, y: -pull_directions.y }
 }
 
 /// Signed angle from the unit vector `ahead` to a `desired` direction of any length in (-pi, pi] (rad), Eq. (19).
@@ -108,15 +106,15 @@ pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
     (across + 0.0).atan2(along)
 }
 
-/// The same, four side by side.
-pub fn turns_towards(desired: Vec2x4, ahead: Vec2x4) -> f64x4 {
+/// The same, side by side.
+pub fn turns_towards(desired: Vectors, ahead: Vectors) -> Numbers {
     let (across, along) = (ahead.perp(desired), ahead.dot(desired));
-    let is_small = across.abs().simd_le(f64x4::splat(SMALL_TANGENT) * along) & along.simd_gt(f64x4::ZERO);
+    let is_small = across.abs().simd_le(Numbers::splat(SMALL_TANGENT) * along) & along.simd_gt(Numbers::ZERO);
     // Most ants that pull face nearly where they want to.
     if is_small.all() {
         return small_arctangent(across / along);
     }
-    f64x4::new(std::array::from_fn(|k| turn_towards(&desired.lane(k), &ahead.lane(k))))
+    Numbers::new(std::array::from_fn(|k| turn_towards(&desired.lane(k), &ahead.lane(k))))
 }
 
 #[cfg(test)]
@@ -124,7 +122,7 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use super::*;
-    use crate::math::{direction, wrap_to_pi};
+    use crate::math::{LANES, direction, wrap_to_pi};
 
     const PAPER: ReleaseLaw = ReleaseLaw { strong_pull: 0.020, steepness: 100.0, period: 0.25 };
 
@@ -150,10 +148,14 @@ mod tests {
         assert!((probability_within(hazard_of(0.2, 0.0025), 0.0025) - 0.2).abs() < 1e-16);
     }
 
-    /// Of one ant, between three that pull another way.
+    /// Of one ant, beside others that pull another way, wherever it stands among them.
     fn pull_direction(limit: &HalfAngle, spring: &Vec2, nest: &Vec2) -> Vec2 {
-        let beside = |own: &Vec2| Vec2x4::new([-own, *own, Vec2::new(own.y, own.x), Vec2::new(0.3, 0.1)]);
-        limit.pull_directions(beside(spring), beside(nest)).lane(1)
+        let beside =
+            |own: &Vec2, at: usize| Vectors::new(std::array::from_fn(|k| if k == at { *own } else { Vec2::new(0.1 - own.y, own.x) }));
+        let [first, others @ ..]: [Vec2; LANES] =
+            std::array::from_fn(|at| limit.pull_directions(beside(spring, at), beside(nest, at)).lane(at));
+        assert!(others.iter().all(|other| *other == first), "{first} {others:?}");
+        first
     }
 
     /// The same by angles.
@@ -189,6 +191,6 @@ mod tests {
         }
         let ahead = Vec2::new(1.0, 0.0);
         assert_eq!(turn_towards(&Vec2::new(-2.0, -0.0), &ahead), PI);
-        assert_eq!(turn_towards(&facing_for_pull(Vec2x4::splat(Vec2::new(0.0, 3.0))).lane(2), &ahead), -0.5 * PI);
+        assert_eq!(turn_towards(&facing_for_pull(Vectors::splat(Vec2::new(0.0, 3.0))).lane(1), &ahead), -0.5 * PI);
     }
 }

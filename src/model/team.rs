@@ -1,10 +1,8 @@
-//! Ants that pull, four side by side.
-
-use wide::f64x4;
+//! Ants that pull, side by side.
 
 use super::ant::{Ant, Steering};
 use super::behaviour::{HalfAngle, facing_for_pull, turns_towards};
-use crate::math::{Arc, LANES, Mat2, SERIES_BELOW, Vec2, Vec2x4, small_rotation};
+use crate::math::{Arc, LANES, Mat2, Numbers, SERIES_BELOW, Vec2, Vectors, small_rotation};
 
 /// What all ants that pull one load share while they take a step.
 #[derive(Clone, Copy, Debug)]
@@ -27,32 +25,33 @@ impl Haul {
     /// Where ants that pull at springs with these roots (m, load axes) stand after the step, Eq. (19-22): each drags its tip backwards, while it turns to where it wants
     /// to pull.
     pub fn pulled(&self, ants: [&Ant; LANES], roots: [&Vec2; LANES]) -> [Ant; LANES] {
-        let position = Vec2x4::new(ants.map(|ant| ant.position));
-        let ahead = Vec2x4::new(ants.map(|ant| ant.ahead));
+        let position = Vectors::new(ants.map(|ant| ant.position));
+        let ahead = Vectors::new(ants.map(|ant| ant.ahead));
         let (origin, turn) = &self.load;
-        let root = Vec2x4::new(roots.map(|root| *root)).turned(f64x4::splat(turn.m11), f64x4::splat(turn.m21)).and(Vec2x4::splat(*origin));
-        let to_nest = Vec2x4::splat(self.nest).less(position);
+        let root =
+            Vectors::new(roots.map(|root| *root)).turned(Numbers::splat(turn.m11), Numbers::splat(turn.m21)).and(Vectors::splat(*origin));
+        let to_nest = Vectors::splat(self.nest).less(position);
         let desired = facing_for_pull(self.half_angle.pull_directions(position.less(root), to_nest));
         let turn_rate = self.steering.turn_rate(turns_towards(desired, ahead));
-        let across = Vec2x4 { x: -ahead.y, y: ahead.x }.times(turn_rate * f64x4::splat(self.control_offset));
-        let tip_velocity = ahead.times(f64x4::splat(-self.speed)).and(across);
-        let tips = position.and(tip_velocity.times(f64x4::splat(self.duration))).lanes();
-        let turns = turn_rate * f64x4::splat(self.duration);
+        let across = Vectors { x: -ahead.y, y: ahead.x }.times(turn_rate * Numbers::splat(self.control_offset));
+        let tip_velocity = ahead.times(Numbers::splat(-self.speed)).and(across);
+        let tips = position.and(tip_velocity.times(Numbers::splat(self.duration))).lanes();
+        let turns = turn_rate * Numbers::splat(self.duration);
         let (headings, aheads) = (turns.to_array(), turned(ahead, turns).lanes());
         std::array::from_fn(|k| Ant { position: tips[k], heading: ants[k].heading + headings[k], ahead: aheads[k], ..*ants[k] })
     }
 }
 
 /// Unit vectors turned by angles (rad), as [`Ant::turned`] does.
-fn turned(ahead: Vec2x4, turns: f64x4) -> Vec2x4 {
-    let (cos, sin) = if turns.abs().simd_lt(f64x4::splat(SERIES_BELOW)).all() {
+fn turned(ahead: Vectors, turns: Numbers) -> Vectors {
+    let (cos, sin) = if turns.abs().simd_lt(Numbers::splat(SERIES_BELOW)).all() {
         small_rotation(turns)
     } else {
         let rotations = turns.to_array().map(|turn| Arc::of(turn).rotation());
-        (f64x4::new(rotations.map(|turn| turn.m11)), f64x4::new(rotations.map(|turn| turn.m21)))
+        (Numbers::new(rotations.map(|turn| turn.m11)), Numbers::new(rotations.map(|turn| turn.m21)))
     };
     let ahead = ahead.turned(cos, sin);
-    ahead.times(f64x4::splat(1.5) - f64x4::splat(0.5) * ahead.dot(ahead))
+    ahead.times(Numbers::splat(1.5) - Numbers::splat(0.5) * ahead.dot(ahead))
 }
 
 #[cfg(test)]
@@ -62,9 +61,9 @@ mod tests {
 
     /// An ant at a time by angles, for small turns and large ones, near to each other or not.
     #[test]
-    fn four_ants_pull_as_each_would_alone() {
+    fn ants_side_by_side_pull_as_each_would_alone() {
         let mut largest_turn: f64 = 0.0;
-        for case in 0..400 {
+        for case in 0..800 {
             let chance = Chance::new(case);
             let draw = |ant: usize, k: u64| 2.0 * chance.uniform(Stream::Start, ant as u32, k) - 1.0;
             let haul = Haul {
@@ -77,13 +76,13 @@ mod tests {
                 duration: if case % 7 == 0 { 0.3 } else { 0.0025 },
             };
             let apart = if case % 2 == 0 { 3.0 } else { 0.05 };
-            let roots = [0, 1, 2, 3].map(|ant| 0.0122 * direction(3.0 * draw(ant, 1)));
-            let ants = [0, 1, 2, 3].map(|ant| {
+            let roots: [Vec2; LANES] = std::array::from_fn(|ant| 0.0122 * direction(3.0 * draw(ant, 1)));
+            let ants: [Ant; LANES] = std::array::from_fn(|ant| {
                 let at = haul.load.0 + haul.load.1 * (3.0 * roots[ant]) + 0.002 * Vec2::new(draw(ant, 2), draw(ant, 3));
                 let towards = by_angles(&haul, &at, &roots[ant]);
                 Ant::new(at, towards + apart * draw(ant, 4))
             });
-            let pulled = haul.pulled([0, 1, 2, 3].map(|k| &ants[k]), [0, 1, 2, 3].map(|k| &roots[k]));
+            let pulled = haul.pulled(ants.each_ref(), roots.each_ref());
             for ((ant, root), pulled) in ants.iter().zip(&roots).zip(&pulled) {
                 let error = wrap_to_pi(by_angles(&haul, &ant.position, root) - ant.heading);
                 let rate = haul.steering.turn_rate(error);

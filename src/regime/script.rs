@@ -65,7 +65,7 @@ impl Script {
 
 impl Driver for Script {
     fn decide(&mut self, view: &View, orders: &mut Orders) {
-        let Motion { pose, .. } = view.backend.motion();
+        let Motion { pose, .. } = view.motion;
         while let Some(cue) = self.cues.get(self.state.next).filter(|cue| view.tick == Some(cue.tick)) {
             let (time, held) = (view.time, &mut self.state.held[cue.spring]);
             let (tip, kind) = match cue.act {

@@ -11,8 +11,8 @@ const BLOCK: usize = 1 << 16;
 /// Longest text of a field: `-2.2250738585072014e-308`.
 const WIDTH: usize = 24;
 
-/// Numbers of which all texts are made before the first is copied.
-const AT_ONCE: usize = 16;
+/// Numbers of which all texts are made before the first is written.
+const AT_ONCE: usize = 8;
 
 /// A table on its way to `out`.
 pub struct Lines<W> {
@@ -20,25 +20,31 @@ pub struct Lines<W> {
     block: Vec<u8>,
     /// How much of the block is filled.
     filled: usize,
-    /// The last number of each column in this block.
+    /// The last field with a number of each column in this block.
     above: Vec<Written>,
     column: usize,
 }
 
-/// A number that stands in the block.
+/// Bytes that are copied together: pieces of a fixed length, as these are faster than one of any length. What follows the copy is overwritten.
+const PIECE: usize = 32;
+
+/// A field that stands in the block.
 #[derive(Clone, Copy)]
 struct Written {
+    /// Of its number.
     bits: u64,
-    at: usize,
-    length: usize,
+    start: usize,
+    /// Behind its comma.
+    end: usize,
 }
 
 impl Written {
-    /// Of no finite number.
-    const NONE: Written = Written { bits: u64::MAX, at: 0, length: 0 };
+    /// Of no number that a field is asked for.
+    const NONE: Written = Written { bits: u64::MAX, start: 0, end: 0 };
 }
 
 /// Puts a text of at most [`WIDTH`] bytes at the beginning of `place`: two pieces of a fixed length that overlap are faster than one of any length.
+#[inline]
 fn put(text: &[u8], place: &mut [u8]) {
     let n = text.len();
     if n >= 16 {
@@ -57,7 +63,7 @@ fn put(text: &[u8], place: &mut [u8]) {
 
 impl<W: Write> Lines<W> {
     pub fn new(out: W, n_columns: usize) -> Self {
-        let block = vec![0; BLOCK + n_columns * (WIDTH + 1)];
+        let block = vec![0; BLOCK + n_columns * (WIDTH + 1) + PIECE];
         Self { out, block, filled: 0, above: vec![Written::NONE; n_columns], column: 0 }
     }
 
@@ -78,42 +84,46 @@ impl<W: Write> Lines<W> {
 
     /// The next field of a line: a finite number.
     pub fn number(&mut self, value: f64) {
-        self.numbers(&[Some(value)]);
+        self.numbers(&[value]);
     }
 
-    /// The next fields: finite numbers, or nothing. Faster than one by one.
-    pub fn numbers(&mut self, values: &[Option<f64>]) {
+    /// The next fields: finite numbers; what is no number leaves its field empty. Faster than one by one.
+    pub fn numbers(&mut self, values: &[f64]) {
         values.chunks(AT_ONCE).for_each(|values| self.few_numbers(values));
     }
 
-    /// All texts first, then all copies: a processor waits where it reads in one piece what has only just been written in several.
-    fn few_numbers(&mut self, values: &[Option<f64>]) {
+    /// All texts first, then all fields: a processor waits where it reads in one piece what has only just been written in several.
+    fn few_numbers(&mut self, values: &[f64]) {
         let mut buffers = [(); AT_ONCE].map(|()| zmij::Buffer::new());
         let mut texts = [None; AT_ONCE];
         let above = &mut self.above[self.column..][..values.len()];
-        for (((text, buffer), above), value) in texts.iter_mut().zip(&mut buffers).zip(&*above).zip(values) {
-            if let Some(value) = value
-                && value.to_bits() != above.bits
-            {
-                *text = Some(buffer.format_finite(*value).as_bytes());
-            }
-        }
-        for ((text, above), value) in texts.iter().zip(above).zip(values) {
-            if let Some(value) = value {
-                if let Some(text) = text {
-                    put(text, &mut self.block[self.filled..self.filled + WIDTH]);
-                    (above.bits, above.length) = (value.to_bits(), text.len());
-                } else {
-                    // All that a number may take, as that is faster than a part of unknown length; what follows the number is overwritten.
-                    self.block.copy_within(above.at..above.at + WIDTH, self.filled);
-                }
-                above.at = self.filled;
-                self.filled += above.length;
-            }
-            self.block[self.filled] = b',';
-            self.filled += 1;
-        }
         self.column += values.len();
+        for (((text, buffer), above), value) in texts.iter_mut().zip(&mut buffers).zip(&*above).zip(values) {
+            if value.to_bits() != above.bits {
+                *text = Some(if value.is_nan() { &[][..] } else { buffer.format_finite(*value).as_bytes() });
+            }
+        }
+        let mut fields = values.iter().zip(&texts).zip(above).peekable();
+        while let Some(((value, text), above)) = fields.next() {
+            let here = self.filled;
+            if let Some(text) = text {
+                put(text, &mut self.block[here..here + WIDTH]);
+                self.filled += text.len() + 1;
+                self.block[self.filled - 1] = b',';
+                *above = Written { bits: value.to_bits(), start: here, end: self.filled };
+                continue;
+            }
+            // Fields that stand side by side there do so here.
+            let Written { start, mut end, .. } = *above;
+            while let Some((_, next)) = fields.next_if(|((_, text), above)| text.is_none() && above.start == end) {
+                end = next.end;
+            }
+            for at in (start..end).step_by(PIECE) {
+                let piece: [u8; PIECE] = self.block[at..at + PIECE].try_into().expect("it has this length");
+                self.block[here + at - start..][..PIECE].copy_from_slice(&piece);
+            }
+            self.filled += end - start;
+        }
     }
 
     /// The next field: a whole number.
@@ -169,11 +179,7 @@ mod tests {
         for (row, [a, b]) in rows.iter().enumerate() {
             lines.begin().unwrap();
             lines.number(*a);
-            if b.is_nan() {
-                lines.nothing(1)
-            } else {
-                lines.number(*b)
-            }
+            lines.number(*b);
             lines.count(row);
             lines.end();
         }
@@ -207,31 +213,37 @@ mod tests {
         // More columns than are made at once, and not a multiple of that; every third stays as it is above, every seventh is missing now and then.
         let n_columns = 2 * AT_ONCE + 5;
         let value = |row: usize, column: usize| match (column % 3, column % 7) {
-            (_, 0) if row % 4 == 1 => None,
-            (0, _) => Some(column as f64 + 0.1),
-            _ => Some((row * n_columns + column) as f64 / 7.0 - 40.0),
+            (_, 0) if row % 4 == 1 => f64::NAN,
+            (0, _) => column as f64 + 0.1,
+            // Now and then a whole line stays.
+            _ => ((row - row % 3 / 2) * n_columns + column) as f64 / 7.0 - 40.0,
         };
-        let together = table(n_columns, 400, |lines, row| {
+        let together = table(n_columns, 800, |lines, row| {
             lines.numbers(&(0..n_columns).map(|column| value(row, column)).collect::<Vec<_>>());
         });
-        let one_by_one = table(n_columns, 400, |lines, row| {
+        let one_by_one = table(n_columns, 800, |lines, row| {
             for column in 0..n_columns {
                 match value(row, column) {
-                    Some(value) => lines.number(value),
-                    None => lines.nothing(1),
+                    value if value.is_nan() => lines.nothing(1),
+                    value => lines.number(value),
                 }
             }
         });
         assert!(together == one_by_one && together.len() > 2 * BLOCK);
         for (row, line) in together.lines().enumerate() {
-            assert!(line.split(',').enumerate().all(|(column, field)| field.parse().ok() == value(row, column)), "{row}: {line}");
+            let is_there = |(column, field): (usize, &str)| match value(row, column) {
+                value if value.is_nan() => field.is_empty(),
+                value => field.parse() == Ok(value),
+            };
+            assert!(line.split(',').enumerate().all(is_there), "{row}: {line}");
         }
     }
 
     #[test]
     fn a_number_that_comes_back_after_a_block_without_it_is_itself() {
         // Of other length than what has been written over it since.
-        let text = table(2, 10_000, |lines, row| lines.numbers(&[Some(1.5 / (row + 1) as f64), (row % 9_999 == 0).then_some(12_345.678)]));
+        let text =
+            table(2, 10_000, |lines, row| lines.numbers(&[1.5 / (row + 1) as f64, if row % 9_999 == 0 { 12_345.678 } else { f64::NAN }]));
         assert!(text.len() > 2 * BLOCK);
         assert_eq!((text.lines().next(), text.lines().last()), (Some("1.5,12345.678"), Some("0.00015,12345.678")));
     }

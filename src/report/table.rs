@@ -71,7 +71,7 @@ pub struct TraceTable<W> {
     columns: TraceColumns,
     lines: Lines<W>,
     /// Kept for its memory.
-    pulls: Vec<Option<f64>>,
+    pulls: Vec<f64>,
 }
 
 impl<W: Write> TraceTable<W> {
@@ -83,7 +83,7 @@ impl<W: Write> TraceTable<W> {
         let names = columns.names();
         let mut lines = Lines::new(out, names.len());
         lines.head(&names)?;
-        Ok(Self { columns, lines, pulls: vec![None; 2 * columns.n_pulls()] })
+        Ok(Self { columns, lines, pulls: vec![f64::NAN; 2 * columns.n_pulls()] })
     }
 
     /// Goes on with these rows.
@@ -124,19 +124,22 @@ pub fn write_trace(trace: &Trace, columns: TraceColumns, out: impl Write) -> Res
     table.finish().map(drop)
 }
 
-/// The fields of these names, all of which are there.
-fn all_finite<const N: usize>(names: &[&str; N], values: [f64; N]) -> Result<[Option<f64>; N], NotFinite> {
-    names.iter().zip(values).try_for_each(|(name, value)| finite(name, value).map(drop))?;
-    Ok(values.map(Some))
+/// The fields of these names.
+fn all_finite<const N: usize>(names: &[&str; N], values: [f64; N]) -> Result<[f64; N], NotFinite> {
+    // Not one after the other, which takes longer.
+    if !values.iter().fold(true, |all, value| all & value.is_finite()) {
+        names.iter().zip(values).try_for_each(|(name, value)| finite(name, value).map(drop))?;
+    }
+    Ok(values)
 }
 
-/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); nothing where nobody holds.
-fn pulls_of(row: &Row, pulls: &mut [Option<f64>]) -> Result<(), NotFinite> {
-    pulls.fill(None);
+/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); no number where nobody holds.
+fn pulls_of(row: &Row, pulls: &mut [f64]) -> Result<(), NotFinite> {
+    pulls.fill(f64::NAN);
     for tip in &row.tips {
         if let Some(pull) = pulls.get_mut(2 * tip.spring..2 * tip.spring + 2) {
-            pull[0] = Some(finite("pull_x_n", tip.pull.x)?);
-            pull[1] = Some(finite("pull_y_n", tip.pull.y)?);
+            pull[0] = finite("pull_x_n", tip.pull.x)?;
+            pull[1] = finite("pull_y_n", tip.pull.y)?;
         }
     }
     Ok(())
@@ -161,7 +164,7 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
             Some(ant) => lines.count(ant),
             None => lines.nothing(1),
         }
-        lines.numbers(&[Some(finite("tip_x_m", event.tip.x)?), Some(finite("tip_y_m", event.tip.y)?)]);
+        lines.numbers(&[finite("tip_x_m", event.tip.x)?, finite("tip_y_m", event.tip.y)?]);
         lines.end();
     }
     lines.finish()?;
@@ -187,8 +190,7 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
             }
             TransitionKind::Jump { shift, turn, energy } => {
                 lines.nothing(1);
-                let (shift, turn, energy) = (finite("shift_m", *shift)?, finite("turn_rad", *turn)?, finite("energy_j", *energy)?);
-                lines.numbers(&[Some(shift), Some(turn), Some(energy)]);
+                lines.numbers(&[finite("shift_m", *shift)?, finite("turn_rad", *turn)?, finite("energy_j", *energy)?]);
             }
             TransitionKind::Onset | TransitionKind::Stop => lines.nothing(4),
         }

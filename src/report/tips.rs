@@ -26,7 +26,7 @@ pub fn write_tips(trace: &Trace, out: impl Write) -> Result<(), TableError> {
             for (name, value) in TIP_COLUMNS[2..].iter().zip(numbers) {
                 finite(name, value)?;
             }
-            lines.numbers(&numbers.map(Some));
+            lines.numbers(&numbers);
             lines.end();
         }
     }

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::sensing::{Around, Placed, Sensing};
-use super::{Driver, Event, EventKind, HeldTip, Orders, Trace, View};
-use crate::backend::{Backend, Motion, RestoreError};
+use super::{Driver, Event, EventKind, Orders, Trace, View};
+use crate::backend::{HeldTip, Motion, RestoreError};
 use crate::math::{Chance, LANES, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Command, Mode, Steering};
@@ -36,6 +36,8 @@ pub struct Ants {
     load: Placed,
     /// For each ant that pulls, the first tick from which a decision period may have passed.
     next_decisions: Vec<u64>,
+    /// The first tick from which a new belief may be due.
+    next_belief: u64,
     targets: Vec<Vec2>,
 }
 
@@ -67,6 +69,7 @@ impl Ants {
             sensing: Sensing::new(springs, drive.sensing_range),
             load: Placed::new(&scenario.start.pose),
             next_decisions: vec![0; drive.n_ants],
+            next_belief: 0,
             targets: vec![Vec2::zeros(); springs.len()],
         }
     }
@@ -78,7 +81,7 @@ impl Ants {
     fn release_where_decided(&mut self, view: &View, tick: u64, orders: &mut Orders) {
         for i in 0..self.state.ants.len() {
             let Mode::Transport { spring, grasp_tick } = self.state.ants[i].mode else { continue };
-            if self.lets_go(i, spring, tick, tick - grasp_tick, view.backend) {
+            if self.lets_go(i, spring, tick, tick - grasp_tick, view) {
                 self.sensing.free(spring);
                 let ant = &mut self.state.ants[i];
                 ant.mode = Mode::Search;
@@ -88,7 +91,7 @@ impl Ants {
     }
 
     /// Eq. (18), of an ant that has held its spring for `age` ticks.
-    fn lets_go(&mut self, i: usize, spring: usize, tick: u64, age: u64, backend: &dyn Backend) -> bool {
+    fn lets_go(&mut self, i: usize, spring: usize, tick: u64, age: u64, view: &View) -> bool {
         let law = &self.drive.release;
         let is_decision = tick >= self.next_decisions[i] && age > 0 && {
             let in_ticks = self.decision_period / self.control_period;
@@ -99,7 +102,7 @@ impl Ants {
         if age == 0 || self.drive.release_pace == Pace::Aged && !is_decision {
             return false;
         }
-        let pull = backend.force_on_tip(spring).norm();
+        let pull = view.pull(spring).norm();
         if is_decision {
             self.state.pulls.add(pull);
         }
@@ -118,7 +121,7 @@ impl Ants {
         if self.state.ants.iter().all(|ant| ant.mode != Mode::Search) {
             return;
         }
-        let load = view.backend.motion().pose;
+        self.load = self.load.moved_to(&view.motion.pose);
         let belief = self.belief_due(tick);
         let n_released = orders.events.len();
         for i in 0..self.state.ants.len() {
@@ -128,7 +131,7 @@ impl Ants {
             // Releases stand in the order of ants; who has just let go does not grasp at once.
             let has_let_go = orders.events[..n_released].binary_search_by_key(&Some(i), |event| event.ant).is_ok();
             if !has_let_go && self.sensing.has_free() {
-                let around = self.sensing.around(load, view.skips.distant_ants);
+                let around = self.sensing.around(self.load, view.skips.distant_ants);
                 let position = &self.state.ants[i].position;
                 if around.is_far(position) {
                     orders.skipped.distant_ants += 1;
@@ -145,7 +148,11 @@ impl Ants {
     }
 
     /// Number of the belief that is drawn at a tick; `None` between.
-    fn belief_due(&self, tick: u64) -> Option<u64> {
+    fn belief_due(&mut self, tick: u64) -> Option<u64> {
+        if tick < self.next_belief {
+            return None;
+        }
+        self.next_belief = tick.saturating_add(quiet_ticks(tick, self.drive.target_redraw_period / self.control_period));
         let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
         let belief = n_beliefs(tick);
         (tick == 0 || belief > n_beliefs(tick - 1)).then_some(belief as u64)
@@ -298,7 +305,7 @@ impl Driver for Ants {
 
     /// Walks all ants to `until` on the way.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
-        self.walk(&view.backend.motion(), &view.scenario.system.springs, until - view.time);
+        self.walk(&view.motion, &view.scenario.system.springs, until - view.time);
         &self.targets
     }
 
@@ -333,6 +340,7 @@ impl Driver for Ants {
             }
         }
         self.next_decisions.fill(0);
+        self.next_belief = 0;
         self.state = state;
         Ok(())
     }

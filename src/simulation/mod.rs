@@ -15,11 +15,12 @@ use crate::backend::{
 use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
 
+pub use crate::backend::{HeldTip, HeldTips};
 pub use ants::{Ants, follow_ants};
 pub use replay::Replay;
 pub use saved::SavedRun;
 pub use tips::Tips;
-pub use trace::{Event, EventKind, HeldTip, HeldTips, Outcome, Row, Trace};
+pub use trace::{Event, EventKind, Outcome, Row, Trace};
 
 /// What moves the tips: grasps, releases and paths, from what it sees of the load.
 pub trait Driver {
@@ -51,12 +52,26 @@ pub trait Driver {
 pub struct View<'a> {
     pub scenario: &'a Scenario,
     pub backend: &'a dyn Backend,
+    /// Of the load.
+    pub motion: Motion,
+    /// Held tips in the order of their springs, if somebody has looked at them.
+    pub tips: &'a [HeldTip],
     /// (s)
     pub time: f64,
     /// Number of the tick at this instant; `None` between ticks.
     pub tick: Option<u64>,
     /// What may be left out.
     pub skips: Skips,
+}
+
+impl View<'_> {
+    /// Force of the holder on the tip of a spring (N, world); zero where nobody holds it.
+    pub fn pull(&self, spring: usize) -> Vec2 {
+        // Where all springs before it are held, it stands at its own number.
+        let at_its_number = self.tips.get(spring).filter(|tip| tip.spring == spring);
+        let seen = at_its_number.or_else(|| Some(&self.tips[self.tips.binary_search_by_key(&spring, |tip| tip.spring).ok()?]));
+        seen.map_or_else(|| -self.backend.force_on_tip(spring), |tip| tip.pull)
+    }
 }
 
 /// What a driver does at one instant: releases first, then grasps.
@@ -92,8 +107,8 @@ pub struct Simulation<'a> {
     error: Option<PoseError>,
     transitions: TransitionCounts,
     trace: Trace,
-    /// Springs that are held, in their order.
-    held: Vec<usize>,
+    /// Of the springs that are held, in their order. Where a trace is kept it has their places and pulls at this instant, looked at once for all.
+    tips: HeldTips,
     /// Kept for its memory.
     orders: Orders,
 }
@@ -115,8 +130,8 @@ impl<'a> Simulation<'a> {
     pub fn on(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>, backend: Box<dyn Backend>) -> Self {
         let (steps, transitions, trace) = (StepReport::default(), TransitionCounts::default(), Trace::default());
         let (tick, time, finished, error) = (0, 0.0, false, None);
-        let (held, orders) = (held_by(scenario, backend.as_ref()), Orders::default());
-        Self { scenario, options: *options, backend, driver, keep, tick, time, finished, steps, error, transitions, trace, held, orders }
+        let (tips, orders) = (held_by(scenario, backend.as_ref()), Orders::default());
+        Self { scenario, options: *options, backend, driver, keep, tick, time, finished, steps, error, transitions, trace, tips, orders }
     }
 
     /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
@@ -162,18 +177,23 @@ impl<'a> Simulation<'a> {
 
     /// Sense and decide, act, record, move on to the next instant.
     pub fn step(&mut self) {
-        if self.is_over() {
-            self.record();
+        if self.keep == Keep::Trace {
+            self.backend.look_at(&mut self.tips);
+        }
+        let motion = self.backend.motion();
+        if self.is_over(&motion) {
+            self.record(motion);
             self.finished = true;
             return;
         }
         let (tick, skips) = (self.tick_now(), self.options.skips);
         let (scenario, time) = (self.scenario, self.time);
-        self.driver.decide(&View { scenario, backend: self.backend.as_ref(), time, tick, skips }, &mut self.orders);
+        let tips = if self.keep == Keep::Trace { &self.tips[..] } else { &[] };
+        self.driver.decide(&View { scenario, backend: self.backend.as_ref(), motion, tips, time, tick, skips }, &mut self.orders);
         self.act();
-        self.record();
+        self.record(motion);
         let until = self.next_instant();
-        let view = View { scenario, backend: self.backend.as_ref(), time, tick, skips };
+        let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.driver.targets(&view, until);
         self.steps.add(&self.backend.advance(targets, until - self.time));
         self.observe();
@@ -196,7 +216,7 @@ impl<'a> Simulation<'a> {
 
     /// Number of springs that are held.
     pub fn n_held(&self) -> usize {
-        self.held.len()
+        self.tips.len()
     }
 
     pub fn trace(&self) -> &Trace {
@@ -223,23 +243,24 @@ impl<'a> Simulation<'a> {
         (self.trace, outcome)
     }
 
-    fn is_over(&self) -> bool {
+    fn is_over(&self, motion: &Motion) -> bool {
         let at_end = self.scenario.duration - self.time <= SAME_INSTANT * self.scenario.control_period;
-        at_end || self.driver.arrived(&self.backend.motion()) == Some(true)
+        at_end || self.driver.arrived(motion) == Some(true)
     }
 
     /// Carries the orders out and empties them.
     fn act(&mut self) {
         for event in &self.orders.events {
-            let at = self.held.partition_point(|spring| *spring < event.spring);
+            let Event { spring, tip: position, .. } = *event;
+            let at = self.tips.partition_point(|tip| tip.spring < spring);
             match event.kind {
                 EventKind::Release => {
-                    self.backend.release(event.spring);
-                    self.held.remove(at);
+                    self.backend.release(spring);
+                    self.tips.remove(at);
                 }
                 EventKind::Grasp => {
-                    self.backend.grasp(event.spring, event.tip);
-                    self.held.insert(at, event.spring);
+                    self.backend.grasp(spring, position);
+                    self.tips.insert(at, HeldTip { spring, position, pull: -self.backend.force_on_tip(spring) });
                 }
             }
         }
@@ -255,28 +276,21 @@ impl<'a> Simulation<'a> {
         if let Some(now) = self.backend.pose_error() {
             self.error = Some(self.error.unwrap_or_default().max(&now));
         }
-        self.backend.transitions().iter().for_each(|transition| self.transitions.add(&transition.kind));
-        if self.keep == Keep::Trace {
-            let start = self.time;
-            let since_start = |transition: &Transition| Transition { time: start + transition.time, ..*transition };
-            self.trace.transitions.extend(self.backend.transitions().iter().map(since_start));
+        for transition in self.backend.transitions() {
+            self.transitions.add(&transition.kind);
+            if self.keep == Keep::Trace {
+                self.trace.transitions.push(Transition { time: self.time + transition.time, ..*transition });
+            }
         }
     }
 
     /// A row at every tick and at the end.
-    fn record(&mut self) {
-        if self.keep == Keep::Outcome || !(self.tick_now().is_some() || self.is_over()) {
-            return;
-        }
-        let Self { backend, trace, held, .. } = self;
-        let (motion, energy, error) = (backend.motion(), backend.energy(), backend.pose_error());
-        trace.rows.push(Row { time: self.time, motion, energy, tips: HeldTips::new(), error });
-        // Filled where it stands: a row is long.
-        let tips = &mut trace.rows.last_mut().expect("a row was just added").tips;
-        for spring in held.iter().copied() {
-            if let Some(position) = backend.tip(spring) {
-                tips.push(HeldTip { spring, position, pull: -backend.force_on_tip(spring) });
-            }
+    fn record(&mut self, motion: Motion) {
+        if self.keep == Keep::Trace && (self.tick_now().is_some() || self.is_over(&motion)) {
+            let (energy, error) = (self.backend.energy(), self.backend.pose_error());
+            self.trace.rows.push(Row { time: self.time, motion, energy, tips: HeldTips::new(), error });
+            // Filled where it stands: a row is long.
+            self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
         }
     }
 
@@ -312,7 +326,85 @@ pub fn driver_of(scenario: &Scenario) -> Box<dyn Driver> {
     }
 }
 
-/// Springs that are held, in their order.
-fn held_by(scenario: &Scenario, backend: &dyn Backend) -> Vec<usize> {
-    (0..scenario.system.springs.len()).filter(|spring| backend.tip(*spring).is_some()).collect()
+/// Tips of the springs that are held, in their order.
+fn held_by(scenario: &Scenario, backend: &dyn Backend) -> HeldTips {
+    let held = |spring| Some(HeldTip { spring, position: backend.tip(spring)?, pull: -backend.force_on_tip(spring) });
+    (0..scenario.system.springs.len()).filter_map(held).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    use super::*;
+    use crate::backend::BackendKind;
+
+    /// Ants that compare what they are shown with what the backend says tip by tip, and note the latter once they have acted.
+    struct Looking {
+        ants: Box<dyn Driver>,
+        said: Rc<RefCell<Vec<HeldTips>>>,
+    }
+
+    fn said(view: &View) -> HeldTips {
+        held_by(view.scenario, view.backend)
+    }
+
+    impl Driver for Looking {
+        fn decide(&mut self, view: &View, orders: &mut Orders) {
+            assert_eq!(view.tips, &said(view)[..], "at {} s", view.time);
+            view.tips.iter().for_each(|tip| assert_eq!(view.pull(tip.spring), tip.pull));
+            let free = (0..view.scenario.system.springs.len()).find(|spring| view.tips.iter().all(|tip| tip.spring != *spring));
+            free.into_iter().for_each(|spring| assert_eq!(view.pull(spring), Vec2::zeros()));
+            self.ants.decide(view, orders);
+        }
+
+        fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
+            self.said.borrow_mut().push(said(view));
+            self.ants.targets(view, until)
+        }
+
+        fn next_instant(&self, time: f64) -> Option<f64> {
+            self.ants.next_instant(time)
+        }
+
+        fn arrived(&self, motion: &Motion) -> Option<bool> {
+            self.ants.arrived(motion)
+        }
+
+        fn save(&self) -> serde_json::Value {
+            self.ants.save()
+        }
+
+        fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
+            self.ants.restore(state)
+        }
+    }
+
+    /// Tips that are looked at together are, to the last bit, where and as each of them is: while a load waits, slips or has just been let go, on more springs than are
+    /// evaluated side by side. A row after a grasp or a release has pulls from before for the others, which one by one are evaluated anew: roundings of places of
+    /// 0.1 m under some 0.7 N/m.
+    #[test]
+    fn tips_looked_at_together_are_what_each_is() {
+        let text = include_str!("../../scenarios/paper/four-ants-four-springs.json")
+            .replace("\"n\": 4", "\"n\": 7")
+            .replace("\"n_ants\": 4", "\"n_ants\": 7");
+        let scenario = Scenario { duration: 8.0, ..Scenario::parse(&text, "seven ants").unwrap() };
+        for (kind, step) in [(BackendKind::QuasiStatic, 2.5e-3), (BackendKind::Inertial, 2.5e-3), (BackendKind::Rapier, 1e-3)] {
+            let options = BackendOptions::new(kind, step);
+            let said = Rc::new(RefCell::new(Vec::new()));
+            let driver = Looking { ants: driver_of(&scenario), said: Rc::clone(&said) };
+            let mut run = Simulation::driven(&scenario, &options, Keep::Trace, Box::new(driver));
+            run.run(|_| true);
+            let trace = run.trace();
+            assert!(trace.events.len() > 20 && trace.rows.iter().any(|row| row.tips.len() > 4), "{kind:?}");
+            for (row, said) in trace.rows.iter().zip(said.borrow().iter()) {
+                assert_eq!(row.tips.len(), said.len());
+                for (tip, said) in row.tips.iter().zip(said) {
+                    assert_eq!((tip.spring, tip.position), (said.spring, said.position));
+                    assert!((tip.pull - said.pull).norm() < 1e-16, "{kind:?} at {} s: {tip:?} {said:?}", row.time);
+                }
+            }
+        }
+    }
 }

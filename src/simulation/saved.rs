@@ -68,7 +68,7 @@ impl<'a> Simulation<'a> {
         driver.restore(&saved.driver)?;
         let mut resumed = Self::on(scenario, &saved.options, keep, driver, backend);
         resumed.backend.restore(&saved.backend)?;
-        resumed.held = held_by(scenario, resumed.backend.as_ref());
+        resumed.tips = held_by(scenario, resumed.backend.as_ref());
         resumed.tick = saved.tick;
         resumed.time = saved.time;
         resumed.finished = saved.finished;

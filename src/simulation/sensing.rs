@@ -34,7 +34,7 @@ pub struct Placed {
 /// What ants sense at one instant.
 pub struct Around<'a> {
     sensing: &'a Sensing,
-    load: Pose,
+    load: Placed,
     /// Square of the distance from the load beyond which no tip is in reach (m^2).
     far: f64,
     slack: f64,
@@ -83,7 +83,7 @@ impl Sensing {
         self.n_free > 0
     }
 
-    pub fn around(&self, load: Pose, skips: bool) -> Around<'_> {
+    pub fn around(&self, load: Placed, skips: bool) -> Around<'_> {
         let slack = SLACK * (self.farthest + self.reach + load.position.x.abs() + load.position.y.abs());
         let far = self.farthest + self.reach + slack;
         Around { sensing: self, load, far: far * far, slack, skips }
@@ -99,7 +99,7 @@ impl Around<'_> {
     /// The nearest tip (m, world) of a free spring in reach of `position`, the first of equally near ones.
     pub fn nearest(&self, position: &Vec2) -> Option<(usize, Vec2)> {
         let mut nearest = Nearest { distance: f64::INFINITY, found: None };
-        let load = Placed::new(&self.load);
+        let load = &self.load;
         if self.skips {
             let in_load = load.turn.tr_mul(&(position - self.load.position));
             let window = self.sensing.reach + self.slack;
@@ -107,9 +107,9 @@ impl Around<'_> {
                 .cells
                 .within(&in_load, window)
                 .flatten()
-                .for_each(|spring| self.look(&load, *spring as usize, position, &mut nearest));
+                .for_each(|spring| self.look(load, *spring as usize, position, &mut nearest));
         } else {
-            (0..self.sensing.tips.len()).for_each(|spring| self.look(&load, spring, position, &mut nearest));
+            (0..self.sensing.tips.len()).for_each(|spring| self.look(load, spring, position, &mut nearest));
         }
         nearest.found
     }
@@ -205,7 +205,7 @@ mod tests {
         for (n_springs, reach, far_away) in [(1, 0.015, 0.0), (2, 0.015, 0.0), (5, 0.1, 3.0), (300, 0.004, 0.1), (1000, 0.015, 1e3)] {
             let mut sensing = Sensing::new(&springs(n_springs), reach);
             (0..n_springs).filter(|spring| spring % 3 == 2).for_each(|spring| sensing.take(spring));
-            let load = Pose::new(far_away, -far_away, 1.0 + far_away);
+            let load = Placed::new(&Pose::new(far_away, -far_away, 1.0 + far_away));
             let (quick, slow) = (sensing.around(load, true), sensing.around(load, false));
             let (mut n_found, mut n_far) = (0, 0);
             for ant in 0..4000 {
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn a_tip_is_sensed_up_to_the_edge_of_the_reach_whatever_is_left_out() {
         let sensing = Sensing::new(&springs(1), 0.015);
-        let load = Pose::new(0.2, 0.1, 2.0);
+        let load = Placed::new(&Pose::new(0.2, 0.1, 2.0));
         let tip = load.to_world(&sensing.tips[0]);
         let out = (tip - load.position).normalize();
         for skips in [true, false] {

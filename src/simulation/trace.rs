@@ -1,9 +1,8 @@
 //! What is kept of a run: a row at every control tick, the events between, and how it ended.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use smallvec::SmallVec;
 
-use crate::backend::{EnergyLedger, Motion, PoseError, StepReport, Transition, TransitionCounts};
+use crate::backend::{EnergyLedger, HeldTips, Motion, PoseError, StepReport, Transition, TransitionCounts};
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
 
@@ -45,19 +44,6 @@ impl Row {
         let pairs = self.tips.iter().enumerate().flat_map(|(at, a)| self.tips[at + 1..].iter().map(move |b| (a, b)));
         pairs.map(|(a, b)| interaction_force([a.position, b.position], [a.pull, b.pull])).fold(0.0, |sum, force| sum + force)
     }
-}
-
-/// Up to four in the row itself: most rows need no memory elsewhere.
-pub type HeldTips = SmallVec<[HeldTip; 4]>;
-
-/// A held tip at one instant.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HeldTip {
-    pub spring: usize,
-    /// (m, world)
-    pub position: Vec2,
-    /// Force of the holder on the tip, opposite to Eq. (10) (N, world).
-    pub pull: Vec2,
 }
 
 /// Something that happened at an instant.

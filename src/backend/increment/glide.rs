@@ -91,21 +91,22 @@ pub(in crate::backend) fn glide<O: Objective>(
     let mut at = pin.map_or(guess, |(unit_turn, _)| guess.z * unit_turn);
     let mut approach = Approach::NEW;
     let mut there = there.filter(|_| at == guess);
-    let mut tangent: Option<Tangent> = None;
+    let (mut tangent, mut last_hessian): (Option<Tangent>, _) = (None, None);
     loop {
         let extent = size(&at, length);
-        let (gradient, hessian) = if pin.is_none() && approach.is_close(extent) {
+        let (gradient, hessian) = if approach.is_close(extent) {
             (objective.gradient(&at), None)
         } else {
             let Reaction { gradient, hessian, .. } = there.take().unwrap_or_else(|| objective.at(&at));
             (gradient, Some(hessian))
         };
-        let (step, residual) = match (pin, &hessian) {
-            (Some((unit_turn, _)), Some(hessian)) => {
-                let (step, residual) = solver.pivoting_step(at.z, &gradient, hessian)?;
+        let (step, residual) = match pin {
+            Some((unit_turn, _)) => {
+                last_hessian = hessian.or(last_hessian);
+                let (step, residual) = solver.pivoting_step(at.z, &gradient, last_hessian.as_ref()?)?;
                 (step * unit_turn, residual)
             }
-            _ => solver.gliding_step(&at, &gradient, hessian.as_ref(), &mut tangent)?,
+            None => solver.gliding_step(&at, &gradient, hessian.as_ref(), &mut tangent)?,
         };
         let next = approach.judge(size(&step, length), extent, residual);
         if O::IS_CONVEX && hessian.is_some_and(|hessian| PositiveDefinite::new(&hessian).is_none()) {

@@ -21,7 +21,7 @@ use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
 use super::spring_blocks::{Place, SpringBlocks};
 use super::transition::{Transition, TransitionKind};
-use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in};
+use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, Status, StepReport, Stepping, n_steps_in};
 use crate::math::{Mat2, Pose, Twist, Vec2};
 use crate::model::System;
 use dashpots::Dashpots;
@@ -294,12 +294,11 @@ impl Backend for Inertial {
             Stepping::Fixed(longest) => n_steps_in(duration, longest),
             Stepping::Controlled(_) => 1,
         };
-        let is_free = self.state.held.is_empty();
-        let skips = if is_free { self.skips.free_load } else { self.skips.still_tips };
-        if skips && self.state.settled && self.state.held.tips_are_at(tip_targets) {
-            let (free_load, still_tips) = if is_free { (n_steps, 0) } else { (0, n_steps) };
-            let skipped = SkipCounts { free_load, still_tips, ..SkipCounts::default() };
-            return StepReport { n_steps, n_skipped: n_steps, skipped, ..StepReport::default() };
+        let why = if self.state.held.is_empty() { Skip::FreeLoad } else { Skip::StillTips };
+        if self.skips.has(why) && self.state.settled && self.state.held.tips_are_at(tip_targets) {
+            let mut report = StepReport::default();
+            report.leave_out(why, n_steps);
+            return report;
         }
         let mut from = std::mem::take(&mut self.from);
         from.clear();

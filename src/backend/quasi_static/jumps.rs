@@ -23,7 +23,7 @@ impl QuasiStatic {
     pub(super) fn jump(&mut self) -> StepReport {
         let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
         let report = self.settle();
-        self.state.regime = regime;
+        (self.state.regime, self.state.regime_is_known) = (regime, false);
         if self.way_from(&start) > SMALLEST_JUMP * self.system.load.radius {
             let kind = self.book_jump(&start, defect);
             self.transitions.push(Transition { time: 0.0, kind });

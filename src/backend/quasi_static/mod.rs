@@ -19,7 +19,7 @@ use super::spring_blocks::{Accepted, Place, SpringBlocks};
 use super::stick_bound::StickBound;
 use super::transition::{Transition, TransitionKind};
 use super::{
-    Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SavedState, Skip, SkipCounts, Skips, Status, StepReport, Stepping, n_steps_in,
+    Backend, ConeSolver, EnergyLedger, HeldTip, Motion, RestoreError, SavedState, Skip, Skips, Status, StepReport, Stepping, n_steps_in,
 };
 use crate::math::{Mat2, Pose, Twist, Vec2, Vec3, rotation};
 use crate::model::System;
@@ -114,7 +114,7 @@ impl QuasiStatic {
     }
 
     /// Tips that stand still leave the load where it is.
-    fn rest(&mut self, duration: f64) -> StepReport {
+    fn rest(&mut self, why: Skip, duration: f64, report: &mut StepReport) {
         let n_steps = match self.stepping {
             Stepping::Fixed(longest) => n_steps_in(duration, longest),
             Stepping::Controlled(_) => 1,
@@ -126,17 +126,14 @@ impl QuasiStatic {
             // Somebody may ask for their forces, again and again.
             self.gather();
         }
-        let (free_load, still_tips) = if self.state.held.is_empty() { (n_steps, 0) } else { (0, n_steps) };
-        let skipped = SkipCounts { free_load, still_tips, ..SkipCounts::default() };
-        StepReport { n_steps, n_skipped: n_steps, skipped, ..StepReport::default() }
+        report.leave_out(why, n_steps);
     }
 
-    fn steps(&mut self, way: &Way, n_steps: u64) -> StepReport {
-        let mut report = StepReport::default();
+    fn steps(&mut self, way: &Way, n_steps: u64, report: &mut StepReport) {
         let share = |i: u64| i as f64 / n_steps as f64;
         let mut done = 0;
         while done < n_steps {
-            done += self.wait(way, done, n_steps, &mut report);
+            done += self.wait(way, done, n_steps, report);
             if done == n_steps {
                 break;
             }
@@ -145,11 +142,10 @@ impl QuasiStatic {
             done += 1;
             report.add(&cost);
             let time = share(done) * way.duration;
-            let snap = self.snap(&start, defect, || accepted.error, &mut report);
+            let snap = self.snap(&start, defect, || accepted.error, report);
             self.transitions.extend(snap.map(|kind| Transition { time, kind }));
             self.note_transition(regime, time);
         }
-        report
     }
 
     fn note_transition(&mut self, before: Regime, time: f64) {
@@ -192,7 +188,7 @@ impl QuasiStatic {
         let share = |n: u64| n as f64 / n_steps as f64;
         // One step is known from where it ends, which takes less than a bound for all of it and reaches farther.
         let n_left = n_steps - done;
-        let n_bound = if n_left > 1 { stick.n_sure(held, way.targets, n_left, &self.solver) } else { 0 };
+        let n_bound = if n_left > 1 { stick.n_sure(&self.system.springs, held, way.targets, n_left, &self.solver) } else { 0 };
         let n_sure = n_bound.max(1);
         self.springs.place_tips(way.from, way.targets, share(done + n_sure));
         let wrench = -self.springs.look();
@@ -206,8 +202,7 @@ impl QuasiStatic {
         self.state.motion.twist = Twist::ZERO;
         let before = std::mem::replace(&mut self.state.regime, Regime::Stick);
         self.note_transition(before, share(done + 1) * way.duration);
-        let skipped = SkipCounts { stick_bound: n_sure, ..SkipCounts::default() };
-        report.add(&StepReport { n_steps: n_sure, n_skipped: n_sure, skipped, ..StepReport::default() });
+        report.leave_out(Skip::StickBound, n_sure);
         n_sure
     }
 
@@ -342,30 +337,26 @@ impl Backend for QuasiStatic {
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
-        let mut report = StepReport::default();
         self.transitions.clear();
-        if self.state.disturbed {
-            report.add(&self.jump());
-            (self.state.disturbed, self.state.regime_is_known) = (false, false);
-        }
-        let skips = if self.state.held.is_empty() { self.skips.free_load } else { self.skips.still_tips };
-        if skips && self.state.held.tips_are_at(tip_targets) {
-            report.add(&self.rest(duration));
+        let mut report = if std::mem::take(&mut self.state.disturbed) { self.jump() } else { StepReport::default() };
+        let why = if self.state.held.is_empty() { Skip::FreeLoad } else { Skip::StillTips };
+        if self.skips.has(why) && self.state.held.tips_are_at(tip_targets) {
+            self.rest(why, duration, &mut report);
             return report;
         }
         let mut from = std::mem::take(&mut self.from);
         from.clear();
         from.extend_from_slice(self.state.held.grips());
         let way = Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY };
-        report.add(&match self.stepping {
-            Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest)),
+        match self.stepping {
+            Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest), &mut report),
             Stepping::Controlled(control) => {
                 let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
-                let (report, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
+                let (strides, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
                 (self.state.stride, self.transitions) = (stride, transitions);
-                report
+                report.add(&strides);
             }
-        });
+        }
         self.from = from;
         report
     }
@@ -384,6 +375,18 @@ impl Backend for QuasiStatic {
             Some(at) if *is_waiting => self.springs.force_on_tip_there(at),
             Some(at) if !is_stale => self.springs.force_on_tip(at),
             _ => held.force_on_tip(&self.system.springs, spring, &motion.pose),
+        }
+    }
+
+    fn look_at(&self, tips: &mut [HeldTip]) {
+        let State { held, motion, is_stale, is_waiting, .. } = &self.state;
+        for (tip, grip) in tips.iter_mut().zip(held.grips()) {
+            tip.position = grip.tip;
+        }
+        if *is_waiting || !is_stale {
+            self.springs.see_pulls(*is_waiting, |at, pull| tips[at].pull = pull);
+        } else {
+            tips.iter_mut().for_each(|tip| tip.pull = -held.force_on_tip(&self.system.springs, tip.spring, &motion.pose));
         }
     }
 

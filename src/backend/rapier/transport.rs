@@ -14,7 +14,7 @@ use super::{EngineSettings, RapierOptions, SpringModel};
 use crate::backend::friction::WarmStart;
 use crate::backend::held::{Grip, HeldSprings};
 use crate::backend::{
-    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SavedState, Skip, SkipCounts, Skips, Status, StepReport, n_steps_in,
+    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, Status, StepReport, n_steps_in,
 };
 use crate::math::{Twist, Vec2, Wrench};
 use crate::model::System;
@@ -124,14 +124,12 @@ impl Transport {
 
     /// Leaves out `n_steps`.
     fn skip(&mut self, why: Skip, n_steps: u64) -> StepReport {
-        let mut skipped = SkipCounts::default();
         if why == Skip::FreeLoad {
             self.state.friction_forces.fill(Vec2::zeros());
-            skipped.free_load = n_steps;
-        } else {
-            skipped.still_tips = n_steps;
         }
-        StepReport { n_steps, n_skipped: n_steps, skipped, ..StepReport::default() }
+        let mut report = StepReport::default();
+        report.leave_out(why, n_steps);
+        report
     }
 
     /// One step of `duration` (s) that ends with the tips where `state.held` has them now; `work.from` tells where they were.

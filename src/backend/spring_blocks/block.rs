@@ -1,10 +1,8 @@
-//! Four springs side by side: their law, lane by lane.
-
-use wide::f64x4;
+//! Springs side by side: their law, lane by lane.
 
 use super::super::held::Grip;
 use super::Place;
-use crate::math::{LANES, Mat3, SMALL_TANGENT, Vec2, Vec2x4, Vec3, direction, small_arctangent};
+use crate::math::{LANES, Mat3, Numbers, SMALL_TANGENT, Vec2, Vec3, Vectors, direction, small_arctangent};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::{PolarSpring, Reaction};
 
@@ -19,45 +17,46 @@ pub(super) enum Swings {
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Block {
-    root: Vec2x4,
+    root: Vectors,
     /// Unit vector along the undeformed spring (load axes).
-    bearing: Vec2x4,
-    rest_length: f64x4,
+    bearing: Vectors,
+    rest_length: Numbers,
     /// Length at and below which a spring has no direction (m); negative in lanes beyond the last spring.
-    shortest: f64x4,
-    radial: f64x4,
-    torsional: f64x4,
+    shortest: Numbers,
+    radial: Numbers,
+    torsional: Numbers,
     /// Now (m, world).
-    pub tip: Vec2x4,
+    pub tip: Vectors,
     /// Swing at the accepted pose (rad), and its whole turns.
-    pub swing: f64x4,
-    turns: f64x4,
+    pub swing: Numbers,
+    turns: Numbers,
     /// Tip at the accepted pose (m, world), and the pull of its holder there (N, world).
-    pub accepted_tip: Vec2x4,
-    pub accepted_pull: Vec2x4,
+    pub accepted_tip: Vectors,
+    pub accepted_pull: Vectors,
     /// Unit vector from root to tip there (load axes).
-    accepted_direction: Vec2x4,
+    accepted_direction: Vectors,
     /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes) at the last pose evaluated.
-    swing_there: f64x4,
-    pub pull_there: Vec2x4,
-    direction_there: Vec2x4,
+    swing_there: Numbers,
+    pub pull_there: Vectors,
+    direction_there: Vectors,
 }
 
 /// Sums over springs in load axes: the parts of a [`Reaction`].
 #[derive(Clone, Copy, Default)]
 pub(super) struct Sums {
-    energy: f64x4,
-    pull: Vec2x4,
-    moment: f64x4,
-    stiffness: [f64x4; 3],
-    mixed: Vec2x4,
-    angular: f64x4,
+    energy: Numbers,
+    pull: Vectors,
+    moment: Numbers,
+    stiffness: [Numbers; 3],
+    mixed: Vectors,
+    angular: Numbers,
 }
 
 impl Block {
-    pub fn set_spring(&mut self, k: usize, spring: &PolarSpring, acts: bool) {
+    /// `bearing` is the direction of the undeformed spring.
+    pub fn set_spring(&mut self, k: usize, spring: &PolarSpring, bearing: Vec2, acts: bool) {
         self.root.set_lane(k, spring.root);
-        self.bearing.set_lane(k, direction(spring.bearing));
+        self.bearing.set_lane(k, bearing);
         let stiffness = |value: f64| if acts { value } else { 0.0 };
         self.rest_length.as_mut_array()[k] = spring.rest_length;
         self.shortest.as_mut_array()[k] = if acts { (SHORTEST_LENGTH * spring.rest_length).max(f64::MIN_POSITIVE) } else { -1.0 };
@@ -75,23 +74,23 @@ impl Block {
     /// have a direction.
     #[inline]
     pub fn add_to<const CURVED: bool>(&mut self, sums: &mut Sums, at: &Place, swings: Swings) -> bool {
-        let (cos, sin) = (f64x4::splat(at.turn.m11), f64x4::splat(at.turn.m21));
-        let arm = self.tip.less(Vec2x4::splat(at.pose.position)).turned(cos, -sin);
+        let (cos, sin) = (Numbers::splat(at.turn.m11), Numbers::splat(at.turn.m21));
+        let arm = self.tip.less(Vectors::splat(at.pose.position)).turned(cos, -sin);
         let d = arm.less(self.root);
         let length = d.dot(d).sqrt();
         if length.simd_le(self.shortest).any() {
             return false;
         }
-        let inverse = f64x4::ONE / length;
+        let inverse = Numbers::ONE / length;
         let (e_x, e_y) = (d.x * inverse, d.y * inverse);
         let swing = if swings == Swings::Given { self.swing } else { self.swing_of(d) };
         let stretch = length - self.rest_length;
         let torsion = self.torsional * inverse * inverse;
         let (radial_pull, torsional_pull) = (self.radial * stretch, torsion * length * swing);
-        let pull = Vec2x4 { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
-        (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Vec2x4 { x: e_x, y: e_y });
+        let pull = Vectors { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
+        (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Vectors { x: e_x, y: e_y });
         // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
-        let by_turn = Vec2x4 { x: arm.y, y: -arm.x };
+        let by_turn = Vectors { x: arm.y, y: -arm.x };
         sums.energy += self.radial * stretch * stretch + self.torsional * swing * swing;
         sums.pull.x += pull.x;
         sums.pull.y += pull.y;
@@ -109,7 +108,7 @@ impl Block {
             (self.radial - across) * xy + coupling * (xx - yy),
         ];
         let stiff_turn =
-            Vec2x4 { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
+            Vectors { x: stiffness[0] * by_turn.x + stiffness[2] * by_turn.y, y: stiffness[2] * by_turn.x + stiffness[1] * by_turn.y };
         for (sum, entry) in sums.stiffness.iter_mut().zip(stiffness) {
             *sum += entry;
         }
@@ -120,16 +119,23 @@ impl Block {
     }
 
     /// Polar angle of d less the bearing, on the branch of the accepted swing (rad).
-    fn swing_of(&self, d: Vec2x4) -> f64x4 {
+    #[inline]
+    fn swing_of(&self, d: Vectors) -> Numbers {
         let along = self.accepted_direction.dot(d);
         let tangent = self.accepted_direction.perp(d) / along;
         // Not a number is not small.
-        if (tangent.abs().simd_le(f64x4::splat(SMALL_TANGENT)) & along.simd_gt(f64x4::ZERO)).all() {
+        if (tangent.abs().simd_le(Numbers::splat(SMALL_TANGENT)) & along.simd_gt(Numbers::ZERO)).all() {
             return self.swing + small_arctangent(tangent);
         }
+        self.far_swing_of(d)
+    }
+
+    /// The same however far it is from the accepted one.
+    #[cold]
+    fn far_swing_of(&self, d: Vectors) -> Numbers {
         let principal = self.bearing.perp(d).atan2(self.bearing.dot(d));
         let swing = principal + self.turns;
-        let (pi, whole) = (f64x4::splat(std::f64::consts::PI), f64x4::splat(std::f64::consts::TAU));
+        let (pi, whole) = (Numbers::splat(std::f64::consts::PI), Numbers::splat(std::f64::consts::TAU));
         let change = swing - self.swing;
         let turns = (change.simd_gt(pi) & whole) - ((-change).simd_gt(pi) & whole);
         swing - turns
@@ -154,20 +160,20 @@ impl Block {
     }
 
     /// Twice the work of the holders by the trapezoid rule (J), the change of the pulls times the way of the tips (J), and the squared way (m^2).
-    pub fn accept(&mut self, cos: f64x4, sin: f64x4) -> [f64x4; 3] {
+    pub fn accept(&mut self, cos: Numbers, sin: Numbers) -> [Numbers; 3] {
         let pull = self.pull_there.turned(cos, sin);
         let way = self.tip.less(self.accepted_tip);
         let change = pull.less(self.accepted_pull);
-        let sum = Vec2x4 { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
+        let sum = Vectors { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
         let squared_way = way.dot(way);
         let error = (change.dot(change) * squared_way).sqrt();
         (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.direction_there);
         self.swing = self.swing_there;
-        let turned = f64x4::splat(std::f64::consts::PI);
+        let turned = Numbers::splat(std::f64::consts::PI);
         if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
-            self.turns = f64x4::new(self.swing.to_array().map(whole_turns));
+            self.turns = Numbers::new(self.swing.to_array().map(whole_turns));
         }
-        let acts = self.shortest.simd_gt(f64x4::ZERO);
+        let acts = self.shortest.simd_gt(Numbers::ZERO);
         [sum.dot(way), error, acts & squared_way]
     }
 }
@@ -186,7 +192,7 @@ impl Sums {
 
     /// Derivatives by shifts along the load's axes and by the heading.
     pub fn in_load(&self) -> Reaction {
-        let [xx, yy, xy] = self.stiffness.map(f64x4::reduce_add);
+        let [xx, yy, xy] = self.stiffness.map(Numbers::reduce_add);
         let mixed = self.mixed.sum();
         Reaction {
             energy: self.energy(),
@@ -208,5 +214,8 @@ impl Sums {
 
 /// The multiple of a whole turn in `swing` (rad) whose rest lies within half a turn.
 fn whole_turns(swing: f64) -> f64 {
+    if swing.abs() < std::f64::consts::PI {
+        return 0.0;
+    }
     (swing / std::f64::consts::TAU).round() * std::f64::consts::TAU
 }

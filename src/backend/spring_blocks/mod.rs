@@ -1,4 +1,4 @@
-//! The held springs as blocks of four lanes: what the exact backends evaluate in their inner loop.
+//! The held springs as blocks of a few lanes: what the exact backends evaluate in their inner loop.
 //!
 //! The law is that of [`PolarSpring`], written out in the load's axes so that the load's heading costs one rotation for all springs. With d from root to
 //! tip, e = d / l and t a quarter turn further,
@@ -14,13 +14,11 @@
 
 mod block;
 
-use serde::{Deserialize, Serialize};
-use wide::f64x4;
-
 use super::held::Grip;
-use crate::math::{LANES, Mat2, Pose, Vec2, Vec3, rotation};
+use crate::math::{LANES, Mat2, Numbers, Pose, Vec2, Vec3, direction, rotation};
 use crate::model::{PolarSpring, Reaction};
 use block::{Block, Sums, Swings};
+use serde::{Deserialize, Serialize};
 
 /// All held springs, in the order of their grips.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +27,8 @@ pub struct SpringBlocks {
     blocks: Vec<Block>,
     /// Springs themselves and their grips, one a lane.
     lanes: Vec<(PolarSpring, Grip)>,
+    /// Bearing of each spring that was ever gathered (rad), and the unit vector there: springs come and go, their bearings mostly stay.
+    bearings: Vec<(f64, Vec2)>,
     evaluated: Evaluated,
     accepted: Evaluated,
 }
@@ -87,7 +87,7 @@ impl SpringBlocks {
             let mut block = Block::default();
             for k in 0..LANES {
                 let (grip, spring) = (*lane(k), springs[lane(k).spring]);
-                block.set_spring(k, &spring, k < chunk.len());
+                block.set_spring(k, &spring, bearing_of(&mut self.bearings, grip.spring, spring.bearing), k < chunk.len());
                 block.set_grip(k, &grip);
                 self.lanes.push((spring, grip));
             }
@@ -184,8 +184,8 @@ impl SpringBlocks {
     pub fn accept(&mut self, pose: &Pose) -> Accepted {
         self.evaluate_at(pose);
         let turn = &self.evaluated.at.turn;
-        let (cos, sin) = (f64x4::splat(turn.m11), f64x4::splat(turn.m21));
-        let (mut work, mut error, mut way) = (f64x4::ZERO, f64x4::ZERO, f64x4::ZERO);
+        let (cos, sin) = (Numbers::splat(turn.m11), Numbers::splat(turn.m21));
+        let (mut work, mut error, mut way) = (Numbers::ZERO, Numbers::ZERO, Numbers::ZERO);
         for block in &mut self.blocks {
             let [of_tips, change, moved] = block.accept(cos, sin);
             work += of_tips;
@@ -220,6 +220,16 @@ impl SpringBlocks {
         -(self.evaluated.at.turn * self.blocks[at / LANES].pull_there.lane(at % LANES))
     }
 
+    /// Pulls of the holders (N, world), in the order of the grips: at the accepted pose, or where the springs were evaluated last.
+    pub fn see_pulls(&self, there: bool, mut see: impl FnMut(usize, Vec2)) {
+        let turn = &self.evaluated.at.turn;
+        let (cos, sin) = (Numbers::splat(turn.m11), Numbers::splat(turn.m21));
+        for (i, block) in self.blocks.iter().enumerate() {
+            let pulls = if there { block.pull_there.turned(cos, sin) } else { block.accepted_pull };
+            (i * LANES..self.n).zip(pulls.lanes()).for_each(|(at, pull)| see(at, pull));
+        }
+    }
+
     /// Elastic energy there (J).
     pub fn energy_there(&self) -> f64 {
         self.evaluated.energy
@@ -236,11 +246,23 @@ impl SpringBlocks {
     }
 }
 
+/// The unit vector at the `bearing` (rad) of a spring, worked out where it is not the one that is known.
+fn bearing_of(known: &mut Vec<(f64, Vec2)>, spring: usize, bearing: f64) -> Vec2 {
+    if known.len() <= spring {
+        known.resize(spring + 1, (0.0, Vec2::new(1.0, 0.0)));
+    }
+    let (at, unit) = &mut known[spring];
+    if *at != bearing {
+        (*at, *unit) = (bearing, direction(bearing));
+    }
+    *unit
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::backend::held::HeldSprings;
-    use crate::math::{Chance, Mat3, Stream, direction};
+    use crate::math::{Chance, Mat3, Stream};
 
     const STIFFNESS: f64 = 0.664;
 
