@@ -14,11 +14,12 @@
 
 mod block;
 
+use serde::{Deserialize, Serialize};
+
 use super::held::Grip;
 use crate::math::{LANES, Mat2, Numbers, Pose, Vec2, Vec3, direction, rotation};
 use crate::model::{PolarSpring, Reaction};
 use block::{Block, Sums, Swings};
-use serde::{Deserialize, Serialize};
 
 /// All held springs, in the order of their grips.
 #[derive(Clone, Debug, Default)]
