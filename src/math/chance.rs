@@ -40,14 +40,22 @@ impl Chance {
 
     /// Two independent uniform draws in (0, 1) with 52 random bits each.
     pub fn uniform_pair(&self, stream: Stream, agent: u32, tick: u64) -> [f64; 2] {
-        let counter = [tick as u32, (tick >> 32) as u32, agent, stream as u32];
-        let words = philox4x32_10(counter, [self.seed as u32, (self.seed >> 32) as u32]);
+        let counter = [[tick], [tick >> 32], [u64::from(agent)], [stream as u64]];
+        let words = philox4x32_10(counter, [self.seed as u32, (self.seed >> 32) as u32]).map(|[word]| word as u32);
         [open_unit(words[0], words[1]), open_unit(words[2], words[3])]
     }
 
     /// One uniform draw in (0, 1).
     pub fn uniform(&self, stream: Stream, agent: u32, tick: u64) -> f64 {
         self.uniform_pair(stream, agent, tick)[0]
+    }
+
+    /// What [`Chance::uniform`] draws at so many ticks from this one on, side by side.
+    pub fn uniforms<const N: usize>(&self, stream: Stream, agent: u32, tick: u64) -> [f64; N] {
+        let ticks: [u64; N] = std::array::from_fn(|k| tick.wrapping_add(k as u64));
+        let counters = [ticks, ticks.map(|tick| tick >> 32), [u64::from(agent); N], [stream as u64; N]];
+        let [high, low, ..] = philox4x32_10(counters, [self.seed as u32, (self.seed >> 32) as u32]);
+        std::array::from_fn(|k| open_unit(high[k] as u32, low[k] as u32))
     }
 
     /// Two independent standard normal draws (Box and Muller 1958).
@@ -62,15 +70,19 @@ impl Chance {
 /// The 52 high bits of (high, low), put into the middle of their cell of (0, 1): neither end is ever drawn.
 fn open_unit(high: u32, low: u32) -> f64 {
     let bits = ((u64::from(high) << 32) | u64::from(low)) >> 12;
-    (bits as f64 + 0.5) / (1u64 << 52) as f64
+    // As the digits of a number from 1 to 2: no conversion, which would go one by one.
+    const ONE: u64 = 1f64.to_bits();
+    f64::from_bits(ONE | bits) - 1.0 + 0.5 / (1u64 << 52) as f64
 }
 
-fn philox4x32_10(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
+/// Of N counters side by side. Words are the low halves of what stands for them; whatever is above takes no part in products, and is left there.
+fn philox4x32_10<const N: usize>(counter: [[u64; N]; 4], key: [u32; 2]) -> [[u64; N]; 4] {
     let (mut c, mut k) = (counter, key);
+    let product = |words: [u64; N], factor: u64| words.map(|word| (word & u64::from(u32::MAX)) * factor);
     for _ in 0..10 {
-        let a = u64::from(c[0]) * 0xD251_1F53;
-        let b = u64::from(c[2]) * 0xCD9E_8D57;
-        c = [(b >> 32) as u32 ^ c[1] ^ k[0], b as u32, (a >> 32) as u32 ^ c[3] ^ k[1], a as u32];
+        let (a, b) = (product(c[0], 0xD251_1F53), product(c[2], 0xCD9E_8D57));
+        let mixed = |high: &[u64; N], word: &[u64; N], key: u32| std::array::from_fn(|i| (high[i] >> 32) ^ word[i] ^ u64::from(key));
+        c = [mixed(&b, &c[1], k[0]), b, mixed(&a, &c[3], k[1]), a];
         k = [k[0].wrapping_add(0x9E37_79B9), k[1].wrapping_add(0xBB67_AE85)];
     }
     c
@@ -83,10 +95,23 @@ mod tests {
     /// The known answers that the authors publish with Random123.
     #[test]
     fn philox_gives_its_published_answers() {
-        assert_eq!(philox4x32_10([0; 4], [0; 2]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
-        assert_eq!(philox4x32_10([u32::MAX; 4], [u32::MAX; 2]), [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]);
+        let philox = |counter: [u32; 4], key| philox4x32_10(counter.map(|word| [u64::from(word)]), key).map(|[word]| word as u32);
+        assert_eq!(philox([0; 4], [0; 2]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
+        assert_eq!(philox([u32::MAX; 4], [u32::MAX; 2]), [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]);
         let counter = [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344];
-        assert_eq!(philox4x32_10(counter, [0xa409_3822, 0x299f_31d0]), [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]);
+        assert_eq!(philox(counter, [0xa409_3822, 0x299f_31d0]), [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]);
+    }
+
+    /// Across the tick at which the low word of the counter begins anew, too.
+    #[test]
+    fn draws_side_by_side_are_those_one_by_one() {
+        let chance = Chance::new(0x1234_5678_9abc_def0);
+        for first in [0, 77, (1 << 32) - 5, u64::MAX - 2] {
+            let together: [f64; 16] = chance.uniforms(Stream::Release, 2, first);
+            for (k, drawn) in together.into_iter().enumerate() {
+                assert_eq!(drawn, chance.uniform(Stream::Release, 2, first.wrapping_add(k as u64)), "{first} {k}");
+            }
+        }
     }
 
     #[test]

@@ -1,11 +1,31 @@
 //! Numbers and vectors of the plane, some side by side.
 
+use std::ops::{Add, Mul, Sub};
+
 use super::Vec2;
 
 /// Numbers side by side: as many as one register holds on every processor that this is built for. With more, what is at hand no longer fits into registers.
 pub type Numbers = wide::f64x2;
 
 pub const LANES: usize = 2;
+
+/// A number, or several side by side.
+pub trait Number: Copy + From<f64> + Add<Output = Self> + Mul<Output = Self> + Sub<Output = Self> {
+    /// Whether all are of at most this size.
+    fn is_within(self, size: f64) -> bool;
+}
+
+impl Number for f64 {
+    fn is_within(self, size: f64) -> bool {
+        self.abs() <= size
+    }
+}
+
+impl Number for Numbers {
+    fn is_within(self, size: f64) -> bool {
+        self.abs().simd_le(Numbers::splat(size)).all()
+    }
+}
 
 /// As many vectors of the plane.
 #[derive(Clone, Copy, Debug, Default)]

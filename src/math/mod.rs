@@ -9,7 +9,7 @@ mod statistics;
 
 pub use angle::{SMALL_TANGENT, direction, perpendicular, rotation, small_arctangent, unwrap_near, wrap_to_pi};
 pub use chance::{Chance, Stream};
-pub use lanes::{LANES, Numbers, Vectors};
+pub use lanes::{LANES, Number, Numbers, Vectors};
 pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, shift_of, small_rotation};
 pub use positive::PositiveDefinite;
 pub use statistics::{Interval, Summary, mean_interval, proportion_interval};

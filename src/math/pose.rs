@@ -3,11 +3,9 @@
 //! A constant body twist (u, delta) takes the pose (x, heading) to (x + R(heading) V(delta) u, heading + delta) with
 //! `V = [[sin d / d, -(1 - cos d) / d], [(1 - cos d) / d, sin d / d]]` (the exponential map of SE(2)).
 
-use std::ops::{Mul, Sub};
-
 use serde::{Deserialize, Serialize};
 
-use super::{Mat2, Vec2, Vec3, perpendicular, rotation};
+use super::{Mat2, Number, Vec2, Vec3, perpendicular, rotation};
 
 /// Position (m) and heading (rad) of the load's frame in world axes; the heading counts whole turns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,49 +86,59 @@ pub struct Arc {
 
 /// Below this angle (rad) the closed forms cancel and their Taylor series are exact: the first term left out is under 1e-17.
 pub const SERIES_BELOW: f64 = 0.25;
+/// The same for four terms in place of six.
+const FEW_BELOW: f64 = 1.0 / 128.0;
 
-/// A number, or several side by side.
-trait Number: Copy + From<f64> + Mul<Output = Self> + Sub<Output = Self> {}
-impl<T: Copy + From<f64> + Mul<Output = T> + Sub<Output = T>> Number for T {}
+/// Rests of (1 - sin d / d) / d^2, (1 - cos d) / d^2 and (1 - 2 (1 - cos d) / d^2) / d^2 as factors of [`series`], with their first terms.
+const SINE_REST: ([f64; 5], f64) = ([1.0 / 156.0, 1.0 / 110.0, 1.0 / 72.0, 1.0 / 42.0, 1.0 / 20.0], 1.0 / 6.0);
+const COSINE_REST: ([f64; 5], f64) = ([1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0, 1.0 / 12.0], 1.0 / 2.0);
+const MEAN_REST: ([f64; 5], f64) = ([1.0 / 182.0, 1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0], 1.0 / 12.0);
 
-/// `first` times 1 - f_n d^2 (1 - f_(n-1) d^2 (...)) of an angle d with this `square`.
-fn series<T: Number>(square: T, factors: [f64; 5], first: f64) -> T {
-    factors.iter().fold(T::from(1.0), |rest, factor| T::from(1.0) - square * T::from(*factor) * rest) * T::from(first)
+/// The first term times 1 - f_n d^2 (1 - f_(n-1) d^2 (...)) of an angle d with this `square`, without the first `N_LEFT_OUT` factors.
+fn series<T: Number, const N_LEFT_OUT: usize>(square: T, (factors, first): ([f64; 5], f64)) -> T {
+    factors[N_LEFT_OUT..].iter().fold(T::from(1.0), |rest, factor| T::from(1.0) - square * T::from(*factor) * rest) * T::from(first)
 }
 
-/// sum_k (-d^2)^k / (2k + 3)!
-fn sine_rest<T: Number>(square: T) -> T {
-    series(square, [1.0 / 156.0, 1.0 / 110.0, 1.0 / 72.0, 1.0 / 42.0, 1.0 / 20.0], 1.0 / 6.0)
-}
-
-/// sum_k (-d^2)^k / (2k + 2)!
-fn cosine_rest<T: Number>(square: T) -> T {
-    series(square, [1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0, 1.0 / 12.0], 1.0 / 2.0)
-}
-
-/// Cosine and sine of an angle (rad) below [`SERIES_BELOW`], or of several side by side: to the last bit those of [`Arc::rotation`].
-pub fn small_rotation<T: Copy + From<f64> + Mul<Output = T> + Sub<Output = T>>(delta: T) -> (T, T) {
+/// Cosine and sine of an angle (rad) below [`SERIES_BELOW`], or of several side by side.
+pub fn small_rotation<T: Number>(delta: T) -> (T, T) {
     let square = delta * delta;
-    (T::from(1.0) - square * cosine_rest(square), delta * (T::from(1.0) - square * sine_rest(square)))
+    let (sine_rest, cosine_rest) = if delta.is_within(FEW_BELOW) {
+        (series::<T, 2>(square, SINE_REST), series::<T, 2>(square, COSINE_REST))
+    } else {
+        (series::<T, 0>(square, SINE_REST), series::<T, 0>(square, COSINE_REST))
+    };
+    (T::from(1.0) - square * cosine_rest, delta * (T::from(1.0) - square * sine_rest))
 }
 
 impl Arc {
     // Inlined, what is not asked for of it is not worked out either.
     #[inline]
     pub fn of(delta: f64) -> Self {
-        let square = delta * delta;
+        if delta.is_within(FEW_BELOW) { Self::by_series::<2>(delta) } else { Self::long(delta) }
+    }
+
+    /// Apart from the many short ones, whose code it would make long.
+    #[inline(never)]
+    fn long(delta: f64) -> Self {
         if delta.abs() < SERIES_BELOW {
-            let (sine_rest, cosine_rest) = (sine_rest(square), cosine_rest(square));
-            // Twice the sum of (-d^2)^k / (2k + 4)!
-            let mean_rest = series(square, [1.0 / 182.0, 1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0], 1.0 / 12.0);
-            let (cos, sin) = (1.0 - square * cosine_rest, delta * (1.0 - square * sine_rest));
-            return Self { delta, cos, sin, sine_rest, cosine_rest, mean_rest };
+            return Self::by_series::<0>(delta);
         }
+        let square = delta * delta;
         let (sin, cos) = delta.sin_cos();
         // 1 - cos d = 2 sin^2(d / 2) keeps every digit.
         let half = (0.5 * delta).sin();
         let cosine_rest = 2.0 * half * half / square;
         Self { delta, cos, sin, sine_rest: (1.0 - sin / delta) / square, cosine_rest, mean_rest: (1.0 - 2.0 * cosine_rest) / square }
+    }
+
+    #[inline]
+    fn by_series<const N_LEFT_OUT: usize>(delta: f64) -> Self {
+        let square = delta * delta;
+        let sine_rest = series::<f64, N_LEFT_OUT>(square, SINE_REST);
+        let cosine_rest = series::<f64, N_LEFT_OUT>(square, COSINE_REST);
+        let mean_rest = series::<f64, N_LEFT_OUT>(square, MEAN_REST);
+        let (cos, sin) = (1.0 - square * cosine_rest, delta * (1.0 - square * sine_rest));
+        Self { delta, cos, sin, sine_rest, cosine_rest, mean_rest }
     }
 
     /// delta (rad).
@@ -185,7 +193,7 @@ mod tests {
 
     #[test]
     fn arcs_are_rotations_and_their_derivatives_match_differences_on_both_sides_of_the_series() {
-        for delta in [0.0, 1e-9, 0.01, 0.2499999, 0.2500001, 0.4, -0.2, -1.3, 2.9] {
+        for delta in [0.0, 1e-9, 0.0078, 0.0079, 0.2499999, 0.2500001, 0.4, -0.2, -1.3, 2.9] {
             let arc = Arc::of(delta);
             // Roundings of one.
             assert!((arc.rotation() - rotation(delta)).norm() < 4e-16, "{delta}");
@@ -200,9 +208,21 @@ mod tests {
         }
     }
 
-    /// What series and closed forms give next to the limit between them: the digits that cancel in the latter, some ten roundings over the square.
+    /// What series and closed forms give next to the limit between them: the digits that cancel in the latter, some ten roundings over the square. And what few terms
+    /// give next to the limit from which there are more of them: roundings of the rests, which are at most 1/2.
     #[test]
     fn series_and_closed_forms_join() {
+        let (few, many) = (Arc::of(FEW_BELOW), Arc::long(FEW_BELOW));
+        for (a, b) in [
+            (few.sine_rest, many.sine_rest),
+            (few.cosine_rest, many.cosine_rest),
+            (few.mean_rest, many.mean_rest),
+            (few.sin, many.sin),
+            (few.cos, many.cos),
+        ] {
+            assert!((a - b).abs() <= 1.2e-16, "{a} {b}");
+        }
+        assert_eq!(small_rotation(FEW_BELOW), (few.cos, few.sin));
         let (below, above) = (Arc::of(SERIES_BELOW - 1e-15), Arc::of(SERIES_BELOW));
         for (a, b, tolerance) in [
             (below.sine_rest, above.sine_rest, 1e-14),

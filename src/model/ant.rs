@@ -1,10 +1,8 @@
 //! An ant as a point that walks (Eq. 17) and steers (Eq. 20).
 
-use std::ops::{Div, Mul, Neg};
-
 use serde::{Deserialize, Serialize};
 
-use crate::math::{Arc, Mat2, Vec2, direction, perpendicular};
+use crate::math::{Arc, Mat2, Number, Vec2, direction, perpendicular};
 
 /// What an ant is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,25 +27,18 @@ pub struct Ant {
     pub belief_error: Vec2,
 }
 
-/// What an ant does until the next tick: velocity along its heading (m/s; negative is backwards) and turn rate (rad/s).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Command {
-    pub velocity: f64,
-    pub turn_rate: f64,
-}
-
 impl Ant {
     /// A searching ant that believes the load to be where it is.
     pub fn new(position: Vec2, heading: f64) -> Self {
         Self { position, heading, ahead: direction(heading), mode: Mode::Search, belief_error: Vec2::zeros() }
     }
 
-    /// Where a walking ant stands after `duration` (s): an arc of constant velocity and turn rate, Eq. (17).
-    pub fn walked(&self, command: &Command, duration: f64) -> Ant {
-        let arc = Arc::of(command.turn_rate * duration);
+    /// Where a walking ant stands after a `way` (m) and a `turn` (rad), both at constant speed: an arc, Eq. (17).
+    pub fn walked(&self, way: f64, turn: f64) -> Ant {
+        let arc = Arc::of(turn);
         let axes = Mat2::from_columns(&[self.ahead, perpendicular(&self.ahead)]);
-        let way = axes * arc.shift(&Vec2::new(command.velocity * duration, 0.0));
-        Ant { position: self.position + way, ..self.turned(&arc) }
+        let shift = axes * arc.shift(&Vec2::new(way, 0.0));
+        Ant { position: self.position + shift, ..self.turned(&arc) }
     }
 
     /// The ant after a turn on the spot along `arc`.
@@ -59,29 +50,30 @@ impl Ant {
     }
 }
 
-/// Turn rate (rad/s), Eq. (20): gain (1/s) times heading error (rad), as its mean over `duration` (s) while the desired heading stands
-/// still: the error then decays as exp(-gain t). No choice of control period makes it overshoot.
-pub fn steering_turn_rate(heading_error: f64, steering_gain: f64, duration: f64) -> f64 {
-    Steering::new(steering_gain, duration).turn_rate(heading_error)
-}
-
-/// [`steering_turn_rate`] of many ants over one duration: the exponential is the same for all.
+/// How ants steer, Eq. (20): at gain (1/s) times heading error (rad), as its mean over a duration (s) while the desired heading stands still. The error then decays as
+/// exp(-gain t), and no choice of control period makes it overshoot. The exponential is the same for all ants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steering {
+    /// (s)
     duration: f64,
-    /// Minus the share of the error that is steered out (1).
-    decay: f64,
+    /// Share of the error that is steered out (1).
+    share: f64,
 }
 
 impl Steering {
     /// For a gain (1/s) and a duration (s).
-    pub fn new(steering_gain: f64, duration: f64) -> Self {
-        Self { duration, decay: (-steering_gain * duration).exp_m1() }
+    pub fn new(gain: f64, duration: f64) -> Self {
+        Self { duration, share: -(-gain * duration).exp_m1() }
     }
 
-    /// Turn rate for a heading error (rad/s), or for several side by side.
-    pub fn turn_rate<T: From<f64> + Neg<Output = T> + Mul<Output = T> + Div<Output = T>>(&self, heading_error: T) -> T {
-        -heading_error * T::from(self.decay) / T::from(self.duration)
+    /// (s)
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Turn within the duration for a heading error (rad), or for several side by side.
+    pub fn turn<T: Number>(&self, heading_error: T) -> T {
+        heading_error * T::from(self.share)
     }
 }
 
@@ -95,8 +87,8 @@ mod tests {
 
     #[test]
     fn a_quarter_circle_has_the_radius_velocity_over_turn_rate() {
-        let quarter = Command { velocity: 0.08, turn_rate: 2.0 };
-        let reached = start().walked(&quarter, std::f64::consts::FRAC_PI_4);
+        let (velocity, turn_rate, duration) = (0.08, 2.0, std::f64::consts::FRAC_PI_4);
+        let reached = start().walked(velocity * duration, turn_rate * duration);
         // Radius 0.04 m: rounding only.
         assert!((reached.position - Vec2::new(0.04, 0.04)).norm() < 1e-16);
     }
@@ -104,8 +96,8 @@ mod tests {
     #[test]
     fn steering_does_not_depend_on_the_control_period() {
         let error_after = |n: u32| {
-            let duration = 0.1 / f64::from(n);
-            (0..n).fold(1.0, |error, _| error - duration * steering_turn_rate(error, 8.0, duration))
+            let steering = Steering::new(8.0, 0.1 / f64::from(n));
+            (0..n).fold(1.0, |error, _| error - steering.turn(error))
         };
         for n in [1, 7, 100] {
             assert!((error_after(n) - (-0.8f64).exp()).abs() < 1e-14);

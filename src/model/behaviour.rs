@@ -107,6 +107,7 @@ pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
 }
 
 /// The same, side by side.
+#[inline]
 pub fn turns_towards(desired: Vectors, ahead: Vectors) -> Numbers {
     let (across, along) = (ahead.perp(desired), ahead.dot(desired));
     let is_small = across.abs().simd_le(Numbers::splat(SMALL_TANGENT) * along) & along.simd_gt(Numbers::ZERO);
@@ -114,7 +115,7 @@ pub fn turns_towards(desired: Vectors, ahead: Vectors) -> Numbers {
     if is_small.all() {
         return small_arctangent(across / along);
     }
-    Numbers::new(std::array::from_fn(|k| turn_towards(&desired.lane(k), &ahead.lane(k))))
+    (across + Numbers::ZERO).atan2(along)
 }
 
 #[cfg(test)]

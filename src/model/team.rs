@@ -17,8 +17,6 @@ pub struct Haul {
     pub speed: f64,
     /// From the mandibles to the point about which an ant turns (m).
     pub control_offset: f64,
-    /// (s)
-    pub duration: f64,
 }
 
 impl Haul {
@@ -32,11 +30,10 @@ impl Haul {
             Vectors::new(roots.map(|root| *root)).turned(Numbers::splat(turn.m11), Numbers::splat(turn.m21)).and(Vectors::splat(*origin));
         let to_nest = Vectors::splat(self.nest).less(position);
         let desired = facing_for_pull(self.half_angle.pull_directions(position.less(root), to_nest));
-        let turn_rate = self.steering.turn_rate(turns_towards(desired, ahead));
-        let across = Vectors { x: -ahead.y, y: ahead.x }.times(turn_rate * Numbers::splat(self.control_offset));
-        let tip_velocity = ahead.times(Numbers::splat(-self.speed)).and(across);
-        let tips = position.and(tip_velocity.times(Numbers::splat(self.duration))).lanes();
-        let turns = turn_rate * Numbers::splat(self.duration);
+        let turns = self.steering.turn(turns_towards(desired, ahead));
+        let along = ahead.times(Numbers::splat(-self.speed * self.steering.duration()));
+        let across = Vectors { x: -ahead.y, y: ahead.x }.times(turns * Numbers::splat(self.control_offset));
+        let tips = position.and(along.and(across)).lanes();
         let (headings, aheads) = (turns.to_array(), turned(ahead, turns).lanes());
         std::array::from_fn(|k| Ant { position: tips[k], heading: ants[k].heading + headings[k], ahead: aheads[k], ..*ants[k] })
     }
@@ -73,7 +70,6 @@ mod tests {
                 steering: Steering::new(8.0, if case % 7 == 0 { 0.3 } else { 0.0025 }),
                 speed: 0.05,
                 control_offset: 0.004,
-                duration: if case % 7 == 0 { 0.3 } else { 0.0025 },
             };
             let apart = if case % 2 == 0 { 3.0 } else { 0.05 };
             let roots: [Vec2; LANES] = std::array::from_fn(|ant| 0.0122 * direction(3.0 * draw(ant, 1)));
@@ -85,13 +81,13 @@ mod tests {
             let pulled = haul.pulled(ants.each_ref(), roots.each_ref());
             for ((ant, root), pulled) in ants.iter().zip(&roots).zip(&pulled) {
                 let error = wrap_to_pi(by_angles(&haul, &ant.position, root) - ant.heading);
-                let rate = haul.steering.turn_rate(error);
-                let velocity = -haul.speed * ant.ahead + rate * haul.control_offset * perpendicular(&ant.ahead);
-                let alone = ant.turned(&Arc::of(rate * haul.duration));
-                largest_turn = largest_turn.max((rate * haul.duration).abs());
+                let (duration, turn) = (haul.steering.duration(), haul.steering.turn(error));
+                let velocity = -haul.speed * ant.ahead + turn / duration * haul.control_offset * perpendicular(&ant.ahead);
+                let alone = ant.turned(&Arc::of(turn));
+                largest_turn = largest_turn.max(turn.abs());
                 // Rounding of angles of order one, and of places of order 0.1 m.
                 assert!((pulled.heading - alone.heading).abs() < 4e-15 && (pulled.ahead - alone.ahead).norm() < 4e-15, "{case}");
-                assert!((pulled.position - ant.position - haul.duration * velocity).norm() < 1e-16, "{case}");
+                assert!((pulled.position - ant.position - duration * velocity).norm() < 1e-16, "{case}");
                 assert_eq!((pulled.mode, pulled.belief_error), (ant.mode, ant.belief_error));
             }
         }

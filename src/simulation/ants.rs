@@ -8,12 +8,14 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
+use super::periods::Periods;
+use super::releases::Releases;
 use super::sensing::{Around, Placed, Sensing};
-use super::{Driver, Event, EventKind, Orders, Trace, View};
+use super::{Driver, Event, EventKind, Orders, SAME_INSTANT, Trace, View};
 use crate::backend::{HeldTip, Motion, RestoreError};
 use crate::math::{Chance, LANES, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
-use crate::model::ant::{Ant, Command, Mode, Steering};
+use crate::model::ant::{Ant, Mode, Steering};
 use crate::model::behaviour::{HalfAngle, Pace, hazard_of, probability_within, turn_towards};
 use crate::model::team::Haul;
 use crate::scenario::{AntDrive, Drive, Scenario};
@@ -25,18 +27,18 @@ pub struct Ants {
     control_period: f64,
     /// Probability of a grasp per tick in reach of a tip.
     grasp_probability: f64,
-    /// Time between two decisions to let go, at which pulls are looked at (s).
-    decision_period: f64,
     /// Standard deviation of a belief along each axis (m).
     belief_spread: f64,
     half_angle: HalfAngle,
+    /// Within a tick.
+    steering: Steering,
     state: State,
+    releases: Releases,
     sensing: Sensing,
     /// Where the load was seen last.
     load: Placed,
-    /// For each ant that pulls, the first tick from which a decision period may have passed.
-    next_decisions: Vec<u64>,
-    /// The first tick from which a new belief may be due.
+    /// Between new beliefs, and the first tick from which one may be due.
+    beliefs: Periods,
     next_belief: u64,
     targets: Vec<Vec2>,
 }
@@ -62,13 +64,14 @@ impl Ants {
             chance,
             control_period: period,
             grasp_probability,
-            decision_period: if drive.release_pace == Pace::PerTick { period } else { drive.release.period },
             belief_spread: drive.target_variance.sqrt(),
             half_angle: HalfAngle::new(drive.steering_half_angle),
+            steering: Steering::new(drive.steering_gain, period),
             state: State { ants: (0..drive.n_ants).map(start).collect(), pulls: Summary::default() },
+            releases: Releases::new(drive, chance, period),
             sensing: Sensing::new(springs, drive.sensing_range),
             load: Placed::new(&scenario.start.pose),
-            next_decisions: vec![0; drive.n_ants],
+            beliefs: Periods::new(period, drive.target_redraw_period),
             next_belief: 0,
             targets: vec![Vec2::zeros(); springs.len()],
         }
@@ -78,40 +81,16 @@ impl Ants {
         &self.state.ants
     }
 
+    /// Eq. (18).
     fn release_where_decided(&mut self, view: &View, tick: u64, orders: &mut Orders) {
         for i in 0..self.state.ants.len() {
             let Mode::Transport { spring, grasp_tick } = self.state.ants[i].mode else { continue };
-            if self.lets_go(i, spring, tick, tick - grasp_tick, view) {
+            let pull = || view.pull(spring).norm();
+            if self.releases.lets_go(i, tick, tick - grasp_tick, pull, &mut self.state.pulls) {
                 self.sensing.free(spring);
                 let ant = &mut self.state.ants[i];
                 ant.mode = Mode::Search;
                 orders.events.push(Event { time: view.time, spring, ant: Some(i), tip: ant.position, kind: EventKind::Release });
-            }
-        }
-    }
-
-    /// Eq. (18), of an ant that has held its spring for `age` ticks.
-    fn lets_go(&mut self, i: usize, spring: usize, tick: u64, age: u64, view: &View) -> bool {
-        let law = &self.drive.release;
-        let is_decision = tick >= self.next_decisions[i] && age > 0 && {
-            let in_ticks = self.decision_period / self.control_period;
-            let n_decisions = |ticks| n_periods(ticks, self.control_period, self.decision_period);
-            self.next_decisions[i] = tick.saturating_add(quiet_ticks(age, in_ticks));
-            n_decisions(age) > n_decisions(age - 1)
-        };
-        if age == 0 || self.drive.release_pace == Pace::Aged && !is_decision {
-            return false;
-        }
-        let pull = view.pull(spring).norm();
-        if is_decision {
-            self.state.pulls.add(pull);
-        }
-        let drawn = self.chance.uniform(Stream::Release, i as u32, tick);
-        match self.drive.release_pace {
-            Pace::Aged | Pace::PerTick => drawn < law.probability(pull),
-            // A probability is at most its hazard times the time: most draws are beyond that.
-            Pace::Hazard => {
-                drawn <= law.most_hazard(pull) * self.control_period && drawn < probability_within(law.hazard(pull), self.control_period)
             }
         }
     }
@@ -152,10 +131,8 @@ impl Ants {
         if tick < self.next_belief {
             return None;
         }
-        self.next_belief = tick.saturating_add(quiet_ticks(tick, self.drive.target_redraw_period / self.control_period));
-        let n_beliefs = |tick| n_periods(tick, self.control_period, self.drive.target_redraw_period);
-        let belief = n_beliefs(tick);
-        (tick == 0 || belief > n_beliefs(tick - 1)).then_some(belief as u64)
+        self.next_belief = tick.saturating_add(self.beliefs.quiet_after(tick));
+        (tick == 0 || self.beliefs.ends_with(tick)).then(|| self.beliefs.passed(tick) as u64)
     }
 
     fn believe(&mut self, i: usize, belief: u64) {
@@ -193,7 +170,7 @@ impl Ants {
         ant.position = tip;
         self.state.pulls.add(0.0);
         self.sensing.take(spring);
-        self.next_decisions[i] = tick.saturating_add(quiet_ticks(0, self.decision_period / self.control_period));
+        self.releases.begin(i, tick);
     }
 
     /// Puts ants that hold a tip where the tip is.
@@ -208,7 +185,10 @@ impl Ants {
 
     /// Walks all ants for `duration` (s) while the load is at `motion`, and leaves where their tips get to in `targets`.
     fn walk(&mut self, motion: &Motion, springs: &[PolarSpring], duration: f64) {
-        let steering = Steering::new(self.drive.steering_gain, duration);
+        // A tick takes a control period, however the times at its ends are rounded.
+        let is_tick = (duration - self.control_period).abs() <= SAME_INSTANT * self.control_period;
+        let steering = if is_tick { self.steering } else { Steering::new(self.drive.steering_gain, duration) };
+        let searched = self.drive.search_speed * steering.duration();
         self.load = self.load.moved_to(&motion.pose);
         let haul = Haul {
             load: (self.load.position, self.load.turn),
@@ -217,7 +197,6 @@ impl Ants {
             steering,
             speed: self.drive.pull_speed,
             control_offset: self.drive.control_offset,
-            duration,
         };
         // Ants that pull, and their springs, until there are as many as walk side by side.
         let mut team: SmallVec<[(usize, usize); LANES]> = SmallVec::new();
@@ -226,8 +205,7 @@ impl Ants {
             match ant.mode {
                 Mode::Search => {
                     let target = self.load.position + ant.belief_error - ant.position;
-                    let turn_rate = steering.turn_rate(turn_towards(&target, &ant.ahead));
-                    *ant = ant.walked(&Command { velocity: self.drive.search_speed, turn_rate }, duration);
+                    *ant = ant.walked(searched, steering.turn(turn_towards(&target, &ant.ahead)));
                 }
                 Mode::Transport { spring, .. } => {
                     team.push((i, spring));
@@ -272,19 +250,6 @@ pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut see: impl FnMut(usize
             ants.walk(&row.motion, &scenario.system.springs, next.time - row.time);
         }
     }
-}
-
-/// How many periods (s) have passed after a number of ticks.
-fn n_periods(ticks: u64, control_period: f64, period: f64) -> f64 {
-    (ticks as f64 * control_period / period + 1e-9).floor()
-}
-
-/// A number of ticks after tick `age` before which the next period of this many ticks cannot have passed: at least one, and short of it by up to three, so that no
-/// rounding matters.
-fn quiet_ticks(age: u64, period_in_ticks: f64) -> u64 {
-    let passed = (age as f64 / period_in_ticks).floor();
-    let next = (passed + 1.0) * period_in_ticks - 2.0;
-    (next as u64).saturating_sub(age).max(1)
 }
 
 /// Uniform in a square about the load, facing anywhere.
@@ -339,7 +304,7 @@ impl Driver for Ants {
                 self.sensing.take(spring);
             }
         }
-        self.next_decisions.fill(0);
+        self.releases.forget();
         self.next_belief = 0;
         self.state = state;
         Ok(())
@@ -367,24 +332,5 @@ mod tests {
             assert_eq!((ant.position, ant.heading, ant.ahead), (followed.position, followed.heading, followed.ahead));
         }
         assert_eq!(last.len(), 4);
-    }
-
-    /// No decision falls on a tick that is passed over, whatever period and tick; and not many ticks are looked at in vain.
-    #[test]
-    fn no_period_ends_in_quiet_ticks() {
-        for (tick, period) in [(0.0025, 0.25), (0.0025, 0.0025), (0.1, 0.25), (0.003, 0.1), (0.01, 0.003), (1.0 / 3.0, 7.0), (0.0025, 1e30)]
-        {
-            let n_decisions = |ticks| n_periods(ticks, tick, period);
-            let (mut next, mut n_looks, mut n_found) = (quiet_ticks(0, period / tick), 0u64, 0u64);
-            for age in 1..20_000 {
-                let is_decision = n_decisions(age) > n_decisions(age - 1);
-                assert!(!is_decision || age >= next, "{tick} {period} {age}");
-                if age >= next {
-                    next = age.saturating_add(quiet_ticks(age, period / tick));
-                    (n_looks, n_found) = (n_looks + 1, n_found + u64::from(is_decision));
-                }
-            }
-            assert!(n_looks <= 4 * n_found.max(1) || period < 5.0 * tick, "{n_looks} looks for {n_found}");
-        }
     }
 }

@@ -1,6 +1,8 @@
 //! Floor 3: behaviour, backend and clock make a trace. The loop that everybody reads first is [`Simulation::step`].
 
 mod ants;
+mod periods;
+mod releases;
 mod replay;
 mod saved;
 mod sensing;

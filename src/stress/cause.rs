@@ -24,6 +24,8 @@ const FEW_STEPS: f64 = 10.0;
 const UNLIKE: f64 = 30.0;
 /// Spread of supports over the radius below which friction resists no turning.
 const ONE_POINT: f64 = 1e-6;
+/// Error that is rounding, which falls or grows with the step as it happens.
+const ROUNDING: f64 = 1e-12;
 /// Last digits of f32 that a run may lose.
 const LOST_DIGITS: f64 = 1e3;
 
@@ -162,7 +164,7 @@ impl Facts<'_> {
 
     /// Evidence: the error falls with the step.
     fn step(&self) -> Option<String> {
-        let error = self.error?;
+        let error = self.error.filter(|error| *error > ROUNDING)?;
         let finer = (self.finer_error)()?;
         (finer <= 0.5 * error).then(|| format!("the step is too long: at an eighth of it the error is {finer:.1e} in place of {error:.1e}"))
     }

@@ -34,7 +34,7 @@ use super::{ConeSolver, RestoreError};
 use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
 
-use cones::Cones;
+use cones::{Cones, Pressed};
 pub use gliding::Tangent;
 
 /// Solves the cone problem for one set of supports, starting from its last answer.
@@ -245,14 +245,20 @@ impl FrictionSolver {
         if self.cones.stick_forces(w, &mut self.last.forces) {
             return Candidate { twist: Vec3::zeros(), regime: Regime::Stick };
         }
-        let start = self.last.twist.or(far).unwrap_or_else(|| linear_answer(h, w));
         if let Some(found) = self.pin(h, w) {
             return found;
         }
         let forces = &mut self.last.forces;
-        if self.cones.pressed_forces(w, forces) {
-            return Candidate { twist: Vec3::zeros(), regime: Regime::Stick };
+        let near = match self.cones.pressed_forces(w, forces) {
+            Pressed::Held => return Candidate { twist: Vec3::zeros(), regime: Regime::Stick },
+            Pressed::Slips(n) => self.cones.slip_along(&n, h, w).filter(|_| self.cones.cluster.is_none()),
+            Pressed::Unsure => None,
+        };
+        if let Some((twist, _)) = near.and_then(|near| gliding::slip(&self.cones, h, w, &near, n_iterations)) {
+            self.cones.write_slip_forces(&twist, forces);
+            return Candidate { twist, regime: Regime::Slip };
         }
+        let start = near.or(self.last.twist).or(far).unwrap_or_else(|| linear_answer(h, w));
         slipping::slip(&self.cones, h, w, &start, forces, n_iterations)
             .or_else(|| slipping::stick(&self.cones, w, &start, forces, n_iterations))
             .unwrap_or_else(|| smoothed::search(&self.cones, h, w, forces, n_iterations))

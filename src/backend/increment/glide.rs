@@ -8,14 +8,20 @@ use crate::model::Reaction;
 
 /// What an increment is to minimise, besides friction.
 pub(in crate::backend) trait Objective {
-    /// Whether an answer counts only where the springs' energy is convex, so that there is but one; where a path is followed it counts where friction makes up for that.
-    const IS_CONVEX: bool;
-
     /// Energy (J), gradient and Hessian by the increment, at the increment `at` (m, m, rad).
     fn at(&mut self, at: &Vec3) -> Reaction;
 
     /// The gradient alone.
     fn gradient(&mut self, at: &Vec3) -> Vec3;
+}
+
+/// Which of the minima counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::backend) enum Wanted {
+    /// The only one: the springs' energy is convex.
+    Only,
+    /// The nearest one, also where friction has to make up for springs whose energy is not convex.
+    Nearest,
 }
 
 /// Where it led.
@@ -79,13 +85,14 @@ impl Approach {
     }
 }
 
-/// `None` when it does not lead from `guess`, where the objective is `there` if that is known, to a minimum in a few iterations. `length` (m) is the extent of the load.
+/// `None` when it does not lead from `guess`, where the objective is `there` if that is known, to a minimum as `wanted` in a few iterations. `length` (m) is the extent
+/// of the load.
 pub(in crate::backend) fn glide<O: Objective>(
     objective: &mut O,
     solver: &mut FrictionSolver,
     length: f64,
-    guess: Vec3,
-    there: Option<Reaction>,
+    (guess, there): (Vec3, Option<Reaction>),
+    wanted: Wanted,
 ) -> Option<Glided> {
     let pin = solver.unit_turn();
     let mut at = pin.map_or(guess, |(unit_turn, _)| guess.z * unit_turn);
@@ -109,7 +116,7 @@ pub(in crate::backend) fn glide<O: Objective>(
             None => solver.gliding_step(&at, &gradient, hessian.as_ref(), &mut tangent)?,
         };
         let next = approach.judge(size(&step, length), extent, residual);
-        if O::IS_CONVEX && hessian.is_some_and(|hessian| PositiveDefinite::new(&hessian).is_none()) {
+        if wanted == Wanted::Only && hessian.is_some_and(|hessian| PositiveDefinite::new(&hessian).is_none()) {
             return None;
         }
         match next {

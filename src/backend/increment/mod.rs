@@ -23,7 +23,7 @@ use crate::model::support::slip_velocity;
 use crate::model::{Ground, Load, Reaction};
 
 pub use descent::positive_definite;
-pub(super) use glide::{Glided, Objective, glide};
+pub(super) use glide::{Glided, Objective, Wanted, glide};
 
 /// What the increment is to minimise, besides friction.
 pub struct Potential<'a> {
@@ -97,7 +97,7 @@ pub fn minimise(potential: Potential, ground: &Ground, solver: &mut FrictionSolv
     let turn = rotation(potential.start.heading);
     let mut step = Step { potential, ground, turn, length };
     let guess = guess.filter(|_| solver.accuracy() == 0.0);
-    if let Some(found) = guess.and_then(|guess| glide(&mut step, solver, length, guess, None)) {
+    if let Some(found) = guess.and_then(|guess| glide(&mut step, solver, length, (guess, None), Wanted::Only)) {
         return step.found(&found.at, found.regime, found.report);
     }
     step.rest(solver).unwrap_or_else(|| step.descend_from_rest(solver))
@@ -136,8 +136,6 @@ fn size(twist: &Vec3, length: f64) -> f64 {
 }
 
 impl Objective for Step<'_> {
-    const IS_CONVEX: bool = true;
-
     fn at(&mut self, twist: &Vec3) -> Reaction {
         let Stage { share, .. } = self.potential.springs_at;
         let stage = self.potential.springs_at.of(twist);
@@ -246,7 +244,7 @@ mod tests {
     use crate::math::{Chance, Stream, direction};
     use crate::model::{PolarSpring, SupportPoint};
 
-    fn ground() -> Ground {
+    pub(super) fn ground() -> Ground {
         let supports = [0.5, 2.6, 4.7].map(|angle| SupportPoint { offset: 0.0081333 * direction(angle), normal_load: 0.005232 });
         Ground { friction_coefficient: 1.4, supports: supports.to_vec() }
     }
@@ -293,7 +291,7 @@ mod tests {
         assert!(n_found[0] > 60 && n_found[1] > 20, "{n_found:?}");
     }
 
-    fn spring(bearing: f64) -> PolarSpring {
+    pub(super) fn spring(bearing: f64) -> PolarSpring {
         PolarSpring {
             root: 0.0122 * direction(bearing),
             bearing,

@@ -19,7 +19,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::backend::friction::{FrictionSolver, Regime};
-use crate::backend::increment::{Glided, Increment, Objective, friction_loss, glide};
+use crate::backend::increment::{Glided, Increment, Objective, Wanted, friction_loss, glide};
 use crate::backend::spring_blocks::{Place, SpringBlocks};
 use crate::math::{Arc, Mat2, Pose, Vec2, Vec3, rotation, shift_of};
 use crate::model::support::slip_velocity;
@@ -69,8 +69,6 @@ impl Straight<'_> {
 }
 
 impl Objective for Straight<'_> {
-    const IS_CONVEX: bool = false;
-
     fn at(&mut self, at: &Vec3) -> Reaction {
         let (place, back) = self.place(at);
         self.springs.reaction(&place).in_axes(&back.transpose())
@@ -103,7 +101,7 @@ pub fn step(
     let axes = turn * Arc::of(guess.z).rotation();
     let near = axes.tr_mul(&(shift_of(&turn, guess) - shift)).push(guess.z - turned);
     let mut objective = Straight { springs, start, carried: (shift, turned), axes, expected_turn: guess.z };
-    let Glided { at, regime, report } = glide(&mut objective, solver, system.load.radius, near, None)?;
+    let Glided { at, regime, report } = glide(&mut objective, solver, system.load.radius, (near, None), Wanted::Nearest)?;
     let (shift, turned) = objective.way(&at);
     let straight = Arc::of(turned).mean_rotation().try_inverse()? * turn.tr_mul(&shift);
     let twist = straight.push(turned);

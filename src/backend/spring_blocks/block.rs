@@ -85,8 +85,8 @@ impl Block {
         let (e_x, e_y) = (d.x * inverse, d.y * inverse);
         let swing = if swings == Swings::Given { self.swing } else { self.swing_of(d) };
         let stretch = length - self.rest_length;
-        let torsion = self.torsional * inverse * inverse;
-        let (radial_pull, torsional_pull) = (self.radial * stretch, torsion * length * swing);
+        let (radial_pull, torsion) = (self.radial * stretch, self.torsional * inverse);
+        let torsional_pull = torsion * swing;
         let pull = Vectors { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
         (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Vectors { x: e_x, y: e_y });
         // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
@@ -98,8 +98,8 @@ impl Block {
         if !CURVED {
             return true;
         }
-        let across = self.radial * (stretch * inverse) + torsion;
-        let coupling = -torsion * swing;
+        let across = (radial_pull + torsion) * inverse;
+        let coupling = -torsional_pull * inverse;
         let (xx, yy, xy) = (e_x * e_x, e_y * e_y, e_x * e_y);
         let twice = coupling * (xy + xy);
         let stiffness = [

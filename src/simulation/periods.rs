@@ -1,0 +1,57 @@
+//! Periods that do not fit into ticks: which tick is the first of the next one.
+
+/// Ticks at which a period of time ends, counted from some tick on.
+#[derive(Clone, Copy, Debug)]
+pub struct Periods {
+    /// Length of a tick and of a period (s).
+    tick: f64,
+    period: f64,
+}
+
+impl Periods {
+    pub fn new(tick: f64, period: f64) -> Self {
+        Self { tick, period }
+    }
+
+    /// How many have passed after a number of ticks.
+    pub fn passed(&self, ticks: u64) -> f64 {
+        (ticks as f64 * self.tick / self.period + 1e-9).floor()
+    }
+
+    /// Whether one ends with the tick of this number, above zero.
+    pub fn ends_with(&self, ticks: u64) -> bool {
+        self.passed(ticks) > self.passed(ticks - 1)
+    }
+
+    /// A number of ticks after these before which the next one cannot have passed: at least one, and short of it by up to three, so that no rounding matters.
+    pub fn quiet_after(&self, ticks: u64) -> u64 {
+        let in_ticks = self.period / self.tick;
+        let passed = (ticks as f64 / in_ticks).floor();
+        let next = (passed + 1.0) * in_ticks - 2.0;
+        (next as u64).saturating_sub(ticks).max(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No period ends with a tick that is passed over, whatever period and tick; and not many ticks are looked at in vain.
+    #[test]
+    fn no_period_ends_in_quiet_ticks() {
+        for (tick, period) in [(0.0025, 0.25), (0.0025, 0.0025), (0.1, 0.25), (0.003, 0.1), (0.01, 0.003), (1.0 / 3.0, 7.0), (0.0025, 1e30)]
+        {
+            let periods = Periods::new(tick, period);
+            let (mut next, mut n_looks, mut n_found) = (periods.quiet_after(0), 0u64, 0u64);
+            for age in 1..20_000 {
+                let ends = periods.ends_with(age);
+                assert!(!ends || age >= next, "{tick} {period} {age}");
+                if age >= next {
+                    next = age.saturating_add(periods.quiet_after(age));
+                    (n_looks, n_found) = (n_looks + 1, n_found + u64::from(ends));
+                }
+            }
+            assert!(n_looks <= 4 * n_found.max(1) || period < 5.0 * tick, "{n_looks} looks for {n_found}");
+        }
+    }
+}
