@@ -81,6 +81,7 @@ impl Attached {
     fn gather(&mut self, system: &System, held: &HeldSprings) {
         if std::mem::take(&mut self.is_stale) {
             self.blocks.gather(&system.springs, held.grips());
+            self.blocks.aim();
             self.radial = held.grips().iter().map(|grip| system.springs[grip.spring].radial_stiffness).sum();
         }
     }

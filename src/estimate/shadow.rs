@@ -26,7 +26,7 @@ use crate::backend::friction::FrictionSolver;
 use crate::backend::held::HeldSprings;
 use crate::backend::increment::{friction_loss, positive_definite};
 use crate::backend::spring_blocks::Place;
-use crate::math::{Arc, Mat2, Mat3, Pose, PositiveDefinite, Vec2, Vec3, rotation};
+use crate::math::{Mat2, Mat3, Pose, PositiveDefinite, Vec2, Vec3, rotation};
 use crate::model::{Load, System};
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -174,7 +174,7 @@ impl Shadow {
         let drag = pulls.dashpots.as_ref().map_or(0.0, |dashpots| n.dot(&dashpots.drag));
         let frequency = slider.frequency();
         let slid = slider.slide(self.speed, begin + drag, (end - begin) / tick.duration, tick.duration);
-        let at = moved(at, &(slid.shift * n));
+        let at = at.moved_by(&(slid.shift * n));
         self.pose = at.pose;
         self.gradient = Some(elastic.gradient + elastic.hessian * n * slid.shift);
         (self.speed, self.direction) = (slid.speed.abs(), if slid.speed < 0.0 { -n } else { n });
@@ -202,7 +202,7 @@ impl Shadow {
         let Some(change) = solve(&(against.turning + way * across.stiffness), &push) else { return };
         // The slip turns by no more than all of it.
         let share = way / rim(&change, system.load.radius).max(way);
-        self.pose = moved(at, &(share * change)).pose;
+        self.pose = at.moved_by(&(share * change)).pose;
     }
 
     /// Turns a shadow that the load without inertia does not go with.
@@ -214,7 +214,7 @@ impl Shadow {
         let aside = net - inertia * (self.direction.dot(&net) / self.direction.dot(&inertia));
         let stiffness = Mat3::from_diagonal(&(masses / (duration * duration))) + across.stiffness;
         let Some(aside) = solve(&(against.turning + way * stiffness), &(way * aside)) else { return };
-        self.pose = moved(at, &aside).pose;
+        self.pose = at.moved_by(&aside).pose;
         self.gradient = Some(gradient + across.hessian * aside);
         self.go(system, &(way * self.direction + aside));
     }
@@ -304,12 +304,6 @@ fn slider(system: &System, pulls: &Pulls, n: &Vec3, tools: &mut Tools) -> Slider
 /// Diagonal of the mass matrix (kg, kg, kg m^2).
 fn masses(load: &Load) -> Vec3 {
     Vec3::new(load.mass, load.mass, load.inertia)
-}
-
-fn moved(at: &Place, increment: &Vec3) -> Place {
-    let arc = Arc::of(increment.z);
-    let pose = Pose { position: at.pose.position + at.turn * arc.shift(&increment.xy()), heading: at.pose.heading + increment.z };
-    Place { pose, turn: at.turn * arc.rotation() }
 }
 
 /// A^-1 b of a symmetric A.

@@ -33,20 +33,20 @@ impl Ant {
         Self { position, heading, ahead: direction(heading), mode: Mode::Search, belief_error: Vec2::zeros() }
     }
 
-    /// Where a walking ant stands after a `way` (m) and a `turn` (rad), both at constant speed: an arc, Eq. (17).
-    pub fn walked(&self, way: f64, turn: f64) -> Ant {
+    /// Walks a `way` (m) and a `turn` (rad), both at constant speed: an arc, Eq. (17).
+    pub fn walk(&mut self, way: f64, turn: f64) {
         let arc = Arc::of(turn);
         let axes = Mat2::from_columns(&[self.ahead, perpendicular(&self.ahead)]);
-        let shift = axes * arc.shift(&Vec2::new(way, 0.0));
-        Ant { position: self.position + shift, ..self.turned(&arc) }
+        self.position += axes * arc.shift(&Vec2::new(way, 0.0));
+        self.turn(&arc);
     }
 
-    /// The ant after a turn on the spot along `arc`.
-    pub fn turned(&self, arc: &Arc) -> Ant {
+    /// Turns on the spot along `arc`.
+    pub fn turn(&mut self, arc: &Arc) {
         let ahead = arc.rotation() * self.ahead;
         // Back to length one, from which rounding alone has taken it.
-        let length = 1.5 - 0.5 * ahead.norm_squared();
-        Ant { heading: self.heading + arc.angle(), ahead: length * ahead, ..*self }
+        self.ahead = (1.5 - 0.5 * ahead.norm_squared()) * ahead;
+        self.heading += arc.angle();
     }
 }
 
@@ -88,7 +88,8 @@ mod tests {
     #[test]
     fn a_quarter_circle_has_the_radius_velocity_over_turn_rate() {
         let (velocity, turn_rate, duration) = (0.08, 2.0, std::f64::consts::FRAC_PI_4);
-        let reached = start().walked(velocity * duration, turn_rate * duration);
+        let mut reached = start();
+        reached.walk(velocity * duration, turn_rate * duration);
         // Radius 0.04 m: rounding only.
         assert!((reached.position - Vec2::new(0.04, 0.04)).norm() < 1e-16);
     }
@@ -111,7 +112,7 @@ mod tests {
         let mut farthest: f64 = 0.0;
         for tick in 0..1_000_000 {
             let turn = 2e-3 * (1e-3 * f64::from(tick)).sin() + if tick % 1000 == 0 { 0.4 } else { 0.0 };
-            ant = ant.turned(&Arc::of(turn));
+            ant.turn(&Arc::of(turn));
             farthest = farthest.max((ant.ahead - direction(ant.heading)).norm());
         }
         assert!(ant.heading > 300.0 && farthest < 1e-10, "{farthest}");

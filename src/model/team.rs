@@ -19,10 +19,21 @@ pub struct Haul {
     pub control_offset: f64,
 }
 
+/// Where ants are after a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Pulled {
+    /// (m, world)
+    pub tip: Vectors,
+    /// By how much they have turned (rad), and the unit vector they face along.
+    pub turn: Numbers,
+    pub ahead: Vectors,
+}
+
 impl Haul {
-    /// Where ants that pull at springs with these roots (m, load axes) stand after the step, Eq. (19-22): each drags its tip backwards, while it turns to where it wants
+    /// Where ants that pull at springs with these roots (m, load axes) are after the step, Eq. (19-22): each drags its tip backwards, while it turns to where it wants
     /// to pull.
-    pub fn pulled(&self, ants: [&Ant; LANES], roots: [&Vec2; LANES]) -> [Ant; LANES] {
+    #[inline]
+    pub fn pulled(&self, ants: [&Ant; LANES], roots: [&Vec2; LANES]) -> Pulled {
         let position = Vectors::new(ants.map(|ant| ant.position));
         let ahead = Vectors::new(ants.map(|ant| ant.ahead));
         let (origin, turn) = &self.load;
@@ -30,16 +41,14 @@ impl Haul {
             Vectors::new(roots.map(|root| *root)).turned(Numbers::splat(turn.m11), Numbers::splat(turn.m21)).and(Vectors::splat(*origin));
         let to_nest = Vectors::splat(self.nest).less(position);
         let desired = facing_for_pull(self.half_angle.pull_directions(position.less(root), to_nest));
-        let turns = self.steering.turn(turns_towards(desired, ahead));
+        let turn = self.steering.turn(turns_towards(desired, ahead));
         let along = ahead.times(Numbers::splat(-self.speed * self.steering.duration()));
-        let across = Vectors { x: -ahead.y, y: ahead.x }.times(turns * Numbers::splat(self.control_offset));
-        let tips = position.and(along.and(across)).lanes();
-        let (headings, aheads) = (turns.to_array(), turned(ahead, turns).lanes());
-        std::array::from_fn(|k| Ant { position: tips[k], heading: ants[k].heading + headings[k], ahead: aheads[k], ..*ants[k] })
+        let across = Vectors { x: -ahead.y, y: ahead.x }.times(turn * Numbers::splat(self.control_offset));
+        Pulled { tip: position.and(along.and(across)), turn, ahead: turned(ahead, turn) }
     }
 }
 
-/// Unit vectors turned by angles (rad), as [`Ant::turned`] does.
+/// Unit vectors turned by angles (rad), as [`Ant::turn`] does.
 fn turned(ahead: Vectors, turns: Numbers) -> Vectors {
     let (cos, sin) = if turns.abs().simd_lt(Numbers::splat(SERIES_BELOW)).all() {
         small_rotation(turns)
@@ -79,16 +88,17 @@ mod tests {
                 Ant::new(at, towards + apart * draw(ant, 4))
             });
             let pulled = haul.pulled(ants.each_ref(), roots.each_ref());
-            for ((ant, root), pulled) in ants.iter().zip(&roots).zip(&pulled) {
+            for (k, (ant, root)) in ants.iter().zip(&roots).enumerate() {
                 let error = wrap_to_pi(by_angles(&haul, &ant.position, root) - ant.heading);
                 let (duration, turn) = (haul.steering.duration(), haul.steering.turn(error));
                 let velocity = -haul.speed * ant.ahead + turn / duration * haul.control_offset * perpendicular(&ant.ahead);
-                let alone = ant.turned(&Arc::of(turn));
+                let mut alone = *ant;
+                alone.turn(&Arc::of(turn));
                 largest_turn = largest_turn.max(turn.abs());
                 // Rounding of angles of order one, and of places of order 0.1 m.
-                assert!((pulled.heading - alone.heading).abs() < 4e-15 && (pulled.ahead - alone.ahead).norm() < 4e-15, "{case}");
-                assert!((pulled.position - ant.position - duration * velocity).norm() < 1e-16, "{case}");
-                assert_eq!((pulled.mode, pulled.belief_error), (ant.mode, ant.belief_error));
+                let heading = ant.heading + pulled.turn.as_array()[k];
+                assert!((heading - alone.heading).abs() < 4e-15 && (pulled.ahead.lane(k) - alone.ahead).norm() < 4e-15, "{case}");
+                assert!((pulled.tip.lane(k) - ant.position - duration * velocity).norm() < 1e-16, "{case}");
             }
         }
         assert!(largest_turn > 1.0, "{largest_turn}: beyond the series too");

@@ -6,7 +6,6 @@
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
-use smallvec::SmallVec;
 
 use super::periods::Periods;
 use super::releases::Releases;
@@ -85,7 +84,7 @@ impl Ants {
     fn release_where_decided(&mut self, view: &View, tick: u64, orders: &mut Orders) {
         for i in 0..self.state.ants.len() {
             let Mode::Transport { spring, grasp_tick } = self.state.ants[i].mode else { continue };
-            let pull = || view.pull(spring).norm();
+            let pull = || view.pull(spring);
             if self.releases.lets_go(i, tick, tick - grasp_tick, pull, &mut self.state.pulls) {
                 self.sensing.free(spring);
                 let ant = &mut self.state.ants[i];
@@ -199,25 +198,26 @@ impl Ants {
             control_offset: self.drive.control_offset,
         };
         // Ants that pull, and their springs, until there are as many as walk side by side.
-        let mut team: SmallVec<[(usize, usize); LANES]> = SmallVec::new();
+        let (mut team, mut n_there) = ([(0, 0); LANES], 0);
         for i in 0..self.state.ants.len() {
             let ant = &mut self.state.ants[i];
             match ant.mode {
                 Mode::Search => {
                     let target = self.load.position + ant.belief_error - ant.position;
-                    *ant = ant.walked(searched, steering.turn(turn_towards(&target, &ant.ahead)));
+                    ant.walk(searched, steering.turn(turn_towards(&target, &ant.ahead)));
                 }
                 Mode::Transport { spring, .. } => {
-                    team.push((i, spring));
-                    if team.len() == LANES {
+                    team[n_there] = (i, spring);
+                    n_there += 1;
+                    if n_there == LANES {
                         self.pull(&team, &haul, springs);
-                        team.clear();
+                        n_there = 0;
                     }
                 }
             }
         }
-        if !team.is_empty() {
-            self.pull(&team, &haul, springs);
+        if n_there > 0 {
+            self.pull(&team[..n_there], &haul, springs);
         }
     }
 
@@ -227,9 +227,11 @@ impl Ants {
         // Places that nobody takes walk as the first one does.
         let of = |k: usize| team[if k < team.len() { k } else { 0 }];
         let pulled = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
-        for ((i, spring), pulled) in team.iter().zip(pulled) {
-            ants[*i] = pulled;
-            self.targets[*spring] = pulled.position;
+        for (k, (i, spring)) in team.iter().enumerate() {
+            let ant = &mut ants[*i];
+            (ant.position, ant.ahead) = (pulled.tip.lane(k), pulled.ahead.lane(k));
+            ant.heading += pulled.turn.as_array()[k];
+            self.targets[*spring] = ant.position;
         }
     }
 }
@@ -279,7 +281,7 @@ impl Driver for Ants {
     }
 
     fn arrived(&self, motion: &Motion) -> Option<bool> {
-        Some((motion.pose.position - self.drive.nest_position).norm() <= self.drive.arrival_radius)
+        Some((motion.pose.position - self.drive.nest_position).norm_squared() <= self.drive.arrival_radius * self.drive.arrival_radius)
     }
 
     fn pulls(&self) -> Summary {

@@ -4,7 +4,7 @@
 //! of time: before the next one that is low, a pull that is not uncommonly strong ends no hold, and neither it nor its probability is looked at any closer.
 
 use super::periods::Periods;
-use crate::math::{Chance, Stream, Summary};
+use crate::math::{Chance, Stream, Summary, Vec2};
 use crate::model::behaviour::{Pace, ReleaseLaw, probability_within};
 use crate::scenario::AntDrive;
 
@@ -16,8 +16,8 @@ pub struct Releases {
     control_period: f64,
     /// Between decisions, at which pulls are looked at.
     decisions: Periods,
-    /// A pull (N) that few are beyond, and what no draw that ends a hold by such a one or less exceeds.
-    strong: f64,
+    /// Square of a pull that few are beyond (N^2), and what no draw that ends a hold by such a one or less exceeds.
+    strong_squared: f64,
     low: f64,
     ants: Vec<Ahead>,
 }
@@ -50,7 +50,8 @@ impl Releases {
             chance,
             control_period,
             decisions: Periods::new(control_period, if pace == Pace::PerTick { control_period } else { law.period }),
-            strong,
+            // By far more than what roundings of a square can make of it.
+            strong_squared: (strong * (1.0 - 1e-12)).powi(2),
             low: law.most_hazard(strong) * control_period,
             ants: vec![UNKNOWN; drive.n_ants],
         }
@@ -68,7 +69,7 @@ impl Releases {
 
     /// Whether an ant that has held its spring for `age` ticks lets go at a tick under a `pull` (N), which at a decision is added to `pulls`.
     #[inline]
-    pub fn lets_go(&mut self, ant: usize, tick: u64, age: u64, pull: impl FnOnce() -> f64, pulls: &mut Summary) -> bool {
+    pub fn lets_go(&mut self, ant: usize, tick: u64, age: u64, pull: impl FnOnce() -> Vec2, pulls: &mut Summary) -> bool {
         let is_decision = tick >= self.ants[ant].decision && age > 0 && {
             self.ants[ant].decision = tick.saturating_add(self.decisions.quiet_after(age));
             self.decisions.ends_with(age)
@@ -78,11 +79,14 @@ impl Releases {
         }
         let pull = pull();
         if is_decision {
-            pulls.add(pull);
+            pulls.add(pull.norm());
         }
         match self.pace {
-            Pace::Aged | Pace::PerTick => self.draw(ant, tick) < self.law.probability(pull),
-            Pace::Hazard => (pull > self.strong || self.is_low(ant, tick)) && self.ends(self.draw(ant, tick), pull),
+            Pace::Aged | Pace::PerTick => self.draw(ant, tick) < self.law.probability(pull.norm()),
+            Pace::Hazard => {
+                let is_common = pull.norm_squared() <= self.strong_squared;
+                (!is_common || self.is_low(ant, tick)) && self.ends(self.draw(ant, tick), pull.norm())
+            }
         }
     }
 
@@ -136,8 +140,12 @@ mod tests {
                         if tick / 500 % 5 == ant as u64 {
                             continue;
                         }
-                        assert_eq!(releases.lets_go(ant, tick, 1, || pull, &mut pulls), ends, "{preset} {control_period} {tick} {ant}");
-                        (n_ends, n_strong) = (n_ends + u32::from(ends), n_strong + u32::from(pull > releases.strong));
+                        assert_eq!(
+                            releases.lets_go(ant, tick, 1, || Vec2::new(0.6 * pull, -0.8 * pull), &mut pulls),
+                            ends,
+                            "{preset} {control_period} {tick} {ant}"
+                        );
+                        (n_ends, n_strong) = (n_ends + u32::from(ends), n_strong + u32::from(pull * pull > releases.strong_squared));
                     }
                 }
                 assert!(n_ends > 100 && n_strong > 1000, "{preset} {control_period}: {n_ends} {n_strong}");

@@ -42,6 +42,8 @@ impl FrictionSolver {
     /// Newton's step (m, m, rad) from a body-twist increment at which all supports slip, and what is out of balance there, relative to the forces in it (1);
     /// `gradient` and `hessian` are those of what acts besides friction (N, N, N m; N/m, N, N m/rad). Without a Hessian the `tangent` of the last step serves, else it
     /// becomes the one here. `None` where a support slips too slowly.
+    // In place: what it returns is needed at once.
+    #[inline(always)]
     pub fn gliding_step(
         &self,
         increment: &Vec3,
@@ -50,12 +52,16 @@ impl FrictionSolver {
         tangent: &mut Option<Tangent>,
     ) -> Option<(Vec3, f64)> {
         let (twist, g) = (self.cones.scaled_twist(increment), self.cones.scaled_gradient(gradient));
-        let h = hessian.map(|hessian| self.cones.scaled_hessian(hessian));
-        let mut derivative = h;
-        let residual = balance(&self.cones, &g, derivative.as_mut(), &twist)?;
-        if let (Some(h), Some(derivative)) = (h, derivative) {
-            *tangent = Some(Tangent { factor: PositiveDefinite::new(&derivative)?, scale: self.cones.force_scale(&h, &g, &twist) });
-        }
+        let residual = match hessian {
+            Some(hessian) => {
+                let h = self.cones.scaled_hessian(hessian);
+                let mut derivative = h;
+                let residual = balance(&self.cones, &g, Some(&mut derivative), &twist)?;
+                *tangent = Some(Tangent { factor: PositiveDefinite::new(&derivative)?, scale: self.cones.force_scale(&h, &g, &twist) });
+                residual
+            }
+            None => balance(&self.cones, &g, None, &twist)?,
+        };
         let Tangent { factor, scale } = tangent.as_ref()?;
         Some((-self.cones.unscaled_twist(&factor.solve(&residual)), residual.amax() / scale))
     }
@@ -92,6 +98,8 @@ pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, n_iterations
 
 /// What is out of balance at `twist` under friction and the `gradient` of what else acts; `derivative`, that of the latter, becomes the one of both (only its
 /// lower half). `None` where a support slips too slowly.
+// In place: what it returns is needed at once.
+#[inline(always)]
 fn balance(cones: &Cones, gradient: &Vec3, mut derivative: Option<&mut Mat3>, twist: &Vec3) -> Option<Vec3> {
     let mut residual = *gradient;
     let reach = cones.cluster.unwrap_or(1.0);

@@ -56,7 +56,7 @@ impl Step<'_> {
                 break;
             }
             let tolerance = RELATIVE_TOLERANCE.max(solver.accuracy()) * self.size(&solution.increment) + ABSOLUTE_TOLERANCE;
-            let start = &self.potential.start;
+            let start = &self.potential.start.pose;
             let is_last = self.size(&step) <= tolerance || is_frictionless && local.is_balanced(&hessian, &step, start, length);
             residual = solution.residual.max(if is_last { 0.0 } else { self.size(&step) / self.size(&solution.increment).max(1.0) });
             if step == Vec3::zeros() {
@@ -92,14 +92,14 @@ impl Step<'_> {
     /// lies no further than they sum up to is where it goes.
     fn glide_on(&mut self, solver: &mut FrictionSolver, (at, there): (Vec3, Reaction), pace: &mut Pace, step: f64) -> Option<Glided> {
         let length = self.length;
-        let Some(last) = pace.last.replace(step) else { return glide(self, solver, length, (at, Some(there)), Wanted::Only) };
+        let Some(last) = pace.last.replace(step) else { return glide(self, solver, length, at, Some(there), Wanted::Only) };
         let share = step / last;
         if step > SHORT * self.size(&at) || share > STEADY || pace.n_glides == MOST_GLIDES {
             return None;
         }
         pace.n_glides += 1;
         let left = step * share / (1.0 - share);
-        glide(self, solver, length, (at, Some(there)), Wanted::Nearest).filter(|found| self.size(&(found.at - at)) <= 2.0 * left)
+        glide(self, solver, length, at, Some(there), Wanted::Nearest).filter(|found| self.size(&(found.at - at)) <= 2.0 * left)
     }
 
     /// The first of the points at 1, 1/2, 1/4 ... of the `step` from an increment where the objective has fallen by Armijo's rule, or by nothing but
@@ -111,7 +111,7 @@ impl Step<'_> {
         // Rounding of the sum, and of the lengths that a stiff spring sees: its force times that of the load's position.
         let force = (2.0 * local.energy * local.hessian.m11.max(local.hessian.m22)).max(0.0).sqrt();
         let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_there)
-            + 4.0 * f64::EPSILON * force * (self.potential.start.position.norm() + self.length);
+            + 4.0 * f64::EPSILON * force * (self.potential.start.pose.position.norm() + self.length);
         let mut share = 1.0;
         for _ in 0..40 {
             let next = at + share * step;
@@ -197,10 +197,12 @@ mod tests {
             blocks.gather(&springs, held.grips());
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
-            let potential = Potential { start, springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
+            let potential =
+                Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
             let found = minimise(potential, &ground, &mut solver, 0.0122, None);
-            let potential = Potential { start, springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
-            let mut step = Step { potential, ground: &ground, turn: rotation(start.heading), length: 0.0122 };
+            let potential =
+                Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
+            let mut step = Step { potential, ground: &ground, length: 0.0122 };
             let is_convex = PositiveDefinite::new(&step.at(&found.twist).hessian).is_some();
             let is_found = found.report.status == Status::Converged && found.report.n_solves < 12;
             if is_convex || found.regime == Regime::Stick || !is_found {

@@ -1,6 +1,6 @@
 //! Newton's method on springs and friction at once, from a guess: for a load that goes on turning about one support, or all of whose supports go on slipping.
 
-use super::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, RELATIVE_TOLERANCE, size};
+use super::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, RELATIVE_TOLERANCE};
 use crate::backend::StepReport;
 use crate::backend::friction::{EXACT, FrictionSolver, Regime, Tangent};
 use crate::math::{PositiveDefinite, Vec3};
@@ -91,32 +91,37 @@ pub(in crate::backend) fn glide<O: Objective>(
     objective: &mut O,
     solver: &mut FrictionSolver,
     length: f64,
-    (guess, there): (Vec3, Option<Reaction>),
+    guess: Vec3,
+    there: Option<Reaction>,
     wanted: Wanted,
 ) -> Option<Glided> {
     let pin = solver.unit_turn();
     let mut at = pin.map_or(guess, |(unit_turn, _)| guess.z * unit_turn);
+    let per_length = 1.0 / length;
+    let size = |twist: &Vec3| per_length * twist.xy().norm() + twist.z.abs();
     let mut approach = Approach::NEW;
-    let mut there = there.filter(|_| at == guess);
-    let (mut tangent, mut last_hessian): (Option<Tangent>, _) = (None, None);
+    let mut there = there.filter(|_| at == guess).unwrap_or_else(|| objective.at(&at));
+    let mut tangent: Option<Tangent> = None;
     loop {
-        let extent = size(&at, length);
-        let (gradient, hessian) = if approach.is_close(extent) {
-            (objective.gradient(&at), None)
-        } else {
-            let Reaction { gradient, hessian, .. } = there.take().unwrap_or_else(|| objective.at(&at));
-            (gradient, Some(hessian))
-        };
+        let extent = size(&at);
+        let has_derivative = !approach.is_close(extent);
+        if approach.n_iterations > 0 {
+            if has_derivative {
+                there = objective.at(&at);
+            } else {
+                there.gradient = objective.gradient(&at);
+            }
+        }
+        let Reaction { gradient, hessian, .. } = &there;
         let (step, residual) = match pin {
             Some((unit_turn, _)) => {
-                last_hessian = hessian.or(last_hessian);
-                let (step, residual) = solver.pivoting_step(at.z, &gradient, last_hessian.as_ref()?)?;
+                let (step, residual) = solver.pivoting_step(at.z, gradient, hessian)?;
                 (step * unit_turn, residual)
             }
-            None => solver.gliding_step(&at, &gradient, hessian.as_ref(), &mut tangent)?,
+            None => solver.gliding_step(&at, gradient, has_derivative.then_some(hessian), &mut tangent)?,
         };
-        let next = approach.judge(size(&step, length), extent, residual);
-        if wanted == Wanted::Only && hessian.is_some_and(|hessian| PositiveDefinite::new(&hessian).is_none()) {
+        let next = approach.judge(size(&step), extent, residual);
+        if wanted == Wanted::Only && has_derivative && PositiveDefinite::new(hessian).is_none() {
             return None;
         }
         match next {
@@ -124,7 +129,7 @@ pub(in crate::backend) fn glide<O: Objective>(
             Next::Correct => at = pin.map_or(at + step, |(unit_turn, _)| (at.z + step.z) * unit_turn),
             Next::Done => {
                 let regime = match pin {
-                    Some((_, support)) => solver.keep_pivoting(at.z, &gradient).then_some(Regime::Pinned(support))?,
+                    Some((_, support)) => solver.keep_pivoting(at.z, gradient).then_some(Regime::Pinned(support))?,
                     None => solver.keep_gliding(&at),
                 };
                 let n_iterations = approach.n_iterations;

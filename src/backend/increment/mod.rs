@@ -18,7 +18,7 @@ mod glide;
 use super::StepReport;
 use super::friction::{FrictionSolver, Regime};
 use super::spring_blocks::{Place, SpringBlocks};
-use crate::math::{Arc, Mat2, Mat3, Pose, Twist, Vec2, Vec3, rotation, shift_of};
+use crate::math::{Arc, Mat2, Mat3, Twist, Vec2, Vec3, shift_of};
 use crate::model::support::slip_velocity;
 use crate::model::{Ground, Load, Reaction};
 
@@ -27,8 +27,8 @@ pub(super) use glide::{Glided, Objective, Wanted, glide};
 
 /// What the increment is to minimise, besides friction.
 pub struct Potential<'a> {
-    /// Pose at the start of the step.
-    pub start: Pose,
+    /// Where the load is at the start of the step.
+    pub start: Place,
     /// Springs with their tips where the step evaluates them.
     pub springs: &'a mut SpringBlocks,
     /// Dashpots as springs of this step.
@@ -94,10 +94,9 @@ const LARGEST_RESIDUAL: f64 = 1e-9;
 /// Minimises over increments, near a `guess` if that is good and from rest else. `length` (m) is the extent of the load, which makes turns and shifts
 /// comparable.
 pub fn minimise(potential: Potential, ground: &Ground, solver: &mut FrictionSolver, length: f64, guess: Option<Vec3>) -> Increment {
-    let turn = rotation(potential.start.heading);
-    let mut step = Step { potential, ground, turn, length };
+    let mut step = Step { potential, ground, length };
     let guess = guess.filter(|_| solver.accuracy() == 0.0);
-    if let Some(found) = guess.and_then(|guess| glide(&mut step, solver, length, (guess, None), Wanted::Only)) {
+    if let Some(found) = guess.and_then(|guess| glide(&mut step, solver, length, guess, None, Wanted::Only)) {
         return step.found(&found.at, found.regime, found.report);
     }
     step.rest(solver).unwrap_or_else(|| step.descend_from_rest(solver))
@@ -107,32 +106,30 @@ pub fn minimise(potential: Potential, ground: &Ground, solver: &mut FrictionSolv
 struct Step<'a> {
     potential: Potential<'a>,
     ground: &'a Ground,
-    /// Takes the axes of the start to world axes.
-    turn: Mat2,
     /// Extent of the load (m).
     length: f64,
 }
 
 impl Step<'_> {
     fn found(&self, twist: &Vec3, regime: Regime, report: StepReport) -> Increment {
-        Increment { twist: *twist, shift: shift_of(&self.turn, twist), friction: friction_loss(self.ground, twist), regime, report }
+        Increment {
+            twist: *twist,
+            shift: shift_of(&self.potential.start.turn, twist),
+            friction: friction_loss(self.ground, twist),
+            regime,
+            report,
+        }
     }
 
+    /// Of a body twist, with turns and shifts made comparable.
     fn size(&self, twist: &Vec3) -> f64 {
-        size(twist, self.length)
+        twist.xy().norm() / self.length + twist.z.abs()
     }
 
     /// Where the springs are evaluated for the increment that has the springs' own at `stage`.
     fn place(&self, stage: &Vec3, arc: &Arc) -> Place {
-        let Pose { position, heading } = self.potential.start;
-        let pose = Pose { position: position + self.turn * arc.shift(&stage.xy()), heading: heading + stage.z };
-        Place { pose, turn: self.turn * arc.rotation() }
+        self.potential.start.moved(&stage.xy(), arc)
     }
-}
-
-/// Of a body twist, with turns and shifts made comparable by a `length` (m).
-fn size(twist: &Vec3, length: f64) -> f64 {
-    twist.xy().norm() / length + twist.z.abs()
 }
 
 impl Objective for Step<'_> {
@@ -150,7 +147,7 @@ impl Objective for Step<'_> {
         sum.hessian *= share;
         if let Some(coasting) = &self.potential.inertia {
             let arc = Arc::of(twist.z);
-            sum.add(&by_increment(&coasting.reaction(&self.turn, twist, &arc), &arc, &twist.xy()));
+            sum.add(&by_increment(&coasting.reaction(&self.potential.start.turn, twist, &arc), &arc, &twist.xy()));
         }
         sum
     }
@@ -166,7 +163,7 @@ impl Objective for Step<'_> {
         let mut sum = slope_by_increment(&elastic, &arc, &stage.xy());
         if let Some(coasting) = &self.potential.inertia {
             let arc = Arc::of(twist.z);
-            sum += slope_by_increment(&coasting.reaction(&self.turn, twist, &arc).gradient, &arc, &twist.xy());
+            sum += slope_by_increment(&coasting.reaction(&self.potential.start.turn, twist, &arc).gradient, &arc, &twist.xy());
         }
         sum
     }
@@ -241,7 +238,7 @@ mod tests {
     use super::*;
     use crate::backend::Status;
     use crate::backend::held::HeldSprings;
-    use crate::math::{Chance, Stream, direction};
+    use crate::math::{Chance, Pose, Stream, direction, rotation};
     use crate::model::{PolarSpring, SupportPoint};
 
     pub(super) fn ground() -> Ground {
@@ -270,7 +267,8 @@ mod tests {
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
             let mut find = |guess| {
-                let potential = Potential { start, springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
+                let potential =
+                    Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
                 minimise(potential, &ground, &mut solver, 0.0122, guess)
             };
             let fallen = find(None);

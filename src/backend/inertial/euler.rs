@@ -8,12 +8,18 @@ use super::{Problem, Stepped};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
+use crate::backend::spring_blocks::Place;
 use crate::math::{Pose, Twist};
 
 pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let Problem { system, start: Motion { pose: before, twist }, springs, dashpots, forecast, step, .. } = problem;
-    let potential =
-        Potential { start: before, springs, dashpots, inertia: Some(Coasting::of(&system.load, &twist, step)), springs_at: Stage::END };
+    let potential = Potential {
+        start: Place::of(&before),
+        springs,
+        dashpots,
+        inertia: Some(Coasting::of(&system.load, &twist, step)),
+        springs_at: Stage::END,
+    };
     let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
     forecast.learn(&found, step);
     let Increment { twist: increment, shift, friction, regime, report } = found;

@@ -15,7 +15,8 @@ use super::{Problem, Stepped};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
-use crate::math::{Pose, Twist, Vec2, Vec3, rotation};
+use crate::backend::spring_blocks::Place;
+use crate::math::{Pose, Twist, Vec2, Vec3};
 use crate::model::support::wrench_of;
 
 /// Newmark's beta that cancels the error of frequencies; stable up to omega h = sqrt(6).
@@ -26,11 +27,11 @@ const MIDPOINT: f64 = 0.25;
 pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let Problem { system, start: Motion { pose: before, twist: old }, springs, dashpots, forecast, step, resolving_step } = problem;
     let half_way = drifted(&before, &old, 0.5 * step);
-    let coasted = in_body(&half_way, &old, step);
+    let start = Place::of(&half_way);
+    let coasted = in_body(&start, &old, step);
     let share = if step <= resolving_step { FOX_GOODWIN } else { MIDPOINT };
     let stage = Stage { offset: -share * coasted, share };
-    let potential =
-        Potential { start: half_way, springs, dashpots, inertia: Some(Coasting::of(&system.load, &old, step)), springs_at: stage };
+    let potential = Potential { start, springs, dashpots, inertia: Some(Coasting::of(&system.load, &old, step)), springs_at: stage };
     let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
     forecast.learn(&found, step);
     let Increment { twist: increment, shift, regime, report, .. } = found;
@@ -43,7 +44,7 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let friction = (-resistance.dot(&moved)).max(0.0);
     Stepped {
         motion: Motion { pose, twist },
-        stage: half_way.moved_by(&(stage.offset + stage.share * increment)),
+        stage: start.moved_by(&(stage.offset + stage.share * increment)).pose,
         friction,
         regime,
         report,
@@ -55,8 +56,8 @@ fn drifted(pose: &Pose, twist: &Twist, time: f64) -> Pose {
     Pose { position: pose.position + time * twist.linear, heading: pose.heading + time * twist.angular }
 }
 
-/// The increment of `twist` over `time` (s) in the axes of a load at `pose` (m, m, rad).
-fn in_body(pose: &Pose, twist: &Twist, time: f64) -> Vec3 {
-    let linear = rotation(pose.heading).tr_mul(&twist.linear);
+/// The increment of `twist` over `time` (s) in the axes of a load at this place (m, m, rad).
+fn in_body(at: &Place, twist: &Twist, time: f64) -> Vec3 {
+    let linear = at.turn.tr_mul(&twist.linear);
     time * Vec3::new(linear.x, linear.y, twist.angular)
 }

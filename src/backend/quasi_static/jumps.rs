@@ -39,7 +39,7 @@ impl QuasiStatic {
         let (mut report, mut last) = (StepReport::default(), None);
         for _ in 0..MOST_LEGS {
             let before = self.state.motion.pose;
-            report.add(&self.balance(None).0);
+            report.add(&self.balance(None));
             let way = self.way_from(&before);
             let next = last.map_or(way, |last: f64| way * (way / last).powi(2));
             if next <= no_way {
@@ -76,12 +76,12 @@ impl QuasiStatic {
         &mut self,
         start: &Pose,
         defect: f64,
-        allowed: impl FnOnce() -> f64,
+        allowed: impl FnOnce(&Self) -> f64,
         report: &mut StepReport,
     ) -> Option<TransitionKind> {
         let missing = defect - self.state.energy.defect();
         let rounding = SNAP_ROUNDING * (self.state.energy.tip_work.abs() + self.state.energy.dissipated() + self.state.energy.elastic);
-        if missing <= rounding || self.state.motion.pose == *start || missing <= allowed() + rounding {
+        if missing <= rounding || self.state.motion.pose == *start || missing <= allowed(self) + rounding {
             return None;
         }
         let regime = self.state.regime;

@@ -129,6 +129,33 @@ impl QuasiStatic {
         report.leave_out(why, n_steps);
     }
 
+    /// Takes the tips to their targets.
+    fn follow(&mut self, tip_targets: &[Vec2], duration: f64, report: &mut StepReport) {
+        self.transitions.clear();
+        if std::mem::take(&mut self.state.disturbed) {
+            report.add(&self.jump());
+        }
+        let why = if self.state.held.is_empty() { Skip::FreeLoad } else { Skip::StillTips };
+        if self.skips.has(why) && self.state.held.tips_are_at(tip_targets) {
+            self.rest(why, duration, report);
+            return;
+        }
+        let mut from = std::mem::take(&mut self.from);
+        from.clear();
+        from.extend_from_slice(self.state.held.grips());
+        let way = Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY };
+        match self.stepping {
+            Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest), report),
+            Stepping::Controlled(control) => {
+                let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
+                let (strides, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
+                (self.state.stride, self.transitions) = (stride, transitions);
+                report.add(&strides);
+            }
+        }
+        self.from = from;
+    }
+
     fn steps(&mut self, way: &Way, n_steps: u64, report: &mut StepReport) {
         let share = |i: u64| i as f64 / n_steps as f64;
         let mut done = 0;
@@ -138,14 +165,18 @@ impl QuasiStatic {
                 break;
             }
             let (start, defect, regime) = (self.state.motion.pose, self.state.energy.defect(), self.state.regime);
-            let (cost, accepted) = self.step_to(way, share(done), share(done + 1));
+            let cost = self.step_to(way, share(done), share(done + 1));
             done += 1;
             report.add(&cost);
             let time = share(done) * way.duration;
-            let snap = self.snap(&start, defect, || accepted.error, report);
+            let snap = self.snap(&start, defect, Self::work_error, report);
             self.transitions.extend(snap.map(|kind| Transition { time, kind }));
             self.note_transition(regime, time);
         }
+    }
+
+    fn work_error(&self) -> f64 {
+        self.springs.work_error()
     }
 
     fn note_transition(&mut self, before: Regime, time: f64) {
@@ -206,7 +237,7 @@ impl QuasiStatic {
         n_sure
     }
 
-    fn step_to(&mut self, way: &Way, from: f64, to: f64) -> (StepReport, Accepted) {
+    fn step_to(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
         self.gather();
         let before = self.state.motion.pose;
         self.springs.place_tips(way.from, way.targets, to);
@@ -222,9 +253,9 @@ impl QuasiStatic {
 
     /// Moves the load to the balance for the tips as they are, or leaves it where it is when there is no finite answer.
     /// `step` measures the tips' way on which it does so; `None` when they stand.
-    fn balance(&mut self, step: Option<f64>) -> (StepReport, Accepted) {
+    fn balance(&mut self, step: Option<f64>) -> StepReport {
         let before = self.state.motion.pose;
-        let increment = self.increment(&before, step);
+        let increment = self.increment(step);
         match step {
             Some(step) => self.state.forecast.learn(&increment, step),
             None => self.state.forecast.forget(),
@@ -251,19 +282,20 @@ impl QuasiStatic {
             _ => self.state.stick.forget(),
         }
         self.state.motion.pose = pose;
-        (report, accepted)
+        report
     }
 
-    /// The increment from the pose `before`: of second order where that is asked for and can be.
-    fn increment(&mut self, before: &Pose, step: Option<f64>) -> Increment {
+    /// The increment from where the load is: of second order where that is asked for and can be.
+    fn increment(&mut self, step: Option<f64>) -> Increment {
+        let start = *self.springs.place();
         let guess = step.and_then(|step| self.state.forecast.increment(step));
         if let (Some(past), Some(duration), Some(guess)) = (&self.state.past, step, &guess) {
-            let found = second_order::step(&self.system, (before, past), duration, guess, &mut self.springs, &mut self.solver);
+            let found = second_order::step(&self.system, (&start, past), duration, guess, &mut self.springs, &mut self.solver);
             if let Some(found) = found {
                 return found;
             }
         }
-        let potential = Potential { start: *before, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: Stage::END };
+        let potential = Potential { start, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: Stage::END };
         minimise(potential, &self.system.ground, &mut self.solver, self.system.load.radius, guess)
     }
 }
@@ -280,7 +312,7 @@ impl FirstOrder for QuasiStatic {
     }
 
     fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
-        self.step_to(way, from, to).0
+        self.step_to(way, from, to)
     }
 
     fn regime(&self) -> Option<Regime> {
@@ -313,7 +345,7 @@ impl FirstOrder for QuasiStatic {
     fn finish_snap(&mut self, before: &State, report: &mut StepReport) -> Option<TransitionKind> {
         let (start, end) = (before.motion.pose, self.state.motion.pose);
         let allowed = self.state.held.largest_work_error(&self.system.springs, &before.held, &start, &end);
-        self.snap(&start, before.energy.defect(), || allowed, report)
+        self.snap(&start, before.energy.defect(), |_| allowed, report)
     }
 }
 
@@ -337,27 +369,8 @@ impl Backend for QuasiStatic {
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
-        self.transitions.clear();
-        let mut report = if std::mem::take(&mut self.state.disturbed) { self.jump() } else { StepReport::default() };
-        let why = if self.state.held.is_empty() { Skip::FreeLoad } else { Skip::StillTips };
-        if self.skips.has(why) && self.state.held.tips_are_at(tip_targets) {
-            self.rest(why, duration, &mut report);
-            return report;
-        }
-        let mut from = std::mem::take(&mut self.from);
-        from.clear();
-        from.extend_from_slice(self.state.held.grips());
-        let way = Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY };
-        match self.stepping {
-            Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest), &mut report),
-            Stepping::Controlled(control) => {
-                let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
-                let (strides, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
-                (self.state.stride, self.transitions) = (stride, transitions);
-                report.add(&strides);
-            }
-        }
-        self.from = from;
+        let mut report = StepReport::default();
+        self.follow(tip_targets, duration, &mut report);
         report
     }
 

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::backend::friction::{FrictionSolver, Regime};
 use crate::backend::increment::{Glided, Increment, Objective, Wanted, friction_loss, glide};
 use crate::backend::spring_blocks::{Place, SpringBlocks};
-use crate::math::{Arc, Mat2, Pose, Vec2, Vec3, rotation, shift_of};
+use crate::math::{Arc, Mat2, Pose, Vec2, Vec3, shift_of};
 use crate::model::support::slip_velocity;
 use crate::model::{Reaction, System};
 
@@ -85,7 +85,7 @@ impl Objective for Straight<'_> {
 /// where there is no such step near the guess.
 pub fn step(
     system: &System,
-    (start, past): (&Pose, &Past),
+    (start, past): (&Place, &Past),
     duration: f64,
     guess: &Vec3,
     springs: &mut SpringBlocks,
@@ -97,11 +97,11 @@ pub fn step(
     }
     let weight = ratio * ratio / (1.0 + 2.0 * ratio);
     let (shift, turned) = (weight * past.shift, weight * past.turn);
-    let turn = rotation(start.heading);
+    let turn = start.turn;
     let axes = turn * Arc::of(guess.z).rotation();
     let near = axes.tr_mul(&(shift_of(&turn, guess) - shift)).push(guess.z - turned);
-    let mut objective = Straight { springs, start, carried: (shift, turned), axes, expected_turn: guess.z };
-    let Glided { at, regime, report } = glide(&mut objective, solver, system.load.radius, (near, None), Wanted::Nearest)?;
+    let mut objective = Straight { springs, start: &start.pose, carried: (shift, turned), axes, expected_turn: guess.z };
+    let Glided { at, regime, report } = glide(&mut objective, solver, system.load.radius, near, None, Wanted::Nearest)?;
     let (shift, turned) = objective.way(&at);
     let straight = Arc::of(turned).mean_rotation().try_inverse()? * turn.tr_mul(&shift);
     let twist = straight.push(turned);

@@ -35,6 +35,8 @@ pub(super) struct Block {
     pub accepted_pull: Vectors,
     /// Unit vector from root to tip there (load axes).
     accepted_direction: Vectors,
+    /// Square of the change of the pulls on the way there times the way of the tips (J^2).
+    squared_error: Numbers,
     /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes) at the last pose evaluated.
     swing_there: Numbers,
     pub pull_there: Vectors,
@@ -70,12 +72,20 @@ impl Block {
         self.turns.as_mut_array()[k] = whole_turns(grip.swing);
     }
 
+    /// Takes the direction that belongs to the accepted swing for that of the accepted pose.
+    pub fn aim(&mut self) {
+        let directions = self.swing.to_array().map(direction);
+        let [cos, sin] = [directions.map(|turn| turn.x), directions.map(|turn| turn.y)].map(Numbers::new);
+        self.accepted_direction = self.bearing.turned(cos, sin);
+    }
+
     /// Adds the reactions at a place, second derivatives only if asked for, and keeps swings and pulls there; says no, and adds nothing, when a spring is too short to
     /// have a direction.
     #[inline]
     pub fn add_to<const CURVED: bool>(&mut self, sums: &mut Sums, at: &Place, swings: Swings) -> bool {
-        let (cos, sin) = (Numbers::splat(at.turn.m11), Numbers::splat(at.turn.m21));
-        let arm = self.tip.less(Vectors::splat(at.pose.position)).turned(cos, -sin);
+        // Back from the world's axes.
+        let (cos, sin) = (Numbers::splat(at.turn.m11), Numbers::splat(-at.turn.m21));
+        let arm = self.tip.less(Vectors::splat(at.pose.position)).turned(cos, sin);
         let d = arm.less(self.root);
         let length = d.dot(d).sqrt();
         if length.simd_le(self.shortest).any() {
@@ -159,14 +169,14 @@ impl Block {
         sum
     }
 
-    /// Twice the work of the holders by the trapezoid rule (J), the change of the pulls times the way of the tips (J), and the squared way (m^2).
-    pub fn accept(&mut self, cos: Numbers, sin: Numbers) -> [Numbers; 3] {
+    /// Twice the work of the holders by the trapezoid rule (J), and the squared way of the tips (m^2).
+    pub fn accept(&mut self, cos: Numbers, sin: Numbers) -> [Numbers; 2] {
         let pull = self.pull_there.turned(cos, sin);
         let way = self.tip.less(self.accepted_tip);
         let change = pull.less(self.accepted_pull);
         let sum = Vectors { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
         let squared_way = way.dot(way);
-        let error = (change.dot(change) * squared_way).sqrt();
+        self.squared_error = change.dot(change) * squared_way;
         (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.direction_there);
         self.swing = self.swing_there;
         let turned = Numbers::splat(std::f64::consts::PI);
@@ -174,7 +184,12 @@ impl Block {
             self.turns = Numbers::new(self.swing.to_array().map(whole_turns));
         }
         let acts = self.shortest.simd_gt(Numbers::ZERO);
-        [sum.dot(way), error, acts & squared_way]
+        [sum.dot(way), acts & squared_way]
+    }
+
+    /// The change of the pulls times the way of the tips to the accepted pose (J).
+    pub fn error(&self) -> Numbers {
+        self.squared_error.sqrt()
     }
 }
 

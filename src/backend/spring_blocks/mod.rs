@@ -17,7 +17,7 @@ mod block;
 use serde::{Deserialize, Serialize};
 
 use super::held::Grip;
-use crate::math::{LANES, Mat2, Numbers, Pose, Vec2, Vec3, direction, rotation};
+use crate::math::{Arc, LANES, Mat2, Numbers, Pose, Vec2, Vec3, direction, perpendicular, rotation};
 use crate::model::{PolarSpring, Reaction};
 use block::{Block, Sums, Swings};
 
@@ -58,8 +58,6 @@ pub struct Accepted {
     pub of_tips: f64,
     /// Work of the springs on the load by the same rule (J).
     pub on_load: f64,
-    /// What bounds the error of the former on a smooth path (J): half the change of the pulls times the way of the tips.
-    pub error: f64,
     /// Whether no tip has moved.
     pub tips_stood: bool,
 }
@@ -74,6 +72,22 @@ impl Default for Evaluated {
 impl Place {
     pub fn of(pose: &Pose) -> Self {
         Self { pose: *pose, turn: rotation(pose.heading) }
+    }
+
+    /// Where the body-twist increment with this linear part (m) and along this arc leads. However many follow each other, the rotation stays one: rounding takes its length
+    /// from one, to which it is brought back, and its angle from the heading by a random walk.
+    #[inline]
+    pub fn moved(&self, shift: &Vec2, arc: &Arc) -> Self {
+        let Pose { position, heading } = self.pose;
+        let pose = Pose { position: position + self.turn * arc.shift(shift), heading: heading + arc.angle() };
+        let ahead = arc.rotation() * self.turn.column(0);
+        let ahead = (1.5 - 0.5 * ahead.norm_squared()) * ahead;
+        Self { pose, turn: Mat2::from_columns(&[ahead, perpendicular(&ahead)]) }
+    }
+
+    /// Where a body-twist increment (m, m, rad) leads.
+    pub fn moved_by(&self, increment: &Vec3) -> Self {
+        self.moved(&increment.xy(), &Arc::of(increment.z))
     }
 }
 
@@ -95,6 +109,11 @@ impl SpringBlocks {
             self.blocks.push(block);
         }
         (self.evaluated, self.accepted) = (Evaluated::default(), Evaluated::default());
+    }
+
+    /// Takes the directions that belong to the swings as gathered for those that swings change from: without an accepted pose, too, small changes are then told as such.
+    pub fn aim(&mut self) {
+        self.blocks.iter_mut().for_each(Block::aim);
     }
 
     pub fn is_empty(&self) -> bool {
@@ -186,11 +205,10 @@ impl SpringBlocks {
         self.evaluate_at(pose);
         let turn = &self.evaluated.at.turn;
         let (cos, sin) = (Numbers::splat(turn.m11), Numbers::splat(turn.m21));
-        let (mut work, mut error, mut way) = (Numbers::ZERO, Numbers::ZERO, Numbers::ZERO);
+        let (mut work, mut way) = (Numbers::ZERO, Numbers::ZERO);
         for block in &mut self.blocks {
-            let [of_tips, change, moved] = block.accept(cos, sin);
+            let [of_tips, moved] = block.accept(cos, sin);
             work += of_tips;
-            error += change;
             way += moved;
         }
         let (last, now) = (self.accepted, self.evaluated);
@@ -201,9 +219,13 @@ impl SpringBlocks {
             elastic: now.energy,
             of_tips: if *pose == *from { now.energy - last.energy } else { 0.5 * work.reduce_add() },
             on_load: -0.5 * (last.gradient + now.gradient).dot(&moved),
-            error: 0.5 * error.reduce_add(),
             tips_stood: way.reduce_add() == 0.0,
         }
+    }
+
+    /// What bounds the error of the work of the tips' holders that was accepted last on a smooth path (J): half the change of the pulls times the way of the tips.
+    pub fn work_error(&self) -> f64 {
+        0.5 * self.blocks.iter().map(|block| block.error().reduce_add()).sum::<f64>()
     }
 
     /// The accepted place.
