@@ -78,14 +78,25 @@ fn open_unit(high: u32, low: u32) -> f64 {
 /// Of N counters side by side. Words are the low halves of what stands for them; whatever is above takes no part in products, and is left there.
 fn philox4x32_10<const N: usize>(counter: [[u64; N]; 4], key: [u32; 2]) -> [[u64; N]; 4] {
     let (mut c, mut k) = (counter, key);
-    let product = |words: [u64; N], factor: u64| words.map(|word| (word & u64::from(u32::MAX)) * factor);
-    for _ in 0..10 {
-        let (a, b) = (product(c[0], 0xD251_1F53), product(c[2], 0xCD9E_8D57));
-        let mixed = |high: &[u64; N], word: &[u64; N], key: u32| std::array::from_fn(|i| (high[i] >> 32) ^ word[i] ^ u64::from(key));
-        c = [mixed(&b, &c[1], k[0]), b, mixed(&a, &c[3], k[1]), a];
-        k = [k[0].wrapping_add(0x9E37_79B9), k[1].wrapping_add(0xBB67_AE85)];
+    for _ in 0..5 {
+        // In twos, so that words need not change places in between.
+        c = philox_round(c, k);
+        k = philox_next(k);
+        c = philox_round(c, k);
+        k = philox_next(k);
     }
     c
+}
+
+fn philox_round<const N: usize>(c: [[u64; N]; 4], key: [u32; 2]) -> [[u64; N]; 4] {
+    let product = |words: [u64; N], factor: u64| words.map(|word| (word & u64::from(u32::MAX)) * factor);
+    let (a, b) = (product(c[0], 0xD251_1F53), product(c[2], 0xCD9E_8D57));
+    let mixed = |high: &[u64; N], word: &[u64; N], key: u32| std::array::from_fn(|i| (high[i] >> 32) ^ word[i] ^ u64::from(key));
+    [mixed(&b, &c[1], key[0]), b, mixed(&a, &c[3], key[1]), a]
+}
+
+fn philox_next(key: [u32; 2]) -> [u32; 2] {
+    [key[0].wrapping_add(0x9E37_79B9), key[1].wrapping_add(0xBB67_AE85)]
 }
 
 #[cfg(test)]

@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn a_descent_is_left_for_where_it_leads() {
         let (ground, start) = (ground(), Pose::new(0.1, -0.05, 0.7));
-        let (mut n_found, mut most_solves) = (0, 0);
+        let mut n_found = 0;
         for case in 0..2000 {
             let chance = Chance::new(case);
             let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
@@ -219,10 +219,9 @@ mod tests {
             if last > 1e-12 * step.size(&at) {
                 continue;
             }
-            (n_found, most_solves) = (n_found + 1, most_solves.max(found.report.n_solves));
+            n_found += 1;
             assert!(step.size(&(found.twist - at)) <= 1e-11 * step.size(&at), "{case}: {found:?} {at}");
         }
         assert!(n_found > 30, "{n_found}");
-        println!("{n_found} {most_solves}");
     }
 }

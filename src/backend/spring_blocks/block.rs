@@ -194,36 +194,31 @@ impl Block {
 }
 
 impl Sums {
-    /// First derivatives by shifts along the load's axes and by the heading.
-    pub fn gradient(&self) -> Vec3 {
+    /// Energy and its derivatives by shifts along the load's axes and by the heading, the second ones only where they were summed.
+    pub fn in_load<const CURVED: bool>(&self) -> Reaction {
         let pull = self.pull.sum();
-        Vec3::new(-pull.x, -pull.y, self.moment.reduce_add())
-    }
-
-    /// Energy (J).
-    pub fn energy(&self) -> f64 {
-        0.5 * self.energy.reduce_add()
-    }
-
-    /// Derivatives by shifts along the load's axes and by the heading.
-    pub fn in_load(&self) -> Reaction {
+        let first = Reaction {
+            energy: 0.5 * self.energy.reduce_add(),
+            gradient: Vec3::new(-pull.x, -pull.y, self.moment.reduce_add()),
+            ..Reaction::ZERO
+        };
+        if !CURVED {
+            return first;
+        }
         let [xx, yy, xy] = self.stiffness.map(Numbers::reduce_add);
         let mixed = self.mixed.sum();
-        Reaction {
-            energy: self.energy(),
-            gradient: self.gradient(),
-            hessian: Mat3::new(
-                xx,
-                xy,
-                mixed.x, //
-                xy,
-                yy,
-                mixed.y, //
-                mixed.x,
-                mixed.y,
-                self.angular.reduce_add(),
-            ),
-        }
+        let hessian = Mat3::new(
+            xx,
+            xy,
+            mixed.x, //
+            xy,
+            yy,
+            mixed.y, //
+            mixed.x,
+            mixed.y,
+            self.angular.reduce_add(),
+        );
+        Reaction { hessian, ..first }
     }
 }
 

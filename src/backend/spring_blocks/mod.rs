@@ -165,18 +165,31 @@ impl SpringBlocks {
     /// Without second derivatives where it is not `CURVED`.
     fn evaluate<const CURVED: bool>(&mut self, at: &Place, swings: Swings) -> Reaction {
         let mut sums = Sums::default();
-        let mut apart: Option<Reaction> = None;
+        for block in &mut self.blocks {
+            if !block.add_to::<CURVED>(&mut sums, at, swings) {
+                return self.evaluate_short::<CURVED>(at, swings);
+            }
+        }
+        self.keep(at, sums.in_load::<CURVED>())
+    }
+
+    /// The same where some springs are too short to have a direction. What this keeps between blocks leaves no registers for anything else.
+    #[cold]
+    fn evaluate_short<const CURVED: bool>(&mut self, at: &Place, swings: Swings) -> Reaction {
+        let (mut sums, mut apart) = (Sums::default(), Reaction::ZERO);
         for (i, block) in self.blocks.iter_mut().enumerate() {
             if !block.add_to::<CURVED>(&mut sums, at, swings) {
                 let n = (self.n - i * LANES).min(LANES);
-                apart.get_or_insert(Reaction::ZERO).add(&block.reaction_apart(&self.lanes[i * LANES..i * LANES + n], at));
+                apart.add(&block.reaction_apart(&self.lanes[i * LANES..i * LANES + n], at));
             }
         }
-        let mut reaction =
-            if CURVED { sums.in_load() } else { Reaction { energy: sums.energy(), gradient: sums.gradient(), ..Reaction::ZERO } };
-        if let Some(apart) = apart {
-            reaction.add(&apart.in_axes(&at.turn));
-        }
+        let mut reaction = sums.in_load::<CURVED>();
+        reaction.add(&apart.in_axes(&at.turn));
+        self.keep(at, reaction)
+    }
+
+    /// Takes note of what the springs' reaction is at a place.
+    fn keep(&mut self, at: &Place, reaction: Reaction) -> Reaction {
         let force = at.turn * reaction.gradient.xy();
         self.evaluated = Evaluated { at: *at, energy: reaction.energy, gradient: force.push(reaction.gradient.z) };
         reaction
