@@ -34,8 +34,11 @@ pub struct InertiaEstimate {
     pub path_length_m: f64,
     /// Largest displacement over the length of the way (1); zero where the load stays.
     pub share: f64,
-    /// Whether the share is at most that which counts as agreement.
+    /// Whether the share is at most that which counts as agreement, of a load that was not lost.
     pub is_negligible: bool,
+    /// Whether the load with inertia has turned so far away from the one without that all that is known of it is that: the lengths above are no more than their orders.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_lost: bool,
 }
 
 /// Follows a run call by call: what happens to the load is told to it, in the order in which it happens.
@@ -70,6 +73,9 @@ struct State {
     warm_start: WarmStart,
     /// Of the supports when the shadow last rested (N, load axes).
     bearing: Vec<Vec2>,
+    /// The shadow has been too far away to be followed well.
+    #[serde(default)]
+    is_lost: bool,
 }
 
 /// Longest stride of a load that slips, in radians of the held springs' oscillation (1): so long, forces and directions of slip are steady.
@@ -107,6 +113,7 @@ impl Estimator {
             ways: [0.0; 2],
             warm_start: tools.solver.warm_start().clone(),
             bearing: tools.bearing.forces().to_vec(),
+            is_lost: false,
         };
         Self { system: system.clone(), tools, shortest: f64::INFINITY, radian: f64::INFINITY, state }
     }
@@ -165,6 +172,7 @@ impl Estimator {
         let is_event = state.event.is_some();
         let tick = Tick { before: &before, after: &after, held: &state.held, targets: &state.stride.targets, is_event, duration };
         let followed = state.shadow.follow(system, &tick, tools);
+        state.is_lost |= followed.is_lost;
         let tips = state.held.move_tips(&state.stride.targets);
         let rests = before == after && !is_event && state.speed == 0.0 && followed == Followed::default();
         let distance = if rests { 0.0 } else { apart(&before, &after, system.load.radius) };
@@ -221,7 +229,7 @@ impl Estimator {
     pub fn estimate(&self, agreement: f64) -> InertiaEstimate {
         let mut so_far = self.clone();
         so_far.end_stride();
-        let State { apart, ways, .. } = &so_far.state;
+        let State { apart, ways, is_lost, .. } = &so_far.state;
         let displacement_max_m = apart.shift_max + self.system.load.radius * apart.turn_max;
         let path_length_m = ways[0].max(ways[1]);
         InertiaEstimate {
@@ -233,7 +241,8 @@ impl Estimator {
             from_driving_m: apart.from_driving,
             path_length_m,
             share: if path_length_m > 0.0 { displacement_max_m / path_length_m } else { 0.0 },
-            is_negligible: displacement_max_m <= agreement * path_length_m,
+            is_negligible: !is_lost && displacement_max_m <= agreement * path_length_m,
+            is_lost: *is_lost,
         }
     }
 

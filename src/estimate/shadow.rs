@@ -60,6 +60,8 @@ pub struct Followed {
     pub way: f64,
     /// Of its oscillation (rad/s); zero for a shadow that rested or that no spring holds.
     pub frequency: f64,
+    /// Whether it had turned so far away from the load without inertia that where that balances says nothing of it.
+    pub is_lost: bool,
 }
 
 /// What a shadow is followed with. But for where forces and slips are looked for first, all of it follows from what is asked.
@@ -75,6 +77,8 @@ pub struct Tools {
     slip: Option<(Vec3, Resistance)>,
 }
 
+/// Turn from the load without inertia up to which a shadow drifts beside it (rad): a twist of a whole turn leads nowhere but to where it was.
+const FARTHEST_TURN: f64 = std::f64::consts::PI;
 /// Stiffness along the slip, over the sum of the held springs', below which a load counts as on the verge of buckling (1).
 const LEAST_STIFFNESS: f64 = 1e-5;
 
@@ -178,17 +182,20 @@ impl Shadow {
         self.pose = at.pose;
         self.gradient = Some(elastic.gradient + elastic.hessian * n * slid.shift);
         (self.speed, self.direction) = (slid.speed.abs(), if slid.speed < 0.0 { -n } else { n });
+        let mut is_lost = false;
         if slid.way > 0.0 {
             let across = Across::new(system, pulls, &n, slid.shift, tick.duration);
             let goes_alone = tick.before == tick.after && !tick.is_event && self.speed > 0.0 && slid.shift.abs() == slid.way;
             let resistance = tools.resistance(system, &self.direction);
             if goes_alone {
                 self.steer(system, &across, resistance, &at, slid.way, tick.duration);
+            } else if (beside.pose.heading - at.pose.heading).abs() > FARTHEST_TURN {
+                is_lost = true;
             } else if slider.stiffness > 0.0 {
                 self.drift(system, &across, resistance, [&at, beside], slider.stiffness, slid.way);
             }
         }
-        Followed { way: slid.way, frequency }
+        Followed { way: slid.way, frequency, is_lost }
     }
 
     /// Goes over a `way` (m) to where the springs hold the wrench of the dashpots across the slip.
@@ -201,8 +208,13 @@ impl Shadow {
         let push = way * (source - across.hessian * offset);
         let Some(change) = solve(&(against.turning + way * across.stiffness), &push) else { return };
         // The slip turns by no more than all of it.
-        let share = way / rim(&change, system.load.radius).max(way);
-        self.pose = at.moved_by(&(share * change)).pose;
+        let change = way / rim(&change, system.load.radius).max(way) * change;
+        // Friction takes it there, which has but its limits to give: where springs resist more, they are far from the balance that this is about.
+        let resisting = self.gradient.expect("a shadow that slid knows it") - across.dashpots;
+        let work = resisting.dot(&change) + 0.5 * change.dot(&(across.hessian * change));
+        if work <= system.ground.slip_limits().sum::<f64>() * rim(&change, system.load.radius) {
+            self.pose = at.moved_by(&change).pose;
+        }
     }
 
     /// Turns a shadow that the load without inertia does not go with.

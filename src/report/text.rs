@@ -71,7 +71,12 @@ fn inertia(estimate: &InertiaEstimate, lines: &mut Lines) {
     let (largest, end) = (quantity(estimate.displacement_max_m, "m"), quantity(estimate.displacement_final_m, "m"));
     lines.row("on the rim", &format!("{largest} at most, {end} at the end"));
     let share = format!("{} % of the way of {}", number(100.0 * estimate.share), quantity(estimate.path_length_m, "m"));
-    lines.row("share", &format!("{share}: {}", if estimate.is_negligible { "negligible" } else { "not negligible" }));
+    let verdict = match estimate {
+        InertiaEstimate { is_lost: true, .. } => "not negligible, and more than this can follow",
+        InertiaEstimate { is_negligible: true, .. } => "negligible",
+        _ => "not negligible",
+    };
+    lines.row("share", &format!("{share}: {verdict}"));
     if let Some(largest) = &estimate.largest {
         lines.row("largest", &format!("at {}, after {}", quantity(largest.time_s, "s"), cause(largest)));
     }
@@ -94,6 +99,11 @@ pub(super) fn cause(largest: &Largest) -> String {
 pub fn inertia_warning(estimate: &InertiaEstimate) -> String {
     let (largest, share) = (quantity(estimate.displacement_max_m, "m"), number(100.0 * estimate.share));
     let after = estimate.largest.map_or(String::new(), |largest| format!(", most of all after {}", cause(&largest)));
+    if estimate.is_lost {
+        return "inertia is not negligible here: with it the load turns away from where it would be without by more than the estimate can follow; \
+                `cohaul compare` measures it, `--backend inertial` has it"
+            .to_owned();
+    }
     format!(
         "inertia is not negligible here: it would move the load's rim by about {largest}, {share} % of its way{after}; \
          `cohaul compare` measures it, `--backend inertial` has it"

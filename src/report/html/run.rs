@@ -56,6 +56,9 @@ fn inertia_sentence(estimate: &InertiaEstimate) -> String {
     let (largest, share) = (quantity(estimate.displacement_max_m, "m"), short(100.0 * estimate.share));
     let way = quantity(estimate.path_length_m, "m");
     let after = estimate.largest.map_or(String::new(), |largest| format!(", most of all after {}", cause(&largest)));
+    if estimate.is_lost {
+        return "Leaving inertia out does NOT look justified: with it the load turns away from where it would be without by more than the estimate can follow.".to_owned();
+    }
     let justified =
         if estimate.is_negligible { "Leaving inertia out looks justified" } else { "Leaving inertia out does NOT look justified" };
     format!("{justified}: by estimate it would move the load's rim by up to {largest}, {share} % of its way of {way}{after}.")
