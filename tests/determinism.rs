@@ -311,3 +311,58 @@ fn a_state_of_another_run_is_refused_and_says_why() {
         }
     }
 }
+
+/// Ants and springs that do not go together, or a rotation that is none, would otherwise go on as if nothing were wrong, or end in the middle.
+#[test]
+fn a_damaged_state_is_refused_and_says_why() {
+    let scenario = four_ants(12.0, 1);
+    let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3), Keep::Outcome);
+    run.run(|time| time < 10.0);
+    let saved = serde_json::to_value(run.save()).unwrap();
+    let ants = saved["driver"]["ants"].as_array().unwrap();
+    let holding: Vec<usize> = (0..ants.len()).filter(|ant| ants[*ant]["mode"]["mode"] == "transport").collect();
+    let [one, other] = holding[..2] else { panic!("{holding:?}") };
+    let at = |ant: usize, key: &str| format!("/driver/ants/{ant}/mode/{key}");
+    let spring_of = |ant: usize| ants[ant]["mode"]["spring"].clone();
+    for (part, value, why) in [
+        (at(one, "spring"), spring_of(other), "two ants at spring"),
+        (at(one, "grasp_tick"), json!(1_000_000), "an ant that grasped at tick 1000000"),
+        (format!("/driver/ants/{one}/mode"), json!({ "mode": "search" }), "springs held by"),
+        ("/backend/held".to_owned(), json!([]), "which is free"),
+        ("/backend/turn".to_owned(), json!([0.0, 0.0, 0.0, 0.0]), "a rotation that is not by the heading"),
+    ] {
+        let mut damaged = saved.clone();
+        *damaged.pointer_mut(&part).unwrap_or_else(|| panic!("{part} in {saved}")) = value;
+        let damaged: SavedRun = serde_json::from_value(damaged).unwrap();
+        let error = Simulation::resume(&scenario, &damaged, Keep::Outcome).err().unwrap_or_else(|| panic!("{part}: resumed")).to_string();
+        assert!(error.contains(why), "{part}: {error}");
+    }
+}
+
+/// Steps carry the rotation by the heading on, in either order: through some thousands of them, three turns of a load that four tips take around, its columns stay unit vectors
+/// to rounding. Their angle is that of the heading but for the roundings of headings up to 20 rad, 2e-15 each.
+#[test]
+fn a_rotation_that_is_carried_on_stays_one() {
+    let n = 900;
+    let path = |spring: u32| {
+        let at = |k: i32| (f64::from(spring) * 0.5 + f64::from(k) / 150.0) * std::f64::consts::PI;
+        let waypoint = |k: i32| json!([f64::from(k) * 0.02, 0.0585 * at(k).cos(), 0.0585 * at(k).sin()]);
+        json!({ "spring": spring, "waypoints": (0..=n).map(waypoint).collect::<Vec<_>>() })
+    };
+    let mut file = serde_json::to_value(four_ants(1.0, 1).expanded()).unwrap();
+    file["drive"] = json!({ "kind": "tips", "paths": (0..4).map(path).collect::<Vec<_>>() });
+    file["duration_s"] = json!(0.02 * f64::from(n));
+    let scenario = Scenario::parse(&file.to_string(), "around").unwrap();
+    for second_order in [false, true] {
+        let options = BackendOptions { second_order, ..BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3) };
+        let mut run = Simulation::new(&scenario, &options, Keep::Outcome);
+        run.run(|_| true);
+        let saved = serde_json::to_value(run.save()).unwrap();
+        let turn: Vec<f64> = serde_json::from_value(saved["backend"]["turn"].clone()).unwrap();
+        let heading = run.motion().pose.heading;
+        assert!(heading > 15.0 && run.outcome().steps.n_solves > 5000, "{heading}");
+        assert!((turn[0].hypot(turn[1]) - 1.0).abs() <= 2.0 * f64::EPSILON, "{second_order}: {:e}", turn[0].hypot(turn[1]) - 1.0);
+        let apart = (turn[0] - heading.cos()).hypot(turn[1] - heading.sin());
+        assert!(apart < 1e-11, "{second_order}: {apart:e}");
+    }
+}

@@ -321,3 +321,24 @@ fn the_onset_of_a_pull_is_located() {
         assert!((0.0..bound).contains(&late), "{tolerance:e}: {late:e} s");
     }
 }
+
+/// Without friction a load on one spring has a motion that no force resists, and where it goes depends on the last bit of every stride. The run ends nevertheless, in
+/// hundreds of strides a tick and not in millions, and says that it is not within what was asked for.
+#[test]
+fn a_motion_that_nothing_resists_ends_and_is_told() {
+    let text = r#"{ "name": "free", "duration_s": 0.02, "control_period_s": 0.01,
+        "load": { "mass_kg": 0.0016, "radius_m": 0.0122 },
+        "ground": { "friction_coefficient": 0.0, "supports": { "tripod": { "radius_m": 0.008 } } },
+        "springs": [{ "root_m": [0.0122, 0.0], "bearing_rad": 0.0, "rest_length_m": 0.0263, "radial_stiffness_n_per_m": 0.664,
+                      "torsional_stiffness_nm_per_rad": 4.52e-4 }],
+        "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0, 0.0385, 0], [0.02, 0.0385, 0.002]] }] } }"#;
+    let scenario = Scenario::parse(text, "free").unwrap();
+    let tolerance = Tolerance::on_rim(1e-5, &scenario.system.load);
+    let options = BackendOptions::within(BackendKind::QuasiStatic, tolerance);
+    let afresh = |options: &BackendOptions| Simulation::new(&scenario, options, Keep::Outcome);
+    let mut run = afresh(&options);
+    run.run_within(afresh, |_| true);
+    let outcome = run.outcome();
+    assert!(!tolerance.allows(&outcome.error.unwrap()), "{outcome:?}");
+    assert!(outcome.steps.n_steps + outcome.steps.n_rejected < 20_000, "{:?}", outcome.steps);
+}

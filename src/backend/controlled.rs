@@ -95,6 +95,12 @@ const MOST_ROWS: usize = 8;
 /// Length over the advance (1) down to which a stride is shortened because its steps did not converge: where shorter ones do not either, what they reach
 /// is compared like any other answer, and their status says so.
 const SHORTENED_TO_SOLVE: f64 = 1.0 / 1024.0;
+/// So many attempts at strides in an advance, and for each of the longest that it has room for, are enough: strides that stay short have met what strides do not resolve,
+/// such as a motion that no force resists.
+const MANY_ATTEMPTS: f64 = 256.0;
+const MANY_A_STRIDE: f64 = 64.0;
+/// Growth of the shortest stride beyond each time as many.
+const GROWTH_AFTER_MANY: f64 = 32.0;
 /// Growth of the shortest stride, for the rest of an advance, with each stride that had to be taken as it was: where nothing converges the load still arrives,
 /// and what that is worth shows in the statuses of the steps and in the run beside.
 const FORCED_GROWTH: f64 = 2.0;
@@ -124,7 +130,12 @@ pub(super) fn advance<M: FirstOrder>(
     let longest = way.longest / way.duration;
     // Share by which the regime changes, once that is known.
     let mut change_by = None;
+    let (mut n_attempts, many) = (0.0, MANY_ATTEMPTS + MANY_A_STRIDE * longest.recip());
     while at < 1.0 {
+        n_attempts += 1.0;
+        if n_attempts > many {
+            (n_attempts, shortest) = (0.0, (shortest * GROWTH_AFTER_MANY).min(1.0));
+        }
         let limit = change_by.unwrap_or(1.0);
         stride = stride.min(longest).max(shortest);
         let to = if limit - at <= 1.01 * stride { limit } else { at + stride };

@@ -182,10 +182,11 @@ impl Ants {
         }
     }
 
-    /// Walks all ants for `duration` (s) while the load is at `motion`, and leaves where their tips get to in `targets`.
-    fn walk(&mut self, motion: &Motion, springs: &[PolarSpring], duration: f64) {
+    /// Walks all ants from one time to another (s) while the load is at `motion`, and leaves where their tips get to in `targets`.
+    fn walk(&mut self, motion: &Motion, springs: &[PolarSpring], [from, until]: [f64; 2]) {
+        let duration = until - from;
         // A tick takes a control period, however the times at its ends are rounded.
-        let is_tick = (duration - self.control_period).abs() <= SAME_INSTANT * self.control_period;
+        let is_tick = (duration - self.control_period).abs() <= SAME_INSTANT * self.control_period + f64::EPSILON * until;
         let steering = if is_tick { self.steering } else { Steering::new(self.drive.steering_gain, duration) };
         let searched = self.drive.search_speed * steering.duration();
         self.load = self.load.moved_to(&motion.pose);
@@ -249,7 +250,7 @@ pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut see: impl FnMut(usize
         events = later;
         see(at, ants.ants());
         if let Some(next) = trace.rows.get(at + 1) {
-            ants.walk(&row.motion, &scenario.system.springs, next.time - row.time);
+            ants.walk(&row.motion, &scenario.system.springs, [row.time, next.time]);
         }
     }
 }
@@ -272,7 +273,7 @@ impl Driver for Ants {
 
     /// Walks all ants to `until` on the way.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
-        self.walk(&view.motion, &view.scenario.system.springs, until - view.time);
+        self.walk(&view.motion, &view.scenario.system.springs, [view.time, until]);
         &self.targets
     }
 
@@ -298,10 +299,13 @@ impl Driver for Ants {
             return Err(RestoreError(format!("{} ants, not {}", state.ants.len(), self.drive.n_ants)));
         }
         self.sensing.free_all();
+        let mut is_taken = vec![false; self.targets.len()];
         for ant in &state.ants {
             if let Mode::Transport { spring, .. } = ant.mode {
-                if spring >= self.targets.len() {
-                    return Err(RestoreError(format!("an ant at spring {spring} of {}", self.targets.len())));
+                match is_taken.get_mut(spring) {
+                    None => return Err(RestoreError(format!("an ant at spring {spring} of {}", self.targets.len()))),
+                    Some(true) => return Err(RestoreError(format!("two ants at spring {spring}"))),
+                    Some(is_taken) => *is_taken = true,
                 }
                 self.sensing.take(spring);
             }
@@ -310,6 +314,21 @@ impl Driver for Ants {
         self.next_belief = 0;
         self.state = state;
         Ok(())
+    }
+
+    fn check(&self, tick: u64, tips: &[HeldTip]) -> Result<(), RestoreError> {
+        let mut n_holding = 0;
+        for ant in &self.state.ants {
+            let Mode::Transport { spring, grasp_tick } = ant.mode else { continue };
+            n_holding += 1;
+            if grasp_tick > tick {
+                return Err(RestoreError(format!("at tick {tick}, an ant that grasped at tick {grasp_tick}")));
+            }
+            if tips.iter().all(|tip| tip.spring != spring) {
+                return Err(RestoreError(format!("an ant at spring {spring}, which is free")));
+            }
+        }
+        if n_holding == tips.len() { Ok(()) } else { Err(RestoreError(format!("{} springs held by {n_holding} ants", tips.len()))) }
     }
 }
 

@@ -48,6 +48,12 @@ pub trait Driver {
     /// # Errors
     /// When the state is not one that a driver of this kind saved.
     fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError>;
+
+    /// # Errors
+    /// When the state restored last is not one at this `tick` with these tips held.
+    fn check(&self, _tick: u64, _tips: &[HeldTip]) -> Result<(), RestoreError> {
+        Ok(())
+    }
 }
 
 /// What a driver can see at one instant.

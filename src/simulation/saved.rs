@@ -69,6 +69,7 @@ impl<'a> Simulation<'a> {
         let mut resumed = Self::on(scenario, &saved.options, keep, driver, backend);
         resumed.backend.restore(&saved.backend)?;
         resumed.tips = held_by(scenario, resumed.backend.as_ref());
+        resumed.driver.check(saved.tick, &resumed.tips)?;
         resumed.tick = saved.tick;
         resumed.time = saved.time;
         resumed.finished = saved.finished;

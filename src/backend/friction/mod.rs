@@ -12,7 +12,8 @@
 //! One (`single.rs`): all supports stand on one point; a problem of its own, solved in closed form but for one scalar.
 //!
 //! 0. Gliding (`gliding.rs`): as in the last answer all supports slip, none of them slowly.
-//! 1. Rest (`cones.rs`): forces within all limits that balance w. Nothing moves. Close to the edge of slipping once more after 2, where they take some rounds to find.
+//! 1. Rest (`cones.rs`): forces within all limits that balance w. Nothing moves. Close to the edge of slipping once more after 2, where they take some rounds to find, or
+//!    where it shows that there are none: then parabolas that touch the cones' losses lead to a slip that gliding ends.
 //! 2. Pinned (`pinned.rs`): rotation about one support that sticks. With two distinct ones sticking, all do.
 //! 3. Slipping (`slipping.rs`): all supports slip, or stick close to it. Newton's method in coordinates in which the kink at a slow support is smooth.
 //! 4. Smoothed (`smoothed.rs`): continuation over rounded cones, which gives the others a start where they have none.

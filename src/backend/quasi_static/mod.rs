@@ -438,6 +438,11 @@ impl Backend for QuasiStatic {
         if n_forces != n_supports && (state.is_waiting || n_forces > 0) {
             return Err(RestoreError(format!("a certificate of rest with forces on {n_forces} supports, not on {n_supports}")));
         }
+        // Roundings of many steps, and nothing else.
+        let is_by_heading = (state.turn - rotation(state.motion.pose.heading)).amax() < 1e-6;
+        if !state.is_stale && !is_by_heading {
+            return Err(RestoreError(format!("a rotation that is not by the heading, {} rad", state.motion.pose.heading)));
+        }
         self.state = state;
         if !self.state.is_stale {
             let place = Place { pose: self.state.motion.pose, turn: self.state.turn };

@@ -64,7 +64,7 @@ impl Straight<'_> {
         let (shift, turn) = self.way(at);
         let pose = Pose { position: self.start.position + shift, heading: self.start.heading + turn };
         let back = Arc::of(turn - self.expected_turn).rotation();
-        (Place { pose, turn: self.axes * back }, back)
+        (Place::turned(pose, self.axes * back.column(0)), back)
     }
 }
 

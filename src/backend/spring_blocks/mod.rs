@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The swing psi is the polar angle of d less the bearing, on the branch nearest to that of the last accepted pose. Mostly it is that one's swing and a small angle
-//! more, for which nine terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
+//! more, for which five or nine terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
 //! direction is left to [`PolarSpring`] itself. Lanes beyond the last spring repeat the first of their block without stiffness.
 
 mod block;
@@ -74,15 +74,20 @@ impl Place {
         Self { pose: *pose, turn: rotation(pose.heading) }
     }
 
-    /// Where the body-twist increment with this linear part (m) and along this arc leads. However many follow each other, the rotation stays one: rounding takes its length
-    /// from one, to which it is brought back, and its angle from the heading by a random walk.
+    /// At a pose whose axis x is turned to `ahead`, which is of length one but for rounding: so that a rotation which is carried on from place to place stays one, that is
+    /// taken off. Its angle goes away from the heading as the sum of the turns does, by what a heading is rounded by in each of them.
+    #[inline]
+    pub fn turned(pose: Pose, ahead: Vec2) -> Self {
+        let ahead = (1.5 - 0.5 * ahead.norm_squared()) * ahead;
+        Self { pose, turn: Mat2::from_columns(&[ahead, perpendicular(&ahead)]) }
+    }
+
+    /// Where the body-twist increment with this linear part (m) and along this arc leads.
     #[inline]
     pub fn moved(&self, shift: &Vec2, arc: &Arc) -> Self {
         let Pose { position, heading } = self.pose;
         let pose = Pose { position: position + self.turn * arc.shift(shift), heading: heading + arc.angle() };
-        let ahead = arc.rotation() * self.turn.column(0);
-        let ahead = (1.5 - 0.5 * ahead.norm_squared()) * ahead;
-        Self { pose, turn: Mat2::from_columns(&[ahead, perpendicular(&ahead)]) }
+        Self::turned(pose, arc.rotation() * self.turn.column(0))
     }
 
     /// Where a body-twist increment (m, m, rad) leads.
