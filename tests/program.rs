@@ -368,6 +368,9 @@ fn nonsense_on_the_command_line_is_usage() {
         for step in ["0", "-1", "nan", "inf", "-inf", "abc", "", "1e-400"] {
             refused(&[command, &file, &format!("--step-s={step}")], &["--step-s", "must be"]);
         }
+        // Apart from its option, too, a number below zero is a value.
+        refused(&[command, &file, "--step-s", "-0.001"], &["--step-s", "must be positive and finite, found -0.001"]);
+        refused(&[command, &file, "--step-s", "1e-12"], &["--step-s: must be at least", "1e-6 of the control period, found 1e-12"]);
         for seed in ["-1", "1.5", "x", "18446744073709551616"] {
             refused(&[command, &file, &format!("--seed={seed}")], &["--seed"]);
         }

@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, interrupt, print, read_scenario, step};
+use super::{CliError, EngineArgs, check_step, interrupt, print, read_scenario, step};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Status, default_step};
 use crate::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
 use crate::report::{CheckReport, Manifest, Progress, check_target, check_text, sha256_hex, this_build, write_check};
@@ -187,6 +187,7 @@ fn questions(args: &StoreArgs) -> Result<Vec<(String, Scenario, BackendOptions)>
     let mut questions: Vec<(String, Scenario, BackendOptions)> = Vec::new();
     for path in &args.scenarios {
         let scenario = read_scenario(path, args.seed)?;
+        check_step(args.step_s, &scenario)?;
         for kind in &args.backend {
             let step_s = args.step_s.unwrap_or_else(|| default_step(*kind, &scenario.system, scenario.control_period));
             let options =

@@ -7,7 +7,7 @@ use std::time::{Instant, SystemTime};
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, EngineArgs, interrupt, positive, print, print_report, read_scenario, step};
+use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, step};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::compare::{Settings, Tier, closed_loop, prescribed, replayed};
 use crate::report::{Comparison, Manifest, Progress, check_target, compare_text, write_comparison};
@@ -53,6 +53,7 @@ pub struct CompareArgs {
 
 pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
+    check_step(args.step_s, &scenario)?;
     let tiers = tiers_of(&scenario, &args.tier)?;
     if args.seeds == 0 {
         return Err(CliError::Usage("--seeds: must be at least 1, found 0".into()));

@@ -22,7 +22,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 use crate::backend::{RapierOptions, RestoreError};
@@ -138,7 +138,8 @@ impl CliError {
 
 /// Parses the command line, runs the command and says how it went.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let command = with_negative_numbers(Cli::command());
+    let cli = match command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
             // Nobody is left to tell when standard error is closed.
@@ -171,6 +172,13 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// The same with options that take negative numbers for values, and not for other options, so that they can say what they must be.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    command
+        .mut_args(|arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg })
+        .mut_subcommands(with_negative_numbers)
+}
+
 /// Reads a scenario, with the seed of the command line if it has one.
 fn read_scenario(path: &std::path::Path, seed: Option<u64>) -> Result<Scenario, ScenarioError> {
     let scenario = Scenario::read(path)?;
@@ -180,6 +188,19 @@ fn read_scenario(path: &std::path::Path, seed: Option<u64>) -> Result<Scenario, 
 /// A step or an instant that a user may ask for (s).
 fn step(text: &str) -> Result<f64, String> {
     positive(text).map_err(|error| error.replace("a number", "a number of seconds"))
+}
+
+/// Most steps in a control period (1): an interrupt is heard, and progress shown, between two of these.
+const MOST_STEPS: f64 = 1e6;
+
+/// # Errors
+/// When the step that a user asks for is so short that a control period takes minutes.
+fn check_step(step_s: Option<f64>, scenario: &Scenario) -> Result<(), CliError> {
+    let least = scenario.control_period / MOST_STEPS;
+    match step_s.filter(|step| *step < least) {
+        Some(step) => Err(CliError::Usage(format!("--step-s: must be at least {least:e} s, 1e-6 of the control period, found {step:e}"))),
+        None => Ok(()),
+    }
 }
 
 /// A number above zero.

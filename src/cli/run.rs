@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
-use super::{CliError, EngineArgs, interrupt, positive, print, print_report, read_scenario, step};
+use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, step};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
@@ -143,6 +143,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
 }
 
 fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {
+    check_step(args.step_s, scenario)?;
     let skips = Skips::ALL.without_all(&args.no_skip);
     if args.second_order && args.backend != BackendKind::QuasiStatic {
         return Err(CliError::Usage(format!("--second-order: must be of quasi-static, found {}", args.backend.name())));

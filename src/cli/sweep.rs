@@ -12,7 +12,7 @@ use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, interrupt, positive, print, step};
+use super::{CliError, EngineArgs, check_step, interrupt, positive, print, step};
 use crate::backend::{BackendKind, Integrator, Skip, Skips};
 use crate::report::{Cost, FolderError, Manifest, Progress, SweepSummary, check_target, sweep_text, write_sweep};
 use crate::scenario::Scenario;
@@ -76,7 +76,8 @@ pub struct SweepArgs {
 
 pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
     let plan = plan(args)?;
-    let pool = pool(args.threads)?;
+    args.step_s.iter().try_for_each(|step| check_step(Some(*step), plan.base()))?;
+    let pool = pool(args.threads, plan.identity.n_cells)?;
     match args.shard {
         Some(part) => one_shard(args, &plan, &pool, part),
         None => whole(args, &plan, &pool),
@@ -127,11 +128,16 @@ fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
     }
 }
 
-fn pool(threads: Option<usize>) -> Result<ThreadPool, CliError> {
-    if threads == Some(0) {
-        return Err(CliError::Usage("--threads: must be at least 1, found 0".into()));
+/// Far more than processors, and few enough to start.
+const MOST_THREADS: usize = 1024;
+
+/// No more threads than runs.
+fn pool(threads: Option<usize>, n_runs: u64) -> Result<ThreadPool, CliError> {
+    if let Some(n) = threads.filter(|n| !(1..=MOST_THREADS).contains(n)) {
+        return Err(CliError::Usage(format!("--threads: must be from 1 to {MOST_THREADS}, found {n}")));
     }
-    let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let n_runs = usize::try_from(n_runs).unwrap_or(MOST_THREADS);
+    let pool = ThreadPoolBuilder::new().num_threads(threads.map_or(0, |n| n.min(n_runs))).build();
     pool.map_err(|error| CliError::Usage(format!("--threads: {error}")))
 }
 

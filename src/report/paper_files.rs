@@ -1,6 +1,5 @@
 //! The paper's results made again, as files: a table a CSV, figures, summary and manifest.
 
-use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;
@@ -13,7 +12,7 @@ use crate::paper::{Estimate, RunFacts, Trial};
 pub type Figures = Vec<(&'static str, String)>;
 
 /// Writes `table.csv`, `claims.csv`, `group-size.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`, `fit.csv`, `runs.csv`, the `figures`, `README.md`, `table.txt`,
-/// `summary.json` and `manifest.json` to the folder `target`, all or nothing.
+/// `summary.json` and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.
@@ -25,14 +24,14 @@ pub fn write_paper(
     manifest: &Manifest,
 ) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("table.csv", |out| lines(out, table_lines(found)))?;
-    folder.write("claims.csv", |out| lines(out, claim_lines(found)))?;
-    folder.write("group-size.csv", |out| lines(out, size_lines(found)))?;
-    folder.write("transitions.csv", |out| lines(out, found.transitions.iter()))?;
-    folder.write("conclusions.csv", |out| lines(out, conclusion_lines(found)))?;
-    folder.write("replayed.csv", |out| lines(out, replayed_lines(found)))?;
-    folder.write("fit.csv", |out| lines(out, fit_lines(found)))?;
-    folder.write("runs.csv", |out| lines(out, run_lines(found, runs)))?;
+    write_lines(&mut folder, "table.csv", table_lines(found))?;
+    write_lines(&mut folder, "claims.csv", claim_lines(found))?;
+    write_lines(&mut folder, "group-size.csv", size_lines(found))?;
+    write_lines(&mut folder, "transitions.csv", found.transitions.iter())?;
+    write_lines(&mut folder, "conclusions.csv", conclusion_lines(found))?;
+    write_lines(&mut folder, "replayed.csv", replayed_lines(found))?;
+    write_lines(&mut folder, "fit.csv", fit_lines(found))?;
+    write_lines(&mut folder, "runs.csv", run_lines(found, runs))?;
     for (name, svg) in figures {
         folder.write(&format!("{name}.svg"), |out| out.write_all(svg.as_bytes()))?;
     }
@@ -42,12 +41,17 @@ pub fn write_paper(
     folder.finish(manifest)
 }
 
-fn lines<T: Serialize>(out: &mut dyn Write, rows: impl Iterator<Item = T>) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_writer(out);
-    for row in rows {
-        writer.serialize(row)?;
+/// A table with the names of its columns; none where it would have no rows.
+fn write_lines<T: Serialize>(folder: &mut OutputFolder, name: &str, rows: impl Iterator<Item = T>) -> Result<(), FolderError> {
+    let mut rows = rows.peekable();
+    if rows.peek().is_none() {
+        return Ok(());
     }
-    Ok(writer.flush()?)
+    folder.write(name, |out| -> Result<(), csv::Error> {
+        let mut writer = csv::Writer::from_writer(out);
+        rows.try_for_each(|row| writer.serialize(row))?;
+        Ok(writer.flush()?)
+    })
 }
 
 /// A number with its interval, as cells.

@@ -110,7 +110,7 @@ pub fn sweep_text(found: &SweepSummary) -> String {
 
 /// Names of the columns, then a row a group.
 pub(super) fn group_rows(found: &SweepSummary, groups: &[Group]) -> Vec<Vec<String>> {
-    let measured = ["backend", "runs", "arrived", "time to nest", "pull, mean", "pull, sd", "speed"];
+    let measured = ["backend", "runs", "arrived", "their time to nest", "pull, mean", "pull, sd", "speed"];
     let head: Vec<String> = found.parameters.iter().map(String::as_str).chain(measured).map(str::to_owned).collect();
     std::iter::once(head).chain(groups.iter().map(line)).collect()
 }

@@ -47,6 +47,9 @@ fn lines(file: &str, findings: &[Finding]) -> String {
     findings.iter().map(|finding| format!("{file}: {finding}")).collect::<Vec<_>>().join("\n")
 }
 
+/// Largest number in a scenario: products of a few of them are finite, and so is what is drawn of them.
+const LARGEST: f64 = 1e50;
+
 /// Findings as they come in, with the rules that many places share.
 #[derive(Debug, Default)]
 pub struct Findings(pub Vec<Finding>);
@@ -56,10 +59,12 @@ impl Findings {
         self.0.push(Finding { path: path.to_string(), rule: rule.into(), found: found.to_string() });
     }
 
-    /// Reports unless `holds`; a number that is not finite breaks every rule.
+    /// Reports unless `holds`; a number that is not finite, or so large that its powers are not, breaks every rule.
     pub fn require(&mut self, holds: bool, path: impl Display, rule: &str, found: f64) {
         if !found.is_finite() {
             self.report(path, "must be a finite number", number(found));
+        } else if found.abs() > LARGEST {
+            self.report(path, format!("must be at most {LARGEST:e} in size"), number(found));
         } else if !holds {
             self.report(path, rule, number(found));
         }

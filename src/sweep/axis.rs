@@ -124,7 +124,7 @@ fn between(low: f64, high: f64, is_logarithmic: bool, share: f64) -> f64 {
     match share {
         0.0 => low,
         1.0 => high,
-        _ if is_logarithmic => (low.ln() + share * (high.ln() - low.ln())).exp(),
+        _ if is_logarithmic => 10f64.powf(low.log10() + share * (high.log10() - low.log10())),
         _ => low + share * (high - low),
     }
 }

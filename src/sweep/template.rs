@@ -45,7 +45,14 @@ impl Template {
         let base = Scenario::parse(text, file)?;
         let written = serde_json::from_str(text).expect("a scenario is JSON");
         let mut template = Self { file: file.to_owned(), written, base, places: Vec::new() };
-        template.places = axes.iter().map(|axis| template.place(axis)).collect::<Result<_, _>>()?;
+        for axis in axes {
+            let place = template.place(axis)?;
+            // Under whatever names.
+            if let Some(other) = template.places.iter().find(|other| other.target == place.target) {
+                return Err(SweepError::axis(&axis.path, "must be varied once", format!("it again as {}", other.name)));
+            }
+            template.places.push(place);
+        }
         Ok(template)
     }
 

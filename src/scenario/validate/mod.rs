@@ -116,6 +116,9 @@ pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Fi
 
 /// `None` when a section is missing.
 fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
+    if let Some(name) = draft.name.as_deref().filter(|name| name.chars().any(char::is_control)) {
+        findings.report("name", "must not have control characters", format_args!("{name:?}"));
+    }
     check_clock(draft.duration, draft.control_period, findings);
     let load = draft.load.map(|entry| load(&entry, findings));
     let ground = draft.ground.map(|entry| ground::ground(&entry, load.map(|(load, _)| load.mass), findings));
