@@ -175,10 +175,12 @@ fn blank(cell: &Cell) -> Fill {
 fn rules(svg: &mut String, plane: &Plane, zeta: f64) {
     let (epsilons, phis) = (&plane.grid.epsilons, &plane.grid.phis);
     let (lowest, highest, last) = (epsilons[0], epsilons[epsilons.len() - 1], phis[phis.len() - 1]);
-    plane.line(svg, &[[FRAC_PI_2, lowest], [FRAC_PI_2, highest]], &RULE);
-    if zeta >= SOUND.2 {
-        plane.line(svg, &[[SOUND.1, lowest], [SOUND.1, SOUND.0], [last, SOUND.0]], &RULE);
-    }
+    plane.inside(svg, |svg| {
+        plane.line(svg, &[[FRAC_PI_2, lowest], [FRAC_PI_2, highest]], &RULE);
+        if zeta >= SOUND.2 {
+            plane.line(svg, &[[SOUND.1, lowest], [SOUND.1, SOUND.0], [last, SOUND.0]], &RULE);
+        }
+    });
 }
 
 fn regions(svg: &mut String, plane: &Plane) {
@@ -190,11 +192,13 @@ fn regions(svg: &mut String, plane: &Plane) {
 
 /// Bars from the shortest to the longest hold of the paper's ants, one a speed.
 fn paper_points(svg: &mut String, plane: &Plane) {
-    for speed in PAPER_SPEEDS {
-        let epsilon = epsilon_of(speed);
-        let [from, to] = [PAPER_PHIS[0], PAPER_PHIS[PAPER_PHIS.len() - 1]].map(|phi| plane.place(phi, epsilon));
-        paper_bar(svg, from, to);
-    }
+    plane.inside(svg, |svg| {
+        for speed in PAPER_SPEEDS {
+            let epsilon = epsilon_of(speed);
+            let [from, to] = [PAPER_PHIS[0], PAPER_PHIS[PAPER_PHIS.len() - 1]].map(|phi| plane.place(phi, epsilon));
+            paper_bar(svg, from, to);
+        }
+    });
 }
 
 fn paper_bar(svg: &mut String, from: [f64; 2], to: [f64; 2]) {

@@ -143,10 +143,28 @@ impl<'a> Plane<'a> {
         stroke(svg, &at.join(" "), pen);
     }
 
-    /// Words on a white halo.
+    /// What is drawn, as far as it lies within the frame.
+    pub fn inside(&self, svg: &mut String, draw: impl FnOnce(&mut String)) {
+        let [left, top] = self.corner;
+        // Planes of other figures on a page may have the same name where they have the same frame.
+        let name = format!("plane-{left:.0}-{top:.0}");
+        writeln!(
+            svg,
+            "<clipPath id=\"{name}\"><rect x=\"{left}\" y=\"{top}\" width=\"{WIDTH}\" height=\"{HEIGHT}\"/></clipPath>\n<g clip-path=\"url(#{name})\">"
+        )
+        .expect("a string takes all");
+        draw(svg);
+        svg.push_str("</g>\n");
+    }
+
+    /// Words on a white halo; none where the frame has no room for them.
     pub fn label(&self, svg: &mut String, [phi, epsilon]: [f64; 2], size: f64, content: &str) {
         let [x, y] = self.place(phi, epsilon);
-        haloed(svg, [x, y], size, content);
+        // Letters are about half as wide as high.
+        let half = 0.25 * size * content.chars().count() as f64;
+        if x - half >= self.corner[0] && x + half <= self.corner[0] + WIDTH {
+            haloed(svg, [x, y], size, content);
+        }
     }
 }
 
