@@ -51,6 +51,7 @@ impl Chance {
     }
 
     /// What [`Chance::uniform`] draws at so many ticks from this one on, side by side.
+    #[inline]
     pub fn uniforms<const N: usize>(&self, stream: Stream, agent: u32, tick: u64) -> [f64; N] {
         let ticks: [u64; N] = std::array::from_fn(|k| tick.wrapping_add(k as u64));
         let counters = [ticks, ticks.map(|tick| tick >> 32), [u64::from(agent); N], [stream as u64; N]];
@@ -76,27 +77,20 @@ fn open_unit(high: u32, low: u32) -> f64 {
 }
 
 /// Of N counters side by side. Words are the low halves of what stands for them; whatever is above takes no part in products, and is left there.
+// In place: counters stay in registers.
+#[inline(always)]
 fn philox4x32_10<const N: usize>(counter: [[u64; N]; 4], key: [u32; 2]) -> [[u64; N]; 4] {
-    let (mut c, mut k) = (counter, key);
-    for _ in 0..5 {
-        // In twos, so that words need not change places in between.
-        c = philox_round(c, k);
-        k = philox_next(k);
-        c = philox_round(c, k);
-        k = philox_next(k);
+    let ([mut c0, mut c1, mut c2, mut c3], mut k) = (counter, key);
+    for _ in 0..10 {
+        for i in 0..N {
+            let (a, b) = ((c0[i] & u64::from(u32::MAX)) * 0xD251_1F53, (c2[i] & u64::from(u32::MAX)) * 0xCD9E_8D57);
+            c0[i] = (b >> 32) ^ c1[i] ^ u64::from(k[0]);
+            c2[i] = (a >> 32) ^ c3[i] ^ u64::from(k[1]);
+            (c1[i], c3[i]) = (b, a);
+        }
+        k = [k[0].wrapping_add(0x9E37_79B9), k[1].wrapping_add(0xBB67_AE85)];
     }
-    c
-}
-
-fn philox_round<const N: usize>(c: [[u64; N]; 4], key: [u32; 2]) -> [[u64; N]; 4] {
-    let product = |words: [u64; N], factor: u64| words.map(|word| (word & u64::from(u32::MAX)) * factor);
-    let (a, b) = (product(c[0], 0xD251_1F53), product(c[2], 0xCD9E_8D57));
-    let mixed = |high: &[u64; N], word: &[u64; N], key: u32| std::array::from_fn(|i| (high[i] >> 32) ^ word[i] ^ u64::from(key));
-    [mixed(&b, &c[1], key[0]), b, mixed(&a, &c[3], key[1]), a]
-}
-
-fn philox_next(key: [u32; 2]) -> [u32; 2] {
-    [key[0].wrapping_add(0x9E37_79B9), key[1].wrapping_add(0xBB67_AE85)]
+    [c0, c1, c2, c3]
 }
 
 #[cfg(test)]

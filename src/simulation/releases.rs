@@ -33,9 +33,9 @@ struct Ahead {
     low: u32,
 }
 
-/// So many draws are looked at together, and so many of them are worked out side by side: four words each, which have to fit into registers.
+/// So many draws are looked at together, and so many of them are worked out side by side: as many of their words as a register has room for products of.
 const N_AHEAD: u64 = 16;
-const N_BESIDE: usize = 4;
+const N_BESIDE: usize = 2;
 
 const UNKNOWN: Ahead = Ahead { decision: 0, from: 0, to: 0, low: 0 };
 
