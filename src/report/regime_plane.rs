@@ -91,8 +91,11 @@ impl<'a> Plane<'a> {
         [self.corner[0] + x * WIDTH, self.corner[1] + (1.0 - y) * HEIGHT]
     }
 
-    /// `fills` in rows of equal epsilon.
+    /// `fills` in rows of equal epsilon, and the frame that what is drawn over them may be kept within.
     pub fn cells(&self, svg: &mut String, fills: &[Fill]) {
+        let ([left, top], name) = (self.corner, self.frame_name());
+        writeln!(svg, "<clipPath id=\"{name}\"><rect x=\"{left}\" y=\"{top}\" width=\"{WIDTH}\" height=\"{HEIGHT}\"/></clipPath>")
+            .expect("a string takes all");
         let (n, m) = (self.grid.phis.len(), self.grid.epsilons.len());
         let (width, height) = (WIDTH / n as f64, HEIGHT / m as f64);
         for (row, fills) in fills.chunks(n).enumerate() {
@@ -143,16 +146,15 @@ impl<'a> Plane<'a> {
         stroke(svg, &at.join(" "), pen);
     }
 
-    /// What is drawn, as far as it lies within the frame.
-    pub fn inside(&self, svg: &mut String, draw: impl FnOnce(&mut String)) {
+    /// Planes of several figures on a page may have the same name where they have the same frame.
+    fn frame_name(&self) -> String {
         let [left, top] = self.corner;
-        // Planes of other figures on a page may have the same name where they have the same frame.
-        let name = format!("plane-{left:.0}-{top:.0}");
-        writeln!(
-            svg,
-            "<clipPath id=\"{name}\"><rect x=\"{left}\" y=\"{top}\" width=\"{WIDTH}\" height=\"{HEIGHT}\"/></clipPath>\n<g clip-path=\"url(#{name})\">"
-        )
-        .expect("a string takes all");
+        format!("plane-{left:.0}-{top:.0}")
+    }
+
+    /// What is drawn, as far as it lies within the frame of the cells.
+    pub fn inside(&self, svg: &mut String, draw: impl FnOnce(&mut String)) {
+        writeln!(svg, "<g clip-path=\"url(#{})\">", self.frame_name()).expect("a string takes all");
         draw(svg);
         svg.push_str("</g>\n");
     }
