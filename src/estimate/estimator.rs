@@ -37,7 +37,7 @@ pub struct InertiaEstimate {
     /// Whether the share is at most that which counts as agreement, of a load that was not lost.
     pub is_negligible: bool,
     /// Whether the load with inertia has turned so far away from the one without that all that is known of it is that: the lengths above are no more than their orders.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_lost: bool,
 }
 

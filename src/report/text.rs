@@ -99,16 +99,16 @@ pub(super) fn cause(largest: &Largest) -> String {
 pub fn inertia_warning(estimate: &InertiaEstimate) -> String {
     let (largest, share) = (quantity(estimate.displacement_max_m, "m"), number(100.0 * estimate.share));
     let after = estimate.largest.map_or(String::new(), |largest| format!(", most of all after {}", cause(&largest)));
-    if estimate.is_lost {
-        return "inertia is not negligible here: with it the load turns away from where it would be without by more than the estimate can follow; \
-                `cohaul compare` measures it, `--backend inertial` has it"
-            .to_owned();
-    }
-    format!(
-        "inertia is not negligible here: it would move the load's rim by about {largest}, {share} % of its way{after}; \
-         `cohaul compare` measures it, `--backend inertial` has it"
-    )
+    let what = if estimate.is_lost {
+        LOST.to_owned()
+    } else {
+        format!("it would move the load's rim by about {largest}, {share} % of its way{after}")
+    };
+    format!("inertia is not negligible here: {what}; `cohaul compare` measures it, `--backend inertial` has it")
 }
+
+/// What inertia would do to a load that is lost.
+pub(super) const LOST: &str = "with it the load turns away from where it would be without by more than the estimate can follow";
 
 /// Without any there is nothing to say.
 fn of_jumps(transitions: &TransitionSummary, lines: &mut Lines) {

@@ -13,6 +13,7 @@ pub struct Releases {
     law: ReleaseLaw,
     pace: Pace,
     chance: Chance,
+    /// (s)
     control_period: f64,
     /// Between decisions, at which pulls are looked at.
     decisions: Periods,

@@ -321,7 +321,7 @@ impl Cones {
     }
 
     /// A twist near the slip that balances w, from a direction `n` with `n'w > sum_i c_i |B_i n|`. Along it the objective is least at a twist x, and the parabolas
-    /// that touch the cones' losses there, `c_i |B_i x|^2 / 2 |B_i x|`, are least together at another one where the objective is less than at x; and so on (Weiszfeld).
+    /// that touch the cones' losses there, `c_i |B_i x|^2 / 2 |B_i x|`, are least together at another one where the objective is less than at x; and so on (Weiszfeld 1937).
     /// `None` where that does not end in a slip of all cones.
     pub fn slip_along(&self, n: &Vec3, h: &Mat3, w: &Vec3) -> Option<Vec3> {
         let mut twist = (n.dot(w) - self.loss(n)) / n.dot(&(h * n)) * n;

@@ -52,6 +52,7 @@ fn slip_below_limit(joint: &FrictionJoint, slip: &Vec2, force: &Vec2, rate: f64)
     let axes = [joint.direction, perpendicular(&joint.direction)];
     let misses = axes.iter().zip(joint.limits).map(|(axis, limit)| {
         let along = force.dot(axis);
+        // Not `clamp`, which ends the program where a limit is no number.
         (along - (along - rate * slip.dot(axis)).min(limit).max(-limit)).abs()
     });
     misses.fold(0.0, f64::max)

@@ -6,7 +6,7 @@ use super::{Answer, Block, Headline, Number, Page, Replay, Shown, Table};
 use crate::backend::Status;
 use crate::estimate::InertiaEstimate;
 use crate::report::figure::{self, Labelled, Scene};
-use crate::report::text::{cause, run_text};
+use crate::report::text::{LOST, cause, run_text};
 use crate::report::{Manifest, RunSummary, quantity};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
@@ -56,11 +56,11 @@ fn inertia_sentence(estimate: &InertiaEstimate) -> String {
     let (largest, share) = (quantity(estimate.displacement_max_m, "m"), short(100.0 * estimate.share));
     let way = quantity(estimate.path_length_m, "m");
     let after = estimate.largest.map_or(String::new(), |largest| format!(", most of all after {}", cause(&largest)));
-    if estimate.is_lost {
-        return "Leaving inertia out does NOT look justified: with it the load turns away from where it would be without by more than the estimate can follow.".to_owned();
-    }
     let justified =
         if estimate.is_negligible { "Leaving inertia out looks justified" } else { "Leaving inertia out does NOT look justified" };
+    if estimate.is_lost {
+        return format!("{justified}: {LOST}.");
+    }
     format!("{justified}: by estimate it would move the load's rim by up to {largest}, {share} % of its way of {way}{after}.")
 }
 
