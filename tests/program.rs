@@ -388,6 +388,30 @@ fn nonsense_on_the_command_line_is_usage() {
     assert_eq!(room.names(), ["tips.json"]);
 }
 
+/// Options of one backend are idle on the others, which is said and changes nothing.
+#[test]
+fn an_option_without_effect_is_told() {
+    let room = Room::new();
+    let scenario = room.shortened("paper/four-ants-four-springs.json", 1.0);
+    let of = |args: &[&str]| {
+        let output = call(&[&["run", scenario.as_str(), "--json"], args].concat());
+        assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
+        let warned: Vec<String> = text(&output.stderr).lines().filter(|line| line.contains("changes nothing")).map(str::to_owned).collect();
+        (without_wall_time(serde_json::from_slice(&output.stdout).unwrap()), warned)
+    };
+    let (plain, warned) = of(&[]);
+    assert!(warned.is_empty());
+    let idle = of(&["--friction", "box", "--integrator", "euler"]);
+    assert_eq!(idle.0, plain);
+    let expected = [("--integrator", "inertial"), ("--friction", "rapier")];
+    assert_eq!(
+        idle.1,
+        expected.map(|(option, backend)| format!("warning: {option}: changes nothing, as it is of {backend}, found quasi-static"))
+    );
+    assert!(of(&["--backend", "rapier", "--friction", "box"]).1.is_empty());
+    assert!(of(&["--backend", "inertial", "--integrator", "euler"]).1.is_empty());
+}
+
 #[test]
 fn all_commands_print_help_and_exit_codes_are_told() {
     for command in [&[][..], &["run"], &["compare"], &["scenario"], &["scenario", "show"], &["scenario", "check"], &["scenario", "schema"]]

@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, check_step, interrupt, print, read_scenario, step};
+use super::{CliError, EngineArgs, check_step, interrupt, print, read_scenario, step, warn_of_idle};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Status, default_step};
 use crate::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
 use crate::report::{CheckReport, Manifest, Progress, check_target, check_text, sha256_hex, this_build, write_check};
@@ -63,9 +63,9 @@ struct StoreArgs {
     /// Longest step of the backend (s); without it each backend's default
     #[arg(long, value_name = "H", value_parser = step)]
     step_s: Option<f64>,
-    /// How the inertial backend cuts a step
-    #[arg(long, value_name = "METHOD", default_value = "midpoint")]
-    integrator: Integrator,
+    /// How the inertial backend cuts a step; without it midpoint
+    #[arg(long, value_name = "METHOD")]
+    integrator: Option<Integrator>,
     /// Seed of all chance, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -157,6 +157,7 @@ fn manifest(checks: &[Check], exact: bool, started: SystemTime) -> Manifest {
 
 fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
     let questions = questions(args)?;
+    warn_of_idle(&args.backend, args.integrator, &args.engine);
     let total: f64 = questions.iter().map(|(_, scenario, _)| scenario.duration).sum();
     let baselines = watched("store", |watch| {
         let mut done = 0.0;
@@ -190,8 +191,11 @@ fn questions(args: &StoreArgs) -> Result<Vec<(String, Scenario, BackendOptions)>
         check_step(args.step_s, &scenario)?;
         for kind in &args.backend {
             let step_s = args.step_s.unwrap_or_else(|| default_step(*kind, &scenario.system, scenario.control_period));
-            let options =
-                BackendOptions { integrator: args.integrator, rapier: args.engine.options(), ..BackendOptions::new(*kind, step_s) };
+            let options = BackendOptions {
+                integrator: args.integrator.unwrap_or_default(),
+                rapier: args.engine.options(),
+                ..BackendOptions::new(*kind, step_s)
+            };
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let seeded = args.seed.map_or(stem.to_string(), |seed| format!("{stem}-seed-{seed}"));
             let name = args.name.clone().unwrap_or_else(|| usual_name(&seeded, &scenario, &options));

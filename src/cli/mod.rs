@@ -25,7 +25,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
-use crate::backend::{RapierOptions, RestoreError};
+use crate::backend::{BackendKind, Integrator, RapierOptions, RestoreError};
 use crate::report::html::REPORT;
 use crate::report::{FolderError, NotFinite};
 use crate::scenario::{Scenario, ScenarioError};
@@ -79,24 +79,44 @@ struct EngineArgs {
     /// Friction under rapier's load; without it aligned, and box with the settings as shipped
     #[arg(long, value_name = "MODEL")]
     friction: Option<FrictionModel>,
-    /// Springs on rapier's load
-    #[arg(long, value_name = "MODEL", default_value = "joint")]
-    springs: SpringModel,
-    /// Floating point of rapier
-    #[arg(long, value_name = "WIDTH", default_value = "f64")]
-    precision: Precision,
-    /// Sweeps and substeps of rapier
-    #[arg(long, value_name = "SET", default_value = "recommended")]
-    settings: EngineSettings,
+    /// Springs on rapier's load; without it joint
+    #[arg(long, value_name = "MODEL")]
+    springs: Option<SpringModel>,
+    /// Floating point of rapier; without it f64
+    #[arg(long, value_name = "WIDTH")]
+    precision: Option<Precision>,
+    /// Sweeps and substeps of rapier; without it recommended
+    #[arg(long, value_name = "SET")]
+    settings: Option<EngineSettings>,
 }
 
 impl EngineArgs {
     fn options(&self) -> RapierOptions {
         let usual = match self.settings {
-            EngineSettings::Recommended => RapierOptions::default(),
-            EngineSettings::AsShipped => RapierOptions::as_shipped(),
+            None | Some(EngineSettings::Recommended) => RapierOptions::default(),
+            Some(EngineSettings::AsShipped) => RapierOptions::as_shipped(),
         };
-        RapierOptions { friction: self.friction.unwrap_or(usual.friction), springs: self.springs, precision: self.precision, ..usual }
+        RapierOptions {
+            friction: self.friction.unwrap_or(usual.friction),
+            springs: self.springs.unwrap_or(usual.springs),
+            precision: self.precision.unwrap_or(usual.precision),
+            ..usual
+        }
+    }
+}
+
+/// Warns of options that were given for a backend that is not asked for: they change nothing.
+fn warn_of_idle(backends: &[BackendKind], integrator: Option<Integrator>, engine: &EngineArgs) {
+    let options = [
+        ("--integrator", BackendKind::Inertial, integrator.is_some()),
+        ("--friction", BackendKind::Rapier, engine.friction.is_some()),
+        ("--springs", BackendKind::Rapier, engine.springs.is_some()),
+        ("--precision", BackendKind::Rapier, engine.precision.is_some()),
+        ("--settings", BackendKind::Rapier, engine.settings.is_some()),
+    ];
+    for (name, of, _) in options.iter().filter(|(_, of, is_given)| *is_given && !backends.contains(of)) {
+        let names: Vec<&str> = backends.iter().map(|backend| backend.name()).collect();
+        let _ = writeln!(std::io::stderr(), "warning: {name}: changes nothing, as it is of {}, found {}", of.name(), names.join(", "));
     }
 }
 

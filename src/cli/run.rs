@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
-use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, step};
+use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, step, warn_of_idle};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
@@ -37,9 +37,9 @@ pub struct RunArgs {
     /// Take quasi-static steps of second order where the load goes on slipping
     #[arg(long, conflicts_with = "tolerance")]
     second_order: bool,
-    /// How the inertial backend cuts a step
-    #[arg(long, value_name = "METHOD", default_value = "midpoint")]
-    integrator: Integrator,
+    /// How the inertial backend cuts a step; without it midpoint
+    #[arg(long, value_name = "METHOD")]
+    integrator: Option<Integrator>,
     /// Seed of all chance, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -77,6 +77,7 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
+    warn_of_idle(&[args.backend], args.integrator, &args.engine);
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
     let mut writer = args.out.as_deref().map(|out| RunWriter::create(out, columns)).transpose()?;
@@ -151,7 +152,7 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
     let Some(position_m) = args.tolerance else {
         let step_s = args.step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
         return Ok(BackendOptions {
-            integrator: args.integrator,
+            integrator: args.integrator.unwrap_or_default(),
             rapier: args.engine.options(),
             skips,
             second_order: args.second_order,

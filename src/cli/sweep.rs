@@ -12,7 +12,7 @@ use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, check_step, interrupt, positive, print, step};
+use super::{CliError, EngineArgs, check_step, interrupt, positive, print, step, warn_of_idle};
 use crate::backend::{BackendKind, Integrator, Skip, Skips};
 use crate::report::{Cost, FolderError, Manifest, Progress, SweepSummary, check_target, sweep_text, write_sweep};
 use crate::scenario::Scenario;
@@ -52,9 +52,9 @@ pub struct SweepArgs {
     /// Error that the load's position may have at any instant, in place of a step (m): quasi-static and inertial
     #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"])]
     tolerance: Option<f64>,
-    /// How the inertial backend cuts a step
-    #[arg(long, value_name = "METHOD", default_value = "midpoint")]
-    integrator: Integrator,
+    /// How the inertial backend cuts a step; without it midpoint
+    #[arg(long, value_name = "METHOD")]
+    integrator: Option<Integrator>,
     /// Kind of work that is done although its outcome is known; may be repeated
     #[arg(long, value_name = "KIND")]
     no_skip: Vec<Skip>,
@@ -78,6 +78,7 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
     let plan = plan(args)?;
     args.step_s.iter().try_for_each(|step| check_step(Some(*step), plan.base()))?;
     let pool = pool(args.threads, plan.identity.n_cells)?;
+    warn_of_idle(&args.backend, args.integrator, &args.engine);
     match args.shard {
         Some(part) => one_shard(args, &plan, &pool, part),
         None => whole(args, &plan, &pool),
@@ -116,7 +117,7 @@ fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
         backend,
         step_s,
         tolerance_m: args.tolerance,
-        integrator: args.integrator,
+        integrator: args.integrator.unwrap_or_default(),
         rapier: args.engine.options(),
         skips: Skips::ALL.without_all(&args.no_skip),
     };
@@ -157,7 +158,6 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
     let (started, wall, cpu) = (SystemTime::now(), Instant::now(), ProcessTime::now());
     let header = Header::new(plan.identity.clone(), 0, plan.identity.n_cells);
     let Some(journal) = filled(plan, pool, &path, &header)? else { return Ok(ExitCode::from(130)) };
-    remove_partials(out);
     let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
     let cost = Cost { wall_s, cpu_s, n_threads: pool.current_num_threads() };
     let summary = written(out, &plan.identity, &journal, Some(cost), started)?;
@@ -315,22 +315,15 @@ fn beside(out: &Path, what: &str) -> PathBuf {
     out.with_file_name(name)
 }
 
-/// Removes what a killed process left half-written of this output: whoever holds its journal is alone.
-fn remove_partials(target: &Path) {
-    let name = target.file_name().unwrap_or_default().to_string_lossy();
-    let stem = target.file_stem().unwrap_or_default().to_string_lossy();
-    let (folder, file) = (format!(".{name}.partial-"), format!("{stem}.partial-"));
-    let parent = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
-        let found = entry.file_name().to_string_lossy().into_owned();
-        // What cannot be removed does no harm.
-        let _ = if found.starts_with(&folder) {
-            fs::remove_dir_all(entry.path())
-        } else if found.starts_with(&file) {
-            fs::remove_file(entry.path())
-        } else {
-            Ok(())
-        };
+/// Removes what a killed process left half-written of a shard: whoever holds its journal is alone.
+fn remove_partials(shard: &Path) {
+    let start = format!("{}.partial-", shard.file_stem().unwrap_or_default().to_string_lossy());
+    let folder = shard.parent().unwrap_or(Path::new("."));
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(&start) {
+            // What cannot be removed does no harm.
+            drop(fs::remove_file(entry.path()));
+        }
     }
 }
 

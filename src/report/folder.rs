@@ -1,11 +1,11 @@
 //! An output folder that is there whole or not at all.
 //!
 //! Files go into a hidden folder beside the target, which takes the target's name at the end. An error before that leaves the target as it
-//! was and nothing beside it. `manifest.json` is written last and lists every other file with its hash, so that a later run can tell an
+//! was and nothing beside it; what a killed process leaves there goes with the next output of that name. `manifest.json` is written last and lists every other file with its hash, so that a later run can tell an
 //! earlier output, which it may replace, from a folder with somebody's own files in it, which it may not.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -38,13 +38,21 @@ pub enum FolderError {
 #[derive(Debug)]
 pub struct OutputFolder {
     target: PathBuf,
-    partial: PathBuf,
+    partial: Partial,
     /// Whether every file is on the disk before the next one.
     is_synced: bool,
     /// Of each file written so far, as [`in_text`] has it.
     files: BTreeMap<String, String>,
     /// Folders above the target that were made for it, the innermost first.
     made: Vec<PathBuf>,
+}
+
+/// A hidden folder that becomes an output.
+#[derive(Debug)]
+struct Partial {
+    path: PathBuf,
+    /// Says that somebody is at work in it, for as long as that is so; none where folders have no locks.
+    _lock: Option<File>,
 }
 
 /// The manifest as written, and as much of it as is read back.
@@ -110,7 +118,7 @@ impl OutputFolder {
         let parent = target.parent().ok_or_else(|| FolderError::Foreign { path: target.clone() })?;
         let made = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
         fs::create_dir_all(parent).map_err(at(parent))?;
-        let partial = make_sibling(&target, "partial")?;
+        let partial = Partial::beside(&target)?;
         Ok(Self { target, partial, is_synced: true, files: BTreeMap::new(), made })
     }
 
@@ -181,7 +189,7 @@ impl OutputFolder {
     }
 
     fn open_any(&self, name: &str) -> Result<OutputFile, FolderError> {
-        let file = File::create(self.partial.join(name)).map_err(at(&self.target.join(name)))?;
+        let file = File::create(self.partial.path.join(name)).map_err(at(&self.target.join(name)))?;
         Ok(OutputFile { name: name.to_owned(), hash: XxHash3_128::new(), file: BufWriter::new(file) })
     }
 
@@ -195,12 +203,12 @@ impl OutputFolder {
     fn replace_target(&mut self) -> Result<(), FolderError> {
         let target = self.target.clone();
         if !target.exists() {
-            return fs::rename(&self.partial, &target).map_err(at(&target));
+            return fs::rename(&self.partial.path, &target).map_err(at(&target));
         }
         let aside = make_sibling(&target, "replaced")?;
         fs::rename(&target, &aside).inspect_err(|_| drop(fs::remove_dir(&aside))).map_err(at(&target))?;
         // On failure the earlier output goes back to where it was.
-        fs::rename(&self.partial, &target).inspect_err(|_| drop(fs::rename(&aside, &target))).map_err(at(&target))?;
+        fs::rename(&self.partial.path, &target).inspect_err(|_| drop(fs::rename(&aside, &target))).map_err(at(&target))?;
         fs::remove_dir_all(&aside).map_err(at(&aside))
     }
 }
@@ -208,9 +216,44 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     /// After a rename there is nothing left to remove, and the folders made for it are no longer empty.
     fn drop(&mut self) {
-        drop(fs::remove_dir_all(&self.partial));
+        drop(fs::remove_dir_all(&self.partial.path));
         self.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
+}
+
+impl Partial {
+    const ROLE: &str = "partial";
+
+    /// A new one beside `target`, where those of killed processes are removed.
+    fn beside(target: &Path) -> Result<Self, FolderError> {
+        Self::remove_abandoned(target);
+        loop {
+            let path = make_sibling(target, Self::ROLE)?;
+            let lock = lock(&path);
+            // Whoever else removes the abandoned may have been faster than the lock.
+            if path.exists() && !matches!(lock, Err(TryLockError::WouldBlock)) {
+                return Ok(Self { path, _lock: lock.ok() });
+            }
+        }
+    }
+
+    /// Removes those in which nobody is at work any more. What cannot be locked, or removed, does no harm.
+    fn remove_abandoned(target: &Path) {
+        let start = sibling_name(target, Self::ROLE);
+        for entry in target.parent().and_then(|parent| fs::read_dir(parent).ok()).into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().starts_with(&start)
+                && let Ok(_lock) = lock(&entry.path())
+            {
+                drop(fs::remove_dir_all(entry.path()));
+            }
+        }
+    }
+}
+
+/// Locks a folder until the file is dropped.
+fn lock(folder: &Path) -> Result<File, TryLockError> {
+    let file = File::open(folder).map_err(TryLockError::Error)?;
+    file.try_lock().map(|()| file)
 }
 
 /// A file of an output folder that is being written: through a buffer to the disk, hashed on the way.
@@ -234,17 +277,21 @@ impl Write for OutputFile {
 
 /// A new empty hidden folder beside `target`, named after it and this process.
 fn make_sibling(target: &Path, role: &str) -> Result<PathBuf, FolderError> {
-    let name = target.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     // Numbers differ between the outputs of one process, and from what a killed process of the same id left.
     let mut n = 0;
     loop {
-        let sibling = target.with_file_name(format!(".{name}.{role}-{}-{n}", std::process::id()));
+        let sibling = target.with_file_name(format!("{}{}-{n}", sibling_name(target, role), std::process::id()));
         match fs::create_dir(&sibling) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => n += 1,
             Err(error) => return Err(at(&sibling)(error)),
             Ok(()) => return Ok(sibling),
         }
     }
+}
+
+/// What the names of hidden folders beside `target` begin with.
+fn sibling_name(target: &Path, role: &str) -> String {
+    format!(".{}.{role}-", target.file_name().unwrap_or_default().to_string_lossy())
 }
 
 /// The hash of a file in a manifest. XXH3 tells a file that was cut short or changed as a cryptographic hash would, in far less time; against somebody who forges
@@ -342,6 +389,24 @@ mod tests {
         assert!(matches!(&error, FolderError::ForeignFile { path } if path.ends_with("out/notes.txt")), "{error}");
         assert_eq!(names(&target), ["a.txt", MANIFEST, "notes.txt"]);
         assert_eq!(names(room.path()), ["out"]);
+    }
+
+    /// Of two at work on the same output neither loses its files to the other; of a killed one, and only of this output, nothing stays.
+    #[test]
+    fn what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_not() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        let left = [".out.partial-1-0", ".out.partial-1-1", ".outer.partial-1-0", ".out.replaced-1-0"];
+        for name in left {
+            fs::create_dir(room.path().join(name)).unwrap();
+            fs::write(room.path().join(name).join("a.txt"), "half of").unwrap();
+        }
+        let mut living = OutputFolder::create(&target).unwrap();
+        living.write("a.txt", |out| out.write_all(b"one")).unwrap();
+        output(&target, "two").unwrap();
+        living.finish(&manifest()).unwrap();
+        assert_eq!(fs::read_to_string(target.join("a.txt")).unwrap(), "one");
+        assert_eq!(names(room.path()), [left[3], left[2], "out"]);
     }
 
     #[test]

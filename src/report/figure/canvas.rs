@@ -217,11 +217,13 @@ fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
         _ => Cow::Borrowed(&curve.points),
     };
     let runs = finite_runs(&points);
-    if dense && !curve.columns.is_empty() {
-        return vec![band(&curve.style, &thin::merged(&curve.columns, (width / DENSE_COLUMN) as usize))];
-    }
-    if dense {
-        return runs.map(|run| band(&curve.style, &thin::columns(run, (width / DENSE_COLUMN) as usize))).collect();
+    if dense && curve.shape != Shape::Unseen {
+        let n_columns = (width / DENSE_COLUMN) as usize;
+        let columns = match &curve.columns[..] {
+            [] => thin::columns(&points, [x.low, x.high], n_columns),
+            columns => vec![thin::merged(columns, n_columns)],
+        };
+        return columns.iter().map(|run| band(&curve.style, run)).collect();
     }
     if matches!(curve.shape, Shape::Marked | Shape::Crosses | Shape::Dots | Shape::Area | Shape::Unseen) {
         return marked(curve, runs);

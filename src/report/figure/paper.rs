@@ -138,10 +138,15 @@ pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
         let unit = if measure.unit() == "N" { MILLI } else { 1.0 };
         let Some(row) = row(found, measure) else { return panel };
         panel.curves.push(curve(vec![[0.5, 0.0], [sets.len() as f64 + 1.5, 0.0]], FAINT, Shape::Unseen));
-        let values = row.ours.iter().chain(sets.iter().filter_map(|set| row.on_others.get(set - 1)?.value.as_ref()));
-        panel
-            .curves
-            .extend(values.enumerate().flat_map(|(at, estimate)| dot(1.0 + at as f64, estimate, unit, if at == 0 { OURS } else { OTHER })));
+        let others = sets.iter().map(|set| row.on_others.get(set - 1)?.value.as_ref());
+        let values: Vec<_> = std::iter::once(row.ours.as_ref()).chain(others).collect();
+        for (at, estimate) in values.iter().enumerate() {
+            let style = if at == 0 { OURS } else { OTHER };
+            panel.curves.extend(estimate.iter().flat_map(|estimate| dot(1.0 + at as f64, estimate, unit, style)));
+        }
+        let missing: Vec<String> =
+            (1..).zip(&values).filter(|(_, estimate)| estimate.is_none()).map(|(place, _)| place.to_string()).collect();
+        panel.note = (!missing.is_empty()).then(|| format!("{} without a value", missing.join(", ")));
         if let Some(ours) = &row.ours {
             panel.marks.push(Mark { at: Across::Horizontal(unit * ours.value), style: FAINT });
         }

@@ -18,7 +18,7 @@ pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>)
     let panels = vec![
         over_time("load speed (mm/s)", &series.speed, MILLI, shown, &changes.speed),
         over_time("turn rate (rad/s)", &series.turn_rate, 1.0, shown, &changes.turn_rate),
-        over_time("sum of interaction forces (mN)", &series.interaction, MILLI, shown, &changes.interaction),
+        over_time("interaction forces (mN)", &series.interaction, MILLI, shown, &changes.interaction),
         when(runs),
     ];
     let entries = vec![
@@ -52,7 +52,7 @@ type ChangeOf = fn(&RunFacts) -> Option<ChangeAt>;
 
 /// Share of runs whose change is significant and has come, over the time of the run.
 fn when(runs: &[&RunFacts]) -> Panel {
-    let mut panel = Panel::new("time over that of the run (1)", "runs with a change so far (1)", Scale::FromZero);
+    let mut panel = Panel::new("time over that of the run (1)", "runs with a change (1)", Scale::FromZero);
     panel.curves.push(curve(vec![[0.0, 0.0], [1.0, 1.0]], OURS, Shape::Unseen));
     let of: [(ChangeOf, Style); 3] =
         [(|run| run.changes.speed, OURS), (|run| run.changes.turn_rate, OTHER), (|run| run.changes.interaction, BEFORE)];

@@ -7,7 +7,7 @@ pub fn by_column(points: &[[f64; 2]], n_columns: usize) -> Vec<[f64; 2]> {
     if points.len() <= 4 * n_columns {
         return points.to_vec();
     }
-    chunks(points, n_columns, |point| point[0]).flat_map(extremes).collect()
+    chunks(points, ends_of(points, |point| point[0]), n_columns, |point| point[0]).flat_map(|(_, chunk)| extremes(chunk)).collect()
 }
 
 /// First, lowest, highest and last point of a column, each once.
@@ -44,21 +44,38 @@ pub struct Column {
     pub high: f64,
 }
 
-/// Range and mean of a graph (x not decreasing) in each of `n_columns` equal columns that has points. Points must be finite.
-pub fn columns(points: &[[f64; 2]], n_columns: usize) -> Vec<Column> {
-    chunks(points, n_columns, |point| point[0]).map(column_of).collect()
+/// Range and mean of a graph (x not decreasing) in each of `n_columns` equal columns between two `ends` that has points, in runs of neighbours. What is not finite is
+/// a gap, which shows where it leaves a column without points.
+pub fn columns(points: &[[f64; 2]], ends: [f64; 2], n_columns: usize) -> Vec<Vec<Column>> {
+    let finite: Vec<[f64; 2]> = points.iter().copied().filter(|[x, y]| (x + y).is_finite()).collect();
+    let (mut runs, mut next): (Vec<Vec<Column>>, _) = (Vec::new(), None);
+    for (at, chunk) in chunks(&finite, ends, n_columns, |point| point[0]) {
+        match runs.last_mut().filter(|_| next == Some(at)) {
+            Some(run) => run.push(column_of(chunk)),
+            None => runs.push(vec![column_of(chunk)]),
+        }
+        next = Some(at + 1);
+    }
+    let half = 0.5 * (ends[1] - ends[0]) / n_columns as f64;
+    for run in &mut runs {
+        // One alone is as wide as it is.
+        if let [alone] = run[..] {
+            *run = [-half, half].map(|aside| Column { x: alone.x + aside, ..alone }).to_vec();
+        }
+    }
+    runs
 }
 
-/// The same from narrower columns of as many points each.
+/// Range and mean in each of `n_columns` equal columns from narrower ones of as many points each.
 pub fn merged(columns: &[Column], n_columns: usize) -> Vec<Column> {
-    let of = |chunk: &[Column]| {
+    let of = |(_, chunk): (usize, &[Column])| {
         let (first, last) = (chunk[0], chunk[chunk.len() - 1]);
         let low = chunk.iter().map(|column| column.low).fold(f64::INFINITY, f64::min);
         let high = chunk.iter().map(|column| column.high).fold(f64::NEG_INFINITY, f64::max);
         let mean = chunk.iter().map(|column| column.mean).sum::<f64>() / chunk.len() as f64;
         Column { x: 0.5 * (first.x + last.x), low, mean, high }
     };
-    chunks(columns, n_columns, |column| column.x).map(of).collect()
+    chunks(columns, ends_of(columns, |column| column.x), n_columns, |column| column.x).map(of).collect()
 }
 
 /// A line through both ends of each column, the nearer one to where it comes from first.
@@ -87,19 +104,23 @@ pub fn n_crossings(points: &[[f64; 2]], low: f64, high: f64) -> f64 {
     way / (high - low)
 }
 
-/// Those of the same column of `n_columns` between the first and the last one.
-fn chunks<T>(points: &[T], n_columns: usize, x: impl Fn(&T) -> f64) -> impl Iterator<Item = &[T]> {
-    let first = points.first().map_or(0.0, &x);
-    let width = points.last().map_or(0.0, |point| x(point) - first) / n_columns as f64;
-    // The last point stands on the far edge of the last column.
-    let column = move |point: &T| (((x(point) - first) / width) as usize).min(n_columns - 1);
+/// Those of the same of `n_columns` equal columns between two `ends`, with its number.
+fn chunks<T>(points: &[T], ends: [f64; 2], n_columns: usize, x: impl Fn(&T) -> f64) -> impl Iterator<Item = (usize, &[T])> {
+    let width = (ends[1] - ends[0]) / n_columns as f64;
+    // The far end belongs to the last column.
+    let column = move |point: &T| (((x(point) - ends[0]) / width) as usize).min(n_columns - 1);
     let mut rest = points;
     std::iter::from_fn(move || {
         let here = column(rest.first()?);
         let (chunk, others) = rest.split_at(rest.partition_point(|point| column(point) <= here));
         rest = others;
-        Some(chunk)
+        Some((here, chunk))
     })
+}
+
+/// Where the first and the last point lie.
+fn ends_of<T>(points: &[T], x: impl Fn(&T) -> f64) -> [f64; 2] {
+    [points.first(), points.last()].map(|point| point.map_or(0.0, &x))
 }
 
 fn column_of(points: &[[f64; 2]]) -> Column {
@@ -163,7 +184,8 @@ mod tests {
     #[test]
     fn columns_keep_the_range_and_the_mean() {
         let points = wave(120_001);
-        let columns = columns(&points, 100);
+        let runs = columns(&points, [0.0, 1200.0], 100);
+        let [columns] = &runs[..] else { panic!("{} runs of a graph without gaps", runs.len()) };
         assert_eq!(columns.len(), 100);
         let low = columns.iter().map(|column| column.low).fold(f64::MAX, f64::min);
         let high = columns.iter().map(|column| column.high).fold(f64::MIN, f64::max);
@@ -173,6 +195,21 @@ mod tests {
         // Columns have 1200 points each, the last one 1201.
         assert!((columns.iter().map(|column| column.mean).sum::<f64>() / 100.0 - mean).abs() < 1e-4);
         assert_eq!(n_crossings(&[[0.0, 0.0], [1.0, 2.0], [2.0, -1.0]], -1.0, 1.0), 1.5);
+    }
+
+    /// Gaps narrower than a column do not part it; wider ones leave what lies between them apart, and a column alone has its width.
+    #[test]
+    fn columns_are_those_of_the_whole_axis_however_a_graph_is_broken() {
+        let is_there =
+            |x: f64| ((x * 10.0) as u32).is_multiple_of(2) && !(30.0..40.0).contains(&x) && !(45.0..47.0).contains(&x) || x == 35.5;
+        let points: Vec<[f64; 2]> =
+            (0..=10_000).map(|k| f64::from(k) * 0.01).map(|x| [x, if is_there(x) { x.fract() } else { f64::NAN }]).collect();
+        let runs = columns(&points, [0.0, 100.0], 100);
+        let of = |run: &Vec<Column>| (run.len(), run[0].x.floor(), run[run.len() - 1].x.floor());
+        assert_eq!(runs.iter().map(of).collect::<Vec<_>>(), [(30, 0.0, 29.0), (2, 35.0, 36.0), (5, 40.0, 44.0), (53, 47.0, 99.0)]);
+        assert_eq!((runs[1][0].x, runs[1][1].x), (35.0, 36.0));
+        // The last tenth of each second is missing, and the last one has the end of the axis too.
+        assert!(runs[0].iter().all(|column| column.low < 0.005 && (column.high - 0.89).abs() < 0.005));
     }
 
     #[test]
