@@ -52,6 +52,21 @@ fn a_row_holds_what_a_single_run_says() {
     }
 }
 
+/// Of three numbers and five, the five stand to the right whichever comes first, so that three curves are left and none is not shown.
+#[test]
+fn a_figure_has_the_parameter_with_most_values_to_the_right() {
+    let room = tempdir().unwrap();
+    let (scene, out) = (scene(room.path()), room.path().join("out"));
+    let (three, five) = ("ground.friction_coefficient=1,1.2,1.4", "drive.pull_speed_m_per_s=0.03:0.07:5");
+    for (at, [first, second]) in [[three, five], [five, three]].iter().enumerate() {
+        let out = out.with_extension(at.to_string());
+        done(&sweep(&scene, &["--seeds", "2", "--vary", first, "--vary", second], &out));
+        let figure = std::fs::read_to_string(out.join("figure.svg")).unwrap();
+        assert!(figure.contains(">drive.pull_speed_m_per_s<") && !figure.contains("combinations"), "{first} {second}");
+        assert_eq!(figure.matches(">quasi-static, ground.friction_coefficient ").count(), 3, "{first} {second}");
+    }
+}
+
 /// Means and intervals of a group are those of its rows, by formulas written down once more; t(0.975; 11) = 2.200985 (tables).
 #[test]
 fn groups_are_the_statistics_of_their_rows() {

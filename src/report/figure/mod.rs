@@ -248,7 +248,7 @@ pub fn tip_forces(found: &TipForces) -> String {
 
 const CALIBRATION_WIDTH: f64 = 380.0;
 
-/// Means of a sweep's groups over the first parameter that takes several numbers, or a histogram of the times to the nest where only seeds differ; `None` where
+/// Means of a sweep's groups over the parameter that takes most numbers, or a histogram of the times to the nest where only seeds differ; `None` where
 /// there is neither.
 pub fn sweep(identity: &Identity, groups: &[Group], times: &Times) -> Option<String> {
     let (panels, legend) = sweep::panels(identity, groups, times)?;

@@ -1,5 +1,6 @@
 //! Groups of a sweep -> panels: means with their intervals over a parameter, or the times to the nest as a histogram where only seeds differ.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::panel::{Curve, Entry, Panel, Scale, Shape, Style};
@@ -72,10 +73,10 @@ impl X {
     }
 }
 
-/// The first parameter of numbers that takes several; a sampled one before others, as a line over another would join what has nothing in common.
+/// The parameter of numbers that takes most, which leaves fewest curves; a sampled one before others, as a line over another would join what has nothing in common.
 fn x_axis(identity: &Identity, groups: &[Group]) -> Option<X> {
     let mut axes: Vec<(usize, &Axis)> = identity.design.axes.iter().enumerate().collect();
-    axes.sort_by_key(|(_, axis)| axis.n_values().is_some());
+    axes.sort_by_key(|(_, axis)| axis.n_values().map(Reverse));
     axes.into_iter().find_map(|(at, axis)| {
         let numbers: Vec<f64> = groups.iter().map(|group| group.parameters[at].parse().ok()).collect::<Option<_>>()?;
         let (low, high) = numbers.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)));
