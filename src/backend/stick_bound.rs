@@ -139,18 +139,8 @@ impl StickBound {
 impl Ball {
     /// With the pull of the spring on the load (N, N, N m; load axes). `None` for a spring too short to have a direction.
     fn about(grip: &Grip, spring: &PolarSpring, at: &Place) -> Option<(Self, Vec3)> {
-        let Reach { arm, along, length } = Reach::of(grip, spring, at);
-        let radial = spring.radial_stiffness;
-        let (radius, pull) = if spring.is_isotropic() {
-            (f64::MAX, radial * along)
-        } else {
-            if length <= SHORTEST_LENGTH * spring.rest_length {
-                return None;
-            }
-            let e = along / length;
-            let (stretch, swing) = (radial * (length - spring.rest_length), spring.torsional_stiffness * grip.swing / length);
-            (BALL * length, stretch * e + swing * perpendicular(&e))
-        };
+        let Reach { arm, length, pull, .. } = Reach::of(grip, spring, at)?;
+        let radius = if spring.is_isotropic() { f64::MAX } else { BALL * length };
         Some((Self { grip: *grip, radius }, pull.push(arm.perp(&pull))))
     }
 
@@ -160,34 +150,42 @@ impl Ball {
     }
 }
 
-/// A tip from the origin of the load and from the root of its spring (m, load axes).
+/// A tip from the origin of the load and from the root of its spring (m, load axes), and how it is pulled on.
 struct Reach {
     arm: Vec2,
     along: Vec2,
     length: f64,
+    /// Of the spring on the load (N, load axes).
+    pull: Vec2,
 }
 
 impl Reach {
-    fn of(grip: &Grip, spring: &PolarSpring, at: &Place) -> Self {
+    /// `None` for a spring too short to have a direction, which it needs.
+    fn of(grip: &Grip, spring: &PolarSpring, at: &Place) -> Option<Self> {
         let arm = at.turn.tr_mul(&(grip.tip - at.pose.position));
         let along = arm - spring.root;
-        Self { arm, along, length: along.norm() }
+        let (length, radial) = (along.norm(), spring.radial_stiffness);
+        if spring.is_isotropic() {
+            return Some(Self { arm, along, length, pull: radial * along });
+        }
+        let e = along / length;
+        let (stretch, swing) = (radial * (length - spring.rest_length), spring.torsional_stiffness * grip.swing / length);
+        (length > SHORTEST_LENGTH * spring.rest_length).then(|| Self { arm, along, length, pull: stretch * e + swing * perpendicular(&e) })
     }
 }
 
 impl Growth {
-    /// Within a ball about the tip of a spring that has a direction. `None` where nothing is known of the supports.
+    /// Within a ball about the tip of a spring. `None` for one too short to have a direction, and where nothing is known of the supports.
     fn in_ball(Ball { grip, radius }: &Ball, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<Self> {
-        let Reach { arm, along, length } = Reach::of(grip, spring, at);
+        let Reach { arm, along, length, pull } = Reach::of(grip, spring, at)?;
         let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
-        let (bend, pull, stiffness) = if spring.is_isotropic() {
-            (0.0, radial * along, radial * Mat2::identity())
+        let (bend, stiffness) = if spring.is_isotropic() {
+            (0.0, radial * Mat2::identity())
         } else {
             let e = along / length;
             let t = perpendicular(&e);
-            let (stretch, swing) = (radial * (length - spring.rest_length), torsional * grip.swing / length);
-            let across = (stretch + torsional / length) / length;
-            let coupling = swing / length;
+            let across = (radial * (length - spring.rest_length) + torsional / length) / length;
+            let coupling = torsional * grip.swing / (length * length);
             let mixed = e * t.transpose();
             let stiffness = radial * e * e.transpose() + across * t * t.transpose() - coupling * (mixed + mixed.transpose());
             let shortest = length - radius;
@@ -196,7 +194,7 @@ impl Growth {
             let curvature = 1.155 * largest_a + largest_b;
             let largest = radial.max(across.abs()) + coupling.abs();
             let bend = solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature);
-            (bend, stretch * e + swing * t, stiffness)
+            (bend, stiffness)
         };
         let column = |way: Vec2| {
             let force = stiffness * way;

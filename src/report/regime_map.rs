@@ -24,30 +24,31 @@ pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
     let mut svg = head(width, height, &format!("{}: {}", grid.scene.name(), grid.scene.what()));
     for (column, zeta) in grid.zetas.iter().enumerate() {
         let cells = of_panel(grid, *zeta, cells);
-        let distance = Plane::at(grid, column, 0);
+        let mut distance = Plane::at(grid, column, 0);
         distance.cells(&mut svg, &cells.iter().map(|cell| share_fill(cell)).collect::<Vec<Fill>>());
         rules(&mut svg, &distance, *zeta);
         let above: Vec<f64> = cells.iter().map(|cell| cell.share().map_or(f64::NAN, |share| (share / AGREEMENT).log10())).collect();
         let expected = predicted_share(grid, *zeta, &cells);
-        level(&mut svg, &distance, &Field::of_grid(grid, above), 0.0, &MEASURED, Some("1 %"));
-        level(&mut svg, &distance, &expected, 0.0, &PREDICTED, None);
+        level(&mut svg, &mut distance, &Field::of_grid(grid, above), 0.0, &MEASURED, Some("1 %"));
+        level(&mut svg, &mut distance, &expected, 0.0, &PREDICTED, None);
         paper_points(&mut svg, &distance);
         distance.frame(&mut svg, &format!("zeta = {zeta}: largest distance"), (column == 0).then_some("epsilon = v √(k m) / f"));
 
-        let displacement = Plane::at(grid, column, 1);
+        let mut displacement = Plane::at(grid, column, 1);
         displacement.cells(&mut svg, &cells.iter().map(|cell| displacement_fill(cell)).collect::<Vec<Fill>>());
         rules(&mut svg, &displacement, *zeta);
         let ratios: Vec<f64> = cells.iter().map(|cell| cell.displacement_ratio().unwrap_or(f64::NAN)).collect();
         let measured = Field::of_grid(grid, ratios);
-        level(&mut svg, &displacement, &measured, OFF[0], &MEASURED, Some("0.9"));
-        level(&mut svg, &displacement, &measured, OFF[1], &MEASURED_ABOVE, Some("1.1"));
+        level(&mut svg, &mut displacement, &measured, OFF[0], &MEASURED, Some("0.9"));
+        level(&mut svg, &mut displacement, &measured, OFF[1], &MEASURED_ABOVE, Some("1.1"));
         if let Some(expected) = predicted_ratio(grid, *zeta) {
-            level(&mut svg, &displacement, &expected, OFF[0], &PREDICTED, None);
-            level(&mut svg, &displacement, &expected, OFF[1], &PREDICTED_ABOVE, None);
+            level(&mut svg, &mut displacement, &expected, OFF[0], &PREDICTED, None);
+            level(&mut svg, &mut displacement, &expected, OFF[1], &PREDICTED_ABOVE, None);
         }
         paper_points(&mut svg, &displacement);
-        if *zeta < SOUND.2 {
-            regions(&mut svg, &displacement);
+        // A haul has no such halves.
+        if *zeta < SOUND.2 && grid.scene != Scene::Haul {
+            regions(&mut svg, &mut displacement);
         }
         displacement.frame(&mut svg, &format!("zeta = {zeta}: displacement"), (column == 0).then_some("epsilon = v √(k m) / f"));
     }
@@ -66,14 +67,14 @@ pub fn disagreement(grids: &[Grid], cells: &[Cell]) -> String {
     let mut svg = head(width, height, "Where theory and measurement disagree: measured over theory");
     for (row, (law, grid)) in rows.iter().enumerate() {
         for (column, zeta) in grid.zetas.iter().enumerate() {
-            let plane = Plane::at(grid, column, row);
+            let mut plane = Plane::at(grid, column, row);
             let cells = of_panel(grid, *zeta, cells);
             let fill = |cell: &Cell| law.ratio(cell).map_or_else(|| blank(cell), |ratio| Fill::Color(ratio_color(ratio)));
             plane.cells(&mut svg, &cells.iter().map(|cell| fill(cell)).collect::<Vec<Fill>>());
             rules(&mut svg, &plane, *zeta);
             let ratios = Field::of_grid(grid, cells.iter().map(|cell| law.ratio(cell).unwrap_or(f64::NAN)).collect());
-            level(&mut svg, &plane, &ratios, LAW_OFF[0], &MEASURED, Some("0.8"));
-            level(&mut svg, &plane, &ratios, LAW_OFF[1], &MEASURED_ABOVE, Some("1.25"));
+            level(&mut svg, &mut plane, &ratios, LAW_OFF[0], &MEASURED, Some("0.8"));
+            level(&mut svg, &mut plane, &ratios, LAW_OFF[1], &MEASURED_ABOVE, Some("1.25"));
             paper_points(&mut svg, &plane);
             let title =
                 if column == 0 { format!("{}, {}, zeta = {zeta}", grid.scene.name(), law.short_name()) } else { format!("zeta = {zeta}") };
@@ -123,14 +124,16 @@ impl Field {
     }
 }
 
-/// The lines of a field at this level, straight in logarithms, with a word beside the longest.
-fn level(svg: &mut String, plane: &Plane, field: &Field, level: f64, pen: &Pen, word: Option<&str>) {
+/// The lines of a field at this level, straight in logarithms, with a word on the longest.
+fn level(svg: &mut String, plane: &mut Plane, field: &Field, level: f64, pen: &Pen, word: Option<&str>) {
     let logarithms = |values: &[f64]| values.iter().map(|value| value.ln()).collect::<Vec<f64>>();
     let found = lines(contour(&logarithms(&field.phis), &logarithms(&field.epsilons), &field.values, level));
     let back = |line: &[[f64; 2]]| line.iter().map(|[x, y]| [x.exp(), y.exp()]).collect::<Vec<[f64; 2]>>();
     found.iter().for_each(|line| plane.line(svg, &back(line), pen));
     if let Some((word, longest)) = word.zip(found.iter().max_by_key(|line| line.len())) {
-        plane.label(svg, back(longest)[longest.len() / 5], 10.0, word);
+        let longest = back(longest);
+        let (before, after) = longest.split_at(longest.len() / 5);
+        plane.label(svg, after.iter().chain(before).copied(), 10.0, word);
     }
 }
 
@@ -183,11 +186,11 @@ fn rules(svg: &mut String, plane: &Plane, zeta: f64) {
     });
 }
 
-fn regions(svg: &mut String, plane: &Plane) {
+fn regions(svg: &mut String, plane: &mut Plane) {
     let lowest = 1.35 * plane.grid.epsilons[0];
-    plane.label(svg, [0.72, 2.0 * lowest], 9.0, "inertia");
-    plane.label(svg, [0.72, 1.25 * lowest], 9.0, "suppresses");
-    plane.label(svg, [5.2, 1.25 * lowest], 9.0, "overshoot");
+    plane.label(svg, [[0.72, 2.0 * lowest]], 9.0, "inertia");
+    plane.label(svg, [[0.72, 1.25 * lowest]], 9.0, "suppresses");
+    plane.label(svg, [1.25, 2.0, 3.2].map(|above| [5.2, above * lowest]), 9.0, "overshoot");
 }
 
 /// Bars from the shortest to the longest hold of the paper's ants, one a speed.

@@ -69,12 +69,15 @@ pub struct Plane<'a> {
     pub grid: &'a Grid,
     /// Corner at the top left of the cells (px).
     pub corner: [f64; 2],
+    /// Middles and half widths of the words that stand in it (px).
+    words: Vec<([f64; 2], f64)>,
 }
 
 impl<'a> Plane<'a> {
     /// In this column and row of panels.
     pub fn at(grid: &'a Grid, column: usize, row: usize) -> Self {
-        Self { grid, corner: [LEFT + column as f64 * (WIDTH + GAP), HEAD + row as f64 * (TOP + HEIGHT + BOTTOM) + TOP] }
+        let corner = [LEFT + column as f64 * (WIDTH + GAP), HEAD + row as f64 * (TOP + HEIGHT + BOTTOM) + TOP];
+        Self { grid, corner, words: Vec::new() }
     }
 
     /// Logarithms (decimal) of the lowest and highest edge of the cells.
@@ -159,13 +162,18 @@ impl<'a> Plane<'a> {
         svg.push_str("</g>\n");
     }
 
-    /// Words on a white halo; none where the frame has no room for them.
-    pub fn label(&self, svg: &mut String, [phi, epsilon]: [f64; 2], size: f64, content: &str) {
-        let [x, y] = self.place(phi, epsilon);
+    /// A word on a white halo, at the first of these points (Phi, epsilon) at which it lies in the frame and on no other; none where there is no such point.
+    pub fn label(&mut self, svg: &mut String, points: impl IntoIterator<Item = [f64; 2]>, size: f64, content: &str) {
         // Letters are about half as wide as high.
         let half = 0.25 * size * content.chars().count() as f64;
-        if x - half >= self.corner[0] && x + half <= self.corner[0] + WIDTH {
-            haloed(svg, [x, y], size, content);
+        let is_free = |[x, y]: &[f64; 2]| {
+            let is_aside = |([other_x, other_y], other): &([f64; 2], f64)| (x - other_x).abs() > half + other || (y - other_y).abs() > size;
+            let ([right, down], is_in) = ([x - self.corner[0], y - self.corner[1]], |at: f64, low: f64, high: f64| low <= at && at <= high);
+            is_in(right, half, WIDTH - half) && is_in(down, size, HEIGHT) && self.words.iter().all(is_aside)
+        };
+        if let Some(place) = points.into_iter().map(|[phi, epsilon]| self.place(phi, epsilon)).find(is_free) {
+            haloed(svg, place, size, content);
+            self.words.push((place, half));
         }
     }
 }
@@ -239,7 +247,7 @@ mod tests {
     #[test]
     fn points_stand_in_the_middle_of_their_cells() {
         let grid = Grid::of(Scene::Excursion, Effort::Quick);
-        let plane = Plane { grid: &grid, corner: [0.0, 0.0] };
+        let plane = Plane { grid: &grid, corner: [0.0, 0.0], words: Vec::new() };
         let [x, y] = plane.place(grid.phis[0], grid.epsilons[0]);
         assert!((x - WIDTH / 12.0).abs() < 1e-9 && (y - HEIGHT * 11.0 / 12.0).abs() < 1e-9);
         let [x, y] = plane.place(grid.phis[5], grid.epsilons[5]);
