@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_128;
@@ -75,6 +76,11 @@ struct Earlier {
 /// # Errors
 /// When it may not.
 pub fn check_target(target: &Path) -> Result<(), FolderError> {
+    let _turn = turn_at(target);
+    check_in_turn(target)
+}
+
+fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     let metadata = match fs::metadata(target) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         other => other.map_err(at(target))?,
@@ -183,8 +189,9 @@ impl OutputFolder {
         let mut file = self.open_any(MANIFEST)?;
         file.write_all(&text).map_err(at(&self.target.join(MANIFEST)))?;
         self.close_any(file)?;
+        let _turn = turn_at(&self.target);
         // Again: somebody may have put a file there during the run.
-        check_target(&self.target)?;
+        check_in_turn(&self.target)?;
         self.replace_target()
     }
 
@@ -237,7 +244,8 @@ impl Partial {
         }
     }
 
-    /// Removes those in which nobody is at work any more. What cannot be locked, or removed, does no harm.
+    /// Removes those in which nobody is at work any more: who has finished meanwhile has none of this name, and nobody else will. What cannot be locked, or removed,
+    /// does no harm.
     fn remove_abandoned(target: &Path) {
         let start = sibling_name(target, Self::ROLE);
         for entry in target.parent().and_then(|parent| fs::read_dir(parent).ok()).into_iter().flatten().flatten() {
@@ -248,6 +256,12 @@ impl Partial {
             }
         }
     }
+}
+
+/// Waits for other processes that look at or replace what stands beside `target`, and lets them wait until it is dropped; `None` where folders have no locks.
+fn turn_at(target: &Path) -> Option<File> {
+    let folder = target.parent().map(|parent| if parent.as_os_str().is_empty() { Path::new(".") } else { parent });
+    folder.and_then(|folder| File::open(folder).ok()).filter(|folder| folder.lock().is_ok())
 }
 
 /// Locks a folder until the file is dropped.
@@ -275,14 +289,15 @@ impl Write for OutputFile {
     }
 }
 
-/// A new empty hidden folder beside `target`, named after it and this process.
+/// A new empty hidden folder beside `target`, named after it and this process, with a name that no other had before it.
 fn make_sibling(target: &Path, role: &str) -> Result<PathBuf, FolderError> {
-    // Numbers differ between the outputs of one process, and from what a killed process of the same id left.
-    let mut n = 0;
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
     loop {
-        let sibling = target.with_file_name(format!("{}{}-{n}", sibling_name(target, role), std::process::id()));
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let sibling = target.with_file_name(format!("{}{}-{number}", sibling_name(target, role), std::process::id()));
         match fs::create_dir(&sibling) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => n += 1,
+            // Of a killed process with the same id.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(at(&sibling)(error)),
             Ok(()) => return Ok(sibling),
         }
@@ -407,6 +422,22 @@ mod tests {
         living.finish(&manifest()).unwrap();
         assert_eq!(fs::read_to_string(target.join("a.txt")).unwrap(), "one");
         assert_eq!(names(room.path()), [left[3], left[2], "out"]);
+    }
+
+    /// One after the other takes the place of the one before, whoever is faster, and nothing else stays.
+    #[test]
+    fn many_at_once_replace_each_other() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        std::thread::scope(|scope| {
+            for writer in 0..4 {
+                let target = &target;
+                scope.spawn(move || (0..25).for_each(|round| output(target, &format!("{writer} {round}")).unwrap()));
+            }
+        });
+        assert_eq!(names(room.path()), ["out"]);
+        assert!(fs::read_to_string(target.join("a.txt")).unwrap().ends_with(" 24"));
+        assert_eq!(names(&target), ["a.txt", MANIFEST]);
     }
 
     #[test]
