@@ -8,7 +8,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{CliError, interrupt, positive, print, print_report};
+use super::{CliError, interrupt, positive, print, print_report, state};
 use crate::bench::{self, Effort, Growth, Host, Measured, Plan, Scene, crowd, four_ants, standard_scenes};
 use crate::report::{Benchmark, Manifest, Progress, bench_text, check_target, sha256_hex, write_benchmark};
 use crate::scenario::Scenario;
@@ -158,9 +158,9 @@ fn state_path(args: &BenchArgs) -> Option<PathBuf> {
 
 /// What an earlier call measured, and for how long (s).
 fn resumed(question: &Question, path: Option<&Path>) -> Result<(Measured, f64), CliError> {
-    let Some(path) = path.filter(|path| path.exists()) else { return Ok((Measured::default(), 0.0)) };
-    let text = std::fs::read_to_string(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
-    let state: State = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path.to_owned(), source })?;
+    let none = || Ok((Measured::default(), 0.0));
+    let Some(path) = path else { return none() };
+    let Some(state) = state::read::<State>(path)? else { return none() };
     if state.question != *question {
         let text = "was kept by a benchmark of other scenes, options, program or machine; finish that, or remove the file";
         return Err(CliError::Usage(format!("{}: {text}", path.display())));
@@ -170,11 +170,7 @@ fn resumed(question: &Question, path: Option<&Path>) -> Result<(Measured, f64), 
 
 fn interrupted(state: State, path: Option<&Path>) -> Result<ExitCode, CliError> {
     let Some(path) = path else { return Err(CliError::Interrupted) };
-    let text = serde_json::to_string(&state).expect("a state is plain data");
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let partial = path.with_file_name(format!(".{name}.partial-{}", std::process::id()));
-    let write = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path));
-    write.map_err(|source| CliError::File { path: path.to_owned(), source })?;
+    state::keep(path, &state)?;
     eprintln!("stopped after {} settings; the same command goes on from {}", state.found.rows.len(), path.display());
     Ok(ExitCode::from(130))
 }

@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
-use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, step, warn_of_idle};
+use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, state, step, warn_of_idle};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
@@ -177,10 +177,9 @@ fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> 
 }
 
 /// The run whose state is there, if it is one of these options.
-fn saved(options: &BackendOptions, state: Option<&Path>) -> Result<Option<SavedRun>, CliError> {
-    let Some(path) = state.filter(|path| path.exists()) else { return Ok(None) };
-    let text = std::fs::read_to_string(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
-    let saved: SavedRun = serde_json::from_str(&text).map_err(|source| CliError::NotASavedRun { path: path.to_owned(), source })?;
+fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRun>, CliError> {
+    let Some(path) = path else { return Ok(None) };
+    let Some(saved) = state::read::<SavedRun>(path)? else { return Ok(None) };
     let as_asked = saved.options.tolerance.map(|tolerance| Tolerance { tightened: 0, ..tolerance });
     if (BackendOptions { tolerance: as_asked, ..saved.options }) != *options {
         let (saved, asked) = (serde_json::to_string(&saved.options), serde_json::to_string(options));
@@ -191,13 +190,9 @@ fn saved(options: &BackendOptions, state: Option<&Path>) -> Result<Option<SavedR
 }
 
 /// Keeps the state for the next call, if there is a file for it.
-fn interrupted(run: &Simulation, state: Option<&Path>) -> Result<ExitCode, CliError> {
-    let Some(path) = state else { return Err(CliError::Interrupted) };
-    let text = serde_json::to_string(&run.save()).expect("a state is plain data");
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let partial = path.with_file_name(format!(".{name}.partial-{}", std::process::id()));
-    let write = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path));
-    write.map_err(|source| CliError::File { path: path.to_owned(), source })?;
+fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<ExitCode, CliError> {
+    let Some(path) = path else { return Err(CliError::Interrupted) };
+    state::keep(path, &run.save())?;
     eprintln!("stopped at {} s; the same command goes on from {}", run.time(), path.display());
     Ok(ExitCode::from(130))
 }
