@@ -55,6 +55,29 @@ fn a_linear_stiffness_is_that_of_its_range_and_says_how_wrong_it_is() {
     assert_eq!(found.radial_stiffness_n_per_m.unwrap().n_points, 400);
 }
 
+/// The last reading stands at 8 mm, where the range ends: a rounding of it changes nothing, a ten thousandth leaves it out.
+#[test]
+fn readings_at_the_end_of_a_range_are_in_it_however_they_are_rounded() {
+    let data = measurements(&TRUTH, &Plan::EXAMPLE);
+    let radial = |factor: f64| {
+        let mut moved = Measurements::default();
+        for trial in &data.trials {
+            trial
+                .points
+                .iter()
+                .for_each(|point| moved.add(trial.case, trial.name.clone(), Measurement { at: factor * point.at, ..*point }));
+        }
+        fitted(&moved, &Ranges { stretch: Some([1e-3, 8e-3]), swing: None }).radial_stiffness_n_per_m.unwrap()
+    };
+    let (found, beyond) = (radial(1.0), radial(1.0 + 1e-4));
+    for rounding in [-1e-12, 1e-12] {
+        let rounded = radial(1.0 + rounding);
+        // The weights of trials are found by bisection.
+        assert!(rounded.n_points == found.n_points && (rounded.value / found.value - 1.0).abs() < 1e-8, "{rounded:?}");
+    }
+    assert!(beyond.n_points < found.n_points && radial(1.0 - 1e-4).n_points < found.n_points);
+}
+
 #[test]
 fn scales_of_force_and_order_of_rows_do_not_matter() {
     let data = measurements(&TRUTH, &Plan::EXAMPLE);
