@@ -1,8 +1,9 @@
 //! An output folder that is there whole or not at all.
 //!
 //! Files go into a hidden folder beside the target, which takes the target's name at the end. An error before that leaves the target as it
-//! was and nothing beside it; what a killed process leaves there goes with the next output of that name. `manifest.json` is written last and lists every other file with its hash, so that a later run can tell an
-//! earlier output, which it may replace, from a folder with somebody's own files in it, which it may not.
+//! was and nothing beside it; what a killed process leaves there goes with the next output of that name. `manifest.json` is written last and
+//! lists every other file with its hash, so that a later run can tell an earlier output, which it may replace, from a folder with somebody's
+//! own files in it, which it may not.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
