@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Skips, default_step};
-use cohaul::compare::{Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, prescribed};
+use cohaul::compare::{Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, closed_loop, prescribed};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation};
 
@@ -129,4 +129,19 @@ fn close_to_its_threshold_the_verdict_waits_for_smaller_own_errors() {
         assert!(matches!(open.remedies[..], [Remedy::TighterTolerance { .. }]));
         assert_eq!(verdict(hair, 1e-8).verdict, expected);
     }
+}
+
+/// Four ants cannot move a load of forty times the friction. Nothing parts the backends but roundings, of which those of rapier's speed all have one sign, and that
+/// nobody arrives is no difference.
+#[test]
+fn backends_agree_on_a_load_that_nobody_moves() {
+    let mut scenario = Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap();
+    scenario.system.ground.friction_coefficient *= 40.0;
+    scenario.duration = 4.0;
+    let found = closed_loop(&scenario, &settings(RapierOptions::default()), 12, |_| true).unwrap();
+    assert_eq!(found.verdict, Verdict::Agree, "{:?}", found.measures);
+    assert_eq!((found.decisions_part.quasi_static_s, found.decisions_part.rapier_s), (None, None));
+    let speed = found.measures.iter().find(|measure| measure.name == "mean_speed_m_per_s").unwrap();
+    assert!(speed.engine_error.is_equal && !speed.engine_error.is_shifted && speed.rapier.mean < 1e-18, "{speed:?}");
+    assert!(found.measures.iter().any(|measure| measure.name == "pull_mean_n" && measure.inertial.mean > 1e-3), "they pull");
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{Settings, Tier, Verdict};
 use crate::backend::{BackendKind, Status};
 use crate::math::{Interval, Summary, mean_interval};
-use crate::scenario::Scenario;
+use crate::scenario::{AntDrive, Drive, Scenario};
 use crate::simulation::{Keep, Outcome, Simulation, Trace};
 
 /// What paired closed-loop runs found.
@@ -64,14 +64,16 @@ pub struct Shift {
     pub interval: Option<Interval>,
     /// The level of each that makes 95 % for all measures together (Bonferroni).
     pub level: f64,
-    /// Whether the interval leaves out zero.
+    /// Whether the interval leaves out zero, by more than roundings.
     pub is_shifted: bool,
-    /// Whether the interval lies within 5 % of the inertial mean on both sides of zero.
+    /// Whether the interval lies within 5 % of the inertial mean, or roundings, on both sides of zero.
     pub is_equal: bool,
 }
 
 /// Means within this share of each other count as equal (1): half of what the printed force statistics of such runs are given to.
 const EQUAL: f64 = 0.05;
+/// Difference over the size of what a measure is made of that is none (1): far beyond roundings of runs, which may all have one sign, and far below what anybody counts.
+const ROUNDING: f64 = 1e-9;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DecisionsPart {
@@ -93,22 +95,47 @@ struct Facts<'a> {
     scenario: &'a Scenario,
 }
 
-type Take = fn(&Facts) -> Option<f64>;
+/// What runs are compared by. SI units stand in the names.
+struct Quantity {
+    name: &'static str,
+    of: fn(&Facts) -> Option<f64>,
+    /// What it is made of, by order of magnitude: differences are those of numbers of this size.
+    size: fn(&AntDrive, &Scenario) -> f64,
+}
 
-/// Name and value of every measure. SI units stand in the names.
-const MEASURES: [(&str, Take); 5] = [
-    ("time_to_nest_s", |run| (run.outcome.arrived == Some(true)).then_some(run.outcome.time)),
-    ("mean_speed_m_per_s", |run| {
-        let travelled = (run.outcome.motion.pose.position - run.scenario.start.pose.position).norm();
-        (run.outcome.time > 0.0).then(|| travelled / run.outcome.time)
-    }),
-    ("pull_mean_n", |run| (run.outcome.pulls.n() > 0).then(|| run.outcome.pulls.mean())),
-    ("pull_sd_n", |run| (run.outcome.pulls.n() > 1).then(|| run.outcome.pulls.sd())),
-    ("n_transporting", |run| {
-        let mut holders = Summary::default();
-        holders.extend(run.trace.rows.iter().map(|row| row.tips.len() as f64));
-        (holders.n() > 0).then(|| holders.mean())
-    }),
+const MEASURES: [Quantity; 5] = [
+    Quantity {
+        name: "time_to_nest_s",
+        of: |run| (run.outcome.arrived == Some(true)).then_some(run.outcome.time),
+        size: |_, scenario| scenario.duration,
+    },
+    Quantity {
+        name: "mean_speed_m_per_s",
+        of: |run| {
+            let travelled = (run.outcome.motion.pose.position - run.scenario.start.pose.position).norm();
+            (run.outcome.time > 0.0).then(|| travelled / run.outcome.time)
+        },
+        size: |drive, _| drive.pull_speed,
+    },
+    Quantity {
+        name: "pull_mean_n",
+        of: |run| (run.outcome.pulls.n() > 0).then(|| run.outcome.pulls.mean()),
+        size: |drive, _| drive.release.strong_pull,
+    },
+    Quantity {
+        name: "pull_sd_n",
+        of: |run| (run.outcome.pulls.n() > 1).then(|| run.outcome.pulls.sd()),
+        size: |drive, _| drive.release.strong_pull,
+    },
+    Quantity {
+        name: "n_transporting",
+        of: |run| {
+            let mut holders = Summary::default();
+            holders.extend(run.trace.rows.iter().map(|row| row.tips.len() as f64));
+            (holders.n() > 0).then(|| holders.mean())
+        },
+        size: |_, _| 1.0,
+    },
 ];
 
 /// Runs `n_seeds` seeds from the scenario's own on all backends. `watch` sees the share done (1) and says whether to go on; `None` when it said no.
@@ -131,7 +158,7 @@ pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, wat
             Some([run(BackendKind::QuasiStatic)?, run(BackendKind::Inertial)?, run(BackendKind::Rapier)?])
         })
         .collect();
-    Some(judged(scenario.seed, runs?))
+    Some(judged(scenario, runs?))
 }
 
 fn run_of(scenario: &Scenario, settings: &Settings, kind: BackendKind, watch: impl Fn(f64) -> bool) -> Option<Run> {
@@ -142,12 +169,12 @@ fn run_of(scenario: &Scenario, settings: &Settings, kind: BackendKind, watch: im
     }
     let (trace, outcome) = run.into_results();
     let facts = Facts { outcome: &outcome, trace: &trace, scenario };
-    let values = MEASURES.iter().map(|(_, take)| take(&facts)).collect();
+    let values = MEASURES.iter().map(|measure| (measure.of)(&facts)).collect();
     Some(Run { values, trace, status: outcome.steps.status })
 }
 
-fn judged(first_seed: u64, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
-    let measures: Vec<Measure> = (0..MEASURES.len()).map(|at| measure(at, &runs)).collect();
+fn judged(scenario: &Scenario, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
+    let measures: Vec<Measure> = (0..MEASURES.len()).map(|at| measure(at, scenario, &runs)).collect();
     let earliest = |other: usize| {
         let part = |run: &[Run; 3]| decisions_part(&run[1].trace, &run[other].trace);
         runs.iter().filter_map(part).min_by(f64::total_cmp)
@@ -155,21 +182,24 @@ fn judged(first_seed: u64, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
     let decisions_part = DecisionsPart { quasi_static_s: earliest(0), rapier_s: earliest(2) };
     let status = runs.iter().flatten().map(|run| run.status).max().unwrap_or_default();
     let verdict = if status == Status::Failed { Verdict::NotComputed } else { verdict(&measures, runs.len()) };
-    let n_seeds = runs.len();
+    let (n_seeds, first_seed) = (runs.len(), scenario.seed);
     let traces = runs.swap_remove(0).map(|run| run.trace).into();
     ClosedLoop { tier: Tier::ClosedLoop, n_seeds, first_seed, measures, decisions_part, verdict, status, traces }
 }
 
-fn measure(at: usize, runs: &[[Run; 3]]) -> Measure {
+fn measure(at: usize, scenario: &Scenario, runs: &[[Run; 3]]) -> Measure {
+    let Quantity { name, size, .. } = MEASURES[at];
+    // Other drives have no closed loop.
+    let rounding = if let Drive::Ants(drive) = &scenario.drive { ROUNDING * size(drive, scenario) } else { 0.0 };
     let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run[kind].values[at]).collect());
     let inertial = of(1);
     let paired = |a: usize, b: usize| {
         let difference = |run: &[Run; 3]| Some(run[a].values[at]? - run[b].values[at]?);
-        Shift::of(&runs.iter().filter_map(difference).collect::<Vec<_>>(), inertial.mean)
+        Shift::of(&runs.iter().filter_map(difference).collect::<Vec<_>>(), inertial.mean, rounding)
     };
     let values = runs.iter().map(|run| run.each_ref().map(|run| run.values[at])).collect();
     let (inertia_effect, engine_error) = (paired(1, 0), paired(2, 1));
-    Measure { name: MEASURES[at].0, quasi_static: of(0), inertial, rapier: of(2), inertia_effect, engine_error, values }
+    Measure { name, quasi_static: of(0), inertial, rapier: of(2), inertia_effect, engine_error, values }
 }
 
 impl Distribution {
@@ -181,20 +211,20 @@ impl Distribution {
 }
 
 impl Shift {
-    /// Of paired differences whose reference has the mean `reference`.
-    fn of(values: &[f64], reference: f64) -> Self {
+    /// Of paired differences whose reference has the mean `reference`, and of which those up to `rounding` are none.
+    fn of(values: &[f64], reference: f64, rounding: f64) -> Self {
         let mut summary = Summary::default();
         summary.extend(values.iter().copied());
         let level = 1.0 - 0.05 / MEASURES.len() as f64;
         let interval = mean_interval(values, level);
-        let margin = EQUAL * reference.abs();
+        let margin = (EQUAL * reference.abs()).max(rounding);
         Self {
             n: summary.n(),
             mean: summary.mean(),
             sd: summary.sd(),
             interval,
             level,
-            is_shifted: interval.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0),
+            is_shifted: interval.is_some_and(|interval| interval.low > rounding || interval.high < -rounding),
             is_equal: interval.is_some_and(|interval| interval.low >= -margin && interval.high <= margin),
         }
     }
@@ -211,7 +241,9 @@ fn decisions_part(a: &Trace, b: &Trace) -> Option<f64> {
 
 /// Paths have decorrelated; what remains is whether means differ. Too few seeds to show a shift, or that there is none, are below their own error.
 fn verdict(measures: &[Measure], n_seeds: usize) -> Verdict {
-    let any = |is: fn(&Measure) -> bool| measures.iter().any(is);
+    // What no run has, such as the time to a nest that none reaches, tells nothing.
+    let is_there = |measure: &&Measure| [&measure.quasi_static, &measure.inertial, &measure.rapier].iter().any(|of| of.n > 0);
+    let any = |is: fn(&Measure) -> bool| measures.iter().filter(is_there).any(is);
     if n_seeds < 2 {
         Verdict::Decorrelated
     } else if any(|measure| measure.inertia_effect.is_shifted) {
