@@ -202,6 +202,13 @@ fn measure(at: usize, scenario: &Scenario, runs: &[[Run; 3]]) -> Measure {
     Measure { name, quasi_static: of(0), inertial, rapier: of(2), inertia_effect, engine_error, values }
 }
 
+impl Measure {
+    /// Whether some run has it. What none has, such as the time to a nest that nobody reaches, tells nothing.
+    pub fn is_there(&self) -> bool {
+        [&self.quasi_static, &self.inertial, &self.rapier].iter().any(|of| of.n > 0)
+    }
+}
+
 impl Distribution {
     fn of(values: Vec<f64>) -> Self {
         let mut summary = Summary::default();
@@ -241,9 +248,7 @@ fn decisions_part(a: &Trace, b: &Trace) -> Option<f64> {
 
 /// Paths have decorrelated; what remains is whether means differ. Too few seeds to show a shift, or that there is none, are below their own error.
 fn verdict(measures: &[Measure], n_seeds: usize) -> Verdict {
-    // What no run has, such as the time to a nest that none reaches, tells nothing.
-    let is_there = |measure: &&Measure| [&measure.quasi_static, &measure.inertial, &measure.rapier].iter().any(|of| of.n > 0);
-    let any = |is: fn(&Measure) -> bool| measures.iter().filter(is_there).any(is);
+    let any = |is: fn(&Measure) -> bool| measures.iter().filter(|measure| measure.is_there()).any(is);
     if n_seeds < 2 {
         Verdict::Decorrelated
     } else if any(|measure| measure.inertia_effect.is_shifted) {
