@@ -7,7 +7,8 @@ use std::path::Path;
 
 use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Skips, default_step};
 use cohaul::compare::{Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, closed_loop, prescribed};
-use cohaul::scenario::Scenario;
+use cohaul::math::Vec2;
+use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation};
 
 /// Speed of the tip (m/s) and when it stops (s).
@@ -144,4 +145,20 @@ fn backends_agree_on_a_load_that_nobody_moves() {
     let speed = found.measures.iter().find(|measure| measure.name == "mean_speed_m_per_s").unwrap();
     assert!(speed.engine_error.is_equal && !speed.engine_error.is_shifted && speed.rapier.mean < 1e-18, "{speed:?}");
     assert!(found.measures.iter().any(|measure| measure.name == "pull_mean_n" && measure.inertial.mean > 1e-3), "they pull");
+}
+
+/// A hundred thousand times the inertia at the same friction: in the time in which a load without it is home, one with it has hardly begun to move. That no pair of
+/// runs has two times to compare hides nothing.
+#[test]
+fn a_backend_on_which_nobody_arrives_differs() {
+    let mut scenario = Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap();
+    scenario.system.load.mass *= 1e5;
+    scenario.system.load.inertia *= 1e5;
+    scenario.duration = 20.0;
+    let Drive::Ants(drive) = &mut scenario.drive else { panic!("ants drive it") };
+    (drive.nest_position, drive.arrival_radius) = (Vec2::new(0.02, -0.017), 0.02);
+    let found = closed_loop(&scenario, &settings(RapierOptions::default()), 6, |_| true).unwrap();
+    let arrived = found.measures.iter().find(|measure| measure.name == "arrived_share").unwrap();
+    assert_eq!((arrived.quasi_static.mean, arrived.inertial.mean, arrived.rapier.mean), (1.0, 0.0, 0.0));
+    assert!(arrived.inertia_effect.is_shifted && arrived.engine_error.is_equal && found.verdict == Verdict::Inertia, "{found:?}");
 }

@@ -103,12 +103,14 @@ struct Quantity {
     size: fn(&AntDrive, &Scenario) -> f64,
 }
 
-const MEASURES: [Quantity; 5] = [
+const MEASURES: [Quantity; 6] = [
     Quantity {
         name: "time_to_nest_s",
         of: |run| (run.outcome.arrived == Some(true)).then_some(run.outcome.time),
         size: |_, scenario| scenario.duration,
     },
+    // Of all runs: those that do not arrive have no time.
+    Quantity { name: "arrived_share", of: |run| run.outcome.arrived.map(|arrived| f64::from(u8::from(arrived))), size: |_, _| 1.0 },
     Quantity {
         name: "mean_speed_m_per_s",
         of: |run| {
