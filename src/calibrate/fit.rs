@@ -159,7 +159,7 @@ fn linear_fit(law: &Law, trials: &[Trial], design: &SpringDesign, ranges: &Range
     Ok(LinearFit { case, range, stiffness, goodness, misfit: Misfit::of(case, design, stiffness.value, range) })
 }
 
-/// Share of a range by which a reading may lie beyond its ends (1): one that is meant to lie there is in it, however it was rounded.
+/// Share of the far end of a range by which a reading may lie beyond either (1): one that is meant to lie there is in it, however it was rounded.
 const EDGE: f64 = 1e-9;
 
 fn of_range(trial: &Trial, [low, high]: [f64; 2]) -> Trial {

@@ -6,16 +6,16 @@
 //! own files in it, which it may not.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_128;
 
 use super::Manifest;
 use super::manifest::PROGRAM;
+use super::sibling::{Partial, make_sibling, turn_at};
 
 pub const MANIFEST: &str = "manifest.json";
 
@@ -47,14 +47,6 @@ pub struct OutputFolder {
     files: BTreeMap<String, String>,
     /// Folders above the target that were made for it, the innermost first.
     made: Vec<PathBuf>,
-}
-
-/// A hidden folder that becomes an output.
-#[derive(Debug)]
-struct Partial {
-    path: PathBuf,
-    /// Says that somebody is at work in it, for as long as that is so; none where folders have no locks.
-    _lock: Option<File>,
 }
 
 /// The manifest as written, and as much of it as is read back.
@@ -229,48 +221,6 @@ impl Drop for OutputFolder {
     }
 }
 
-impl Partial {
-    const ROLE: &str = "partial";
-
-    /// A new one beside `target`, where those of killed processes are removed.
-    fn beside(target: &Path) -> Result<Self, FolderError> {
-        Self::remove_abandoned(target);
-        loop {
-            let path = make_sibling(target, Self::ROLE)?;
-            let lock = lock(&path);
-            // Whoever else removes the abandoned may have been faster than the lock.
-            if path.exists() && !matches!(lock, Err(TryLockError::WouldBlock)) {
-                return Ok(Self { path, _lock: lock.ok() });
-            }
-        }
-    }
-
-    /// Removes those in which nobody is at work any more: who has finished meanwhile has none of this name, and nobody else will. What cannot be locked, or removed,
-    /// does no harm.
-    fn remove_abandoned(target: &Path) {
-        let start = sibling_name(target, Self::ROLE);
-        for entry in target.parent().and_then(|parent| fs::read_dir(parent).ok()).into_iter().flatten().flatten() {
-            if entry.file_name().to_string_lossy().starts_with(&start)
-                && let Ok(_lock) = lock(&entry.path())
-            {
-                drop(fs::remove_dir_all(entry.path()));
-            }
-        }
-    }
-}
-
-/// Waits for other processes that look at or replace what stands beside `target`, and lets them wait until it is dropped; `None` where folders have no locks.
-fn turn_at(target: &Path) -> Option<File> {
-    let folder = target.parent().map(|parent| if parent.as_os_str().is_empty() { Path::new(".") } else { parent });
-    folder.and_then(|folder| File::open(folder).ok()).filter(|folder| folder.lock().is_ok())
-}
-
-/// Locks a folder until the file is dropped.
-fn lock(folder: &Path) -> Result<File, TryLockError> {
-    let file = File::open(folder).map_err(TryLockError::Error)?;
-    file.try_lock().map(|()| file)
-}
-
 /// A file of an output folder that is being written: through a buffer to the disk, hashed on the way.
 pub struct OutputFile {
     name: String,
@@ -290,33 +240,13 @@ impl Write for OutputFile {
     }
 }
 
-/// A new empty hidden folder beside `target`, named after it and this process, with a name that no other had before it.
-fn make_sibling(target: &Path, role: &str) -> Result<PathBuf, FolderError> {
-    static NUMBER: AtomicU64 = AtomicU64::new(0);
-    loop {
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let sibling = target.with_file_name(format!("{}{}-{number}", sibling_name(target, role), std::process::id()));
-        match fs::create_dir(&sibling) {
-            // Of a killed process with the same id.
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(at(&sibling)(error)),
-            Ok(()) => return Ok(sibling),
-        }
-    }
-}
-
-/// What the names of hidden folders beside `target` begin with.
-fn sibling_name(target: &Path, role: &str) -> String {
-    format!(".{}.{role}-", target.file_name().unwrap_or_default().to_string_lossy())
-}
-
 /// The hash of a file in a manifest. XXH3 tells a file that was cut short or changed as a cryptographic hash would, in far less time; against somebody who forges
 /// one a list beside it would not help anyway.
 fn in_text(hash: u128) -> String {
     format!("xxh128:{hash:032x}")
 }
 
-fn at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
+pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
     let path = path.to_owned();
     move |source| FolderError::Io { path, source }
 }

@@ -8,7 +8,7 @@
 //! lines.rs     lines of numbers, fast
 //! table.rs     trace.csv, events.csv and transitions.csv
 //! manifest.rs  where a result comes from: scenario, seed, versions, machine, command
-//! folder.rs    an output folder that is there whole or not at all
+//! folder.rs    an output folder that is there whole or not at all; sibling.rs the hidden one beside it that becomes it
 //! run.rs       the files of one run, put into such a folder
 //! figure/      SVG figures over one or several traces
 //! html/        reports as one HTML file each, with a replay
@@ -52,6 +52,7 @@ mod regime_map;
 mod regime_page;
 mod regime_plane;
 mod run;
+mod sibling;
 mod stress;
 mod stress_map;
 mod sweep;

@@ -254,6 +254,22 @@ mod tests {
         assert!((x - WIDTH * 11.0 / 12.0).abs() < 1e-9 && (y - HEIGHT / 12.0).abs() < 1e-9);
     }
 
+    /// Along one line, as many words as it has room for, each aside of the others; where the first point of the next lies under one of them, a later one takes it.
+    #[test]
+    fn words_lie_in_the_frame_and_on_no_other() {
+        let grid = Grid::of(Scene::Excursion, Effort::Quick);
+        let (mut plane, mut svg) = (Plane::at(&grid, 0, 0), String::new());
+        let middle = grid.epsilons[2];
+        let line: Vec<[f64; 2]> =
+            (0..200).map(|k| [grid.phis[0] * (grid.phis[5] / grid.phis[0]).powf(f64::from(k) / 199.0), middle]).collect();
+        (0..40).for_each(|_| plane.label(&mut svg, line.iter().copied(), 10.0, "0.9"));
+        let places: Vec<f64> = plane.words.iter().map(|([x, _], _)| x - plane.corner[0]).collect();
+        // Words of 7.5 px a half on either side.
+        assert!(places.len() > 5 && places.windows(2).all(|pair| pair[1] - pair[0] > 15.0), "{places:?}");
+        assert!(places.iter().all(|x| (7.5..=WIDTH - 7.5).contains(x)));
+        assert_eq!(svg.matches(">0.9<").count(), 2 * places.len(), "each with its halo, and no more than have room");
+    }
+
     #[test]
     fn colours_end_at_their_ranges_and_part_at_one() {
         assert_eq!((share_color(1e-9), share_color(7.0)), (share_color(1e-4), share_color(1.0)));
