@@ -193,22 +193,32 @@ fn run_json_says_what_ants_did() {
     assert!(last <= 0.01 && before > 0.01, "the first row within the radius is the last: {before} {last}");
 }
 
-/// Rows of `trace.csv` after checking columns and times: every tick up to `end` (s), then the end itself.
+/// Rows of `trace.csv`: every tick up to `end` (s), then the end itself.
 fn rows_of(folder: &str, control_period: f64, end: f64) -> Vec<Vec<f64>> {
-    let table = fs::read_to_string(Path::new(folder).join("trace.csv")).unwrap();
+    let rows = rows_in(folder, "trace.csv");
+    assert_ticks(&rows, control_period, end);
+    rows
+}
+
+/// Rows of a table with a trace, the first columns of which are checked.
+fn rows_in(folder: &str, name: &str) -> Vec<Vec<f64>> {
+    let table = fs::read_to_string(Path::new(folder).join(name)).unwrap();
     let mut lines = table.lines();
     let contract = "time_s,x_m,y_m,heading_rad,vx_m_per_s,vy_m_per_s,turn_rate_rad_per_s,";
     assert!(lines.next().unwrap().starts_with(contract));
     let seven = |line: &str| line.split(',').take(7).map(|field| field.parse().unwrap()).collect::<Vec<f64>>();
     let rows: Vec<_> = lines.map(seven).collect();
+    assert!(rows.iter().flatten().all(|value| value.is_finite()));
+    rows
+}
+
+/// No tick is missing before the end, and the end is there once.
+fn assert_ticks(rows: &[Vec<f64>], control_period: f64, end: f64) {
     for (tick, row) in rows[..rows.len() - 1].iter().enumerate() {
         assert_eq!(row[0], tick as f64 * control_period);
-        assert!(row.iter().all(|value| value.is_finite()));
     }
     assert_eq!(rows.last().unwrap()[0], end);
-    // No tick is missing before the end, and the end is there once.
     assert_eq!(rows.len(), (end / control_period - 1e-9).ceil() as usize + 1);
-    rows
 }
 
 #[test]
@@ -657,27 +667,26 @@ fn compare_finds_differences_and_writes_every_tier() {
     // A release under load parts a run with inertia from one without.
     assert!(number(&value, "/tiers/prescribed/inertia_effect/position_max_m") > 1e-4);
     assert!(["overview-prescribed.svg", "report.html"].iter().all(|name| names(out.as_ref()).contains(&(*name).to_owned())));
+    // Paths are compared between ticks as well; the rows of each tick are among them.
+    let between = number(&value, "/tiers/prescribed/between_instants_s");
+    assert!(between < 0.01 && (0.01 / between).fract().min(1.0 - (0.01 / between).fract()) < 1e-9, "{between}");
     for backend in BACKENDS {
-        rows_of_tier(&out, "prescribed", backend, 0.01, 0.173);
+        let times: Vec<f64> = rows_in(&out, &format!("trace-prescribed-{backend}.csv")).iter().map(|row| row[0]).collect();
+        assert!(times.windows(2).all(|pair| pair[0] < pair[1] && pair[1] - pair[0] < 1.001 * between), "{times:?}");
+        assert!((0..18).all(|tick| times.contains(&(f64::from(tick) * 0.01))) && times.last() == Some(&0.173), "{times:?}");
     }
     let value = json_of(&["compare", &ants, "--json", "--seeds", "2", "--out", &out]);
     assert_pathwise(&value["tiers"]["replayed"]);
     assert!(number(&value, "/tiers/replayed/inertia_effect/position_max_m") > 1e-6);
     for tier in ["replayed", "closed-loop"] {
         for backend in BACKENDS {
-            rows_of_tier(&out, tier, backend, 0.0025, 4.0);
+            assert_ticks(&rows_in(&out, &format!("trace-{tier}-{backend}.csv")), 0.0025, 4.0);
         }
     }
     assert!(!names(out.as_ref()).iter().any(|name| name.contains("prescribed")), "an earlier output is gone as a whole");
     let one = json_of(&["compare", &ants, "--json", "--seeds", "1", "--tier", "closed-loop"]);
     assert_eq!(one["tiers"].as_object().unwrap().len(), 1);
     assert_eq!(one["tiers"]["closed_loop"]["verdict"], "decorrelated", "one seed says nothing of means");
-}
-
-fn rows_of_tier(folder: &str, tier: &str, backend: &str, control_period: f64, end: f64) {
-    let room = tempdir().unwrap();
-    fs::copy(Path::new(folder).join(format!("trace-{tier}-{backend}.csv")), room.path().join("trace.csv")).unwrap();
-    rows_of(room.path().to_str().unwrap(), control_period, end);
 }
 
 #[test]

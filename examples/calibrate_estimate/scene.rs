@@ -106,7 +106,7 @@ fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate,
 
 /// The one place that solves.
 fn solve(scenario: &Scenario, options: &BackendOptions, driver: impl Fn() -> Box<dyn Driver> + Sync) -> Solution {
-    Solution::find(scenario, options, driver, |_| true).expect("nobody stops it")
+    Solution::find(scenario, options, 1, driver, |_| true).expect("nobody stops it")
 }
 
 pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {

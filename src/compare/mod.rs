@@ -24,7 +24,7 @@ mod verdict;
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, default_step};
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, default_step, n_steps_in};
 use crate::scenario::Scenario;
 
 pub use difference::{Difference, Occasion, OccasionKind, Parting};
@@ -63,6 +63,12 @@ pub struct Settings {
 /// Error of the exact backends' paths unasked, over the load's radius (1). What the verdict needs is known only when there are paths.
 const FIRST_TOLERANCE: f64 = 1e-3;
 
+/// Turn of the load's fastest oscillation from one instant at which paths are compared to the next (rad), at most: between them no more than 1 - cos of half of it
+/// of a swing, 3 %, can go unseen.
+const LARGEST_TURN_UNSEEN: f64 = 0.5;
+/// So many instants are enough of any comparison; of one with more ticks, the ticks.
+const ENOUGH_INSTANTS: f64 = 5e4;
+
 impl Settings {
     /// Of an exact backend whose path is compared.
     pub fn within(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
@@ -74,5 +80,16 @@ impl Settings {
     pub fn options(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let step_s = self.step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
         BackendOptions { rapier: self.rapier, skips: self.skips, ..BackendOptions::new(kind, step_s) }
+    }
+
+    /// Equal parts of a control period, at the ends of which paths are compared: as many as show how far the load swings between ticks, of those that a step of the
+    /// engine ends with, and no more than are enough.
+    fn parts_of_period(&self, scenario: &Scenario) -> u64 {
+        let period = scenario.control_period;
+        let n_steps = n_steps_in(period, self.options(scenario, BackendKind::Rapier).step_s);
+        let n_needed = period * scenario.system.fastest_rate() / LARGEST_TURN_UNSEEN;
+        let n_most = (ENOUGH_INSTANTS * period / scenario.duration).min(n_steps as f64).max(1.0) as u64;
+        let mut choices = (1..=n_most).filter(|n| n_steps % n == 0);
+        choices.clone().find(|n| *n as f64 >= n_needed).or(choices.next_back()).unwrap_or(1)
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::remedy::Apart;
 use super::{Difference, Numbers, Parting, Predicted, Remedy, Settings, Solution, Tier, Verdict, numbers};
-use crate::backend::{BackendKind, Status, StepReport};
+use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Keep, Replay, Simulation, driver_of};
 
@@ -36,6 +36,8 @@ pub struct Pathwise {
     pub tolerance_m: f64,
     /// Length of the way of the load's rim (m): shift plus radius times turn.
     pub path_length_m: f64,
+    /// Longest time between two instants at which the paths are compared (s).
+    pub between_instants_s: f64,
     pub first_parting: Partings,
     pub backends: Backends,
     #[serde(skip)]
@@ -137,9 +139,12 @@ fn compare(
     watch: impl Fn(f64) -> bool + Sync,
 ) -> Option<Pathwise> {
     let part = |at: f64| move |share: f64| (at + share) / 3.0;
-    let rapier = Solution::find(scenario, &settings.options(scenario, BackendKind::Rapier), &driver, |share| watch(part(0.0)(share)))?;
+    let find = |at, options: &BackendOptions| {
+        Solution::find(scenario, options, settings.parts_of_period(scenario), &driver, |share| watch(part(at)(share)))
+    };
+    let rapier = find(0.0, &settings.options(scenario, BackendKind::Rapier))?;
     let exact = |settings: &Settings| {
-        let find = |at, kind| Solution::find(scenario, &settings.within(scenario, kind), &driver, |share| watch(part(at)(share)));
+        let find = |at, kind| find(at, &settings.within(scenario, kind));
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
         Some([quasi_static?, inertial?])
     };
@@ -214,6 +219,7 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
         backends: Backends { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) },
         tolerance_m,
         path_length_m,
+        between_instants_s: scenario.control_period / settings.parts_of_period(scenario) as f64,
         first_parting,
         solutions,
     }

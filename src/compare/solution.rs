@@ -46,27 +46,29 @@ pub struct Point {
 }
 
 impl Solution {
-    /// Runs `scenario` with the drivers that `driver` makes, under error control if `options` ask for it, else at their step and at halves of it;
-    /// `watch` as in [`Simulation::run`], with the share done (1). `None` when it said to stop.
+    /// Runs `scenario` with the drivers that `driver` makes, under error control if `options` ask for it, else at their step and at halves of it, with points at
+    /// the ends of `n_parts` equal parts of each control period; `watch` as in [`Simulation::run`], with the share done (1). `None` when it said to stop.
     pub fn find(
         scenario: &Scenario,
         options: &BackendOptions,
+        n_parts: u64,
         driver: impl Fn() -> Box<dyn Driver> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
         match options.tolerance {
-            Some(_) => Self::within(scenario, options, driver, watch),
-            None => Self::extrapolated(scenario, options, driver, watch),
+            Some(_) => Self::within(scenario, options, n_parts, driver, watch),
+            None => Self::extrapolated(scenario, options, n_parts, driver, watch),
         }
     }
 
     fn within(
         scenario: &Scenario,
         options: &BackendOptions,
+        n_parts: u64,
         driver: impl Fn() -> Box<dyn Driver>,
         watch: impl Fn(f64) -> bool,
     ) -> Option<Self> {
-        let start = |options: &BackendOptions| Simulation::driven(scenario, options, Keep::Trace, driver());
+        let start = |options: &BackendOptions| Simulation::driven(scenario, options, Keep::Trace, driver()).in_parts(n_parts);
         let mut run = start(options);
         run.run_within(start, |time| watch(time / scenario.duration));
         if !run.is_finished() {
@@ -80,6 +82,7 @@ impl Solution {
     fn extrapolated(
         scenario: &Scenario,
         options: &BackendOptions,
+        n_parts: u64,
         driver: impl Fn() -> Box<dyn Driver> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
@@ -88,7 +91,7 @@ impl Solution {
         let done: Vec<AtomicU64> = (0..n_levels).map(|_| AtomicU64::new(0)).collect();
         let level = |level: u32| {
             let options = BackendOptions { step_s: options.step_s / f64::from(1 << level), ..*options };
-            let mut run = Simulation::driven(scenario, &options, Keep::Trace, driver());
+            let mut run = Simulation::driven(scenario, &options, Keep::Trace, driver()).in_parts(n_parts);
             let share = f64::from(1 << level) / cost_of_all;
             run.run(|time| {
                 done[level as usize].store((share * time / scenario.duration).to_bits(), Relaxed);

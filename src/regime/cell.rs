@@ -112,5 +112,5 @@ impl Cell {
 
 fn solution(staged: &Staged, kind: BackendKind, watch: &(impl Fn() -> bool + Sync)) -> Option<Solution> {
     let driver = || Box::new(Script::new(staged.cues.clone(), staged.scenario.system.springs.len())) as Box<dyn Driver>;
-    Solution::find(&staged.scenario, &staged.options(kind), driver, |_| watch())
+    Solution::find(&staged.scenario, &staged.options(kind), 1, driver, |_| watch())
 }

@@ -147,7 +147,7 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     let [inertia, engine, own] = [found.rim.inertia_m, found.rim.engine_m, found.rim.own_m].map(|value| quantity(value, "m"));
     lines.row("on the rim", &format!("{inertia} by inertia, {engine} by the engine, {own} own error"));
     let within = format!("{} of its way of {}", quantity(found.tolerance_m, "m"), quantity(found.path_length_m, "m"));
-    lines.row("agreement", &format!("up to {within}"));
+    lines.row("agreement", &format!("up to {within}, seen every {}", quantity(found.between_instants_s, "s")));
     lines.row("inertia effect", &difference(&found.inertia_effect));
     lines.row("engine error", &difference(&found.engine_error));
     lines.row("  of its step", &difference(&found.engine_step_error));

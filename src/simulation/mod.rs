@@ -107,6 +107,8 @@ pub struct Simulation<'a> {
     backend: Box<dyn Backend>,
     driver: Box<dyn Driver>,
     keep: Keep,
+    /// Equal parts of each control period, rows at whose ends are kept.
+    n_parts: u64,
     /// Number of the last tick passed or reached.
     tick: u64,
     time: f64,
@@ -139,7 +141,13 @@ impl<'a> Simulation<'a> {
         let (steps, transitions, trace) = (StepReport::default(), TransitionCounts::default(), Trace::default());
         let (tick, time, finished, error) = (0, 0.0, false, None);
         let (tips, orders) = (held_by(scenario, backend.as_ref()), Orders::default());
-        Self { scenario, options: *options, backend, driver, keep, tick, time, finished, steps, error, transitions, trace, tips, orders }
+        Self { scenario, options: *options, backend, driver, keep, n_parts: 1, tick, time, finished, steps, error, transitions, trace, tips, orders }
+    }
+
+    /// The same with a row at the end of each of `n_parts` equal parts of a control period, in place of at ticks alone. Meant for drivers to which one instant
+    /// is as good as another: [`Tips`] and [`Replay`].
+    pub fn in_parts(self, n_parts: u64) -> Self {
+        Self { n_parts: n_parts.max(1), ..self }
     }
 
     /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
@@ -252,7 +260,7 @@ impl<'a> Simulation<'a> {
     }
 
     fn is_over(&self, motion: &Motion) -> bool {
-        let at_end = self.scenario.duration - self.time <= SAME_INSTANT * self.scenario.control_period;
+        let at_end = self.scenario.duration - self.time <= self.same_instant();
         at_end || self.driver.arrived(motion) == Some(true)
     }
 
@@ -292,9 +300,9 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// A row at every tick and at the end.
+    /// A row at every tick, at the ends of parts between them, and at the end.
     fn record(&mut self, motion: Motion) {
-        if self.keep == Keep::Trace && (self.tick_now().is_some() || self.is_over(&motion)) {
+        if self.keep == Keep::Trace && (self.tick_now().is_some() || self.ends_part() || self.is_over(&motion)) {
             let (energy, error) = (self.backend.energy(), self.backend.pose_error());
             self.trace.rows.push(Row { time: self.time, motion, energy, tips: HeldTips::new(), error });
             // Filled where it stands: a row is long.
@@ -305,7 +313,32 @@ impl<'a> Simulation<'a> {
     fn next_instant(&self) -> f64 {
         let ends = [self.tick_time(self.tick + 1), self.scenario.duration];
         let end = ends[0].min(ends[1]);
-        self.driver.next_instant(self.time).map_or(end, |instant| instant.min(end))
+        let instant = self.driver.next_instant(self.time).map_or(end, |instant| instant.min(end));
+        if self.n_parts == 1 {
+            return instant;
+        }
+        let part = self.part_time(self.part_now().floor() + 1.0);
+        if part < instant - self.same_instant() { part } else { instant }
+    }
+
+    /// How many parts of this control period have passed, those within rounding of their end included (1).
+    fn part_now(&self) -> f64 {
+        (self.time + self.same_instant() - self.tick_time(self.tick)) / self.scenario.control_period * self.n_parts as f64
+    }
+
+    /// When a part of this control period ends (s).
+    fn part_time(&self, part: f64) -> f64 {
+        self.tick_time(self.tick) + self.scenario.control_period * part / self.n_parts as f64
+    }
+
+    /// Whether a part of a control period ends at this instant.
+    fn ends_part(&self) -> bool {
+        self.n_parts > 1 && (self.time - self.part_time(self.part_now().floor())).abs() <= self.same_instant()
+    }
+
+    /// Instants nearer to each other than this are one (s).
+    fn same_instant(&self) -> f64 {
+        SAME_INSTANT * self.scenario.control_period
     }
 
     fn move_clock_to(&mut self, time: f64) {
@@ -386,6 +419,38 @@ mod tests {
 
         fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
             self.ants.restore(state)
+        }
+    }
+
+    /// Parts of periods add rows and leave the rest as it is: those at ticks, at the end and the events, with waypoints, a release and the end between ticks and between
+    /// parts; and so in a replay, whose tips go straight from one recorded row to the next.
+    #[test]
+    fn parts_of_periods_add_rows_and_change_nothing() {
+        let text = include_str!("../../scenarios/analytic/ramp-and-hold.json")
+            .replace("[0.5, 0.04, 0.0]] }", "[0.51, 0.04, 0.0], [0.625, 0.03, 0.001]], \"release_s\": 0.77 }")
+            .replace("\"duration_s\": 1.0", "\"duration_s\": 0.93")
+            .replace("\"control_period_s\": 0.001", "\"control_period_s\": 0.1");
+        let scenario = Scenario::parse(&text, "ramps").unwrap();
+        // Steps that end with each part and with each instant between them.
+        let options = BackendOptions::new(BackendKind::QuasiStatic, 1e-4);
+        let run = |driver: Box<dyn Driver>, n_parts| {
+            let mut run = Simulation::driven(&scenario, &options, Keep::Trace, driver).in_parts(n_parts);
+            run.run(|_| true);
+            run.into_results().0
+        };
+        let of_tips = |n_parts| run(driver_of(&scenario), n_parts);
+        let plain = of_tips(1);
+        let replay = |n_parts| run(Box::new(Replay::new(std::sync::Arc::new(of_tips(100)), 1)), n_parts);
+        assert_eq!(plain.rows.len(), 11);
+        for (trace, n_parts) in [(of_tips(4), 4), (of_tips(7), 7), (replay(100), 100), (replay(300), 300)] {
+            assert_eq!(trace.rows.len() as u64, (9.3 * n_parts as f64 - 1e-9).ceil() as u64 + 1, "{n_parts} parts");
+            assert!(trace.rows.windows(2).all(|pair| pair[1].time - pair[0].time > 1e-3 / 4.0));
+            for row in &plain.rows {
+                let same = trace.rows.iter().find(|other| (other.time - row.time).abs() < 1e-12).expect("a row at every tick");
+                // Roundings of places of some 0.04 m.
+                assert!((same.motion.pose.position - row.motion.pose.position).norm() < 1e-15, "{n_parts} parts: {row:?} {same:?}");
+            }
+            assert_eq!(trace.events.len(), 2);
         }
     }
 

@@ -26,16 +26,25 @@ impl Driver for Replay {
         orders.events.extend(events[first..].iter().take_while(|event| event.time == view.time));
     }
 
-    /// Where the recorded run had its tips at `until`, those included that it let go there.
-    fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
+    /// Where the recorded run had its tips at `until`, those included that it let go there; straight between its rows.
+    fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
         let recorded = Arc::clone(&self.recorded);
-        if let Some(row) = recorded.rows.get(recorded.rows.partition_point(|row| row.time < until)) {
-            row.tips.iter().for_each(|tip| self.targets[tip.spring] = tip.position);
-        }
-        let first = recorded.events.partition_point(|event| event.time < until);
-        for event in recorded.events[first..].iter().take_while(|event| event.time == until) {
+        let Some(row) = recorded.rows.get(recorded.rows.partition_point(|row| row.time < until)) else {
+            return &self.targets;
+        };
+        row.tips.iter().for_each(|tip| self.targets[tip.spring] = tip.position);
+        let first = recorded.events.partition_point(|event| event.time < row.time);
+        for event in recorded.events[first..].iter().take_while(|event| event.time == row.time) {
             if event.kind == super::EventKind::Release {
                 self.targets[event.spring] = event.tip;
+            }
+        }
+        if until < row.time {
+            let share = (until - view.time) / (row.time - view.time);
+            for (spring, target) in self.targets.iter_mut().enumerate() {
+                if let Some(now) = view.backend.tip(spring) {
+                    *target = now + share * (*target - now);
+                }
             }
         }
         &self.targets
