@@ -1,8 +1,9 @@
 //! A backend's path with its own error.
 //!
 //! The exact methods run under error control, and their error is what that estimates. An engine has none; with p(h) its path at the step h,
-//! `2 p(h/2) - p(h)` is second order as long as grasps and releases fall on nodes, as they do here; the same at h/4 is its limit, and the distance between
-//! the two bounds the error of that. An engine is shown at the step that its user asked for as well: its distance from its own limit is the error of that step, the
+//! `2 p(h/2) - p(h)` is second order as long as nothing happens between nodes; the same at h/4 is its limit. Grasps and releases fall on nodes here, onsets,
+//! stops and captures do not, and leave errors that are no series in the step: the limit may then be as wrong as the finest path is without extrapolation. The larger
+//! one of both distances, between the two extrapolations and between the two finest paths, bounds its error from then on. An engine is shown at the step that its user asked for as well: its distance from its own limit is the error of that step, the
 //! limit's distance from the reference an error that no step removes.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -104,7 +105,11 @@ impl Solution {
         levels.reverse();
         let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
         let is_engine = options.kind == BackendKind::Rapier;
-        let limit: Vec<Point> = (0..rows[0].len()).map(|i| extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
+        let mut limit: Vec<Point> = (0..rows[0].len()).map(|i| extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
+        for i in 1..limit.len() {
+            limit[i].position_error = limit[i].position_error.max(limit[i - 1].position_error);
+            limit[i].heading_error = limit[i].heading_error.max(limit[i - 1].heading_error);
+        }
         let points = if is_engine { rows[0].iter().map(as_run).collect() } else { limit.clone() };
         let mut steps = StepReport::default();
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
@@ -125,7 +130,7 @@ fn as_run(row: &Row) -> Point {
     Point { time: row.time, position: pose.position, heading: pose.heading, position_error: error.position, heading_error: error.heading }
 }
 
-/// The path in the limit of small steps; its distance from the same out of one level less bounds its error.
+/// The path in the limit of small steps. Its error is no more than its distance from the same out of one level less, or than that of the two finest paths.
 fn extrapolated(coarse: &Row, middle: &Row, fine: &Row) -> Point {
     let [a, b, c] = [coarse, middle, fine].map(|row| row.motion.pose);
     let (before, position) = (2.0 * b.position - a.position, 2.0 * c.position - b.position);
@@ -134,7 +139,7 @@ fn extrapolated(coarse: &Row, middle: &Row, fine: &Row) -> Point {
         time: coarse.time,
         position,
         heading,
-        position_error: (position - before).norm(),
-        heading_error: (heading - heading_before).abs(),
+        position_error: (position - before).norm().max((c.position - b.position).norm()),
+        heading_error: (heading - heading_before).abs().max((c.heading - b.heading).abs()),
     }
 }
