@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::Solution;
 use super::solution::Point;
 use crate::backend::{Transition, TransitionKind};
-use crate::simulation::{Event, EventKind, Trace};
+use crate::simulation::{Event, EventKind, SAME_INSTANT, Trace};
 
 /// Distance of two paths, or an error of one: at its largest and at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -24,6 +24,15 @@ pub struct Parting {
     pub time_s: f64,
     /// What happened last before; `None` when nothing had.
     pub after: Option<Occasion>,
+}
+
+/// Jumps of a load without inertia. A jump takes no time, in which nothing with inertia can follow: it has until the next tick.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Jumps {
+    /// In order (s).
+    times: Vec<f64>,
+    /// (s)
+    control_period: f64,
 }
 
 /// Something that can make paths part.
@@ -58,7 +67,12 @@ pub enum OccasionKind {
 impl Difference {
     /// Of two paths over the instants that both have.
     pub fn between(a: &[Point], b: &[Point]) -> Self {
-        Self::over(a.iter().zip(b).map(|(a, b)| apart(a, b)))
+        Self::but_in_jumps(a, b, &Jumps::default())
+    }
+
+    /// Of two paths over those of the instants that both have that count beside the jumps of one of them.
+    pub fn but_in_jumps(a: &[Point], b: &[Point], jumps: &Jumps) -> Self {
+        Self::over(a.iter().zip(b).filter(|(a, _)| jumps.let_count(a.time)).map(|(a, b)| apart(a, b)))
     }
 
     /// How far a path may be wrong.
@@ -93,16 +107,36 @@ impl Difference {
 
 impl Parting {
     /// Where a point of the load at most `radius` (m) from its origin first lies further apart in `a` and `b` than both own errors and `tolerance` (m)
-    /// together.
-    pub fn of(a: &Solution, b: &Solution, radius: f64, tolerance: f64) -> Option<Self> {
+    /// together, at instants that count beside `jumps`. What the load does within a `moment` (s) of a grasp or a release is its effect.
+    pub fn of(a: &Solution, b: &Solution, [radius, tolerance, moment]: [f64; 3], jumps: &Jumps) -> Option<Self> {
         let parts = |(a, b): &(&Point, &Point)| {
             let own = a.position_error + b.position_error + radius * (a.heading_error + b.heading_error);
             let (position, heading) = apart(a, b);
-            position + radius * heading > tolerance + own
+            jumps.let_count(a.time) && position + radius * heading > tolerance + own
         };
         let time_s = a.points.iter().zip(&b.points).find(parts)?.0.time;
-        let after = [a, b].into_iter().filter_map(|solution| last_before(&solution.trace, time_s));
+        let until = jumps.since_tick(time_s).map_or(time_s, f64::next_up);
+        let after = [a, b].into_iter().filter_map(|solution| last_before(&solution.trace, until, moment));
         Some(Self { time_s, after: after.max_by(Occasion::by_time) })
+    }
+}
+
+impl Jumps {
+    /// Of the load in a trace with this control period (s).
+    pub fn of(trace: &Trace, control_period: f64) -> Self {
+        let is_jump = |transition: &&Transition| matches!(transition.kind, TransitionKind::Jump { .. });
+        Self { times: trace.transitions.iter().filter(is_jump).map(|jump| jump.time).collect(), control_period }
+    }
+
+    /// Whether paths are held against each other at an instant (s): at every tick, and between ticks unless there has been a jump since the last one.
+    fn let_count(&self, time: f64) -> bool {
+        self.since_tick(time).is_none() || (time / self.control_period - (time / self.control_period).round()).abs() <= SAME_INSTANT
+    }
+
+    /// The first jump from the tick before an instant on (s).
+    fn since_tick(&self, time: f64) -> Option<f64> {
+        let tick = ((time / self.control_period - SAME_INSTANT).ceil() - 1.0 - SAME_INSTANT) * self.control_period;
+        self.times.get(self.times.partition_point(|jump| *jump < tick)).copied().filter(|jump| *jump <= time)
     }
 }
 
@@ -132,11 +166,13 @@ impl Occasion {
     }
 }
 
-/// What happened last before `time` (s).
-fn last_before(trace: &Trace, time: f64) -> Option<Occasion> {
+/// What happened last before `time` (s), but for what the load did within a `moment` (s) of it.
+fn last_before(trace: &Trace, time: f64, moment: f64) -> Option<Occasion> {
     let event = trace.events[..trace.events.partition_point(|event| event.time < time)].last().map(Occasion::of_event);
     let transitions = &trace.transitions[..trace.transitions.partition_point(|transition| transition.time < time)];
-    event.into_iter().chain(transitions.last().map(Occasion::of_transition)).max_by(Occasion::by_time)
+    let transition = transitions.last().map(Occasion::of_transition);
+    let is_effect = event.zip(transition).is_some_and(|(event, transition)| transition.time_s <= event.time_s + moment);
+    event.into_iter().chain(transition.filter(|_| !is_effect)).max_by(Occasion::by_time)
 }
 
 fn apart(a: &Point, b: &Point) -> (f64, f64) {

@@ -67,7 +67,7 @@ const FIRST_TOLERANCE: f64 = 1e-3;
 /// of a swing, 3 %, can go unseen.
 const LARGEST_TURN_UNSEEN: f64 = 0.5;
 /// So many instants are enough of any comparison; of one with more ticks, the ticks.
-const ENOUGH_INSTANTS: f64 = 5e4;
+const ENOUGH_INSTANTS: f64 = 2e5;
 
 impl Settings {
     /// Of an exact backend whose path is compared.

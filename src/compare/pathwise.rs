@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use super::difference::Jumps;
 use super::remedy::Apart;
 use super::{Difference, Numbers, Parting, Predicted, Remedy, Settings, Solution, Tier, Verdict, numbers};
 use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
@@ -167,35 +168,41 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
     let [quasi_static, inertial, rapier] = &solutions;
     let own = [quasi_static, inertial, rapier].map(|solution| Difference::own(&solution.limit));
     let own_error = OwnErrors { all: own[0].max(&own[1]), quasi_static: own[0], inertial: own[1], rapier: own[2] };
-    let inertia_effect = Difference::between(&inertial.points, &quasi_static.points);
+    let jumps = Jumps::of(&quasi_static.trace, scenario.control_period);
+    let inertia_effect = Difference::but_in_jumps(&inertial.points, &quasi_static.points, &jumps);
     let engine_error = Difference::between(&rapier.points, &inertial.points);
     let radius = scenario.system.load.radius;
-    let path_length_m = inertial.path_length(radius).max(quasi_static.path_length(radius));
+    let way_without_inertia = quasi_static.path_length(radius);
+    let path_length_m = inertial.path_length(radius).max(way_without_inertia);
     // A load that stays where it is has no path: a millionth of its radius stands in.
-    let tolerance_m = settings.agreement * path_length_m.max(1e-6 * radius);
+    let agreement = |way: f64| settings.agreement * way.max(1e-6 * radius);
+    let tolerance_m = agreement(path_length_m);
     let engine_step_error = Difference::between(&rapier.points, &rapier.limit);
     let engine_model_error = Difference::between(&rapier.limit, &inertial.limit);
     let [inertia, engine, own] = [&inertia_effect, &engine_error, &own_error.all].map(|difference| difference.displacement(radius));
     let rim = Rim::new(inertia, engine, own);
     let apart = Apart {
         inertia,
-        engine_step: engine_step_error.displacement(radius),
-        engine_model: engine_model_error.displacement(radius),
+        engine,
+        engine_model: (engine_model_error.displacement(radius) - own_error.rapier.displacement(radius) - own).max(0.0),
         tolerance: tolerance_m,
+        tolerance_without_inertia: agreement(way_without_inertia),
     };
     let numbers = Numbers::of(scenario, &inertial.trace);
     let failed = solutions.iter().any(|solution| solution.steps.status == Status::Failed);
     let verdict = if failed { Verdict::NotComputed } else { Verdict::on_paths(inertia, engine, own, tolerance_m) };
     let causes = rim.causes(tolerance_m);
     let predicted = numbers.predict(scenario, &inertial.trace, tolerance_m).with_estimate(scenario, &quasi_static.trace);
+    let rate = numbers::natural_rate(scenario);
+    let parted_by = [radius, tolerance_m, if rate > 0.0 { rate.recip() } else { 0.0 }];
     let first_parting = Partings {
-        by_inertia: Parting::of(inertial, quasi_static, radius, tolerance_m),
-        by_engine: Parting::of(rapier, inertial, radius, tolerance_m),
+        by_inertia: Parting::of(inertial, quasi_static, parted_by, &jumps),
+        by_engine: Parting::of(rapier, inertial, parted_by, &Jumps::default()),
     };
     let remedies = match verdict {
         Verdict::BelowOwnError => vec![Remedy::TighterTolerance { tolerance_m: LARGEST_OWN_ERROR * tolerance_m }],
         _ => {
-            let tick_angle = scenario.control_period * numbers::natural_rate(scenario);
+            let tick_angle = scenario.control_period * rate;
             let against = |cause: &Cause| match cause {
                 Cause::Inertia => apart.against_inertia(first_parting.by_inertia.as_ref(), &numbers, &predicted, tick_angle),
                 Cause::Engine => vec![apart.against_engine(rapier.step_s.unwrap_or_default())],

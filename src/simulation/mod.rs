@@ -124,7 +124,7 @@ pub struct Simulation<'a> {
 }
 
 /// Instants nearer to each other than this share of a control period are one.
-const SAME_INSTANT: f64 = 1e-9;
+pub(crate) const SAME_INSTANT: f64 = 1e-9;
 
 impl<'a> Simulation<'a> {
     pub fn new(scenario: &'a Scenario, options: &BackendOptions, keep: Keep) -> Self {
