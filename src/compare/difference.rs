@@ -33,6 +33,8 @@ pub struct Jumps {
     times: Vec<f64>,
     /// (s)
     control_period: f64,
+    /// Of the trace (s).
+    end: f64,
 }
 
 /// Something that can make paths part.
@@ -125,12 +127,14 @@ impl Jumps {
     /// Of the load in a trace with this control period (s).
     pub fn of(trace: &Trace, control_period: f64) -> Self {
         let is_jump = |transition: &&Transition| matches!(transition.kind, TransitionKind::Jump { .. });
-        Self { times: trace.transitions.iter().filter(is_jump).map(|jump| jump.time).collect(), control_period }
+        let end = trace.rows.last().map_or(0.0, |row| row.time);
+        Self { times: trace.transitions.iter().filter(is_jump).map(|jump| jump.time).collect(), control_period, end }
     }
 
-    /// Whether paths are held against each other at an instant (s): at every tick, and between ticks unless there has been a jump since the last one.
+    /// Whether paths are held against each other at an instant (s): at every tick and at the end, and between ticks unless there has been a jump since the last one.
     fn let_count(&self, time: f64) -> bool {
-        self.since_tick(time).is_none() || (time / self.control_period - (time / self.control_period).round()).abs() <= SAME_INSTANT
+        let n_periods = time / self.control_period;
+        self.since_tick(time).is_none() || (n_periods - n_periods.round()).abs() <= SAME_INSTANT || time >= self.end
     }
 
     /// The first jump from the tick before an instant on (s).
@@ -177,4 +181,21 @@ fn last_before(trace: &Trace, time: f64, moment: f64) -> Option<Occasion> {
 
 fn apart(a: &Point, b: &Point) -> (f64, f64) {
     ((a.position - b.position).norm(), (a.heading - b.heading).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ticks every 0.1 s, a jump at a tick, one between ticks, and an end between ticks after a third.
+    #[test]
+    fn a_jump_has_until_the_next_tick() {
+        let jumps = Jumps { times: vec![0.3, 0.52, 0.71], control_period: 0.1, end: 0.77 };
+        let counts = |times: &[f64]| times.iter().map(|time| jumps.let_count(*time)).collect::<Vec<_>>();
+        assert_eq!(counts(&[0.0, 0.05, 0.25, 0.1 + 0.2, 0.3]), [true; 5]);
+        assert_eq!(counts(&[0.32, 0.38, 0.4, 0.42, 0.51]), [false, false, true, true, true]);
+        assert_eq!(counts(&[0.52, 0.58, 0.6, 0.65, 0.7, 0.705, 0.75, 0.77]), [false, false, true, true, true, true, false, true]);
+        assert_eq!([0.35, 0.4, 0.45, 0.6].map(|time| jumps.since_tick(time)), [Some(0.3), Some(0.3), None, Some(0.52)]);
+        assert!(Jumps::default().let_count(0.123));
+    }
 }
