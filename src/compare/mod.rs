@@ -89,7 +89,7 @@ impl Settings {
         let n_steps = n_steps_in(period, self.options(scenario, BackendKind::Rapier).step_s);
         let n_needed = period * scenario.system.fastest_rate() / LARGEST_TURN_UNSEEN;
         let n_most = (ENOUGH_INSTANTS * period / scenario.duration).min(n_steps as f64).max(1.0) as u64;
-        let mut choices = (1..=n_most).filter(|n| n_steps % n == 0);
+        let mut choices = (1..=n_most).filter(|n| n_steps.is_multiple_of(*n));
         choices.clone().find(|n| *n as f64 >= n_needed).or(choices.next_back()).unwrap_or(1)
     }
 }
