@@ -27,8 +27,8 @@ pub struct Parting {
 }
 
 /// Jumps of a load without inertia. A jump takes no time, in which nothing with inertia can follow: it has until the next tick.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Jumps {
+#[derive(Default)]
+pub(super) struct Jumps {
     /// In order (s).
     times: Vec<f64>,
     /// (s)
@@ -73,7 +73,7 @@ impl Difference {
     }
 
     /// Of two paths over those of the instants that both have that count beside the jumps of one of them.
-    pub fn but_in_jumps(a: &[Point], b: &[Point], jumps: &Jumps) -> Self {
+    pub(super) fn but_in_jumps(a: &[Point], b: &[Point], jumps: &Jumps) -> Self {
         Self::over(a.iter().zip(b).filter(|(a, _)| jumps.let_count(a.time)).map(|(a, b)| apart(a, b)))
     }
 
@@ -110,7 +110,7 @@ impl Difference {
 impl Parting {
     /// Where a point of the load at most `radius` (m) from its origin first lies further apart in `a` and `b` than both own errors and `tolerance` (m)
     /// together, at instants that count beside `jumps`. What the load does within a `moment` (s) of a grasp or a release is its effect.
-    pub fn of(a: &Solution, b: &Solution, [radius, tolerance, moment]: [f64; 3], jumps: &Jumps) -> Option<Self> {
+    pub(super) fn of(a: &Solution, b: &Solution, [radius, tolerance, moment]: [f64; 3], jumps: &Jumps) -> Option<Self> {
         let parts = |(a, b): &(&Point, &Point)| {
             let own = a.position_error + b.position_error + radius * (a.heading_error + b.heading_error);
             let (position, heading) = apart(a, b);

@@ -58,7 +58,7 @@ impl System {
     }
 
     /// Dashpot coefficients (radial in N s/m, torsional in N m s/rad) of a spring with this damping ratio on this load:
-    /// stiffness times 2 zeta / omega_n with omega_n = sqrt(radial stiffness / mass).
+    /// stiffness times 2 zeta / omega_n with omega_n = sqrt(radial stiffness / mass). That of an isotropic spring resists every direction alike.
     pub fn dashpot(&self, spring: &PolarSpring) -> (f64, f64) {
         if spring.damping_ratio == 0.0 || spring.radial_stiffness == 0.0 {
             return (0.0, 0.0);

@@ -1,4 +1,5 @@
-//! What is kept of a run: a row at every control tick, the events between, and how it ended.
+//! What is kept of a run: a row at every control tick (and at ends of parts of a control period, where a comparison asks for them), the events between, and how
+//! it ended.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -6,7 +7,7 @@ use crate::backend::{EnergyLedger, HeldTips, Motion, PoseError, StepReport, Tran
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
 
-/// The run as it was: rows at every control tick and at the exact end.
+/// The run as it was: rows at every control tick at least, and at the exact end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     pub rows: Vec<Row>,
