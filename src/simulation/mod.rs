@@ -1,6 +1,7 @@
 //! Floor 3: behaviour, backend and clock make a trace. The loop that everybody reads first is [`Simulation::step`].
 
 mod ants;
+mod clock;
 mod periods;
 mod releases;
 mod replay;
@@ -16,9 +17,11 @@ use crate::backend::{
 };
 use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
+use clock::Clock;
 
 pub use crate::backend::{HeldTip, HeldTips};
 pub use ants::{Ants, follow_ants};
+pub(crate) use clock::SAME_INSTANT;
 pub use replay::Replay;
 pub use saved::SavedRun;
 pub use tips::Tips;
@@ -107,11 +110,7 @@ pub struct Simulation<'a> {
     backend: Box<dyn Backend>,
     driver: Box<dyn Driver>,
     keep: Keep,
-    /// Equal parts of each control period, rows at whose ends are kept.
-    n_parts: u64,
-    /// Number of the last tick passed or reached.
-    tick: u64,
-    time: f64,
+    clock: Clock,
     finished: bool,
     steps: StepReport,
     error: Option<PoseError>,
@@ -122,9 +121,6 @@ pub struct Simulation<'a> {
     /// Kept for its memory.
     orders: Orders,
 }
-
-/// Instants nearer to each other than this share of a control period are one.
-pub(crate) const SAME_INSTANT: f64 = 1e-9;
 
 impl<'a> Simulation<'a> {
     pub fn new(scenario: &'a Scenario, options: &BackendOptions, keep: Keep) -> Self {
@@ -139,36 +135,21 @@ impl<'a> Simulation<'a> {
     /// A run on a backend made elsewhere; `options` say what it is.
     pub fn on(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>, backend: Box<dyn Backend>) -> Self {
         let (steps, transitions, trace) = (StepReport::default(), TransitionCounts::default(), Trace::default());
-        let (tick, time, finished, error) = (0, 0.0, false, None);
+        let (clock, finished, error) = (Clock::new(scenario.control_period, scenario.duration), false, None);
         let (tips, orders) = (held_by(scenario, backend.as_ref()), Orders::default());
-        Self {
-            scenario,
-            options: *options,
-            backend,
-            driver,
-            keep,
-            n_parts: 1,
-            tick,
-            time,
-            finished,
-            steps,
-            error,
-            transitions,
-            trace,
-            tips,
-            orders,
-        }
+        Self { scenario, options: *options, backend, driver, keep, clock, finished, steps, error, transitions, trace, tips, orders }
     }
 
     /// The same with a row at the end of each of `n_parts` equal parts of a control period, in place of at ticks alone. Meant for drivers to which one instant
     /// is as good as another: [`Tips`] and [`Replay`].
-    pub fn in_parts(self, n_parts: u64) -> Self {
-        Self { n_parts: n_parts.max(1), ..self }
+    pub fn in_parts(mut self, n_parts: u64) -> Self {
+        self.clock.n_parts = n_parts.max(1);
+        self
     }
 
     /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
     pub fn run(&mut self, mut watch: impl FnMut(f64) -> bool) {
-        while !self.finished && watch(self.time) {
+        while !self.finished && watch(self.clock.time) {
             self.step();
         }
     }
@@ -180,7 +161,7 @@ impl<'a> Simulation<'a> {
     pub fn run_past<E>(&mut self, mut watch: impl FnMut(f64) -> bool, mut see: impl FnMut(&[Row]) -> Result<(), E>) -> Result<(), E> {
         // What a processor has nearest to it.
         const SOME: usize = 64;
-        while !self.finished && watch(self.time) {
+        while !self.finished && watch(self.clock.time) {
             self.step();
             if self.trace.rows.len() >= SOME {
                 see(&self.trace.rows)?;
@@ -193,7 +174,7 @@ impl<'a> Simulation<'a> {
     /// Runs to the end like [`Simulation::run`]; under error control once more with smaller errors of strides, from a start that `afresh` makes, as long as they
     /// add up to more than the tolerance. What they add up to in the end, more than the tolerance or not, is in the outcome.
     pub fn run_within(&mut self, mut afresh: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {
-        while !self.finished && watch(self.time) {
+        while !self.finished && watch(self.clock.time) {
             self.step();
             if let Some(tighter) = self.options.tolerance.filter(|_| !self.is_within()).and_then(|tolerance| tolerance.tightened()) {
                 let options = BackendOptions { tolerance: Some(tighter), ..self.options };
@@ -218,18 +199,18 @@ impl<'a> Simulation<'a> {
             self.finished = true;
             return;
         }
-        let (tick, skips) = (self.tick_now(), self.options.skips);
-        let (scenario, time) = (self.scenario, self.time);
+        let (tick, skips) = (self.clock.tick_now(), self.options.skips);
+        let (scenario, time) = (self.scenario, self.clock.time);
         let tips = if self.keep == Keep::Trace { &self.tips[..] } else { &[] };
         self.driver.decide(&View { scenario, backend: self.backend.as_ref(), motion, tips, time, tick, skips }, &mut self.orders);
         self.act();
         self.record(motion);
-        let until = self.next_instant();
+        let until = self.clock.next(self.driver.next_instant(time));
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.driver.targets(&view, until);
-        self.steps.add(&self.backend.advance(targets, until - self.time));
+        self.steps.add(&self.backend.advance(targets, until - time));
         self.observe();
-        self.move_clock_to(until);
+        self.clock.move_to(until);
     }
 
     pub fn is_finished(&self) -> bool {
@@ -238,7 +219,7 @@ impl<'a> Simulation<'a> {
 
     /// (s)
     pub fn time(&self) -> f64 {
-        self.time
+        self.clock.time
     }
 
     /// Pose and twist of the load now.
@@ -258,7 +239,7 @@ impl<'a> Simulation<'a> {
     pub fn outcome(&self) -> Outcome {
         let motion = self.backend.motion();
         Outcome {
-            time: self.time,
+            time: self.clock.time,
             motion,
             energy: self.backend.energy(),
             steps: self.steps,
@@ -276,8 +257,7 @@ impl<'a> Simulation<'a> {
     }
 
     fn is_over(&self, motion: &Motion) -> bool {
-        let at_end = self.scenario.duration - self.time <= self.same_instant();
-        at_end || self.driver.arrived(motion) == Some(true)
+        self.clock.is_at_end() || self.driver.arrived(motion) == Some(true)
     }
 
     /// Carries the orders out and empties them.
@@ -311,67 +291,19 @@ impl<'a> Simulation<'a> {
         for transition in self.backend.transitions() {
             self.transitions.add(&transition.kind);
             if self.keep == Keep::Trace {
-                self.trace.transitions.push(Transition { time: self.time + transition.time, ..*transition });
+                self.trace.transitions.push(Transition { time: self.clock.time + transition.time, ..*transition });
             }
         }
     }
 
     /// A row at every tick, at the ends of parts between them, and at the end.
     fn record(&mut self, motion: Motion) {
-        if self.keep == Keep::Trace && (self.tick_now().is_some() || self.ends_part() || self.is_over(&motion)) {
+        if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
             let (energy, error) = (self.backend.energy(), self.backend.pose_error());
-            self.trace.rows.push(Row { time: self.time, motion, energy, tips: HeldTips::new(), error });
+            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: HeldTips::new(), error });
             // Filled where it stands: a row is long.
             self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
         }
-    }
-
-    fn next_instant(&self) -> f64 {
-        let ends = [self.tick_time(self.tick + 1), self.scenario.duration];
-        let end = ends[0].min(ends[1]);
-        let instant = self.driver.next_instant(self.time).map_or(end, |instant| instant.min(end));
-        if self.n_parts == 1 {
-            return instant;
-        }
-        let part = self.part_time(self.part_now().floor() + 1.0);
-        if part < instant - self.same_instant() { part } else { instant }
-    }
-
-    /// How many parts of this control period have passed, those within rounding of their end included (1).
-    fn part_now(&self) -> f64 {
-        (self.time + self.same_instant() - self.tick_time(self.tick)) / self.scenario.control_period * self.n_parts as f64
-    }
-
-    /// When a part of this control period ends (s).
-    fn part_time(&self, part: f64) -> f64 {
-        self.tick_time(self.tick) + self.scenario.control_period * part / self.n_parts as f64
-    }
-
-    /// Whether a part of a control period ends at this instant.
-    fn ends_part(&self) -> bool {
-        self.n_parts > 1 && (self.time - self.part_time(self.part_now().floor())).abs() <= self.same_instant()
-    }
-
-    /// Instants nearer to each other than this are one (s).
-    fn same_instant(&self) -> f64 {
-        SAME_INSTANT * self.scenario.control_period
-    }
-
-    fn move_clock_to(&mut self, time: f64) {
-        self.time = time;
-        if time >= self.tick_time(self.tick + 1) {
-            self.tick += 1;
-        }
-    }
-
-    /// Time of a tick (s): a product, not a sum, so that no rounding grows.
-    fn tick_time(&self, tick: u64) -> f64 {
-        tick as f64 * self.scenario.control_period
-    }
-
-    /// The tick at this instant; `None` between ticks.
-    fn tick_now(&self) -> Option<u64> {
-        (self.time == self.tick_time(self.tick)).then_some(self.tick)
     }
 }
 

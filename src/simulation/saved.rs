@@ -29,8 +29,8 @@ impl Simulation<'_> {
         SavedRun {
             scenario_hash: self.scenario.hash(),
             options: self.options,
-            tick: self.tick,
-            time: self.time,
+            tick: self.clock.tick,
+            time: self.clock.time,
             finished: self.finished,
             keep: self.keep,
             steps: self.steps,
@@ -70,8 +70,8 @@ impl<'a> Simulation<'a> {
         resumed.backend.restore(&saved.backend)?;
         resumed.tips = held_by(scenario, resumed.backend.as_ref());
         resumed.driver.check(saved.tick, &resumed.tips)?;
-        resumed.tick = saved.tick;
-        resumed.time = saved.time;
+        resumed.clock.tick = saved.tick;
+        resumed.clock.time = saved.time;
         resumed.finished = saved.finished;
         resumed.steps = saved.steps;
         resumed.error = saved.error;

@@ -11,10 +11,12 @@ use tempfile::tempdir;
 
 use crate::common::{command, done, names, refused, scene, sweep, tables};
 
-const ARGS: [&str; 4] = ["--seeds", "90", "--vary", "load.mass_kg=0.0012,0.0016,0.002"];
+const N_RUNS: usize = 600;
+const ARGS: [&str; 4] = ["--seeds", "200", "--vary", "load.mass_kg=0.0012,0.0016,0.002"];
+const THREADS: [&str; 2] = ["--threads", "2"];
 
 fn started(scene: &Path, out: &Path) -> Child {
-    command(scene, &ARGS, out).arg("--threads").arg("2").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    command(scene, &ARGS, out).args(THREADS).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 
 /// Lines of the journal that end.
@@ -22,13 +24,15 @@ fn n_lines(journal: &Path) -> usize {
     fs::read(journal).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count())
 }
 
-/// Ten times at moments from before the first row to past the middle: moments are chosen by the number of rows that are there, so that a slow machine does as many,
-/// and then drawn within the time of a row or so.
+/// Ten times at moments from before the first row to past the middle: moments are chosen by the number of rows that are there, at most 360 in all, and
+/// then drawn within the time of a few rows, so that slow machines and fast ones do as many.
 #[test]
 fn a_sweep_killed_ten_times_has_the_same_table_as_one_that_was_not() {
     let room = tempdir().unwrap();
     let (scene, whole, out) = (scene(room.path()), room.path().join("whole"), room.path().join("out"));
-    done(&sweep(&scene, &ARGS, &whole));
+    let begun = Instant::now();
+    done(&sweep(&scene, &[&ARGS[..], &THREADS].concat(), &whole));
+    let few_rows = begun.elapsed() / 120;
     let (chance, journal) = (Chance::new(11), room.path().join("out.journal"));
     for kill in 0..10 {
         let [rows, pause] = chance.uniform_pair(Stream::Scene, 0, kill);
@@ -37,7 +41,7 @@ fn a_sweep_killed_ten_times_has_the_same_table_as_one_that_was_not() {
         while kill > 0 && n_lines(&journal) < enough && begun.elapsed() < Duration::from_secs(20) {
             sleep(Duration::from_millis(1));
         }
-        sleep(Duration::from_micros((20_000.0 * pause) as u64));
+        sleep(few_rows.mul_f64(pause));
         assert_eq!(child.try_wait().unwrap(), None, "there was something left to kill");
         // On Unix this is signal 9.
         child.kill().unwrap();
@@ -45,7 +49,7 @@ fn a_sweep_killed_ten_times_has_the_same_table_as_one_that_was_not() {
         assert!(!out.exists());
     }
     let n_kept = n_lines(&journal) - 1;
-    assert!((20..270).contains(&n_kept), "{n_kept} rows were kept");
+    assert!((20..N_RUNS).contains(&n_kept), "{n_kept} rows were kept");
     done(&sweep(&scene, &ARGS, &out));
     assert_eq!(tables(&out), tables(&whole));
     assert_eq!(names(room.path()), ["out", "short.json", "whole"], "nothing is left beside the table");
@@ -87,15 +91,15 @@ fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
     let stopped = child.wait_with_output().unwrap();
     assert_eq!(stopped.status.code(), Some(130));
     let told = String::from_utf8(stopped.stderr).unwrap();
-    assert!(told.contains("of 270 runs; the same command goes on from"), "{told}");
+    assert!(told.contains(&format!("of {N_RUNS} runs; the same command goes on from")), "{told}");
     let kept = n_lines(&journal) - 1;
     // Another sweep does not go on from it, and says what differs.
-    let text = refused(&sweep(&scene, &["--seeds", "91"], &out));
-    assert!(text.contains("out.journal: is of another sweep:") && text.contains("n_seeds is 90, not 91"), "{text}");
+    let text = refused(&sweep(&scene, &["--seeds", "201"], &out));
+    assert!(text.contains("out.journal: is of another sweep:") && text.contains("n_seeds is 200, not 201"), "{text}");
     let again = sweep(&scene, &ARGS, &out);
     done(&again);
     let text = String::from_utf8(again.stderr).unwrap();
-    assert!(text.contains(&format!("goes on after {kept} runs, {} are left", 270 - kept)), "{text}");
+    assert!(text.contains(&format!("goes on after {kept} runs, {} are left", N_RUNS - kept)), "{text}");
     done(&sweep(&scene, &ARGS, &whole));
     assert_eq!(tables(&out), tables(&whole));
 }
