@@ -48,13 +48,12 @@ fn truth(scenario: &Scenario, rapier: RapierOptions) -> [f64; 2] {
     let step = default_step(BackendKind::Rapier, &scenario.system, scenario.control_period);
     let mut run = Simulation::new(scenario, &BackendOptions { rapier, ..BackendOptions::new(BackendKind::Rapier, step) }, Keep::Trace);
     run.run(|_| true);
-    let [inertia, shift, turn] = run.trace().rows.iter().fold([0.0f64; 3], |[inertia, shift, turn], row| {
+    run.trace().rows.iter().fold([0.0f64; 2], |[inertia, engine], row| {
         let [with, without] = positions(scenario, row.time);
         let pose = row.motion.pose;
-        let shifted = (pose.position.x - with).hypot(pose.position.y);
-        [inertia.max((with - without).abs()), shift.max(shifted), turn.max(pose.heading.abs())]
-    });
-    [inertia, shift + scenario.system.load.radius * turn]
+        let shift = (pose.position.x - with).hypot(pose.position.y);
+        [inertia.max((with - without).abs()), engine.max(shift + scenario.system.load.radius * pose.heading.abs())]
+    })
 }
 
 fn settings(rapier: RapierOptions) -> Settings {
@@ -222,13 +221,15 @@ fn close_to_its_threshold_the_verdict_waits_for_smaller_own_errors() {
 }
 
 /// Four ants cannot move a load of forty times the friction. Nothing parts the backends but roundings, of which those of rapier's speed all have one sign, and that
-/// nobody arrives is no difference.
+/// nobody arrives is no difference: of 51 seeds and more that is known to 5 %, z / (n + 2) with z = 2.638.
 #[test]
 fn backends_agree_on_a_load_that_nobody_moves() {
     let mut scenario = Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap();
     scenario.system.ground.friction_coefficient *= 40.0;
-    scenario.duration = 4.0;
-    let found = closed_loop(&scenario, &settings(RapierOptions::default()), 12, |_| true).unwrap();
+    scenario.duration = 2.0;
+    let over = |n_seeds| closed_loop(&scenario, &settings(RapierOptions::default()), n_seeds, |_| true).unwrap();
+    assert_eq!(over(50).verdict, Verdict::BelowOwnError);
+    let found = over(51);
     assert_eq!(found.verdict, Verdict::Agree, "{:?}", found.measures);
     assert_eq!((found.decisions_part.quasi_static_s, found.decisions_part.rapier_s), (None, None));
     let speed = found.measures.iter().find(|measure| measure.name == "mean_speed_m_per_s").unwrap();
@@ -249,5 +250,7 @@ fn a_backend_on_which_nobody_arrives_differs() {
     let found = closed_loop(&scenario, &settings(RapierOptions::default()), 6, |_| true).unwrap();
     let arrived = found.measures.iter().find(|measure| measure.name == "arrived_share").unwrap();
     assert_eq!((arrived.quasi_static.mean, arrived.inertial.mean, arrived.rapier.mean), (1.0, 0.0, 0.0));
-    assert!(arrived.inertia_effect.is_shifted && arrived.engine_error.is_equal && found.verdict == Verdict::Inertia, "{found:?}");
+    let engine = &arrived.engine_error;
+    assert!(arrived.inertia_effect.is_shifted && found.verdict == Verdict::Inertia, "{found:?}");
+    assert!((engine.mean, engine.is_shifted, engine.is_equal) == (0.0, false, false), "six seeds do not show that shares are equal");
 }

@@ -77,7 +77,7 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
     let [quasi_static, inertial] =
         [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| solve(&replayed, &settings.within(scenario, kind), driver));
     let radius = scenario.system.load.radius;
-    let own = Difference::own(&quasi_static.limit).max(&Difference::own(&inertial.limit));
+    let own = [&quasi_static, &inertial].map(|solution| Difference::own(&solution.limit, radius).rim_max_m);
     Found {
         name: name.to_owned(),
         class,
@@ -86,8 +86,8 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
         n_releases,
         mass: scenario.system.load.mass,
         numbers: Numbers::of(&replayed, &inertial.trace),
-        measured: Difference::between(&inertial.limit, &quasi_static.limit).displacement(radius),
-        own_error: own.displacement(radius),
+        measured: Difference::between(&inertial.limit, &quasi_static.limit, radius).rim_max_m,
+        own_error: own[0].max(own[1]),
         way: inertial.path_length(radius).max(quasi_static.path_length(radius)),
         estimate,
         status: quasi_static.steps.status.max(inertial.steps.status),

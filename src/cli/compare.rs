@@ -58,6 +58,9 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     if args.seeds == 0 {
         return Err(CliError::Usage("--seeds: must be at least 1, found 0".into()));
     }
+    if scenario.seed.checked_add(args.seeds as u64 - 1).is_none() {
+        return Err(CliError::Usage(format!("--seeds: the last seed must be below 2^64, found {} from {}", args.seeds, scenario.seed)));
+    }
     if let Some(out) = &args.out {
         check_target(out)?;
     }

@@ -14,7 +14,7 @@ use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Ski
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
 use crate::report::table::TraceColumns;
-use crate::report::{Manifest, Progress, RunFiles, RunSummary, RunWriter, inertia_warning, run_text};
+use crate::report::{Manifest, Progress, RunFiles, RunSummary, RunWriter, convergence_warning, inertia_warning, run_text};
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
 
@@ -135,6 +135,9 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     print(&if args.json { summary.to_json() } else { run_text(&summary) })?;
     if let Some(out) = args.out.as_deref().filter(|_| args.report && !args.json) {
         print_report(out)?;
+    }
+    if let Some(warning) = convergence_warning(&summary) {
+        let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
     if let Some(estimate) = summary.inertia_estimate.filter(|estimate| !estimate.is_negligible) {
         let _ = writeln!(std::io::stderr(), "warning: {}", inertia_warning(&estimate));

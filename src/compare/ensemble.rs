@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{Settings, Tier, Verdict};
 use crate::backend::{BackendKind, Status};
-use crate::math::{Interval, Summary, mean_interval};
+use crate::math::{Interval, Summary, mean_interval, share_difference_interval};
 use crate::scenario::{AntDrive, Drive, Scenario};
 use crate::simulation::{Keep, Outcome, Simulation, Trace};
 
@@ -60,13 +60,13 @@ pub struct Shift {
     pub n: u64,
     pub mean: f64,
     pub sd: f64,
-    /// Interval of the mean at the confidence `level`; `null` below two pairs.
+    /// Interval of the mean at the confidence `level`, by Student's t, of shares by Agresti and Min; `null` below two pairs.
     pub interval: Option<Interval>,
     /// The level of each that makes 95 % for all measures together (Bonferroni).
     pub level: f64,
     /// Whether the interval leaves out zero, by more than roundings.
     pub is_shifted: bool,
-    /// Whether the interval lies within 5 % of the inertial mean, or roundings, on both sides of zero.
+    /// Whether the interval lies within 5 % of the inertial mean, or roundings, on both sides of zero; of shares, within 5 % of all runs.
     pub is_equal: bool,
 }
 
@@ -101,6 +101,8 @@ struct Quantity {
     of: fn(&Facts) -> Option<f64>,
     /// What it is made of, by order of magnitude: differences are those of numbers of this size.
     size: fn(&AntDrive, &Scenario) -> f64,
+    /// Whether every run has it or not: its mean is a share.
+    is_share: bool,
 }
 
 const MEASURES: [Quantity; 6] = [
@@ -108,9 +110,15 @@ const MEASURES: [Quantity; 6] = [
         name: "time_to_nest_s",
         of: |run| (run.outcome.arrived == Some(true)).then_some(run.outcome.time),
         size: |_, scenario| scenario.duration,
+        is_share: false,
     },
     // Of all runs: those that do not arrive have no time.
-    Quantity { name: "arrived_share", of: |run| run.outcome.arrived.map(|arrived| f64::from(u8::from(arrived))), size: |_, _| 1.0 },
+    Quantity {
+        name: "arrived_share",
+        of: |run| run.outcome.arrived.map(|arrived| f64::from(u8::from(arrived))),
+        size: |_, _| 1.0,
+        is_share: true,
+    },
     Quantity {
         name: "mean_speed_m_per_s",
         of: |run| {
@@ -118,16 +126,19 @@ const MEASURES: [Quantity; 6] = [
             (run.outcome.time > 0.0).then(|| travelled / run.outcome.time)
         },
         size: |drive, _| drive.pull_speed,
+        is_share: false,
     },
     Quantity {
         name: "pull_mean_n",
         of: |run| (run.outcome.pulls.n() > 0).then(|| run.outcome.pulls.mean()),
         size: |drive, _| drive.release.strong_pull,
+        is_share: false,
     },
     Quantity {
         name: "pull_sd_n",
         of: |run| (run.outcome.pulls.n() > 1).then(|| run.outcome.pulls.sd()),
         size: |drive, _| drive.release.strong_pull,
+        is_share: false,
     },
     Quantity {
         name: "n_transporting",
@@ -137,6 +148,7 @@ const MEASURES: [Quantity; 6] = [
             (holders.n() > 0).then(|| holders.mean())
         },
         size: |_, _| 1.0,
+        is_share: false,
     },
 ];
 
@@ -190,14 +202,15 @@ fn judged(scenario: &Scenario, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
 }
 
 fn measure(at: usize, scenario: &Scenario, runs: &[[Run; 3]]) -> Measure {
-    let Quantity { name, size, .. } = MEASURES[at];
+    let Quantity { name, size, is_share, .. } = MEASURES[at];
     // Other drives have no closed loop.
     let rounding = if let Drive::Ants(drive) = &scenario.drive { ROUNDING * size(drive, scenario) } else { 0.0 };
     let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run[kind].values[at]).collect());
     let inertial = of(1);
     let paired = |a: usize, b: usize| {
         let difference = |run: &[Run; 3]| Some(run[a].values[at]? - run[b].values[at]?);
-        Shift::of(&runs.iter().filter_map(difference).collect::<Vec<_>>(), inertial.mean, rounding)
+        let differences: Vec<f64> = runs.iter().filter_map(difference).collect();
+        if is_share { Shift::of_shares(&differences) } else { Shift::of_means(&differences, inertial.mean, rounding) }
     };
     let values = runs.iter().map(|run| run.each_ref().map(|run| run.values[at])).collect();
     let (inertia_effect, engine_error) = (paired(1, 0), paired(2, 1));
@@ -220,19 +233,32 @@ impl Distribution {
 }
 
 impl Shift {
+    /// The level of each that makes 95 % for all measures together.
+    const LEVEL: f64 = 1.0 - 0.05 / MEASURES.len() as f64;
+
     /// Of paired differences whose reference has the mean `reference`, and of which those up to `rounding` are none.
-    fn of(values: &[f64], reference: f64, rounding: f64) -> Self {
+    fn of_means(values: &[f64], reference: f64, rounding: f64) -> Self {
+        let margin = (EQUAL * reference.abs()).max(rounding);
+        Self::within(values, mean_interval(values, Self::LEVEL), rounding, margin)
+    }
+
+    /// Of what each run of a pair has (1) or has not (0): that all pairs agree says little where there are few.
+    fn of_shares(values: &[f64]) -> Self {
+        let n_only = [1.0, -1.0].map(|only| values.iter().filter(|value| **value == only).count() as u64);
+        let n = values.len() as u64;
+        let interval = share_difference_interval(n_only, n, Self::LEVEL).filter(|_| n > 1);
+        Self::within(values, interval, 0.0, EQUAL)
+    }
+
+    fn within(values: &[f64], interval: Option<Interval>, rounding: f64, margin: f64) -> Self {
         let mut summary = Summary::default();
         summary.extend(values.iter().copied());
-        let level = 1.0 - 0.05 / MEASURES.len() as f64;
-        let interval = mean_interval(values, level);
-        let margin = (EQUAL * reference.abs()).max(rounding);
         Self {
             n: summary.n(),
             mean: summary.mean(),
             sd: summary.sd(),
             interval,
-            level,
+            level: Self::LEVEL,
             is_shifted: interval.is_some_and(|interval| interval.low > rounding || interval.high < -rounding),
             is_equal: interval.is_some_and(|interval| interval.low >= -margin && interval.high <= margin),
         }

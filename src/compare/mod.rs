@@ -6,7 +6,8 @@
 //!
 //! ```text
 //! solution.rs   a backend's path with its own error
-//! difference.rs how far two paths lie apart, and when they first part
+//! difference.rs how far two paths lie apart
+//! parting.rs    when they part, after what, and what takes them how far
 //! numbers.rs    epsilon, Phi and zeta of a run, and what theory predicts from them
 //! pathwise.rs   the prescribed and the replayed tier
 //! ensemble.rs   the closed-loop tier
@@ -17,6 +18,7 @@
 mod difference;
 mod ensemble;
 mod numbers;
+mod parting;
 mod pathwise;
 mod remedy;
 mod solution;
@@ -27,9 +29,10 @@ use serde::{Deserialize, Serialize};
 use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, default_step, n_steps_in};
 use crate::scenario::Scenario;
 
-pub use difference::{Difference, Occasion, OccasionKind, Parting};
+pub use difference::Difference;
 pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, Shift, closed_loop};
 pub use numbers::{Numbers, Predicted};
+pub use parting::{InertiaFrom, Occasion, OccasionKind, Parting};
 pub use pathwise::{Backends, Cause, Cost, OwnErrors, Partings, Pathwise, Rim, prescribed, replayed};
 pub use remedy::Remedy;
 pub use solution::Solution;

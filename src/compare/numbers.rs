@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use super::Solution;
 use crate::estimate::{AGREEMENT, InertiaEstimate};
 use crate::math::Summary;
 use crate::scenario::Scenario;
@@ -41,8 +42,8 @@ pub struct Predicted {
     pub estimated_m: Option<f64>,
     /// Distance that the load goes after a release, over what it would go without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,
-    /// Whether neglecting inertia should stay within the tolerance: the path errors above add up to less, and there are no releases or such that are far
-    /// apart and damped (Phi above 2 pi, zeta above 0.5).
+    /// Whether neglecting inertia should stay within the tolerance: the load never moves, or the path errors above add up to less, and there are no grasps and
+    /// releases of stretched springs or such that are far apart and damped (Phi above 2 pi, zeta above 0.5).
     pub quasi_static_is_sound: bool,
 }
 
@@ -56,8 +57,9 @@ impl Numbers {
         Self { epsilon, phi: time_between_events(trace).map(|time| (stiffness / mass).sqrt() * time), zeta }
     }
 
-    /// What theory expects of the run in `trace`, `tolerance` being what counts as agreement (m).
-    pub fn predict(&self, scenario: &Scenario, trace: &Trace, tolerance: f64) -> Predicted {
+    /// What theory expects of an inertial run, `n_sudden` of whose grasps and releases are of stretched springs, with `tolerance` being what counts as agreement (m).
+    pub fn predict(&self, scenario: &Scenario, run: &Solution, n_sudden: usize, tolerance: f64) -> Predicted {
+        let trace = &run.trace;
         let (stiffness, _) = mean_spring(scenario);
         let limit = scenario.system.total_slip_limit();
         let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
@@ -73,7 +75,7 @@ impl Numbers {
             coasting_m,
             estimated_m: None,
             release_factor: (n_releases > 0).then(|| self.release_factor()),
-            quasi_static_is_sound: driven_well && (n_releases == 0 || damped_out),
+            quasi_static_is_sound: run.path_length(scenario.system.load.radius) == 0.0 || driven_well && (n_sudden == 0 || damped_out),
         }
     }
 

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::difference::Jumps;
+use super::parting::Pair;
 use super::remedy::Apart;
-use super::{Difference, Numbers, Parting, Predicted, Remedy, Settings, Solution, Tier, Verdict, numbers};
+use super::{Difference, InertiaFrom, Numbers, Parting, Predicted, Remedy, Settings, Solution, Tier, Verdict, numbers};
 use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Keep, Replay, Simulation, driver_of};
@@ -55,12 +56,14 @@ pub struct OwnErrors {
     pub rapier: Difference,
 }
 
-/// Displacements of the load's rim (m), at most: shift plus radius times turn. Those between paths are known up to the own error, which the ranges take
+/// Displacements of the load's rim (m), at most: shift plus radius times turn at one instant. Those between paths are known up to the own error, which the ranges take
 /// in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rim {
     pub inertia_m: f64,
     pub inertia_range_m: [f64; 2],
+    /// What that is from.
+    pub inertia_from: InertiaFrom,
     pub engine_m: f64,
     pub engine_range_m: [f64; 2],
     pub own_m: f64,
@@ -74,9 +77,9 @@ pub enum Cause {
 }
 
 impl Rim {
-    fn new(inertia_m: f64, engine_m: f64, own_m: f64) -> Self {
+    fn new(inertia_m: f64, inertia_from: InertiaFrom, engine_m: f64, own_m: f64) -> Self {
         let range = |value: f64| [(value - own_m).max(0.0), value + own_m];
-        Self { inertia_m, inertia_range_m: range(inertia_m), engine_m, engine_range_m: range(engine_m), own_m }
+        Self { inertia_m, inertia_range_m: range(inertia_m), inertia_from, engine_m, engine_range_m: range(engine_m), own_m }
     }
 
     fn causes(&self, tolerance: f64) -> Vec<Cause> {
@@ -166,25 +169,28 @@ const LARGEST_OWN_ERROR: f64 = 0.05;
 
 fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solution; 3]) -> Pathwise {
     let [quasi_static, inertial, rapier] = &solutions;
-    let own = [quasi_static, inertial, rapier].map(|solution| Difference::own(&solution.limit));
+    let radius = scenario.system.load.radius;
+    let own = [quasi_static, inertial, rapier].map(|solution| Difference::own(&solution.limit, radius));
     let own_error = OwnErrors { all: own[0].max(&own[1]), quasi_static: own[0], inertial: own[1], rapier: own[2] };
     let jumps = Jumps::of(&quasi_static.trace, scenario.control_period);
-    let inertia_effect = Difference::but_in_jumps(&inertial.points, &quasi_static.points, &jumps);
-    let engine_error = Difference::between(&rapier.points, &inertial.points);
-    let radius = scenario.system.load.radius;
+    let inertia_effect = Difference::but_in_jumps(&inertial.points, &quasi_static.points, radius, &jumps);
+    let engine_error = Difference::between(&rapier.points, &inertial.points, radius);
     let way_without_inertia = quasi_static.path_length(radius);
     let path_length_m = inertial.path_length(radius).max(way_without_inertia);
     // A load that stays where it is has no path: a millionth of its radius stands in.
     let agreement = |way: f64| settings.agreement * way.max(1e-6 * radius);
     let tolerance_m = agreement(path_length_m);
-    let engine_step_error = Difference::between(&rapier.points, &rapier.limit);
-    let engine_model_error = Difference::between(&rapier.limit, &inertial.limit);
-    let [inertia, engine, own] = [&inertia_effect, &engine_error, &own_error.all].map(|difference| difference.displacement(radius));
-    let rim = Rim::new(inertia, engine, own);
+    let engine_step_error = Difference::between(&rapier.points, &rapier.limit, radius);
+    let engine_model_error = Difference::between(&rapier.limit, &inertial.limit, radius);
+    let pair = |paths, jumps| Pair::new(paths, scenario, tolerance_m, jumps);
+    let no_jumps = Jumps::default();
+    let (by_inertia, by_engine) = (pair([inertial, quasi_static], &jumps), pair([rapier, inertial], &no_jumps));
+    let first_parting = Partings { by_inertia: by_inertia.first_parting(), by_engine: by_engine.first_parting() };
+    let [inertia, engine, own] = [&inertia_effect, &engine_error, &own_error.all].map(|difference| difference.rim_max_m);
+    let rim = Rim::new(inertia, by_inertia.inertia_from(), engine, own);
     let apart = Apart {
-        inertia,
         engine,
-        engine_model: (engine_model_error.displacement(radius) - own_error.rapier.displacement(radius) - own).max(0.0),
+        engine_model: (engine_model_error.rim_max_m - own_error.rapier.rim_max_m - own).max(0.0),
         tolerance: tolerance_m,
         tolerance_without_inertia: agreement(way_without_inertia),
     };
@@ -192,19 +198,13 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
     let failed = solutions.iter().any(|solution| solution.steps.status == Status::Failed);
     let verdict = if failed { Verdict::NotComputed } else { Verdict::on_paths(inertia, engine, own, tolerance_m) };
     let causes = rim.causes(tolerance_m);
-    let predicted = numbers.predict(scenario, &inertial.trace, tolerance_m).with_estimate(scenario, &quasi_static.trace);
-    let rate = numbers::natural_rate(scenario);
-    let parted_by = [radius, tolerance_m, if rate > 0.0 { rate.recip() } else { 0.0 }];
-    let first_parting = Partings {
-        by_inertia: Parting::of(inertial, quasi_static, parted_by, &jumps),
-        by_engine: Parting::of(rapier, inertial, parted_by, &Jumps::default()),
-    };
+    let predicted = numbers.predict(scenario, inertial, by_inertia.n_sudden(), tolerance_m).with_estimate(scenario, &quasi_static.trace);
     let remedies = match verdict {
         Verdict::BelowOwnError => vec![Remedy::TighterTolerance { tolerance_m: LARGEST_OWN_ERROR * tolerance_m }],
         _ => {
-            let tick_angle = scenario.control_period * rate;
+            let tick_angle = scenario.control_period * numbers::natural_rate(scenario);
             let against = |cause: &Cause| match cause {
-                Cause::Inertia => apart.against_inertia(first_parting.by_inertia.as_ref(), &numbers, &predicted, tick_angle),
+                Cause::Inertia => apart.against_inertia(&rim.inertia_from, &numbers, &predicted, tick_angle),
                 Cause::Engine => vec![apart.against_engine(rapier.step_s.unwrap_or_default())],
             };
             causes.iter().flat_map(against).collect()

@@ -54,8 +54,6 @@ pub(super) struct Both<'a> {
 pub(super) struct Apart {
     pub shift: f64,
     pub turn: f64,
-    pub shift_max: f64,
-    pub turn_max: f64,
     /// Largest shift plus radius times turn, by what it came from (m).
     pub from_start: f64,
     pub from_jumps: f64,
@@ -67,25 +65,29 @@ pub(super) struct Apart {
 const HIGHER: f64 = 1.1;
 
 impl Apart {
+    /// Largest shift plus radius times turn (m).
+    pub fn displacement_max(&self) -> f64 {
+        self.from_start.max(self.from_jumps).max(self.from_driving)
+    }
+
     /// Notes how far the two are at the `time` (s) at which the stretch ends, and on the way there.
     pub fn note(&mut self, both: &Both, radius: f64, time: f64, occasion: &Occasion) {
         let offsets = [0, 1].map(|end| both.offset(end));
         let [shifts, turns] = [offsets.map(|offset| offset.0.norm()), offsets.map(|offset| offset.1.abs())];
         (self.shift, self.turn) = (shifts[1], turns[1]);
-        let so_far = self.from_start.max(self.from_jumps).max(self.from_driving);
+        let so_far = self.displacement_max();
         let part = match occasion.cause {
             Cause::Start => &mut self.from_start,
             Cause::Grasp | Cause::Release => &mut self.from_jumps,
             Cause::Driving => &mut self.from_driving,
         };
         let (shift, turn) = (shifts[0].max(shifts[1]), turns[0].max(turns[1]));
-        if HIGHER * shift <= self.shift_max && HIGHER * turn <= self.turn_max && HIGHER * (shift + radius * turn) <= *part {
+        if HIGHER * (shift + radius * turn) <= *part {
             return;
         }
         let [shift, turn] = if both.is_short { both.crests(offsets) } else { [self.shift, self.turn] };
         let displacement = shift + radius * turn;
         *part = part.max(displacement);
-        (self.shift_max, self.turn_max) = (self.shift_max.max(shift), self.turn_max.max(turn));
         if displacement > so_far {
             let Occasion { cause, spring, time: since } = *occasion;
             self.largest = Some(Largest { time_s: time, cause, spring, since_s: since });

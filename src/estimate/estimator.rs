@@ -230,7 +230,7 @@ impl Estimator {
         let mut so_far = self.clone();
         so_far.end_stride();
         let State { apart, ways, is_lost, .. } = &so_far.state;
-        let displacement_max_m = apart.shift_max + self.system.load.radius * apart.turn_max;
+        let displacement_max_m = apart.displacement_max();
         let path_length_m = ways[0].max(ways[1]);
         InertiaEstimate {
             displacement_max_m,

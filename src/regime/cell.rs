@@ -41,9 +41,9 @@ impl Cell {
         let solve = |kind| solution(&staged, kind, &watch);
         let (still, moving) = (solve(BackendKind::QuasiStatic)?, solve(BackendKind::Inertial)?);
         let radius = staged.scenario.system.load.radius;
-        let apart = Difference::between(&moving.points, &still.points);
-        let distance_m = apart.displacement(radius);
-        let own = [&still, &moving].map(|solution| Difference::own(&solution.limit).displacement(radius));
+        let apart = Difference::between(&moving.points, &still.points, radius);
+        let distance_m = apart.rim_max_m;
+        let own = [&still, &moving].map(|solution| Difference::own(&solution.limit, radius).rim_max_m);
         let shift = |solution: &Solution| solution.points.last().map_or(0.0, |end| end.position.x - solution.points[0].position.x);
         let jump =
             |kind: &TransitionKind| if let TransitionKind::Jump { shift, turn, .. } = kind { shift + radius * turn.abs() } else { 0.0 };

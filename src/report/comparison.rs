@@ -52,7 +52,9 @@ impl Comparison {
         for pathwise in [&self.tiers.prescribed, &self.tiers.replayed].into_iter().flatten() {
             let Pathwise { inertia_effect, engine_error, own_error, numbers, predicted, .. } = pathwise;
             let differences = [inertia_effect, engine_error, &own_error.all, &own_error.rapier];
-            let values = differences.iter().flat_map(|d| [d.position_max_m, d.position_final_m, d.heading_max_rad, d.heading_final_rad]);
+            let values = differences
+                .iter()
+                .flat_map(|d| [d.position_max_m, d.position_final_m, d.heading_max_rad, d.heading_final_rad, d.rim_max_m]);
             let optional = [
                 numbers.epsilon,
                 numbers.phi,
@@ -146,6 +148,9 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     }
     let [inertia, engine, own] = [found.rim.inertia_m, found.rim.engine_m, found.rim.own_m].map(|value| quantity(value, "m"));
     lines.row("on the rim", &format!("{inertia} by inertia, {engine} by the engine, {own} own error"));
+    let from = &found.rim.inertia_from;
+    let [start, jumps, driving] = [from.start_m, from.jumps_m, from.driving_m].map(|part| quantity(part, "m"));
+    lines.row("  of inertia", &format!("after the start {start}, jumps {jumps}, driving {driving}"));
     let within = format!("{} of its way of {}", quantity(found.tolerance_m, "m"), quantity(found.path_length_m, "m"));
     lines.row("agreement", &format!("up to {within}, seen every {}", quantity(found.between_instants_s, "s")));
     lines.row("inertia effect", &difference(&found.inertia_effect));
@@ -208,6 +213,7 @@ pub(super) fn parting(parting: Option<&Parting>, cause: &str) -> String {
 /// With an article: `the release of spring 1`.
 pub(super) fn occasion(occasion: &Occasion) -> String {
     let what = match occasion.kind {
+        OccasionKind::Start => "start with speed",
         OccasionKind::Grasp => "grasp",
         OccasionKind::Release => "release",
         OccasionKind::Onset => "onset of motion",
@@ -250,7 +256,8 @@ fn distribution(found: &Distribution, unit: &str) -> String {
     if found.n == 0 {
         return "none".to_owned();
     }
-    format!("{} +- {} ({} runs)", quantity(found.mean, unit), quantity(found.sd, unit), found.n)
+    let spread = if found.n > 1 { format!(", sd {}", quantity(found.sd, unit)) } else { String::new() };
+    format!("{}{spread} ({} runs)", quantity(found.mean, unit), found.n)
 }
 
 pub(super) fn shift(found: &Shift, unit: &str) -> String {

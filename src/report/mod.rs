@@ -90,6 +90,6 @@ pub use run::{RunFiles, RunWriter};
 pub use stress::{Stress, stress_list, stress_text, write_stress};
 pub use sweep::{Cost, Failure, SweepSummary, sweep_text};
 pub use sweep_files::write_sweep;
-pub use text::{inertia_warning, run_text};
+pub use text::{convergence_warning, inertia_warning, run_text};
 pub use tips::{TIP_COLUMNS, write_tips};
 pub use verification::{Line, Question, Verification, list_text, verify_text, write_verification};

@@ -94,6 +94,7 @@ pub fn sweep_text(found: &SweepSummary) -> String {
     let mut text = String::new();
     let groups = found.groups.as_deref().unwrap_or_default();
     text.push_str(&table(found, &groups[..groups.len().min(MOST_SHOWN)]));
+    writeln!(text, "(in brackets and after +-: intervals at 95 %)").expect("a string takes all");
     if groups.len() > MOST_SHOWN || found.groups.is_none() {
         writeln!(text, "... {} groups in all: see groups.csv", found.n_groups).expect("a string takes all");
     }

@@ -63,7 +63,7 @@ fn of_ants(ants: &AntSummary, lines: &mut Lines) {
         return;
     }
     let (mean, sd, max) = (quantity(pull.mean, "N"), quantity(pull.sd, "N"), quantity(pull.max, "N"));
-    lines.row("pull", &format!("{mean} mean, {sd} standard deviation, {max} largest of {}", pull.n));
+    lines.row("pull", &format!("{mean} mean, {sd} standard deviation, {max} largest of {} at grasps (0) and decisions", pull.n));
 }
 
 fn inertia(estimate: &InertiaEstimate, lines: &mut Lines) {
@@ -93,6 +93,18 @@ pub(super) fn cause(largest: &Largest) -> String {
         Cause::Driving => "a change of speed",
     };
     format!("{what}{spring} at {}", quantity(largest.since_s, "s"))
+}
+
+/// What to tell of a run whose steps did not all find their balance; `None` of one whose did.
+pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
+    let steps = &summary.steps;
+    let worst = steps.residual.map_or(String::new(), |residual| format!(", {} of the forces at most", number(residual)));
+    let what = match steps.status {
+        Status::Converged => return None,
+        Status::NotConverged => format!("{} of {} steps did not converge", steps.n_not_converged, steps.n_steps),
+        Status::Failed => "some step had no finite answer, and the load stayed where it was".to_owned(),
+    };
+    Some(format!("{what}: what comes after is only as good as their residual{worst}"))
 }
 
 /// What to tell who runs without inertia where it matters.

@@ -47,11 +47,17 @@ fn headline(comparison: &Comparison) -> Headline {
 /// What moves the paths apart, beside what counts as agreement.
 fn attribution(found: &Pathwise) -> Block {
     let bar = |name: &str, value: f64| Bar { name: name.to_owned(), value, text: quantity(value, "m") };
-    let bars = [bar("inertia effect", found.rim.inertia_m), bar("engine error", found.rim.engine_m), bar("own error", found.rim.own_m)];
+    let (rim, from) = (&found.rim, &found.rim.inertia_from);
+    let mut bars = vec![bar("inertia effect", rim.inertia_m), bar("engine error", rim.engine_m), bar("own error", rim.own_m)];
+    let mut parts = vec![bar("… from the start", from.start_m), bar("… from jumps", from.jumps_m), bar("… from driving", from.driving_m)];
+    parts.retain(|part| part.value > 0.0);
+    if parts.len() > 1 {
+        bars.splice(1..1, parts);
+    }
     let tolerated = format!("agreement: {}", quantity(found.tolerance_m, "m"));
     Block::Chart {
         svg: chart::bars(&bars, found.tolerance_m, &tolerated),
-        caption: "Largest displacement of the load's rim (m): by inertia, by the engine, and how far these may themselves be wrong."
+        caption: "Largest displacement of the load's rim (m): by inertia and what that comes from, by the engine, and how far these may themselves be wrong."
             .to_owned(),
     }
 }
@@ -92,12 +98,12 @@ fn of_paths_sections(page: Page, found: &Pathwise, scenario: &Scenario) -> Page 
 
 fn apart(found: &Pathwise) -> Vec<Block> {
     let row = |table: Table, name: &str, difference: &Difference| {
-        let Difference { position_max_m, position_final_m, heading_max_rad, heading_final_rad } = *difference;
+        let Difference { position_max_m, position_final_m, heading_max_rad, heading_final_rad, rim_max_m } = *difference;
         let [position, last] = [position_max_m, position_final_m].map(|value| quantity(value, "m"));
         let [heading, last_heading] = [heading_max_rad, heading_final_rad].map(|value| quantity(value, "rad"));
-        table.row([name.to_owned(), position, last, heading, last_heading])
+        table.row([name.to_owned(), position, last, heading, last_heading, quantity(rim_max_m, "m")])
     };
-    let head = ["", "position, at most", "at the end", "heading, at most", "at the end"];
+    let head = ["", "position, at most", "at the end", "heading, at most", "at the end", "on the rim, at most"];
     let mut table = Table::new("Differences between paths and their errors", head);
     for (name, difference) in [
         ("inertia effect", &found.inertia_effect),

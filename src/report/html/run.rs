@@ -73,7 +73,7 @@ fn numbers(summary: &RunSummary) -> Vec<Number> {
         Number::new("end", format!("({x}, {y})"), format!("heading {}", quantity(end.heading_rad, "rad"))),
     ];
     if let Some(pull) = summary.ants.as_ref().map(|ants| &ants.pull_force_n).filter(|pull| pull.n > 0) {
-        let note = format!("± {}, at most {}, at {} decisions", quantity(pull.sd, "N"), quantity(pull.max, "N"), pull.n);
+        let note = format!("± {}, at most {}, at {} grasps (0) and decisions", quantity(pull.sd, "N"), quantity(pull.max, "N"), pull.n);
         numbers.push(Number::new("pull", quantity(pull.mean, "N"), note));
     }
     if let Some(accuracy) = &summary.accuracy {

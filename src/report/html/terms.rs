@@ -15,7 +15,10 @@ pub const TERMS: &[(&str, &str)] = &[
     ("inertia effect", "inertial minus quasi-static: what neglecting inertia changes"),
     ("engine error", "rapier minus inertial: how much the engine bends the physics, by its step and beyond what any step removes"),
     ("own error", "how far quasi-static and inertial may still be wrong; nothing is claimed below it"),
-    ("on the rim", "largest shift of the load's origin plus its radius times the largest turn: how far a point of the load can be off"),
+    (
+        "on the rim",
+        "shift of the load's origin plus its radius times the turn, where that is largest: how far a point of the load can be off",
+    ),
     (
         "agreement",
         "the distance up to which paths count as the same: a share, 1 % unless asked otherwise, of the way that the load's rim goes",
