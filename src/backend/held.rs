@@ -133,12 +133,14 @@ impl HeldSprings {
 
     /// Puts every tip at its entry of `targets`, and gives the longest of their straight ways there (m).
     pub fn move_tips(&mut self, targets: &[Vec2]) -> f64 {
-        let mut longest: f64 = 0.0;
-        for grip in &mut self.grips {
-            longest = longest.max((targets[grip.spring] - grip.tip).norm_squared());
-            grip.tip = targets[grip.spring];
-        }
-        longest.sqrt()
+        let longest = self.farthest_way(targets);
+        self.grips.iter_mut().for_each(|grip| grip.tip = targets[grip.spring]);
+        longest
+    }
+
+    /// The longest of the tips' straight ways to their entries of `targets` (m).
+    pub fn farthest_way(&self, targets: &[Vec2]) -> f64 {
+        self.grips.iter().map(|grip| (targets[grip.spring] - grip.tip).norm_squared()).fold(0.0, f64::max).sqrt()
     }
 
     /// Whether no held tip differs from its entry of `targets`.

@@ -12,7 +12,8 @@
 //! ```
 //!
 //! A, B and p at their largest in a ball about the tip. A change of w that is no more than that changes each f_i by at most `c_i^2 |B_i M|` times as much, M as in the
-//! certificate of rest. Forces within their limits at both ends of straight ways are so between.
+//! certificate of rest. Ways for which
+//! forces stay within their limits by this bound are a convex set: a straight way of the tips that begins and ends in it lies in it.
 
 use serde::{Deserialize, Serialize};
 
@@ -124,6 +125,10 @@ impl StickBound {
                 ball.contains(&way)
             }) && solver.bears(&self.forces, &change, bend)
         };
+        // A load balanced by other forces than those of the certificate sticks here, and by this bound is not known to.
+        if n_steps > 1 && !is_sure(0) {
+            return 0;
+        }
         if is_sure(n_steps) {
             return n_steps;
         }

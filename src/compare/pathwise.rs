@@ -108,6 +108,13 @@ fn cost(solution: &Solution) -> Cost {
     Cost { step_s: solution.step_s, steps: solution.steps }
 }
 
+impl Backends {
+    /// Whether own errors say how wrong the exact paths may be: strides that did not converge are wrong by nobody knows how much.
+    pub fn are_known(&self) -> bool {
+        [self.quasi_static, self.inertial].iter().all(|cost| cost.steps.status == Status::Converged)
+    }
+}
+
 /// `null` where paths stay together.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Partings {
@@ -196,11 +203,17 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
     };
     let numbers = Numbers::of(scenario, &inertial.trace);
     let failed = solutions.iter().any(|solution| solution.steps.status == Status::Failed);
-    let verdict = if failed { Verdict::NotComputed } else { Verdict::on_paths(inertia, engine, own, tolerance_m) };
-    let causes = rim.causes(tolerance_m);
+    let backends = Backends { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) };
+    let is_known = backends.are_known();
+    let verdict = match (failed, is_known) {
+        (true, _) => Verdict::NotComputed,
+        (_, false) => Verdict::BelowOwnError,
+        _ => Verdict::on_paths(inertia, engine, own, tolerance_m),
+    };
+    let causes = if is_known { rim.causes(tolerance_m) } else { Vec::new() };
     let predicted = numbers.predict(scenario, inertial, by_inertia.n_sudden(), tolerance_m).with_estimate(scenario, &quasi_static.trace);
     let remedies = match verdict {
-        Verdict::BelowOwnError => vec![Remedy::TighterTolerance { tolerance_m: LARGEST_OWN_ERROR * tolerance_m }],
+        Verdict::BelowOwnError if is_known => vec![Remedy::TighterTolerance { tolerance_m: LARGEST_OWN_ERROR * tolerance_m }],
         _ => {
             let tick_angle = scenario.control_period * numbers::natural_rate(scenario);
             let against = |cause: &Cause| match cause {
@@ -223,7 +236,7 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
         causes,
         remedies,
         rim,
-        backends: Backends { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) },
+        backends,
         tolerance_m,
         path_length_m,
         between_instants_s: scenario.control_period / settings.parts_of_period(scenario) as f64,

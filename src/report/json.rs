@@ -51,6 +51,7 @@ pub struct Accuracy {
     /// How far a less exact run beside this one strayed from it: above the error of this one.
     pub estimated_m: f64,
     pub estimated_rad: f64,
+    /// No more than asked for, by strides that all converged: others may be wrong by more than the two runs differ.
     pub is_met: bool,
 }
 
@@ -171,7 +172,11 @@ impl RunSummary {
             backend: options.kind,
             step_s: options.step_s.is_finite().then_some(options.step_s),
             integrator: (options.kind == BackendKind::Inertial && options.tolerance.is_none()).then_some(options.integrator),
-            accuracy: options.tolerance.zip(outcome.error).map(|(asked, found)| Accuracy::new(&asked, &found)).transpose()?,
+            accuracy: options
+                .tolerance
+                .zip(outcome.error)
+                .map(|(asked, found)| Accuracy::new(&asked, &found, outcome.steps.status))
+                .transpose()?,
             rapier: (options.kind == BackendKind::Rapier).then_some(options.rapier),
             seed,
             end: FinalState::new(outcome.time, &outcome.motion)?,
@@ -207,13 +212,13 @@ impl RunSummary {
 }
 
 impl Accuracy {
-    fn new(asked: &Tolerance, found: &PoseError) -> Result<Self, NotFinite> {
+    fn new(asked: &Tolerance, found: &PoseError, status: Status) -> Result<Self, NotFinite> {
         Ok(Self {
             asked_m: asked.position_m,
             asked_rad: asked.heading_rad,
             estimated_m: finite("accuracy.estimated_m", found.position)?,
             estimated_rad: finite("accuracy.estimated_rad", found.heading)?,
-            is_met: asked.allows(found),
+            is_met: asked.allows(found) && status == Status::Converged,
         })
     }
 }

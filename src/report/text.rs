@@ -47,7 +47,12 @@ fn of_accuracy(accuracy: &Accuracy, lines: &mut Lines) {
     let pair = |position, heading| format!("{} and {}", quantity(position, "m"), quantity(heading, "rad"));
     lines.section("error of the pose at any instant");
     lines.row("asked for", &pair(accuracy.asked_m, accuracy.asked_rad));
-    let verdict = if accuracy.is_met { "" } else { ": more than was asked for" };
+    let is_more = accuracy.estimated_m > accuracy.asked_m || accuracy.estimated_rad > accuracy.asked_rad;
+    let verdict = match (accuracy.is_met, is_more) {
+        (true, _) => "",
+        (_, true) => ": more than was asked for",
+        _ => ", but some strides did not converge: it may be more",
+    };
     lines.row("estimated", &format!("{}{verdict}", pair(accuracy.estimated_m, accuracy.estimated_rad)));
 }
 
@@ -101,7 +106,7 @@ pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
     let worst = steps.residual.map_or(String::new(), |residual| format!(", {} of the forces at most", number(residual)));
     let what = match steps.status {
         Status::Converged => return None,
-        Status::NotConverged => format!("{} of {} steps did not converge", steps.n_not_converged, steps.n_steps),
+        Status::NotConverged => format!("{} steps did not converge", steps.n_not_converged),
         Status::Failed => "some step had no finite answer, and the load stayed where it was".to_owned(),
     };
     Some(format!("{what}: what comes after is only as good as their residual{worst}"))

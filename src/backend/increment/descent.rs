@@ -55,7 +55,8 @@ impl Step<'_> {
             if !step.iter().all(|v| v.is_finite()) {
                 break;
             }
-            let tolerance = RELATIVE_TOLERANCE.max(solver.accuracy()) * self.size(&solution.increment) + ABSOLUTE_TOLERANCE;
+            let tolerance =
+                RELATIVE_TOLERANCE.max(solver.accuracy()) * self.size(&solution.increment) + ABSOLUTE_TOLERANCE + self.rounding();
             let start = &self.potential.start.pose;
             let is_last = self.size(&step) <= tolerance || is_frictionless && local.is_balanced(&hessian, &step, start, length);
             residual = solution.residual.max(if is_last { 0.0 } else { self.size(&step) / self.size(&solution.increment).max(1.0) });
@@ -171,7 +172,7 @@ fn shortened(step: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{ground, spring};
-    use super::super::{Potential, Stage, minimise};
+    use super::super::{Potential, minimise};
     use super::*;
     use crate::backend::held::HeldSprings;
     use crate::backend::spring_blocks::{Place, SpringBlocks};
@@ -197,11 +198,9 @@ mod tests {
             blocks.gather(&springs, held.grips());
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
-            let potential =
-                Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
+            let potential = Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: None };
             let found = minimise(potential, &ground, &mut solver, 0.0122, None);
-            let potential =
-                Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
+            let potential = Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: None };
             let mut step = Step { potential, ground: &ground, length: 0.0122 };
             let is_convex = PositiveDefinite::new(&step.at(&found.twist).hessian).is_some();
             let is_found = found.report.status == Status::Converged && found.report.n_solves < 12;

@@ -13,6 +13,9 @@ pub(in crate::backend) trait Objective {
 
     /// The gradient alone.
     fn gradient(&mut self, at: &Vec3) -> Vec3;
+
+    /// Rounding of places over the extent of the load (1).
+    fn rounding(&self) -> f64;
 }
 
 /// Which of the minima counts.
@@ -63,9 +66,9 @@ impl Approach {
         self.last <= CLOSE * extent
     }
 
-    /// What to do about a `correction` of this size, at an increment of size `extent` with this residual (1).
-    fn judge(&mut self, correction: f64, extent: f64, residual: f64) -> Next {
-        let tolerance = RELATIVE_TOLERANCE * extent + ABSOLUTE_TOLERANCE;
+    /// What to do about a `correction` of this size, at an increment of size `extent` with this residual and with this `rounding` of places (1).
+    fn judge(&mut self, correction: f64, extent: f64, residual: f64, rounding: f64) -> Next {
+        let tolerance = RELATIVE_TOLERANCE * extent + ABSOLUTE_TOLERANCE + rounding;
         // One more iteration costs little and takes the last digits; what a forecast is off by would grow from one to the next.
         let tolerance_here = if self.n_iterations == 0 { ROUNDING * extent } else { tolerance };
         if correction <= tolerance_here && (residual <= EXACT || self.last <= tolerance) {
@@ -120,7 +123,7 @@ pub(in crate::backend) fn glide<O: Objective>(
             }
             None => solver.gliding_step(&at, gradient, has_derivative.then_some(hessian), &mut tangent)?,
         };
-        let next = approach.judge(size(&step), extent, residual);
+        let next = approach.judge(size(&step), extent, residual, objective.rounding());
         if wanted == Wanted::Only && has_derivative && PositiveDefinite::new(hessian).is_none() {
             return None;
         }

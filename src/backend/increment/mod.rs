@@ -18,7 +18,7 @@ mod glide;
 use super::StepReport;
 use super::friction::{FrictionSolver, Regime};
 use super::spring_blocks::{Place, SpringBlocks};
-use crate::math::{Arc, Mat2, Mat3, Twist, Vec2, Vec3, shift_of};
+use crate::math::{Arc, Mat2, Mat3, Pose, Twist, Vec2, Vec3, shift_of};
 use crate::model::support::slip_velocity;
 use crate::model::{Ground, Load, Reaction};
 
@@ -35,26 +35,29 @@ pub struct Potential<'a> {
     pub dashpots: Option<&'a mut SpringBlocks>,
     /// `None` neglects inertia.
     pub inertia: Option<Coasting>,
-    /// Where on the way the springs act.
-    pub springs_at: Stage,
+    /// Where on the way the springs act; `None` at its end, which a constant body twist leads to.
+    pub springs_at: Option<Stage>,
 }
 
-/// The increment at which springs are evaluated while the load's own is x: offset + share x. Their energy counts over the share, so that its derivative by
-/// x is the force there.
+/// Springs act at offset + share y while the load's own way is y, both straight: shifts along the axes at the start of the step, and a turn. Inertia resists y as well, so
+/// that its force and theirs balance where they are one force; by twists that lead to two places they would leave a torque. Energy of the springs counts over the share,
+/// so that its derivative by y is the force there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage {
-    /// Body-twist increment (m, m, rad).
+    /// Shift along the axes at the start of the step, and turn (m, m, rad).
     pub offset: Vec3,
     /// (1)
     pub share: f64,
 }
 
 impl Stage {
-    /// The end of the step.
-    pub const END: Stage = Stage { offset: Vec3::new(0.0, 0.0, 0.0), share: 1.0 };
-
-    fn of(&self, twist: &Vec3) -> Vec3 {
-        self.offset + self.share * twist
+    /// Where that is for a load that has gone the `way` from `start`, and how far its axes have turned by then.
+    pub fn place(&self, start: &Place, way: &Vec3) -> (Place, Mat2) {
+        let way = self.offset + self.share * way;
+        let turned = Arc::of(way.z).rotation();
+        let Pose { position, heading } = start.pose;
+        let pose = Pose { position: position + start.turn * way.xy(), heading: heading + way.z };
+        (Place::turned(pose, start.turn * turned.column(0)), turned)
     }
 }
 
@@ -126,46 +129,57 @@ impl Step<'_> {
         twist.xy().norm() / self.length + twist.z.abs()
     }
 
-    /// Where the springs are evaluated for the increment that has the springs' own at `stage`.
-    fn place(&self, stage: &Vec3, arc: &Arc) -> Place {
-        self.potential.start.moved(&stage.xy(), arc)
+    /// Where the springs act for the increment `twist` along `arc`, and what takes the axes there to those at its end.
+    fn place(&self, twist: &Vec3, arc: &Arc) -> (Place, Option<(f64, Mat2)>) {
+        let start = &self.potential.start;
+        let Some(stage) = self.potential.springs_at else { return (start.moved(&twist.xy(), arc), None) };
+        let (place, turned) = stage.place(start, &arc.shift(&twist.xy()).push(twist.z));
+        (place, Some((stage.share, turned.transpose() * arc.rotation())))
     }
 }
 
+/// Of places that are this far from the world's origin (m), over the `extent` of a load (m): that of their coordinates, and of lengths between them.
+pub fn rounding_of_places(position: &Vec2, extent: f64) -> f64 {
+    8.0 * f64::EPSILON * position.norm() / extent
+}
+
 impl Objective for Step<'_> {
+    fn rounding(&self) -> f64 {
+        rounding_of_places(&self.potential.start.pose.position, self.length)
+    }
+
     fn at(&mut self, twist: &Vec3) -> Reaction {
-        let Stage { share, .. } = self.potential.springs_at;
-        let stage = self.potential.springs_at.of(twist);
-        let arc = Arc::of(stage.z);
-        let place = self.place(&stage, &arc);
-        let mut elastic = self.potential.springs.reaction(&place);
+        let arc = Arc::of(twist.z);
+        let (place, stage) = self.place(twist, &arc);
+        let mut sum = self.potential.springs.reaction(&place);
         if let Some(dashpots) = &mut self.potential.dashpots {
-            elastic.add(&dashpots.reaction(&place));
+            sum.add(&dashpots.reaction(&place));
         }
-        let mut sum = by_increment(&elastic, &arc, &stage.xy());
-        sum.energy /= share;
-        sum.hessian *= share;
+        if let Some((share, axes)) = stage {
+            sum = sum.in_axes(&axes);
+            sum.energy /= share;
+            sum.hessian *= share;
+        }
         if let Some(coasting) = &self.potential.inertia {
-            let arc = Arc::of(twist.z);
-            sum.add(&by_increment(&coasting.reaction(&self.potential.start.turn, twist, &arc), &arc, &twist.xy()));
+            sum.add(&coasting.reaction(&self.potential.start.turn, twist, &arc));
         }
-        sum
+        by_increment(&sum, &arc, &twist.xy())
     }
 
     fn gradient(&mut self, twist: &Vec3) -> Vec3 {
-        let stage = self.potential.springs_at.of(twist);
-        let arc = Arc::of(stage.z);
-        let place = self.place(&stage, &arc);
-        let mut elastic = self.potential.springs.gradient(&place);
+        let arc = Arc::of(twist.z);
+        let (place, stage) = self.place(twist, &arc);
+        let mut sum = self.potential.springs.gradient(&place);
         if let Some(dashpots) = &mut self.potential.dashpots {
-            elastic += dashpots.gradient(&place);
+            sum += dashpots.gradient(&place);
         }
-        let mut sum = slope_by_increment(&elastic, &arc, &stage.xy());
+        if let Some((_, axes)) = stage {
+            sum = axes.tr_mul(&sum.xy()).push(sum.z);
+        }
         if let Some(coasting) = &self.potential.inertia {
-            let arc = Arc::of(twist.z);
-            sum += slope_by_increment(&coasting.reaction(&self.potential.start.turn, twist, &arc).gradient, &arc, &twist.xy());
+            sum += coasting.reaction(&self.potential.start.turn, twist, &arc).gradient;
         }
-        sum
+        slope_by_increment(&sum, &arc, &twist.xy())
     }
 }
 
@@ -268,7 +282,7 @@ mod tests {
             let mut solver = FrictionSolver::new(&ground, 0.0122);
             let mut find = |guess| {
                 let potential =
-                    Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: Stage::END };
+                    Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: None };
                 minimise(potential, &ground, &mut solver, 0.0122, guess)
             };
             let fallen = find(None);

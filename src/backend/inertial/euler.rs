@@ -7,7 +7,7 @@
 use super::{Problem, Stepped};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
-use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
+use crate::backend::increment::{Coasting, Increment, Potential, minimise};
 use crate::backend::spring_blocks::Place;
 use crate::math::{Pose, Twist};
 
@@ -18,7 +18,7 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
         springs,
         dashpots,
         inertia: Some(Coasting::of(&system.load, &twist, step)),
-        springs_at: Stage::END,
+        springs_at: None,
     };
     let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
     forecast.learn(&found, step);

@@ -31,7 +31,7 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let coasted = in_body(&start, &old, step);
     let share = if step <= resolving_step { FOX_GOODWIN } else { MIDPOINT };
     let stage = Stage { offset: -share * coasted, share };
-    let potential = Potential { start, springs, dashpots, inertia: Some(Coasting::of(&system.load, &old, step)), springs_at: stage };
+    let potential = Potential { start, springs, dashpots, inertia: Some(Coasting::of(&system.load, &old, step)), springs_at: Some(stage) };
     let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
     forecast.learn(&found, step);
     let Increment { twist: increment, shift, regime, report, .. } = found;
@@ -42,13 +42,7 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let resistance: Vec3 = slipping.map(|(support, force): (_, &Vec2)| wrench_of(&support.offset, force)).sum();
     // Friction at the end velocity can push a load whose slip has turned back within the step; what that gives is part of the defect.
     let friction = (-resistance.dot(&moved)).max(0.0);
-    Stepped {
-        motion: Motion { pose, twist },
-        stage: start.moved_by(&(stage.offset + stage.share * increment)).pose,
-        friction,
-        regime,
-        report,
-    }
+    Stepped { motion: Motion { pose, twist }, stage: stage.place(&start, &increment).0.pose, friction, regime, report }
 }
 
 /// Where a load at `pose` is after moving with `twist` for `time` (s).

@@ -14,7 +14,7 @@ use super::controlled::{self, FirstOrder, Way};
 use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings, pulls_with};
-use super::increment::{Increment, Potential, Stage, minimise};
+use super::increment::{Increment, Potential, minimise};
 use super::spring_blocks::{Accepted, Place, SpringBlocks};
 use super::stick_bound::StickBound;
 use super::transition::{Transition, TransitionKind};
@@ -24,6 +24,10 @@ use super::{
 use crate::math::{Mat2, Pose, Twist, Vec2, Vec3, rotation};
 use crate::model::System;
 use second_order::Past;
+
+/// Farthest that a tip goes in one stride under error control while the load is at rest, over its radius (1): what rests at all nodes of a stride and slips between them is
+/// not seen to.
+const LONGEST_TIP_WAY: f64 = 0.125;
 
 pub struct QuasiStatic {
     system: System,
@@ -148,6 +152,10 @@ impl QuasiStatic {
             Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest), report),
             Stepping::Controlled(control) => {
                 let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
+                // Tips that are at their targets leave no limit.
+                let n_looks = self.state.held.farthest_way(tip_targets) / (LONGEST_TIP_WAY * self.system.load.radius);
+                let is_at_rest = self.state.regime == Regime::Stick;
+                let way = Way { longest: if is_at_rest { duration / n_looks } else { f64::INFINITY }, ..way };
                 let (strides, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
                 (self.state.stride, self.transitions) = (stride, transitions);
                 report.add(&strides);
@@ -295,7 +303,7 @@ impl QuasiStatic {
                 return found;
             }
         }
-        let potential = Potential { start, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: Stage::END };
+        let potential = Potential { start, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: None };
         minimise(potential, &self.system.ground, &mut self.solver, self.system.load.radius, guess)
     }
 }

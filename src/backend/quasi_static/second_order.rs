@@ -19,7 +19,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::backend::friction::{FrictionSolver, Regime};
-use crate::backend::increment::{Glided, Increment, Objective, Wanted, friction_loss, glide};
+use crate::backend::increment::{Glided, Increment, Objective, Wanted, friction_loss, glide, rounding_of_places};
 use crate::backend::spring_blocks::{Place, SpringBlocks};
 use crate::math::{Arc, Mat2, Pose, Vec2, Vec3, shift_of};
 use crate::model::support::slip_velocity;
@@ -44,6 +44,8 @@ struct Straight<'a> {
     springs: &'a mut SpringBlocks,
     /// At the start of the step.
     start: &'a Pose,
+    /// Of the load (m).
+    radius: f64,
     /// What the past carries on: shift (m, world) and turn (rad).
     carried: (Vec2, f64),
     /// Takes the axes of the increment to world axes.
@@ -69,6 +71,10 @@ impl Straight<'_> {
 }
 
 impl Objective for Straight<'_> {
+    fn rounding(&self) -> f64 {
+        rounding_of_places(&self.start.position, self.radius)
+    }
+
     fn at(&mut self, at: &Vec3) -> Reaction {
         let (place, back) = self.place(at);
         self.springs.reaction(&place).in_axes(&back.transpose())
@@ -100,7 +106,8 @@ pub fn step(
     let turn = start.turn;
     let axes = turn * Arc::of(guess.z).rotation();
     let near = axes.tr_mul(&(shift_of(&turn, guess) - shift)).push(guess.z - turned);
-    let mut objective = Straight { springs, start: &start.pose, carried: (shift, turned), axes, expected_turn: guess.z };
+    let mut objective =
+        Straight { springs, start: &start.pose, radius: system.load.radius, carried: (shift, turned), axes, expected_turn: guess.z };
     let Glided { at, regime, report } = glide(&mut objective, solver, system.load.radius, near, None, Wanted::Nearest)?;
     let (shift, turned) = objective.way(&at);
     let straight = Arc::of(turned).mean_rotation().try_inverse()? * turn.tr_mul(&shift);

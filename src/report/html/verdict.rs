@@ -10,6 +10,7 @@ pub fn of_paths(found: &Pathwise) -> Answer {
     let [least, most] = found.rim.inertia_range_m;
     match found.verdict {
         Verdict::NotComputed => Answer::Open,
+        _ if !found.backends.are_known() => Answer::Open,
         _ if least > found.tolerance_m => Answer::No,
         _ if most <= found.tolerance_m => Answer::Yes,
         _ => Answer::Open,
@@ -35,6 +36,9 @@ pub fn sentence_of_paths(found: &Pathwise) -> String {
             "Quasi-static is justified on this scene: inertia does not move the load at all.".to_owned()
         }
         Answer::Yes => format!("Quasi-static is justified on this scene: {effect}, within the {} that count as agreement.", allowed(found)),
+        _ if !found.backends.are_known() => {
+            format!("Whether quasi-static is justified cannot be told: {effect}, by paths of which some strides did not converge.")
+        }
         _ => format!(
             "Whether quasi-static is justified cannot be told: {effect}, where {} is agreement, but these paths may themselves be wrong by {}.",
             allowed(found),
