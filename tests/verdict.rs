@@ -254,3 +254,30 @@ fn a_backend_on_which_nobody_arrives_differs() {
     assert!(arrived.inertia_effect.is_shifted && found.verdict == Verdict::Inertia, "{found:?}");
     assert!((engine.mean, engine.is_shifted, engine.is_equal) == (0.0, false, false), "six seeds do not show that shares are equal");
 }
+
+/// What inertia comes from is told apart: a load that starts with speed coasts v^2 / (2 mu g), before a release has it overshoot. Each has its remedy, and both together help.
+/// A spring at its rest shape moves nothing when it is grasped, so that no grasp is named.
+#[test]
+fn coasting_and_overshooting_are_told_apart() {
+    let mut scenario = Scenario::read(Path::new("scenarios/analytic/release-jump.json")).unwrap();
+    scenario.control_period = 0.02;
+    let settings = Settings { agreement: 0.01, ..settings(RapierOptions::default()) };
+    let still = compared(&scenario, &settings);
+    assert!(still.rim.inertia_from.start_m == 0.0 && still.rim.inertia_from.jumps_m == still.rim.inertia_m, "{:?}", still.rim);
+
+    let alone = Scenario::read(Path::new("scenarios/analytic/slide.json")).unwrap();
+    let coasts = compared(&alone, &settings);
+    let way = 0.5 * alone.system.load.mass * alone.start.twist.linear.norm_squared() / alone.system.total_slip_limit();
+    let from = coasts.rim.inertia_from;
+    // Runs are good for a twentieth of what agreement is, 1 % of the way.
+    assert!((from.start_m - way).abs() <= 5e-4 * way && (from.jumps_m, from.driving_m) == (0.0, 0.0), "{from:?} {way}");
+    assert_eq!(coasts.first_parting.by_inertia.unwrap().after.unwrap().kind, OccasionKind::Start);
+    assert!(matches!(coasts.remedies[0], Remedy::SlowerStart { .. }), "{:?}", coasts.remedies);
+
+    scenario.start.twist.angular = 30.0;
+    let both = compared(&scenario, &settings);
+    let from = both.rim.inertia_from;
+    assert!(from.start_m > both.tolerance_m && from.jumps_m > both.tolerance_m, "{from:?}");
+    let is_there = |is: fn(&Remedy) -> bool| both.remedies.iter().any(is);
+    assert!(is_there(|remedy| matches!(remedy, Remedy::SlowerStart { .. })) && is_there(|remedy| matches!(remedy, Remedy::Damping { .. })));
+}

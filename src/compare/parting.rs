@@ -112,7 +112,7 @@ impl<'a> Pair<'a> {
     }
 
     /// What takes the path of a load with inertia, `a`, from that of the same one without, `b`. While paths lie apart all comes from what parted them, but for what
-    /// takes them further still: something sudden, or anything once coasting from the start is over.
+    /// takes them further still: something sudden, or anything once the load has set out again since its start.
     pub fn inertia_from(&self) -> InertiaFrom {
         let sudden = self.sudden();
         let coasts_until = self.coasts_until(&sudden);
@@ -196,14 +196,14 @@ impl<'a> Pair<'a> {
         self.a.trace.rows.first().is_some_and(|row| row.energy.initial > 0.0)
     }
 
-    /// How long the load does nothing but go on as it started (s); less than nothing when it started from rest.
+    /// How long the load does nothing but go on as it started, and stop (s); less than nothing when it started from rest.
     fn coasts_until(&self, sudden: &[f64]) -> f64 {
         if !self.starts_with_speed() {
             return f64::NEG_INFINITY;
         }
         let transitions = &self.a.trace.transitions;
-        let stops = transitions.iter().filter(|transition| transition.kind == TransitionKind::Stop).map(|stop| stop.time);
-        stops.chain(sudden.iter().copied()).fold(f64::INFINITY, f64::min)
+        let onsets = transitions.iter().filter(|transition| transition.kind == TransitionKind::Onset).map(|onset| onset.time);
+        onsets.chain(sudden.iter().copied()).fold(f64::INFINITY, f64::min)
     }
 }
 
