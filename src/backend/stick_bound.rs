@@ -12,8 +12,7 @@
 //! ```
 //!
 //! A, B and p at their largest in a ball about the tip. A change of w that is no more than that changes each f_i by at most `c_i^2 |B_i M|` times as much, M as in the
-//! certificate of rest. Ways for which
-//! forces stay within their limits by this bound are a convex set: a straight way of the tips that begins and ends in it lies in it.
+//! certificate of rest. Ways for which forces stay within their limits by this bound are a convex set: a straight way of the tips that begins and ends in it lies in it.
 
 use serde::{Deserialize, Serialize};
 

@@ -86,7 +86,9 @@ enum From {
 #[derive(Clone, Copy)]
 struct Stretch {
     from: From,
+    /// (s)
     since: f64,
+    /// Distance of the rims (m).
     largest: f64,
 }
 

@@ -17,7 +17,7 @@ use crate::simulation::{Event, EventKind, Row, Trace};
 /// What inertia would have done. Displacements are those of the load's rim: shift plus radius times turn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct InertiaEstimate {
-    /// Largest shift plus radius times largest turn, as in a comparison of paths (m).
+    /// Largest shift plus radius times turn at one instant, as in a comparison of paths (m).
     pub displacement_max_m: f64,
     /// At the end of the run (m).
     pub displacement_final_m: f64,
