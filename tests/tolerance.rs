@@ -248,6 +248,73 @@ fn a_run_that_strays_is_repeated_until_it_is_within() {
     assert!(error > 0.0 && error <= tolerance, "{error:e}");
 }
 
+/// A tip passes the load on a straight line whose ends, and whose middle, are too far off to move it, and on the way presses it 0.3 mm aside: to one stride over the whole way, as to its
+/// two halves, nothing happens at all.
+#[test]
+fn a_slip_in_the_midst_of_a_long_control_period_is_seen() {
+    // Pressed by this much less than its rest length, the spring moves the load.
+    let (stiffness, aside) = (4.0, 0.004);
+    let reach = REST_LENGTH - SLIP_LIMIT / stiffness + 1e-6;
+    let along = (reach * reach - aside * aside).sqrt();
+    let waypoint = |time: f64, y: f64| Waypoint { time, position: Vec2::new(along, y) };
+    let path = TipPath { spring: 0, waypoints: vec![waypoint(0.0, 3.0 * aside), waypoint(1.0, -aside)], release: None };
+    let spring = PolarSpring { rest_length: REST_LENGTH, radial_stiffness: stiffness, ..isotropic(Vec2::zeros(), 0.0) };
+    let of_period = |control_period: f64| {
+        let scenario = Scenario {
+            name: "passing".to_owned(),
+            duration: 1.0,
+            control_period,
+            seed: 1,
+            system: paper_system(vec![spring]),
+            start: at_rest(),
+            drive: Drive::Tips(vec![path.clone()]),
+        };
+        let scene = Scene { name: scenario.name.clone(), scenario, recorded: None };
+        scene.run(BackendKind::QuasiStatic, 1e-6).trace.rows.last().unwrap().motion.pose
+    };
+    let [long, short] = [1.0, 1e-3].map(of_period);
+    assert!(short.position.norm() > 2e-4, "{short:?}");
+    // Both keep to the tolerance.
+    assert!((long.position - short.position).norm() <= 2e-6, "{long:?} {short:?}");
+}
+
+/// Implicit Euler stops a load within one step wherever the step begins, so that one step and two agree on a place that is not the right one: what they may both have lost is part of the
+/// run's own error. The way to rest is v^2 / (2 mu g).
+#[test]
+fn a_run_knows_what_a_stop_hides() {
+    for speed in [1e-4, 1e-3, 1e-2, 0.1] {
+        let system = peers_system(Vec::new());
+        for tolerance in [1e-5, 1e-6, 1e-7, 1e-8] {
+            let options = BackendOptions::within(BackendKind::Inertial, Tolerance::on_rim(tolerance, &system.load));
+            let mut run = build(&system, moving(speed, 0.0, 0.0), &options);
+            for _ in 0..10 {
+                run.advance(&[], 2e-3);
+            }
+            assert_eq!(run.motion().twist, Twist::ZERO);
+            let error = (run.motion().pose.position.x - speed * speed / (2.0 * MU * GRAVITY)).abs();
+            let known = run.pose_error().unwrap().position;
+            // Rounding of ways of millimetres that add up.
+            assert!(error <= known + 1e-16 && known <= tolerance, "{speed} {tolerance:e}: {error:e} {known:e}");
+        }
+    }
+}
+
+/// A load that starts to turn about a support at once: the change lies at the start, and the strides behind it are as short as they get. They too have as many rows as they need. Known: the midpoint step, another method,
+/// extrapolated from 10 us and 5 us, which agrees with looser tolerances in 11 digits.
+#[test]
+fn the_tightest_tolerances_are_kept_too() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/analytic/slide-spin.json");
+    let scenario = Scenario { duration: 0.05, ..Scenario::read(&path).unwrap() };
+    let scene = Scene { name: scenario.name.clone(), scenario, recorded: None };
+    for tolerance in [1e-10, 1e-11, 1e-12] {
+        let found = scene.run(BackendKind::Inertial, tolerance);
+        let away = found.trace.rows.last().unwrap().motion.pose.position - Vec2::new(3.57842532479e-3, 3.2273209526e-4);
+        // The digits of the known pose.
+        assert!(away.norm() <= 3e-13, "{tolerance:e}: {:e}", away.norm());
+        assert!(found.is_within, "{tolerance:e}: {:e}", found.estimate);
+    }
+}
+
 /// A soft spring turns a load that it pushes round all at once. Descent to the balance is slow there, some steps do not converge and say so, and the run
 /// ends all the same.
 #[test]

@@ -221,14 +221,15 @@ fn attempt<M: FirstOrder>(
             false => plain / CHANGE_SHARE,
         };
         let is_solved = cost.status == Status::Converged || length <= SHORTENED_TO_SOLVE;
-        if is_shortest || is_solved && error <= 1.0 {
-            let kept = match (control.keeps, is_smooth) {
-                (Column::Last, true) => &row[n - 1],
-                (Column::LastButOne, true) => &row[n - 2],
-                (Column::Last, false) => &row[0],
-                (Column::LastButOne, false) => &last_row[0],
-            };
-            method.set_flow(kept);
+        // Further rows do not help what is no series.
+        let has_all_rows = !is_solved || !is_smooth || n >= 4 && error >= last_error || n == MOST_ROWS;
+        if is_solved && error <= 1.0 || is_shortest && has_all_rows {
+            match (control.keeps, is_smooth) {
+                (Column::Last, true) => method.set_flow(&row[n - 1]),
+                (Column::LastButOne, true) => method.set_flow(&row[n - 2]),
+                (Column::Last, false) => method.set_flow(&row[0]),
+                (Column::LastButOne, false) => method.set_flow(&control.strayed(&before, &last_row[0], length * way.duration)),
+            }
             report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
             let power = if is_smooth { n } else { 1 };
             let least = if n < FAVOURED_ROWS { 2.0 } else { 0.0 };
@@ -240,7 +241,7 @@ fn attempt<M: FirstOrder>(
             let is_short_enough = error * change <= AIM * length;
             return Attempt::TooLong { stride: if is_short_enough { change } else { 0.5 * change }, change: Some(from + change) };
         }
-        if !is_solved || n >= 4 && error >= last_error || n == MOST_ROWS {
+        if has_all_rows {
             return Attempt::TooLong { stride: length * growth(error, n).clamp(0.1, 0.5), change: None };
         }
         (last_row, last_error) = (row, error);
@@ -316,6 +317,16 @@ impl Control {
     /// nothing, one step and two find the same place, and that is not the right one.
     fn loss_of_way(&self, a: &[f64], b: &[f64], duration: f64) -> f64 {
         0.5 * duration * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5])
+    }
+
+    /// The flow `b` with what its way from `a` may have lost. Where a load stops, one step and two find the same place: a run that shows how errors add up would not show
+    /// that one.
+    fn strayed(&self, a: &[f64], b: &[f64], duration: f64) -> Vec<f64> {
+        let mut strayed = b.to_vec();
+        if self.settling_time.is_some() {
+            (0..3).for_each(|i| strayed[i] += 0.5 * duration * (a[i + 3] - b[i + 3]));
+        }
+        strayed
     }
 
     /// Of a shift (m) and a turn (rad), over the tolerance (1).

@@ -72,7 +72,12 @@ fn end(start: Start) -> Case {
     );
     let left = 4.0 * turn / 8_000f64.powi(2);
     let limit = Bound::pose(left * SUPPORT_RADIUS, left, "the capture lies within a step, which leaves some h^2 of the way");
-    let plan = |variant| Plan::first_order(variant, step_s, 4, first.clone(), limit.clone());
+    let share = 1e-6 * turn * turn;
+    let second = Bound::pose(share * SUPPORT_RADIUS, share, "the square of a step's share of the slide, times that of the turn");
+    let plan = |variant| match variant {
+        Variant::InertialMidpoint => Plan::of_order(2.0, variant, step_s, 4, second.clone()),
+        _ => Plan::first_order(variant, step_s, 4, first.clone(), limit.clone()),
+    };
     Case {
         name: format!("tripod-{}", start.name),
         family: Family::Tripod,

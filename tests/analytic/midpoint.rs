@@ -3,6 +3,7 @@
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Motion, Status, build};
 use cohaul::math::Vec2;
 use cohaul::model::System;
+use cohaul::verify::tripod::STARTS;
 
 use crate::common::*;
 
@@ -57,15 +58,34 @@ fn a_spin_is_exact_but_for_its_last_step() {
     assert!((heading - exact).abs() <= alpha * 1e-6 / 8.0 + 1e-14, "{heading} {exact}");
 }
 
-/// 3.592949 mm is the distance in the limit of small steps of both integrators; 0.35 % is what the exact cone step with midpoint positions was known for.
+/// 3.592949 mm is the distance in the limit of small steps of both integrators.
 #[test]
-fn slide_and_spin_together_come_within_a_thousandth() {
+fn slide_and_spin_together_come_within_ten_millionths() {
     let distance = coasted(moving(0.2, 0.0, 10.0), 1e-3).0.norm();
-    // First order in the turning of the slip with a small constant: 0.05 % measured.
     assert!((distance / 3.592949e-3 - 1.0).abs() < 1e-3, "{distance}");
-    let [coarse, fine] = [1e-4, 5e-5].map(|step| coasted(moving(0.2, 0.0, 10.0), step).0.norm());
+    let fine = coasted(moving(0.2, 0.0, 10.0), 5e-5).0.norm();
     // Seven digits of the known value.
-    assert!((2.0 * fine - coarse - 3.592949e-3).abs() < 2e-9, "{}", 2.0 * fine - coarse);
+    assert!((fine - 3.592949e-3).abs() < 2e-9, "{fine}");
+}
+
+/// Slips that turn while the load slides, is caught on a support and turns about it, down to rest: known poses of 13 digits. Friction at the end velocity alone would make all of
+/// it first order.
+#[test]
+fn a_slip_that_turns_is_second_order() {
+    let unit = (SUPPORT_RADIUS / (MU * GRAVITY)).sqrt();
+    for start in STARTS {
+        let mut system = paper_system(Vec::new());
+        system.load.inertia = start.chi * MASS * SUPPORT_RADIUS * SUPPORT_RADIUS;
+        let errors = [100.0, 200.0, 400.0, 800.0, 1600.0].map(|n| {
+            let mut load = midpoint(&system, moving(SUPPORT_RADIUS / unit, 0.0, start.turn_rate / unit), start.stop * unit / n);
+            load.advance(&[], 1.1 * start.stop * unit);
+            let pose = load.motion().pose;
+            let [x, y, heading] = start.end;
+            (pose.position / SUPPORT_RADIUS - Vec2::new(x, y)).norm().max((pose.heading - heading).abs())
+        });
+        // 4 + O(h).
+        assert!(errors.windows(2).all(|pair| (3.6..5.0).contains(&(pair[0] / pair[1]))), "{} {errors:?}", start.name);
+    }
 }
 
 /// Thirteen seconds of ripple. With frequencies right to fourth order what is left is the onset within a step: second order, 8e-8 of the path at 1 ms.
@@ -84,15 +104,15 @@ fn the_ripple_of_a_pulled_load_keeps_its_phase_and_size() {
 
 /// QS-REF-1 with the paper's mass: pose after 1 s, extrapolated to ten digits by an independent program.
 #[test]
-fn the_reference_scene_comes_within_five_micrometres_at_a_millisecond() {
+fn the_reference_scene_comes_within_a_micrometre_at_a_millisecond() {
     let error = |step: f64| {
         let mut load = midpoint(&paper_system(paper_springs(4)), at_rest(), step);
         drive(load.as_mut(), reference_tips, 1.0, 1000, |_, _| {});
         (load.motion().pose.position - Vec2::new(0.0312405053, 0.0024621252)).norm()
     };
     // Euler is 1.6e-5 m off at 0.25 ms. The nodes of the tips add 1e-7.
-    assert!(error(1e-3) < 7e-6, "{}", error(1e-3));
-    assert!(error(2.5e-4) < 2e-6, "{}", error(2.5e-4));
+    assert!(error(1e-3) < 1.1e-6, "{}", error(1e-3));
+    assert!(error(2.5e-4) < 2e-7, "{}", error(2.5e-4));
 }
 
 /// A load held below its limit stays where it is, bit for bit, and no step is too long.

@@ -92,6 +92,29 @@ fn books_close_to_second_order() {
     assert!(coarse < 1e-3 && fine < coarse / 32.0, "{coarse} {fine}");
 }
 
+/// Far from the world's origin places have fewer digits, which no tolerance may ask for: steps take no more solutions, and are still of second order.
+#[test]
+fn far_from_the_origin_only_digits_are_lost() {
+    let system = paper_system(paper_springs(4));
+    let run = |away: Vec2, second_order| {
+        let start = Motion { pose: Pose { position: away, heading: 0.0 }, twist: Twist::ZERO };
+        let tips = move |t: f64| reference_tips(t).into_iter().map(|(spring, tip)| (spring, tip + away)).collect::<Vec<_>>();
+        let options = BackendOptions { second_order, ..BackendOptions::new(BackendKind::QuasiStatic, 1.0 / 800.0) };
+        let (poses, report) = path(&system, start, &options, &tips, 1.0);
+        (poses.last().unwrap().position - away, report.n_solves)
+    };
+    for second_order in [false, true] {
+        let (here, n_here) = run(Vec2::zeros(), second_order);
+        for away in [Vec2::new(10.0, -7.0), Vec2::new(100.0, -70.0)] {
+            let (there, n_there) = run(away, second_order);
+            // Eight hundred steps, each off by a few roundings of the place.
+            let rounding = 800.0 * 10.0 * f64::EPSILON * away.norm();
+            assert!((there - here).norm() < rounding, "{second_order} {away}: {:e}", (there - here).norm());
+            assert!(n_there as f64 <= 1.1 * n_here as f64, "{second_order} {away}: {n_there} for {n_here}");
+        }
+    }
+}
+
 /// Neither where the scene stands nor how fast it happens matters: the former to rounding of places of 0.3 m, the latter, by powers of two, to the last bit.
 #[test]
 fn place_and_pace_do_not_matter() {

@@ -4,7 +4,7 @@
 //! across. Along that pull n the stiffness n' H n = k_r n_r^2 + (k_r / 2 + k_t / l^2) n_t^2 - 2 (k_t psi / l^2) n_r n_t is negative from swings of 4.01 rad on: a
 //! load that starts to slip there is pulled the more the further it goes, until the spring is shorter.
 
-use cohaul::backend::{Backend, BackendKind, BackendOptions, TransitionKind, build};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Status, Tolerance, TransitionKind, build};
 use cohaul::math::{Vec2, direction};
 use cohaul::model::{PolarSpring, System};
 
@@ -103,4 +103,40 @@ fn a_snap_is_the_same_in_second_order() {
     let step = SWEPT / 9_600.0;
     assert!((plain[0].time - second[0].time).abs() < 1.01 * step, "{plain:?} {second:?}");
     assert!((plain[0].shift - second[0].shift).abs() < 2.0 * LENGTH * step, "{plain:?} {second:?}");
+}
+
+/// A tip that is pushed across the load from where its spring is rooted turns it over as soon as it slips. How far past that the first step ends is the error control's
+/// to find, down to 1e-9 of the way, where the load sets off with next to no force: as far as the descent is followed, it leads to one place.
+///
+/// Known answer of a program that shares no code with this one: the instant at which no friction balances the pull any more, by the moments about all points, and
+/// where the gradient flow of energy and friction leads from rest then, in three legs.
+#[test]
+fn a_load_that_sets_off_with_next_to_no_force_turns_over_to_its_balance() {
+    const ONSET: f64 = 0.559_866_67;
+    const SHIFT: f64 = 5.1271e-3;
+    const TURN: f64 = 1.5787;
+    const ENERGY: f64 = 2.7538e-5;
+    let mut system = paper_system(vec![isotropic(LOAD_RADIUS * Vec2::x(), 0.0)]);
+    system.ground.supports = tripod(0.005, SLIP_LIMIT / MU);
+    let tip = |t: f64| vec![(0, Vec2::new(LOAD_RADIUS - 0.05 * t, 0.01 * t))];
+    for tolerance in [1e-5, 1e-6, 1e-7, 1e-8] {
+        let options = BackendOptions::within(BackendKind::QuasiStatic, Tolerance::on_rim(tolerance, &system.load));
+        let mut run = build(&system, at_rest(), &options);
+        let mut jumps = Vec::new();
+        let look = |time: f64, run: &mut dyn Backend| {
+            let snap = |kind| if let TransitionKind::Jump { shift, turn, energy } = kind { Some((shift, turn, energy)) } else { None };
+            jumps.extend(run.transitions().iter().filter_map(|seen| Some((time - 0.01 + seen.time, snap(seen.kind)?))));
+        };
+        let report = drive(run.as_mut(), tip, 1.0, 100, look);
+        assert_eq!((report.status, report.n_not_converged), (Status::Converged, 0), "{tolerance}");
+        let [(time, (shift, turn, energy))] = jumps[..] else { panic!("{tolerance}: {jumps:?}") };
+        // The tip goes 51 mm/s, and the load, once over, no further than it.
+        let late = (time - ONSET) * 0.051;
+        assert!(late > -1e-9 && late < tolerance, "{tolerance}: {time}");
+        // That answer's digits, and legs that end within 2 um of where further ones lead.
+        assert!((shift - SHIFT).abs() < 2e-6 + late, "{tolerance}: {shift}");
+        assert!((turn - TURN).abs() < 4e-4 + late / LOAD_RADIUS, "{tolerance}: {turn}");
+        // Its digits, and the pull that the tip works against while it goes on.
+        assert!((energy - ENERGY).abs() < 2e-9 + SLIP_LIMIT * late, "{tolerance}: {energy}");
+    }
 }

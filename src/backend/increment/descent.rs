@@ -11,10 +11,11 @@ const MOST_ITERATIONS: u64 = 60;
 /// Length of a step over that of the increment from which on it is short (1).
 const SHORT: f64 = 0.1;
 /// Length of a step over that of the one before up to which the next ones are likely to follow (1).
-const STEADY: f64 = 0.9;
+const STEADY: f64 = 0.98;
 /// So often it is looked where they lead.
 const MOST_GLIDES: u32 = 4;
-/// Longest turn in one Newton step (rad): the quadratic model says little beyond.
+/// Longest turn in one Newton step (rad), and longest that one is gone on with, its shift over the extent of the load added (1): the quadratic model says little
+/// beyond.
 const LONGEST_TURN: f64 = 0.5;
 
 /// How a descent gets on.
@@ -119,11 +120,34 @@ impl Step<'_> {
             let there = self.at(&next);
             let after = there.energy + friction_loss(self.ground, &next);
             if after <= before + 1e-4 * share * predicted.min(0.0) + rounding {
-                return Some((next, there));
+                let is_concave = share == 1.0 && before - after > rounding && before - after >= -predicted;
+                return Some(if is_concave { self.go_on(at, step, (next, there), (before, after)) } else { (next, there) });
             }
             share *= 0.5;
         }
         None
+    }
+
+    /// The last of the points at 1, 2, 4 ... of the `step` from an increment up to which the objective has fallen ever faster, and what the potential is there. The
+    /// objective is `before` there, and `after` at the first of them, which is `reached` (J).
+    ///
+    /// Where a balance has just ended, the load sets off with next to no force, and along a way that mixes stiff and unstable motions the model, which has made
+    /// those stiff as well, takes a share of what has been gone at each step. Where the fall slows down is not gone over: the minimum is beyond that.
+    #[inline(never)]
+    fn go_on(&mut self, at: &Vec3, step: &Vec3, mut reached: (Vec3, Reaction), (before, mut after): (f64, f64)) -> (Vec3, Reaction) {
+        let mut share = 2.0;
+        while share * self.size(step) <= LONGEST_TURN {
+            let next = at + share * step;
+            let there = self.at(&next);
+            let further = there.energy + friction_loss(self.ground, &next);
+            let falls_faster = after - further >= before - after;
+            if !falls_faster {
+                break;
+            }
+            (reached, after) = ((next, there), further);
+            share *= 2.0;
+        }
+        reached
     }
 }
 
@@ -198,10 +222,8 @@ mod tests {
             blocks.gather(&springs, held.grips());
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
-            let potential = Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: None };
-            let found = minimise(potential, &ground, &mut solver, 0.0122, None);
-            let potential = Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: None };
-            let mut step = Step { potential, ground: &ground, length: 0.0122 };
+            let found = minimise(Potential::of(&mut blocks, Place::of(&start)), &ground, &mut solver, 0.0122, None);
+            let mut step = Step { potential: Potential::of(&mut blocks, Place::of(&start)), ground: &ground, length: 0.0122 };
             let is_convex = PositiveDefinite::new(&step.at(&found.twist).hessian).is_some();
             let is_found = found.report.status == Status::Converged && found.report.n_solves < 12;
             if is_convex || found.regime == Regime::Stick || !is_found {

@@ -37,6 +37,15 @@ pub struct Potential<'a> {
     pub inertia: Option<Coasting>,
     /// Where on the way the springs act; `None` at its end, which a constant body twist leads to.
     pub springs_at: Option<Stage>,
+    /// What acts besides, whatever the increment (N, N, N m; load axes at the start, about the origin).
+    pub constant_wrench: Vec3,
+}
+
+impl<'a> Potential<'a> {
+    /// That of springs alone, at the end of the step.
+    pub fn of(springs: &'a mut SpringBlocks, start: Place) -> Self {
+        Self { start, springs, dashpots: None, inertia: None, springs_at: None, constant_wrench: Vec3::zeros() }
+    }
 }
 
 /// Springs act at offset + share y while the load's own way is y, both straight: shifts along the axes at the start of the step, and a turn. Inertia resists y as well, so
@@ -163,7 +172,10 @@ impl Objective for Step<'_> {
         if let Some(coasting) = &self.potential.inertia {
             sum.add(&coasting.reaction(&self.potential.start.turn, twist, &arc));
         }
-        by_increment(&sum, &arc, &twist.xy())
+        let mut sum = by_increment(&sum, &arc, &twist.xy());
+        sum.energy -= self.potential.constant_wrench.dot(twist);
+        sum.gradient -= self.potential.constant_wrench;
+        sum
     }
 
     fn gradient(&mut self, twist: &Vec3) -> Vec3 {
@@ -179,7 +191,7 @@ impl Objective for Step<'_> {
         if let Some(coasting) = &self.potential.inertia {
             sum += coasting.reaction(&self.potential.start.turn, twist, &arc).gradient;
         }
-        slope_by_increment(&sum, &arc, &twist.xy())
+        slope_by_increment(&sum, &arc, &twist.xy()) - self.potential.constant_wrench
     }
 }
 
@@ -280,11 +292,7 @@ mod tests {
             blocks.gather(&springs, held.grips());
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
-            let mut find = |guess| {
-                let potential =
-                    Potential { start: Place::of(&start), springs: &mut blocks, dashpots: None, inertia: None, springs_at: None };
-                minimise(potential, &ground, &mut solver, 0.0122, guess)
-            };
+            let mut find = |guess| minimise(Potential::of(&mut blocks, Place::of(&start)), &ground, &mut solver, 0.0122, guess);
             let fallen = find(None);
             if fallen.regime == Regime::Stick || fallen.report.status != Status::Converged {
                 continue;

@@ -13,17 +13,12 @@ use crate::math::{Pose, Twist};
 
 pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let Problem { system, start: Motion { pose: before, twist }, springs, dashpots, forecast, step, .. } = problem;
-    let potential = Potential {
-        start: Place::of(&before),
-        springs,
-        dashpots,
-        inertia: Some(Coasting::of(&system.load, &twist, step)),
-        springs_at: None,
-    };
+    let inertia = Some(Coasting::of(&system.load, &twist, step));
+    let potential = Potential { dashpots, inertia, ..Potential::of(springs, Place::of(&before)) };
     let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
     forecast.learn(&found, step);
     let Increment { twist: increment, shift, friction, regime, report } = found;
     let pose = Pose { position: before.position + shift, heading: before.heading + increment.z };
     let twist = Twist { linear: shift / step, angular: increment.z / step };
-    Stepped { motion: Motion { pose, twist }, stage: pose, friction, regime, report }
+    Stepped { motion: Motion { pose, twist }, stage: pose, friction, regime, past: None, report }
 }

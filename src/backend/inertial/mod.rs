@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! euler.rs     implicit Euler: the quasi-static step with the mass matrix added; first order
-//! midpoint.rs  springs at the middle of the step, friction at the end velocity; second order while the slip keeps its direction
+//! midpoint.rs  springs at the middle of the step, friction at the end velocity and led back by how it changes; second order
 //! dashpots.rs  damping as springs about the shape at the start of a step
 //! ```
 //!
@@ -26,6 +26,7 @@ use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips
 use crate::math::{Mat2, Pose, Twist, Vec2};
 use crate::model::System;
 use dashpots::Dashpots;
+use midpoint::Past;
 
 /// Longest stride under error control, in radians of the fastest oscillation.
 const LONGEST_STRIDE: f64 = 2.0;
@@ -60,6 +61,8 @@ pub(super) struct State {
     /// Nothing was grasped or let go since the step that ended in the regime.
     undisturbed: bool,
     forecast: Forecast,
+    #[serde(default)]
+    past: Option<Past>,
     /// The held springs have changed since they were last evaluated.
     is_stale: bool,
     /// Rotation by the heading as the springs were last evaluated with it: only that gives them the same bits again.
@@ -75,7 +78,7 @@ pub(super) struct State {
 pub enum Integrator {
     /// First order; the quasi-static step in the limit of no mass.
     Euler,
-    /// Second order while the slip keeps its direction.
+    /// Second order, in turning slips as in straight ones.
     #[default]
     Midpoint,
 }
@@ -84,6 +87,7 @@ pub enum Integrator {
 struct Problem<'a> {
     system: &'a System,
     start: Motion,
+    past: Option<Past>,
     /// Springs with their tips where the step evaluates them.
     springs: &'a mut SpringBlocks,
     /// Dashpots as springs of this step.
@@ -103,6 +107,8 @@ struct Stepped {
     /// Energy lost to friction (J).
     friction: f64,
     regime: Regime,
+    /// For the next one.
+    past: Option<Past>,
     report: StepReport,
 }
 
@@ -119,6 +125,7 @@ impl Inertial {
             regime: if start.twist == Twist::ZERO { Regime::Stick } else { Regime::Slip },
             undisturbed: false,
             forecast: Forecast::default(),
+            past: None,
             is_stale: true,
             turn: Mat2::identity(),
             stride: f64::MAX,
@@ -163,7 +170,7 @@ impl Inertial {
     }
 
     /// Makes a step (s) that was taken the state, with the books of its energies.
-    fn take(&mut self, Stepped { motion, stage, friction, regime, .. }: &Stepped, step: f64) {
+    fn take(&mut self, Stepped { motion, stage, friction, regime, past, .. }: &Stepped, step: f64) {
         let accepted = self.springs.accept(&motion.pose);
         let damping = self.dashpots.loss(stage, step);
         let mut on_dashpots = 0.0;
@@ -176,7 +183,7 @@ impl Inertial {
         let kinetic = self.system.load.kinetic_energy(&motion.twist);
         let state = &mut self.state;
         state.settled = accepted.tips_stood && motion.twist == Twist::ZERO && state.motion.twist == Twist::ZERO;
-        (state.motion, state.regime, state.undisturbed) = (*motion, *regime, true);
+        (state.motion, state.regime, state.past, state.undisturbed) = (*motion, *regime, *past, true);
         let energy = &mut state.energy;
         energy.friction += friction;
         energy.damping += damping;
@@ -214,6 +221,7 @@ impl FirstOrder for Inertial {
         let problem = Problem {
             system: &self.system,
             start: self.state.motion,
+            past: self.state.past,
             springs: &mut self.springs,
             dashpots: self.dashpots.blocks(),
             forecast: &mut self.state.forecast,
@@ -277,7 +285,7 @@ impl Backend for Inertial {
     fn grasp(&mut self, spring: usize, tip: Vec2) {
         let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
-        (self.state.settled, self.state.undisturbed) = (false, false);
+        (self.state.settled, self.state.undisturbed, self.state.past) = (false, false, None);
         self.state.is_stale = true;
     }
 
@@ -285,7 +293,7 @@ impl Backend for Inertial {
         let lost = self.state.held.release(&self.system.springs, spring, &self.state.motion.pose);
         self.state.energy.book_release(lost, self.state.held.energy(&self.system.springs, &self.state.motion.pose));
         self.state.dashpot_on_tip[spring] = Vec2::zeros();
-        (self.state.settled, self.state.undisturbed) = (false, false);
+        (self.state.settled, self.state.undisturbed, self.state.past) = (false, false, None);
         self.state.is_stale = true;
     }
 

@@ -303,7 +303,7 @@ impl QuasiStatic {
                 return found;
             }
         }
-        let potential = Potential { start, springs: &mut self.springs, dashpots: None, inertia: None, springs_at: None };
+        let potential = Potential::of(&mut self.springs, start);
         minimise(potential, &self.system.ground, &mut self.solver, self.system.load.radius, guess)
     }
 }
