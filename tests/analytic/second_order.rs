@@ -1,6 +1,6 @@
 //! Quasi-static steps of second order: the same paths, sooner.
 
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, Status, Tolerance, build};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, Skips, Status, Tolerance, build};
 use cohaul::math::{Pose, Twist, Vec2, Vec3, rotation};
 use cohaul::model::System;
 use cohaul::scenario::Scenario;
@@ -90,6 +90,29 @@ fn books_close_to_second_order() {
     };
     let (coarse, fine) = (defect(100), defect(800));
     assert!(coarse < 1e-3 && fine < coarse / 32.0, "{coarse} {fine}");
+}
+
+/// A load is dragged one way, rests while its tip does, and is dragged another way: what it did before says nothing of how it goes on.
+#[test]
+fn a_pause_does_not_cost_the_order() {
+    let system = paper_system(vec![paper_springs(1)[0]]);
+    let tip = |t: f64| {
+        let (along, across) = (t.min(2.0), (t - 2.5).max(0.0));
+        vec![(0, Vec2::new(LOAD_RADIUS + REST_LENGTH + 0.05 * along, 0.005 * along + 0.05 * across))]
+    };
+    let end = |options: &BackendOptions, n: u32| {
+        let mut run = build(&system, at_rest(), options);
+        drive(run.as_mut(), tip, 4.5, n, |_, _| ());
+        run.motion().pose
+    };
+    let exact = end(&BackendOptions::within(BackendKind::QuasiStatic, Tolerance::on_rim(1e-10, &system.load)), 450);
+    let of_second_order = BackendOptions { second_order: true, ..BackendOptions::new(BackendKind::QuasiStatic, f64::INFINITY) };
+    let [coarse, fine] = [900, 3600].map(|n| distance(&end(&of_second_order, n), &exact));
+    // Sixteen, but for onsets within steps.
+    assert!(coarse / fine > 12.0, "{coarse} {fine}");
+    // Whether the rest is gone through or left out makes no difference but rounding.
+    let gone_through = end(&BackendOptions { skips: Skips { still_tips: false, ..Skips::ALL }, ..of_second_order }, 900);
+    assert!(distance(&gone_through, &end(&of_second_order, 900)) < 1e-13);
 }
 
 /// Far from the world's origin places have fewer digits, which no tolerance may ask for: steps take no more solutions, and are still of second order.

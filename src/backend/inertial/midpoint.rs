@@ -28,16 +28,16 @@ use crate::backend::friction::{FrictionSolver, Regime};
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
 use crate::backend::spring_blocks::Place;
 use crate::backend::{Motion, StepReport};
-use crate::math::{Pose, Twist, Vec2, Vec3, rotation};
-use crate::model::Ground;
+use crate::math::{Arc, Mat2, Pose, Twist, Vec2, Vec3};
+use crate::model::System;
 use crate::model::support::wrench_of;
 
 /// Newmark's beta that cancels the error of frequencies; stable up to omega h = sqrt(6).
 const FOX_GOODWIN: f64 = 1.0 / 12.0;
-/// Change of friction in one step, over the most that there can be, up to which it goes on so (1).
-const LARGEST_CHANGE: f64 = 0.5;
 /// Newmark's beta that evaluates springs at the mean of both ends; stable at any step.
 const MIDPOINT: f64 = 0.25;
+/// Change of friction in one step, over the most that there can be (its torque about the load's radius), up to which it goes on so (1).
+const LARGEST_CHANGE: f64 = 0.5;
 
 pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let Problem { system, start: Motion { pose: before, twist: old }, past, springs, mut dashpots, forecast, step, resolving_step } =
@@ -53,7 +53,7 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
         let potential = Potential { dashpots, inertia, springs_at, constant_wrench, ..Potential::of(springs, start) };
         minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step))
     };
-    let lead = past.and_then(|past| past.lead(&start, &coasted, step, &system.ground));
+    let lead = past.and_then(|past| past.lead(&start, &coasted, step, system));
     let mut found = find(lead.unwrap_or_default());
     if lead.is_some() && past.is_some_and(|past| past.regime != found.regime) {
         // It does not go on as it did.
@@ -69,10 +69,11 @@ pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let slipping = system.ground.supports.iter().zip(solver.forces());
     let resistance: Vec3 = slipping.map(|(support, force): (_, &Vec2)| wrench_of(&support.offset, force)).sum();
     // Both velocities in axes in which a support that the load turns about stands.
-    let moved = 0.5 * (in_body(&Place::of(&before), &old, step) + increment);
+    let moved = 0.5 * ((half_turn(coasted.z) * coasted.xy()).push(coasted.z) + increment);
     // Friction at the end velocity can push a load whose slip has turned back within the step; what that gives is part of the defect.
     let friction = (-resistance.dot(&moved)).max(0.0);
-    let past = Past::after(past, regime, (rotation(pose.heading) * resistance.xy()).push(resistance.z), step);
+    let in_world = start.turn * half_turn(increment.z) * resistance.xy();
+    let past = Past::after(past, regime, in_world.push(resistance.z), step);
     Stepped { motion: Motion { pose, twist }, stage: stage.place(&start, &increment).0.pose, friction, regime, past, report }
 }
 
@@ -94,17 +95,21 @@ impl Past {
     }
 
     /// What friction is to be changed by for a step of second order, about `start`, whose axes it is in, if the load goes on as it did. `None` where that is not known.
-    fn lead(&self, start: &Place, coasted: &Vec3, step: f64, ground: &Ground) -> Option<Vec3> {
+    fn lead(&self, start: &Place, coasted: &Vec3, step: f64, system: &System) -> Option<Vec3> {
         let change = self.last - self.before?;
-        let most = ground.supports.iter().zip(ground.slip_limits()).map(|(support, limit)| limit * Vec2::new(1.0, support.offset.norm()));
-        let most: Vec2 = LARGEST_CHANGE * most.sum::<Vec2>();
-        let is_steady = change.xy().norm() < most.x && change.z.abs() <= most.y;
+        let most = LARGEST_CHANGE * system.total_slip_limit();
+        let is_steady = change.xy().norm_squared() < most * most && change.z.abs() < most * system.load.radius;
         // A longer step than the last one would follow it unsteadily.
         let back = -0.5 * (step / self.step).min(1.0) * change;
         let in_axes = |force: Vec2| start.turn.tr_mul(&force);
         let arm = 0.5 * coasted.xy().perp(&in_axes(self.last.xy()));
         is_steady.then(|| in_axes(back.xy()).push(back.z + arm))
     }
+}
+
+/// Rotation by half of a `turn` (rad).
+fn half_turn(turn: f64) -> Mat2 {
+    Arc::of(0.5 * turn).rotation()
 }
 
 /// Where a load at `pose` is after moving with `twist` for `time` (s).

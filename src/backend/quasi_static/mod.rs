@@ -126,6 +126,9 @@ impl QuasiStatic {
         let before = std::mem::replace(&mut self.state.regime, Regime::Stick);
         self.note_transition(before, 0.0);
         self.state.motion.twist = Twist::ZERO;
+        // What a load did before it rested says nothing of how it goes on.
+        self.state.past = None;
+        self.state.forecast.forget();
         if self.state.is_stale {
             // Somebody may ask for their forces, again and again.
             self.gather();
