@@ -10,7 +10,8 @@ use crate::model::Reaction;
 const MOST_ITERATIONS: u64 = 60;
 /// Length of a step over that of the increment from which on it is short (1).
 const SHORT: f64 = 0.1;
-/// Length of a step over that of the one before up to which the next ones are likely to follow (1).
+/// Length of a step over that of the one before up to which the next ones are likely to follow (1): slips of springs that are not convex shrink to 0.9 and more, and how far
+/// they may lead is known from that.
 const STEADY: f64 = 0.98;
 /// So often it is looked where they lead.
 const MOST_GLIDES: u32 = 4;
