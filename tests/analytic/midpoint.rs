@@ -60,9 +60,10 @@ fn a_spin_is_exact_but_for_its_last_step() {
 
 /// 3.592949 mm is the distance in the limit of small steps of both integrators.
 #[test]
-fn slide_and_spin_together_come_within_ten_millionths() {
+fn slide_and_spin_together_come_within_a_ten_thousandth() {
     let distance = coasted(moving(0.2, 0.0, 10.0), 1e-3).0.norm();
-    assert!((distance / 3.592949e-3 - 1.0).abs() < 1e-3, "{distance}");
+    // The step in which it stops: 0.006 % measured, where friction at the end velocity alone is 0.05 % off.
+    assert!((distance / 3.592949e-3 - 1.0).abs() < 1e-4, "{distance}");
     let fine = coasted(moving(0.2, 0.0, 10.0), 5e-5).0.norm();
     // Seven digits of the known value.
     assert!((fine - 3.592949e-3).abs() < 2e-9, "{fine}");

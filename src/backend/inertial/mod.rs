@@ -61,6 +61,7 @@ pub(super) struct State {
     /// Nothing was grasped or let go since the step that ended in the regime.
     undisturbed: bool,
     forecast: Forecast,
+    /// Friction of the last midpoint steps.
     #[serde(default)]
     past: Option<Past>,
     /// The held springs have changed since they were last evaluated.
