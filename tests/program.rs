@@ -719,7 +719,6 @@ fn what_show_prints_is_the_same_scenario() {
     }
 }
 
-/// What was asked for stands beside what was found, and it holds; a rung that no strides reach is said, with the exit code of a missed check.
 /// Steps of a control period: four tips are held and drag the load along curves, so that nothing but the slip's turn is left to second order.
 #[test]
 fn steps_of_second_order_are_nearer() {
@@ -738,6 +737,7 @@ fn steps_of_second_order_are_nearer() {
     assert!(second < 0.1 * first, "{second} {first}");
 }
 
+/// What was asked for stands beside what was found, and it holds; a rung that no strides reach is said, with the exit code of a missed check.
 #[test]
 fn a_tolerance_is_kept_and_told_or_the_exit_code_says_so() {
     let room = Room::new();
@@ -757,6 +757,47 @@ fn a_tolerance_is_kept_and_told_or_the_exit_code_says_so() {
     refused(&["run", &file, "--tolerance", "1e-6", "--step-s", "1e-3"], &["--tolerance", "--step-s"]);
     refused(&["run", &file, "--tolerance", "0"], &["--tolerance", "must be positive"]);
     refused(&["run", &file, "--tolerance-rad", "1e-3"], &["--tolerance"]);
+}
+
+/// A tip is drawn through the spring's root, where the spring has no direction. No tolerance is met there, whatever the run thinks of its own error, and nobody is left to
+/// believe that it is: the table, a warning, the exit code and what is for programs all say so, and a comparison comes to no verdict.
+#[test]
+fn what_did_not_converge_is_told_wherever_somebody_looks() {
+    let room = Room::new();
+    let file = room.write(
+        "root.json",
+        r#"{ "name": "through the root", "duration_s": 0.53, "control_period_s": 0.01,
+            "load": { "mass_kg": 0.0016, "radius_m": 0.0122 },
+            "ground": { "friction_coefficient": 1.4, "supports": { "tripod": { "radius_m": 0.0081333 } } },
+            "springs": [{ "root_m": [0.0122, 0.0], "bearing_rad": 0.0, "rest_length_m": 0.0263, "radial_stiffness_n_per_m": 0.664,
+                          "torsional_stiffness_nm_per_rad": 4.52e-4 }],
+            "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0, 0.0385, 0], [1, -0.0122, 0]] }] } }"#,
+    );
+    for options in [&["--tolerance", "1e-4"][..], &[]] {
+        let args = [&["run", &file, "--backend", "inertial", "--json"], options].concat();
+        let output = call(&args);
+        let found: Value = serde_json::from_str(text(&output.stdout)).unwrap();
+        assert_eq!(found["steps"]["status"], "not_converged");
+        assert!(number(&found, "/steps/n_not_converged") > 0.0);
+        assert!(text(&output.stderr).contains("warning: ") && text(&output.stderr).contains("did not converge"), "{options:?}");
+        // A fixed step promises nothing.
+        let misses_a_promise = !options.is_empty();
+        assert_eq!(output.status.code(), Some(i32::from(misses_a_promise)), "{options:?}");
+        assert_eq!(found["accuracy"]["is_met"] == Value::Bool(false), misses_a_promise);
+    }
+    // However large a tolerance, and however small the run's own error.
+    let output = call(&["run", &file, "--backend", "inertial", "--tolerance", "1"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("some strides did not converge: it may be more"), "{}", text(&output.stdout));
+    // In the last control period before, the tip comes as near to the root as to leave one stride without an answer.
+    let near = std::fs::read_to_string(&file).unwrap().replace("0.53", "0.52");
+    let found = json_of(&["compare", &room.write("near.json", &near), "--tolerance", "1e-3", "--json"]);
+    let tier = &found["tiers"]["prescribed"];
+    assert!(number(tier, "/backends/quasi_static/steps/n_not_converged") > 0.0, "{tier}");
+    // Inertia parts the paths by fifty times what the run thinks of its own error.
+    assert!(number(tier, "/rim/inertia_m") > 0.0 && number(tier, "/rim/inertia_m") > 10.0 * number(tier, "/rim/own_m"), "{tier}");
+    assert_eq!(tier["verdict"], "below own error");
+    assert_eq!(tier["remedies"], Value::Array(Vec::new()));
 }
 
 #[test]

@@ -15,6 +15,8 @@
 //! two steps agree within the tolerance: that stride is taken as it stands, the change is located to its length, and behind it the order starts anew. Grasps,
 //! releases and corners of tip paths fall between advances, so that they are instants of their own already.
 
+use serde::{Deserialize, Serialize};
+
 use super::friction::Regime;
 use super::held::Grip;
 use super::transition::{Transition, TransitionKind};
@@ -66,6 +68,29 @@ pub(super) struct Way<'a> {
     pub longest: f64,
 }
 
+/// What an advance hands on to the next one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Pace {
+    /// Stride to start with (s).
+    stride: f64,
+    /// Shortest stride over the advance (1).
+    shortest: f64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self { stride: f64::MAX, shortest: SHORTEST }
+    }
+}
+
+impl Pace {
+    /// Behind an advance that had no answer in places, such as one through a spring's root, the next one gives up earlier, and behind one that had it again later.
+    fn hand_on(&mut self, had_answers: bool) {
+        let shortest = if had_answers { self.shortest * self.shortest } else { self.shortest.sqrt() };
+        self.shortest = shortest.clamp(SHORTEST, SHORTEST_WHERE_NONE_CONVERGES);
+    }
+}
+
 /// How exact each stride is to be, and what is kept of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
@@ -108,6 +133,8 @@ const FORCED_GROWTH: f64 = 2.0;
 const FAVOURED_ROWS: usize = 5;
 /// Shortest stride over the advance (1). What still differs there is a jump.
 const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
+/// The same in the long run where strides neither converge nor agree however short they are: nothing shorter is any better there, and much slower.
+const SHORTEST_WHERE_NONE_CONVERGES: f64 = 1.0 / 16.0;
 /// What a stride with a change in it may err, over the tolerance of a smooth one (1): there are few of them.
 const CHANGE_SHARE: f64 = 10.0;
 /// A stride aims at this share of the tolerance, so that few fail (1).
@@ -117,17 +144,17 @@ const ENERGY_ROUNDING: f64 = 1e-14;
 /// Largest growth from one stride to the next: behind a located change the stride has to come back from nearly nothing.
 const FASTEST_GROWTH: f64 = 64.0;
 
-/// Moves the load along the whole way and gives the stride (s) to start the next one with; `stride` is that of the last one.
+/// Moves the load along the whole way, at the pace that the last advance left.
 pub(super) fn advance<M: FirstOrder>(
     method: &mut M,
     way: &Way,
     control: &Control,
-    stride: f64,
+    pace: &mut Pace,
     transitions: &mut Vec<Transition>,
-) -> (StepReport, f64) {
-    let mut report = StepReport::default();
-    let (mut at, mut stride, mut shortest) = (0.0, stride / way.duration, SHORTEST);
+) -> StepReport {
+    let (mut report, mut had_answers) = (StepReport::default(), true);
     let longest = way.longest / way.duration;
+    let (mut at, mut stride, mut shortest) = (0.0, pace.stride / way.duration, pace.shortest.min(longest));
     // Share by which the regime changes, once that is known.
     let mut change_by = None;
     let (mut n_attempts, many) = (0.0, MANY_ATTEMPTS + MANY_A_STRIDE * longest.recip());
@@ -139,11 +166,12 @@ pub(super) fn advance<M: FirstOrder>(
         let limit = change_by.unwrap_or(1.0);
         stride = stride.min(longest).max(shortest);
         let to = if limit - at <= 1.01 * stride { limit } else { at + stride };
-        let (start, before) = (method.state().clone(), method.last_regime());
+        let (start, before, n_not_converged) = (method.state().clone(), method.last_regime(), report.n_not_converged);
         match attempt(method, way, control, &start, [at, to], shortest, &mut report) {
             Attempt::Taken { growth, error } => {
                 if error > 1.0 {
                     shortest *= FORCED_GROWTH;
+                    had_answers &= report.n_not_converged == n_not_converged;
                 }
                 let kind = TransitionKind::between(before, method.last_regime());
                 let kinds = method.finish_snap(&start, &mut report).into_iter().chain(kind);
@@ -165,7 +193,9 @@ pub(super) fn advance<M: FirstOrder>(
         }
     }
     // Rounded to the advance, a longer stride says that nothing limits it.
-    (report, stride.min(1e6) * way.duration)
+    pace.stride = stride.min(1e6) * way.duration;
+    pace.hand_on(had_answers);
+    report
 }
 
 enum Attempt {
@@ -334,5 +364,93 @@ impl Control {
         let (shift, turn) = (x.hypot(y) / self.position, turn.abs() / self.heading);
         // `max` drops what is not a number.
         if (shift + turn).is_nan() { f64::INFINITY } else { shift.max(turn) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Chance, Pose, Stream, Twist};
+    use crate::model::{Ground, Load};
+
+    /// A method with an answer, or with another one at each step and no convergence.
+    struct Drifting {
+        state: Motion,
+        system: System,
+        has_answer: bool,
+        n_steps: u64,
+    }
+
+    impl FirstOrder for Drifting {
+        type State = Motion;
+
+        fn state(&self) -> &Motion {
+            &self.state
+        }
+
+        fn set_state(&mut self, state: Motion) {
+            self.state = state;
+        }
+
+        fn step(&mut self, _: &Way, from: f64, to: f64) -> StepReport {
+            self.n_steps += 1;
+            let way = if self.has_answer { to - from } else { Chance::new(1).uniform(Stream::Start, 0, self.n_steps) };
+            self.state.pose.position.x += way;
+            let status = if self.has_answer { Status::Converged } else { Status::NotConverged };
+            StepReport { status, n_steps: 1, n_not_converged: u64::from(!self.has_answer), ..StepReport::default() }
+        }
+
+        fn regime(&self) -> Option<Regime> {
+            Some(Regime::Slip)
+        }
+
+        fn last_regime(&self) -> Regime {
+            Regime::Slip
+        }
+
+        fn moving(&self) -> (&System, &Motion) {
+            (&self.system, &self.state)
+        }
+
+        fn flow(&self) -> Vec<f64> {
+            let mut flow = vec![0.0; 8];
+            flow[0] = self.state.pose.position.x;
+            flow
+        }
+
+        fn set_flow(&mut self, flow: &[f64]) {
+            self.state.pose.position.x = flow[0];
+        }
+    }
+
+    /// The first advance without an answer looks for one in strides down to the shortest; the next ones look less and less, in the end with a tenth of the steps. The load arrives, every
+    /// advance says that it is lost, and behind it strides are soon as fine as ever.
+    #[test]
+    fn where_nothing_converges_each_advance_looks_less_far_for_an_answer() {
+        let system = System {
+            load: Load { mass: 1.0, radius: 1.0, inertia: 0.5 },
+            ground: Ground { friction_coefficient: 0.0, supports: Vec::new() },
+            springs: Vec::new(),
+        };
+        let state = Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO };
+        let mut method = Drifting { state, system, has_answer: true, n_steps: 0 };
+        let control = Control { position: 1e-6, heading: 1e-6, energy: 1e-6, settling_time: None, keeps: Column::Last };
+        let way = Way { from: &[], targets: &[], duration: 1.0, longest: f64::INFINITY };
+        let mut pace = Pace::default();
+        let mut next = |has_answer| {
+            (method.has_answer, method.n_steps) = (has_answer, 0);
+            let report = advance(&mut method, &way, &control, &mut pace, &mut Vec::new());
+            assert_eq!(report.n_not_converged == 0, has_answer);
+            (method.n_steps, pace.shortest)
+        };
+        assert_eq!(next(true).1, SHORTEST);
+        let lost: Vec<_> = (0..6).map(|_| next(false)).collect();
+        assert!(lost[..3].windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 > pair[0].1), "{lost:?}");
+        assert!(
+            lost[3..].iter().all(|(n_steps, shortest)| 10 * n_steps < lost[0].0 && *shortest == SHORTEST_WHERE_NONE_CONVERGES),
+            "{lost:?}"
+        );
+        let found: Vec<_> = (0..3).map(|_| next(true).1).collect();
+        assert_eq!(found[2], SHORTEST, "{found:?}");
     }
 }

@@ -16,7 +16,7 @@ mod midpoint;
 
 use serde::{Deserialize, Serialize};
 
-use super::controlled::{self, FirstOrder, Way};
+use super::controlled::{self, FirstOrder, Pace, Way};
 use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings};
@@ -68,8 +68,9 @@ pub(super) struct State {
     is_stale: bool,
     /// Rotation by the heading as the springs were last evaluated with it: only that gives them the same bits again.
     turn: Mat2,
-    /// Stride to start the next advance with under error control (s).
-    stride: f64,
+    /// Of strides under error control.
+    #[serde(default)]
+    pace: Pace,
     warm_start: WarmStart,
 }
 
@@ -129,7 +130,7 @@ impl Inertial {
             past: None,
             is_stale: true,
             turn: Mat2::identity(),
-            stride: f64::MAX,
+            pace: Pace::default(),
             warm_start: solver.warm_start().clone(),
         };
         let is_damped = system.springs.iter().any(|spring| spring.damping_ratio > 0.0);
@@ -319,9 +320,9 @@ impl Backend for Inertial {
                 let held = from.iter().map(|grip| &self.system.springs[grip.spring]);
                 let longest = LONGEST_STRIDE / self.system.fastest_rate_on(held);
                 let way = Way { from: &from, targets: tip_targets, duration, longest };
-                let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
-                let (report, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
-                (self.state.stride, self.transitions) = (stride, transitions);
+                let (mut pace, mut transitions) = (std::mem::take(&mut self.state.pace), std::mem::take(&mut self.transitions));
+                let report = controlled::advance(self, &way, &control, &mut pace, &mut transitions);
+                (self.state.pace, self.transitions) = (pace, transitions);
                 report
             }
         };

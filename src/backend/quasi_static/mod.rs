@@ -10,7 +10,7 @@ mod second_order;
 
 use serde::{Deserialize, Serialize};
 
-use super::controlled::{self, FirstOrder, Way};
+use super::controlled::{self, FirstOrder, Pace, Way};
 use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
 use super::held::{Grip, HeldSprings, pulls_with};
@@ -65,8 +65,9 @@ pub(super) struct State {
     stick: StickBound,
     /// Rotation by the heading as the springs were last evaluated with it: only that gives them the same bits again.
     turn: Mat2,
-    /// Stride to start the next advance with under error control (s).
-    stride: f64,
+    /// Of strides under error control.
+    #[serde(default)]
+    pace: Pace,
     warm_start: WarmStart,
 }
 
@@ -90,7 +91,7 @@ impl QuasiStatic {
             is_stale: true,
             is_waiting: false,
             stick: StickBound::default(),
-            stride: f64::MAX,
+            pace: Pace::default(),
             turn: Mat2::identity(),
             warm_start,
         };
@@ -154,14 +155,13 @@ impl QuasiStatic {
         match self.stepping {
             Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest), report),
             Stepping::Controlled(control) => {
-                let (stride, mut transitions) = (self.state.stride, std::mem::take(&mut self.transitions));
+                let (mut pace, mut transitions) = (std::mem::take(&mut self.state.pace), std::mem::take(&mut self.transitions));
                 // Tips that are at their targets leave no limit.
                 let n_looks = self.state.held.farthest_way(tip_targets) / (LONGEST_TIP_WAY * self.system.load.radius);
                 let is_at_rest = self.state.regime == Regime::Stick;
                 let way = Way { longest: if is_at_rest { duration / n_looks } else { f64::INFINITY }, ..way };
-                let (strides, stride) = controlled::advance(self, &way, &control, stride, &mut transitions);
-                (self.state.stride, self.transitions) = (stride, transitions);
-                report.add(&strides);
+                report.add(&controlled::advance(self, &way, &control, &mut pace, &mut transitions));
+                (self.state.pace, self.transitions) = (pace, transitions);
             }
         }
         self.from = from;
