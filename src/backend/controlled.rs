@@ -21,7 +21,7 @@ use super::friction::Regime;
 use super::held::Grip;
 use super::transition::{Transition, TransitionKind};
 use super::{Motion, Status, StepReport};
-use crate::math::{Vec2, rotation};
+use crate::math::{Twist, Vec2, rotation};
 use crate::model::System;
 
 /// A one-step method of first order.
@@ -31,6 +31,14 @@ pub(super) trait FirstOrder {
     fn state(&self) -> &Self::State;
 
     fn set_state(&mut self, state: Self::State);
+
+    /// Makes ready for a stride (s) of so many equal steps, and gives the support that [`FirstOrder::end_row`] is to know of.
+    fn begin_row(&mut self, _stride: f64, _n_steps: usize) -> Option<usize> {
+        None
+    }
+
+    /// Brings what steps of this length (s) have led to to the instant at which they end.
+    fn end_row(&mut self, _support: Option<usize>, _step: f64) {}
 
     /// One step, in which the tips go from one share of their way to another.
     fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport;
@@ -246,7 +254,9 @@ fn attempt<M: FirstOrder>(
             true => control.distance(&row[n - 1], &row[n - 2]).min(plain),
             // What happens in the first step of all rows hides from their difference, and so does what stops a load.
             false if changed_in == Some(1) || control.settling_time.is_some() => {
-                plain.max(control.loss_of_way(&before, &row[0], length * way.duration)) / CHANGE_SHARE
+                let duration = length * way.duration;
+                plain.max(control.loss_of_way(&before, &row[0], duration)).max(control.before_stop(method.moving(), duration))
+                    / CHANGE_SHARE
             }
             false => plain / CHANGE_SHARE,
         };
@@ -305,6 +315,8 @@ fn row<M: FirstOrder>(method: &mut M, way: &Way, start: &M::State, [from, to]: [
     let share = |i: usize| if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
     let (mut cost, mut changed_in) = (StepReport::default(), None);
     let (mut regime, mut slips) = (method.regime(), slips_of(method));
+    let stride = (to - from) * way.duration;
+    let support = method.begin_row(stride, n);
     for i in 1..=n {
         cost.add(&method.step(way, share(i - 1), share(i)));
         let (regime_now, slips_now) = (method.regime(), slips_of(method));
@@ -314,6 +326,7 @@ fn row<M: FirstOrder>(method: &mut M, way: &Way, start: &M::State, [from, to]: [
         }
         (regime, slips) = (regime_now, slips_now);
     }
+    method.end_row(support, stride / n as f64);
     Row { flow: method.flow(), cost, changed_in }
 }
 
@@ -347,6 +360,15 @@ impl Control {
     /// nothing, one step and two find the same place, and that is not the right one.
     fn loss_of_way(&self, a: &[f64], b: &[f64], duration: f64) -> f64 {
         0.5 * duration * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5])
+    }
+
+    /// How far friction could have let a load go that stops within `duration` (s), over the tolerance (1): nothing for one that goes on. A load that is about to stop as a stride begins
+    /// loses no way by a long one, yet when it stops is not to be any time within.
+    fn before_stop(&self, (system, motion): (&System, &Motion), duration: f64) -> f64 {
+        if self.settling_time.is_none() || motion.twist != Twist::ZERO {
+            return 0.0;
+        }
+        self.size(0.5 * system.total_slip_limit() / system.load.mass * duration * duration, 0.0, 0.0)
     }
 
     /// The flow `b` with what its way from `a` may have lost. Where a load stops, one step and two find the same place: a run that shows how errors add up would not show

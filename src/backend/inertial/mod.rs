@@ -23,13 +23,16 @@ use super::held::{Grip, HeldSprings};
 use super::spring_blocks::{Place, SpringBlocks};
 use super::transition::{Transition, TransitionKind};
 use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, Status, StepReport, Stepping, n_steps_in};
-use crate::math::{Mat2, Pose, Twist, Vec2};
+use crate::math::{Arc, Mat2, Pose, Twist, Vec2, perpendicular, rotation};
 use crate::model::System;
 use dashpots::Dashpots;
 use midpoint::Past;
 
 /// Longest stride under error control, in radians of the fastest oscillation.
 const LONGEST_STRIDE: f64 = 2.0;
+
+/// Speed of a support up to which it may stop or have stopped within a stride, over what turns about it change the load's speed by in the meantime (1).
+const MOST_OF_A_CIRCLE: f64 = 2.0;
 
 pub struct Inertial {
     system: System,
@@ -171,6 +174,19 @@ impl Inertial {
         }
     }
 
+    /// Takes the speed of a load that turns about a support back from an instant to the middle of the `step` (s) before it, where steps have it, with the sign 1, and on from there
+    /// with -1. A step from the speed of an instant sees but half of what holds the load on its circle: a support that is about to slip would be told not to, and
+    /// one that has begun to would be told to stop, however short the steps.
+    fn lean(&mut self, support: usize, step: f64, sign: f64) {
+        let State { motion: Motion { pose, twist }, energy, .. } = &mut self.state;
+        let arm = rotation(pose.heading) * self.system.ground.supports[support].offset;
+        let mean_arm = Arc::of(-twist.angular * step).mean_rotation() * arm;
+        twist.linear += sign * twist.angular * perpendicular(&(arm - mean_arm));
+        let kinetic = self.system.load.kinetic_energy(twist);
+        energy.numerical_damping -= kinetic - energy.kinetic;
+        energy.kinetic = kinetic;
+    }
+
     /// Makes a step (s) that was taken the state, with the books of its energies.
     fn take(&mut self, Stepped { motion, stage, friction, regime, past, .. }: &Stepped, step: f64) {
         let accepted = self.springs.accept(&motion.pose);
@@ -206,6 +222,31 @@ impl FirstOrder for Inertial {
 
     fn set_state(&mut self, state: State) {
         self.state = State { is_stale: true, ..state };
+    }
+
+    /// The support about which the load turns or, as far as a stride can tell, is about to or has just ceased to.
+    fn begin_row(&mut self, stride: f64, n_steps: usize) -> Option<usize> {
+        let Motion { pose, twist } = self.state.motion;
+        let (turn, supports) = (rotation(pose.heading), &self.system.ground.supports);
+        let arm = |support: usize| turn * supports[support].offset;
+        let speed = |support: usize| twist.velocity_at(&arm(support)).norm();
+        let is_slow = |support: &usize| speed(*support) <= MOST_OF_A_CIRCLE * twist.angular.powi(2) * arm(*support).norm() * stride;
+        let support = match self.regime() {
+            Some(Regime::Pinned(support)) => Some(support),
+            Some(Regime::Slip) => (0..supports.len()).min_by(|a, b| speed(*a).total_cmp(&speed(*b))).filter(is_slow),
+            _ => None,
+        };
+        if let Some(support) = support {
+            self.lean(support, stride / n_steps as f64, 1.0);
+        }
+        support
+    }
+
+    fn end_row(&mut self, support: Option<usize>, step: f64) {
+        let support = if let Regime::Pinned(support) = self.state.regime { Some(support) } else { support };
+        if let Some(support) = support {
+            self.lean(support, step, -1.0);
+        }
     }
 
     fn step(&mut self, way: &Way, from: f64, to: f64) -> StepReport {
