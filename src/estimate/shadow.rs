@@ -11,9 +11,9 @@
 //! shadow coast, a jump leaves it behind by all of the jump.
 //!
 //! The direction comes from the load without inertia. A shadow at rest that no friction holds starts in that of its own cone problem. One that moves turns
-//! towards the increment g as friction turns its momentum, `(M v / t + h'') n = M v / t n_old + h'' g`; at a jump at once. Its offset r across the slip,
-//! `n'Hr = 0`, stays while it sticks and goes over a way dx to where the springs hold the dashpots' wrench d: `h'' dr = (d - H r) dx`, taken implicitly. Where
-//! the shadow moves alone, springs and friction across its way turn it in the same manner, its mass included.
+//! towards the increment g as friction turns its momentum, `(M v / t + h'') n = M v / t n_old + h'' g`; a jump over L adds the momentum of the swing that it brings
+//! about, M w L, to h'' t. Its offset r across the slip, `n'Hr = 0`, stays while it sticks and goes over a way dx to where the springs hold the dashpots' wrench d:
+//! `h'' dr = (d - H r) dx`, taken implicitly. Where the shadow moves alone, springs and friction across its way turn it in the same manner, its mass included.
 
 use serde::{Deserialize, Serialize};
 
@@ -119,7 +119,7 @@ impl Shadow {
             },
             None => {
                 let way = increment(&tools.beside.place(tick.before), tick.after);
-                self.turn(system, tick, &way, tools);
+                self.turn(system, tick, &way, &pulls, tools);
             }
         }
         let beside = tools.beside.place(tick.after);
@@ -144,20 +144,17 @@ impl Shadow {
     }
 
     /// Turns a moving shadow towards the `way` of the load without inertia.
-    fn turn(&mut self, system: &System, tick: &Tick, way: &Vec3, tools: &mut Tools) {
+    fn turn(&mut self, system: &System, tick: &Tick, way: &Vec3, pulls: &Pulls, tools: &mut Tools) {
         let length = rim(way, system.load.radius);
         if length == 0.0 {
             return;
         }
         let goal = way / length;
-        let course = if tick.is_event {
-            goal
-        } else {
-            let momentum = self.speed / tick.duration * masses(&system.load);
-            let turning = tools.resistance(system, &self.direction).turning;
-            let push = momentum.component_mul(&self.direction) + turning * goal;
-            solve(&(turning + Mat3::from_diagonal(&momentum)), &push).unwrap_or(goal)
-        };
+        let sudden = if tick.is_event { length * slider(system, pulls, &goal, tools).frequency() } else { 0.0 };
+        let momentum = |speed: f64| Mat3::from_diagonal(&(speed / tick.duration * masses(&system.load)));
+        let turning = tools.resistance(system, &self.direction).turning + momentum(sudden);
+        let push = momentum(self.speed) * self.direction + turning * goal;
+        let course = solve(&(turning + momentum(self.speed)), &push).unwrap_or(goal);
         self.go(system, &course);
     }
 
