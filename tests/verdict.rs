@@ -274,6 +274,20 @@ fn coasting_and_overshooting_are_told_apart() {
     assert_eq!(coasts.first_parting.by_inertia.unwrap().after.unwrap().kind, OccasionKind::Start);
     assert!(matches!(coasts.remedies[0], Remedy::SlowerStart { .. }), "{:?}", coasts.remedies);
 
+    // A spring that pulls across with a fiftieth of what friction can hold, from the beginning: it takes no part in how far the load coasts.
+    let text = r#"{ "name": "held", "duration_s": 0.1, "control_period_s": 0.0025,
+        "load": { "mass_kg": 0.0016, "radius_m": 0.0122, "velocity_m_per_s": [0.1, 0] },
+        "ground": { "friction_coefficient": 1.4, "supports": { "tripod": { "radius_m": 0.0081333 } } },
+        "springs": [{ "root_m": [0, 0], "bearing_rad": 0, "rest_length_m": 0, "radial_stiffness_n_per_m": 0.664, "torsional_stiffness_nm_per_rad": 0 }],
+        "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0, 0, 0.00066]] }] } }"#;
+    let held = compared(&Scenario::parse(text, "held").unwrap(), &settings);
+    let from = held.rim.inertia_from;
+    // The spring along the way takes its share, and that across turns it: k x / f is a hundredth, the squared share of the pull less.
+    let way = 0.1f64.powi(2) / (2.0 * 1.4 * 9.81);
+    assert!((from.start_m / way - 1.0).abs() < 0.01 && (from.jumps_m, from.driving_m) == (0.0, 0.0), "{from:?} {way}");
+    assert_eq!(held.first_parting.by_inertia.unwrap().after.unwrap().kind, OccasionKind::Start);
+    assert!(matches!(held.remedies[0], Remedy::SlowerStart { .. }), "{:?}", held.remedies);
+
     scenario.start.twist.angular = 30.0;
     let both = compared(&scenario, &settings);
     let from = both.rim.inertia_from;

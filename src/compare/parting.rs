@@ -62,6 +62,8 @@ pub(super) struct Pair<'a> {
     jumps: &'a Jumps,
     /// Grasps and releases of springs that are stretched by more than the tolerance: others move nothing.
     events: Vec<Occasion>,
+    /// Instants of jumps that are longer than the tolerance (s).
+    long_jumps: Vec<f64>,
 }
 
 /// Displacements of the load's rim by inertia (m), at most, by what they come from.
@@ -101,10 +103,21 @@ impl<'a> Pair<'a> {
             let pull = rows[at.saturating_sub(1)..rows.len().min(at + 1)].iter().map(pull).fold(0.0, f64::max);
             pull > scenario.system.springs[event.spring].radial_stiffness * tolerance
         };
-        let events = a.trace.events.iter().filter(is_stretched).map(Occasion::of_event).collect();
+        let radius = scenario.system.load.radius;
+        let is_long = |transition: &&Transition| match transition.kind {
+            TransitionKind::Jump { shift, turn, .. } => shift + radius * turn.abs() > tolerance,
+            _ => false,
+        };
+        let long_jumps: Vec<f64> = b.trace.transitions.iter().filter(is_long).map(|transition| transition.time).collect();
+        // What a load that starts with speed is held by from the beginning is a part of its start, unless that alone makes it jump.
+        let first_tick = rows.first().map_or(0.0, |row| row.time + scenario.control_period);
+        let begins_with_jump = long_jumps.first().is_some_and(|jump| *jump < first_tick);
+        let is_of_start =
+            |event: &&Event| starts_with_speed(a) && !begins_with_jump && rows.first().is_some_and(|row| event.time <= row.time);
+        let events = a.trace.events.iter().filter(|event| is_stretched(event) && !is_of_start(event)).map(Occasion::of_event).collect();
         let rate = natural_rate(scenario);
         let moment = if rate > 0.0 { rate.recip() } else { 0.0 };
-        Self { a, b, radius: scenario.system.load.radius, tolerance, moment, jumps, events }
+        Self { a, b, radius, tolerance, moment, jumps, events, long_jumps }
     }
 
     /// Where a point of the load first lies further apart than both own errors and the tolerance together.
@@ -173,18 +186,13 @@ impl<'a> Pair<'a> {
         };
         let of_load = [self.a, self.b].into_iter().filter_map(transition).max_by(|a, b| a.time_s.total_cmp(&b.time_s));
         of_load.or(event.copied()).or_else(|| {
-            self.starts_with_speed().then_some(Occasion { kind: OccasionKind::Start, spring: None, support: None, time_s: 0.0 })
+            starts_with_speed(self.a).then_some(Occasion { kind: OccasionKind::Start, spring: None, support: None, time_s: 0.0 })
         })
     }
 
-    /// Instants of grasps and releases of stretched springs, and of jumps that are longer than the tolerance (s).
+    /// Instants of grasps and releases of stretched springs, and of long jumps (s).
     fn sudden(&self) -> Vec<f64> {
-        let is_long = |transition: &&Transition| match transition.kind {
-            TransitionKind::Jump { shift, turn, .. } => shift + self.radius * turn.abs() > self.tolerance,
-            _ => false,
-        };
-        let jumps = self.b.trace.transitions.iter().filter(is_long).map(|transition| transition.time);
-        let mut sudden: Vec<f64> = self.events.iter().map(|event| event.time_s).chain(jumps).collect();
+        let mut sudden: Vec<f64> = self.events.iter().map(|event| event.time_s).chain(self.long_jumps.iter().copied()).collect();
         sudden.sort_by(f64::total_cmp);
         sudden
     }
@@ -194,19 +202,19 @@ impl<'a> Pair<'a> {
         self.events.len()
     }
 
-    fn starts_with_speed(&self) -> bool {
-        self.a.trace.rows.first().is_some_and(|row| row.energy.initial > 0.0)
-    }
-
     /// How long the load does nothing but go on as it started, and stop (s); less than nothing when it started from rest.
     fn coasts_until(&self, sudden: &[f64]) -> f64 {
-        if !self.starts_with_speed() {
+        if !starts_with_speed(self.a) {
             return f64::NEG_INFINITY;
         }
         let transitions = &self.a.trace.transitions;
         let onsets = transitions.iter().filter(|transition| transition.kind == TransitionKind::Onset).map(|onset| onset.time);
         onsets.chain(sudden.iter().copied()).fold(f64::INFINITY, f64::min)
     }
+}
+
+fn starts_with_speed(solution: &Solution) -> bool {
+    solution.trace.rows.first().is_some_and(|row| row.energy.initial > 0.0)
 }
 
 impl Occasion {
