@@ -25,7 +25,7 @@ pub struct RunArgs {
     /// What moves the load
     #[arg(long, default_value = "quasi-static")]
     backend: BackendKind,
-    /// Longest step of the backend (s); without it the control period for quasi-static, and a tenth of a radian of the fastest oscillation else
+    /// Longest step of the backend (s); without it the control period for quasi-static, and else a tenth of a radian of the fastest oscillation, but no less than 10 us and no more than 1 ms or the control period
     #[arg(long, value_name = "H", value_parser = step)]
     step_s: Option<f64>,
     /// Error that the load's position may have at any instant, in place of a step (m): quasi-static and inertial
@@ -78,6 +78,10 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
+    if args.no_estimate && options.kind != BackendKind::QuasiStatic {
+        let _ =
+            writeln!(std::io::stderr(), "warning: --no-estimate: changes nothing, as it is of quasi-static, found {}", options.kind.name());
+    }
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
     let mut writer = args.out.as_deref().map(|out| RunWriter::create(out, columns)).transpose()?;

@@ -52,8 +52,10 @@ pub fn keep(file: &Path, state: &impl Serialize) -> Result<(), CliError> {
 
 /// Ends an interrupted command, whose state is kept if there is a file for it.
 pub fn interrupted(file: Option<&Path>, state: &impl Serialize) -> Result<ExitCode, CliError> {
-    file.map_or(Ok(()), |file| keep(file, state))?;
-    Err(CliError::Interrupted)
+    let Some(file) = file else { return Err(CliError::Interrupted) };
+    keep(file, state)?;
+    eprintln!("stopped; the same command goes on from {}", file.display());
+    Ok(ExitCode::from(130))
 }
 
 /// Removes the state of a command that is done.

@@ -215,7 +215,10 @@ fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Resul
     }
     let is_new = !path.exists();
     if is_new {
-        validate(plan, header.begin..header.end, pool)?;
+        validate(plan, header.begin..header.end, pool, || !interrupt::asked())?;
+        if interrupt::asked() {
+            return Err(CliError::Interrupted);
+        }
     }
     let mut journal = Journal::open(path, header)?;
     let n_left = header.end - header.begin - journal.n_done();

@@ -143,8 +143,9 @@ fn of_paths(found: &Pathwise, lines: &mut Lines) {
     let name = if found.tier == crate::compare::Tier::Prescribed { "prescribed tips" } else { "replayed grasps, releases and tips" };
     lines.section(name);
     lines.row("verdict", found.verdict.text());
-    for remedy in &found.remedies {
-        lines.row("  remedy", &remedied(remedy));
+    for (at, remedy) in found.remedies.iter().enumerate() {
+        // They are meant together.
+        lines.row(if at == 0 { "  remedy" } else { "    and" }, &remedied(remedy));
     }
     let [inertia, engine, own] = [found.rim.inertia_m, found.rim.engine_m, found.rim.own_m].map(|value| quantity(value, "m"));
     lines.row("on the rim", &format!("{inertia} by inertia, {engine} by the engine, {own} own error"));

@@ -117,7 +117,7 @@ fn changed(found: &Paper) -> Vec<Vec<String>> {
     let row = |conclusion: &crate::paper::Conclusion| {
         let value = |at: &str| {
             let standing = conclusion.on.iter().find(|standing| standing.set == at);
-            standing.and_then(|standing| standing.value).map_or_else(String::new, |value| format!("{at}: {}", number(value)))
+            format!("{at}: {}", standing.and_then(|standing| standing.value).map_or_else(|| "none".to_owned(), number))
         };
         let first = conclusion.on.first().map_or_else(String::new, |standing| value(&standing.set));
         let others: Vec<String> = conclusion.changed_on.iter().map(|set| value(set)).collect();

@@ -155,7 +155,7 @@ fn type_name(schema: &Value) -> &'static str {
     match schema["type"].as_str() {
         Some("object") => "an object",
         Some("array") => "a list",
-        Some("integer") => "a whole number from 0 on, without point or exponent",
+        Some("integer") => "a whole number from 0 on and below 2^64, without point or exponent",
         Some("string") => "a text",
         _ => "a number",
     }

@@ -143,7 +143,10 @@ impl Shards {
                 faults.push(SweepError::Other { differences: identity.differences(&sweep), path }.to_string());
             }
         }
-        let Some(identity) = first else { return Err(SweepError::Shards { faults: vec!["no finished shard found".to_owned()] }) };
+        let Some(identity) = first else {
+            let sources: Vec<String> = sources.iter().map(|path| path.display().to_string()).collect();
+            return Err(SweepError::Shards { faults: vec![format!("{}: no finished shard found", sources.join(", "))] });
+        };
         if identity.format != FORMAT {
             faults = vec![format!("rows are of format {}, this program reads {FORMAT}", identity.format)];
         } else if faults.is_empty() {

@@ -11,17 +11,23 @@ use super::cell::Prepared;
 use super::error::SweepError;
 use super::plan::Plan;
 
-/// Builds the scenario of every point of these cells and forgets it again, so that one that breaks a rule is known before anything runs.
+/// Builds the scenario of every point of these cells and forgets it again, so that one that breaks a rule is known before anything runs. No more of them are built once
+/// `go_on` says no.
 ///
 /// # Errors
 /// With the first point that breaks a rule.
-pub fn validate(plan: &Plan, cells: Range<u64>, pool: &ThreadPool) -> Result<(), SweepError> {
+pub fn validate(plan: &Plan, cells: Range<u64>, pool: &ThreadPool, go_on: impl Fn() -> bool + Sync) -> Result<(), SweepError> {
     if cells.is_empty() {
         return Ok(());
     }
     let points = plan.identity.point_of(cells.start)..plan.identity.point_of(cells.end - 1) + 1;
-    let first = pool.install(|| points.into_par_iter().find_map_first(|point| plan.scenario(&plan.values(point)).err()));
-    first.map_or(Ok(()), Err)
+    let first = pool.install(|| {
+        points.into_par_iter().find_map_first(|point| match go_on() {
+            true => plan.scenario(&plan.values(point)).err().map(Some),
+            false => Some(None),
+        })
+    });
+    first.flatten().map_or(Ok(()), Err)
 }
 
 /// Runs every cell that `is_done` does not know and gives its line to `keep`, in the order in which runs end: nearly that of cells. `go_on` is asked in the middle of

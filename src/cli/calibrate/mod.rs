@@ -11,7 +11,7 @@ use std::time::SystemTime;
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
-use super::{CliError, positive};
+use super::{CliError, interrupt, positive};
 use crate::calibrate::{Dimensions, InputError};
 use crate::report::{Manifest, sha256_hex};
 
@@ -26,6 +26,8 @@ pub enum CalibrateCommand {
 }
 
 pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
+    // All of them are short: who asks them to stop waits for what is being written.
+    interrupt::asked();
     match command {
         CalibrateCommand::Fit(args) => fit::fit(args),
         CalibrateCommand::Design(args) => design::design(args),

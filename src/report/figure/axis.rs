@@ -8,6 +8,8 @@ pub struct Axis {
     pub step: f64,
 }
 
+/// Range below which values differ by rounding alone, in any unit that is shown: loads of a nanometre move by more.
+const ROUNDING: f64 = 1e-14;
 /// Free space above and below the values, as a share of their range.
 const PADDING: f64 = 0.05;
 
@@ -21,16 +23,20 @@ impl Axis {
     /// Around the values, with some space.
     pub fn around(values: impl Iterator<Item = f64>, n_steps: f64) -> Self {
         let (low, high) = range(values).unwrap_or((0.0, 1.0));
-        // Values that differ by rounding only are one value; it stands in the middle of a range of its own size.
-        let least = 1e-9 * low.abs().max(high.abs());
-        let room = if high - low > least { PADDING * (high - low) } else { (0.5 * high.abs()).max(1e-9) };
+        // Values that differ by rounding only are one value; it stands in the middle of a range of its own size, zero in one of the unit's.
+        let least = (1e-9 * low.abs().max(high.abs())).max(ROUNDING);
+        let room = match high.abs() {
+            _ if high - low > least => PADDING * (high - low),
+            size if size > ROUNDING => 0.5 * size,
+            _ => 1.0,
+        };
         Self::new(low - room, high + room, n_steps)
     }
 
     /// From zero (or the lowest value, when that is negative) to above the values.
     pub fn from_zero(values: impl Iterator<Item = f64>, n_steps: f64) -> Self {
         let (low, high) = range(values.chain([0.0])).unwrap_or((0.0, 1.0));
-        if low == high {
+        if high - low <= ROUNDING {
             return Self::new(0.0, 1.0, n_steps);
         }
         let room = PADDING * (high - low);
@@ -79,6 +85,8 @@ impl Axis {
         let decimals = -(self.step * (1.0 + 1e-9)).log10().floor();
         let text = if (0.0..=4.0).contains(&decimals.max(0.0)) && value.abs() < 1e6 {
             format!("{value:.*}", decimals.max(0.0) as usize)
+        } else if value == 0.0 {
+            "0".to_owned()
         } else {
             format!("{value:.3e}").replace(".000e", "e").replace("00e", "e")
         };
@@ -124,13 +132,13 @@ mod tests {
         assert_eq!(label(0.1, -0.30000000000000004), "−0.3");
         assert_eq!(label(50.0, 250.0), "250");
         assert_eq!(label(0.2, -1e-17), "0.0");
-        assert_eq!(label(5e-7, 1.5e-6), "1.5e−6");
+        assert_eq!((label(5e-7, 1.5e-6), label(5e-7, -1e-22)), ("1.5e−6".into(), "0".into()));
         assert_eq!((power_label(-13.0), power_label(0.0), power_label(-0.0)), ("10⁻¹³".into(), "10⁰".into(), "10⁰".into()));
     }
 
     #[test]
     fn no_values_one_value_and_broken_values_have_an_axis() {
-        for values in [vec![], vec![3.0], vec![0.0, 0.0], vec![f64::NAN, -2.0, f64::INFINITY], vec![0.1 + 0.2, 0.3]] {
+        for values in [vec![], vec![3.0], vec![0.0, 0.0], vec![-8e-20, 2e-19], vec![f64::NAN, -2.0, f64::INFINITY], vec![0.1 + 0.2, 0.3]] {
             let of = || values.iter().copied();
             for axis in [Axis::tight(of(), 5.0), Axis::around(of(), 5.0), Axis::from_zero(of(), 5.0), Axis::decades(of(), 5.0)] {
                 assert!(axis.low < axis.high && axis.step > 0.0 && axis.span() / axis.step <= 5.0 + 1e-9, "{values:?}: {axis:?}");

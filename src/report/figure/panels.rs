@@ -67,11 +67,13 @@ pub fn energy(one: &Seen) -> Panel {
 }
 
 pub fn position_difference(traces: &[Labelled]) -> Panel {
-    of_pairs(traces, "position apart (m)", |difference| difference.position)
+    let way = |pose: &Pose, start: &Pose| (pose.position - start.position).norm();
+    of_pairs(traces, "position apart (m)", way, |difference| difference.position)
 }
 
 pub fn heading_difference(traces: &[Labelled]) -> Panel {
-    of_pairs(traces, "heading apart (rad)", |difference| difference.heading)
+    let turn = |pose: &Pose, start: &Pose| (pose.heading - start.heading).abs();
+    of_pairs(traces, "heading apart (rad)", turn, |difference| difference.heading)
 }
 
 pub fn trace_entries(traces: &[Labelled]) -> Vec<Entry> {
@@ -120,20 +122,25 @@ fn of_rows(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, quantity:
     panel
 }
 
-fn of_pairs(traces: &[Labelled], y_label: &str, y: impl Fn(&Difference) -> f64) -> Panel {
+fn of_pairs(traces: &[Labelled], y_label: &str, way: impl Fn(&Pose, &Pose) -> f64, y: impl Fn(&Difference) -> f64) -> Panel {
+    let ways = traces.iter().flat_map(|one| {
+        let start = one.trace.rows.first().map(|row| row.motion.pose);
+        one.trace.rows.iter().filter_map(move |row| Some((row.motion.pose, start?)))
+    });
+    let rounding = ROUNDING * ways.map(|(pose, start)| way(&pose, &start)).fold(0.0, f64::max);
     let mut panel = Panel::new("time (s)", y_label, Scale::Log);
     panel.mark_events(traces.iter().map(|one| &one.trace.events[..]));
     for (index, (from, to)) in pairs(traces.len()).into_iter().enumerate() {
         let differences = difference::over_time(traces[from].trace, traces[to].trace);
-        let seen = |one: &Difference| if y(one) < AGREEMENT { 0.0 } else { y(one) };
+        let seen = |one: &Difference| if y(one) <= rounding { 0.0 } else { y(one) };
         let points = differences.iter().map(|one| [one.time, seen(one)]).collect();
         panel.add(points, Style::of_pair(index), Shape::Graph);
     }
     panel
 }
 
-/// Distances (m, rad) below this are rounding. They leave a gap, so that the decades of the axis go to what can be told apart.
-const AGREEMENT: f64 = 1e-12;
+/// Distances up to this, over the longest way (1), are rounding. They leave a gap, so that the decades of the axis go to what can be told apart.
+const ROUNDING: f64 = 1e-11;
 
 /// One mark for each instant and kind, in the order of time; none when there are too many.
 fn event_marks<'a>(of_traces: impl IntoIterator<Item = &'a [Event]>) -> Vec<Mark> {

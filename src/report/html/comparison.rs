@@ -38,7 +38,11 @@ fn headline(comparison: &Comparison) -> Headline {
     let left = vec![attribution(found), Block::List(says)];
     let mut right = vec![Block::Numbers(numbers(found))];
     if !found.remedies.is_empty() {
-        right.push(Block::text("What would bring the paths together:"));
+        right.push(Block::text(if found.remedies.len() > 1 {
+            "What would bring the paths together, all of it at once:"
+        } else {
+            "What would bring the paths together:"
+        }));
         right.push(Block::List(found.remedies.iter().map(remedied).collect()));
     }
     Headline::new(of_paths(found), sentence_of_paths(found)).with(Block::Columns(vec![left, right]))
