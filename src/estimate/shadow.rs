@@ -150,6 +150,10 @@ impl Shadow {
             return;
         }
         let goal = way / length;
+        // Without friction nothing else would turn it.
+        if tick.is_event && system.total_slip_limit() == 0.0 {
+            return self.go(system, &goal);
+        }
         let sudden = if tick.is_event { length * slider(system, pulls, &goal, tools).frequency() } else { 0.0 };
         let momentum = |speed: f64| Mat3::from_diagonal(&(speed / tick.duration * masses(&system.load)));
         let turning = tools.resistance(system, &self.direction).turning + momentum(sudden);

@@ -11,7 +11,7 @@ use crate::model::behaviour::{Pace, ReleaseLaw};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The set that comes closest to the numbers printed in the paper's text, with releases as a hazard at every tick: results do not depend on the control period.
+    /// The set that comes closest to the numbers printed in the paper's text, with releases as a hazard at every tick: rates do not depend on the control period.
     #[default]
     Default,
     /// Pulling ants as fast as searching ones (0.08 m/s), with a decision period that keeps forces in range.
