@@ -119,8 +119,8 @@ fn a_start_with_speed_coasts() {
     assert_near(estimate(&spin).displacement_final_m, spin.system.load.radius * turn, 1e-9);
 }
 
-/// A load that starts across a pull just beyond the slip limit jumps by a micrometre without inertia. That takes nothing of the speed it starts with from the other one, which goes
-/// at least as far as with no spring, and further: the pull turns its slip. Without the jump it is much the same.
+/// A load that starts across a pull just beyond the slip limit jumps by a micrometre without inertia. That takes nothing of the speed it starts with from
+/// the other one, which goes at least as far as with no spring, and further: the pull turns its slip. Without the jump it is much the same.
 #[test]
 fn a_short_jump_leaves_a_load_its_speed() {
     let text = r#"{ "name": "across", "duration_s": 0.5, "control_period_s": 0.0025,

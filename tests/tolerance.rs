@@ -315,9 +315,9 @@ fn the_tightest_tolerances_are_kept_too() {
     }
 }
 
-/// A load on a single support out of its middle, held by one spring, swings about that support like a pendulum, out of its hold and into it again. At the instant where the support is about to
-/// slip, steps have to see all of the force that holds the load on its circle. Known: the midpoint step, another method, extrapolated from 3 us and 1.5 us, which agrees with twice
-/// these steps in 1e-10 m.
+/// A load on a single support out of its middle, held by one spring, swings about that support like a pendulum, out of its hold and into it again. At the
+/// instant where the support is about to slip, steps have to see all of the force that holds the load on its circle. Known: the midpoint step, another
+/// method, extrapolated from 3 us and 1.5 us, which agrees with twice these steps in 1e-10 m.
 #[test]
 fn a_support_that_swings_out_of_its_hold_is_known_to_slip() {
     let text = r#"{ "name": "pendulum", "duration_s": 0.5, "control_period_s": 0.0025,

@@ -362,8 +362,8 @@ impl Control {
         0.5 * duration * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5])
     }
 
-    /// How far friction could have let a load go that stops within `duration` (s), over the tolerance (1): nothing for one that goes on. A load that is about to stop as a stride begins
-    /// loses no way by a long one, yet when it stops is not to be any time within.
+    /// How far friction could have let a load go that stops within `duration` (s), over the tolerance (1): nothing for one that goes on. A load that is about
+    /// to stop as a stride begins loses no way by a long one, yet when it stops is not to be any time within.
     fn before_stop(&self, (system, motion): (&System, &Motion), duration: f64) -> f64 {
         if self.settling_time.is_none() || motion.twist != Twist::ZERO {
             return 0.0;
@@ -445,8 +445,8 @@ mod tests {
         }
     }
 
-    /// The first advance without an answer looks for one in strides down to the shortest; the next ones look less and less, in the end with a tenth of the steps. The load arrives, every
-    /// advance says that it is lost, and behind it strides are soon as fine as ever.
+    /// The first advance without an answer looks for one in strides down to the shortest; the next ones look less and less, in the end with a tenth of the
+    /// steps. The load arrives, every advance says that it is lost, and behind it strides are soon as fine as ever.
     #[test]
     fn where_nothing_converges_each_advance_looks_less_far_for_an_answer() {
         let system = System {

@@ -35,7 +35,7 @@ pub struct CompareArgs {
     /// Backend whose run is replayed into the others
     #[arg(long, value_name = "BACKEND", default_value = "quasi-static")]
     recorded_from: BackendKind,
-    /// Difference that counts as agreement, over the length of the load's path (1)
+    /// Difference that counts as agreement, over the length of the way of the load's rim (1)
     #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = positive)]
     agreement: f64,
     /// Folder for the report, traces, figures, summary and manifest

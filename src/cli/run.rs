@@ -25,7 +25,8 @@ pub struct RunArgs {
     /// What moves the load
     #[arg(long, default_value = "quasi-static")]
     backend: BackendKind,
-    /// Longest step of the backend (s); without it the control period for quasi-static, and else a tenth of a radian of the fastest oscillation, but no less than 10 us and no more than 1 ms or the control period
+    /// Longest step of the backend (s); without it the control period for quasi-static, and else a tenth of a radian of the fastest oscillation, but no
+    /// less than 10 us and no more than 1 ms or the control period
     #[arg(long, value_name = "H", value_parser = step)]
     step_s: Option<f64>,
     /// Error that the load's position may have at any instant, in place of a step (m): quasi-static and inertial

@@ -33,6 +33,7 @@ pub fn saved<S: DeserializeOwned>(file: &Path, is_same: impl FnOnce(&S) -> bool)
         let what = "was left by another command or build; run that again, or remove the file";
         return Err(CliError::Usage(format!("{}: {what}", file.display())));
     }
+    eprintln!("goes on from {}", file.display());
     Ok(Some(state))
 }
 

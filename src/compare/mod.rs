@@ -57,7 +57,7 @@ pub struct Settings {
     pub rapier: RapierOptions,
     /// Backend whose run is replayed into the others.
     pub recorded_from: BackendKind,
-    /// Difference that counts as agreement, over the length of the load's path (1).
+    /// Difference that counts as agreement, over the length of the way of the load's rim (1).
     pub agreement: f64,
     /// What may be left out.
     pub skips: Skips,

@@ -1,7 +1,8 @@
 //! What an ant decides (Eq. 18-19, 21-23): grasp, release, and where to pull.
 //!
 //! Deviation: the paper gives probabilities per step of a step it does not print. Here decisions have rates: a probability p per decision
-//! period D is the hazard -ln(1 - p) / D, so that rates do not depend on the control period (a hold ends at a tick: half a period late in the mean). The literal per-tick reading is [`Pace::PerTick`].
+//! period D is the hazard -ln(1 - p) / D, so that rates do not depend on the control period (a hold ends at a tick: half a period late in the mean).
+//! The literal per-tick reading is [`Pace::PerTick`].
 
 use std::f64::consts::LN_2;
 

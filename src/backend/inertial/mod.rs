@@ -174,9 +174,9 @@ impl Inertial {
         }
     }
 
-    /// Takes the speed of a load that turns about a support back from an instant to the middle of the `step` (s) before it, where steps have it, with the sign 1, and on from there
-    /// with -1. A step from the speed of an instant sees but half of what holds the load on its circle: a support that is about to slip would be told not to, and
-    /// one that has begun to would be told to stop, however short the steps.
+    /// Takes the speed of a load that turns about a support back from an instant to the middle of the `step` (s) before it, where steps have it, with the
+    /// sign 1, and on from there with -1. A step from the speed of an instant sees but half of what holds the load on its circle: a support that is about to
+    /// slip would be told not to, and one that has begun to would be told to stop, however short the steps.
     fn lean(&mut self, support: usize, step: f64, sign: f64) {
         let State { motion: Motion { pose, twist }, energy, .. } = &mut self.state;
         let arm = rotation(pose.heading) * self.system.ground.supports[support].offset;
