@@ -126,6 +126,7 @@ fn values() -> Vec<Bad> {
         bad("/load/mass_kg", json!(-0.0016), "load.mass_kg", "must be positive", "-0.0016"),
         bad("/load/mass_kg", json!(0), "load.mass_kg", "must be positive", "0.0"),
         bad("/name", json!("\u{1b}[31m"), "name", "must not have control characters", "\"\\u{1b}[31m\""),
+        bad("/name", json!("a\u{202e}b"), "name", "must not have control characters", "\"a\\u{202e}b\""),
         bad("/load/position_m", json!([0, -1.1e50]), "load.position_m[1]", "must be at most 1e50 in size", "-1.1e50"),
         bad(
             "/ground/friction_coefficient",

@@ -86,7 +86,7 @@ impl HeldSprings {
         let at = self.grips.binary_search_by_key(&spring, |grip| grip.spring).expect_err("a spring is grasped once");
         let shape = springs[spring].shape(pose, &tip, 0.0);
         self.grips.insert(at, Grip { spring, tip, swing: shape.swing });
-        springs[spring].energy(&shape)
+        known(springs[spring].energy(&shape))
     }
 
     /// Removes a grip and returns the elastic energy that goes with it (J).
@@ -96,7 +96,7 @@ impl HeldSprings {
     pub fn release(&mut self, springs: &[PolarSpring], spring: usize, pose: &Pose) -> f64 {
         let at = self.grips.binary_search_by_key(&spring, |grip| grip.spring).expect("only a held spring is released");
         let grip = self.grips.remove(at);
-        springs[spring].energy(&grip.shape(springs, pose))
+        known(springs[spring].energy(&grip.shape(springs, pose)))
     }
 
     /// Elastic energy at `pose` (J).
@@ -143,6 +143,14 @@ impl HeldSprings {
         self.grips.iter().map(|grip| (targets[grip.spring] - grip.tip).norm_squared()).fold(0.0, f64::max).sqrt()
     }
 
+    /// Whether tips that are somewhere are asked to go somewhere, in a time that passes (s): without that no step has an answer.
+    pub fn can_go(&self, targets: &[Vec2], duration: f64) -> bool {
+        let far = |tip: &Vec2| tip.x.abs() + tip.y.abs();
+        // A sum without a value is below nothing.
+        let farthest = self.grips.iter().map(|grip| far(&grip.tip) + far(&targets[grip.spring])).fold(0.0, |sum, far| sum + far);
+        farthest < FARTHEST && duration > 0.0 && duration.is_finite()
+    }
+
     /// Whether no held tip differs from its entry of `targets`.
     pub fn tips_are_at(&self, targets: &[Vec2]) -> bool {
         self.grips.iter().all(|grip| grip.tip == targets[grip.spring])
@@ -179,6 +187,14 @@ impl HeldSprings {
             grip.swing = swing;
         }
     }
+}
+
+/// Beyond, energies have no finite value (m); scenarios end at 1e50 m.
+const FARTHEST: f64 = 1e60;
+
+/// The energy (J) of a spring whose tip is nowhere is nobody's.
+fn known(energy: f64) -> f64 {
+    if energy.is_finite() { energy } else { 0.0 }
 }
 
 impl Grip {

@@ -60,6 +60,28 @@ impl Motion {
 
 /// What moves the load.
 ///
+/// Stepped by hand, a tip is drawn 40 mm along the spring: the load follows as soon as the spring pulls with its slip limit f, and stays f / k behind.
+///
+/// ```
+/// use cohaul::backend::{BackendKind, BackendOptions, Status, build};
+/// use cohaul::math::Vec2;
+/// use cohaul::scenario::Scenario;
+///
+/// let scenario = Scenario::read("scenarios/analytic/centre-pull.json".as_ref())?;
+/// let system = &scenario.system;
+/// let mut load = build(system, scenario.start, &BackendOptions::new(BackendKind::QuasiStatic, 1e-3));
+/// load.grasp(0, Vec2::new(0.0, 0.0));
+/// for tick in 1..=400 {
+///     let report = load.advance(&[Vec2::new(1e-4 * f64::from(tick), 0.0)], 1e-3);
+///     assert_eq!(report.status, Status::Converged);
+/// }
+/// let behind = system.total_slip_limit() / system.springs[0].radial_stiffness;
+/// assert!((load.motion().pose.position.x - (0.04 - behind)).abs() < 1e-12);
+/// // The holder feels what friction takes.
+/// assert!((load.force_on_tip(0).norm() - system.total_slip_limit()).abs() < 1e-12);
+/// # Ok::<(), cohaul::scenario::ScenarioError>(())
+/// ```
+///
 /// A spring is named by its index in [`System::springs`]. Grasping a held spring or releasing a free one is a broken promise of the caller and
 /// panics.
 pub trait Backend {
@@ -72,7 +94,8 @@ pub trait Backend {
     /// Moves the tips of all held springs in straight lines, at constant speed, to `tip_targets` (m, world, one entry a spring; those of
     /// free springs are not read) within `duration` (s), and the load with them.
     ///
-    /// Targets, not velocities: the path of the tips then has no rounding that depends on how time was cut.
+    /// Targets, not velocities: the path of the tips then has no rounding that depends on how time was cut. Tips that are or go nowhere (not finite, or beyond
+    /// 1e60 m) and a time that does not pass are answered by [`Status::Failed`], and nothing moves; rapier then stays where it is for good.
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport;
 
     /// Pose and twist of the load now. The twist of a method without inertia is the last displacement over its time.
@@ -111,7 +134,8 @@ pub trait Backend {
     fn save(&self) -> SavedState;
 
     /// # Errors
-    /// When the state is not one that a backend of this kind and system saved.
+    /// When the state is not one that a backend of this kind saved, or does not fit the springs and supports of this system. That the system is the same otherwise
+    /// is the caller's promise.
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError>;
 }
 
@@ -137,8 +161,10 @@ impl PoseError {
 pub struct SavedState(pub serde_json::Value);
 
 impl SavedState {
+    /// A number that is not finite becomes `null`, from which nothing can be restored.
+    ///
     /// # Panics
-    /// When `state` holds a number that JSON cannot.
+    /// When `state` is nothing that JSON can hold.
     pub fn of<T: Serialize>(state: &T) -> Self {
         SavedState(serde_json::to_value(state).expect("a backend's state is plain data"))
     }
@@ -157,11 +183,14 @@ pub struct RestoreError(pub String);
 /// Shortest step (s) that is taken unasked: a scene may be too stiff to resolve in reasonable time, and all methods are stable beyond.
 const SHORTEST_UNASKED: f64 = 1e-5;
 
-/// The step (s) for who asks for none: the control period, and with inertia no more than a tenth of a radian of the fastest oscillation (its
+/// Longest step (s) of quasi-static that is taken unasked, the paper's control period: over longer ones, tips go so far that a load's jumps are not seen as such.
+const LONGEST_UNASKED: f64 = 2.5e-3;
+
+/// The step (s) for who asks for none: the control period, but no more than 2.5 ms, and with inertia no more than a tenth of a radian of the fastest oscillation (its
 /// numerical damping ratio is then 0.05 at most) and a millisecond, but no less than 10 us.
 pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> f64 {
     match kind {
-        BackendKind::QuasiStatic => control_period,
+        BackendKind::QuasiStatic => control_period.min(LONGEST_UNASKED),
         BackendKind::Inertial | BackendKind::Rapier => (0.1 / system.fastest_rate()).clamp(SHORTEST_UNASKED, 1e-3).min(control_period),
     }
 }
@@ -169,9 +198,12 @@ pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> 
 /// The one place that joins kinds and code.
 ///
 /// # Panics
-/// When a tolerance is asked of rapier: an engine has no error control.
+/// When the step or the tolerance is not positive, or a tolerance is asked of rapier: an engine has no error control.
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
+    assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
     if let Some(tolerance) = &options.tolerance {
+        let Tolerance { position_m, heading_rad, .. } = tolerance;
+        assert!(*position_m > 0.0 && *heading_rad > 0.0, "tolerances must be positive, found {position_m} m and {heading_rad} rad");
         let controlled = |control| controlled(system, start, options, control);
         let answer = tolerance.control(system, settling_time(options.kind, system));
         let check = Control {

@@ -41,6 +41,11 @@ pub struct StepReport {
 }
 
 impl StepReport {
+    /// Of an advance that has no answer, and in which nothing moved.
+    pub(super) fn refused() -> Self {
+        Self { status: Status::Failed, n_steps: 1, n_not_converged: 1, ..Self::default() }
+    }
+
     /// Adds `n_steps` that were left out.
     pub fn leave_out(&mut self, why: Skip, n_steps: u64) {
         self.n_steps += n_steps;

@@ -16,13 +16,13 @@ pub struct Transition {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "transition", rename_all = "snake_case")]
 pub enum TransitionKind {
-    /// The load begins to move.
+    /// The load begins to move, with all its supports or about one of them.
     Onset,
     /// It comes to rest.
     Stop,
     /// A support stops slipping, and the load turns about it.
     Capture { support: usize },
-    /// The support that the load turned about slips again.
+    /// The support that the load turned about, since its capture or since the onset, slips again.
     Freed { support: usize },
     /// A load without inertia moves a finite way in no time.
     Jump {

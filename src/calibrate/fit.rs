@@ -191,6 +191,18 @@ fn warnings(found: &Calibration) -> Vec<String> {
     for fit in found.linear.iter().filter(|fit| fit.stiffness.n_trials == 1) {
         warnings.push(format!("case {}: one trial cannot tell how trials differ, so it has no interval", fit.case.name()));
     }
+    for fit in found.linear.iter().filter(|fit| fit.stiffness.is_of_one_trial()) {
+        let percent = 100.0 * fit.stiffness.largest_weight.unwrap_or_default();
+        warnings
+            .push(format!("case {}: one trial has {percent:.0} % of the weight, so its interval may be far too narrow", fit.case.name()));
+    }
+    for fit in found.linear.iter().filter(|fit| fit.stiffness.is_of_one_trial()) {
+        let percent = 100.0 * fit.stiffness.largest_weight.unwrap_or_default();
+        warnings.push(format!(
+            "case {}: one trial has {percent:.0} % of the weight, so that its interval may be far too narrow",
+            fit.case.name()
+        ));
+    }
     if found.cases_agree_p_value.is_some_and(|p| p < UNLIKELY) {
         warnings.push("the cases have different moduli: one E does not describe this spring".to_owned());
     }

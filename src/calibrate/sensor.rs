@@ -23,6 +23,8 @@ pub struct Sensor {
     pub tip_error: f64,
     /// For Eq. (1).
     pub model: Option<SpringDesign>,
+    /// Largest stretch (m) and swing (rad) that stiffnesses were fitted to, where they were.
+    pub fitted_to: [Option<f64>; 2],
 }
 
 impl Sensor {
@@ -41,7 +43,7 @@ impl Sensor {
 
     /// Springs whose stiffnesses are known.
     pub fn exact(springs: Vec<PolarSpring>) -> Self {
-        Self { springs, radial_error: 0.0, torsional_error: 0.0, tip_error: 0.0, model: None }
+        Self { springs, radial_error: 0.0, torsional_error: 0.0, tip_error: 0.0, model: None, fitted_to: [None; 2] }
     }
 
     /// The same springs with the stiffnesses that were fitted. What was not measured follows from E, with its error, as the paper has it: kappa_rho as the secant
@@ -57,7 +59,8 @@ impl Sensor {
         for spring in &mut self.springs {
             (spring.radial_stiffness, spring.torsional_stiffness) = (radial[0], torsional[0]);
         }
-        Self { radial_error: radial[1], torsional_error: torsional[1], model: Some(design), ..self }
+        let far = |is_radial| found.linear.iter().filter(|fit| fit.case.is_radial() == is_radial).map(|fit| fit.range[1]).reduce(f64::max);
+        Self { radial_error: radial[1], torsional_error: torsional[1], model: Some(design), fitted_to: [far(true), far(false)], ..self }
     }
 
     /// Stiffnesses (N/m, N m/rad) that are given count as exact.
@@ -67,7 +70,13 @@ impl Sensor {
             spring.torsional_stiffness = torsional.unwrap_or(spring.torsional_stiffness);
         }
         let error = |given: Option<f64>, fitted: f64| if given.is_some() { 0.0 } else { fitted };
-        Self { radial_error: error(radial, self.radial_error), torsional_error: error(torsional, self.torsional_error), ..self }
+        let [stretch, swing] = self.fitted_to;
+        Self {
+            radial_error: error(radial, self.radial_error),
+            torsional_error: error(torsional, self.torsional_error),
+            fitted_to: [stretch.filter(|_| radial.is_none()), swing.filter(|_| torsional.is_none())],
+            ..self
+        }
     }
 
     pub fn spring(&self, index: usize) -> &PolarSpring {

@@ -11,12 +11,13 @@
 //!
 //! with tau^2 such that the weighted squares have their expected sum (Paule and Mandel 1982), zero where they stay below it, and the interval of Hartung
 //! and Knapp (2001): Student's t on T - 1 degrees of freedom times the spread of the trials about s. With equally exact trials, the same displacements in each, this is
-//! the mean of the trials and its usual interval, exactly. Trials that are few and much different in precision make it approximate.
+//! the mean of the trials and its usual interval, exactly. Where one trial is far more exact than the others, nearly all weight is its own: tau^2 is then often found
+//! to be zero though it is not, and the interval is too narrow ([`Estimate::largest_weight`]).
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
-use crate::math::{Interval, Summary};
+use crate::math::{Interval, Summary, student};
 
 /// One reading as a fit sees it: force (N) where the law with slope 1 has `basis`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,9 +75,23 @@ pub struct Estimate {
     pub between_trials_sd: Option<f64>,
     pub n_trials: usize,
     pub n_points: usize,
+    /// Share of the weight that the trial with most of it has (1); `null` of one trial, and of a mean of cases.
+    #[serde(default)]
+    pub largest_weight: Option<f64>,
 }
 
+/// Share of the weight (1) beyond which one of three trials and more decides alone.
+const HALF: f64 = 0.5;
+/// Of two.
+const MOST_OF_TWO: f64 = 0.75;
+
 impl Estimate {
+    /// Whether one trial has so much of the weight that the others hardly tell how trials differ.
+    pub fn is_of_one_trial(&self) -> bool {
+        let most = if self.n_trials == 2 { MOST_OF_TWO } else { HALF };
+        self.largest_weight.is_some_and(|weight| weight > most)
+    }
+
     pub fn is_finite(&self) -> bool {
         let intervals = [self.interval, self.interval_within_trials];
         let ends = intervals.iter().flatten().flat_map(|interval| [interval.low, interval.high]);
@@ -102,6 +117,7 @@ pub fn pool(trials: &[TrialSlope], weighting: Weighting, level: f64) -> Option<E
         between_trials_sd: None,
         n_trials: trials.len(),
         n_points,
+        largest_weight: None,
     };
     if trials.len() == 1 {
         return Some(one);
@@ -110,10 +126,11 @@ pub fn pool(trials: &[TrialSlope], weighting: Weighting, level: f64) -> Option<E
     let slopes: Vec<(f64, f64)> = trials.iter().map(|trial| (trial.slope, variance(trial))).collect();
     let between = between_trials(&slopes);
     let (value, weight, squares) = weighted(&slopes, between);
+    let largest_weight = slopes.iter().map(|slope| weighted(&[*slope], between).1 / weight).reduce(f64::max);
     let degrees_of_freedom = trials.len() as f64 - 1.0;
     let standard_error = (squares / (degrees_of_freedom * weight)).sqrt();
     let interval = Some(about(value, standard_error * student(level, degrees_of_freedom)));
-    Some(Estimate { value, standard_error, degrees_of_freedom, interval, between_trials_sd: Some(between.sqrt()), ..one })
+    Some(Estimate { value, standard_error, degrees_of_freedom, interval, between_trials_sd: Some(between.sqrt()), largest_weight, ..one })
 }
 
 /// sigma^2 of a point of unit weight: one with stated error bars, else the scatter within all trials.
@@ -192,6 +209,7 @@ pub fn mean_of_cases(cases: &[Estimate], level: f64) -> Option<Estimate> {
         between_trials_sd: None,
         n_trials: cases.iter().map(|case| case.n_trials).sum(),
         n_points: cases.iter().map(|case| case.n_points).sum(),
+        largest_weight: None,
     })
 }
 
@@ -212,12 +230,6 @@ pub fn agreement(estimates: &[Estimate]) -> Option<f64> {
     let ratio = squares / (n - 1.0) / (1.0 + 2.0 * (n - 2.0) / (n * n - 1.0) * few);
     let fisher = FisherSnedecor::new(n - 1.0, (n * n - 1.0) / (3.0 * few)).ok()?;
     Some(fisher.sf(ratio))
-}
-
-/// Two-sided quantile of Student's t.
-pub(super) fn student(level: f64, degrees_of_freedom: f64) -> f64 {
-    let student = StudentsT::new(0.0, 1.0, degrees_of_freedom).expect("degrees of freedom are positive");
-    student.inverse_cdf(0.5 * (1.0 + level))
 }
 
 /// Chance of an estimate as far from zero as this if the truth were zero; `None` of one trial.

@@ -8,9 +8,9 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{CliError, interrupt, positive, print, print_report, state};
+use super::{CliError, check_out, command_line, interrupt, positive, print, print_report, state};
 use crate::bench::{self, Effort, Growth, Host, Measured, Plan, Scene, crowd, four_ants, standard_scenes};
-use crate::report::{Benchmark, Manifest, Progress, bench_text, check_target, sha256_hex, write_benchmark};
+use crate::report::{Benchmark, Manifest, Progress, bench_text, sha256_hex, write_benchmark};
 use crate::scenario::Scenario;
 
 #[derive(Args)]
@@ -70,7 +70,7 @@ struct Question {
 pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
     let (plan, hashes) = plan(args)?;
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let host = Host::here();
     let question = Question {
@@ -106,7 +106,7 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
         print_report(out)?;
     }
-    benchmark.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    benchmark.warnings.iter().for_each(|warning| say!("warning: {warning}"));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -171,7 +171,7 @@ fn resumed(question: &Question, path: Option<&Path>) -> Result<(Measured, f64), 
 fn interrupted(state: State, path: Option<&Path>) -> Result<ExitCode, CliError> {
     let Some(path) = path else { return Err(CliError::Interrupted) };
     state::keep(path, &state)?;
-    eprintln!("stopped after {} settings; the same command goes on from {}", state.found.rows.len(), path.display());
+    say!("stopped after {} settings; the same command goes on from {}", state.found.rows.len(), path.display());
     Ok(ExitCode::from(130))
 }
 
@@ -180,5 +180,5 @@ fn manifest(plan: &Plan, question: &Question, started: SystemTime) -> Manifest {
     let scenarios = json!(plan.scenes.iter().map(expanded).collect::<serde_json::Map<_, _>>());
     let options = json!({ "effort": question.effort, "solvers": question.solvers, "growth": question.growth });
     let hash = sha256_hex(scenarios.to_string().as_bytes());
-    Manifest::new(scenarios, hash, None, options, std::env::args().collect(), started)
+    Manifest::new(scenarios, hash, None, options, command_line(), started)
 }

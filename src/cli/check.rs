@@ -9,10 +9,10 @@ use std::time::{Instant, SystemTime};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, check_step, interrupt, print, read_scenario, step, warn_of_idle};
+use super::{CliError, EngineArgs, check_out, check_step, command_line, interrupt, print, read_scenario, step, warn_of_idle};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Status, default_step};
 use crate::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
-use crate::report::{CheckReport, Manifest, Progress, check_target, check_text, sha256_hex, this_build, write_check};
+use crate::report::{CheckReport, Manifest, Progress, check_text, sha256_hex, this_build, write_check};
 use crate::scenario::Scenario;
 
 #[derive(Args)]
@@ -94,7 +94,7 @@ fn hold_against(folder: &Path, args: &CheckArgs) -> Result<ExitCode, CliError> {
     let baselines = chosen(folder, &args.names)?;
     let scenario = args.scenario.as_deref().map(Scenario::read).transpose()?;
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let (started, clock) = (SystemTime::now(), Instant::now());
     let settings = Settings { scenario, exact: args.exact };
@@ -152,7 +152,7 @@ fn manifest(checks: &[Check], exact: bool, started: SystemTime) -> Manifest {
     let options =
         json!({ "exact": exact, "baselines": of(|check| json!(check.options)), "tolerances": of(|check| json!(check.found.tolerances)) });
     let hash = sha256_hex(scenarios.to_string().as_bytes());
-    Manifest::new(scenarios, hash, None, options, std::env::args().collect(), started)
+    Manifest::new(scenarios, hash, None, options, command_line(), started)
 }
 
 fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
@@ -173,7 +173,7 @@ fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
     for (baseline, status) in &baselines {
         let path = args.baselines.join(baseline.file_name());
         if *status == Status::Failed {
-            eprintln!("error: {}: not stored: a step of the run had no finite answer", path.display());
+            say!("error: {}: not stored: a step of the run had no finite answer", path.display());
             code = ExitCode::from(1);
             continue;
         }

@@ -7,10 +7,12 @@ use std::time::{Instant, SystemTime};
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, step};
+use super::{
+    CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, step, warn_idle,
+};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::compare::{Settings, Tier, closed_loop, prescribed, replayed};
-use crate::report::{Comparison, Manifest, Progress, check_target, compare_text, write_comparison};
+use crate::report::{Comparison, Manifest, Progress, compare_text, write_comparison};
 use crate::scenario::{Drive, Scenario};
 
 #[derive(Args)]
@@ -29,15 +31,15 @@ pub struct CompareArgs {
     /// Seed of all chance, in place of the scenario's; the first of those of the closed loop
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Number of seeds of the closed loop
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    seeds: usize,
-    /// Backend whose run is replayed into the others
-    #[arg(long, value_name = "BACKEND", default_value = "quasi-static")]
-    recorded_from: BackendKind,
-    /// Difference that counts as agreement, over the length of the way of the load's rim (1)
-    #[arg(long, value_name = "SHARE", default_value = "0.01", value_parser = positive)]
-    agreement: f64,
+    /// Number of seeds of the closed loop; without it 8
+    #[arg(long, value_name = "N")]
+    seeds: Option<usize>,
+    /// Backend whose run is replayed into the others; without it quasi-static
+    #[arg(long, value_name = "BACKEND")]
+    recorded_from: Option<BackendKind>,
+    /// Difference that counts as agreement, over the way of the load's rim (1); without it 0.01
+    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    agreement: Option<f64>,
     /// Folder for the report, traces, figures, summary and manifest
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -55,34 +57,36 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     check_step(args.step_s, &scenario)?;
     let tiers = tiers_of(&scenario, &args.tier)?;
-    if args.seeds == 0 {
+    let n_seeds = args.seeds.unwrap_or(8);
+    if n_seeds == 0 {
         return Err(CliError::Usage("--seeds: must be at least 1, found 0".into()));
     }
-    if scenario.seed.checked_add(args.seeds as u64 - 1).is_none() {
-        return Err(CliError::Usage(format!("--seeds: the last seed must be below 2^64, found {} from {}", args.seeds, scenario.seed)));
+    if scenario.seed.checked_add(n_seeds as u64 - 1).is_none() {
+        return Err(CliError::Usage(format!("--seeds: the last seed must be below 2^64, found {n_seeds} from {}", scenario.seed)));
     }
+    warn_of_idle_tiers(args, &tiers);
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let settings = Settings {
         step_s: args.step_s,
         tolerance_m: args.tolerance,
         rapier: args.engine.options(),
-        recorded_from: args.recorded_from,
-        agreement: args.agreement,
+        recorded_from: args.recorded_from.unwrap_or(BackendKind::QuasiStatic),
+        agreement: args.agreement.unwrap_or(0.01),
         skips: Skips::ALL.without_all(&args.no_skip),
     };
     let (started, clock) = (SystemTime::now(), Instant::now());
     let mut comparison = Comparison::new(&scenario, &settings);
     for tier in tiers {
-        add(&mut comparison, tier, &scenario, &settings, args.seeds)?;
+        add(&mut comparison, tier, &scenario, &settings, n_seeds)?;
     }
     comparison.wall_s = clock.elapsed().as_secs_f64();
     comparison.check_finite()?;
     if let Some(out) = &args.out {
         let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
         let options = serde_json::to_value(settings).expect("settings are plain data");
-        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
+        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, command_line(), started);
         write_comparison(out, &comparison, &scenario, &manifest)?;
     }
     print(&if args.json { comparison.to_json() } else { compare_text(&comparison) })?;
@@ -92,6 +96,25 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     Ok(if comparison.tiers.are_computed() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
+/// Warns of options of tiers that are not compared in.
+fn warn_of_idle_tiers(args: &CompareArgs, tiers: &[Tier]) {
+    let pathwise: &[Tier] = &[Tier::Prescribed, Tier::Replayed];
+    let options = [
+        ("--seeds", &[Tier::ClosedLoop][..], args.seeds.is_some()),
+        ("--recorded-from", &[Tier::Replayed][..], args.recorded_from.is_some()),
+        ("--tolerance", pathwise, args.tolerance.is_some()),
+        ("--agreement", pathwise, args.agreement.is_some()),
+    ];
+    for (option, of, _) in options.iter().filter(|(_, of, is_given)| *is_given && !tiers.iter().any(|tier| of.contains(tier))) {
+        warn_idle(option, &names(of), &names(tiers));
+    }
+}
+
+fn names(tiers: &[Tier]) -> String {
+    let name = |tier: &Tier| tier.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
+    tiers.iter().map(name).collect::<Vec<_>>().join(", ")
+}
+
 /// The tiers asked for, or all that the scenario has.
 fn tiers_of(scenario: &Scenario, asked: &[Tier]) -> Result<Vec<Tier>, CliError> {
     let possible: &[Tier] = match scenario.drive {
@@ -99,9 +122,7 @@ fn tiers_of(scenario: &Scenario, asked: &[Tier]) -> Result<Vec<Tier>, CliError> 
         Drive::Ants(_) => &[Tier::Replayed, Tier::ClosedLoop],
     };
     if let Some(tier) = asked.iter().find(|tier| !possible.contains(tier)) {
-        let name = |tier: &Tier| tier.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
-        let names: Vec<String> = possible.iter().map(name).collect();
-        let text = format!("--tier: must be one of {} for a scenario with this drive, found {}", names.join(", "), name(tier));
+        let text = format!("--tier: must be one of {} for a scenario with this drive, found {}", names(possible), names(&[*tier]));
         return Err(CliError::Usage(text));
     }
     Ok(if asked.is_empty() { possible.to_vec() } else { asked.to_vec() })

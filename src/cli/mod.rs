@@ -3,6 +3,13 @@
 //! Exit codes: 0 done, 1 a run failed or missed what it was asked to check, 2 usage or input, 3 internal, 130 interrupted. Results go to standard output, everything
 //! else to standard error.
 
+/// Says a line on standard error. That nobody can hear it is no reason to end.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($text)*)));
+    }};
+}
+
 mod bench;
 mod calibrate;
 mod check;
@@ -19,7 +26,7 @@ mod sweep;
 mod verify;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -27,8 +34,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 use crate::backend::{BackendKind, Integrator, RapierOptions, RestoreError};
 use crate::report::html::REPORT;
-use crate::report::{FolderError, NotFinite};
-use crate::scenario::{Scenario, ScenarioError};
+use crate::report::{FolderError, NotFinite, check_target};
+use crate::scenario::{Drive, Scenario, ScenarioError};
 use crate::sweep::SweepError;
 
 #[derive(Parser)]
@@ -116,8 +123,23 @@ fn warn_of_idle(backends: &[BackendKind], integrator: Option<Integrator>, engine
     ];
     for (name, of, _) in options.iter().filter(|(_, of, is_given)| *is_given && !backends.contains(of)) {
         let names: Vec<&str> = backends.iter().map(|backend| backend.name()).collect();
-        let _ = writeln!(std::io::stderr(), "warning: {name}: changes nothing, as it is of {}, found {}", of.name(), names.join(", "));
+        warn_idle(name, of.name(), &names.join(", "));
     }
+}
+
+/// Warns of options that change what only other drives and backends than these have: seeds the chance of ants, inertia all but quasi-static.
+fn warn_of_idle_points(scenario: &Scenario, backends: &[BackendKind], n_seeds: u64, scales_inertia: bool) {
+    if n_seeds > 1 && matches!(scenario.drive, Drive::Tips(_)) {
+        warn_idle("--seeds", "ants", "tips");
+    }
+    if scales_inertia && backends.iter().all(|backend| *backend == BackendKind::QuasiStatic) {
+        warn_idle("--scale-inertia", "inertial and rapier", "quasi-static");
+    }
+}
+
+/// Warns of an option `of` something that is not there, but what was `found` in its place.
+fn warn_idle(option: &str, of: &str, found: &str) {
+    say!("warning: {option}: changes nothing, as it is of {of}, found {found}");
 }
 
 /// Why a command ended without its result.
@@ -186,7 +208,7 @@ pub fn main() -> ExitCode {
         // A reader that has seen enough, such as `head`, is no failure.
         Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            say!("error: {error}");
             ExitCode::from(error.exit_code())
         }
     }
@@ -200,7 +222,7 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 }
 
 /// Reads a scenario, with the seed of the command line if it has one.
-fn read_scenario(path: &std::path::Path, seed: Option<u64>) -> Result<Scenario, ScenarioError> {
+fn read_scenario(path: &Path, seed: Option<u64>) -> Result<Scenario, ScenarioError> {
     let scenario = Scenario::read(path)?;
     Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })
 }
@@ -213,9 +235,14 @@ fn step(text: &str) -> Result<f64, String> {
 /// Most steps in a control period (1): an interrupt is heard, and progress shown, between two of these.
 const MOST_STEPS: f64 = 1e6;
 
+/// Warns of a step that is longer than the control period, with which each step ends at the latest.
+///
 /// # Errors
 /// When the step that a user asks for is so short that a control period takes minutes.
 fn check_step(step_s: Option<f64>, scenario: &Scenario) -> Result<(), CliError> {
+    if let Some(step) = step_s.filter(|step| *step > scenario.control_period) {
+        say!("warning: --step-s: steps end with the control period, {} s, found {step} s", scenario.control_period);
+    }
     let least = scenario.control_period / MOST_STEPS;
     match step_s.filter(|step| *step < least) {
         Some(step) => Err(CliError::Usage(format!("--step-s: must be at least {least:e} s, 1e-6 of the control period, found {step:e}"))),
@@ -229,9 +256,23 @@ fn positive(text: &str) -> Result<f64, String> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("must be positive and finite, found {text}")) }
 }
 
+/// Whether a command may write its output to this folder: as [`check_target`] says, and never in place of a finished sweep, which may have taken days.
+fn check_out(out: &Path) -> Result<(), CliError> {
+    check_target(out)?;
+    match sweep::identity_in(out) {
+        Some(_) => Err(CliError::Usage(format!("{}: must not hold a finished sweep; write to another folder", out.display()))),
+        None => Ok(()),
+    }
+}
+
 /// Says where the report in the folder `out` is.
-fn print_report(out: &std::path::Path) -> Result<(), CliError> {
+fn print_report(out: &Path) -> Result<(), CliError> {
     print(&format!("report\n  {}\n", out.join(REPORT).display()))
+}
+
+/// The command as it was called; what is no text in it is told as near as text can.
+fn command_line() -> Vec<String> {
+    std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect()
 }
 
 /// Writes a result to standard output.

@@ -8,10 +8,10 @@ use std::time::{Duration, Instant, SystemTime};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::{CliError, interrupt, print, state};
+use super::{CliError, check_out, command_line, interrupt, print, state};
 use crate::backend::{BackendKind, Status};
 use crate::paper::{self, Case, Done, Plan, Set, Trial, study};
-use crate::report::{Manifest, Paper, PaperRuns, Progress, check_target, figure, largest, paper_text, sha256_hex, write_paper};
+use crate::report::{Manifest, Paper, PaperRuns, Progress, figure, largest, paper_text, sha256_hex, write_paper};
 use crate::scenario::presets::Preset;
 
 #[derive(Args)]
@@ -69,7 +69,7 @@ const FEWEST_FOR_OTHERS: u64 = 8;
 
 pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let plan = plan(args);
     let asked = asked(&plan);
@@ -173,5 +173,5 @@ fn manifest(plan: &Plan, started: SystemTime) -> Manifest {
     let scenario = serde_json::json!({ "name": "the paper's trials", "trials": trials });
     let options = serde_json::to_value(plan).expect("a plan is plain data");
     let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(scenario, hash, None, options, std::env::args().collect(), started)
+    Manifest::new(scenario, hash, None, options, command_line(), started)
 }

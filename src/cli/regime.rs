@@ -8,9 +8,9 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::{CliError, interrupt, print, state};
+use super::{CliError, check_out, command_line, interrupt, print, state};
 use crate::regime::{self, Cell, Done, Effort, Grid, Scene};
-use crate::report::{Manifest, Progress, Regime, check_target, regime_text, sha256_hex, write_regime};
+use crate::report::{Manifest, Progress, Regime, regime_text, sha256_hex, write_regime};
 
 #[derive(Args)]
 pub struct RegimeArgs {
@@ -48,7 +48,7 @@ struct State {
 
 pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let scenes: Vec<Scene> = Scene::ALL.into_iter().filter(|scene| args.scene.is_empty() || args.scene.contains(scene)).collect();
@@ -99,5 +99,5 @@ fn manifest(asked: &Asked, started: SystemTime) -> Manifest {
     let scenario = serde_json::json!({ "name": "regime", "scenes": asked.scenes });
     let options = serde_json::json!({ "effort": asked.effort });
     let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(scenario, hash, 0, options, std::env::args().collect(), started)
+    Manifest::new(scenario, hash, 0, options, command_line(), started)
 }

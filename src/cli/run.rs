@@ -1,15 +1,19 @@
 //! `cohaul run`.
 
 use std::cell::RefCell;
-use std::io::Write;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::rc::Rc;
 use std::time::{Instant, SystemTime};
 
 use clap::Args;
+use serde_json::Value;
 
-use super::{CliError, EngineArgs, check_step, interrupt, positive, print, print_report, read_scenario, state, step, warn_of_idle};
+use super::{
+    CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, state, step,
+    warn_idle, warn_of_idle,
+};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
@@ -25,7 +29,7 @@ pub struct RunArgs {
     /// What moves the load
     #[arg(long, default_value = "quasi-static")]
     backend: BackendKind,
-    /// Longest step of the backend (s); without it the control period for quasi-static, and else a tenth of a radian of the fastest oscillation, but no
+    /// Longest step of the backend (s); without it the control period for quasi-static, but no more than 2.5 ms, and else a tenth of a radian of the fastest oscillation, but no
     /// less than 10 us and no more than 1 ms or the control period
     #[arg(long, value_name = "H", value_parser = step)]
     step_s: Option<f64>,
@@ -80,11 +84,11 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let options = options(args, &scenario)?;
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
     if args.no_estimate && options.kind != BackendKind::QuasiStatic {
-        let _ =
-            writeln!(std::io::stderr(), "warning: --no-estimate: changes nothing, as it is of quasi-static, found {}", options.kind.name());
+        warn_idle("--no-estimate", "quasi-static", options.kind.name());
     }
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
+    args.out.as_deref().map_or(Ok(()), check_out)?;
     let mut writer = args.out.as_deref().map(|out| RunWriter::create(out, columns)).transpose()?;
     let keep = if writer.is_some() { Keep::Trace } else { Keep::Outcome };
     let (started, clock) = (SystemTime::now(), Instant::now());
@@ -129,7 +133,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     if let Some(writer) = writer {
         let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
         let options = serde_json::to_value(options).expect("options are plain data");
-        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, std::env::args().collect(), started);
+        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, command_line(), started);
         let (scene, report) = (&Scene::of(&scenario), args.report.then_some(&scenario));
         let (summary, trace, manifest, with_tips) = (&summary, &trace, &manifest, args.tips);
         writer.finish(&RunFiles { summary, trace, with_tips, scene, manifest, report })?;
@@ -142,10 +146,10 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         print_report(out)?;
     }
     if let Some(warning) = convergence_warning(&summary) {
-        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+        say!("warning: {warning}");
     }
     if let Some(estimate) = summary.inertia_estimate.filter(|estimate| !estimate.is_negligible) {
-        let _ = writeln!(std::io::stderr(), "warning: {}", inertia_warning(&estimate));
+        say!("warning: {}", inertia_warning(&estimate));
     }
     let is_within = summary.accuracy.as_ref().is_none_or(|accuracy| accuracy.is_met);
     Ok(if outcome.steps.status == Status::Failed || !is_within { ExitCode::from(1) } else { ExitCode::SUCCESS })
@@ -158,7 +162,8 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
         return Err(CliError::Usage(format!("--second-order: must be of quasi-static, found {}", args.backend.name())));
     }
     let Some(position_m) = args.tolerance else {
-        let step_s = args.step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
+        let step_s = args.step_s.map(|step| step.min(scenario.control_period));
+        let step_s = step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
         return Ok(BackendOptions {
             integrator: args.integrator.unwrap_or_default(),
             rapier: args.engine.options(),
@@ -190,17 +195,25 @@ fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRu
     let Some(saved) = state::read::<SavedRun>(path)? else { return Ok(None) };
     let as_asked = saved.options.tolerance.map(|tolerance| Tolerance { tightened: 0, ..tolerance });
     if (BackendOptions { tolerance: as_asked, ..saved.options }) != *options {
-        let (saved, asked) = (serde_json::to_string(&saved.options), serde_json::to_string(options));
-        let text = format!("{}: saved with {}, asked for {}", path.display(), saved.unwrap_or_default(), asked.unwrap_or_default());
+        let text = format!("{}: must be of the run asked for, found another: {}", path.display(), differences(&saved.options, options));
         return Err(CliError::Usage(text));
     }
     Ok(Some(saved))
+}
+
+/// What differs between the options of a saved run and those asked for.
+fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
+    let [saved, asked] = [saved, asked].map(|options| serde_json::to_value(options).expect("options are plain data"));
+    let names = saved.as_object().into_iter().chain(asked.as_object()).flat_map(|object| object.keys()).collect::<BTreeSet<_>>();
+    let differing = names.into_iter().filter(|name| saved.get(name) != asked.get(name));
+    let of = |options: &Value, name: &str| options.get(name).map_or("none".to_owned(), Value::to_string);
+    differing.map(|name| format!("{name} {} for {}", of(&saved, name), of(&asked, name))).collect::<Vec<_>>().join(", ")
 }
 
 /// Keeps the state for the next call, if there is a file for it.
 fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<ExitCode, CliError> {
     let Some(path) = path else { return Err(CliError::Interrupted) };
     state::keep(path, &run.save())?;
-    eprintln!("stopped at {} s; the same command goes on from {}", run.time(), path.display());
+    say!("stopped at {} s; the same command goes on from {}", run.time(), path.display());
     Ok(ExitCode::from(130))
 }

@@ -40,7 +40,7 @@ fn check(paths: &[PathBuf]) -> Result<ExitCode, CliError> {
         match Scenario::read(path) {
             Ok(scenario) => print(&format!("{}: ok, \"{}\", hash {}\n", path.display(), scenario.name, scenario.hash()))?,
             Err(error) => {
-                eprintln!("error: {error}");
+                say!("error: {error}");
                 code = ExitCode::from(2);
             }
         }

@@ -33,7 +33,7 @@ pub fn saved<S: DeserializeOwned>(file: &Path, is_same: impl FnOnce(&S) -> bool)
         let what = "was left by another command or build; run that again, or remove the file";
         return Err(CliError::Usage(format!("{}: {what}", file.display())));
     }
-    eprintln!("goes on from {}", file.display());
+    say!("goes on from {}", file.display());
     Ok(Some(state))
 }
 
@@ -55,7 +55,7 @@ pub fn keep(file: &Path, state: &impl Serialize) -> Result<(), CliError> {
 pub fn interrupted(file: Option<&Path>, state: &impl Serialize) -> Result<ExitCode, CliError> {
     let Some(file) = file else { return Err(CliError::Interrupted) };
     keep(file, state)?;
-    eprintln!("stopped; the same command goes on from {}", file.display());
+    say!("stopped; the same command goes on from {}", file.display());
     Ok(ExitCode::from(130))
 }
 

@@ -8,8 +8,8 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::{CliError, interrupt, print, print_report, state};
-use crate::report::{Manifest, Progress, Stress, check_target, sha256_hex, stress_list, stress_text, write_stress};
+use super::{CliError, check_out, command_line, interrupt, print, print_report, state};
+use crate::report::{Manifest, Progress, Stress, sha256_hex, stress_list, stress_text, write_stress};
 use crate::stress::{self, Done, Effort, Map, Row, Variant};
 
 #[derive(Args)]
@@ -60,7 +60,7 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let maps: Vec<Map> = maps.iter().map(|map| effort.of(map)).collect();
@@ -127,5 +127,5 @@ fn manifest(asked: &Asked, started: SystemTime) -> Manifest {
     let scenario = serde_json::json!({ "name": "stress", "maps": asked.maps });
     let options = serde_json::json!({ "backends": asked.backends, "effort": asked.effort });
     let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(scenario, hash, 0, options, std::env::args().collect(), started)
+    Manifest::new(scenario, hash, 0, options, command_line(), started)
 }

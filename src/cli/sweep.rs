@@ -12,9 +12,12 @@ use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, check_step, interrupt, positive, print, step, warn_of_idle};
+use super::{CliError, EngineArgs, check_step, command_line, interrupt, positive, print, step, warn_of_idle, warn_of_idle_points};
 use crate::backend::{BackendKind, Integrator, Skip, Skips};
-use crate::report::{Cost, FolderError, Manifest, Progress, SweepSummary, check_target, sweep_text, write_sweep};
+use crate::report::{
+    Cost, FAILED, FolderError, MANIFEST, Manifest, NOT_WITHIN_TOLERANCE, Progress, SweepSummary, check_files, check_target, sweep_text,
+    write_sweep,
+};
 use crate::scenario::Scenario;
 use crate::sweep::{
     Ask, Axis, Design, Header, INERTIA, Identity, Journal, Method, Part, Plan, Sample, SweepError, Table, Variant, finish_shard, header_of,
@@ -79,6 +82,7 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
     args.step_s.iter().try_for_each(|step| check_step(Some(*step), plan.base()))?;
     let pool = pool(args.threads, plan.identity.n_cells)?;
     warn_of_idle(&args.backend, args.integrator, &args.engine);
+    warn_of_idle_points(plan.base(), &args.backend, args.seeds, args.scale_inertia.is_some());
     match args.shard {
         Some(part) => one_shard(args, &plan, &pool, part),
         None => whole(args, &plan, &pool),
@@ -152,14 +156,14 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
         if path.exists() {
             fs::remove_file(&path).map_err(|source| CliError::File { path, source })?;
         }
-        eprintln!("{}: is finished", out.display());
+        say!("{}: is finished", out.display());
         return said(&summary, args.json);
     }
     let (started, wall, cpu) = (SystemTime::now(), Instant::now(), ProcessTime::now());
     let header = Header::new(plan.identity.clone(), 0, plan.identity.n_cells);
-    let Some(journal) = filled(plan, pool, &path, &header)? else { return Ok(ExitCode::from(130)) };
+    let Some((journal, n_runs)) = filled(plan, pool, &path, &header)? else { return Ok(ExitCode::from(130)) };
     let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
-    let cost = Cost { wall_s, cpu_s, n_threads: pool.current_num_threads() };
+    let cost = Cost { wall_s, cpu_s, n_threads: pool.current_num_threads(), n_runs };
     let summary = written(out, &plan.identity, &journal, Some(cost), started)?;
     journal.remove()?;
     said(&summary, args.json)
@@ -168,7 +172,7 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
 /// One part, into the folder of shards.
 fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Result<ExitCode, CliError> {
     let folder = args.out.join("shards");
-    if args.out.join("manifest.json").exists() {
+    if args.out.join(MANIFEST).exists() {
         let what = "holds a finished output; shards go to a folder of their own";
         return Err(CliError::Usage(format!("{}: {what}", args.out.display())));
     }
@@ -176,20 +180,20 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
     let cells = part.cells(plan.identity.n_cells);
     let header = Header::new(plan.identity.clone(), cells.start, cells.end);
     let (path, journal_path) = (folder.join(format!("{}.rows", part.name())), folder.join(format!("{}.journal", part.name())));
-    check_neighbours(&folder, &plan.identity)?;
+    check_neighbours(&folder, &plan.identity, part.n)?;
     let is_skipped = verified(&path, &header)?;
     if is_skipped {
         // Killed between the last two steps, a shard leaves both.
         let _ = fs::remove_file(&journal_path);
     } else {
-        let Some(journal) = filled(plan, pool, &journal_path, &header)? else { return Ok(ExitCode::from(130)) };
+        let Some((journal, _)) = filled(plan, pool, &journal_path, &header)? else { return Ok(ExitCode::from(130)) };
         remove_partials(&path);
         finish_shard(&path, &header, &journal)?;
         journal.remove()?;
     }
     let n_runs = cells.end - cells.start;
     if args.json {
-        let found = json!({ "shard": part.index, "n_shards": part.n, "first_cell": cells.start, "n_runs": n_runs, "file": path, "was_finished": is_skipped });
+        let found = json!({ "shard": part.index, "n_shards": part.n, "first_cell": cells.start, "n_runs": n_runs, "file": path.display().to_string(), "was_finished": is_skipped });
         print(&format!("{found:#}\n"))?;
     } else {
         let how = if is_skipped { "was finished" } else { "is finished" };
@@ -198,17 +202,27 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
     Ok(ExitCode::SUCCESS)
 }
 
-/// Shards of another sweep in the same folder are a mistake that is better known before the work than after it.
-fn check_neighbours(folder: &Path, identity: &Identity) -> Result<(), CliError> {
+/// Shards of another sweep in the same folder, or of one in another number of parts, are a mistake that is better known before the work than after it.
+fn check_neighbours(folder: &Path, identity: &Identity, n_parts: u64) -> Result<(), CliError> {
     let entries = fs::read_dir(folder).map_err(|source| CliError::File { path: folder.to_owned(), source })?;
-    let mut paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let Some(path) = paths.find(|path| path.extension().is_some_and(|extension| extension == "rows")) else { return Ok(()) };
+    let shards: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rows"))
+        .collect();
+    let of_others = |path: &&PathBuf| path.file_stem().and_then(Part::of_name).is_some_and(|part| part.n != n_parts);
+    if let Some(path) = shards.iter().find(of_others) {
+        return Err(CliError::Usage(format!(
+            "{}: must be one of {n_parts} parts, as the shard asked for; remove it, or write to another folder",
+            path.display()
+        )));
+    }
+    let Some(path) = shards.into_iter().next() else { return Ok(()) };
     let differences = identity.differences(&header_of(&path)?.sweep);
     if differences.is_empty() { Ok(()) } else { Err(SweepError::Other { path, differences }.into()) }
 }
 
-/// The journal with the rows of all its cells, run as far as they were missing; `None` when the user stopped.
-fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Result<Option<Journal>, CliError> {
+/// The journal with the rows of all its cells, run as far as they were missing, and how many were; `None` when the user stopped.
+fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Result<Option<(Journal, u64)>, CliError> {
     header.check_size()?;
     if let Some(parent) = path.parent() {
         fs::create_dir_all(parent).map_err(|source| CliError::File { path: parent.to_owned(), source })?;
@@ -223,21 +237,17 @@ fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Resul
     let mut journal = Journal::open(path, header)?;
     let n_left = header.end - header.begin - journal.n_done();
     if journal.n_dropped > 0 {
-        eprintln!(
-            "{}: its last {} bytes were cut off or spoilt; the runs that they were of are run again",
-            path.display(),
-            journal.n_dropped
-        );
+        say!("{}: its last {} bytes were cut off or spoilt; the runs that they were of are run again", path.display(), journal.n_dropped);
     }
     if !is_new && journal.n_done() > 0 {
-        eprintln!("{}: goes on after {} runs, {n_left} are left", path.display(), journal.n_done());
+        say!("{}: goes on after {} runs, {n_left} are left", path.display(), journal.n_done());
     }
     run_left(plan, pool, header, &mut journal, n_left)?;
     if journal.is_complete() {
-        return Ok(Some(journal));
+        return Ok(Some((journal, n_left)));
     }
     journal.sync()?;
-    eprintln!("stopped after {} of {} runs; the same command goes on from {}", journal.n_done(), header.end - header.begin, path.display());
+    say!("stopped after {} of {} runs; the same command goes on from {}", journal.n_done(), header.end - header.begin, path.display());
     Ok(None)
 }
 
@@ -272,39 +282,44 @@ pub(super) fn written(
     started: SystemTime,
 ) -> Result<SweepSummary, CliError> {
     if cfg!(not(feature = "parquet")) {
-        eprintln!("runs.parquet is left out: this program was built without the feature parquet");
+        say!("runs.parquet is left out: this program was built without the feature parquet");
     }
     let base = Scenario::parse(&identity.scenario.to_string(), "scenario")?;
     let summary = SweepSummary::new(identity, &base.name, cost);
     let options = json!({ "sweep": identity, "cost": cost });
     let expanded = serde_json::to_value(base.expanded()).expect("a scenario is plain data");
-    let command = std::env::args().collect();
+    let command = command_line();
     let manifest = Manifest::new(expanded, identity.scenario_sha256.clone(), None, options, command, started);
     Ok(write_sweep(out, identity, table, summary, &manifest)?)
 }
 
-/// Prints the summary; runs that failed are what a sweep was not asked for.
+/// Prints the summary; runs that failed or missed their tolerance are what a sweep was not asked for.
 pub(super) fn said(summary: &SweepSummary, json: bool) -> Result<ExitCode, CliError> {
     print(&if json { summary.to_json() } else { sweep_text(summary) })?;
-    Ok(if summary.n_failed() > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    summary.warnings().iter().for_each(|warning| say!("warning: {warning}"));
+    Ok(if summary.n_of(FAILED) + summary.n_of(NOT_WITHIN_TOLERANCE) > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+/// What tells the sweep whose output a folder holds from others; `None` where it holds none.
+pub(super) fn identity_in(out: &Path) -> Option<Value> {
+    let manifest: Value = serde_json::from_slice(&fs::read(out.join(MANIFEST)).ok()?).ok()?;
+    manifest["options"].get("sweep").cloned()
 }
 
 /// The summary of this very sweep where the folder holds it; `None` where it holds no sweep.
 ///
 /// # Errors
-/// When it holds another sweep.
+/// When it holds another sweep, or files other than it wrote.
 pub(super) fn finished(out: &Path, identity: &Identity) -> Result<Option<SweepSummary>, CliError> {
-    let path = out.join("manifest.json");
-    let Ok(text) = fs::read(&path) else { return Ok(None) };
-    let manifest: Value = serde_json::from_slice(&text).unwrap_or_default();
-    let Some(found) = manifest["options"].get("sweep") else { return Ok(None) };
-    let differences = match serde_json::from_value::<Identity>(found.clone()) {
+    let Some(found) = identity_in(out) else { return Ok(None) };
+    let differences = match serde_json::from_value::<Identity>(found) {
         Ok(found) => identity.differences(&found),
         Err(error) => vec![format!("it is of another version of this program: {error}")],
     };
     if !differences.is_empty() {
         return Err(SweepError::Other { path: out.to_owned(), differences }.into());
     }
+    check_files(out)?;
     let path = out.join("summary.json");
     let text = fs::read(&path).map_err(|source| CliError::File { path: path.clone(), source })?;
     let summary = serde_json::from_slice(&text).map_err(|source| CliError::NotASavedRun { path, source })?;

@@ -7,9 +7,9 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 
-use super::{CliError, interrupt, print};
+use super::{CliError, check_out, command_line, interrupt, print};
 use crate::backend::BackendKind;
-use crate::report::{Manifest, Progress, Verification, check_target, list_text, sha256_hex, verify_text, write_verification};
+use crate::report::{Manifest, Progress, Verification, list_text, sha256_hex, verify_text, write_verification};
 use crate::verify::{self, Case, Effort, Plan, Row};
 
 #[derive(Args)]
@@ -41,7 +41,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let (started, clock) = (SystemTime::now(), Instant::now());
@@ -87,5 +87,5 @@ fn manifest(args: &VerifyArgs, found: &Verification, started: SystemTime) -> Man
     let asked = serde_json::json!({ "name": "verify", "cases": found.cases });
     let options = serde_json::json!({ "backend": args.backend, "quick": args.quick });
     let hash = sha256_hex(asked.to_string().as_bytes());
-    Manifest::new(asked, hash, 0, options, std::env::args().collect(), started)
+    Manifest::new(asked, hash, 0, options, command_line(), started)
 }

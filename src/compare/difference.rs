@@ -29,7 +29,7 @@ pub(super) struct Jumps {
 }
 
 impl Difference {
-    /// Of two paths of a load of this `radius` (m), over the instants that both have.
+    /// Of two paths of a load of this `radius` (m) at the same instants, one by one, as far as both go.
     pub fn between(a: &[Point], b: &[Point], radius: f64) -> Self {
         Self::but_in_jumps(a, b, radius, &Jumps::default())
     }

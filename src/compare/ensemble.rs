@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{Settings, Tier, Verdict};
 use crate::backend::{BackendKind, Status};
-use crate::math::{Interval, Summary, mean_interval, share_difference_interval};
+use crate::math::{Interval, Summary, mean_interval, proportion_interval, share_difference_interval};
 use crate::scenario::{AntDrive, Drive, Scenario};
 use crate::simulation::{Keep, Outcome, Simulation, Trace};
 
@@ -50,7 +50,7 @@ pub struct Distribution {
     pub n: u64,
     pub mean: f64,
     pub sd: f64,
-    /// `null` below two seeds.
+    /// Wilson's of shares; `null` below two seeds.
     pub mean_interval_95: Option<Interval>,
 }
 
@@ -62,7 +62,7 @@ pub struct Shift {
     pub sd: f64,
     /// Interval of the mean at the confidence `level`, by Student's t, of shares by Agresti and Min; `null` below two pairs.
     pub interval: Option<Interval>,
-    /// The level of each that makes 95 % for all measures together (Bonferroni).
+    /// The level of each that makes 95 % for all measures, by inertia and by the engine, together (Bonferroni).
     pub level: f64,
     /// Whether the interval leaves out zero, by more than roundings.
     pub is_shifted: bool,
@@ -153,7 +153,11 @@ const MEASURES: [Quantity; 6] = [
 ];
 
 /// Runs `n_seeds` seeds from the scenario's own on all backends. `watch` sees the share done (1) and says whether to go on; `None` when it said no.
+///
+/// # Panics
+/// Without a seed.
 pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, watch: impl Fn(f64) -> bool + Sync) -> Option<ClosedLoop> {
+    assert!(n_seeds > 0, "a comparison over seeds must have one");
     let n_runs = (BackendKind::ALL.len() * n_seeds) as f64;
     let n_done = AtomicUsize::new(0);
     let runs: Option<Vec<[Run; 3]>> = (0..n_seeds)
@@ -205,7 +209,7 @@ fn measure(at: usize, scenario: &Scenario, runs: &[[Run; 3]]) -> Measure {
     let Quantity { name, size, is_share, .. } = MEASURES[at];
     // Other drives have no closed loop.
     let rounding = if let Drive::Ants(drive) = &scenario.drive { ROUNDING * size(drive, scenario) } else { 0.0 };
-    let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run[kind].values[at]).collect());
+    let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run[kind].values[at]).collect(), is_share);
     let inertial = of(1);
     let paired = |a: usize, b: usize| {
         let difference = |run: &[Run; 3]| Some(run[a].values[at]? - run[b].values[at]?);
@@ -225,16 +229,21 @@ impl Measure {
 }
 
 impl Distribution {
-    fn of(values: Vec<f64>) -> Self {
+    fn of(values: Vec<f64>, is_share: bool) -> Self {
         let mut summary = Summary::default();
         summary.extend(values.iter().copied());
-        Self { n: summary.n(), mean: summary.mean(), sd: summary.sd(), mean_interval_95: mean_interval(&values, 0.95) }
+        let n_hits = values.iter().filter(|value| **value == 1.0).count() as u64;
+        let mean_interval_95 = match is_share {
+            true => proportion_interval(n_hits, summary.n(), 0.95).filter(|_| values.len() > 1),
+            false => mean_interval(&values, 0.95),
+        };
+        Self { n: summary.n(), mean: summary.mean(), sd: summary.sd(), mean_interval_95 }
     }
 }
 
 impl Shift {
-    /// The level of each that makes 95 % for all measures together.
-    const LEVEL: f64 = 1.0 - 0.05 / MEASURES.len() as f64;
+    /// The level of each that makes 95 % for all measures, by inertia and by the engine, together.
+    const LEVEL: f64 = 1.0 - 0.05 / (2 * MEASURES.len()) as f64;
 
     /// Of paired differences whose reference has the mean `reference`, and of which those up to `rounding` are none.
     fn of_means(values: &[f64], reference: f64, rounding: f64) -> Self {
@@ -247,7 +256,14 @@ impl Shift {
         let n_only = [1.0, -1.0].map(|only| values.iter().filter(|value| **value == only).count() as u64);
         let n = values.len() as u64;
         let interval = share_difference_interval(n_only, n, Self::LEVEL).filter(|_| n > 1);
-        Self::within(values, interval, 0.0, EQUAL)
+        // A mean that is added up would leave roundings of nothing.
+        let mean = if n > 0 { (n_only[0] as f64 - n_only[1] as f64) / n as f64 } else { 0.0 };
+        Self { mean, ..Self::within(values, interval, 0.0, EQUAL) }
+    }
+
+    /// Whether means differ by what counts: what is known to lie within [`EQUAL`] does not, however many seeds show that it is not zero.
+    pub fn differs(&self) -> bool {
+        self.is_shifted && !self.is_equal
     }
 
     fn within(values: &[f64], interval: Option<Interval>, rounding: f64, margin: f64) -> Self {
@@ -279,13 +295,43 @@ fn verdict(measures: &[Measure], n_seeds: usize) -> Verdict {
     let any = |is: fn(&Measure) -> bool| measures.iter().filter(|measure| measure.is_there()).any(is);
     if n_seeds < 2 {
         Verdict::Decorrelated
-    } else if any(|measure| measure.inertia_effect.is_shifted) {
+    } else if any(|measure| measure.inertia_effect.differs()) {
         Verdict::Inertia
-    } else if any(|measure| measure.engine_error.is_shifted) {
+    } else if any(|measure| measure.engine_error.differs()) {
         Verdict::Engine
     } else if any(|measure| !(measure.inertia_effect.is_equal && measure.engine_error.is_equal)) {
         Verdict::BelowOwnError
     } else {
         Verdict::Agree
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means a hundredth apart, told by few seeds and by many, and means a tenth apart: many seeds show that the first differ, and by how little.
+    #[test]
+    fn a_shift_that_is_known_to_be_small_decides_nothing() {
+        let of = |mean: f64, n: u32| {
+            let values: Vec<f64> = (0..n).map(|i| mean + if i % 2 == 0 { 0.02 } else { -0.02 }).collect();
+            let shift = Shift::of_means(&values, 1.0, 0.0);
+            (shift.is_shifted, shift.is_equal, shift.differs())
+        };
+        assert_eq!(of(0.01, 6), (false, false, false));
+        assert_eq!(of(0.01, 100), (true, true, false));
+        assert_eq!(of(0.1, 100), (true, false, true));
+    }
+
+    /// Eleven of twelve: Wilson's interval ends below one; and as many runs on either side leave no rounding.
+    #[test]
+    fn shares_have_the_intervals_and_the_means_of_shares() {
+        let mut values = vec![1.0; 11];
+        values.push(0.0);
+        let interval = Distribution::of(values, true).mean_interval_95.unwrap();
+        // E. B. Wilson's formula with z = 1.959964, by hand.
+        assert!((interval.low - 0.6461).abs() < 1e-4 && (interval.high - 0.9851).abs() < 1e-4, "{interval:?}");
+        let pairs: Vec<f64> = (0..30).map(|i| f64::from(i % 3) - 1.0).collect();
+        assert_eq!(Shift::of_shares(&pairs).mean, 0.0);
     }
 }

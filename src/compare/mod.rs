@@ -81,7 +81,8 @@ impl Settings {
     }
 
     pub fn options(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
-        let step_s = self.step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
+        let step_s = self.step_s.map(|step| step.min(scenario.control_period));
+        let step_s = step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
         BackendOptions { rapier: self.rapier, skips: self.skips, ..BackendOptions::new(kind, step_s) }
     }
 

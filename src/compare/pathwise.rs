@@ -9,7 +9,7 @@ use super::parting::Pair;
 use super::remedy::Apart;
 use super::{Difference, InertiaFrom, Numbers, Parting, Predicted, Remedy, Settings, Solution, Tier, Verdict, numbers};
 use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
-use crate::scenario::Scenario;
+use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Driver, Keep, Replay, Simulation, driver_of};
 
 /// What a pathwise comparison found.
@@ -36,7 +36,8 @@ pub struct Pathwise {
     pub rim: Rim,
     /// Displacement of the load's rim that counted as agreement (m).
     pub tolerance_m: f64,
-    /// Length of the way of the load's rim (m): shift plus radius times turn.
+    /// Length that displacements are told as shares of (m): of the way of the load's rim without inertia, shift plus radius times turn, or how far the load with
+    /// inertia gets from where it started, whichever is longer. That one's way is no measure: the longer it rings, the longer that is.
     pub path_length_m: f64,
     /// Longest time between two instants at which the paths are compared (s).
     pub between_instants_s: f64,
@@ -123,7 +124,11 @@ pub struct Partings {
 }
 
 /// Compares under the scenario's own prescribed tips. `watch` sees the share done (1) and says whether to go on; `None` when it said no.
+///
+/// # Panics
+/// When the scenario has ants: they would decide otherwise on each path.
 pub fn prescribed(scenario: &Scenario, settings: &Settings, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+    assert!(matches!(scenario.drive, Drive::Tips(_)), "a scenario with ants has no prescribed tips");
     compare(Tier::Prescribed, scenario, settings, || driver_of(scenario), watch)
 }
 
@@ -183,7 +188,7 @@ fn judged(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solu
     let inertia_effect = Difference::but_in_jumps(&inertial.points, &quasi_static.points, radius, &jumps);
     let engine_error = Difference::between(&rapier.points, &inertial.points, radius);
     let way_without_inertia = quasi_static.path_length(radius);
-    let path_length_m = inertial.path_length(radius).max(way_without_inertia);
+    let path_length_m = way_without_inertia.max(inertial.reach(radius));
     // A load that stays where it is has no path: a millionth of its radius stands in.
     let agreement = |way: f64| settings.agreement * way.max(1e-6 * radius);
     let tolerance_m = agreement(path_length_m);

@@ -117,6 +117,13 @@ impl Solution {
         Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps })
     }
 
+    /// How far a point of the load at `radius` (m) from its origin gets from where it started (m), at most.
+    pub fn reach(&self, radius: f64) -> f64 {
+        let from = &self.points[0];
+        let far = |point: &Point| (point.position - from.position).norm() + radius * (point.heading - from.heading).abs();
+        self.points.iter().map(far).fold(0.0, f64::max)
+    }
+
     /// Length of the way of a point of the load at `radius` (m) from its origin (m), at most.
     pub fn path_length(&self, radius: f64) -> f64 {
         let way = |pair: &[Point]| (pair[1].position - pair[0].position).norm() + radius * (pair[1].heading - pair[0].heading).abs();

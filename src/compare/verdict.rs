@@ -25,8 +25,8 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Of the largest displacements (m) between paths, with `own` the error of the reference runs and `tolerance` what counts as agreement. Whatever
-    /// the true paths are within that error, the verdict is the same.
+    /// Of the largest displacements (m) between paths, with `own` the error of the reference runs and `tolerance` what counts as agreement. Whether
+    /// paths agree does not depend on where within that error the true ones are; which of two causes is the larger one may, where they are nearly the same.
     pub fn on_paths(inertia: f64, engine: f64, own: f64, tolerance: f64) -> Self {
         let largest = inertia.max(engine);
         if largest + own <= tolerance {

@@ -30,7 +30,7 @@ pub struct InertiaEstimate {
     pub from_jumps_m: f64,
     /// While tips drive the load, or stop to (m).
     pub from_driving_m: f64,
-    /// Length of the way of the load's rim, with inertia or without, whichever is longer (m).
+    /// Length of the way of the load's rim without inertia, or how far the load with inertia gets from where it started, whichever is longer (m).
     pub path_length_m: f64,
     /// Largest displacement over the length of the way (1); zero where the load stays.
     pub share: f64,
@@ -68,8 +68,11 @@ struct State {
     speed: f64,
     occasion: Occasion,
     apart: Apart,
-    /// Ways of the rim without inertia and with (m).
-    ways: [f64; 2],
+    /// Way of the rim without inertia (m).
+    way: f64,
+    start: Pose,
+    /// How far from there the rim with inertia has been (m).
+    reach: f64,
     warm_start: WarmStart,
     /// Of the supports when the shadow last rested (N, load axes).
     bearing: Vec<Vec2>,
@@ -110,7 +113,9 @@ impl Estimator {
             speed: 0.0,
             occasion: Occasion { cause, spring: None, time: 0.0 },
             apart: Apart::default(),
-            ways: [0.0; 2],
+            way: 0.0,
+            start: start.pose,
+            reach: 0.0,
             warm_start: tools.solver.warm_start().clone(),
             bearing: tools.bearing.forces().to_vec(),
             is_lost: false,
@@ -204,8 +209,8 @@ impl Estimator {
         self.note_occasion(distance, duration, amplitude, swing);
         let state = &mut self.state;
         state.time += duration;
-        state.ways[0] += distance;
-        state.ways[1] += followed.way;
+        state.way += distance;
+        state.reach = state.reach.max(apart(&state.start, &state.shadow.pose, self.system.load.radius));
         let both = Both { load: ends, shadow: [last, &state.shadow], duration, is_short: duration <= MOST_PHASE * self.radian };
         state.apart.note(&both, self.system.load.radius, state.time, &state.occasion);
     }
@@ -229,9 +234,9 @@ impl Estimator {
     pub fn estimate(&self, agreement: f64) -> InertiaEstimate {
         let mut so_far = self.clone();
         so_far.end_stride();
-        let State { apart, ways, is_lost, .. } = &so_far.state;
+        let State { apart, way, reach, is_lost, .. } = &so_far.state;
         let displacement_max_m = apart.displacement_max();
-        let path_length_m = ways[0].max(ways[1]);
+        let path_length_m = way.max(*reach);
         InertiaEstimate {
             displacement_max_m,
             displacement_final_m: apart.shift + self.system.load.radius * apart.turn,

@@ -31,5 +31,5 @@ pub use apart::{Cause, Largest};
 pub use estimator::{Estimator, InertiaEstimate};
 pub use watched::Watched;
 
-/// Displacement that counts as negligible, over the length of the load's way (1): as `compare` has it.
+/// Displacement that counts as negligible, over [`InertiaEstimate::path_length_m`] (1): as `compare` has it.
 pub const AGREEMENT: f64 = 0.01;

@@ -42,10 +42,21 @@ impl Summary {
 
     /// The interval of the mean at the confidence `level` (0.95, say) by Student's t; `None` below two values.
     pub fn mean_interval(&self, level: f64) -> Option<Interval> {
-        let student = StudentsT::new(0.0, 1.0, self.n.checked_sub(1)? as f64).ok()?;
-        let half = student.inverse_cdf(0.5 * (1.0 + level)) * self.sd() / (self.n as f64).sqrt();
+        if self.n < 2 {
+            return None;
+        }
+        let half = student(level, (self.n - 1) as f64) * self.sd() / (self.n as f64).sqrt();
         Some(Interval { low: self.mean - half, high: self.mean + half })
     }
+}
+
+/// Two-sided quantile of Student's t at the confidence `level` (0.95, say).
+///
+/// # Panics
+/// When the degrees of freedom are not positive.
+pub fn student(level: f64, degrees_of_freedom: f64) -> f64 {
+    let student = StudentsT::new(0.0, 1.0, degrees_of_freedom).expect("degrees of freedom are positive");
+    student.inverse_cdf(0.5 * (1.0 + level))
 }
 
 impl Extend<f64> for Summary {

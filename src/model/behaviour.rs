@@ -103,8 +103,8 @@ pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
     if across.abs() <= SMALL_TANGENT * along && along > 0.0 {
         return small_arctangent(across / along);
     }
-    // Without minus zero, which stands for minus pi.
-    (across + 0.0).atan2(along)
+    // Without minus zeros, which stand for minus pi across, and along for a turn of an ant that is where it wants to be.
+    (across + 0.0).atan2(along + 0.0)
 }
 
 /// The same, side by side.
@@ -116,7 +116,7 @@ pub fn turns_towards(desired: Vectors, ahead: Vectors) -> Numbers {
     if is_small.all() {
         return small_arctangent(across / along);
     }
-    (across + Numbers::ZERO).atan2(along)
+    (across + Numbers::ZERO).atan2(along + Numbers::ZERO)
 }
 
 #[cfg(test)]
@@ -148,6 +148,18 @@ mod tests {
         }
         assert!(PAPER.hazard(1e6).is_finite());
         assert!((probability_within(hazard_of(0.2, 0.0025), 0.0025) - 0.2).abs() < 1e-16);
+    }
+
+    /// Whatever it faces, with either sign of zero.
+    #[test]
+    fn an_ant_that_is_where_it_wants_to_be_does_not_turn() {
+        for quarter in 0..8 {
+            let ahead = direction(0.1 + 0.25 * PI * f64::from(quarter));
+            assert_eq!(turn_towards(&Vec2::zeros(), &ahead), 0.0);
+            let same = |of: Vec2| Vectors::new([of; LANES]);
+            let turns = turns_towards(same(Vec2::zeros()), same(ahead));
+            assert!(turns.to_array().iter().all(|turn| *turn == 0.0));
+        }
     }
 
     /// Of one ant, beside others that pull another way, wherever it stands among them.

@@ -40,7 +40,8 @@ impl System {
         self.ground.slip_limits().sum()
     }
 
-    /// Upper estimate of the fastest oscillation of the load on all its springs at rest, in translation or turning (rad/s); zero without springs.
+    /// Estimate of the fastest oscillation of the load on all its springs at rest, in translation or turning (rad/s); zero without springs. Each by itself is no
+    /// faster; together, on springs to one side of the load's origin, they may be, by sqrt(2) at most.
     pub fn fastest_rate(&self) -> f64 {
         self.fastest_rate_on(self.springs.iter())
     }

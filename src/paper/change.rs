@@ -21,6 +21,16 @@ pub struct Change {
     pub p_value: f64,
 }
 
+/// Chance below which a change is not put down to it (1).
+const LEVEL: f64 = 0.05;
+
+impl Change {
+    /// Whether it is more than chance makes of series without one, but for one in twenty.
+    pub fn is_significant(&self) -> bool {
+        self.p_value <= LEVEL
+    }
+}
+
 /// Share of a series on either side at which no change is looked for (1).
 const MARGIN: f64 = 0.1;
 /// Series in random order.
@@ -100,7 +110,7 @@ mod tests {
     /// Under no change the p-value is uniform: at most 5 % lie below 0.05, up to the spread of 200 trials (three standard deviations, 0.046).
     #[test]
     fn noise_alone_seldom_changes() {
-        let n_found = (0..200).filter(|seed| change_of_mean(&noise(60, 100 + seed), 4, *seed).unwrap().p_value <= 0.05).count();
+        let n_found = (0..200).filter(|seed| change_of_mean(&noise(60, 100 + seed), 4, *seed).unwrap().is_significant()).count();
         assert!(n_found <= 19, "{n_found}");
     }
 
@@ -133,7 +143,7 @@ mod tests {
                 })
                 .collect::<Vec<f64>>()
         };
-        let n_found = |block| (0..100).filter(|seed| change_of_mean(&slow(500 + seed), block, *seed).unwrap().p_value <= 0.05).count();
+        let n_found = |block| (0..100).filter(|seed| change_of_mean(&slow(500 + seed), block, *seed).unwrap().is_significant()).count();
         let (alone, in_blocks) = (n_found(1), n_found(16));
         assert!(alone >= 2 * in_blocks.max(5), "{alone} {in_blocks}");
         assert!(in_blocks <= 15, "{in_blocks}");

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::measures::{MEASURES, Measure, Sample, claims};
 use super::trial::Trial;
-use super::units::{Unit, difference, estimate, paired};
+use super::units::{Unit, difference, paired};
 use super::verdict::{Grade, grade};
 
 /// One conclusion on all sets, in their order.
@@ -41,7 +41,7 @@ pub fn conclusions(sets: &[(String, Vec<Unit>)]) -> Vec<Conclusion> {
     for measure in MEASURES {
         let Some(printed) = measure.printed() else { continue };
         let standing = |(name, units): &(String, Vec<Unit>)| {
-            let ours = estimate(units, &|units| measure.of(units));
+            let ours = measure.estimate(units);
             // Not known where the interval has both near and far in it.
             let is_far = |value: f64| (value - printed.value).abs() > printed.near + printed.rounding;
             let holds = ours.and_then(|ours| {

@@ -7,6 +7,7 @@ use super::printed;
 use super::trial::Trial;
 use super::units::{Estimate, Unit, estimate};
 use super::verdict::Printed;
+use crate::math::proportion_interval;
 
 /// A quantity of a set of seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -140,6 +141,14 @@ impl Measure {
         }
     }
 
+    /// Of all units, with its interval: that of a share is Wilson's, which tells more than nothing where all runs end alike.
+    pub fn estimate(self, units: &[Unit]) -> Option<Estimate> {
+        let Measure::Arrived(trial) = self else { return estimate(units, &|units| self.of(units)) };
+        let (n, n_arrived) = runs(units, trial).fold((0, 0), |(n, hits), run| (n + 1, hits + u64::from(run.arrived)));
+        let interval_95 = proportion_interval(n_arrived, n, 0.95).filter(|_| n > 1);
+        Some(Estimate { value: self.of(units)?, interval_95, n_units: n as usize })
+    }
+
     pub fn of(self, units: &[Unit]) -> Option<f64> {
         match self {
             Measure::PullMean(sample) => Pool::of(units, sample).mean(),
@@ -263,21 +272,16 @@ pub fn load_speeds(units: &[Unit], control_period: f64) -> Vec<Speeds> {
         Speeds {
             n_transporting: size,
             trial,
-            load_speed_m_per_s: estimate(units, &|units| Measure::LoadSpeed(size).of(units)),
+            load_speed_m_per_s: Measure::LoadSpeed(size).estimate(units),
             sd_over_runs_m_per_s: (over_runs.n() > 1).then(|| over_runs.sd()),
             load_speed_by_tick_m_per_s: (of_ticks.time_s > 0.0).then(|| of_ticks.way_m / of_ticks.time_s),
             time_s: of_ticks.time_s,
             n_instants: (of_ticks.time_s / control_period).round() as u64,
             printed_instants: size.checked_sub(printed::SMALLEST_COUNTED).map(|at| printed::INSTANTS_BY_SIZE[at]),
-            headway_m_per_s: estimate(&with(units, Trial::OnTen(size as u8)), &|units| Measure::Headway(size as u8).of(units)),
+            headway_m_per_s: Measure::Headway(size as u8).estimate(units),
         }
     };
     (1..=Trial::TEN_TEN.n_ants()).map(of_size).collect()
-}
-
-/// The units that have a run of `trial`.
-fn with<'a>(units: &[Unit<'a>], trial: Trial) -> Vec<Unit<'a>> {
-    units.iter().filter(|unit| unit.of(trial).is_some()).copied().collect()
 }
 
 /// Something that the paper says in words, as a statistic on one side of a limit.
@@ -308,7 +312,7 @@ pub fn claims(units: &[Unit]) -> Vec<Claim> {
         // Not all seeds have all numbers of ants.
         let trials = measure.trials();
         let complete: Vec<Unit> = units.iter().filter(|unit| trials.iter().all(|trial| unit.of(*trial).is_some())).copied().collect();
-        let found = estimate(&complete, &|units| measure.of(units));
+        let found = measure.estimate(&complete);
         let holds = found.and_then(|found| {
             let interval = found.interval_95?;
             let (is_below, is_above) = (interval.high < limit, interval.low > limit);

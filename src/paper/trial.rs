@@ -115,11 +115,9 @@ impl Case {
         Self { preset, backend, inertia: 1.0 }
     }
 
-    /// How a scenario of this case is run: at the step that its backend has unasked at the shipped control period, whatever the preset's.
+    /// How a scenario of this case is run: at the step that its backend has unasked.
     pub fn options(&self, scenario: &Scenario) -> BackendOptions {
-        const SHIPPED_PERIOD_S: f64 = 0.0025;
-        let period = scenario.control_period.min(SHIPPED_PERIOD_S);
-        BackendOptions::new(self.backend, default_step(self.backend, &scenario.system, period))
+        BackendOptions::new(self.backend, default_step(self.backend, &scenario.system, scenario.control_period))
     }
 }
 

@@ -265,7 +265,8 @@ pub(super) fn shift(found: &Shift, unit: &str) -> String {
     let Some(interval) = found.interval else { return "too few pairs".to_owned() };
     let range = format!("{} to {}", quantity(interval.low, unit), quantity(interval.high, unit));
     let says = match (found.is_shifted, found.is_equal) {
-        (true, _) => "a shift",
+        (true, true) => "a shift that does not count",
+        (true, false) => "a shift",
         (_, true) => "equal",
         _ => "too few seeds to tell",
     };

@@ -32,6 +32,12 @@ pub enum FolderError {
     Foreign { path: PathBuf },
     #[error("{}: is not part of the earlier output beside it; move it away, or write to another folder", path.display())]
     ForeignFile { path: PathBuf },
+    #[error("{}: is a link to what is not there; write to a folder, or to a link to one", path.display())]
+    DanglingLink { path: PathBuf },
+    #[error("{}: is a mount point, in whose place no folder can be put; write to a folder inside it", path.display())]
+    MountPoint { path: PathBuf },
+    #[error("{}: must be as it was written, found {found}; move the folder away, or write to another", path.display())]
+    Changed { path: PathBuf, found: &'static str },
     #[error("{}: is or holds the working folder; write to a folder inside it", path.display())]
     WorkingFolder { path: PathBuf },
 }
@@ -75,7 +81,10 @@ pub fn check_target(target: &Path) -> Result<(), FolderError> {
 
 fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     let metadata = match fs::metadata(target) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            let is_link = fs::symlink_metadata(target).is_ok();
+            return if is_link { Err(FolderError::DanglingLink { path: target.to_owned() }) } else { Ok(()) };
+        }
         other => other.map_err(at(target))?,
     };
     if !metadata.is_dir() {
@@ -84,6 +93,9 @@ fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     let whole = fs::canonicalize(target).map_err(at(target))?;
     if std::env::current_dir().is_ok_and(|here| here.starts_with(&whole)) {
         return Err(FolderError::WorkingFolder { path: target.to_owned() });
+    }
+    if is_mount_point(&whole, &metadata) {
+        return Err(FolderError::MountPoint { path: target.to_owned() });
     }
     let mut names = Vec::new();
     for entry in fs::read_dir(target).map_err(at(target))? {
@@ -97,6 +109,53 @@ fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     match names.iter().find(|name| !name.to_str().is_some_and(belongs)) {
         Some(foreign) => Err(FolderError::ForeignFile { path: target.join(foreign) }),
         None => Ok(()),
+    }
+}
+
+/// Whether another file system begins with this folder, as far as the system tells.
+#[cfg(unix)]
+fn is_mount_point(folder: &Path, metadata: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    folder.parent().and_then(|parent| fs::metadata(parent).ok()).is_none_or(|parent| parent.dev() != metadata.dev())
+}
+
+#[cfg(not(unix))]
+fn is_mount_point(_: &Path, _: &fs::Metadata) -> bool {
+    false
+}
+
+/// Whether all files of an earlier output are there as its manifest has them.
+///
+/// # Errors
+/// When one of them is missing, cannot be read, or is another.
+pub fn check_files(folder: &Path) -> Result<(), FolderError> {
+    let earlier = earlier_output(folder).ok_or_else(|| FolderError::Foreign { path: folder.to_owned() })?;
+    for (name, hash) in &earlier.files {
+        let path = folder.join(name);
+        let mut file = match File::open(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(FolderError::Changed { path, found: "nothing" }),
+            file => file.map_err(at(&path))?,
+        };
+        let mut hashed = Hashed(XxHash3_128::new());
+        io::copy(&mut file, &mut hashed).map_err(at(&path))?;
+        if in_text(hashed.0.finish_128()) != *hash {
+            return Err(FolderError::Changed { path, found: "another hash than its manifest's" });
+        }
+    }
+    Ok(())
+}
+
+/// What is written to it is only hashed.
+struct Hashed(XxHash3_128);
+
+impl Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

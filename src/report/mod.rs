@@ -74,7 +74,7 @@ pub use calibration::{DesignReport, FORCE_COLUMNS, ForcesReport, fit_json, write
 pub use calibration_text::fit_text;
 pub use check::{CheckReport, check_text, this_build, write_check};
 pub use comparison::{Comparison, Tiers, compare_text, write_comparison};
-pub use folder::{FolderError, OutputFile, OutputFolder, check_target};
+pub use folder::{FolderError, MANIFEST, OutputFile, OutputFolder, check_files, check_target};
 pub use json::{
     Accuracy, AntSummary, DefectSummary, EnergySummary, FinalState, NotFinite, PullForce, RunSummary, StepSummary, TransitionSummary,
     finite,
@@ -88,7 +88,7 @@ pub use quantity::{number, quantity};
 pub use regime::{CellLine, MapLine, Regime, RuleLine, is_sound_by_rule, regime_text, write_regime};
 pub use run::{RunFiles, RunWriter};
 pub use stress::{Stress, stress_list, stress_text, write_stress};
-pub use sweep::{Cost, Failure, SweepSummary, sweep_text};
+pub use sweep::{Cost, FAILED, Failure, NOT_CONVERGED, NOT_WITHIN_TOLERANCE, SweepSummary, sweep_text};
 pub use sweep_files::write_sweep;
 pub use text::{convergence_warning, inertia_warning, run_text};
 pub use tips::{TIP_COLUMNS, write_tips};

@@ -9,7 +9,7 @@ use crate::paper::fit::{self, Found, Point};
 use crate::paper::printed;
 use crate::paper::{
     Answer, Claim, Conclusion, Done, Estimate, Extreme, Grade, MEASURES, Measure, Plan, Printed, Replayed, RunFacts, Sample, Speeds, Task,
-    Trial, Unit, claims, conclusions, difference, estimate, extreme, grade, graded, load_speeds, units,
+    Trial, Unit, claims, conclusions, difference, extreme, grade, graded, load_speeds, units,
 };
 
 /// What `paper --json` prints.
@@ -216,12 +216,12 @@ fn row_of(measure: Measure, sets: &[(String, Vec<Unit>)]) -> TableRow {
     let printed = measure.printed();
     let graded = |ours: &Option<Estimate>| printed.as_ref().zip(ours.as_ref()).map(|(printed, ours)| grade(printed, ours));
     let other = |(name, units): &(String, Vec<Unit>)| {
-        let value = estimate(units, &statistic);
+        let value = measure.estimate(units);
         let minus_first = difference(units, first, &statistic);
         let is_shifted = minus_first.and_then(|found| found.interval_95).is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
         OtherSet { set: name.clone(), value, grade: graded(&value), minus_first, is_shifted }
     };
-    let ours = estimate(first, &statistic);
+    let ours = measure.estimate(first);
     TableRow {
         quantity: measure.name(),
         unit: measure.unit(),
@@ -272,7 +272,7 @@ fn transitions(runs: &[(Trial, u64, &RunFacts)]) -> Vec<TransitionRow> {
             changes[at].map(|change| (change, facts.time_s))
         };
         let found: Vec<_> = own.iter().filter_map(change).collect();
-        let significant: Vec<_> = found.iter().filter(|(change, _)| change.change.p_value <= 0.05).collect();
+        let significant: Vec<_> = found.iter().filter(|(change, _)| change.change.is_significant()).collect();
         let median = |of: &dyn Fn(&(crate::paper::ChangeAt, f64)) -> f64| median(significant.iter().map(|one| of(one)).collect());
         TransitionRow {
             trial,

@@ -18,7 +18,7 @@ const FILES: &str = "\
 /// The page in Markdown.
 pub fn paper_readme(found: &Paper) -> String {
     let mut text = format!(
-        "# The paper's results\n\nMade by `cohaul paper`, preset `{}`, seeds from {}. Intervals are 95 %, by the bootstrap over seeds; ticks and pulls of one run are not \
+        "# The paper's results\n\nMade by `cohaul paper`, preset `{}`, seeds from {}. Intervals are 95 %, Student's t times the standard error by the bootstrap over seeds; ticks and pulls of one run are not \
          independent.\n",
         found.preset, found.first_seed
     );

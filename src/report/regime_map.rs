@@ -22,6 +22,8 @@ const LEGEND: f64 = 92.0;
 pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
     let (width, height) = page_size(grid.zetas.len(), 2);
     let mut svg = head(width, height, &format!("{}: {}", grid.scene.name(), grid.scene.what()));
+    // Of theory, at 1 % and 0.9 and at 1.1: lines outside the plane need no legend.
+    let mut is_expected = [false; 2];
     for (column, zeta) in grid.zetas.iter().enumerate() {
         let cells = of_panel(grid, *zeta, cells);
         let mut distance = Plane::at(grid, column, 0);
@@ -30,7 +32,7 @@ pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
         let above: Vec<f64> = cells.iter().map(|cell| cell.share().map_or(f64::NAN, |share| (share / AGREEMENT).log10())).collect();
         let expected = predicted_share(grid, *zeta, &cells);
         level(&mut svg, &mut distance, &Field::of_grid(grid, above), 0.0, &MEASURED, Some("1 %"));
-        level(&mut svg, &mut distance, &expected, 0.0, &PREDICTED, None);
+        is_expected[0] |= level(&mut svg, &mut distance, &expected, 0.0, &PREDICTED, None);
         paper_points(&mut svg, &distance);
         distance.frame(&mut svg, &format!("zeta = {zeta}: largest distance"), (column == 0).then_some("epsilon = v √(k m) / f"));
 
@@ -42,8 +44,8 @@ pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
         level(&mut svg, &mut displacement, &measured, OFF[0], &MEASURED, Some("0.9"));
         level(&mut svg, &mut displacement, &measured, OFF[1], &MEASURED_ABOVE, Some("1.1"));
         if let Some(expected) = predicted_ratio(grid, *zeta) {
-            level(&mut svg, &mut displacement, &expected, OFF[0], &PREDICTED, None);
-            level(&mut svg, &mut displacement, &expected, OFF[1], &PREDICTED_ABOVE, None);
+            is_expected[0] |= level(&mut svg, &mut displacement, &expected, OFF[0], &PREDICTED, None);
+            is_expected[1] |= level(&mut svg, &mut displacement, &expected, OFF[1], &PREDICTED_ABOVE, None);
         }
         paper_points(&mut svg, &displacement);
         // A haul has no such halves.
@@ -52,7 +54,7 @@ pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
         }
         displacement.frame(&mut svg, &format!("zeta = {zeta}: displacement"), (column == 0).then_some("epsilon = v √(k m) / f"));
     }
-    legend(&mut svg, height - LEGEND, grid.scene);
+    legend(&mut svg, height - LEGEND, grid.scene, is_expected);
     svg.push_str("</svg>\n");
     svg
 }
@@ -85,7 +87,9 @@ pub fn disagreement(grids: &[Grid], cells: &[Cell]) -> String {
     ratio_legend(&mut svg, [LEFT, y], "measured over theory");
     let at = [sample(&mut svg, [LEFT + 420.0, y], &MEASURED, "measured 0.8 of theory"), y];
     sample(&mut svg, at, &MEASURED_ABOVE, "1.25 of theory");
-    patterns(&mut svg, [LEFT, y + 44.0]);
+    let x = patterns(&mut svg, [LEFT, y + 44.0]);
+    let x = paper_legend(&mut svg, [x, y + 44.0]);
+    sample(&mut svg, [x, y + 44.0], &RULE, RULE_NAME);
     svg.push_str("</svg>\n");
     svg
 }
@@ -124,8 +128,8 @@ impl Field {
     }
 }
 
-/// The lines of a field at this level, straight in logarithms, with a word on the longest.
-fn level(svg: &mut String, plane: &mut Plane, field: &Field, level: f64, pen: &Pen, word: Option<&str>) {
+/// The lines of a field at this level, straight in logarithms, with a word on the longest; whether there are any.
+fn level(svg: &mut String, plane: &mut Plane, field: &Field, level: f64, pen: &Pen, word: Option<&str>) -> bool {
     let logarithms = |values: &[f64]| values.iter().map(|value| value.ln()).collect::<Vec<f64>>();
     let found = lines(contour(&logarithms(&field.phis), &logarithms(&field.epsilons), &field.values, level));
     let back = |line: &[[f64; 2]]| line.iter().map(|[x, y]| [x.exp(), y.exp()]).collect::<Vec<[f64; 2]>>();
@@ -135,6 +139,7 @@ fn level(svg: &mut String, plane: &mut Plane, field: &Field, level: f64, pen: &P
         let (before, after) = longest.split_at(longest.len() / 5);
         plane.label(svg, after.iter().chain(before).copied(), 10.0, word);
     }
+    !found.is_empty()
 }
 
 fn predicted_share(grid: &Grid, zeta: f64, cells: &[&Cell]) -> Field {
@@ -213,7 +218,7 @@ fn paper_bar(svg: &mut String, from: [f64; 2], to: [f64; 2]) {
 }
 
 /// Three lines below the panels: colours, lines, patterns.
-fn legend(svg: &mut String, top: f64, scene: Scene) {
+fn legend(svg: &mut String, top: f64, scene: Scene, is_expected: [bool; 2]) {
     let y = top + 22.0;
     bar(svg, [LEFT, y], "largest distance over the way", SHARES, 40, share_color_of_decade, |decade| format!("{:.0e}", 10f64.powf(decade)));
     ratio_legend(svg, [LEFT + 490.0, y], "displacement over that without inertia");
@@ -221,14 +226,24 @@ fn legend(svg: &mut String, top: f64, scene: Scene) {
     let mut x = sample(svg, [LEFT, y], &MEASURED, "measured: 1 % above, 0.9 below");
     x = sample(svg, [x, y], &MEASURED_ABOVE, "measured: 1.1");
     let expected = if scene == Scene::Haul { "theory: 2 epsilon f / k is 1 %" } else { "theory: 1 %, 0.9" };
-    x = sample(svg, [x, y], &PREDICTED, expected);
-    if scene != Scene::Haul {
-        x = sample(svg, [x, y], &PREDICTED_ABOVE, "theory: 1.1");
+    for (pen, name, _) in
+        [(PREDICTED, expected, is_expected[0]), (PREDICTED_ABOVE, "theory: 1.1", is_expected[1])].iter().filter(|(.., is_there)| *is_there)
+    {
+        x = sample(svg, [x, y], pen, name);
     }
-    sample(svg, [x, y], &RULE, "Phi = pi/2; rule of thumb: sound in the corner");
+    sample(svg, [x, y], &RULE, RULE_NAME);
     let x = patterns(svg, [LEFT, y + 24.0]);
-    paper_bar(svg, [x, y + 20.0], [x + 30.0, y + 20.0]);
-    text(svg, [x + 38.0, y + 24.0], Anchor::Start, 11.0, "the paper's ants: 30, 40, 80 mm/s");
+    paper_legend(svg, [x, y + 24.0]);
+}
+
+const RULE_NAME: &str = "Phi = pi/2; rule of thumb: sound in the corner";
+
+/// The sign of the paper's ants with its name; gives where the next one may stand (px).
+fn paper_legend(svg: &mut String, [x, y]: [f64; 2]) -> f64 {
+    const NAME: &str = "the paper's ants: 30, 40, 80 mm/s";
+    paper_bar(svg, [x, y - 4.0], [x + 30.0, y - 4.0]);
+    text(svg, [x + 38.0, y], Anchor::Start, 11.0, NAME);
+    x + 56.0 + 6.6 * NAME.len() as f64
 }
 
 fn share_color_of_decade(decade: f64) -> String {

@@ -1,6 +1,6 @@
 //! A sweep: what `sweep --json` and `merge --json` print, and the same as text.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
@@ -37,6 +37,9 @@ pub struct Cost {
     /// Of all threads (s).
     pub cpu_s: f64,
     pub n_threads: usize,
+    /// Number of runs that took it.
+    #[serde(default)]
+    pub n_runs: u64,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +47,13 @@ pub struct Failure {
     pub cell: u64,
     pub cause: String,
 }
+
+/// Of a run without an answer.
+pub const FAILED: &str = "failed";
+/// Of one at fixed steps, or under error control, some solve of which did not converge.
+pub const NOT_CONVERGED: &str = "not-converged";
+/// Of one under error control whose estimated error is too large.
+pub const NOT_WITHIN_TOLERANCE: &str = "not-within-tolerance";
 
 /// How many groups a summary holds.
 pub const MOST_GROUPS: usize = 1000;
@@ -79,7 +89,29 @@ impl SweepSummary {
     }
 
     pub fn n_failed(&self) -> u64 {
-        self.statuses.get("failed").copied().unwrap_or(0)
+        self.n_of(FAILED)
+    }
+
+    /// Of a run's status, see [`FAILED`], [`NOT_CONVERGED`] and [`NOT_WITHIN_TOLERANCE`].
+    pub fn n_of(&self, status: &str) -> u64 {
+        self.statuses.get(status).copied().unwrap_or(0)
+    }
+
+    /// What to tell of runs whose numbers are less good than asked for.
+    pub fn warnings(&self) -> Vec<String> {
+        let kinds = [
+            (NOT_CONVERGED, "have solves that did not converge: what comes after is only as good as their residual"),
+            (NOT_WITHIN_TOLERANCE, "are not within their tolerance at the finest strides"),
+        ];
+        let told = kinds.iter().map(|(status, what)| (self.n_of(status), what)).filter(|(n, _)| *n > 0);
+        told.map(|(n, what)| format!("{n} of {} runs {what}; they count in means like all others", self.n_runs)).collect()
+    }
+
+    /// What its runs took, as far as the last call had any left to run.
+    pub fn took(&self) -> Option<String> {
+        let Cost { wall_s, n_threads, n_runs, .. } = self.cost.filter(|cost| cost.n_runs > 0)?;
+        let last = if n_runs < self.n_runs { format!("the last {n_runs} in ") } else { String::new() };
+        Some(format!("{last}{} on {n_threads} thread{}", quantity(wall_s, "s"), if n_threads == 1 { "" } else { "s" }))
     }
 
     pub fn to_json(&self) -> String {
@@ -102,18 +134,38 @@ pub fn sweep_text(found: &SweepSummary) -> String {
         writeln!(text, "failed: cell {cell}: {cause}").expect("a string takes all");
     }
     let statuses: Vec<String> = found.statuses.iter().map(|(status, n)| format!("{n} {status}")).collect();
-    let took = found.cost.map_or_else(String::new, |Cost { wall_s, n_threads, .. }| {
-        format!("; {} on {n_threads} thread{}", quantity(wall_s, "s"), if n_threads == 1 { "" } else { "s" })
-    });
+    let took = found.took().map_or_else(String::new, |took| format!("; {took}"));
     writeln!(text, "{} runs of {}: {}{took}", found.n_runs, found.scenario, statuses.join(", ")).expect("a string takes all");
     text
 }
 
-/// Names of the columns, then a row a group.
+/// Names of the columns, then a row a group. Steps have a column where a backend has several.
 pub(super) fn group_rows(found: &SweepSummary, groups: &[Group]) -> Vec<Vec<String>> {
-    let measured = ["backend", "runs", "arrived", "their time to nest", "pull, mean", "pull, sd", "speed"];
-    let head: Vec<String> = found.parameters.iter().map(String::as_str).chain(measured).map(str::to_owned).collect();
-    std::iter::once(head).chain(groups.iter().map(line)).collect()
+    let n_different = groups.iter().map(|group| (group.point, &group.backend)).collect::<BTreeSet<_>>().len();
+    let steps = (n_different < groups.len()).then_some("step");
+    let measured = ["runs", "arrived", "their time to nest", "pull, mean", "pull, sd", "speed"];
+    let head: Vec<&str> = found.parameters.iter().map(String::as_str).chain(["backend"]).chain(steps).chain(measured).collect();
+    let head = head.into_iter().map(str::to_owned).collect();
+    let mut rows: Vec<Vec<String>> = std::iter::once(head).chain(groups.iter().map(|group| line(group, steps.is_some()))).collect();
+    for at in 0..found.parameters.len() {
+        let values: Vec<String> = rows[1..].iter().map(|row| row[at].clone()).collect();
+        rows[1..].iter_mut().zip(shortened(&values)).for_each(|(row, text)| row[at] = text);
+    }
+    rows
+}
+
+/// Numbers with the fewest digits, from four on, with which different ones stay different; what has no more digits than that, and words, as they are.
+fn shortened(values: &[String]) -> Vec<String> {
+    let with = |digits: usize| -> Vec<String> {
+        let short = |text: &String| {
+            let rounded = text.parse().ok().and_then(|value: f64| format!("{value:.*e}", digits - 1).parse::<f64>().ok());
+            rounded.map(|value| serde_json::json!(value).to_string()).filter(|short| short.len() < text.len())
+        };
+        values.iter().map(|text| short(text).unwrap_or_else(|| text.clone())).collect()
+    };
+    let n_different = |texts: &[String]| texts.iter().collect::<BTreeSet<_>>().len();
+    let n_values = n_different(values);
+    (4..17).map(with).find(|texts| n_different(texts) == n_values).unwrap_or_else(|| values.to_vec())
 }
 
 fn table(found: &SweepSummary, groups: &[Group]) -> String {
@@ -127,14 +179,16 @@ fn table(found: &SweepSummary, groups: &[Group]) -> String {
     rows.iter().map(padded).collect()
 }
 
-fn line(group: &Group) -> Vec<String> {
+fn line(group: &Group, with_step: bool) -> Vec<String> {
     let arrived = match (group.arrival_share, group.arrival_interval_95) {
         (Some(share), Some(Interval { low, high })) => format!("{:.1} % ({:.1} to {:.1})", 100.0 * share, 100.0 * low, 100.0 * high),
         _ => "-".to_owned(),
     };
     let mean = |name: &str, unit: &str| mean_text(group.measure(name), unit);
     let measures = [mean("time_to_nest_s", "s"), mean("pull_mean_n", "N"), mean("pull_sd_n", "N"), mean("mean_speed_m_per_s", "m/s")];
-    group.parameters.iter().cloned().chain([group.backend.clone(), group.n.to_string(), arrived]).chain(measures).collect()
+    let step = with_step.then(|| group.step_s.map_or("-".to_owned(), |step| quantity(step, "s")));
+    let head = group.parameters.iter().cloned().chain([group.backend.clone()]).chain(step);
+    head.chain([group.n.to_string(), arrived]).chain(measures).collect()
 }
 
 /// Mean and half of its 95 % interval.
@@ -143,5 +197,22 @@ fn mean_text(distribution: &Distribution, unit: &str) -> String {
         (Some(mean), Some(Interval { low, high })) => format!("{} +- {}", quantity(mean, unit), quantity(0.5 * (high - low), unit)),
         (Some(mean), None) => quantity(mean, unit),
         _ => "-".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_are_told_with_as_many_digits_as_tell_them_apart() {
+        for (values, told) in [
+            (["0.0017782794100389228", "0.0031622776601683794", "10.0"], ["0.001778", "0.003162", "10.0"]),
+            (["0.10000400000000001", "0.1000041", "0.2"], ["0.100004", "0.1000041", "0.2"]),
+            (["1.0", "1.0000000000000002", "1.0"], ["1.0", "1.0000000000000002", "1.0"]),
+            (["hazard", "12345678", "1e-300"], ["hazard", "12345678", "1e-300"]),
+        ] {
+            assert_eq!(shortened(&values.map(str::to_owned)), told);
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::figure::{Times, sweep as draw};
 use super::html::{REPORT, sweep_page};
-use super::sweep::{Failure, MOST_FAILURES, SweepSummary};
+use super::sweep::{FAILED, Failure, MOST_FAILURES, SweepSummary};
 use super::{FolderError, Manifest, OutputFolder};
 use crate::math::Interval;
 use crate::sweep::{Field, Group, Grouper, Identity, MEASURES, SweepError, Table, fields_of, head_of};
@@ -47,7 +47,7 @@ fn write_runs(
 ) -> Result<(), SweepError> {
     let failed = |error: std::io::Error| SweepError::Output(error.to_string());
     let at = |name: &str| identity.column(name).expect("every table has it");
-    let (status, cause, backend, time) = (at("status"), at("cause"), at("backend"), at("time_to_nest_s"));
+    let [status, cause, backend, step, time] = ["status", "cause", "backend", "step_s", "time_to_nest_s"].map(at);
     writeln!(out, "{}", head_of(&identity.columns)).map_err(failed)?;
     table.visit(&mut |line| {
         writeln!(out, "{line}").map_err(failed)?;
@@ -58,13 +58,14 @@ fn write_runs(
         if let Field::Word(word) = &fields[status] {
             *summary.statuses.entry(word.clone()).or_default() += 1;
         }
-        if let Field::Word(cause) = &fields[cause]
+        if let (Field::Word(status), Field::Word(cause)) = (&fields[status], &fields[cause])
+            && status == FAILED
             && summary.failures.len() < MOST_FAILURES
         {
             summary.failures.push(Failure { cell, cause: cause.clone() });
         }
         if let (Field::Word(backend), Some(time)) = (&fields[backend], fields[time].number()) {
-            times.add(backend, time);
+            times.add(identity.variant_name(backend, fields[step].number()), time);
         }
         Ok(())
     })

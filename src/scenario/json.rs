@@ -20,13 +20,18 @@ impl SyntaxError {
     }
 }
 
+/// Text without the byte order mark that some editors begin it with.
+pub fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
 /// The value in `text`, with a finding for each key that is given twice.
 ///
 /// # Errors
 /// When the text is not JSON, or a number in it is too large for a float.
 pub fn read(text: &str) -> Result<(Value, Findings), SyntaxError> {
     let mut findings = Findings::default();
-    let mut source = serde_json::Deserializer::from_str(text);
+    let mut source = serde_json::Deserializer::from_str(without_mark(text));
     let place = Place { path: String::new(), findings: &mut findings };
     let value = place.deserialize(&mut source).map_err(SyntaxError)?;
     source.end().map_err(SyntaxError)?;

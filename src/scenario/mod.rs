@@ -21,7 +21,8 @@ use crate::model::behaviour::{Pace, ReleaseLaw};
 
 pub use error::{Finding, ScenarioError};
 
-/// One run, checked: whoever holds a `Scenario` need not ask again whether its numbers make sense. Nothing here changes during a run.
+/// One run, as checked when it was read or built: its numbers make sense. Who changes them in code asks again by `scenario.expanded().checked(name)`
+/// ([`format::ScenarioFile::checked`]). Nothing here changes during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     pub name: String,

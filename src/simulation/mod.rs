@@ -28,6 +28,71 @@ pub use tips::Tips;
 pub use trace::{Event, EventKind, Outcome, Row, Trace};
 
 /// What moves the tips: grasps, releases and paths, from what it sees of the load.
+///
+/// A controller that draws a spring along and lets go as soon as the load has come 10 mm:
+///
+/// ```
+/// use cohaul::backend::{BackendKind, BackendOptions, Motion, RestoreError};
+/// use cohaul::math::Vec2;
+/// use cohaul::scenario::Scenario;
+/// use cohaul::simulation::{Driver, Event, EventKind, Keep, Orders, Simulation, View};
+///
+/// struct Tow {
+///     tip: Vec2,
+///     is_held: bool,
+///     is_done: bool,
+/// }
+///
+/// impl Driver for Tow {
+///     fn decide(&mut self, view: &View, orders: &mut Orders) {
+///         let has_come = view.motion.pose.position.x >= 0.01;
+///         let kind = match (self.is_held, has_come) {
+///             (false, false) if !self.is_done => EventKind::Grasp,
+///             (true, true) => EventKind::Release,
+///             _ => return,
+///         };
+///         (self.is_held, self.is_done) = (!self.is_held, has_come);
+///         orders.events.push(Event { time: view.time, kind, spring: 0, ant: None, tip: self.tip });
+///     }
+///
+///     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
+///         if self.is_held {
+///             self.tip.x += 0.05 * (until - view.time);
+///         }
+///         std::slice::from_ref(&self.tip)
+///     }
+///
+///     fn next_instant(&self, _time: f64) -> Option<f64> {
+///         None
+///     }
+///
+///     fn arrived(&self, _motion: &Motion) -> Option<bool> {
+///         None
+///     }
+///
+///     // A run of this controller is not meant to be saved.
+///     fn save(&self) -> serde_json::Value {
+///         serde_json::Value::Null
+///     }
+///
+///     fn restore(&mut self, _state: &serde_json::Value) -> Result<(), RestoreError> {
+///         Err(RestoreError("a tow has no state".into()))
+///     }
+/// }
+///
+/// let scenario = Scenario::read("scenarios/analytic/centre-pull.json".as_ref())?;
+/// for kind in BackendKind::ALL {
+///     let tow = Tow { tip: Vec2::zeros(), is_held: false, is_done: false };
+///     let mut run = Simulation::driven(&scenario, &BackendOptions::new(kind, 1e-3), Keep::Trace, Box::new(tow));
+///     run.run(|_time| true);
+///     let (trace, outcome) = run.into_results();
+///     let released = trace.events.last().filter(|event| event.kind == EventKind::Release);
+///     // The tip is ahead of the load by what the spring is stretched: f / k = 33 mm, and 43 mm take 0.86 s.
+///     assert!(released.is_some_and(|event| (event.time - 0.86).abs() < 0.06), "{kind:?}");
+///     assert!(outcome.motion.pose.position.x >= 0.01);
+/// }
+/// # Ok::<(), cohaul::scenario::ScenarioError>(())
+/// ```
 pub trait Driver {
     /// Adds what happens at this instant to `orders`, which are empty.
     fn decide(&mut self, view: &View, orders: &mut Orders);
@@ -123,11 +188,18 @@ pub struct Simulation<'a> {
 }
 
 impl<'a> Simulation<'a> {
+    /// A run of the scenario as it stands.
+    ///
+    /// # Panics
+    /// When the options are none that [`build`] takes.
     pub fn new(scenario: &'a Scenario, options: &BackendOptions, keep: Keep) -> Self {
         Self::driven(scenario, options, keep, driver_of(scenario))
     }
 
     /// A run of the scenario's load with another driver than the scenario's own.
+    ///
+    /// # Panics
+    /// As [`Simulation::new`].
     pub fn driven(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>) -> Self {
         Self::on(scenario, options, keep, driver, build(&scenario.system, scenario.start, options))
     }
@@ -147,7 +219,7 @@ impl<'a> Simulation<'a> {
         self
     }
 
-    /// Runs to the end; `watch` sees the time (s) after every step and says whether to go on.
+    /// Runs to the end; `watch` sees the time (s) before every step and says whether to go on.
     pub fn run(&mut self, mut watch: impl FnMut(f64) -> bool) {
         while !self.finished && watch(self.clock.time) {
             self.step();
@@ -188,8 +260,11 @@ impl<'a> Simulation<'a> {
         self.options.tolerance.zip(self.error).is_none_or(|(tolerance, error)| tolerance.allows(&error))
     }
 
-    /// Sense and decide, act, record, move on to the next instant.
+    /// Sense and decide, act, record, move on to the next instant; nothing once the run is finished.
     pub fn step(&mut self) {
+        if self.finished {
+            return;
+        }
         if self.keep == Keep::Trace {
             self.backend.look_at(&mut self.tips);
         }
@@ -230,6 +305,11 @@ impl<'a> Simulation<'a> {
     /// Number of springs that are held.
     pub fn n_held(&self) -> usize {
         self.tips.len()
+    }
+
+    /// What moves the load, as it is now.
+    pub fn backend(&self) -> &dyn Backend {
+        self.backend.as_ref()
     }
 
     pub fn trace(&self) -> &Trace {

@@ -14,6 +14,8 @@ pub struct SavedRun {
     pub options: BackendOptions,
     tick: u64,
     time: f64,
+    #[serde(default)]
+    n_parts: u64,
     finished: bool,
     keep: Keep,
     steps: StepReport,
@@ -31,6 +33,7 @@ impl Simulation<'_> {
             options: self.options,
             tick: self.clock.tick,
             time: self.clock.time,
+            n_parts: self.clock.n_parts,
             finished: self.finished,
             keep: self.keep,
             steps: self.steps,
@@ -57,6 +60,20 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// As [`Simulation::resume`].
     pub fn resume_on(scenario: &'a Scenario, saved: &SavedRun, keep: Keep, backend: Box<dyn Backend>) -> Result<Self, RestoreError> {
+        Self::resume_driven(scenario, saved, keep, driver_of(scenario), backend)
+    }
+
+    /// The same with a driver other than the scenario's own, of the kind that the state was saved from: which one that was, a state does not say.
+    ///
+    /// # Errors
+    /// As [`Simulation::resume`].
+    pub fn resume_driven(
+        scenario: &'a Scenario,
+        saved: &SavedRun,
+        keep: Keep,
+        mut driver: Box<dyn Driver>,
+        backend: Box<dyn Backend>,
+    ) -> Result<Self, RestoreError> {
         let hash = scenario.hash();
         if saved.scenario_hash != hash {
             return Err(RestoreError(format!("it was saved from the scenario {}, this one is {hash}", saved.scenario_hash)));
@@ -64,9 +81,8 @@ impl<'a> Simulation<'a> {
         if keep == Keep::Trace && saved.keep == Keep::Outcome {
             return Err(RestoreError("it kept no trace, and one is asked for".into()));
         }
-        let mut driver: Box<dyn Driver> = driver_of(scenario);
         driver.restore(&saved.driver)?;
-        let mut resumed = Self::on(scenario, &saved.options, keep, driver, backend);
+        let mut resumed = Self::on(scenario, &saved.options, keep, driver, backend).in_parts(saved.n_parts);
         resumed.backend.restore(&saved.backend)?;
         resumed.tips = held_by(scenario, resumed.backend.as_ref());
         resumed.driver.check(saved.tick, &resumed.tips)?;

@@ -210,12 +210,15 @@ fn measured(facts: &Facts) -> Result<(&'static str, String, Vec<Field>), String>
     }
     let is_within = facts.options.tolerance.zip(facts.outcome.error).is_none_or(|(tolerance, error)| tolerance.allows(&error));
     let (status, cause) = match facts.outcome.steps.status {
-        Status::Failed => ("failed", "some step had no finite answer"),
-        Status::NotConverged => ("not-converged", ""),
-        Status::Converged if !is_within => ("not-within-tolerance", ""),
-        Status::Converged => ("finished", ""),
+        Status::Failed => ("failed", "some step had no finite answer".to_owned()),
+        Status::NotConverged => {
+            let steps = &facts.outcome.steps;
+            ("not-converged", format!("{} of {} solves did not converge", steps.n_not_converged, steps.n_solves))
+        }
+        Status::Converged if !is_within => ("not-within-tolerance", "its estimated error is larger at the finest strides".to_owned()),
+        Status::Converged => ("finished", String::new()),
     };
-    Ok((status, cause.to_owned(), fields))
+    Ok((status, cause, fields))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Ski
 use crate::scenario::{Drive, Scenario};
 
 /// Version of the table: it changes whenever a row of the same run would.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// A way to run every point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,7 +34,8 @@ impl Variant {
             let tolerance = Tolerance::on_rim(tolerance, &scenario.system.load);
             return BackendOptions { skips: self.skips, ..BackendOptions::within(self.backend, tolerance) };
         }
-        let step_s = self.step_s.unwrap_or_else(|| default_step(self.backend, &scenario.system, scenario.control_period));
+        let step_s = self.step_s.map(|step| step.min(scenario.control_period));
+        let step_s = step_s.unwrap_or_else(|| default_step(self.backend, &scenario.system, scenario.control_period));
         BackendOptions { integrator: self.integrator, rapier: self.rapier, skips: self.skips, ..BackendOptions::new(self.backend, step_s) }
     }
 }
@@ -84,6 +85,15 @@ impl Identity {
 
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column.name == name)
+    }
+
+    /// A backend by its name, with the step (s) where it goes by several.
+    pub fn variant_name(&self, backend: &str, step_s: Option<f64>) -> String {
+        let n_variants = self.variants.iter().filter(|variant| variant.backend.name() == backend).count();
+        match step_s.filter(|_| n_variants > 1) {
+            Some(step) => format!("{backend} at {step} s"),
+            None => backend.to_owned(),
+        }
     }
 
     /// The columns of parameters.

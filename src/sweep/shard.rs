@@ -1,5 +1,6 @@
 //! A part of the cells, finished: one file that is there whole or not at all. Several of them, each cell in exactly one, are one table.
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::ops::Range;
@@ -40,6 +41,11 @@ impl Part {
     pub fn name(&self) -> String {
         let width = self.n.to_string().len();
         format!("{:0width$}-of-{}", self.index, self.n)
+    }
+
+    /// The part of this name.
+    pub fn of_name(name: &OsStr) -> Option<Self> {
+        name.to_str()?.replacen("-of-", "/", 1).parse().ok()
     }
 }
 

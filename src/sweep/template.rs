@@ -10,6 +10,7 @@ use super::column::{Column, Kind};
 use super::error::SweepError;
 use super::path::Path;
 use crate::scenario::Scenario;
+use crate::scenario::json::without_mark;
 
 /// A scenario with places for parameters.
 #[derive(Clone, Debug)]
@@ -43,7 +44,7 @@ impl Template {
     /// When the scenario breaks a rule, or has no such parameter.
     pub fn new(text: &str, file: &str, axes: &[Axis]) -> Result<Self, SweepError> {
         let base = Scenario::parse(text, file)?;
-        let written = serde_json::from_str(text).expect("a scenario is JSON");
+        let written = serde_json::from_str(without_mark(text)).expect("a scenario is JSON");
         let mut template = Self { file: file.to_owned(), written, base, places: Vec::new() };
         for axis in axes {
             let place = template.place(axis)?;

@@ -126,6 +126,10 @@ impl FrictionSolver {
             return solution;
         }
         let (h, w) = self.cones.scaled(hessian, drive);
+        // What has no value passes every comparison on the way.
+        if !(h.sum() + w.sum()).is_finite() {
+            return FrictionSolution { increment: Vec3::zeros(), regime: Regime::Stick, residual: f64::INFINITY, n_iterations: 0 };
+        }
         let mut n_iterations = 0;
         let candidate = self.search(&h, &w, &mut n_iterations);
         let residual = self.cones.residual(&h, &w, &candidate.twist, &self.last.forces);

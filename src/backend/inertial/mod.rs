@@ -342,6 +342,9 @@ impl Backend for Inertial {
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
         self.transitions.clear();
+        if !self.state.held.can_go(tip_targets, duration) {
+            return StepReport::refused();
+        }
         let n_steps = match self.stepping {
             Stepping::Fixed(longest) => n_steps_in(duration, longest),
             Stepping::Controlled(_) => 1,

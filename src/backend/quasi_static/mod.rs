@@ -380,6 +380,10 @@ impl Backend for QuasiStatic {
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        if !self.state.held.can_go(tip_targets, duration) {
+            self.transitions.clear();
+            return StepReport::refused();
+        }
         let mut report = StepReport::default();
         self.follow(tip_targets, duration, &mut report);
         report

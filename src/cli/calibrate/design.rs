@@ -7,11 +7,11 @@ use std::time::SystemTime;
 use clap::Args;
 use serde_json::json;
 
-use super::super::{CliError, positive, print};
+use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative};
 use crate::calibrate::{Held, Limits, Made, Target, Wanted, design as spring, on_grid};
 use crate::model::SpringDesign;
-use crate::report::{DesignReport, check_target, write_design};
+use crate::report::{DesignReport, write_design};
 
 #[derive(Args)]
 pub struct DesignArgs {
@@ -59,7 +59,7 @@ pub struct DesignArgs {
 pub fn design(args: &DesignArgs) -> Result<ExitCode, CliError> {
     let started = SystemTime::now();
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let (wanted, limits) = (wanted(args), Limits { least_width_m: args.least_width_m, ..Limits::default() });
     let made = spring(&wanted, &limits).map_err(|error| CliError::Usage(format!("cannot be built: {error}")))?;

@@ -7,10 +7,10 @@ use std::time::SystemTime;
 use clap::Args;
 use serde_json::json;
 
-use super::super::{CliError, print};
+use super::super::{CliError, check_out, print};
 use super::{DimensionArgs, manifest, not_negative};
 use crate::calibrate::{Measurements, Ranges, fit as fit_to};
-use crate::report::{check_target, fit_json, fit_text, write_calibration};
+use crate::report::{fit_json, fit_text, write_calibration};
 
 #[derive(Args)]
 pub struct FitArgs {
@@ -43,7 +43,7 @@ pub fn fit(args: &FitArgs) -> Result<ExitCode, CliError> {
     let ranges = Ranges { stretch: range("--range-m", &args.range_m)?, swing: range("--range-rad", &args.range_rad)? };
     let dimensions = args.dimensions.read()?;
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let measurements = Measurements::read(&args.measurements, &dimensions)?;
     let found = fit_to(&measurements, &dimensions, &ranges, args.confidence)

@@ -8,11 +8,11 @@ use clap::Args;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::super::{CliError, positive, print};
+use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative, read};
 use crate::calibrate::{Calibration, Recording, Sensor, TipForces, summaries, tip_forces};
 use crate::model::SpringDesign;
-use crate::report::{ForcesReport, check_target, write_tip_forces};
+use crate::report::{ForcesReport, quantity, write_tip_forces};
 use crate::scenario::Scenario;
 
 #[derive(Args)]
@@ -52,7 +52,7 @@ struct Ran {
 pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
     let started = SystemTime::now();
     if let Some(out) = &args.out {
-        check_target(out)?;
+        check_out(out)?;
     }
     let file = if args.recording.is_dir() { args.recording.join("tips.csv") } else { args.recording.clone() };
     if args.recording.is_dir() && !file.exists() {
@@ -89,7 +89,7 @@ pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
         write_tip_forces(out, &report, &found, &manifest("calibrate forces", Some(&file), options, started)?)?;
     }
     print(&if args.json { json } else { report.to_text() })?;
-    report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    report.warnings.iter().for_each(|warning| say!("warning: {warning}"));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -136,5 +136,17 @@ fn warnings(sensor: &Sensor, found: &TipForces) -> Vec<String> {
     let n = found.n_near_root(sensor);
     let near =
         || format!("tips within a tenth of the rest length of their root, where Eq. (10) grows without limit: {n}; were they seen there?");
-    sensor.foreign_length().map(foreign).into_iter().chain((n > 0).then(near)).collect()
+    let n_beyond = found.n_beyond_fit(sensor);
+    let beyond = || {
+        let [stretch, swing] = [(0, "m"), (1, "rad")].map(|(at, unit)| sensor.fitted_to[at].map(|far| quantity(far, unit)));
+        let far = stretch.into_iter().chain(swing).collect::<Vec<_>>().join(" or ");
+        format!(
+            "tips farther than the calibration was fitted to, {far}: {n_beyond} of {}; their forces are the linear law carried on",
+            found.forces.len()
+        )
+    };
+    let has_dashpots = sensor.springs.iter().any(|spring| spring.damping_ratio > 0.0);
+    let dashpots = || "the springs' dashpots pull too, by speeds that tips alone do not tell: forces are those of the springs".to_owned();
+    let foreign = sensor.foreign_length().map(foreign);
+    foreign.into_iter().chain((n_beyond > 0).then(beyond)).chain((n > 0).then(near)).chain(has_dashpots.then(dashpots)).collect()
 }

@@ -11,7 +11,7 @@ use std::time::SystemTime;
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
-use super::{CliError, interrupt, positive};
+use super::{CliError, command_line, interrupt, positive};
 use crate::calibrate::{Dimensions, InputError};
 use crate::report::{Manifest, sha256_hex};
 
@@ -111,5 +111,5 @@ fn manifest(question: &str, input: Option<&Path>, options: Value, started: Syste
         None => sha256_hex(options.to_string().as_bytes()),
     };
     let asked = json!({ "name": question, "input": input.map(|path| path.display().to_string()) });
-    Ok(Manifest::new(asked, hash, None, options, std::env::args().collect(), started))
+    Ok(Manifest::new(asked, hash, None, options, command_line(), started))
 }

@@ -67,7 +67,9 @@ impl Sheet {
     /// The SVG with the groups of the `legend` below the panels, each from a new line.
     pub fn into_svg(mut self, legend: &[Vec<Entry>]) -> String {
         self.scene.height = add_legend(&mut self.scene, legend);
-        SvgBackend::new().render_scene(&self.scene)
+        let svg = SvgBackend::new().render_scene(&self.scene);
+        // Which kuva leaves out: without it a drawing shown smaller is cut and not shrunk.
+        svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {} {}\" ", self.scene.width, self.scene.height), 1)
     }
 }
 

@@ -24,7 +24,7 @@ pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>)
     let entries = vec![
         Entry::line(format!("means over {} s, trial {}, seed {}", number(WINDOW_S), shown.trial.name(), shown.seed), OURS),
         Entry::line("two means", BEFORE),
-        Entry::upright("change", PRINTED),
+        Entry::upright("likeliest change", PRINTED),
         Entry::line("d: speed", OURS),
         Entry::line("turn rate", OTHER),
         Entry::line("interaction", BEFORE),
@@ -42,7 +42,8 @@ fn over_time(label: &str, values: &[f64], unit: f64, shown: &Shown, change: &Opt
         panel.marks.push(Mark { at: Across::Vertical(*time_s), style: PRINTED });
         panel.curves.push(curve(vec![[start, unit * change.mean_before], [*time_s, unit * change.mean_before]], BEFORE, Shape::Path));
         panel.curves.push(curve(vec![[*time_s, unit * change.mean_after], [end, unit * change.mean_after]], BEFORE, Shape::Path));
-        panel.note = Some(format!("change at {} s, p = {}", number(*time_s), number(change.p_value)));
+        let what = if change.is_significant() { "change" } else { "no change beyond chance: likeliest" };
+        panel.note = Some(format!("{what} at {} s, p = {}", number(*time_s), number(change.p_value)));
     }
     panel
 }
@@ -58,7 +59,7 @@ fn when(runs: &[&RunFacts]) -> Panel {
         [(|run| run.changes.speed, OURS), (|run| run.changes.turn_rate, OTHER), (|run| run.changes.interaction, BEFORE)];
     for (change, style) in of {
         let significant =
-            runs.iter().filter_map(|run| Some((change(run)?, run.time_s))).filter(|(change, _)| change.change.p_value <= 0.05);
+            runs.iter().filter_map(|run| Some((change(run)?, run.time_s))).filter(|(change, _)| change.change.is_significant());
         let mut shares: Vec<f64> = significant.map(|(change, duration)| change.time_s / duration).collect();
         shares.sort_by(f64::total_cmp);
         let n = runs.len().max(1) as f64;

@@ -7,15 +7,15 @@ use super::panel::{Curve, Entry, Panel, Scale, Shape, Style};
 use crate::math::Interval;
 use crate::sweep::{Axis, Group, Identity, Values};
 
-/// Times to the nest by backend, up to so many that a histogram shows them well.
+/// Times to the nest by backend and step, up to so many that a histogram shows them well.
 #[derive(Clone, Debug, Default)]
 pub struct Times(BTreeMap<String, Vec<f64>>);
 
 const MOST_TIMES: usize = 100_000;
 
 impl Times {
-    pub fn add(&mut self, backend: &str, time: f64) {
-        let times = self.0.entry(backend.to_owned()).or_default();
+    pub fn add(&mut self, variant: String, time: f64) {
+        let times = self.0.entry(variant).or_default();
         if times.len() < MOST_TIMES {
             times.push(time);
         }
@@ -108,7 +108,8 @@ fn over_parameter(x: &X, identity: &Identity, groups: &[Group]) -> (Vec<Panel>, 
         panel
     };
     let is_there = |shown: &&Shown| groups.iter().any(|group| (shown.of)(group).0.is_some());
-    let entries = curves.iter().take(MOST_CURVES).enumerate().map(|(at, (name, _))| Entry::line(name.clone(), style(at)));
+    let sign = if x.is_sampled { " (crosses)" } else { "" };
+    let entries = curves.iter().take(MOST_CURVES).enumerate().map(|(at, (name, _))| Entry::line(format!("{name}{sign}"), style(at)));
     (SHOWN.iter().filter(is_there).map(panel).collect(), entries.collect())
 }
 
@@ -121,22 +122,27 @@ fn margins(x: &X, shown: &Shown, groups: &[Group]) -> Option<Curve> {
     Some(Curve { columns: Vec::new(), points: vec![[low - room, y], [high + room, y]], style: style(0), shape: Shape::Unseen })
 }
 
-/// What a curve's groups share: the backend and, with their names, all lists but the one to the right.
+/// What a curve's groups share: the backend at its step and, with their names, all lists but the one to the right.
 fn curve_name(x: &X, identity: &Identity, group: &Group) -> String {
     let pairs = identity.design.axes.iter().zip(&group.parameters).enumerate();
     let others =
         pairs.filter(|(at, (axis, _))| *at != x.at && axis.n_values().is_some()).map(|(_, (axis, value))| format!("{} {value}", axis.path));
-    std::iter::once(group.backend.clone()).chain(others).collect::<Vec<_>>().join(", ")
+    std::iter::once(identity.variant_name(&group.backend, group.step_s)).chain(others).collect::<Vec<_>>().join(", ")
 }
 
-/// Means, and the interval of each as an upright stroke.
+/// Means, and the interval of each as an upright stroke, which ends at zero: nothing shown can be less.
 fn drawn(x: &X, shown: &Shown, members: &[&Group], style: Style) -> Vec<Curve> {
     let points = members.iter().filter_map(|group| Some([x.of(group)?, (shown.of)(group).0?])).collect();
     let shape = if x.is_sampled { Shape::Crosses } else { Shape::Marked };
     let mut curves = vec![Curve { columns: Vec::new(), points, style, shape }];
     curves.extend(members.iter().filter_map(|group| {
         let (at, interval) = (x.of(group)?, (shown.of)(group).1?);
-        Some(Curve { columns: Vec::new(), points: vec![[at, interval.low], [at, interval.high]], style: style.thin(), shape: Shape::Path })
+        Some(Curve {
+            columns: Vec::new(),
+            points: vec![[at, interval.low.max(0.0)], [at, interval.high]],
+            style: style.thin(),
+            shape: Shape::Path,
+        })
     }));
     curves
 }

@@ -13,8 +13,8 @@ pub struct Bar {
 
 /// Size of a chart, of its column of names, of a row and of what stands above and below (px).
 const WIDTH: f64 = 620.0;
-const NAMES: f64 = 126.0;
-const VALUES: f64 = 92.0;
+const NAMES: f64 = 150.0;
+const VALUES: f64 = 104.0;
 const ROW: f64 = 36.0;
 const ABOVE: f64 = 26.0;
 const BELOW: f64 = 24.0;

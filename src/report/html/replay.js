@@ -344,6 +344,8 @@
       // Loads at the same tips stay together; others are followed one by one.
       const scale = this.scaleOf(this.data.stages.length > 1 ? shown[0] : first, width, height);
       this.drawScene(pen, scale, width, height);
+      // Below all else, as it may not hide springs or ants.
+      if (this.follows) this.drawMap(pen, shown, width, height);
       for (const state of shown) this.drawTrail(pen, state, scale, this.follows ? 0.35 : 0.6);
       const top = shown[shown.length - 1];
       this.drawFree(pen, top, scale);
@@ -355,7 +357,6 @@
       }
       const isShared = this.data.stages.length === 1;
       if (isShared) this.drawAnts(pen, top, scale); else for (const state of shown) this.drawAnts(pen, state, scale, this.isOverlaid && this.colorOf(state.run));
-      if (this.follows) this.drawMap(pen, shown, width, height);
       this.drawScaleBar(pen, scale, width, height);
       this.drawTitle(pen, shown, first, width);
       pen.strokeStyle = this.look.faint;

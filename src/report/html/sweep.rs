@@ -2,7 +2,7 @@
 
 use super::{Answer, Block, Headline, Number, Page, Table};
 use crate::report::sweep::group_rows;
-use crate::report::{Manifest, SweepSummary, quantity};
+use crate::report::{Manifest, SweepSummary};
 
 /// Groups that the page shows; the rest are in the table of groups beside it.
 const MOST_SHOWN: usize = 200;
@@ -34,13 +34,14 @@ fn headline(found: &SweepSummary) -> Headline {
         0 => format!("All {} runs have an answer{arrived}.", found.n_runs),
         n => format!("{n} of {} runs failed{arrived}.", found.n_runs),
     };
+    let warnings = found.warnings();
+    let is_sound = found.n_failed() == 0 && warnings.is_empty();
+    let sentence = std::iter::once(sentence).chain(warnings.iter().map(|warning| format!("{warning}."))).collect::<Vec<_>>().join(" ");
     let mut numbers = vec![
         Number::new("points", found.n_points.to_string(), found.parameters.join(", ")),
         Number::new("seeds", found.n_seeds.to_string(), format!("from {}", found.first_seed)),
     ];
     numbers.extend(found.statuses.iter().map(|(status, n)| Number::new(status.clone(), n.to_string(), "runs")));
-    if let Some(cost) = found.cost {
-        numbers.push(Number::new("took", quantity(cost.wall_s, "s"), format!("on {} threads", cost.n_threads)));
-    }
-    Headline::new(if found.n_failed() == 0 { Answer::None } else { Answer::Open }, sentence).with(Block::Numbers(numbers))
+    numbers.extend(found.took().map(|took| Number::new("took", took, "")));
+    Headline::new(if is_sound { Answer::None } else { Answer::Open }, sentence).with(Block::Numbers(numbers))
 }

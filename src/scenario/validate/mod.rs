@@ -114,9 +114,14 @@ pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Fi
     }
 }
 
+/// Of what terminals and pages are told, text with its direction turned among it.
+fn is_control(letter: char) -> bool {
+    letter.is_control() || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// `None` when a section is missing.
 fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
-    if let Some(name) = draft.name.as_deref().filter(|name| name.chars().any(char::is_control)) {
+    if let Some(name) = draft.name.as_deref().filter(|name| name.chars().any(is_control)) {
         findings.report("name", "must not have control characters", format_args!("{name:?}"));
     }
     check_clock(draft.duration, draft.control_period, findings);
