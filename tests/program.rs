@@ -419,6 +419,19 @@ fn an_option_without_effect_is_told() {
         expected.map(|(option, backend)| format!("warning: {option}: changes nothing, as it is of {backend}, found quasi-static"))
     );
     assert!(of(&["--backend", "rapier", "--friction", "box"]).1.is_empty());
+    let tips = room.tips();
+    for (args, expected) in [
+        (&["compare", tips.as_str(), "--seeds", "2"][..], "--seeds: changes nothing, as it is of closed-loop, found prescribed"),
+        (&["compare", &tips, "--recorded-from", "rapier"], "--recorded-from: changes nothing, as it is of replayed, found prescribed"),
+        (
+            &["compare", &scenario, "--tier", "closed-loop", "--seeds", "1", "--tolerance", "1e-6", "--agreement", "0.1"],
+            "--tolerance: changes nothing, as it is of prescribed, replayed, found closed-loop",
+        ),
+    ] {
+        let output = call(args);
+        assert_eq!(output.status.code(), Some(0), "{args:?}");
+        assert!(text(&output.stderr).contains(&format!("warning: {expected}")), "{args:?}: {}", text(&output.stderr));
+    }
     assert!(of(&["--backend", "inertial", "--integrator", "euler"]).1.is_empty());
 }
 
@@ -539,7 +552,7 @@ fn a_state_that_does_not_fit_is_refused_and_kept() {
     };
     with(&["--seed", "8"], &["state.json", "saved from the scenario"]);
     with(&["--backend", "rapier"], &["state.json", "quasi-static", "rapier"]);
-    with(&["--step-s", "0.001"], &["state.json", "0.001"]);
+    with(&["--step-s", "0.001"], &["state.json: must be of the run asked for, found another: step_s ", " for 0.001"]);
     for garbage in ["", "{", "[]", "{\"tick\": 3}", &good[..good.len() / 2]] {
         fs::write(&state, garbage).unwrap();
         refused(&["run", &file, "--state", &state], &["state.json", "not a saved run"]);

@@ -95,6 +95,14 @@ fn a_spring_is_fitted_and_its_fit_reads_the_forces_of_a_run() {
     let found = json_of(&["calibrate", "forces", &run, "--calibration", &calibration, "--tip-noise-m", "1e-4", "--out", &forces, "--json"]);
     let all = found["springs"].as_array().unwrap().last().unwrap();
     assert!(all["spring"].is_null() && all["mean_error_n"].as_f64().unwrap() > 0.0, "{found}");
+    // Ants stretch springs to 44 mm, far beyond the 8 mm of the fit.
+    let warnings = found["warnings"].as_array().unwrap();
+    assert!(
+        warnings
+            .iter()
+            .any(|warning| warning.as_str().unwrap().starts_with("tips farther than the calibration was fitted to, 8.000 mm or ")),
+        "{found}"
+    );
     let table = fs::read_to_string(format!("{forces}/forces.csv")).unwrap();
     assert_eq!(table.lines().count() as u64 - 1, all["n"].as_u64().unwrap());
     assert!(fs::read_to_string(format!("{forces}/forces.svg")).unwrap().contains("force on tip (mN)"));
@@ -105,6 +113,20 @@ fn short_scenario(room: &Room) -> String {
     let mut scenario: Value = serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
     scenario["duration_s"] = 4.0.into();
     room.write("scenario.json", &scenario.to_string())
+}
+
+/// Pulls of dashpots go with speeds, which tips do not tell.
+#[test]
+fn forces_of_damped_springs_are_told_to_lack_their_dashpots() {
+    let room = Room(tempdir().unwrap());
+    let run = room.path("run");
+    let damped: String =
+        fs::read_to_string(short_scenario(&room)).unwrap().replace("\"radial_stiffness", "\"damping_ratio\": 0.5, \"radial_stiffness");
+    let damped = room.write("damped.json", &damped);
+    assert_eq!(call(&["run", &damped, "--backend", "inertial", "--tips", "--out", &run]).status.code(), Some(0));
+    let output = call(&["calibrate", "forces", &run]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(text(&output.stderr).contains("warning: the springs' dashpots pull too"), "{}", text(&output.stderr));
 }
 
 /// Through files, against the pulls of `trace.csv`.

@@ -1,8 +1,12 @@
 //! What is wrong is said before anything runs, by path and rule, and leaves no file.
 
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
 use tempfile::tempdir;
 
-use crate::common::{merge, names, refused, scene, sweep};
+use crate::common::{done, merge, names, refused, rows, scene, sweep};
 
 #[test]
 fn what_is_wrong_is_named_before_anything_runs() {
@@ -46,4 +50,99 @@ fn what_is_wrong_is_named_before_anything_runs() {
     assert!(refused(&merge(&[room.path()], &out)).contains("no finished shard found"));
     assert!(refused(&merge(&[&scene], &out)).contains("is no file of rows of a sweep"));
     assert!(!out.join("manifest.json").exists());
+}
+
+/// What is finished stays what it was: no other command takes its place, and a table that somebody changed or lost is not called finished.
+#[test]
+fn a_finished_sweep_is_neither_replaced_nor_taken_for_what_it_is_not() {
+    let room = tempdir().unwrap();
+    let (scene, out) = (scene(room.path()), room.path().join("out"));
+    done(&sweep(&scene, &["--seeds", "2"], &out));
+    let run = Command::new(env!("CARGO_BIN_EXE_cohaul")).arg("run").arg(&scene).arg("--out").arg(&out).output().unwrap();
+    let text = refused(&run);
+    assert!(text.contains("out: must not hold a finished sweep"), "{text}");
+    let again = sweep(&scene, &["--seeds", "2"], &out);
+    assert!(String::from_utf8(again.stderr.clone()).unwrap().contains("is finished"));
+    let printed = done(&again);
+
+    let (runs, before) = (out.join("runs.csv"), fs::read_to_string(out.join("runs.csv")).unwrap());
+    fs::write(&runs, before.replacen("quasi-static", "quasi-statik", 1)).unwrap();
+    let text = refused(&sweep(&scene, &["--seeds", "2"], &out));
+    assert!(text.contains("runs.csv: must be as it was written, found another hash"), "{text}");
+    fs::remove_file(&runs).unwrap();
+    let text = refused(&sweep(&scene, &["--seeds", "2"], &out));
+    assert!(text.contains("runs.csv: must be as it was written, found nothing"), "{text}");
+    fs::write(&runs, before).unwrap();
+    assert_eq!(done(&sweep(&scene, &["--seeds", "2"], &out)), printed);
+}
+
+#[test]
+fn shards_of_other_cuts_and_links_to_nothing_are_named_before_anything_runs() {
+    let room = tempdir().unwrap();
+    let (scene, out) = (scene(room.path()), room.path().join("out"));
+    done(&sweep(&scene, &["--seeds", "6", "--shard", "1/3"], &out));
+    let text = refused(&sweep(&scene, &["--seeds", "6", "--shard", "1/2"], &out));
+    assert!(text.contains("1-of-3.rows: must be one of 2 parts"), "{text}");
+    done(&sweep(&scene, &["--seeds", "6", "--shard", "2/3"], &out));
+
+    #[cfg(unix)]
+    {
+        let link = room.path().join("link");
+        std::os::unix::fs::symlink(room.path().join("nowhere"), &link).unwrap();
+        let text = refused(&sweep(&scene, &[], &link));
+        assert!(text.contains("link: is a link to what is not there"), "{text}");
+        assert_eq!(names(room.path()), ["link", "out", "short.json"]);
+    }
+}
+
+/// Options that change nothing are told, and so are runs that end otherwise than they were asked to.
+#[test]
+fn what_does_nothing_and_what_is_not_met_are_told() {
+    let room = tempdir().unwrap();
+    let (scene, out) = (scene(room.path()), |name: &str| room.path().join(name));
+    let warned = |output: &Output, code: i32| {
+        assert_eq!(output.status.code(), Some(code));
+        String::from_utf8(output.stderr.clone()).unwrap()
+    };
+    let text = warned(&sweep(&scene, &["--scale-inertia", "1,10"], &out("a")), 0);
+    assert!(text.contains("warning: --scale-inertia: changes nothing, as it is of inertial and rapier, found quasi-static"), "{text}");
+    let text = warned(&sweep(Path::new("scenarios/analytic/slide.json"), &["--seeds", "2", "--step-s", "5"], &out("b")), 0);
+    assert!(text.contains("warning: --seeds: changes nothing, as it is of ants, found tips"), "{text}");
+    assert!(text.contains("warning: --step-s: steps end with the control period, 0.001 s, found 5 s"), "{text}");
+    assert!(warned(&sweep(&scene, &["--seeds", "2"], &out("c")), 0).is_empty());
+
+    // Below what the strides of a double can do.
+    let stiff = Path::new("scenarios/stress/stiff-light.json");
+    let missed = sweep(stiff, &["--backend", "inertial", "--tolerance", "1e-14"], &out("d"));
+    let text = warned(&missed, 1);
+    assert!(text.contains("warning: 1 of 1 runs are not within their tolerance"), "{text}");
+    let rows = rows(&out("d").join("runs.csv"));
+    assert_eq!((&rows[0]["status"][..], rows[0]["cause"].is_empty()), ("not-within-tolerance", false));
+    assert!(fs::read_to_string(out("d").join("report.html")).unwrap().contains("are not within their tolerance"));
+}
+
+/// A backend at two steps is two rows, two curves and two names; a file may begin with a byte order mark, and a folder need not be text.
+#[test]
+fn several_steps_are_told_apart_and_names_may_be_any() {
+    let room = tempdir().unwrap();
+    let (scene, out) = (scene(room.path()), room.path().join("out"));
+    let marked = room.path().join("marked.json");
+    fs::write(&marked, format!("\u{feff}{}", fs::read_to_string(&scene).unwrap())).unwrap();
+    let args = ["--step-s", "0.0005", "--step-s", "0.00125", "--vary", "drive.n_ants=2,3"];
+    let printed = done(&sweep(&marked, &args, &out));
+    let heads: Vec<&str> = printed.lines().next().unwrap().split_whitespace().collect();
+    assert_eq!(heads[..3], ["drive.n_ants", "backend", "step"]);
+    assert!(printed.contains("500.0 µs") && printed.contains("1.250 ms"), "{printed}");
+    let svg = fs::read_to_string(out.join("figure.svg")).unwrap();
+    assert!(svg.contains("quasi-static at 0.0005 s") && svg.contains("quasi-static at 0.00125 s"));
+    // Without it a browser cuts what it shows smaller.
+    assert!(svg.contains("viewBox=\"0 0 "));
+
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        let odd = room.path().join(std::ffi::OsStr::from_bytes(b"no\xfftext"));
+        done(&sweep(&scene, &["--seeds", "2"], &odd));
+        assert!(odd.join("runs.csv").exists());
+    }
 }
