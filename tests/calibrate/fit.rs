@@ -177,3 +177,29 @@ fn the_example_is_what_its_seed_generates() {
     let interval = fitted(&stored, &Ranges::default()).youngs_modulus_pa.interval.unwrap();
     assert!(interval.low < 1.66e6 && 1.66e6 < interval.high, "{interval:?}");
 }
+
+/// One trial to 10 mm beside five to 1.5 mm: information goes by the square of the stretch, so that it has some 90 % of the weight. Alike, none has more than its part.
+#[test]
+fn a_trial_that_decides_alone_is_told() {
+    let share = |reaches: &[f64]| {
+        let mut data = Measurements::default();
+        for (trial, reach) in reaches.iter().enumerate() {
+            for point in 1..=10 {
+                let at = reach * f64::from(point) / 10.0;
+                // Trials differ by 0.1 %, readings err by 0.1 mN.
+                let force = 0.664 * at * (1.0 + 1e-3 * trial as f64);
+                data.add(Case::Radial, trial.to_string(), Measurement { at, force, sd: Some(1e-4) });
+            }
+        }
+        let found = fitted(&data, &Ranges::default());
+        let is_told = found.warnings.iter().any(|warning| warning.starts_with("case radial: one trial has "));
+        (found.linear[0].stiffness.largest_weight.unwrap(), is_told)
+    };
+    let (weight, is_told) = share(&[1e-2, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3]);
+    // (10 / 1.5)^2 = 44 to 5, tau^2 being zero.
+    assert!((weight - 44.4 / 49.4).abs() < 1e-2 && is_told, "{weight}");
+    let (weight, is_told) = share(&[1e-2; 6]);
+    assert!((weight - 1.0 / 6.0).abs() < 1e-12 && !is_told, "{weight}");
+    // Of two, half is even.
+    assert!(!share(&[1e-2, 1e-2]).1 && share(&[1e-2, 1e-3]).1);
+}

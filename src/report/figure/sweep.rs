@@ -33,7 +33,7 @@ const SHOWN: [Shown; 4] = [
     Shown { label: "time to nest, if arrived (s)", scale: Scale::Linear, of: |group| mean(group, "time_to_nest_s") },
     Shown { label: "arrived (share of runs)", scale: Scale::FromZero, of: |group| (group.arrival_share, group.arrival_interval_95) },
     Shown { label: "mean pull (mN)", scale: Scale::FromZero, of: |group| in_milli(mean(group, "pull_mean_n")) },
-    Shown { label: "mean speed (mm/s)", scale: Scale::FromZero, of: |group| in_milli(mean(group, "mean_speed_m_per_s")) },
+    Shown { label: "displacement over time (mm/s)", scale: Scale::FromZero, of: |group| in_milli(mean(group, "mean_speed_m_per_s")) },
 ];
 
 fn mean(group: &Group, name: &str) -> (Option<f64>, Option<Interval>) {
