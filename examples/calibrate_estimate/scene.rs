@@ -88,7 +88,7 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
         numbers: Numbers::of(&replayed, &inertial.trace),
         measured: Difference::between(&inertial.limit, &quasi_static.limit, radius).rim_max_m,
         own_error: own[0].max(own[1]),
-        way: inertial.path_length(radius).max(quasi_static.path_length(radius)),
+        way: quasi_static.path_length(radius).max(inertial.reach(radius)),
         estimate,
         status: quasi_static.steps.status.max(inertial.steps.status),
     }
