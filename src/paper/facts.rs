@@ -31,6 +31,25 @@ pub struct RunFacts {
     pub changes: Changes,
 }
 
+#[cfg(test)]
+impl RunFacts {
+    /// Of a run of a second in which nothing happened but that it arrived.
+    pub fn nothing() -> Self {
+        Self {
+            arrived: true,
+            time_s: 1.0,
+            displacement_m: 0.0,
+            status: Default::default(),
+            pulls: Summary::default(),
+            n_grasps: 0,
+            pulls_by_time: Summary::default(),
+            by_size: Vec::new(),
+            by_mean_size: Vec::new(),
+            changes: Default::default(),
+        }
+    }
+}
+
 /// Time and way of the load while a number of ants pulled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OfSize {

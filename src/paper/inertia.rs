@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::measures::{MEASURES, Measure, Sample, claims};
 use super::trial::Trial;
-use super::units::{Unit, difference, paired};
+use super::units::{Unit, paired};
 use super::verdict::{Grade, grade};
 
 /// One conclusion on all sets, in their order.
@@ -75,7 +75,7 @@ fn unmoved(measure: Measure, sets: &[(String, Vec<Unit>)]) -> Conclusion {
     let standing = |(name, units): &(String, Vec<Unit>)| {
         let (own, of_first) = paired(units, first);
         let reference = measure.of(&of_first);
-        let shift = difference(units, first, &|units| measure.of(units));
+        let shift = measure.difference(units, first);
         let holds = match (reference, shift.and_then(|shift| shift.interval_95)) {
             (Some(reference), Some(shift)) => {
                 let margin = SAME * reference.abs();

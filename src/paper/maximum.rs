@@ -70,18 +70,7 @@ mod tests {
     use crate::paper::{Trial, units};
 
     fn facts(pulls: Summary) -> RunFacts {
-        RunFacts {
-            arrived: true,
-            time_s: 1.0,
-            displacement_m: 0.0,
-            status: Default::default(),
-            pulls,
-            n_grasps: 0,
-            pulls_by_time: Summary::default(),
-            by_size: Vec::new(),
-            by_mean_size: Vec::new(),
-            changes: Default::default(),
-        }
+        RunFacts { pulls, ..RunFacts::nothing() }
     }
 
     /// Exponential pulls of mean one: the largest of n is ln n + gamma on average, which runs of 300 foresee for 30000.

@@ -5,9 +5,9 @@ use serde::Serialize;
 use super::facts::{OfSize, RunFacts};
 use super::printed;
 use super::trial::Trial;
-use super::units::{Estimate, Unit, estimate};
+use super::units::{Estimate, Unit, difference, estimate, paired};
 use super::verdict::Printed;
-use crate::math::proportion_interval;
+use crate::math::{proportion_interval, share_difference_interval};
 
 /// A quantity of a set of seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -147,6 +147,18 @@ impl Measure {
         let (n, n_arrived) = runs(units, trial).fold((0, 0), |(n, hits), run| (n + 1, hits + u64::from(run.arrived)));
         let interval_95 = proportion_interval(n_arrived, n, 0.95).filter(|_| n > 1);
         Some(Estimate { value: self.of(units)?, interval_95, n_units: n as usize })
+    }
+
+    /// Of `a` minus that of `b`, over the seeds that both have; a share by Agresti and Min.
+    pub fn difference(self, a: &[Unit], b: &[Unit]) -> Option<Estimate> {
+        let Measure::Arrived(trial) = self else { return difference(a, b, &|units| self.of(units)) };
+        let (a, b) = paired(a, b);
+        let both: Vec<[bool; 2]> = a.iter().zip(&b).filter_map(|(a, b)| Some([a.of(trial)?.arrived, b.of(trial)?.arrived])).collect();
+        let n_only = [[true, false], [false, true]].map(|only| both.iter().filter(|pair| **pair == only).count() as u64);
+        let n = both.len() as u64;
+        let value = (n_only[0] as f64 - n_only[1] as f64) / n as f64;
+        let interval_95 = share_difference_interval(n_only, n, 0.95).filter(|_| n > 1);
+        (n > 0).then_some(Estimate { value, interval_95, n_units: n as usize })
     }
 
     pub fn of(self, units: &[Unit]) -> Option<f64> {
@@ -321,4 +333,29 @@ pub fn claims(units: &[Unit]) -> Vec<Claim> {
         Claim { claim, statistic: measure.name(), below, limit, found, holds }
     };
     CLAIMS.into_iter().map(judged).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::units::units;
+
+    /// Where every run of one set arrives and none of the other, no resample differs from another: shares have intervals of their own.
+    #[test]
+    fn a_share_that_is_another_in_every_pair_is_a_shift() {
+        let runs = |arrived: bool| -> Vec<RunFacts> { (0..25).map(|_| RunFacts { arrived, ..RunFacts::nothing() }).collect() };
+        let (all, none) = (runs(true), runs(false));
+        let of = |runs: &'_ [RunFacts]| {
+            runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run.clone())).collect::<Vec<_>>()
+        };
+        let (all, none) = (of(&all), of(&none));
+        let [all, none] = [&all, &none].map(|runs| units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run))));
+        let share = Measure::Arrived(Trial::FourFour);
+        let found = share.estimate(&all).unwrap();
+        // E. B. Wilson's interval of 25 of 25: 1 / (1 + z^2 / 25).
+        assert!((found.interval_95.unwrap().low - 0.8668).abs() < 1e-4 && found.value == 1.0 && found.n_units == 25, "{found:?}");
+        let shift = share.difference(&none, &all).unwrap();
+        assert!(shift.value == -1.0 && shift.interval_95.unwrap().high < -0.8 && shift.n_units == 25, "{shift:?}");
+        assert!(share.difference(&none, &units([])).is_none() && Measure::Arrived(Trial::OneOne).difference(&none, &all).is_none());
+    }
 }

@@ -106,18 +106,7 @@ mod tests {
     use super::*;
 
     fn facts(time_s: f64) -> RunFacts {
-        RunFacts {
-            arrived: true,
-            time_s,
-            displacement_m: 0.25,
-            status: Default::default(),
-            pulls: Summary::default(),
-            n_grasps: 0,
-            pulls_by_time: Summary::default(),
-            by_size: Vec::new(),
-            by_mean_size: Vec::new(),
-            changes: Default::default(),
-        }
+        RunFacts { time_s, ..RunFacts::nothing() }
     }
 
     fn mean_time(units: &[Unit]) -> Option<f64> {

@@ -9,7 +9,7 @@ use crate::paper::fit::{self, Found, Point};
 use crate::paper::printed;
 use crate::paper::{
     Answer, Claim, Conclusion, Done, Estimate, Extreme, Grade, MEASURES, Measure, Plan, Printed, Replayed, RunFacts, Sample, Speeds, Task,
-    Trial, Unit, claims, conclusions, difference, extreme, grade, graded, load_speeds, units,
+    Trial, Unit, claims, conclusions, extreme, grade, graded, load_speeds, units,
 };
 
 /// What `paper --json` prints.
@@ -212,12 +212,11 @@ fn table(sets: &[(String, Vec<Unit>)]) -> Vec<TableRow> {
 
 fn row_of(measure: Measure, sets: &[(String, Vec<Unit>)]) -> TableRow {
     let first = &sets[0].1;
-    let statistic = |units: &[Unit]| measure.of(units);
     let printed = measure.printed();
     let graded = |ours: &Option<Estimate>| printed.as_ref().zip(ours.as_ref()).map(|(printed, ours)| grade(printed, ours));
     let other = |(name, units): &(String, Vec<Unit>)| {
         let value = measure.estimate(units);
-        let minus_first = difference(units, first, &statistic);
+        let minus_first = measure.difference(units, first);
         let is_shifted = minus_first.and_then(|found| found.interval_95).is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
         OtherSet { set: name.clone(), value, grade: graded(&value), minus_first, is_shifted }
     };
