@@ -87,9 +87,9 @@ pub fn disagreement(grids: &[Grid], cells: &[Cell]) -> String {
     ratio_legend(&mut svg, [LEFT, y], "measured over theory");
     let at = [sample(&mut svg, [LEFT + 420.0, y], &MEASURED, "measured 0.8 of theory"), y];
     sample(&mut svg, at, &MEASURED_ABOVE, "1.25 of theory");
+    sample(&mut svg, [LEFT + 420.0, y + 22.0], &RULE, RULE_NAME);
     let x = patterns(&mut svg, [LEFT, y + 44.0]);
-    let x = paper_legend(&mut svg, [x, y + 44.0]);
-    sample(&mut svg, [x, y + 44.0], &RULE, RULE_NAME);
+    paper_legend(&mut svg, [x, y + 44.0]);
     svg.push_str("</svg>\n");
     svg
 }
@@ -238,12 +238,10 @@ fn legend(svg: &mut String, top: f64, scene: Scene, is_expected: [bool; 2]) {
 
 const RULE_NAME: &str = "Phi = pi/2; rule of thumb: sound in the corner";
 
-/// The sign of the paper's ants with its name; gives where the next one may stand (px).
-fn paper_legend(svg: &mut String, [x, y]: [f64; 2]) -> f64 {
-    const NAME: &str = "the paper's ants: 30, 40, 80 mm/s";
+/// The sign of the paper's ants with its name.
+fn paper_legend(svg: &mut String, [x, y]: [f64; 2]) {
     paper_bar(svg, [x, y - 4.0], [x + 30.0, y - 4.0]);
-    text(svg, [x + 38.0, y], Anchor::Start, 11.0, NAME);
-    x + 56.0 + 6.6 * NAME.len() as f64
+    text(svg, [x + 38.0, y], Anchor::Start, 11.0, "the paper's ants: 30, 40, 80 mm/s");
 }
 
 fn share_color_of_decade(decade: f64) -> String {
