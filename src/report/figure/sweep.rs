@@ -101,7 +101,9 @@ fn over_parameter(x: &X, identity: &Identity, groups: &[Group]) -> (Vec<Panel>, 
     let panel = |shown: &Shown| {
         let mut panel = Panel::new(&label, shown.label, shown.scale);
         panel.curves.extend(margins(x, shown, groups));
-        curves.iter().take(MOST_CURVES).enumerate().for_each(|(at, (_, members))| panel.curves.extend(drawn(x, shown, members, style(at))));
+        let shift = |at: usize| BESIDE * span(x, groups) * (at as f64 - 0.5 * (curves.len().min(MOST_CURVES) - 1) as f64);
+        let shown_curves = curves.iter().take(MOST_CURVES).enumerate();
+        shown_curves.for_each(|(at, (_, members))| panel.curves.extend(drawn(x, shown, members, shift(at), style(at))));
         if curves.len() > MOST_CURVES {
             panel.note = Some(format!("{MOST_CURVES} of {} combinations", curves.len()));
         }
@@ -113,12 +115,25 @@ fn over_parameter(x: &X, identity: &Identity, groups: &[Group]) -> (Vec<Panel>, 
     (SHOWN.iter().filter(is_there).map(panel).collect(), entries.collect())
 }
 
+/// Distance of one curve from the next to the right, over the span of the axis (1): at the same places their intervals would hide each other.
+const BESIDE: f64 = 0.006;
+
+/// From the first to the last value of all groups.
+fn span(x: &X, groups: &[Group]) -> f64 {
+    let [low, high] = ends(x, groups);
+    high - low
+}
+
+fn ends(x: &X, groups: &[Group]) -> [f64; 2] {
+    let values = groups.iter().filter_map(|group| x.of(group));
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [x.min(low), x.max(high)])
+}
+
 /// Nothing, a little beyond the first and last values of all groups: panels have the same axis, and strokes at its ends can be seen.
 fn margins(x: &X, shown: &Shown, groups: &[Group]) -> Option<Curve> {
-    let (low, high) =
-        groups.iter().filter_map(|group| x.of(group)).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)));
+    let [low, high] = ends(x, groups);
     let y = groups.iter().find_map(|group| (shown.of)(group).0)?;
-    let room = 0.03 * (high - low);
+    let room = 0.04 * (high - low);
     Some(Curve { columns: Vec::new(), points: vec![[low - room, y], [high + room, y]], style: style(0), shape: Shape::Unseen })
 }
 
@@ -130,13 +145,13 @@ fn curve_name(x: &X, identity: &Identity, group: &Group) -> String {
     std::iter::once(identity.variant_name(&group.backend, group.step_s)).chain(others).collect::<Vec<_>>().join(", ")
 }
 
-/// Means, and the interval of each as an upright stroke, which ends at zero: nothing shown can be less.
-fn drawn(x: &X, shown: &Shown, members: &[&Group], style: Style) -> Vec<Curve> {
-    let points = members.iter().filter_map(|group| Some([x.of(group)?, (shown.of)(group).0?])).collect();
+/// Means, and the interval of each as an upright stroke, which ends at zero: nothing shown can be less. All of it `shift`ed to the right.
+fn drawn(x: &X, shown: &Shown, members: &[&Group], shift: f64, style: Style) -> Vec<Curve> {
+    let points = members.iter().filter_map(|group| Some([x.of(group)? + shift, (shown.of)(group).0?])).collect();
     let shape = if x.is_sampled { Shape::Crosses } else { Shape::Marked };
     let mut curves = vec![Curve { columns: Vec::new(), points, style, shape }];
     curves.extend(members.iter().filter_map(|group| {
-        let (at, interval) = (x.of(group)?, (shown.of)(group).1?);
+        let (at, interval) = (x.of(group)? + shift, (shown.of)(group).1?);
         Some(Curve {
             columns: Vec::new(),
             points: vec![[at, interval.low.max(0.0)], [at, interval.high]],

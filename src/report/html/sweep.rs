@@ -16,7 +16,7 @@ pub fn sweep_page(found: &SweepSummary, figure: Option<String>, manifest: &Manif
     if groups.len() > MOST_SHOWN || found.groups.is_none() {
         blocks.push(Block::Text(format!("{} groups in all: groups.csv has them.", found.n_groups)));
     }
-    let figures = figure.map(|svg| Block::figure(svg, "Means with 95 % intervals, or how the runs are spread where only seeds differ."));
+    let figures = figure.map(|svg| Block::figure(svg, "Means with 95 % intervals, or how the runs are spread where only seeds differ. What stands at one value is drawn a little apart."));
     let failures: Vec<String> = found.failures.iter().map(|failure| format!("cell {}: {}", failure.cell, failure.cause)).collect();
     let mut page = Page::new(format!("{}: an ensemble", found.scenario), headline(found)).from(manifest);
     page = page.section("Groups", figures.into_iter().chain(blocks).collect());
