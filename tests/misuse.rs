@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use cohaul::backend::friction::FrictionSolver;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Status, Tolerance, build};
+use cohaul::estimate::{AGREEMENT, Watched};
 use cohaul::math::{Mat3, Vec2, Vec3};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Replay, Simulation, driver_of};
@@ -63,6 +64,36 @@ fn tips_that_go_nowhere_and_times_that_do_not_pass_are_failures() {
             }
         }
     }
+}
+
+/// A time that does not pass is no end of a run of rapier either; and who estimates inertia beside a run sees nothing of what was refused.
+#[test]
+fn what_is_refused_leaves_engine_and_estimate_as_they_were() {
+    let scenario = scenario("analytic/centre-pull.json");
+    let there = [Vec2::new(0.05, 0.02)];
+    let engine = BackendOptions::new(BackendKind::Rapier, 1e-3);
+    for duration in [0.0, -0.01, f64::NAN, f64::INFINITY] {
+        let mut load = moving(&scenario, &engine);
+        let before = load.motion();
+        assert_eq!((load.advance(&there, duration).status, load.motion()), (Status::Failed, before));
+        assert_eq!(load.advance(&there, 0.01).status, Status::Converged);
+    }
+    let estimate = |with_refused: bool| {
+        let (mut load, estimator) = Watched::new(&scenario.system, scenario.start, &BackendOptions::new(BackendKind::QuasiStatic, 1e-3));
+        load.grasp(0, Vec2::zeros());
+        for tick in 1..=100 {
+            let target = [Vec2::new(1e-3 * f64::from(tick), 0.0)];
+            if with_refused && tick % 10 == 0 {
+                assert_eq!(load.advance(&[Vec2::new(f64::NAN, 0.0)], 0.01).status, Status::Failed);
+                assert_eq!(load.advance(&target, -1.0).status, Status::Failed);
+            }
+            load.advance(&target, 0.01);
+        }
+        let estimated = estimator.borrow().estimate(AGREEMENT);
+        assert!(estimated.displacement_max_m > 1e-4, "{estimated:?}");
+        estimated
+    };
+    assert_eq!(estimate(true), estimate(false));
 }
 
 /// A tip that is grasped nowhere pulls nobody, and its release leaves the books as they were.

@@ -43,6 +43,9 @@ pub type HeldTips = SmallVec<[HeldTip; 4]>;
 #[serde(transparent)]
 pub struct HeldSprings {
     grips: Vec<Grip>,
+    /// How many of them were grasped nowhere.
+    #[serde(skip)]
+    n_nowhere: usize,
 }
 
 impl HeldSprings {
@@ -86,6 +89,7 @@ impl HeldSprings {
         let at = self.grips.binary_search_by_key(&spring, |grip| grip.spring).expect_err("a spring is grasped once");
         let shape = springs[spring].shape(pose, &tip, 0.0);
         self.grips.insert(at, Grip { spring, tip, swing: shape.swing });
+        self.n_nowhere += usize::from(!is_somewhere(&tip));
         known(springs[spring].energy(&shape))
     }
 
@@ -96,6 +100,7 @@ impl HeldSprings {
     pub fn release(&mut self, springs: &[PolarSpring], spring: usize, pose: &Pose) -> f64 {
         let at = self.grips.binary_search_by_key(&spring, |grip| grip.spring).expect("only a held spring is released");
         let grip = self.grips.remove(at);
+        self.n_nowhere = self.n_nowhere.saturating_sub(usize::from(!is_somewhere(&grip.tip)));
         known(springs[spring].energy(&grip.shape(springs, pose)))
     }
 
@@ -145,10 +150,9 @@ impl HeldSprings {
 
     /// Whether tips that are somewhere are asked to go somewhere, in a time that passes (s): without that no step has an answer.
     pub fn can_go(&self, targets: &[Vec2], duration: f64) -> bool {
-        let far = |tip: &Vec2| tip.x.abs() + tip.y.abs();
         // A sum without a value is below nothing.
-        let farthest = self.grips.iter().map(|grip| far(&grip.tip) + far(&targets[grip.spring])).fold(0.0, |sum, far| sum + far);
-        farthest < FARTHEST && duration > 0.0 && duration.is_finite()
+        let sum = self.grips.iter().map(|grip| far(&targets[grip.spring])).fold(0.0, |sum, far| sum + far);
+        sum < FARTHEST && self.n_nowhere == 0 && duration > 0.0 && duration.is_finite()
     }
 
     /// Whether no held tip differs from its entry of `targets`.
@@ -191,6 +195,14 @@ impl HeldSprings {
 
 /// Beyond, energies have no finite value (m); scenarios end at 1e50 m.
 const FARTHEST: f64 = 1e60;
+
+fn far(tip: &Vec2) -> f64 {
+    tip.x.abs() + tip.y.abs()
+}
+
+fn is_somewhere(tip: &Vec2) -> bool {
+    far(tip) < FARTHEST
+}
 
 /// The energy (J) of a spring whose tip is nowhere is nobody's.
 fn known(energy: f64) -> f64 {

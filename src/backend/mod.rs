@@ -95,7 +95,7 @@ pub trait Backend {
     /// free springs are not read) within `duration` (s), and the load with them.
     ///
     /// Targets, not velocities: the path of the tips then has no rounding that depends on how time was cut. Tips that are or go nowhere (not finite, or beyond
-    /// 1e60 m) and a time that does not pass are answered by [`Status::Failed`], and nothing moves; rapier then stays where it is for good.
+    /// 1e60 m) and a time that does not pass are answered by [`Status::Failed`], and nothing moves; after such tips rapier stays where it is for good.
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport;
 
     /// Pose and twist of the load now. The twist of a method without inertia is the last displacement over its time.
@@ -193,6 +193,11 @@ pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> 
         BackendKind::QuasiStatic => control_period.min(LONGEST_UNASKED),
         BackendKind::Inertial | BackendKind::Rapier => (0.1 / system.fastest_rate()).clamp(SHORTEST_UNASKED, 1e-3).min(control_period),
     }
+}
+
+/// The step (s) that is asked for, which ends with the control period, or that for who asks for none.
+pub fn step_of(asked: Option<f64>, kind: BackendKind, system: &System, control_period: f64) -> f64 {
+    asked.map_or_else(|| default_step(kind, system, control_period), |step| step.min(control_period))
 }
 
 /// The one place that joins kinds and code.

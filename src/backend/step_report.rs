@@ -41,6 +41,11 @@ pub struct StepReport {
 }
 
 impl StepReport {
+    /// Whether it is [`StepReport::refused`].
+    pub fn is_refused(&self) -> bool {
+        self.status == Status::Failed && self.n_solves == 0
+    }
+
     /// Of an advance that has no answer, and in which nothing moved.
     pub(super) fn refused() -> Self {
         Self { status: Status::Failed, n_steps: 1, n_not_converged: 1, ..Self::default() }

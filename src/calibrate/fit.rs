@@ -58,6 +58,9 @@ pub struct LinearFit {
     pub case: Case,
     /// Of the size of the displacement: m or rad.
     pub range: [f64; 2],
+    /// The reading farthest out in it, with its sign: m or rad.
+    #[serde(default)]
+    pub farthest: Option<f64>,
     pub stiffness: Estimate,
     pub goodness: Goodness,
     pub misfit: Misfit,
@@ -156,11 +159,13 @@ fn linear_fit(law: &Law, trials: &[Trial], design: &SpringDesign, ranges: &Range
     let name = format!("stiffness of case {}", case.name());
     let stiffness = positive(&name, pool(&law.slopes(&within), law.weighting, level))?;
     let goodness = Goodness::of(&within, stiffness.value, law, law.weighting, level);
-    Ok(LinearFit { case, range, stiffness, goodness, misfit: Misfit::of(case, design, stiffness.value, range) })
+    let places = within.iter().flat_map(|trial| &trial.points).map(|point| point.at);
+    let farthest = places.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    Ok(LinearFit { case, range, farthest, stiffness, goodness, misfit: Misfit::of(case, design, stiffness.value, range) })
 }
 
 /// Share of the far end of a range by which a reading may lie beyond either (1): one that is meant to lie there is in it, however it was rounded.
-const EDGE: f64 = 1e-9;
+pub(super) const EDGE: f64 = 1e-9;
 
 fn of_range(trial: &Trial, [low, high]: [f64; 2]) -> Trial {
     let edge = EDGE * high;
@@ -191,17 +196,11 @@ fn warnings(found: &Calibration) -> Vec<String> {
     for fit in found.linear.iter().filter(|fit| fit.stiffness.n_trials == 1) {
         warnings.push(format!("case {}: one trial cannot tell how trials differ, so it has no interval", fit.case.name()));
     }
-    for fit in found.linear.iter().filter(|fit| fit.stiffness.is_of_one_trial()) {
-        let percent = 100.0 * fit.stiffness.largest_weight.unwrap_or_default();
-        warnings
-            .push(format!("case {}: one trial has {percent:.0} % of the weight, so its interval may be far too narrow", fit.case.name()));
-    }
-    for fit in found.linear.iter().filter(|fit| fit.stiffness.is_of_one_trial()) {
-        let percent = 100.0 * fit.stiffness.largest_weight.unwrap_or_default();
-        warnings.push(format!(
-            "case {}: one trial has {percent:.0} % of the weight, so that its interval may be far too narrow",
-            fit.case.name()
-        ));
+    let modulus = ("E".to_owned(), &found.youngs_modulus_pa);
+    let stiffnesses = found.linear.iter().map(|fit| (format!("case {}", fit.case.name()), &fit.stiffness));
+    for (what, estimate) in std::iter::once(modulus).chain(stiffnesses).filter(|(_, estimate)| estimate.is_of_one_trial()) {
+        let percent = 100.0 * estimate.largest_weight.unwrap_or_default();
+        warnings.push(format!("{what}: one trial has {percent:.0} % of the weight, so that its interval may be far too narrow"));
     }
     if found.cases_agree_p_value.is_some_and(|p| p < UNLIKELY) {
         warnings.push("the cases have different moduli: one E does not describe this spring".to_owned());

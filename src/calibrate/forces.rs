@@ -52,12 +52,8 @@ pub struct TipForces {
 impl TipForces {
     /// Tips farther than the stiffnesses were fitted to.
     pub fn n_beyond_fit(&self, sensor: &Sensor) -> usize {
-        let [stretch, swing] = sensor.fitted_to.map(|far| far.unwrap_or(f64::INFINITY));
-        let is_beyond = |force: &&Force| {
-            let shape = &force.shape;
-            (shape.length - sensor.spring(force.spring).rest_length).abs() > stretch || shape.swing.abs() > swing
-        };
-        self.forces.iter().filter(is_beyond).count()
+        let stretch = |force: &Force| force.shape.length - sensor.spring(force.spring).rest_length;
+        self.forces.iter().filter(|force| sensor.fitted_to.ends_before(stretch(force), force.shape.swing)).count()
     }
 
     /// Tips so near their root that the direction of the spring, by which the couple turns into a force, is hardly known.

@@ -39,6 +39,6 @@ pub use forces::{Force, ForceSummary, TipForces, summaries, tip_forces};
 pub use measurements::{Measurement, Measurements, Trial};
 pub use quality::{Bend, Goodness, Misfit};
 pub use recording::{Recording, Sample, Tip};
-pub use sensor::Sensor;
+pub use sensor::{FittedTo, Sensor};
 pub use table::InputError;
 pub use trials::{Estimate, Point, TrialSlope, Weighting, agreement, mean_of_cases, pool};

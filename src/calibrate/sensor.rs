@@ -1,6 +1,7 @@
 //! What turns tips into forces: springs, and how well they are known.
 
 use super::equivalents::PAPER_STRETCH;
+use super::fit::EDGE;
 use super::{Calibration, Case};
 use crate::math::Vec2;
 use crate::model::{PolarSpring, SpringDesign};
@@ -23,8 +24,33 @@ pub struct Sensor {
     pub tip_error: f64,
     /// For Eq. (1).
     pub model: Option<SpringDesign>,
-    /// Largest stretch (m) and swing (rad) that stiffnesses were fitted to, where they were.
-    pub fitted_to: [Option<f64>; 2],
+    /// What the stiffnesses were fitted to, where they were.
+    pub fitted_to: FittedTo,
+}
+
+/// How far out the readings of a fit go.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FittedTo {
+    /// Either way along the spring (m).
+    pub stretch: Option<f64>,
+    /// To either side of it, clockwise first (rad); a side that was not measured is as the other one.
+    pub swing: Option<[f64; 2]>,
+}
+
+impl FittedTo {
+    fn of(found: &Calibration) -> Self {
+        let farthest = |is_radial| found.linear.iter().filter(move |fit| fit.case.is_radial() == is_radial).filter_map(|fit| fit.farthest);
+        let [clockwise, counter] = [-1.0, 1.0].map(|side| farthest(false).map(|at| side * at).filter(|at| *at > 0.0).reduce(f64::max));
+        let swing = clockwise.or(counter).zip(counter.or(clockwise)).map(|(clockwise, counter)| [clockwise, counter]);
+        Self { stretch: farthest(true).map(f64::abs).reduce(f64::max), swing }
+    }
+
+    /// Whether a spring of this `stretch` (m) and `swing` (rad) is farther out than any reading.
+    pub fn ends_before(&self, stretch: f64, swing: f64) -> bool {
+        let is_beyond = |at: f64, end: f64| at > end * (1.0 + EDGE);
+        let end = self.swing.map(|[clockwise, counter]| if swing < 0.0 { clockwise } else { counter });
+        self.stretch.is_some_and(|end| is_beyond(stretch.abs(), end)) || end.is_some_and(|end| is_beyond(swing.abs(), end))
+    }
 }
 
 impl Sensor {
@@ -43,7 +69,7 @@ impl Sensor {
 
     /// Springs whose stiffnesses are known.
     pub fn exact(springs: Vec<PolarSpring>) -> Self {
-        Self { springs, radial_error: 0.0, torsional_error: 0.0, tip_error: 0.0, model: None, fitted_to: [None; 2] }
+        Self { springs, radial_error: 0.0, torsional_error: 0.0, tip_error: 0.0, model: None, fitted_to: FittedTo::default() }
     }
 
     /// The same springs with the stiffnesses that were fitted. What was not measured follows from E, with its error, as the paper has it: kappa_rho as the secant
@@ -59,8 +85,7 @@ impl Sensor {
         for spring in &mut self.springs {
             (spring.radial_stiffness, spring.torsional_stiffness) = (radial[0], torsional[0]);
         }
-        let far = |is_radial| found.linear.iter().filter(|fit| fit.case.is_radial() == is_radial).map(|fit| fit.range[1]).reduce(f64::max);
-        Self { radial_error: radial[1], torsional_error: torsional[1], model: Some(design), fitted_to: [far(true), far(false)], ..self }
+        Self { radial_error: radial[1], torsional_error: torsional[1], model: Some(design), fitted_to: FittedTo::of(found), ..self }
     }
 
     /// Stiffnesses (N/m, N m/rad) that are given count as exact.
@@ -70,11 +95,11 @@ impl Sensor {
             spring.torsional_stiffness = torsional.unwrap_or(spring.torsional_stiffness);
         }
         let error = |given: Option<f64>, fitted: f64| if given.is_some() { 0.0 } else { fitted };
-        let [stretch, swing] = self.fitted_to;
+        let FittedTo { stretch, swing } = self.fitted_to;
         Self {
             radial_error: error(radial, self.radial_error),
             torsional_error: error(torsional, self.torsional_error),
-            fitted_to: [stretch.filter(|_| radial.is_none()), swing.filter(|_| torsional.is_none())],
+            fitted_to: FittedTo { stretch: stretch.filter(|_| radial.is_none()), swing: swing.filter(|_| torsional.is_none()) },
             ..self
         }
     }

@@ -10,7 +10,7 @@ use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
 use super::{CliError, EngineArgs, check_out, check_step, command_line, interrupt, print, read_scenario, step, warn_of_idle};
-use crate::backend::{BackendKind, BackendOptions, Integrator, Status, default_step};
+use crate::backend::{BackendKind, BackendOptions, Integrator, Status, step_of};
 use crate::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
 use crate::report::{CheckReport, Manifest, Progress, check_text, sha256_hex, this_build, write_check};
 use crate::scenario::Scenario;
@@ -190,7 +190,7 @@ fn questions(args: &StoreArgs) -> Result<Vec<(String, Scenario, BackendOptions)>
         let scenario = read_scenario(path, args.seed)?;
         check_step(args.step_s, &scenario)?;
         for kind in &args.backend {
-            let step_s = args.step_s.unwrap_or_else(|| default_step(*kind, &scenario.system, scenario.control_period));
+            let step_s = step_of(args.step_s, *kind, &scenario.system, scenario.control_period);
             let options = BackendOptions {
                 integrator: args.integrator.unwrap_or_default(),
                 rapier: args.engine.options(),

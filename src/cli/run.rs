@@ -14,7 +14,7 @@ use super::{
     CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, state, step,
     warn_idle, warn_of_idle,
 };
-use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, default_step};
+use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, step_of};
 use crate::estimate::{AGREEMENT, Estimator, Watched};
 use crate::report::figure::Scene;
 use crate::report::table::TraceColumns;
@@ -162,8 +162,7 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
         return Err(CliError::Usage(format!("--second-order: must be of quasi-static, found {}", args.backend.name())));
     }
     let Some(position_m) = args.tolerance else {
-        let step_s = args.step_s.map(|step| step.min(scenario.control_period));
-        let step_s = step_s.unwrap_or_else(|| default_step(args.backend, &scenario.system, scenario.control_period));
+        let step_s = step_of(args.step_s, args.backend, &scenario.system, scenario.control_period);
         return Ok(BackendOptions {
             integrator: args.integrator.unwrap_or_default(),
             rapier: args.engine.options(),
@@ -194,8 +193,9 @@ fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRu
     let Some(path) = path else { return Ok(None) };
     let Some(saved) = state::read::<SavedRun>(path)? else { return Ok(None) };
     let as_asked = saved.options.tolerance.map(|tolerance| Tolerance { tightened: 0, ..tolerance });
-    if (BackendOptions { tolerance: as_asked, ..saved.options }) != *options {
-        let text = format!("{}: must be of the run asked for, found another: {}", path.display(), differences(&saved.options, options));
+    let as_asked = BackendOptions { tolerance: as_asked, ..saved.options };
+    if as_asked != *options {
+        let text = format!("{}: must be of the run asked for, found another: {}", path.display(), differences(&as_asked, options));
         return Err(CliError::Usage(text));
     }
     Ok(Some(saved))

@@ -13,7 +13,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
 
 use super::{CliError, EngineArgs, check_step, command_line, interrupt, positive, print, step, warn_of_idle, warn_of_idle_points};
-use crate::backend::{BackendKind, Integrator, Skip, Skips};
+use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
 use crate::report::{
     Cost, FAILED, FolderError, MANIFEST, Manifest, NOT_WITHIN_TOLERANCE, Progress, SweepSummary, check_files, check_target, sweep_text,
     write_sweep,
@@ -80,6 +80,7 @@ pub struct SweepArgs {
 pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
     let plan = plan(args)?;
     args.step_s.iter().try_for_each(|step| check_step(Some(*step), plan.base()))?;
+    check_variants(&plan)?;
     let pool = pool(args.threads, plan.identity.n_cells)?;
     warn_of_idle(&args.backend, args.integrator, &args.engine);
     warn_of_idle_points(plan.base(), &args.backend, args.seeds, args.scale_inertia.is_some());
@@ -125,11 +126,16 @@ fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
         rapier: args.engine.options(),
         skips: Skips::ALL.without_all(&args.no_skip),
     };
-    let variants: Vec<Variant> = args.backend.iter().flat_map(|backend| steps.iter().map(|step_s| of(*backend, *step_s))).collect();
-    let repeated = (1..variants.len()).find(|at| variants[..*at].contains(&variants[*at]));
-    match repeated {
+    Ok(args.backend.iter().flat_map(|backend| steps.iter().map(|step_s| of(*backend, *step_s))).collect())
+}
+
+/// # Errors
+/// When two of the variants are one: steps end with the control period.
+fn check_variants(plan: &Plan) -> Result<(), CliError> {
+    let options: Vec<BackendOptions> = plan.identity.variants.iter().map(|variant| variant.options(plan.base())).collect();
+    match (1..options.len()).find(|at| options[..*at].contains(&options[*at])) {
         Some(_) => Err(CliError::Usage("--backend, --step-s: must name every backend and step once, found one again".into())),
-        None => Ok(variants),
+        None => Ok(()),
     }
 }
 

@@ -26,7 +26,7 @@ mod verdict;
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, default_step, n_steps_in};
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, n_steps_in, step_of};
 use crate::scenario::Scenario;
 
 pub use difference::Difference;
@@ -57,7 +57,7 @@ pub struct Settings {
     pub rapier: RapierOptions,
     /// Backend whose run is replayed into the others.
     pub recorded_from: BackendKind,
-    /// Difference that counts as agreement, over the length of the way of the load's rim (1).
+    /// Difference that counts as agreement, over [`Pathwise::path_length_m`] (1).
     pub agreement: f64,
     /// What may be left out.
     pub skips: Skips,
@@ -81,8 +81,7 @@ impl Settings {
     }
 
     pub fn options(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
-        let step_s = self.step_s.map(|step| step.min(scenario.control_period));
-        let step_s = step_s.unwrap_or_else(|| default_step(kind, &scenario.system, scenario.control_period));
+        let step_s = step_of(self.step_s, kind, &scenario.system, scenario.control_period);
         BackendOptions { rapier: self.rapier, skips: self.skips, ..BackendOptions::new(kind, step_s) }
     }
 

@@ -32,7 +32,7 @@ pub struct InertiaEstimate {
     pub from_driving_m: f64,
     /// Length of the way of the load's rim without inertia, or how far the load with inertia gets from where it started, whichever is longer (m).
     pub path_length_m: f64,
-    /// Largest displacement over the length of the way (1); zero where the load stays.
+    /// Largest displacement over [`InertiaEstimate::path_length_m`] (1); zero where the load stays.
     pub share: f64,
     /// Whether the share is at most that which counts as agreement, of a load that was not lost.
     pub is_negligible: bool,

@@ -56,8 +56,8 @@ pub struct Tick<'a> {
 /// How a shadow went on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Followed {
-    /// Length of the way of its rim (m).
-    pub way: f64,
+    /// Whether it went anywhere.
+    pub moved: bool,
     /// Of its oscillation (rad/s); zero for a shadow that rested or that no spring holds.
     pub frequency: f64,
     /// Whether it had turned so far away from the load without inertia that where that balances says nothing of it.
@@ -196,7 +196,7 @@ impl Shadow {
                 self.drift(system, &across, resistance, [&at, beside], slider.stiffness, slid.way);
             }
         }
-        Followed { way: slid.way, frequency, is_lost }
+        Followed { moved: slid.way > 0.0, frequency, is_lost }
     }
 
     /// Goes over a `way` (m) to where the springs hold the wrench of the dashpots across the slip.

@@ -54,6 +54,9 @@ impl Backend for Watched {
         let before = self.motion().pose;
         let report = self.backend.advance(tip_targets, duration);
         let after = self.motion().pose;
+        if report.is_refused() {
+            return report;
+        }
         self.estimator.borrow_mut().advance(&before, &after, tip_targets, duration);
         report
     }

@@ -70,7 +70,7 @@ impl Cell {
         self.way_m > 1e-3 * self.epsilon * self.phi * SLIP_STRETCH
     }
 
-    /// Largest distance over the way (1), the measure of verdicts; `None` where nothing moves or no end was found.
+    /// Largest distance over the way without inertia (1), by which verdicts go too unless the load with inertia gets farther; `None` where nothing moves or no end was found.
     pub fn share(&self) -> Option<f64> {
         (self.is_converged && self.moves()).then(|| self.distance_m / self.way_m)
     }

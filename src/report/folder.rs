@@ -82,7 +82,8 @@ pub fn check_target(target: &Path) -> Result<(), FolderError> {
 fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     let metadata = match fs::metadata(target) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            let is_link = fs::symlink_metadata(target).is_ok();
+            // Without a slash at its end, which stands for where a link leads.
+            let is_link = fs::symlink_metadata(target.components().as_path()).is_ok();
             return if is_link { Err(FolderError::DanglingLink { path: target.to_owned() }) } else { Ok(()) };
         }
         other => other.map_err(at(target))?,

@@ -50,7 +50,7 @@ pub struct Failure {
 
 /// Of a run without an answer.
 pub const FAILED: &str = "failed";
-/// Of one at fixed steps, or under error control, some solve of which did not converge.
+/// Of one at fixed steps, or under error control, some step of which did not converge.
 pub const NOT_CONVERGED: &str = "not-converged";
 /// Of one under error control whose estimated error is too large.
 pub const NOT_WITHIN_TOLERANCE: &str = "not-within-tolerance";
@@ -100,7 +100,7 @@ impl SweepSummary {
     /// What to tell of runs whose numbers are less good than asked for.
     pub fn warnings(&self) -> Vec<String> {
         let kinds = [
-            (NOT_CONVERGED, "have solves that did not converge: what comes after is only as good as their residual"),
+            (NOT_CONVERGED, "have steps that did not converge: what comes after is only as good as their residual"),
             (NOT_WITHIN_TOLERANCE, "are not within their tolerance at the finest strides"),
         ];
         let told = kinds.iter().map(|(status, what)| (self.n_of(status), what)).filter(|(n, _)| *n > 0);

@@ -213,7 +213,7 @@ fn measured(facts: &Facts) -> Result<(&'static str, String, Vec<Field>), String>
         Status::Failed => ("failed", "some step had no finite answer".to_owned()),
         Status::NotConverged => {
             let steps = &facts.outcome.steps;
-            ("not-converged", format!("{} of {} solves did not converge", steps.n_not_converged, steps.n_solves))
+            ("not-converged", format!("{} of {} steps did not converge", steps.n_not_converged, steps.n_steps))
         }
         Status::Converged if !is_within => ("not-within-tolerance", "its estimated error is larger at the finest strides".to_owned()),
         Status::Converged => ("finished", String::new()),

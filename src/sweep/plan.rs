@@ -9,7 +9,7 @@ use super::column::{Column, Kind};
 use super::design::Design;
 use super::error::SweepError;
 use super::template::Template;
-use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance, default_step};
+use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance, step_of};
 use crate::scenario::{Drive, Scenario};
 
 /// Version of the table: it changes whenever a row of the same run would.
@@ -19,7 +19,7 @@ pub const FORMAT: u32 = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variant {
     pub backend: BackendKind,
-    /// (s); `None` is that of [`default_step`] at each point, unless there is a tolerance.
+    /// (s); `None` is that of [`crate::backend::default_step`] at each point, unless there is a tolerance.
     pub step_s: Option<f64>,
     /// (m)
     pub tolerance_m: Option<f64>,
@@ -34,8 +34,7 @@ impl Variant {
             let tolerance = Tolerance::on_rim(tolerance, &scenario.system.load);
             return BackendOptions { skips: self.skips, ..BackendOptions::within(self.backend, tolerance) };
         }
-        let step_s = self.step_s.map(|step| step.min(scenario.control_period));
-        let step_s = step_s.unwrap_or_else(|| default_step(self.backend, &scenario.system, scenario.control_period));
+        let step_s = step_of(self.step_s, self.backend, &scenario.system, scenario.control_period);
         BackendOptions { integrator: self.integrator, rapier: self.rapier, skips: self.skips, ..BackendOptions::new(self.backend, step_s) }
     }
 }

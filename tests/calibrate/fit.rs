@@ -1,5 +1,5 @@
 use cohaul::calibrate::generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
-use cohaul::calibrate::{Case, Dimensions, Measurement, Measurements, Ranges, fit, least_squares_stiffness};
+use cohaul::calibrate::{Case, Dimensions, Measurement, Measurements, Ranges, Sensor, fit, least_squares_stiffness};
 
 use super::{EXACT, TRUTH, fitted, of};
 
@@ -178,28 +178,54 @@ fn the_example_is_what_its_seed_generates() {
     assert!(interval.low < 1.66e6 && 1.66e6 < interval.high, "{interval:?}");
 }
 
-/// One trial to 10 mm beside five to 1.5 mm: information goes by the square of the stretch, so that it has some 90 % of the weight. Alike, none has more than its part.
+/// One trial to 10 mm beside five to 1.5 mm: information goes by the square of the stretch, so that it has some 90 % of the weight. Alike, none has more than its
+/// part. Readings by the linear law have one kappa, those by the model one E: each is told of by itself.
 #[test]
 fn a_trial_that_decides_alone_is_told() {
-    let share = |reaches: &[f64]| {
+    let share = |reaches: &[f64], is_linear: bool| {
         let mut data = Measurements::default();
         for (trial, reach) in reaches.iter().enumerate() {
             for point in 1..=10 {
                 let at = reach * f64::from(point) / 10.0;
                 // Trials differ by 0.1 %, readings err by 0.1 mN.
-                let force = 0.664 * at * (1.0 + 1e-3 * trial as f64);
+                let force = (1.0 + 1e-3 * trial as f64) * if is_linear { 0.664 * at } else { TRUTH.radial_force(at) };
                 data.add(Case::Radial, trial.to_string(), Measurement { at, force, sd: Some(1e-4) });
             }
         }
         let found = fitted(&data, &Ranges::default());
-        let is_told = found.warnings.iter().any(|warning| warning.starts_with("case radial: one trial has "));
-        (found.linear[0].stiffness.largest_weight.unwrap(), is_told)
+        let what = if is_linear { "case radial: one trial has " } else { "E: one trial has " };
+        let n_told = found.warnings.iter().filter(|warning| warning.starts_with(what)).count();
+        let estimate = if is_linear { found.linear[0].stiffness } else { found.youngs_modulus_pa };
+        (estimate.largest_weight.unwrap(), n_told)
     };
-    let (weight, is_told) = share(&[1e-2, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3]);
-    // (10 / 1.5)^2 = 44 to 5, tau^2 being zero.
-    assert!((weight - 44.4 / 49.4).abs() < 1e-2 && is_told, "{weight}");
-    let (weight, is_told) = share(&[1e-2; 6]);
-    assert!((weight - 1.0 / 6.0).abs() < 1e-12 && !is_told, "{weight}");
-    // Of two, half is even.
-    assert!(!share(&[1e-2, 1e-2]).1 && share(&[1e-2, 1e-3]).1);
+    for is_linear in [true, false] {
+        let (weight, n_told) = share(&[1e-2, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3], is_linear);
+        // (10 / 1.5)^2 = 44 to 5, tau^2 being zero; the model's force rises a little faster than the stretch.
+        assert!((0.89..0.92).contains(&weight) && n_told == 1, "{weight} {n_told}");
+        let (weight, n_told) = share(&[1e-2; 6], is_linear);
+        assert!((weight - 1.0 / 6.0).abs() < 1e-12 && n_told == 0, "{weight} {n_told}");
+        // Of two, half is even.
+        assert_eq!([share(&[1e-2, 1e-2], is_linear).1, share(&[1e-2, 1e-3], is_linear).1], [0, 1]);
+    }
+}
+
+/// The example goes to 10 mm along the spring, to 0.8 rad to one side and to 0.5 rad to the other, whatever ranges are asked for beyond.
+#[test]
+fn springs_are_known_as_far_as_readings_go_on_either_side() {
+    let data = measurements(&TRUTH, &Plan::EXAMPLE);
+    let [counter, clockwise] = [Case::TangentialTwo, Case::TangentialThree].map(|case| {
+        let places = data.trials.iter().filter(|trial| trial.case == case).flat_map(|trial| &trial.points).map(|point| point.at);
+        places.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap()
+    });
+    assert!(counter > 0.0 && clockwise < 0.0 && counter > 1.1 * clockwise.abs(), "{counter} {clockwise}");
+    let known = |ranges: &Ranges| Sensor::paper().calibrated(&fitted(&data, ranges)).fitted_to;
+    let whole = known(&Ranges::default());
+    let edge = whole.stretch.unwrap();
+    for known in [whole, known(&Ranges { stretch: Some([0.0, 1.5 * edge]), swing: Some([0.0, 0.9]) })] {
+        let is_beyond = |stretch: f64, swing: f64| known.ends_before(stretch, swing);
+        assert!(!is_beyond(edge, counter) && !is_beyond(-edge, clockwise), "{known:?}");
+        assert!(is_beyond(1.01 * edge, 0.0) && is_beyond(0.0, 1.01 * counter) && is_beyond(0.0, 1.01 * clockwise), "{known:?}");
+    }
+    let short = known(&Ranges { stretch: Some([0.0, 0.8 * edge]), swing: None });
+    assert!(short.ends_before(0.9 * edge, 0.0) && !short.ends_before(0.7 * edge, 0.0), "{short:?}");
 }

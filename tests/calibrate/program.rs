@@ -127,6 +127,9 @@ fn forces_of_damped_springs_are_told_to_lack_their_dashpots() {
     let output = call(&["calibrate", "forces", &run]);
     assert_eq!(output.status.code(), Some(0));
     assert!(text(&output.stderr).contains("warning: the springs' dashpots pull too"), "{}", text(&output.stderr));
+    // Without inertia dashpots are left out of the run as well.
+    assert_eq!(call(&["run", &damped, "--tips", "--out", &run]).status.code(), Some(0));
+    assert!(!text(&call(&["calibrate", "forces", &run]).stderr).contains("dashpots"));
 }
 
 /// Through files, against the pulls of `trace.csv`.

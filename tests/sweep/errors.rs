@@ -81,6 +81,8 @@ fn shards_of_other_cuts_and_links_to_nothing_are_named_before_anything_runs() {
     let room = tempdir().unwrap();
     let (scene, out) = (scene(room.path()), room.path().join("out"));
     done(&sweep(&scene, &["--seeds", "6", "--shard", "1/3"], &out));
+    let text = refused(&sweep(&scene, &["--step-s", "5", "--step-s", "10"], &room.path().join("twice")));
+    assert!(text.contains("must name every backend and step once"), "{text}");
     let text = refused(&sweep(&scene, &["--seeds", "6", "--shard", "1/2"], &out));
     assert!(text.contains("1-of-3.rows: must be one of 2 parts"), "{text}");
     done(&sweep(&scene, &["--seeds", "6", "--shard", "2/3"], &out));
@@ -89,8 +91,10 @@ fn shards_of_other_cuts_and_links_to_nothing_are_named_before_anything_runs() {
     {
         let link = room.path().join("link");
         std::os::unix::fs::symlink(room.path().join("nowhere"), &link).unwrap();
-        let text = refused(&sweep(&scene, &[], &link));
-        assert!(text.contains("link: is a link to what is not there"), "{text}");
+        for link in [link.clone(), link.join("")] {
+            let text = refused(&sweep(&scene, &[], &link));
+            assert!(text.contains(": is a link to what is not there"), "{text}");
+        }
         assert_eq!(names(room.path()), ["link", "out", "short.json"]);
     }
 }

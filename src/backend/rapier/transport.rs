@@ -326,6 +326,9 @@ impl Backend for Transport {
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        if !(duration > 0.0 && duration.is_finite()) {
+            return StepReport::refused();
+        }
         let n_steps = n_steps_in(duration, self.step);
         let step = duration / n_steps as f64;
         let mut work = std::mem::take(&mut self.work);

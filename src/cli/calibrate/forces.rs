@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 
 use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative, read};
+use crate::backend::BackendKind;
 use crate::calibrate::{Calibration, Recording, Sensor, TipForces, summaries, tip_forces};
 use crate::model::SpringDesign;
-use crate::report::{ForcesReport, quantity, write_tip_forces};
+use crate::report::{ForcesReport, MANIFEST, quantity, write_tip_forces};
 use crate::scenario::Scenario;
 
 #[derive(Args)]
@@ -47,6 +48,7 @@ pub struct ForcesArgs {
 #[derive(Deserialize)]
 struct Ran {
     scenario: Value,
+    options: Value,
 }
 
 pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
@@ -74,7 +76,7 @@ pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
         n_frames: recording.n_frames(),
         springs: summaries(&found, &sensor),
         tip_noise_m: args.tip_noise_m,
-        warnings: warnings(&sensor, &found),
+        warnings: warnings(&sensor, &found, has_dashpots(args)?),
     };
     let json = report.to_json()?;
     if let Some(out) = &args.out {
@@ -101,9 +103,23 @@ fn scenario(args: &ForcesArgs) -> Result<Option<Scenario>, CliError> {
     if !args.recording.is_dir() {
         return Ok(None);
     }
-    let path = args.recording.join("manifest.json");
-    let ran: Ran = parsed(&path, "must be the manifest of a run")?;
+    let (path, ran) = ran(&args.recording)?;
     Ok(Some(Scenario::parse(&ran.scenario.to_string(), &path.display().to_string())?))
+}
+
+fn ran(folder: &Path) -> Result<(PathBuf, Ran), CliError> {
+    let path = folder.join(MANIFEST);
+    let ran = parsed(&path, "must be the manifest of a run")?;
+    Ok((path, ran))
+}
+
+/// Whether dashpots had a part in the pulls: a quasi-static run leaves them out.
+fn has_dashpots(args: &ForcesArgs) -> Result<bool, CliError> {
+    if !args.recording.is_dir() {
+        return Ok(true);
+    }
+    let (_, ran) = ran(&args.recording)?;
+    Ok(ran.options["kind"] != BackendKind::QuasiStatic.name())
 }
 
 fn parsed<T: for<'de> Deserialize<'de>>(path: &Path, rule: &str) -> Result<T, CliError> {
@@ -131,21 +147,24 @@ fn sensor(args: &ForcesArgs, scenario: Option<&Scenario>) -> Result<Sensor, CliE
     Ok(Sensor { tip_error: args.tip_noise_m, ..sensor.with_given(args.radial_stiffness_n_per_m, args.torsional_stiffness_nm_per_rad) })
 }
 
-fn warnings(sensor: &Sensor, found: &TipForces) -> Vec<String> {
+/// `has_dashpots` says whether those of the springs pulled while tips were recorded.
+fn warnings(sensor: &Sensor, found: &TipForces, has_dashpots: bool) -> Vec<String> {
     let foreign = |length: f64| format!("springs {length} m long are read with the calibration of others");
     let n = found.n_near_root(sensor);
     let near =
         || format!("tips within a tenth of the rest length of their root, where Eq. (10) grows without limit: {n}; were they seen there?");
     let n_beyond = found.n_beyond_fit(sensor);
     let beyond = || {
-        let [stretch, swing] = [(0, "m"), (1, "rad")].map(|(at, unit)| sensor.fitted_to[at].map(|far| quantity(far, unit)));
+        let stretch = sensor.fitted_to.stretch.map(|stretch| quantity(stretch, "m"));
+        let swing =
+            sensor.fitted_to.swing.map(|[clockwise, counter]| format!("-{} to {}", quantity(clockwise, "rad"), quantity(counter, "rad")));
         let far = stretch.into_iter().chain(swing).collect::<Vec<_>>().join(" or ");
         format!(
             "tips farther than the calibration was fitted to, {far}: {n_beyond} of {}; their forces are the linear law carried on",
             found.forces.len()
         )
     };
-    let has_dashpots = sensor.springs.iter().any(|spring| spring.damping_ratio > 0.0);
+    let has_dashpots = has_dashpots && sensor.springs.iter().any(|spring| spring.damping_ratio > 0.0);
     let dashpots = || "the springs' dashpots pull too, by speeds that tips alone do not tell: forces are those of the springs".to_owned();
     let foreign = sensor.foreign_length().map(foreign);
     foreign.into_iter().chain((n_beyond > 0).then(beyond)).chain((n > 0).then(near)).chain(has_dashpots.then(dashpots)).collect()

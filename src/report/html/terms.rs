@@ -21,7 +21,7 @@ pub const TERMS: &[(&str, &str)] = &[
     ),
     (
         "agreement",
-        "the distance up to which paths count as the same: a share, 1 % unless asked otherwise, of the way that the load's rim goes",
+        "the distance up to which paths count as the same: a share, 1 % unless asked otherwise, of the way that the load's rim goes without inertia, or of how far it gets with it where that is more",
     ),
     (
         "epsilon",
