@@ -150,9 +150,10 @@ impl HeldSprings {
 
     /// Whether tips that are somewhere are asked to go somewhere, in a time that passes (s): without that no step has an answer.
     pub fn can_go(&self, targets: &[Vec2], duration: f64) -> bool {
-        // A sum without a value is below nothing.
-        let sum = self.grips.iter().map(|grip| far(&targets[grip.spring])).fold(0.0, |sum, far| sum + far);
-        sum < FARTHEST && self.n_nowhere == 0 && duration > 0.0 && duration.is_finite()
+        // A sum without a value is below nothing. One over x and one over y, as they need not wait for each other.
+        let targets = self.grips.iter().map(|grip| &targets[grip.spring]);
+        let [x, y] = targets.fold([0.0f64; 2], |[x, y], tip| [x + tip.x.abs(), y + tip.y.abs()]);
+        x + y < FARTHEST && self.n_nowhere == 0 && duration > 0.0 && duration.is_finite()
     }
 
     /// Whether no held tip differs from its entry of `targets`.

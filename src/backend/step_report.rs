@@ -47,6 +47,7 @@ impl StepReport {
     }
 
     /// Of an advance that has no answer, and in which nothing moved.
+    #[cold]
     pub(super) fn refused() -> Self {
         Self { status: Status::Failed, n_steps: 1, n_not_converged: 1, ..Self::default() }
     }

@@ -139,7 +139,6 @@ impl QuasiStatic {
 
     /// Takes the tips to their targets.
     fn follow(&mut self, tip_targets: &[Vec2], duration: f64, report: &mut StepReport) {
-        self.transitions.clear();
         if std::mem::take(&mut self.state.disturbed) {
             report.add(&self.jump());
         }
@@ -380,12 +379,13 @@ impl Backend for QuasiStatic {
     }
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
-        if !self.state.held.can_go(tip_targets, duration) {
-            self.transitions.clear();
-            return StepReport::refused();
-        }
         let mut report = StepReport::default();
-        self.follow(tip_targets, duration, &mut report);
+        self.transitions.clear();
+        if self.state.held.can_go(tip_targets, duration) {
+            self.follow(tip_targets, duration, &mut report);
+        } else {
+            report = StepReport::refused();
+        }
         report
     }
 
