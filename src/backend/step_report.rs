@@ -41,7 +41,7 @@ pub struct StepReport {
 }
 
 impl StepReport {
-    /// Whether it is [`StepReport::refused`].
+    /// Whether the advance had no answer: nothing was solved and nothing moved.
     pub fn is_refused(&self) -> bool {
         self.status == Status::Failed && self.n_solves == 0
     }

@@ -261,7 +261,7 @@ impl Shift {
         Self { mean, ..Self::within(values, interval, 0.0, EQUAL) }
     }
 
-    /// Whether means differ by what counts: what is known to lie within [`EQUAL`] does not, however many seeds show that it is not zero.
+    /// Whether means differ by what counts: what is known to lie within 5 % does not, however many seeds show that it is not zero.
     pub fn differs(&self) -> bool {
         self.is_shifted && !self.is_equal
     }
