@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
-use cohaul::stress::{Axis, Done, Effort, Map, Outcome, Row, Variant, all, built, n_cells, stress, stress_with};
+use cohaul::simulation::built;
+use cohaul::stress::{Axis, Done, Effort, Map, Outcome, Row, Variant, all, n_cells, stress, stress_with};
 use serde_json::Value;
 use tempfile::tempdir;
 

@@ -4,13 +4,16 @@
 //! that what the verdict should be follows without any of the comparison's own runs; the engine is run beside it alone.
 
 use std::path::Path;
+use std::sync::Mutex;
 
-use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Skips, default_step};
-use cohaul::compare::{Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, closed_loop, prescribed};
+use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, build, default_step};
+use cohaul::compare::{
+    Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, closed_loop, closed_loop_with, prescribed, prescribed_with, replayed_with,
+};
 use cohaul::estimate::{AGREEMENT, InertiaEstimate};
 use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::{Keep, Simulation};
+use cohaul::simulation::{Keep, Simulation, built};
 
 /// Speed of the tip (m/s) and when it stops (s).
 const SPEED: f64 = 0.08;
@@ -58,7 +61,7 @@ fn truth(scenario: &Scenario, rapier: RapierOptions) -> [f64; 2] {
 }
 
 fn settings(rapier: RapierOptions) -> Settings {
-    Settings { step_s: None, tolerance_m: None, rapier, recorded_from: BackendKind::QuasiStatic, agreement: 0.05, skips: Skips::ALL }
+    Settings { rapier, agreement: 0.05, ..Settings::default() }
 }
 
 fn compared(scenario: &Scenario, settings: &Settings) -> Pathwise {
@@ -93,6 +96,45 @@ fn the_verdict_is_right_over_four_decades_of_inertia_with_a_good_and_a_bad_engin
     for causes in [vec![], vec![Cause::Inertia], vec![Cause::Engine], vec![Cause::Inertia, Cause::Engine]] {
         assert!(seen.contains(&causes), "{causes:?} occurs: {seen:?}");
     }
+}
+
+/// An engine of the caller's, in rapier's place, that has the mass wrong by a factor: its path is that of the heavier load, in closed form.
+#[test]
+fn an_engine_put_in_place_is_told_by_what_it_gets_wrong() {
+    const FACTOR: f64 = 1.5;
+    let scenario = scene(0.1);
+    let asked = Mutex::new(Vec::new());
+    let wrong = |given: &Scenario, options: &BackendOptions| {
+        asked.lock().unwrap().push(options.step_s);
+        let mut system = given.system.clone();
+        system.load.mass *= FACTOR;
+        build(&system, given.start, &BackendOptions::new(BackendKind::Inertial, options.step_s))
+    };
+    let step = 2e-4;
+    let found = prescribed_with(&scenario, &Settings { step_s: Some(step), ..Settings::default() }, &wrong, |_| true).unwrap();
+    let mut asked = asked.into_inner().unwrap();
+    asked.sort_by(f64::total_cmp);
+    assert_eq!(asked, [step / 4.0, step / 2.0, step]);
+    let heavier = scene(0.1 * FACTOR);
+    let apart =
+        found.solutions[1].points.iter().map(|point| (positions(&heavier, point.time)[0] - positions(&scenario, point.time)[0]).abs());
+    let truth = apart.fold(0.0, f64::max);
+    // The midpoint step of 0.2 ms, 0.03 rad of the swing, is up to 0.03^2 / 12 of the phase off, over all of it: 1e-3 of the swing.
+    assert!((found.rim.engine_m - truth).abs() < 2e-3 * truth + found.rim.own_m, "{:e} {truth:e}", found.rim.engine_m);
+    assert!(found.causes.contains(&Cause::Engine), "{:?}", found.rim);
+
+    // And under ants' replayed tips: a quasi-static engine errs by the effect of inertia, jumps and all.
+    let ants = Scenario { duration: 3.0, ..Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap() };
+    let without = |given: &Scenario, options: &BackendOptions| built(given, &BackendOptions { kind: BackendKind::QuasiStatic, ..*options });
+    let found = replayed_with(&ants, &Settings::default(), &without, |_| true).unwrap();
+    assert!(found.rim.engine_m > 0.9 * found.rim.inertia_m && found.rim.inertia_m > 20.0 * found.rim.own_m, "{:?}", found.rim);
+
+    // And under ants that decide by themselves: the same runs once more, seed by seed.
+    let found = closed_loop_with(&ants, &Settings { step_s: Some(1e-3), ..Settings::default() }, 2, &without, |_| true).unwrap();
+    let [quasi_static, inertial, engine] = &found.traces[..] else { panic!("three backends") };
+    assert_eq!(engine.rows, quasi_static.rows);
+    assert_ne!(engine.rows, inertial.rows);
+    assert!(found.measures.iter().flat_map(|measure| &measure.values).all(|[without, _, engine]| without == engine));
 }
 
 /// Ticks are of no moment to prescribed tips: what happens between them is seen. The load swings about the path without inertia as long as the tip goes on. Half a

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Status};
+use cohaul::backend::{BackendKind, BackendOptions, Status};
 use cohaul::compare::{Difference, Numbers, Settings, Solution};
 use cohaul::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::{Driver, EventKind, Keep, Replay, Simulation, Trace, driver_of};
+use cohaul::simulation::{Driver, EventKind, Keep, Replay, Simulation, Trace, built, driver_of};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
@@ -56,14 +56,7 @@ impl Found {
 }
 
 pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
-    let settings = Settings {
-        step_s: None,
-        tolerance_m: None,
-        rapier: RapierOptions::default(),
-        recorded_from: BackendKind::QuasiStatic,
-        agreement: AGREEMENT,
-        skips: Skips::ALL,
-    };
+    let settings = Settings::default();
     let options = settings.options(scenario, BackendKind::QuasiStatic);
     let (estimate, recorded, duration) = estimated(scenario, &options);
     let has_ants = matches!(scenario.drive, Drive::Ants(_));
@@ -106,7 +99,7 @@ fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate,
 
 /// The one place that solves.
 fn solve(scenario: &Scenario, options: &BackendOptions, driver: impl Fn() -> Box<dyn Driver> + Sync) -> Solution {
-    Solution::find(scenario, options, 1, driver, |_| true).expect("nobody stops it")
+    Solution::find(scenario, options, 1, &built, driver, |_| true).expect("nobody stops it")
 }
 
 pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {

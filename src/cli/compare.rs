@@ -68,12 +68,13 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.out {
         check_out(out)?;
     }
+    let unasked = Settings::default();
     let settings = Settings {
         step_s: args.step_s,
         tolerance_m: args.tolerance,
         rapier: args.engine.options(),
-        recorded_from: args.recorded_from.unwrap_or(BackendKind::QuasiStatic),
-        agreement: args.agreement.unwrap_or(0.01),
+        recorded_from: args.recorded_from.unwrap_or(unasked.recorded_from),
+        agreement: args.agreement.unwrap_or(unasked.agreement),
         skips: Skips::ALL.without_all(&args.no_skip),
     };
     let (started, clock) = (SystemTime::now(), Instant::now());

@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Settings, Tier, Verdict};
-use crate::backend::{BackendKind, Status};
+use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::{Interval, Summary, mean_interval, proportion_interval, share_difference_interval};
 use crate::scenario::{AntDrive, Drive, Scenario};
-use crate::simulation::{Keep, Outcome, Simulation, Trace};
+use crate::simulation::{Keep, Make, Outcome, Simulation, Trace, built, driver_of};
 
 /// What paired closed-loop runs found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -157,6 +157,20 @@ const MEASURES: [Quantity; 6] = [
 /// # Panics
 /// Without a seed.
 pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, watch: impl Fn(f64) -> bool + Sync) -> Option<ClosedLoop> {
+    closed_loop_with(scenario, settings, n_seeds, &built, watch)
+}
+
+/// The same with an engine of the caller's in rapier's place, as in [`prescribed_with`](super::prescribed_with); `engine` makes one for each seed.
+///
+/// # Panics
+/// As [`closed_loop`].
+pub fn closed_loop_with(
+    scenario: &Scenario,
+    settings: &Settings,
+    n_seeds: usize,
+    engine: &Make,
+    watch: impl Fn(f64) -> bool + Sync,
+) -> Option<ClosedLoop> {
     assert!(n_seeds > 0, "a comparison over seeds must have one");
     let n_runs = (BackendKind::ALL.len() * n_seeds) as f64;
     let n_done = AtomicUsize::new(0);
@@ -164,8 +178,9 @@ pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, wat
         .into_par_iter()
         .map(|at| {
             let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
-            let run = |kind| {
-                let mut run = run_of(&seeded, settings, kind, |share| watch((n_done.load(Relaxed) as f64 + share) / n_runs))?;
+            let run = |kind, make: &Make| {
+                let mut run =
+                    run_of(&seeded, &settings.options(&seeded, kind), make, |share| watch((n_done.load(Relaxed) as f64 + share) / n_runs))?;
                 n_done.fetch_add(1, Relaxed);
                 if at > 0 {
                     // Figures show the first seed only.
@@ -173,14 +188,14 @@ pub fn closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize, wat
                 }
                 Some(run)
             };
-            Some([run(BackendKind::QuasiStatic)?, run(BackendKind::Inertial)?, run(BackendKind::Rapier)?])
+            Some([run(BackendKind::QuasiStatic, &built)?, run(BackendKind::Inertial, &built)?, run(BackendKind::Rapier, engine)?])
         })
         .collect();
     Some(judged(scenario, runs?))
 }
 
-fn run_of(scenario: &Scenario, settings: &Settings, kind: BackendKind, watch: impl Fn(f64) -> bool) -> Option<Run> {
-    let mut run = Simulation::new(scenario, &settings.options(scenario, kind), Keep::Trace);
+fn run_of(scenario: &Scenario, options: &BackendOptions, make: &Make, watch: impl Fn(f64) -> bool) -> Option<Run> {
+    let mut run = Simulation::on(scenario, options, Keep::Trace, driver_of(scenario), make(scenario, options));
     run.run(|time| watch(time / scenario.duration));
     if !run.is_finished() {
         return None;

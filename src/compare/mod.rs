@@ -27,13 +27,14 @@ mod verdict;
 use serde::{Deserialize, Serialize};
 
 use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, n_steps_in, step_of};
+use crate::estimate::AGREEMENT;
 use crate::scenario::Scenario;
 
 pub use difference::Difference;
-pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, Shift, closed_loop};
+pub use ensemble::{ClosedLoop, DecisionsPart, Distribution, Measure, Shift, closed_loop, closed_loop_with};
 pub use numbers::{Numbers, Predicted};
 pub use parting::{InertiaFrom, Occasion, OccasionKind, Parting};
-pub use pathwise::{Backends, Cause, Cost, OwnErrors, Partings, Pathwise, Rim, prescribed, replayed};
+pub use pathwise::{Backends, Cause, Cost, OwnErrors, Partings, Pathwise, Rim, prescribed, prescribed_with, replayed, replayed_with};
 pub use remedy::Remedy;
 pub use solution::Solution;
 pub use verdict::Verdict;
@@ -71,6 +72,14 @@ const FIRST_TOLERANCE: f64 = 1e-3;
 const LARGEST_TURN_UNSEEN: f64 = 0.5;
 /// So many instants are enough of any comparison; of one with more ticks, the ticks.
 const ENOUGH_INSTANTS: f64 = 2e5;
+
+/// Those of `cohaul compare`.
+impl Default for Settings {
+    fn default() -> Self {
+        let (recorded_from, rapier, skips) = (BackendKind::QuasiStatic, RapierOptions::default(), Skips::ALL);
+        Self { step_s: None, tolerance_m: None, rapier, recorded_from, agreement: AGREEMENT, skips }
+    }
+}
 
 impl Settings {
     /// Of an exact backend whose path is compared.

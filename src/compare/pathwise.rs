@@ -10,7 +10,7 @@ use super::remedy::Apart;
 use super::{Difference, InertiaFrom, Numbers, Parting, Predicted, Remedy, Settings, Solution, Tier, Verdict, numbers};
 use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
 use crate::scenario::{Drive, Scenario};
-use crate::simulation::{Driver, Keep, Replay, Simulation, driver_of};
+use crate::simulation::{Driver, Keep, Make, Replay, Simulation, built, driver_of};
 
 /// What a pathwise comparison found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -128,12 +128,45 @@ pub struct Partings {
 /// # Panics
 /// When the scenario has ants: they would decide otherwise on each path.
 pub fn prescribed(scenario: &Scenario, settings: &Settings, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+    prescribed_with(scenario, settings, &built, watch)
+}
+
+/// The same with an engine of the caller's in rapier's place. `engine` makes it, and is asked for three: at the step that `settings` give, and at halves of it
+/// twice. It is told as rapier is: `engine_error`, [`Cause::Engine`], the last of [`Pathwise::solutions`].
+///
+/// What is put in place here is the reference itself at a fixed step. An engine of one's own implements [`Backend`](crate::backend::Backend).
+///
+/// ```
+/// use cohaul::backend::{Backend, BackendKind, BackendOptions};
+/// use cohaul::compare::{Cause, Settings, prescribed_with};
+/// use cohaul::scenario::Scenario;
+/// use cohaul::simulation::built;
+///
+/// let engine = |scenario: &Scenario, options: &BackendOptions| -> Box<dyn Backend> {
+///     built(scenario, &BackendOptions::new(BackendKind::Inertial, options.step_s))
+/// };
+/// let scenario = Scenario::read("scenarios/analytic/ramp-and-hold.json".as_ref())?;
+/// let settings = Settings { step_s: Some(1e-3), ..Settings::default() };
+/// let found = prescribed_with(&scenario, &settings, &engine, |_share| true).expect("nobody says to stop");
+/// assert_eq!(found.causes, [Cause::Inertia]);
+/// assert!(found.rim.engine_m < 0.01 * found.tolerance_m);
+/// # Ok::<(), cohaul::scenario::ScenarioError>(())
+/// ```
+///
+/// # Panics
+/// As [`prescribed`].
+pub fn prescribed_with(scenario: &Scenario, settings: &Settings, engine: &Make, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
     assert!(matches!(scenario.drive, Drive::Tips(_)), "a scenario with ants has no prescribed tips");
-    compare(Tier::Prescribed, scenario, settings, || driver_of(scenario), watch)
+    compare(Tier::Prescribed, scenario, settings, engine, || driver_of(scenario), watch)
 }
 
 /// Records a run of the scenario's ants and drives what their tips did into all backends.
 pub fn replayed(scenario: &Scenario, settings: &Settings, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+    replayed_with(scenario, settings, &built, watch)
+}
+
+/// The same with an engine of the caller's in rapier's place, as in [`prescribed_with`]; what is recorded and replayed is a run of a backend of the library.
+pub fn replayed_with(scenario: &Scenario, settings: &Settings, engine: &Make, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
     const RECORDING: f64 = 0.05;
     let mut run = Simulation::new(scenario, &settings.options(scenario, settings.recorded_from), Keep::Trace);
     run.run(|time| watch(RECORDING * time / scenario.duration));
@@ -144,23 +177,24 @@ pub fn replayed(scenario: &Scenario, settings: &Settings, watch: impl Fn(f64) ->
     let (recorded, n_springs) = (Arc::new(recorded), scenario.system.springs.len());
     let replayed = Scenario { duration: outcome.time, ..scenario.clone() };
     let driver = || Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Driver>;
-    compare(Tier::Replayed, &replayed, settings, driver, |share| watch(RECORDING + (1.0 - RECORDING) * share))
+    compare(Tier::Replayed, &replayed, settings, engine, driver, |share| watch(RECORDING + (1.0 - RECORDING) * share))
 }
 
 fn compare(
     tier: Tier,
     scenario: &Scenario,
     settings: &Settings,
+    engine: &Make,
     driver: impl Fn() -> Box<dyn Driver> + Sync,
     watch: impl Fn(f64) -> bool + Sync,
 ) -> Option<Pathwise> {
     let part = |at: f64| move |share: f64| (at + share) / 3.0;
-    let find = |at, options: &BackendOptions| {
-        Solution::find(scenario, options, settings.parts_of_period(scenario), &driver, |share| watch(part(at)(share)))
+    let find = |at, options: &BackendOptions, make: &Make| {
+        Solution::find(scenario, options, settings.parts_of_period(scenario), make, &driver, |share| watch(part(at)(share)))
     };
-    let rapier = find(0.0, &settings.options(scenario, BackendKind::Rapier))?;
+    let rapier = find(0.0, &settings.options(scenario, BackendKind::Rapier), engine)?;
     let exact = |settings: &Settings| {
-        let find = |at, kind| find(at, &settings.within(scenario, kind));
+        let find = |at, kind| find(at, &settings.within(scenario, kind), &built);
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
         Some([quasi_static?, inertial?])
     };

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::backend::{BackendKind, BackendOptions, StepReport};
 use crate::math::Vec2;
 use crate::scenario::Scenario;
-use crate::simulation::{Driver, Keep, Row, Simulation, Trace};
+use crate::simulation::{Driver, Keep, Make, Row, Simulation, Trace};
 
 /// Path of a load with its own error.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,29 +47,30 @@ pub struct Point {
 }
 
 impl Solution {
-    /// Runs `scenario` with the drivers that `driver` makes, under error control if `options` ask for it, else at their step and at halves of it, with points at
+    /// Runs `scenario` on the backends that `make` makes, with the drivers that `driver` makes, under error control if `options` ask for it, else at their step and at halves of it, with points at
     /// the ends of `n_parts` equal parts of each control period; `watch` as in [`Simulation::run`], with the share done (1). `None` when it said to stop.
     pub fn find(
         scenario: &Scenario,
         options: &BackendOptions,
         n_parts: u64,
+        make: &Make,
         driver: impl Fn() -> Box<dyn Driver> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
+        let start =
+            |options: &BackendOptions| Simulation::on(scenario, options, Keep::Trace, driver(), make(scenario, options)).in_parts(n_parts);
         match options.tolerance {
-            Some(_) => Self::within(scenario, options, n_parts, driver, watch),
-            None => Self::extrapolated(scenario, options, n_parts, driver, watch),
+            Some(_) => Self::within(scenario, options, start, watch),
+            None => Self::extrapolated(scenario, options, start, watch),
         }
     }
 
-    fn within(
+    fn within<'a>(
         scenario: &Scenario,
         options: &BackendOptions,
-        n_parts: u64,
-        driver: impl Fn() -> Box<dyn Driver>,
+        start: impl Fn(&BackendOptions) -> Simulation<'a>,
         watch: impl Fn(f64) -> bool,
     ) -> Option<Self> {
-        let start = |options: &BackendOptions| Simulation::driven(scenario, options, Keep::Trace, driver()).in_parts(n_parts);
         let mut run = start(options);
         run.run_within(start, |time| watch(time / scenario.duration));
         if !run.is_finished() {
@@ -80,11 +81,10 @@ impl Solution {
         Some(Self { kind: options.kind, points: limit.clone(), limit, trace, step_s: None, steps: outcome.steps })
     }
 
-    fn extrapolated(
+    fn extrapolated<'a>(
         scenario: &Scenario,
         options: &BackendOptions,
-        n_parts: u64,
-        driver: impl Fn() -> Box<dyn Driver> + Sync,
+        start: impl Fn(&BackendOptions) -> Simulation<'a> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
         let n_levels = 3;
@@ -92,7 +92,7 @@ impl Solution {
         let done: Vec<AtomicU64> = (0..n_levels).map(|_| AtomicU64::new(0)).collect();
         let level = |level: u32| {
             let options = BackendOptions { step_s: options.step_s / f64::from(1 << level), ..*options };
-            let mut run = Simulation::driven(scenario, &options, Keep::Trace, driver()).in_parts(n_parts);
+            let mut run = start(&options);
             let share = f64::from(1 << level) / cost_of_all;
             run.run(|time| {
                 done[level as usize].store((share * time / scenario.duration).to_bits(), Relaxed);

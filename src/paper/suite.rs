@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::fit::{self, Found};
 use super::trial::{Case, Trial};
 use super::{RunFacts, facts};
-use crate::backend::{BackendKind, RapierOptions, Skips};
+use crate::backend::BackendKind;
 use crate::compare::{self, Cause, Settings};
 use crate::scenario::presets::Preset;
 
@@ -128,15 +128,7 @@ impl Plan {
     fn replay(&self, trial: Trial, watch: &(impl Fn() -> bool + Sync)) -> Option<Replayed> {
         let mut scenario = trial.scenario(&Case::new(self.preset, BackendKind::QuasiStatic), self.first_seed);
         scenario.duration = scenario.duration.min(self.replayed_s);
-        let settings = Settings {
-            step_s: None,
-            tolerance_m: None,
-            rapier: RapierOptions::default(),
-            recorded_from: BackendKind::QuasiStatic,
-            agreement: AGREEMENT,
-            skips: Skips::ALL,
-        };
-        let found = compare::replayed(&scenario, &settings, |_| watch())?;
+        let found = compare::replayed(&scenario, &Settings::default(), |_| watch())?;
         let name = |cause: &Cause| match cause {
             Cause::Inertia => "inertia".to_owned(),
             Cause::Engine => "engine".to_owned(),
@@ -157,9 +149,6 @@ impl Plan {
         })
     }
 }
-
-/// Displacement over the way that counts as agreement (1).
-const AGREEMENT: f64 = 0.01;
 
 /// Does all tasks of `plan` that are not `done`. `watch` is told the share done (1) now and then and says whether to go on; `keep` sees all that is done now and
 /// then, for safe keeping. All are done when as many are returned as there are tasks.

@@ -201,7 +201,7 @@ impl<'a> Simulation<'a> {
     /// # Panics
     /// As [`Simulation::new`].
     pub fn driven(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, driver: Box<dyn Driver>) -> Self {
-        Self::on(scenario, options, keep, driver, build(&scenario.system, scenario.start, options))
+        Self::on(scenario, options, keep, driver, built(scenario, options))
     }
 
     /// A run on a backend made elsewhere; `options` say what it is.
@@ -385,6 +385,17 @@ impl<'a> Simulation<'a> {
             self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
         }
     }
+}
+
+/// What makes the backend of a scenario: a parameter where another engine can be put in a backend's place.
+pub type Make<'a> = dyn Fn(&Scenario, &BackendOptions) -> Box<dyn Backend> + Sync + 'a;
+
+/// The scenario's load on the backend that the options name, which is what a [`Make`] is by default.
+///
+/// # Panics
+/// As [`build`].
+pub fn built(scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
+    build(&scenario.system, scenario.start, options)
 }
 
 /// The scenario's own driver.

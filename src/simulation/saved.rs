@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Driver, Keep, Simulation, Trace, driver_of, held_by};
-use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SavedState, StepReport, TransitionCounts, build};
+use super::{Driver, Keep, Simulation, Trace, built, driver_of, held_by};
+use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SavedState, StepReport, TransitionCounts};
 use crate::scenario::Scenario;
 
 /// Everything of a run that its scenario does not say. Floats are written with all their digits.
@@ -52,7 +52,7 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// When the state belongs to another scenario, is damaged, or kept no trace and now one is to be kept: its first part would be missing.
     pub fn resume(scenario: &'a Scenario, saved: &SavedRun, keep: Keep) -> Result<Self, RestoreError> {
-        Self::resume_on(scenario, saved, keep, build(&scenario.system, scenario.start, &saved.options))
+        Self::resume_on(scenario, saved, keep, built(scenario, &saved.options))
     }
 
     /// The same on a backend made elsewhere, of the kind that the state was saved from.

@@ -33,7 +33,7 @@ mod variant;
 pub use judge::Outcome;
 pub use map::{Answer, Asked, Axis, Cell, Map};
 pub use maps::all;
-pub use run::{Make, Numbers, built};
+pub use run::Numbers;
 pub use scene::Scene;
 pub use suite::{Done, Effort, Row, n_cells, stress, stress_with};
 pub use variant::Variant;

@@ -9,16 +9,9 @@ use super::guard::guarded;
 use super::map::Answer;
 use super::observer::{Observer, Seen};
 use super::variant::Variant;
-use crate::backend::{Backend, BackendOptions, Motion, Status, build};
+use crate::backend::{Motion, Status};
 use crate::scenario::Scenario;
-use crate::simulation::{Keep, Simulation, driver_of};
-
-/// What makes a backend: a parameter, so that broken ones can be put in its place.
-pub type Make = dyn Fn(&Scenario, &BackendOptions) -> Box<dyn Backend> + Sync;
-
-pub fn built(scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
-    build(&scenario.system, scenario.start, options)
-}
+use crate::simulation::{Keep, Make, Simulation, driver_of};
 
 /// Steps times joints that a run may cost: seconds. Counted before it starts, so that the same cells are too long everywhere.
 const MOST_WORK: f64 = 2e5;

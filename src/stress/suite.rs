@@ -11,9 +11,10 @@ use super::cause::Facts;
 use super::guard::guarded;
 use super::judge::{Outcome, judge};
 use super::map::{Answer, Cell, Map};
-use super::run::{self, Make, Numbers, Run, built};
+use super::run::{self, Numbers, Run};
 use super::variant::Variant;
 use crate::scenario::Scenario;
+use crate::simulation::{Make, built};
 
 /// How fine maps are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -142,23 +142,11 @@ fn shift(measure: &Measure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::{BackendKind, RapierOptions, Skips};
     use crate::compare::{Settings, closed_loop, prescribed};
     use crate::scenario::Scenario;
 
-    fn settings() -> Settings {
-        Settings {
-            step_s: None,
-            tolerance_m: None,
-            rapier: RapierOptions::default(),
-            recorded_from: BackendKind::QuasiStatic,
-            agreement: 0.01,
-            skips: Skips::ALL,
-        }
-    }
-
     fn compared(text: &str) -> Pathwise {
-        prescribed(&Scenario::parse(text, "a scene").unwrap(), &settings(), |_| true).unwrap()
+        prescribed(&Scenario::parse(text, "a scene").unwrap(), &Settings::default(), |_| true).unwrap()
     }
 
     /// Of fewer than 56 seeds, all of which fail to arrive, nobody can say that the share is known to 5 %.
@@ -167,7 +155,7 @@ mod tests {
         let mut scenario = Scenario::parse(include_str!("../../../scenarios/paper/four-ants-four-springs.json"), "four ants").unwrap();
         scenario.system.ground.friction_coefficient *= 40.0;
         scenario.duration = 1.0;
-        let found = closed_loop(&scenario, &settings(), 56, |_| true).unwrap();
+        let found = closed_loop(&scenario, &Settings::default(), 56, |_| true).unwrap();
         assert_eq!((found.verdict, of_ensemble(&found)), (Verdict::Agree, Answer::Yes));
         assert_eq!(sentence_of_ensemble(&found), "In the closed loop, over 56 paired seeds, inertia shifts no measure by more than 5 %.");
     }
