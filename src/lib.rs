@@ -10,27 +10,18 @@
 //! ```
 //!
 //! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`] and [`backend`], [`simulation`], [`estimate`], [`compare`], [`mod@bench`], [`calibrate`], [`check`], [`paper`], [`regime`], [`stress`],
-//! [`sweep`] and [`verify`], [`report`], [`cli`].
+//! [`math`], [`model`], [`scenario`], [`backend`], [`simulation`], [`analysis`], [`output`], [`studies`], [`cli`].
 #![forbid(unsafe_code)]
 
+pub mod analysis;
 pub mod backend;
-pub mod bench;
-pub mod calibrate;
-pub mod check;
 pub mod cli;
-pub mod compare;
-pub mod estimate;
 pub mod math;
 pub mod model;
-pub mod paper;
-pub mod regime;
-pub mod report;
+pub mod output;
 pub mod scenario;
 pub mod simulation;
-pub mod stress;
-pub mod sweep;
-pub mod verify;
+pub mod studies;
 
 /// The README's example runs as a test.
 #[cfg(doctest)]

@@ -8,10 +8,13 @@ use std::path::{Path, PathBuf};
 
 use cohaul::backend::rapier::{EngineSettings, FrictionModel, Precision};
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, default_step};
-use cohaul::check::{self, Baseline, Build, Check, Quantity, Record, Settings, Told, Tolerances, Verdict, read_folder, usual_name};
-use cohaul::report::{CheckReport, Libraries, check_text, this_build};
+use cohaul::output::manifest::Libraries;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, Trace};
+use cohaul::studies::check::report::{CheckReport, check_text, this_build};
+use cohaul::studies::check::{
+    self, Baseline, Build, Check, Quantity, Record, Settings, Told, Tolerances, Verdict, read_folder, usual_name,
+};
 use serde_json::{Value, json};
 
 fn folder() -> PathBuf {

@@ -6,14 +6,15 @@ use std::process::Output;
 use assert_cmd::Command;
 use cohaul::backend::quasi_static::conic::ACCURACY;
 use cohaul::backend::{BackendKind, BackendOptions, ConeSolver, Status};
-use cohaul::bench::{
+use cohaul::math::{Vec2, Vec3};
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Keep, Simulation};
+use cohaul::studies::bench::report::Benchmark;
+use cohaul::studies::bench::text::bench_text;
+use cohaul::studies::bench::{
     Effort, Ending, Host, LEVELS, Level, METHODS, Measured, Plan, Problem, Reference, Row, Scene, Sequence, Solver, bench, equal_errors,
     four_ants, kkt_residual, named, problems_of, standard_scenes,
 };
-use cohaul::math::{Vec2, Vec3};
-use cohaul::report::{Benchmark, bench_text};
-use cohaul::scenario::Scenario;
-use cohaul::simulation::{Keep, Simulation};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -60,7 +61,7 @@ fn closed_forms_are_met_under_error_control() {
     let mut n_known = 0;
     for scene in standard_scenes() {
         for (kind, method) in [(BackendKind::QuasiStatic, "quasi-static controlled"), (BackendKind::Inertial, "inertial controlled")] {
-            let Some(_) = cohaul::bench::known(&scene.scenario, kind) else { continue };
+            let Some(_) = cohaul::studies::bench::known(&scene.scenario, kind) else { continue };
             let error = errors(&scene, method, &[Level::Tolerance(1e-7)])[0];
             // A shift of the tolerance and a turn that moves the rim as far.
             assert!(error < 2e-7, "{} {}: {error}", scene.name, kind.name());

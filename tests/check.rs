@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
-use cohaul::report::Libraries;
+use cohaul::output::manifest::Libraries;
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
+use cohaul::analysis::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
 use cohaul::backend::{Backend, BackendKind, BackendOptions, build};
-use cohaul::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
 use cohaul::math::{Twist, Vec2, rotation};
 use cohaul::scenario::{Drive, Scenario, Waypoint};
 use cohaul::simulation::{Keep, SavedRun, Simulation, driver_of};

@@ -3,8 +3,8 @@
 use std::alloc::{GlobalAlloc, Layout, System as Memory};
 use std::cell::Cell;
 
+use cohaul::analysis::estimate::Watched;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Motion, RestoreError, SavedState, StepReport};
-use cohaul::estimate::Watched;
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, driver_of};

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use cohaul::analysis::estimate::{AGREEMENT, Watched};
 use cohaul::backend::friction::FrictionSolver;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Status, Tolerance, build};
-use cohaul::estimate::{AGREEMENT, Watched};
 use cohaul::math::{Mat3, Vec2, Vec3};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Replay, Simulation, driver_of};

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use cohaul::regime::{AGREEMENT, Cause, Cell, Done, Effort, Grid, Law, Scene, Setting, Standing, cells, measure, theory};
+use cohaul::studies::regime::{AGREEMENT, Cause, Cell, Done, Effort, Grid, Law, Scene, Setting, Standing, cells, measure, theory};
 
 fn at(phi: f64, epsilon: f64, zeta: f64) -> Setting {
     Setting { phi, epsilon, zeta, mass_factor: 1.0 }

@@ -5,7 +5,7 @@ use cohaul::math::{Pose, Twist, Vec2, direction};
 use cohaul::model::System;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Outcome, Simulation, Trace};
-use cohaul::verify::scenes::{paper_springs, paper_system};
+use cohaul::studies::verify::scenes::{paper_springs, paper_system};
 use serde_json::json;
 
 const EXACT: [BackendKind; 2] = [BackendKind::QuasiStatic, BackendKind::Inertial];

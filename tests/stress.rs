@@ -8,7 +8,7 @@ use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, RestoreErro
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::built;
-use cohaul::stress::{Axis, Done, Effort, Map, Outcome, Row, Variant, all, n_cells, stress, stress_with};
+use cohaul::studies::stress::{Axis, Done, Effort, Map, Outcome, Row, Variant, all, n_cells, stress, stress_with};
 use serde_json::Value;
 use tempfile::tempdir;
 

@@ -12,8 +12,8 @@ use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::{Load, PolarSpring};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Driver, Keep, Replay, Simulation, Trace, driver_of};
-use cohaul::verify::tripod::STARTS;
-use cohaul::verify::{Case, Family, Variant, all};
+use cohaul::studies::verify::tripod::STARTS;
+use cohaul::studies::verify::{Case, Family, Variant, all};
 use rayon::prelude::*;
 
 use crate::common::*;

@@ -6,11 +6,11 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, build, default_step};
-use cohaul::compare::{
+use cohaul::analysis::compare::{
     Cause, OccasionKind, Pathwise, Remedy, Settings, Verdict, closed_loop, closed_loop_with, prescribed, prescribed_with, replayed_with,
 };
-use cohaul::estimate::{AGREEMENT, InertiaEstimate};
+use cohaul::analysis::estimate::{AGREEMENT, InertiaEstimate};
+use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, build, default_step};
 use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, built};

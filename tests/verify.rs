@@ -5,8 +5,8 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use cohaul::backend::{BackendOptions, Status};
-use cohaul::report::{Verification, verify_text};
-use cohaul::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, Variant, all, verify};
+use cohaul::studies::verify::report::{Verification, verify_text};
+use cohaul::studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, Variant, all, verify};
 use serde_json::Value;
 use tempfile::tempdir;
 

@@ -23,7 +23,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 
 use clap::Parser;
-use cohaul::report::Progress;
+use cohaul::output::progress::Progress;
 use rayon::prelude::*;
 
 use ceilings::{Ceilings, CeilingsError, USUAL_MARGIN};

@@ -6,10 +6,10 @@ use std::hint::black_box;
 use cohaul::backend::friction::{FrictionSolver, Regime};
 use cohaul::backend::{BackendKind, BackendOptions, Status, build};
 use cohaul::math::{Mat3, Vec2, Vec3, direction};
-use cohaul::report::table::{TraceColumns, write_trace};
+use cohaul::output::trace_csv::{TraceColumns, write_trace};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Keep, Simulation};
-use cohaul::verify::scenes::{SLIP_LIMIT, SUPPORT_RADIUS, at_rest, paper_springs, paper_system};
+use cohaul::studies::verify::scenes::{SLIP_LIMIT, SUPPORT_RADIUS, at_rest, paper_springs, paper_system};
 
 /// One hot path.
 pub struct HotPath {

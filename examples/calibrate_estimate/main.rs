@@ -13,7 +13,7 @@ mod statistics;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use cohaul::report::Progress;
+use cohaul::output::progress::Progress;
 use cohaul::scenario::{Drive, Scenario};
 use rayon::prelude::*;
 

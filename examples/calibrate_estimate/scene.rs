@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use cohaul::analysis::compare::{Difference, Numbers, Settings, Solution};
+use cohaul::analysis::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
 use cohaul::backend::{BackendKind, BackendOptions, Status};
-use cohaul::compare::{Difference, Numbers, Settings, Solution};
-use cohaul::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Driver, EventKind, Keep, Replay, Simulation, Trace, built, driver_of};
 

@@ -9,9 +9,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::{CliError, check_out, command_line, interrupt, positive, print, print_report, state};
-use crate::bench::{self, Effort, Growth, Host, Measured, Plan, Scene, crowd, four_ants, standard_scenes};
-use crate::report::{Benchmark, Manifest, Progress, bench_text, sha256_hex, write_benchmark};
+use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::progress::Progress;
 use crate::scenario::Scenario;
+use crate::studies::bench::files::write_benchmark;
+use crate::studies::bench::report::Benchmark;
+use crate::studies::bench::text::bench_text;
+use crate::studies::bench::{self, Effort, Growth, Host, Measured, Plan, Scene, crowd, four_ants, standard_scenes};
 
 #[derive(Args)]
 pub struct BenchArgs {

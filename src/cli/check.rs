@@ -11,9 +11,11 @@ use serde_json::{Value, json};
 
 use super::{CliError, EngineArgs, check_out, check_step, command_line, interrupt, print, read_scenario, step, warn_of_idle};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Status, step_of};
-use crate::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
-use crate::report::{CheckReport, Manifest, Progress, check_text, sha256_hex, this_build, write_check};
+use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::progress::Progress;
 use crate::scenario::Scenario;
+use crate::studies::check::report::{CheckReport, check_text, this_build, write_check};
+use crate::studies::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
 
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]

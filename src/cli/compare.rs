@@ -10,10 +10,12 @@ use clap::{Args, ValueEnum};
 use super::{
     CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, step, warn_idle,
 };
+use crate::analysis::compare::{Settings, Tier, closed_loop, prescribed, replayed};
 use crate::backend::{BackendKind, Skip, Skips};
-use crate::compare::{Settings, Tier, closed_loop, prescribed, replayed};
-use crate::report::{Comparison, Manifest, Progress, compare_text, write_comparison};
+use crate::output::manifest::Manifest;
+use crate::output::progress::Progress;
 use crate::scenario::{Drive, Scenario};
+use crate::studies::compare::report::{Comparison, compare_text, write_comparison};
 
 #[derive(Args)]
 pub struct CompareArgs {

@@ -8,8 +8,8 @@ use clap::Args;
 
 use super::sweep::{finished, said, written};
 use super::{CliError, interrupt};
-use crate::report::check_target;
-use crate::sweep::Shards;
+use crate::output::folder::check_target;
+use crate::studies::sweep::Shards;
 
 #[derive(Args)]
 pub struct MergeArgs {

@@ -33,10 +33,11 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 use crate::backend::{BackendKind, Integrator, RapierOptions, RestoreError};
-use crate::report::html::REPORT;
-use crate::report::{FolderError, NotFinite, check_target};
+use crate::output::finite::NotFinite;
+use crate::output::folder::{FolderError, check_target};
+use crate::output::page::REPORT;
 use crate::scenario::{Drive, Scenario, ScenarioError};
-use crate::sweep::SweepError;
+use crate::studies::sweep::SweepError;
 
 #[derive(Parser)]
 #[command(name = "cohaul", version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES)]

@@ -10,9 +10,14 @@ use serde::{Deserialize, Serialize};
 
 use super::{CliError, check_out, command_line, interrupt, print, state};
 use crate::backend::{BackendKind, Status};
-use crate::paper::{self, Case, Done, Plan, Set, Trial, study};
-use crate::report::{Manifest, Paper, PaperRuns, Progress, figure, largest, paper_text, sha256_hex, write_paper};
+use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::progress::Progress;
 use crate::scenario::presets::Preset;
+use crate::studies::paper::figure;
+use crate::studies::paper::files::write_paper;
+use crate::studies::paper::report::{Paper, Runs, largest};
+use crate::studies::paper::text::paper_text;
+use crate::studies::paper::{self, Case, Done, Plan, Set, Trial, study};
 
 #[derive(Args)]
 pub struct PaperArgs {
@@ -88,7 +93,7 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
     let found = Paper::new(&plan, &done, args.quick, wall_s());
     found.check_finite()?;
     if let Some(out) = &args.out {
-        let runs = PaperRuns::new(&plan, &done);
+        let runs = Runs::new(&plan, &done);
         let units = runs.units(0);
         let shown = paper::shown(Trial::FourFour, &plan.sets[0].case, plan.first_seed);
         let figures = figure::of_paper(&found, &units, largest(&units), shown.as_ref());

@@ -9,8 +9,10 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::{CliError, check_out, command_line, interrupt, print, state};
-use crate::regime::{self, Cell, Done, Effort, Grid, Scene};
-use crate::report::{Manifest, Progress, Regime, regime_text, sha256_hex, write_regime};
+use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::progress::Progress;
+use crate::studies::regime::report::{Regime, regime_text, write_regime};
+use crate::studies::regime::{self, Cell, Done, Effort, Grid, Scene};
 
 #[derive(Args)]
 pub struct RegimeArgs {

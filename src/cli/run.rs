@@ -14,13 +14,17 @@ use super::{
     CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, state, step,
     warn_idle, warn_of_idle,
 };
+use crate::analysis::estimate::{AGREEMENT, Estimator, Watched};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, step_of};
-use crate::estimate::{AGREEMENT, Estimator, Watched};
-use crate::report::figure::Scene;
-use crate::report::table::TraceColumns;
-use crate::report::{Manifest, Progress, RunFiles, RunSummary, RunWriter, convergence_warning, inertia_warning, run_text};
+use crate::output::chart::Scene;
+use crate::output::manifest::Manifest;
+use crate::output::progress::Progress;
+use crate::output::trace_csv::TraceColumns;
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
+use crate::studies::run::files::{RunFiles, RunWriter};
+use crate::studies::run::summary::RunSummary;
+use crate::studies::run::text::{convergence_warning, inertia_warning, run_text};
 
 #[derive(Args)]
 pub struct RunArgs {

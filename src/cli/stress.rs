@@ -9,8 +9,10 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::{CliError, check_out, command_line, interrupt, print, print_report, state};
-use crate::report::{Manifest, Progress, Stress, sha256_hex, stress_list, stress_text, write_stress};
-use crate::stress::{self, Done, Effort, Map, Row, Variant};
+use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::progress::Progress;
+use crate::studies::stress::report::{Stress, stress_list, stress_text, write_stress};
+use crate::studies::stress::{self, Done, Effort, Map, Row, Variant};
 
 #[derive(Args)]
 pub struct StressArgs {

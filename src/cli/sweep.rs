@@ -14,12 +14,13 @@ use serde_json::{Value, json};
 
 use super::{CliError, EngineArgs, check_step, command_line, interrupt, positive, print, step, warn_of_idle, warn_of_idle_points};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
-use crate::report::{
-    Cost, FAILED, FolderError, MANIFEST, Manifest, NOT_WITHIN_TOLERANCE, Progress, SweepSummary, check_files, check_target, sweep_text,
-    write_sweep,
-};
+use crate::output::folder::{FolderError, MANIFEST, check_files, check_target};
+use crate::output::manifest::Manifest;
+use crate::output::progress::Progress;
 use crate::scenario::Scenario;
-use crate::sweep::{
+use crate::studies::sweep::files::write_sweep;
+use crate::studies::sweep::report::{Cost, FAILED, NOT_WITHIN_TOLERANCE, SweepSummary, sweep_text};
+use crate::studies::sweep::{
     Ask, Axis, Design, Header, INERTIA, Identity, Journal, Method, Part, Plan, Sample, SweepError, Table, Variant, finish_shard, header_of,
     validate, verified, work,
 };

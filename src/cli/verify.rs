@@ -9,8 +9,10 @@ use clap::Args;
 
 use super::{CliError, check_out, command_line, interrupt, print};
 use crate::backend::BackendKind;
-use crate::report::{Manifest, Progress, Verification, list_text, sha256_hex, verify_text, write_verification};
-use crate::verify::{self, Case, Effort, Plan, Row};
+use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::progress::Progress;
+use crate::studies::verify::report::{Verification, list_text, verify_text, write_verification};
+use crate::studies::verify::{self, Case, Effort, Plan, Row};
 
 #[derive(Args)]
 pub struct VerifyArgs {

@@ -5,7 +5,7 @@
 
 use cohaul::backend::{BackendKind, Status};
 use cohaul::math::{Pose, Vec3};
-use cohaul::verify::reference::{INERTIAL, LOSS, QUASI_STATIC};
+use cohaul::studies::verify::reference::{INERTIAL, LOSS, QUASI_STATIC};
 
 use crate::common::*;
 

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use cohaul::backend::{Backend, BackendKind, EnergyLedger, Status, TransitionKind};
 use cohaul::math::{Vec2, direction};
-use cohaul::verify::release::JUMPS;
+use cohaul::studies::verify::release::JUMPS;
 
 use crate::common::*;
 

@@ -1,7 +1,7 @@
 //! A load let go with a speed or a turn rate alone: constant deceleration, so all errors are known in closed form.
 
 use cohaul::backend::{BackendKind, Motion, Status};
-use cohaul::verify::slide::{PRINTED, SLIDES, SPIN_DECELERATION, SPINS};
+use cohaul::studies::verify::slide::{PRINTED, SLIDES, SPIN_DECELERATION, SPINS};
 
 use crate::common::*;
 

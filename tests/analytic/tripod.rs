@@ -3,7 +3,7 @@
 use cohaul::backend::BackendKind;
 use cohaul::math::{Pose, Vec2, Vec3};
 use cohaul::model::{Ground, Load, System};
-use cohaul::verify::tripod::{Capture, STARTS, Start};
+use cohaul::studies::verify::tripod::{Capture, STARTS, Start};
 
 use crate::common::*;
 

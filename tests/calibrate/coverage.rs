@@ -1,7 +1,7 @@
 //! Intervals over many generated data sets: a promise of 95 % has to be kept in about 95 % of them.
 
-use cohaul::calibrate::generated::{Plan, measurements};
-use cohaul::calibrate::{Calibration, Case, Estimate};
+use cohaul::studies::calibrate::generated::{Plan, measurements};
+use cohaul::studies::calibrate::{Calibration, Case, Estimate};
 
 use super::{TRUTH, of};
 

@@ -1,6 +1,6 @@
-use cohaul::calibrate::{Held, Limits, Made, Target, Wanted, design, on_grid};
 use cohaul::math::{Chance, Stream};
 use cohaul::model::SpringDesign;
+use cohaul::studies::calibrate::{Held, Limits, Made, Target, Wanted, design, on_grid};
 
 use super::TRUTH;
 

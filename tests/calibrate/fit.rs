@@ -1,5 +1,5 @@
-use cohaul::calibrate::generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
-use cohaul::calibrate::{Case, Dimensions, Measurement, Measurements, Ranges, Sensor, fit, least_squares_stiffness};
+use cohaul::studies::calibrate::generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
+use cohaul::studies::calibrate::{Case, Dimensions, Measurement, Measurements, Ranges, Sensor, fit, least_squares_stiffness};
 
 use super::{EXACT, TRUTH, fitted, of};
 
@@ -90,7 +90,8 @@ fn scales_of_force_and_order_of_rows_do_not_matter() {
     }
     let (found, scaled) = (fitted(&data, &Ranges::default()), fitted(&other, &Ranges::default()));
     let (a, b) = (found.youngs_modulus_pa, scaled.youngs_modulus_pa);
-    let ends = |estimate: cohaul::calibrate::Estimate| [estimate.value, estimate.interval.unwrap().low, estimate.interval.unwrap().high];
+    let ends =
+        |estimate: cohaul::studies::calibrate::Estimate| [estimate.value, estimate.interval.unwrap().low, estimate.interval.unwrap().high];
     for (a, b) in ends(a).into_iter().zip(ends(b)) {
         // tau^2 is found to the last bits by bisection, whose square root moves the weights by 1e-8 at most.
         assert!((4.0 * a / b - 1.0).abs() < 1e-8, "{a} {b}");

@@ -1,10 +1,10 @@
 use cohaul::backend::{BackendKind, BackendOptions};
-use cohaul::calibrate::generated::Plan;
-use cohaul::calibrate::{Case, MOST_TURN, Recording, Sample, Sensor, Tip, summaries, tip_forces};
 use cohaul::math::{Chance, Pose, Stream, Summary, Vec2, direction, rotation};
 use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, Trace};
+use cohaul::studies::calibrate::generated::Plan;
+use cohaul::studies::calibrate::{Case, MOST_TURN, Recording, Sample, Sensor, Tip, summaries, tip_forces};
 
 use super::{TRUTH, of};
 

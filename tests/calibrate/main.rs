@@ -6,9 +6,9 @@ mod fit;
 mod forces;
 mod program;
 
-use cohaul::calibrate::generated::{Plan, measurements};
-use cohaul::calibrate::{Calibration, Dimensions, Measurements, Ranges, fit};
 use cohaul::model::SpringDesign;
+use cohaul::studies::calibrate::generated::{Plan, measurements};
+use cohaul::studies::calibrate::{Calibration, Dimensions, Measurements, Ranges, fit};
 
 const TRUTH: SpringDesign = SpringDesign::PAPER;
 

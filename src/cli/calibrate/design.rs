@@ -9,9 +9,9 @@ use serde_json::json;
 
 use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative};
-use crate::calibrate::{Held, Limits, Made, Target, Wanted, design as spring, on_grid};
 use crate::model::SpringDesign;
-use crate::report::{DesignReport, write_design};
+use crate::studies::calibrate::report::{DesignReport, write_design};
+use crate::studies::calibrate::{Held, Limits, Made, Target, Wanted, design as spring, on_grid};
 
 #[derive(Args)]
 pub struct DesignArgs {

@@ -9,8 +9,9 @@ use serde_json::json;
 
 use super::super::{CliError, check_out, print};
 use super::{DimensionArgs, manifest, not_negative};
-use crate::calibrate::{Measurements, Ranges, fit as fit_to};
-use crate::report::{fit_json, fit_text, write_calibration};
+use crate::studies::calibrate::report::{fit_json, write_calibration};
+use crate::studies::calibrate::text::fit_text;
+use crate::studies::calibrate::{Measurements, Ranges, fit as fit_to};
 
 #[derive(Args)]
 pub struct FitArgs {

@@ -11,10 +11,12 @@ use serde_json::{Value, json};
 use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative, read};
 use crate::backend::BackendKind;
-use crate::calibrate::{Calibration, Recording, Sensor, TipForces, summaries, tip_forces};
 use crate::model::SpringDesign;
-use crate::report::{ForcesReport, MANIFEST, quantity, write_tip_forces};
+use crate::output::folder::MANIFEST;
+use crate::output::quantity::quantity;
 use crate::scenario::Scenario;
+use crate::studies::calibrate::report::{ForcesReport, write_tip_forces};
+use crate::studies::calibrate::{Calibration, Recording, Sensor, TipForces, summaries, tip_forces};
 
 #[derive(Args)]
 pub struct ForcesArgs {

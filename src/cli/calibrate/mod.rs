@@ -12,8 +12,8 @@ use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
 use super::{CliError, command_line, interrupt, positive};
-use crate::calibrate::{Dimensions, InputError};
-use crate::report::{Manifest, sha256_hex};
+use crate::output::manifest::{Manifest, sha256_hex};
+use crate::studies::calibrate::{Dimensions, InputError};
 
 #[derive(Subcommand)]
 pub enum CalibrateCommand {

@@ -1,0 +1,166 @@
+//! The dimensionless numbers of a run and what theory predicts from them.
+//!
+//! ```text
+//! epsilon = v sqrt(k m) / f    Phi = omega_n T_e    zeta    with omega_n = sqrt(k / m), f = mu m g
+//! ```
+//!
+//! v is the root mean square speed of the held tips, k the mean radial stiffness, T_e the mean time between events. Under continuous driving inertia
+//! moves the path by epsilon f / k while the tips go and twice that where they stop. After a release the load goes on as a damped oscillator answers a
+//! step, to the end of its first swing or to the next event: undamped, `1 - cos(omega_n T_e)` times the way without inertia, and 2 at most.
+
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+use super::Solution;
+use crate::analysis::estimate::{AGREEMENT, InertiaEstimate};
+use crate::math::Summary;
+use crate::scenario::Scenario;
+use crate::simulation::{EventKind, Trace};
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Numbers {
+    /// Inertia of the driven load against friction; `null` without friction, where nothing ever sticks.
+    pub epsilon: Option<f64>,
+    /// Time between events against that of an oscillation; `null` when there are none.
+    pub phi: Option<f64>,
+    /// Damping over critical damping.
+    pub zeta: f64,
+}
+
+/// What theory expects of inertia.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Predicted {
+    /// Path error while tips move on (m): epsilon f / k; `null` without friction.
+    pub while_driven_m: Option<f64>,
+    /// Path error where tips stop (m): at most twice that.
+    pub where_tips_stop_m: Option<f64>,
+    /// Way on which friction takes up the energy that the load starts with (m), which a load without inertia does not go; `null` without
+    /// friction.
+    pub coasting_m: Option<f64>,
+    /// Displacement of the load's rim that the quasi-static run alone lets expect (m); `null` where no such run was looked at.
+    pub estimated_m: Option<f64>,
+    /// Distance that the load goes after a release, over what it would go without inertia (1); `null` without releases.
+    pub release_factor: Option<f64>,
+    /// Whether neglecting inertia should stay within the tolerance: the load never moves, or the path errors above add up to less, and there are no grasps and
+    /// releases of stretched springs or such that are far apart and damped (Phi above 2 pi, zeta above 0.5).
+    pub quasi_static_is_sound: bool,
+}
+
+impl Numbers {
+    /// Of the run in `trace`.
+    pub fn of(scenario: &Scenario, trace: &Trace) -> Self {
+        let (stiffness, zeta) = mean_spring(scenario);
+        let mass = scenario.system.load.mass;
+        let limit = scenario.system.total_slip_limit();
+        let epsilon = (limit > 0.0).then(|| tip_speed(trace) * (stiffness * mass).sqrt() / limit);
+        Self { epsilon, phi: time_between_events(trace).map(|time| (stiffness / mass).sqrt() * time), zeta }
+    }
+
+    /// What theory expects of an inertial run, `n_sudden` of whose grasps and releases are of stretched springs, with `tolerance` being what counts as agreement (m).
+    pub fn predict(&self, scenario: &Scenario, run: &Solution, n_sudden: usize, tolerance: f64) -> Predicted {
+        let trace = &run.trace;
+        let (stiffness, _) = mean_spring(scenario);
+        let limit = scenario.system.total_slip_limit();
+        let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
+        let while_driven_m = self.epsilon.map(|epsilon| epsilon * length);
+        let initial = trace.rows.first().map_or(0.0, |row| row.energy.initial);
+        let coasting_m = (limit > 0.0).then(|| initial / limit);
+        let n_releases = trace.events.iter().filter(|event| event.kind == EventKind::Release).count();
+        let damped_out = self.phi.is_none_or(|phi| phi > 2.0 * PI) && self.zeta > 0.5;
+        let driven_well = while_driven_m.zip(coasting_m).is_some_and(|(driven, coasting)| 2.0 * driven + coasting <= tolerance);
+        Predicted {
+            while_driven_m,
+            where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
+            coasting_m,
+            estimated_m: None,
+            release_factor: (n_releases > 0).then(|| self.release_factor()),
+            quasi_static_is_sound: run.path_length(scenario.system.load.radius) == 0.0 || driven_well && (n_sudden == 0 || damped_out),
+        }
+    }
+
+    /// Way of a load after its force has stepped up, over the way without inertia: a first swing, cut short by the next event where Phi leaves no time
+    /// for it. Friction then holds it.
+    fn release_factor(&self) -> f64 {
+        let (zeta, damped) = (self.zeta, (1.0 - self.zeta * self.zeta).abs().sqrt());
+        let half_swing = if zeta < 1.0 { PI / damped } else { f64::INFINITY };
+        let phi = self.phi.unwrap_or(f64::INFINITY).min(half_swing);
+        if phi.is_infinite() {
+            return 1.0;
+        }
+        let (cos, sin_over_damped) = match zeta {
+            _ if zeta < 1.0 => ((damped * phi).cos(), (damped * phi).sin() / damped),
+            _ if zeta > 1.0 => ((damped * phi).cosh(), (damped * phi).sinh() / damped),
+            _ => (1.0, phi),
+        };
+        1.0 - (-zeta * phi).exp() * (cos + zeta * sin_over_damped)
+    }
+}
+
+impl Predicted {
+    /// The same with what the trace of the quasi-static run lets expect.
+    pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace) -> Self {
+        Self { estimated_m: Some(InertiaEstimate::of(scenario, quasi_static, AGREEMENT).displacement_max_m), ..self }
+    }
+}
+
+/// omega_n of the load on a mean spring (rad/s).
+pub(super) fn natural_rate(scenario: &Scenario) -> f64 {
+    (mean_spring(scenario).0 / scenario.system.load.mass).sqrt()
+}
+
+/// Mean radial stiffness (N/m) and damping ratio of the springs.
+fn mean_spring(scenario: &Scenario) -> (f64, f64) {
+    let springs = &scenario.system.springs;
+    let n = springs.len().max(1) as f64;
+    let sum = |part: fn(&crate::model::PolarSpring) -> f64| springs.iter().map(part).sum::<f64>();
+    // An empty sum is minus zero.
+    (sum(|spring| spring.radial_stiffness) / n + 0.0, sum(|spring| spring.damping_ratio) / n + 0.0)
+}
+
+/// Root mean square speed of held tips (m/s).
+fn tip_speed(trace: &Trace) -> f64 {
+    let mut squares = Summary::default();
+    for pair in trace.rows.windows(2) {
+        let duration = pair[1].time - pair[0].time;
+        for tip in &pair[1].tips {
+            let held_before = pair[0].tips.iter().find(|before| before.spring == tip.spring);
+            if let Some(before) = held_before.filter(|_| duration > 0.0) {
+                squares.add(((tip.position - before.position) / duration).norm_squared());
+            }
+        }
+    }
+    squares.mean().sqrt()
+}
+
+/// Mean time between one grasp or release and the next, or the end (s); events at one instant count once.
+fn time_between_events(trace: &Trace) -> Option<f64> {
+    let mut times: Vec<f64> = trace.events.iter().map(|event| event.time).collect();
+    times.extend(trace.rows.last().map(|row| row.time));
+    times.dedup();
+    let gaps = times.len().checked_sub(1).filter(|gaps| *gaps > 0)?;
+    Some((times[gaps] - times[0]) / gaps as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn factor(phi: f64, zeta: f64) -> f64 {
+        Numbers { epsilon: Some(0.1), phi: Some(phi), zeta }.release_factor()
+    }
+
+    /// Closed forms of the step response; the printed factor 1 + exp(-pi zeta / sqrt(1 - zeta^2)) of a whole swing, and 1 - cos Phi undamped.
+    #[test]
+    fn releases_overshoot_with_time_and_fall_short_without() {
+        // Rounding of order one throughout.
+        assert!((factor(10.0, 0.0) - 2.0).abs() < 1e-15);
+        assert!((factor(PI / 2.0, 0.0) - 1.0).abs() < 1e-15);
+        assert!((factor(0.5, 0.0) - (1.0 - 0.5f64.cos())).abs() < 1e-15);
+        assert!((factor(100.0, 0.3) - (1.0 + (-PI * 0.3 / 0.91f64.sqrt()).exp())).abs() < 1e-14);
+        assert!((factor(2.0, 1.0) - (1.0 - 3.0 * (-2.0f64).exp())).abs() < 1e-14);
+        // Continuous in the damping through critical, to first order in the difference.
+        assert!((factor(2.0, 1.0 - 1e-9) - factor(2.0, 1.0 + 1e-9)).abs() < 1e-8);
+        assert!(factor(2.0, 3.0) < 1.0 && factor(1e6, 0.5) > 1.0);
+    }
+}

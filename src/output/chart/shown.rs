@@ -1,0 +1,242 @@
+//! What figures show of a trace: taken from the rows once, as these are long and there are many of them.
+
+use std::borrow::Cow;
+
+use crate::math::{Pose, Vec2};
+use crate::output::chart::thin::Column;
+use crate::output::chart::{Labelled, MILLI};
+use crate::simulation::{Event, Row};
+
+/// A trace as its figures need it.
+pub struct Seen<'a> {
+    pub rows: Cow<'a, SeenRows>,
+    pub events: &'a [Event],
+}
+
+/// What figures need of rows, which may come a few at a time: in print units, and in a room that does not grow with the run. As soon as there are more rows than any
+/// figure could show apart, neighbours share a group, of which ranges and means are left.
+#[derive(Clone, Debug)]
+pub struct SeenRows {
+    groups: Vec<Group>,
+    /// Rows of a group, and of the last one, which may not be full.
+    n_each: usize,
+    n_last: usize,
+    path: Path,
+    /// The load's pose at both ends; none without rows.
+    pub(crate) ends: Option<[Pose; 2]>,
+}
+
+/// What is shown over time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Quantity {
+    /// (rad)
+    Heading,
+    /// (mm/s)
+    Speed,
+    /// Size of the sum of the pulls (mN).
+    NetPull,
+    /// Sum of their sizes (mN).
+    TotalPull,
+    Holders,
+    /// Done by the tips, dissipated, elastic (mJ).
+    TipWork,
+    Dissipated,
+    Elastic,
+}
+
+impl Quantity {
+    const COUNT: usize = 8;
+
+    /// All of them, in their order.
+    fn of(row: &Row) -> [f64; Self::COUNT] {
+        let (mut net, mut total) = (Vec2::zeros(), 0.0);
+        for tip in &row.tips {
+            (net, total) = (net + tip.pull, total + tip.pull.norm());
+        }
+        let energies = [row.energy.tip_work, row.energy.dissipated(), row.energy.elastic].map(|energy| MILLI * energy);
+        let speed = MILLI * row.motion.twist.linear.norm();
+        let [tip_work, dissipated, elastic] = energies;
+        [row.motion.pose.heading, speed, MILLI * net.norm(), MILLI * total, row.tips.len() as f64, tip_work, dissipated, elastic]
+    }
+}
+
+/// Rows that share a place: the least, the largest and the sum of each [`Quantity`].
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    /// Of its first row (s).
+    time: f64,
+    low: [f64; Quantity::COUNT],
+    high: [f64; Quantity::COUNT],
+    sum: [f64; Quantity::COUNT],
+}
+
+impl Group {
+    fn of(time: f64, values: [f64; Quantity::COUNT]) -> Self {
+        Self { time, low: values, high: values, sum: values }
+    }
+
+    /// With a later one.
+    fn add(&mut self, other: &Self) {
+        for at in 0..Quantity::COUNT {
+            // Not `f64::min`, which takes longer as it minds what is no number.
+            self.low[at] = if other.low[at] < self.low[at] { other.low[at] } else { self.low[at] };
+            self.high[at] = if other.high[at] > self.high[at] { other.high[at] } else { self.high[at] };
+            self.sum[at] += other.sum[at];
+        }
+    }
+}
+
+/// The way of the load's origin (mm), without points nearer to the one kept before them than some distance.
+#[derive(Clone, Debug, Default)]
+struct Path {
+    points: Vec<[f64; 2]>,
+    /// (mm)
+    distance: f64,
+}
+
+/// Groups of which two share a place as soon as there are so many: several for each pixel of a panel. Even.
+const MOST_GROUPS: usize = 2048;
+/// Points of a path, after which these are kept farther apart.
+const MOST_POINTS: usize = 8192;
+
+impl<'a> Seen<'a> {
+    pub fn all(traces: &[Labelled<'a>]) -> Vec<Self> {
+        traces.iter().map(Self::of).collect()
+    }
+
+    pub fn of(one: &Labelled<'a>) -> Self {
+        let mut rows = SeenRows::default();
+        rows.add(&one.trace.rows);
+        Self { rows: Cow::Owned(rows), events: &one.trace.events }
+    }
+}
+
+impl Default for SeenRows {
+    fn default() -> Self {
+        Self { groups: Vec::new(), n_each: 1, n_last: 1, path: Path::default(), ends: None }
+    }
+}
+
+impl SeenRows {
+    /// Takes note of the next rows.
+    pub fn add(&mut self, rows: &[Row]) {
+        let Some(last) = rows.last() else { return };
+        let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
+        self.ends = Some([first, last.motion.pose]);
+        for row in rows {
+            let own = Group::of(row.time, Quantity::of(row));
+            match self.groups.last_mut() {
+                Some(group) if self.n_last < self.n_each => {
+                    group.add(&own);
+                    self.n_last += 1;
+                }
+                _ => {
+                    self.join_when_full();
+                    self.groups.push(own);
+                    self.n_last = 1;
+                }
+            }
+            self.path.add([MILLI * row.motion.pose.position.x, MILLI * row.motion.pose.position.y]);
+        }
+    }
+
+    /// Makes room for one more group.
+    fn join_when_full(&mut self) {
+        if self.groups.len() < MOST_GROUPS {
+            return;
+        }
+        self.n_each *= 2;
+        for k in 0..MOST_GROUPS / 2 {
+            let later = self.groups[2 * k + 1];
+            self.groups[k] = self.groups[2 * k];
+            self.groups[k].add(&later);
+        }
+        self.groups.truncate(MOST_GROUPS / 2);
+    }
+
+    /// A quantity over time, group by group.
+    pub(crate) fn columns(&self, quantity: Quantity) -> Vec<Column> {
+        let (at, n_groups) = (quantity as usize, self.groups.len());
+        let of = |(k, group): (usize, &Group)| {
+            let n = if k + 1 < n_groups { self.n_each } else { self.n_last };
+            Column { x: group.time, low: group.low[at], mean: group.sum[at] / n as f64, high: group.high[at] }
+        };
+        self.groups.iter().enumerate().map(of).collect()
+    }
+
+    /// The load's path (mm).
+    pub(crate) fn path(&self) -> Vec<[f64; 2]> {
+        let end = self.ends.map(|[_, last]| [MILLI * last.position.x, MILLI * last.position.y]);
+        self.path.points.iter().copied().chain(end).collect()
+    }
+}
+
+impl Path {
+    fn add(&mut self, point: [f64; 2]) {
+        if !is_near(self.points.last(), &point, self.distance) {
+            self.points.push(point);
+        }
+        if self.points.len() > MOST_POINTS {
+            let ways = self.points.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]));
+            let way: f64 = ways.filter(|way| way.is_finite()).sum();
+            self.distance = (2.0 * self.distance).max(2.0 * way / MOST_POINTS as f64);
+            let (mut last, distance) = (None, self.distance);
+            self.points.retain(|point| {
+                let is_kept = !is_near(last.as_ref(), point, distance);
+                last = if is_kept { Some(*point) } else { last };
+                is_kept
+            });
+        }
+    }
+}
+
+/// Whether a point lies within a distance of the one before it; what is no number is a gap, and near to nothing.
+fn is_near(before: Option<&[f64; 2]>, point: &[f64; 2], distance: f64) -> bool {
+    before.is_some_and(|before| (point[0] - before[0]).powi(2) + (point[1] - before[1]).powi(2) <= distance * distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::synthetic;
+
+    /// More rows than groups, a few at a time: no extreme is lost, means of all are the mean of all, and there are never more groups than that.
+    #[test]
+    fn groups_keep_ranges_and_means_of_all_rows() {
+        for n_rows in [1, 500, 2048, 2049, 50_000] {
+            let mut trace = synthetic::trace(n_rows, 1.0);
+            trace.rows[n_rows / 3].motion.pose.heading = 40.0;
+            trace.rows[n_rows / 2].motion.pose.heading = -70.0;
+            let mut seen = SeenRows::default();
+            trace.rows.chunks(13).for_each(|rows| seen.add(rows));
+            let (columns, headings) = (seen.columns(Quantity::Heading), trace.rows.iter().map(|row| row.motion.pose.heading));
+            assert!(columns.len() <= MOST_GROUPS && columns.len() >= n_rows.min(MOST_GROUPS / 2), "{n_rows}: {}", columns.len());
+            let low = columns.iter().map(|column| column.low).fold(f64::INFINITY, f64::min);
+            let high = columns.iter().map(|column| column.high).fold(f64::NEG_INFINITY, f64::max);
+            assert_eq!((low, high), headings.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y))));
+            let n_of = |k: usize| if k + 1 < columns.len() { seen.n_each } else { seen.n_last };
+            let sum: f64 = columns.iter().enumerate().map(|(k, column)| n_of(k) as f64 * column.mean).sum();
+            // Rounding of sums of as many numbers of order one.
+            assert!((sum - headings.sum::<f64>()).abs() < 1e-13 * n_rows as f64 + 1e-13, "{n_rows}");
+            assert!(columns.windows(2).all(|pair| pair[0].x < pair[1].x));
+            if n_rows <= MOST_GROUPS {
+                assert!(columns.iter().zip(&trace.rows).all(|(column, row)| column.low == row.motion.pose.heading && column.x == row.time));
+            }
+        }
+    }
+
+    /// Points are dropped, but none that is far from a kept one: twice what so many points would be apart.
+    #[test]
+    fn a_path_keeps_its_course_in_bounded_room() {
+        let all: Vec<[f64; 2]> = (0..100_000).map(|k| (1e-3 * f64::from(k)).sin_cos()).map(|(s, c)| [40.0 * s, 30.0 * c * c]).collect();
+        let mut path = Path::default();
+        for point in &all {
+            path.add(*point);
+            assert!(path.points.len() <= MOST_POINTS);
+        }
+        assert!(path.points.len() > MOST_POINTS / 4 && path.distance < 3.0);
+        for point in all.iter().step_by(97) {
+            assert!(path.points.iter().any(|near| (point[0] - near[0]).hypot(point[1] - near[1]) <= path.distance));
+        }
+    }
+}

@@ -1,0 +1,76 @@
+use crate::output::chart::*;
+use crate::output::synthetic;
+
+fn scene() -> Scene {
+    let nest = Nest { position: Vec2::new(0.2625, 0.0), arrival_radius: 0.01 };
+    Scene { load_radius: 0.0122, slip_limit: 0.022, nest: Some(nest) }
+}
+
+fn all(traces: &[Labelled]) -> Vec<(&'static str, String)> {
+    vec![
+        ("path", path(traces, &scene())),
+        ("heading", heading(traces)),
+        ("speed", speed(traces)),
+        ("net-pull", net_pull(traces, &scene())),
+        ("total-pull", total_pull(traces)),
+        ("holders", holders(traces)),
+        ("position-difference", position_difference(traces)),
+        ("heading-difference", heading_difference(traces)),
+        ("overview", overview(traces, &scene())),
+    ]
+}
+
+fn store(name: &str, figures: &[(&str, String)]) {
+    // For eyes: COHAUL_FIGURES=/some/folder cargo test figure
+    let Ok(folder) = std::env::var("COHAUL_FIGURES") else { return };
+    for (figure, svg) in figures {
+        std::fs::write(format!("{folder}/{name}-{figure}.svg"), svg).unwrap();
+    }
+}
+
+#[test]
+fn long_runs_make_small_figures_without_a_number_that_is_not_finite() {
+    // As many rows as 300 s at 2.5 ms have.
+    let (a, b, c) = (synthetic::trace(120_000, 1.0), synthetic::trace(120_000, 1.003), synthetic::trace(119_000, 1.0031));
+    let traces =
+        [Labelled { label: "quasi-static", trace: &a }, Labelled { label: "inertial", trace: &b }, Labelled { label: "rapier", trace: &c }];
+    let figures = all(&traces);
+    store("long", &figures);
+    for (name, svg) in figures {
+        assert!(svg.len() < 500_000, "{name}: {} bytes", svg.len());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
+        assert!(svg.starts_with("<svg") && svg.ends_with("</svg>"), "{name}");
+        assert!(!svg.contains("<script") && !svg.contains("@font-face"), "{name}");
+    }
+}
+
+#[test]
+fn short_runs_show_their_events_and_the_same_traces_give_the_same_bytes() {
+    let (a, mut b) = (synthetic::trace(800, 1.0), synthetic::trace(800, 1.001));
+    // A jump as a method without inertia makes it: one row of high speed.
+    b.rows[500].motion.twist.linear *= 300.0;
+    let traces = [Labelled { label: "quasi-static", trace: &a }, Labelled { label: "inertial", trace: &b }];
+    let figures = all(&traces);
+    store("short", &figures);
+    let one = [Labelled { label: "a < b & \"c\" $d$", trace: &a }];
+    store("one", &all(&one)[8..]);
+    assert!(figures[2].1.contains("peaks up to"));
+    assert!(figures[6].1.contains(">release<"));
+    assert!(overview(&one, &scene()).contains("a &lt; b &amp; &quot;c&quot; $d$"));
+    for ((name, svg), (_, again)) in figures.iter().zip(&all(&traces)) {
+        assert!(svg == again, "{name}");
+    }
+}
+
+#[test]
+fn nothing_and_broken_rows_are_drawn_as_gaps() {
+    let empty = Trace::default();
+    let mut broken = synthetic::trace(50, 1.0);
+    broken.rows[20].motion.pose.position.x = f64::NAN;
+    broken.rows[21].motion.twist.linear.y = f64::INFINITY;
+    for traces in [vec![], vec![Labelled { label: "empty", trace: &empty }], vec![Labelled { label: "broken", trace: &broken }; 2]] {
+        for (name, svg) in all(&traces) {
+            assert!(svg.starts_with("<svg") && !svg.contains("NaN") && !svg.contains("inf\""), "{name}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! What people and programs read: tables, figures, pages, an output folder and a progress bar. Knows no study.
+
+pub mod chart;
+pub mod finite;
+pub mod folder;
+pub mod lines;
+pub mod manifest;
+pub mod page;
+pub mod progress;
+pub mod quantity;
+mod sibling;
+#[cfg(test)]
+pub(crate) mod synthetic;
+pub mod tips_csv;
+pub mod trace_csv;

@@ -1,0 +1,124 @@
+//! Settings of a benchmark -> panels: error over CPU time, and cost over size.
+
+use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
+use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, WORK_HEIGHT, grid};
+use crate::studies::bench::METHODS;
+use crate::studies::bench::SceneFacts;
+use crate::studies::bench::report::{BenchLine, GrowthLine};
+
+/// Errors below this share of the way are rounding, and drawn there (1).
+const LEAST_ERROR: f64 = 1e-16;
+/// Where settings without an error are drawn (1): just below the top of the axis.
+const NO_ERROR: f64 = 0.6;
+/// Methods that both panels show, for orientation.
+const SHARED: [&str; 2] = ["quasi-static", "inertial midpoint"];
+
+/// The exact methods, and the engine's variants beside two of them, over the same axes; and the legend of each.
+pub fn work_precision(lines: &[&BenchLine], budget: f64) -> ([Panel; 2], [Vec<Entry>; 2]) {
+    let is_engine = |method: &str| method.starts_with("rapier");
+    let exact = |method: &str| !is_engine(method);
+    let engine = |method: &str| is_engine(method) || SHARED.contains(&method);
+    let room = lines.iter().filter_map(|line| point(line, budget)).collect::<Vec<_>>();
+    let panels = [panel(lines, &exact, budget, &room), panel(lines, &engine, budget, &room)];
+    let entries = |of: &dyn Fn(&str) -> bool| {
+        let shown = METHODS.iter().map(|method| method.name).filter(|name| of(name) && lines.iter().any(|line| line.method == *name));
+        shown.map(|name| Entry::line(name, style(name))).collect::<Vec<Entry>>()
+    };
+    let failures = Entry::line("crosses: not converged, no answer, or too long", FAILURE);
+    let engine_only = |method: &str| is_engine(method);
+    (panels, [entries(&exact), [entries(&engine_only), vec![failures]].concat()])
+}
+
+fn panel(lines: &[&BenchLine], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[f64; 2]]) -> Panel {
+    let mut panel = Panel::new("CPU time (s)", "largest error over the way (1)", Scale::LogLog);
+    panel.curves.push(Curve { columns: Vec::new(), points: room.to_vec(), style: FAILURE, shape: Shape::Unseen });
+    for method in METHODS.iter().filter(|method| of(method.name)) {
+        let own = || lines.iter().filter(|line| line.method == method.name);
+        let points: Vec<[f64; 2]> = own().filter(|line| line.error_max_share.is_some()).filter_map(|line| point(line, budget)).collect();
+        let failures: Vec<[f64; 2]> = own().filter(|line| line.cause.is_some()).filter_map(|line| point(line, budget)).collect();
+        panel.curves.push(Curve { columns: Vec::new(), points, style: style(method.name), shape: Shape::Marked });
+        panel.curves.push(Curve { columns: Vec::new(), points: failures, style: style(method.name), shape: Shape::Crosses });
+    }
+    let n_failures =
+        |word: &str| lines.iter().filter(|line| of(&line.method) && line.cause.as_ref().is_some_and(|cause| cause.contains(word))).count();
+    let counts = [(n_failures("longer"), "too long"), (n_failures("converge"), "not converged"), (n_failures("no finite"), "failed")];
+    let notes: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    panel.note = (!notes.is_empty()).then(|| notes.join(", "));
+    panel
+}
+
+/// CPU time and error of a setting, the budget and no error where it was too long; `None` of what was never tried.
+fn point(line: &BenchLine, budget: f64) -> Option<[f64; 2]> {
+    if line.cause.as_ref().is_some_and(|cause| cause.starts_with("left out")) {
+        return None;
+    }
+    Some([line.cpu_min_s.unwrap_or(0.8 * budget), line.error_max_share.map_or(NO_ERROR, |error| error.max(LEAST_ERROR))])
+}
+
+const FAILURE: Style = Style { color: "#666666", dash: "1 3", width: 1.0 };
+
+/// A colour for each kind of exact method and each friction of the engine, dashes for its variants.
+fn style(method: &str) -> Style {
+    let (color, dash, width) = match method {
+        "quasi-static" => ("#0072B2", "", 2.2),
+        "quasi-static second order" => ("#56B4E9", "", 2.2),
+        "quasi-static clarabel" => ("#0072B2", "2 2.5", 1.5),
+        "quasi-static controlled" => ("#56B4E9", "7 3", 1.8),
+        "inertial euler" => ("#E69F00", "", 1.5),
+        "inertial midpoint" => ("#D55E00", "", 2.2),
+        "inertial controlled" => ("#D55E00", "7 3", 1.5),
+        "rapier aligned" => ("#000000", "", 1.8),
+        "rapier polygon" => ("#009E73", "", 1.5),
+        "rapier box" => ("#CC79A7", "", 1.5),
+        "rapier aligned f32" => ("#000000", "2 2.5", 1.5),
+        "rapier aligned aggregate" => ("#777777", "7 3", 1.5),
+        "rapier aligned force" => ("#777777", "2 2.5", 1.5),
+        "rapier as shipped" => ("#CC79A7", "7 3", 1.5),
+        "rapier as shipped f32" => ("#CC79A7", "2 2.5", 1.5),
+        _ => ("#999999", "9 3 2 3", 1.5),
+    };
+    Style { color, dash, width }
+}
+
+/// A panel a quantity, a curve a backend.
+pub fn growth(lines: &[GrowthLine]) -> (Vec<Panel>, Vec<Entry>) {
+    let of_quantity = |lines: &[GrowthLine]| {
+        let quantity = lines[0].quantity;
+        let cost = if quantity == "ants" { "CPU time of a tick (s)" } else { "CPU time of a step (s)" };
+        let mut panel = Panel::new(&format!("number of {quantity}"), cost, Scale::LogLog);
+        for curve in lines.chunk_by(|one, next| one.backend == next.backend) {
+            let points = curve.iter().filter_map(|line| Some([line.n as f64, line.cpu_min_s?])).collect();
+            panel.curves.push(Curve { columns: Vec::new(), points, style: backend_style(curve[0].backend), shape: Shape::Marked });
+        }
+        panel
+    };
+    let panels = lines.chunk_by(|one, next| one.quantity == next.quantity).map(of_quantity).collect();
+    let mut backends: Vec<&str> = lines.iter().map(|line| line.backend).collect();
+    backends.sort_unstable();
+    backends.dedup();
+    (panels, backends.into_iter().map(|backend| Entry::line(backend, backend_style(backend))).collect())
+}
+
+fn backend_style(backend: &str) -> Style {
+    match backend {
+        "quasi-static" => style("quasi-static"),
+        "inertial" => style("inertial midpoint"),
+        _ => style("rapier aligned"),
+    }
+}
+
+/// Error against CPU time of the settings in one scene (both logarithmic): exact methods, and the engine's variants. What took longer than `budget` (s) is
+/// drawn there.
+pub fn work_precision_figure(facts: &SceneFacts, lines: &[BenchLine], budget: f64) -> String {
+    let own: Vec<&BenchLine> = lines.iter().filter(|line| line.scene == facts.scene).collect();
+    let (panels, legends) = work_precision(&own, budget);
+    grid(&panels, &legends, 2, COLUMN_WIDTH, WORK_HEIGHT)
+}
+
+/// Cost of a step or tick against the number of springs, supports and ants (both logarithmic).
+pub fn growth_figure(lines: &[GrowthLine]) -> String {
+    let (panels, legend) = growth(lines);
+    grid(&panels, &[legend], panels.len(), GROWTH_WIDTH, PANEL_HEIGHT)
+}
+
+const GROWTH_WIDTH: f64 = 340.0;

@@ -1,0 +1,169 @@
+//! A calibration -> panels: measured points with error bars, model and linear law; forces on tips over time.
+
+use crate::output::chart::MILLI;
+use crate::output::chart::canvas::{Cell, Sheet};
+use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
+use crate::output::chart::{ROW_HEIGHT, TIME_HEIGHT, WIDTH, WORK_HEIGHT, grid};
+use crate::studies::calibrate::text::percent;
+use crate::studies::calibrate::{Calibration, Case, CaseFit, Estimate, Measurements, TipForces, Trial};
+
+const MODEL: Style = Style { color: "#0072B2", dash: "", width: 1.8 };
+const LINEAR: Style = Style { color: "#D55E00", dash: "7 3", width: 1.8 };
+/// As the legend shows it; in a panel it has the colour of its law.
+const INTERVAL: Style = Style { color: "#d8d8d8", dash: "", width: 9.0 };
+/// Trials with a colour of their own; those beyond share them.
+const TRIALS: [&str; 6] = ["#000000", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#777777"];
+/// Springs with a panel of their own; more share one.
+const MOST_PANELS: usize = 6;
+/// Springs of one panel that are told apart by colour.
+const SPRINGS: [&str; 6] = ["#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73", "#E69F00"];
+
+/// A panel a case, and the legend: laws, then trials.
+pub fn panels(found: &Calibration, measurements: &Measurements) -> (Vec<Panel>, [Vec<Entry>; 2]) {
+    let panels = found.cases.iter().map(|case| panel(found, case, measurements)).collect();
+    let shaded = Entry::line(format!("shaded: {} % intervals of both", percent(found.confidence)), INTERVAL);
+    let laws = vec![Entry::line("pseudo-rigid-body model, one E", MODEL), Entry::line("linear law over its range", LINEAR), shaded];
+    let most = Case::ALL.iter().map(|case| measurements.of_case(*case).count()).max().unwrap_or(0);
+    let name = |index: usize| {
+        let mut names: Vec<&str> = Case::ALL.iter().filter_map(|case| Some(&*measurements.of_case(*case).nth(index)?.name)).collect();
+        names.dedup();
+        names.join("/")
+    };
+    let trials = (0..most.min(TRIALS.len())).map(|index| Entry::line(format!("trial {}", name(index)), bar(index))).collect();
+    (panels, [laws, trials])
+}
+
+fn panel(found: &Calibration, fit: &CaseFit, measurements: &Measurements) -> Panel {
+    let case = fit.case;
+    let (x_label, y_label) =
+        if case.is_radial() { ("stretch (mm)", "force along the spring (mN)") } else { ("swing (rad)", "force across the spring (mN)") };
+    let mut panel = Panel::new(x_label, y_label, Scale::FromZero);
+    panel.note = Some(case.name().to_owned());
+    let unit = if case.is_radial() { MILLI } else { 1.0 };
+    let trials: Vec<&Trial> = measurements.of_case(case).collect();
+    let far = trials
+        .iter()
+        .flat_map(|trial| &trial.points)
+        .map(|point| point.at)
+        .fold(0.0, |far: f64, at| if at.abs() > far.abs() { at } else { far });
+    let design = found.dimensions.of_material(1.0);
+    let model = |at: f64| case.force(&design, at);
+    // Room for the outermost points.
+    panel.curves.push(Curve {
+        columns: Vec::new(),
+        points: vec![[-0.02 * unit * far, 0.0], [1.04 * unit * far, 0.0]],
+        style: LINEAR,
+        shape: Shape::Unseen,
+    });
+    law(&mut panel, &model, &found.youngs_modulus_pa, [0.0, far], unit, MODEL);
+    if let Some(linear) = found.linear.iter().find(|linear| linear.case == case) {
+        let range = linear.range.map(|at| at.copysign(far));
+        law(&mut panel, &|at| case.linear(&design, at), &linear.stiffness, range, unit, LINEAR);
+    }
+    for (index, trial) in trials.iter().enumerate() {
+        points(&mut panel, trial, index, unit);
+    }
+    panel
+}
+
+/// A law over a range and, around it, its interval.
+fn law(panel: &mut Panel, basis: &dyn Fn(f64) -> f64, slope: &Estimate, [from, to]: [f64; 2], unit: f64, style: Style) {
+    const N: usize = 120;
+    let places = || (0..=N).map(|i| from + (to - from) * i as f64 / N as f64);
+    if let Some(interval) = slope.interval.or(slope.interval_within_trials) {
+        let ends = |at: f64| {
+            let (a, b) = (MILLI * interval.low * basis(at), MILLI * interval.high * basis(at));
+            [[unit * at, a.min(b)], [unit * at, a.max(b)]]
+        };
+        panel.curves.push(Curve { columns: Vec::new(), points: places().flat_map(ends).collect(), style, shape: Shape::Area });
+    }
+    let points = places().map(|at| [unit * at, MILLI * slope.value * basis(at)]).collect();
+    panel.curves.push(Curve { columns: Vec::new(), points, style, shape: Shape::Graph });
+}
+
+/// Dots, and bars of one standard deviation to either side where it is known.
+fn points(panel: &mut Panel, trial: &Trial, index: usize, unit: f64) {
+    let style = bar(index);
+    let bars = trial.points.iter().filter_map(|point| {
+        let (at, sd) = (unit * point.at, point.sd?);
+        Some([[at, MILLI * (point.force - sd)], [at, MILLI * (point.force + sd)], [f64::NAN; 2]])
+    });
+    panel.curves.push(Curve { columns: Vec::new(), points: bars.flatten().collect(), style, shape: Shape::Path });
+    let dots = trial.points.iter().map(|point| [unit * point.at, MILLI * point.force]).collect();
+    panel.curves.push(Curve { columns: Vec::new(), points: dots, style, shape: Shape::Dots });
+}
+
+fn bar(index: usize) -> Style {
+    Style { color: TRIALS[index % TRIALS.len()], dash: "", width: 1.0 }
+}
+
+/// Size over time with a gap where nobody holds: a panel a spring, or one for all where they are many, and the legend of the latter.
+pub fn forces(found: &TipForces) -> (Vec<Panel>, Vec<Entry>) {
+    let mut springs: Vec<usize> = found.forces.iter().map(|force| force.spring).collect();
+    springs.sort_unstable();
+    springs.dedup();
+    let mut frames: Vec<f64> = found.forces.iter().map(|force| force.time).collect();
+    frames.dedup();
+    let ends = frames.first().zip(frames.last()).map_or(vec![], |(first, last)| vec![[*first, 0.0], [*last, 0.0]]);
+    let panel = |springs: &[usize]| {
+        let mut panel = Panel::new("time (s)", "force on tip (mN)", Scale::FromZero);
+        panel.curves.push(Curve { columns: Vec::new(), points: ends.clone(), style: of_spring(0), shape: Shape::Unseen });
+        for (index, spring) in springs.iter().enumerate() {
+            panel.curves.push(Curve {
+                columns: Vec::new(),
+                points: over_time(found, *spring, &frames),
+                style: of_spring(index),
+                shape: Shape::Graph,
+            });
+        }
+        panel
+    };
+    if springs.len() > MOST_PANELS {
+        let shown = springs.iter().enumerate().take(2 * SPRINGS.len());
+        let legend = shown.map(|(index, spring)| Entry::line(format!("spring {spring}"), of_spring(index))).collect();
+        return (vec![panel(&springs)], legend);
+    }
+    let named = |spring: &usize| Panel { note: Some(format!("spring {spring}")), ..panel(&[*spring]) };
+    (springs.iter().map(named).collect(), Vec::new())
+}
+
+/// Sizes (mN) of the forces on one tip, broken where a frame has none.
+fn over_time(found: &TipForces, spring: usize, frames: &[f64]) -> Vec<[f64; 2]> {
+    let mut points = Vec::new();
+    let mut frame = 0;
+    for force in found.forces.iter().filter(|force| force.spring == spring) {
+        let before = frame;
+        while frames[frame] < force.time {
+            frame += 1;
+        }
+        if frame > before + 1 {
+            points.push([f64::NAN; 2]);
+        }
+        points.push([force.time, MILLI * force.size]);
+    }
+    points
+}
+
+fn of_spring(index: usize) -> Style {
+    let dash = if (index / SPRINGS.len()).is_multiple_of(2) { "" } else { "5 2.5" };
+    Style { color: SPRINGS[index % SPRINGS.len()], dash, width: 1.4 }
+}
+
+/// Force over displacement as measured, by the fitted model and by the linear law with their intervals: a panel a case.
+pub fn calibration(found: &Calibration, measurements: &Measurements) -> String {
+    let (panels, legend) = panels(found, measurements);
+    grid(&panels, &legend, panels.len(), CALIBRATION_WIDTH, WORK_HEIGHT)
+}
+
+/// Size of the forces on tips over time.
+pub fn tip_forces(found: &TipForces) -> String {
+    let (panels, legend) = forces(found);
+    let height = if panels.len() == 1 { TIME_HEIGHT } else { ROW_HEIGHT };
+    let mut sheet = Sheet::new(WIDTH, panels.len() as f64 * height);
+    for (i, panel) in panels.iter().enumerate() {
+        sheet.add(&Cell { panel, left: 0.0, top: i as f64 * height, width: WIDTH, height });
+    }
+    sheet.into_svg(&[legend])
+}
+
+const CALIBRATION_WIDTH: f64 = 380.0;

@@ -1,0 +1,174 @@
+//! A calibration, a design and forces on tips for programs, for people and as files.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::output::finite::{NotFinite, finite};
+use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::manifest::Manifest;
+use crate::studies::calibrate::figure;
+use crate::studies::calibrate::text::{design_text, fit_text, forces_text};
+use crate::studies::calibrate::{Calibration, Estimate, Force, ForceSummary, Limits, Made, Measurements, TipForces, Wanted};
+
+/// What `calibrate fit --json` prints; `calibrate forces` reads it back.
+pub fn fit_json(found: &Calibration) -> Result<String, NotFinite> {
+    let named =
+        [("youngs_modulus_pa", Some(&found.youngs_modulus_pa)), ("radial_stiffness_n_per_m", found.radial_stiffness_n_per_m.as_ref())];
+    let torsional = ("torsional_stiffness_nm_per_rad", found.torsional_stiffness_nm_per_rad.as_ref());
+    let by_case = found.cases.iter().map(|fit| ("cases", Some(&fit.youngs_modulus_pa)));
+    let linear = found.linear.iter().map(|fit| ("linear", Some(&fit.stiffness)));
+    for (name, estimate) in named.into_iter().chain([torsional]).chain(by_case).chain(linear) {
+        estimate.map(|estimate| whole(name, estimate)).transpose()?;
+    }
+    Ok(pretty(found))
+}
+
+fn whole(name: &str, estimate: &Estimate) -> Result<(), NotFinite> {
+    if estimate.is_finite() { Ok(()) } else { Err(NotFinite { field: name.to_owned(), value: f64::NAN }) }
+}
+
+/// What `calibrate design --json` prints.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DesignReport {
+    pub wanted: Wanted,
+    pub limits: Limits,
+    pub exact: Made,
+    /// The same on a grid of lengths; only where one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_grid: Option<Made>,
+}
+
+impl DesignReport {
+    pub fn to_json(&self) -> String {
+        pretty(self)
+    }
+
+    pub fn to_text(&self) -> String {
+        design_text(self)
+    }
+}
+
+/// What `calibrate forces --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForcesReport {
+    pub n_frames: usize,
+    /// Of the springs whose tips were recorded, then of all together.
+    pub springs: Vec<ForceSummary>,
+    pub tip_noise_m: f64,
+    pub warnings: Vec<String>,
+}
+
+impl ForcesReport {
+    /// # Errors
+    /// When a number is not finite.
+    pub fn to_json(&self) -> Result<String, NotFinite> {
+        for summary in &self.springs {
+            for (name, value) in
+                [("mean_n", summary.mean_n), ("sd_n", summary.sd_n), ("max_n", summary.max_n), ("mean_error_n", summary.mean_error_n)]
+            {
+                finite(name, value)?;
+            }
+        }
+        Ok(pretty(self))
+    }
+
+    pub fn to_text(&self) -> String {
+        forces_text(self)
+    }
+}
+
+fn pretty(value: &impl Serialize) -> String {
+    let mut text = serde_json::to_string_pretty(value).expect("a report is plain data");
+    text.push('\n');
+    text
+}
+
+/// Columns of `forces.csv`. The last three are empty where there is none: Eq. (1) beyond its reach, world axes of a tip in its root's frame.
+pub const FORCE_COLUMNS: [&str; 12] = [
+    "time_s",
+    "spring",
+    "length_m",
+    "swing_rad",
+    "radial_n",
+    "tangential_n",
+    "force_n",
+    "force_sd_n",
+    "force_sd_of_tip_n",
+    "radial_by_model_n",
+    "force_x_n",
+    "force_y_n",
+];
+
+fn write_forces(forces: &[Force], out: impl std::io::Write) -> Result<(), crate::output::trace_csv::TableError> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    writer.write_record(FORCE_COLUMNS)?;
+    for force in forces {
+        let numbers = [force.shape.length, force.shape.swing, force.radial, force.tangential, force.size, force.size_sd, force.tip_part];
+        for (name, value) in FORCE_COLUMNS[2..].iter().zip(numbers) {
+            finite(name, value)?;
+        }
+        let world = [force.in_world.map(|force| force.x), force.in_world.map(|force| force.y)];
+        writer.serialize((finite("time_s", force.time)?, force.spring, numbers, force.radial_by_model, world))?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// Readings beside both laws, for figures of one's own.
+fn write_residuals(found: &Calibration, measurements: &Measurements, out: impl std::io::Write) -> Result<(), csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    let columns = ["case", "trial", "displacement_m", "swing_rad", "force_n", "force_sd_n", "model_n", "linear_n", "is_in_range"];
+    writer.write_record(columns)?;
+    let unit = found.dimensions.of_material(1.0);
+    for trial in &measurements.trials {
+        let linear = found.linear.iter().find(|fit| fit.case == trial.case);
+        for point in &trial.points {
+            let (stretch, swing) = if trial.case.is_radial() { (Some(point.at), None) } else { (None, Some(point.at)) };
+            let model = found.youngs_modulus_pa.value * trial.case.force(&unit, point.at);
+            let by_line = linear.map(|fit| fit.stiffness.value * trial.case.linear(&unit, point.at));
+            let is_in_range = linear.is_some_and(|fit| (fit.range[0]..=fit.range[1]).contains(&point.at.abs()));
+            writer.serialize((trial.case.name(), &trial.name, stretch, swing, point.force, point.sd, model, by_line, is_in_range))?;
+        }
+    }
+    Ok(writer.flush()?)
+}
+
+/// Writes `calibration.json`, `calibration.txt`, `residuals.csv`, `calibration.svg` and `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// When the folder may not be written, a number is not finite, or the disk fails.
+pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Measurements, manifest: &Manifest) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write("calibration.json", |out| -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(out.write_all(fit_json(found)?.as_bytes())?)
+    })?;
+    folder.write("calibration.txt", |out| out.write_all(fit_text(found).as_bytes()))?;
+    folder.write("residuals.csv", |out| write_residuals(found, measurements, out))?;
+    folder.write("calibration.svg", |out| out.write_all(figure::calibration(found, measurements).as_bytes()))?;
+    folder.finish(manifest)
+}
+
+/// Writes `design.json` and `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_design(target: &Path, found: &DesignReport, manifest: &Manifest) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write("design.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.finish(manifest)
+}
+
+/// Writes `forces.csv`, `forces.json`, `forces.svg` and `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &TipForces, manifest: &Manifest) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write("forces.csv", |out| write_forces(&forces.forces, out))?;
+    folder.write("forces.json", |out| -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(out.write_all(found.to_json()?.as_bytes())?)
+    })?;
+    folder.write("forces.svg", |out| out.write_all(figure::tip_forces(forces).as_bytes()))?;
+    folder.finish(manifest)
+}

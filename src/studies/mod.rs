@@ -1,0 +1,12 @@
+//! Studies: each poses scenes, runs them, judges what comes back and writes its report, figures and files.
+
+pub mod bench;
+pub mod calibrate;
+pub mod check;
+pub mod compare;
+pub mod paper;
+pub mod regime;
+pub mod run;
+pub mod stress;
+pub mod sweep;
+pub mod verify;

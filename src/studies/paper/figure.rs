@@ -1,0 +1,256 @@
+//! The paper's results -> panels: pulls, group sizes, backends, inertia and the fit, with what the paper prints as marked points and lines.
+
+use crate::math::Interval;
+use crate::model::behaviour::Pace;
+use crate::output::chart::MILLI;
+use crate::output::chart::canvas::natural_height;
+use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
+use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, ROW_HEIGHT, WIDTH, alone, grid};
+use crate::output::quantity::quantity;
+use crate::studies::paper::figure_run;
+use crate::studies::paper::report::{FitRow, Paper, TableRow};
+use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Shown, Trial, Unit, printed};
+
+pub const OURS: Style = Style { color: "#0072B2", dash: "", width: 1.6 };
+pub const OTHER: Style = Style { color: "#E69F00", dash: "", width: 1.6 };
+pub const PRINTED: Style = Style { color: "#D55E00", dash: "7 3", width: 1.6 };
+const FAINT: Style = Style { color: "#999999", dash: "2 2.5", width: 1.0 };
+/// Half width of a bar, and of the cap of a whisker.
+const BAR: f64 = 0.36;
+const CAP: f64 = 0.12;
+
+pub fn curve(points: Vec<[f64; 2]>, style: Style, shape: Shape) -> Curve {
+    Curve { columns: Vec::new(), points, style, shape }
+}
+
+fn bar(x: f64, height: f64, style: Style) -> Curve {
+    curve(vec![[x - BAR, 0.0], [x - BAR, height], [x + BAR, height], [x + BAR, 0.0]], style, Shape::Path)
+}
+
+fn whisker(x: f64, Interval { low, high }: Interval, style: Style) -> Curve {
+    let (left, right) = (x - CAP, x + CAP);
+    curve(vec![[left, low], [right, low], [x, low], [x, high], [left, high], [right, high]], style, Shape::Path)
+}
+
+/// A point with its interval, in print units.
+fn dot(x: f64, estimate: &Estimate, unit: f64, style: Style) -> Vec<Curve> {
+    let scaled = |interval: Interval| Interval { low: unit * interval.low, high: unit * interval.high };
+    let whiskers = estimate.interval_95.map(|interval| whisker(x, scaled(interval), style));
+    std::iter::once(curve(vec![[x, unit * estimate.value]], style, Shape::Dots)).chain(whiskers).collect()
+}
+
+/// Load speed by number of pulling ants, and shares of time by that number, beside the printed counts.
+pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
+    let mut speed = Panel::new("pulling ants", "load speed (mm/s)", Scale::FromZero);
+    let mut headway = Panel::new("ants on ten springs", "speed towards the nest (mm/s)", Scale::FromZero);
+    let mut share = Panel::new("pulling ants of ten", "share of time with six or more (1)", Scale::FromZero);
+    for (panel, low) in [(&mut speed, 0.4), (&mut headway, 0.4), (&mut share, 5.4)] {
+        panel.curves.push(curve(vec![[low, 0.0], [10.6, 0.0]], FAINT, Shape::Unseen));
+    }
+    for speeds in &found.load_speed {
+        let x = speeds.n_transporting as f64;
+        if let Some(estimate) = &speeds.headway_m_per_s {
+            headway.curves.push(bar(x, MILLI * estimate.value, OURS));
+            headway.curves.extend(dot(x, estimate, MILLI, OURS));
+        }
+        let Some(estimate) = &speeds.load_speed_m_per_s else { continue };
+        speed.curves.push(bar(x, MILLI * estimate.value, OURS));
+        let sd = speeds.sd_over_runs_m_per_s.unwrap_or_default();
+        let spread = Interval { low: MILLI * (estimate.value - sd).max(0.0), high: MILLI * (estimate.value + sd) };
+        speed.curves.push(whisker(x, spread, FAINT));
+        speed.curves.extend(dot(x, estimate, MILLI, OURS));
+    }
+    speed.note = Some("bars: all runs; whiskers: 95 %; dotted: standard deviation over runs".to_owned());
+    for size in printed::SMALLEST_COUNTED..=10 {
+        let x = size as f64;
+        share.curves.push(curve(vec![[x, printed::share_of_size(size)]], PRINTED, Shape::Crosses));
+        if let Some(ours) = row(found, Measure::SizeShare(size)).and_then(|row| row.ours) {
+            share.curves.push(bar(x, ours.value, OURS));
+            share.curves.extend(dot(x, &ours, 1.0, OURS));
+        }
+    }
+    (vec![speed, headway, share], vec![Entry::line("ours", OURS), Entry::line("paper (crosses)", PRINTED)])
+}
+
+fn row(found: &Paper, measure: Measure) -> Option<&TableRow> {
+    found.table.iter().find(|row| row.quantity == measure.name())
+}
+
+/// Mean and standard deviation of pulls by trial, and the largest pull against the size of the sample.
+pub fn pulls(found: &Paper, units: &[Unit], largest: Option<Extreme>) -> (Vec<Panel>, Vec<Entry>) {
+    let mut moments = Panel::new("trial: 1/1, 4/4, 5/10, 10/10", "pull at decisions (mN)", Scale::FromZero);
+    for (level, style) in [(printed::PULL_MEAN_N, PRINTED), (printed::PULL_SD_N, Style { dash: "2 2.5", ..PRINTED })] {
+        moments.marks.push(Mark { at: Across::Horizontal(MILLI * level), style });
+    }
+    moments.curves.push(curve(vec![[0.5, 0.0], [4.5, 0.0]], FAINT, Shape::Unseen));
+    for (at, trial) in Trial::ALL.into_iter().enumerate() {
+        let sample = Sample::One(trial);
+        for (measure, style, shift) in [(Measure::PullMean(sample), OURS, -0.12), (Measure::PullSd(sample), OTHER, 0.12)] {
+            if let Some(ours) = row(found, measure).and_then(|row| row.ours) {
+                moments.curves.extend(dot(1.0 + at as f64 + shift, &ours, MILLI, style));
+            }
+        }
+    }
+    let mut extremes = Panel::new("pulls in the sample, decimal logarithm (1)", "largest pull (mN)", Scale::Linear);
+    extremes.curves.push(curve(running_maximum(units), OURS, Shape::Steps));
+    extremes.curves.push(curve(vec![[(printed::N_PULLS as f64).log10(), MILLI * printed::PULL_MAX_N]], PRINTED, Shape::Crosses));
+    extremes.curves.push(curve(vec![[6.0, MILLI * printed::PULL_MAX_N]], FAINT, Shape::Unseen));
+    if let Some(largest) = largest {
+        let n = (printed::N_PULLS as f64).log10();
+        extremes.curves.push(curve(vec![[n, MILLI * largest.expected]], OTHER, Shape::Dots));
+        extremes.curves.push(curve(vec![[n, MILLI * largest.draw_95.low], [n, MILLI * largest.draw_95.high]], OTHER, Shape::Path));
+        let (low, high) = (quantity(largest.draw_95.low, "N"), quantity(largest.draw_95.high, "N"));
+        extremes.note = Some(format!("expected at the printed size: {low} to {high}"));
+    }
+    let entries = vec![
+        Entry::line("mean", OURS),
+        Entry::line("standard deviation", OTHER),
+        Entry::line("paper: mean 5.0 mN", PRINTED),
+        Entry::line("standard deviation 5.1 mN", Style { dash: "2 2.5", ..PRINTED }),
+        Entry::line("largest, cross: paper; orange: 95 % of samples of that size", PRINTED),
+    ];
+    (vec![moments, extremes], entries)
+}
+
+/// Largest pull over the decimal logarithm of the number of pulls, as one run follows another.
+fn running_maximum(units: &[Unit]) -> Vec<[f64; 2]> {
+    let (mut n, mut largest) = (0.0, 0.0f64);
+    let runs = units.iter().flat_map(|unit| Sample::Printed.runs(unit));
+    runs.map(|run| {
+        n += run.pulls.n() as f64;
+        largest = largest.max(run.pulls.max());
+        [n.log10(), MILLI * largest]
+    })
+    .collect()
+}
+
+/// Quantities that inertia may move, on every set of the preset; each in a panel.
+pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
+    let shown = [
+        Measure::TimeToNest(Trial::OneOne),
+        Measure::TimeToNest(Trial::FourFour),
+        Measure::TimeToNest(Trial::FIVE_TEN),
+        Measure::TimeToNest(Trial::TEN_TEN),
+        Measure::PullMean(Sample::Printed),
+        Measure::PullSd(Sample::Printed),
+    ];
+    let sets: Vec<usize> = (1..found.sets.len()).filter(|set| found.sets[*set].preset == found.preset).collect();
+    let panel = |measure: Measure| {
+        let mut panel =
+            Panel::new(&numbered(found, &sets), &format!("{} ({})", short(measure), measure.unit().replace('N', "mN")), Scale::FromZero);
+        let unit = if measure.unit() == "N" { MILLI } else { 1.0 };
+        let Some(row) = row(found, measure) else { return panel };
+        panel.curves.push(curve(vec![[0.5, 0.0], [sets.len() as f64 + 1.5, 0.0]], FAINT, Shape::Unseen));
+        let others = sets.iter().map(|set| row.on_others.get(set - 1)?.value.as_ref());
+        let values: Vec<_> = std::iter::once(row.ours.as_ref()).chain(others).collect();
+        for (at, estimate) in values.iter().enumerate() {
+            let style = if at == 0 { OURS } else { OTHER };
+            panel.curves.extend(estimate.iter().flat_map(|estimate| dot(1.0 + at as f64, estimate, unit, style)));
+        }
+        let missing: Vec<String> =
+            (1..).zip(&values).filter(|(_, estimate)| estimate.is_none()).map(|(place, _)| place.to_string()).collect();
+        panel.note = (!missing.is_empty()).then(|| format!("{} without a value", missing.join(", ")));
+        if let Some(ours) = &row.ours {
+            panel.marks.push(Mark { at: Across::Horizontal(unit * ours.value), style: FAINT });
+        }
+        if let Some(printed) = row.printed {
+            panel.marks.push(Mark { at: Across::Horizontal(unit * printed), style: PRINTED });
+        }
+        panel
+    };
+    let entries = vec![Entry::line(found.sets[0].name.clone(), OURS), Entry::line("other sets", OTHER), Entry::line("paper", PRINTED)];
+    (shown.into_iter().map(panel).collect(), entries)
+}
+
+/// `1 quasi-static, 2 inertial ...`: ticks are numbers.
+fn numbered(found: &Paper, sets: &[usize]) -> String {
+    let short = |name: &str| name.replace("quasi-static", "QS").replace("inertia x ", "x");
+    let names = std::iter::once(0).chain(sets.iter().copied()).map(|set| short(&found.sets[set].name));
+    names.enumerate().map(|(at, name)| format!("{} {name}", at + 1)).collect::<Vec<_>>().join(", ")
+}
+
+fn short(measure: Measure) -> String {
+    measure.name().replace("standard deviation", "sd").replace(", 4/4 and 5/10", "")
+}
+
+/// Score of every set of parameters against each parameter, and mean against standard deviation of the pulls.
+pub fn fit(rows: &[FitRow]) -> (Vec<Panel>, Vec<Entry>) {
+    let parameters: [Parameter; 4] = [
+        ("speed of pulling ants (mm/s)", |row| MILLI * row.point.pull_speed_m_per_s),
+        ("way of a tip between decisions (mm)", |row| MILLI * row.point.pull_speed_m_per_s * row.point.release_decision_period_s),
+        ("half angle (rad)", |row| row.point.steering_half_angle_rad),
+        ("reach (mm)", |row| MILLI * row.point.sensing_range_m),
+    ];
+    let scores = |(label, of): Parameter| {
+        let mut panel = Panel::new(label, "worst deviation over near (1)", Scale::FromZero);
+        panel.marks.push(Mark { at: Across::Horizontal(1.0), style: PRINTED });
+        scatter(&mut panel, rows, |row| [of(row), row.score.min(MOST_SHOWN)]);
+        panel
+    };
+    let mut panels: Vec<Panel> = parameters.into_iter().map(scores).collect();
+    let mut moments = Panel::new("mean pull (mN)", "standard deviation (mN)", Scale::Linear);
+    scatter(&mut moments, rows, |row| [MILLI * row.found.pull_mean_n, MILLI * row.found.pull_sd_n]);
+    let (mean, sd) = (MILLI * printed::PULL_MEAN_N, MILLI * printed::PULL_SD_N);
+    let corners = [[0.9, 0.9], [1.1, 0.9], [1.1, 1.1], [0.9, 1.1], [0.9, 0.9]];
+    moments.curves.push(curve(corners.map(|[x, y]| [x * mean, y * sd]).to_vec(), PRINTED, Shape::Path));
+    moments.curves.push(curve(vec![[mean, sd]], PRINTED, Shape::Crosses));
+    panels.push(moments);
+    let mut shares = Panel::new("time to nest, 4/4 (s)", "worst deviation of a share (1)", Scale::FromZero);
+    shares.marks.push(Mark { at: Across::Horizontal(0.05), style: PRINTED });
+    scatter(&mut shares, rows, |row| [row.found.time_four_s, 0.05 * row.deviations[2]]);
+    panels.push(shares);
+    let entries = vec![
+        Entry::line("releases as a hazard", OURS),
+        Entry::line("releases at decisions", OTHER),
+        Entry::line("presets (black)", Style { color: "#000000", ..OURS }),
+        Entry::line("paper, and what counts as near", PRINTED),
+    ];
+    (panels, entries)
+}
+
+/// Label and value.
+type Parameter = (&'static str, fn(&FitRow) -> f64);
+
+/// Scores above are drawn there.
+const MOST_SHOWN: f64 = 6.0;
+
+fn scatter(panel: &mut Panel, rows: &[FitRow], of: impl Fn(&FitRow) -> [f64; 2]) {
+    // Axes end at the outermost points; these have room for dots.
+    let xs = || rows.iter().map(|row| of(row)[0]);
+    let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(f64::NEG_INFINITY, f64::max));
+    let room = 0.03 * (high - low);
+    panel.curves.push(curve(vec![[low - room, of(&rows[0])[1]], [high + room, of(&rows[0])[1]]], FAINT, Shape::Unseen));
+    let points = |is: &dyn Fn(&FitRow) -> bool| rows.iter().filter(|row| is(row)).map(&of).collect::<Vec<_>>();
+    let pace = |pace: Pace| move |row: &FitRow| row.point.preset.is_none() && row.point.release_pace == pace;
+    panel.curves.push(curve(points(&pace(Pace::Hazard)), OURS, Shape::Dots));
+    panel.curves.push(curve(points(&pace(Pace::Aged)), OTHER, Shape::Dots));
+    panel.curves.push(curve(points(&|row| row.point.preset.is_some()), Style { color: "#000000", ..OURS }, Shape::Dots));
+}
+
+/// Figures of the paper's results, by the name of their file: pulls, group sizes, backends, the fit, and one run.
+pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Vec<(&'static str, String)> {
+    let mut figures = vec![
+        ("pulls", in_grid(pulls(found, units, largest), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
+        ("group-size", in_grid(group_size(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
+    ];
+    if found.sets.len() > 1 {
+        figures.push(("backends", in_grid(backends(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)));
+    }
+    if !found.fit.is_empty() {
+        figures.push(("fit", in_grid(fit(&found.fit), 2, COLUMN_WIDTH, PANEL_HEIGHT)));
+    }
+    if let Some(shown) = shown {
+        let runs: Vec<&RunFacts> = units.iter().filter_map(|unit| unit.of(shown.trial)).collect();
+        figures.push(("transition", in_grid(figure_run::transition(shown, &runs), 1, WIDTH, ROW_HEIGHT)));
+        figures.push(("snapshots", in_grid(figure_run::snapshots(shown), 3, SNAPSHOT, SNAPSHOT)));
+        let path = figure_run::path(shown);
+        figures.push(("path", alone(&path, vec![], natural_height(&path, WIDTH))));
+    }
+    figures
+}
+
+fn in_grid((panels, legend): (Vec<Panel>, Vec<Entry>), n_columns: usize, width: f64, height: f64) -> String {
+    grid(&panels, &[legend], n_columns, width, height)
+}
+
+const SNAPSHOT: f64 = 330.0;

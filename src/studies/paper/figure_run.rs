@@ -1,0 +1,141 @@
+//! One run as the paper shows one -> panels: series with their change, when runs change, snapshots and path.
+
+use std::f64::consts::TAU;
+
+use crate::math::{Vec2, direction};
+use crate::model::ant::Mode;
+use crate::output::chart::MILLI;
+use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
+use crate::output::quantity::number;
+use crate::studies::paper::figure::{OTHER, OURS, PRINTED, curve};
+use crate::studies::paper::{ChangeAt, RunFacts, Shown, Snapshot, WINDOW_S};
+
+const BEFORE: Style = Style { color: "#000000", dash: "", width: 1.6 };
+
+/// Speed, turn rate and interaction over time, each with its best change of mean; and when runs change.
+pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>) {
+    let (series, changes) = (&shown.series, &shown.changes);
+    let panels = vec![
+        over_time("load speed (mm/s)", &series.speed, MILLI, shown, &changes.speed),
+        over_time("turn rate (rad/s)", &series.turn_rate, 1.0, shown, &changes.turn_rate),
+        over_time("interaction forces (mN)", &series.interaction, MILLI, shown, &changes.interaction),
+        when(runs),
+    ];
+    let entries = vec![
+        Entry::line(format!("means over {} s, trial {}, seed {}", number(WINDOW_S), shown.trial.name(), shown.seed), OURS),
+        Entry::line("two means", BEFORE),
+        Entry::upright("likeliest change", PRINTED),
+        Entry::line("d: speed", OURS),
+        Entry::line("turn rate", OTHER),
+        Entry::line("interaction", BEFORE),
+    ];
+    (panels, entries)
+}
+
+fn over_time(label: &str, values: &[f64], unit: f64, shown: &Shown, change: &Option<ChangeAt>) -> Panel {
+    let mut panel = Panel::new("time (s)", label, Scale::FromZero);
+    let start = shown.series.start_s;
+    let points = values.iter().enumerate().map(|(at, value)| [start + WINDOW_S * (at as f64 + 0.5), unit * value]).collect();
+    panel.curves.push(curve(points, OURS, Shape::Graph));
+    if let Some(ChangeAt { time_s, change }) = change {
+        let end = start + WINDOW_S * values.len() as f64;
+        panel.marks.push(Mark { at: Across::Vertical(*time_s), style: PRINTED });
+        panel.curves.push(curve(vec![[start, unit * change.mean_before], [*time_s, unit * change.mean_before]], BEFORE, Shape::Path));
+        panel.curves.push(curve(vec![[*time_s, unit * change.mean_after], [end, unit * change.mean_after]], BEFORE, Shape::Path));
+        let what = if change.is_significant() { "change" } else { "no change beyond chance: likeliest" };
+        panel.note = Some(format!("{what} at {} s, p = {}", number(*time_s), number(change.p_value)));
+    }
+    panel
+}
+
+/// One of a run's changes.
+type ChangeOf = fn(&RunFacts) -> Option<ChangeAt>;
+
+/// Share of runs whose change is significant and has come, over the time of the run.
+fn when(runs: &[&RunFacts]) -> Panel {
+    let mut panel = Panel::new("time over that of the run (1)", "runs with a change (1)", Scale::FromZero);
+    panel.curves.push(curve(vec![[0.0, 0.0], [1.0, 1.0]], OURS, Shape::Unseen));
+    let of: [(ChangeOf, Style); 3] =
+        [(|run| run.changes.speed, OURS), (|run| run.changes.turn_rate, OTHER), (|run| run.changes.interaction, BEFORE)];
+    for (change, style) in of {
+        let significant =
+            runs.iter().filter_map(|run| Some((change(run)?, run.time_s))).filter(|(change, _)| change.change.is_significant());
+        let mut shares: Vec<f64> = significant.map(|(change, duration)| change.time_s / duration).collect();
+        shares.sort_by(f64::total_cmp);
+        let n = runs.len().max(1) as f64;
+        let steps = shares.iter().enumerate().map(|(at, share)| [*share, (at + 1) as f64 / n]);
+        let points: Vec<[f64; 2]> = std::iter::once([0.0, 0.0]).chain(steps).chain([[1.0, shares.len() as f64 / n]]).collect();
+        panel.curves.push(curve(points, style, Shape::Steps));
+    }
+    panel.marks.push(Mark { at: Across::Horizontal(0.05), style: Style { dash: "2 2.5", ..PRINTED } });
+    panel.note = Some(format!("{} runs; dotted: by chance alone", runs.len()));
+    panel
+}
+
+const SPRING: Style = Style { color: "#999999", dash: "", width: 1.0 };
+const HELD: Style = Style { color: "#D55E00", dash: "", width: 1.6 };
+const LOAD: Style = Style { color: "#000000", dash: "", width: 1.4 };
+const ANT: Style = Style { color: "#0072B2", dash: "", width: 1.2 };
+/// What is drawn around the load in a snapshot (m).
+const VIEW: f64 = 0.1;
+/// Length of an ant's body behind its mandibles (m): a sign, not a size.
+const BODY: f64 = 0.01;
+
+/// Load, springs and ants at some instants.
+pub fn snapshots(shown: &Shown) -> (Vec<Panel>, Vec<Entry>) {
+    let entries = vec![
+        Entry::line("load", LOAD),
+        Entry::line("free spring", SPRING),
+        Entry::line("held spring", HELD),
+        Entry::line("ant, dot at its mandibles", ANT),
+        Entry::line("nest", Style::NEST),
+    ];
+    (shown.snapshots.iter().map(|snapshot| view(snapshot, shown)).collect(), entries)
+}
+
+fn view(snapshot: &Snapshot, shown: &Shown) -> Panel {
+    let mut panel = Panel::new("x (mm)", "y (mm)", Scale::Plane);
+    let centre = snapshot.load.position;
+    let is_seen = |point: &Vec2| (point - centre).amax() <= VIEW;
+    let corners = [Vec2::new(VIEW, VIEW), Vec2::new(-VIEW, -VIEW)].map(|corner| mm(centre + corner));
+    panel.curves.push(curve(corners.to_vec(), SPRING, Shape::Unseen));
+    if is_seen(&shown.nest) {
+        panel.curves.push(circle(shown.nest, shown.arrival_radius, Style::NEST));
+    }
+    panel.curves.push(circle(centre, shown.load_radius, LOAD));
+    let rim = centre + shown.load_radius * direction(snapshot.load.heading);
+    panel.curves.push(curve(vec![mm(centre), mm(rim)], LOAD, Shape::Path));
+    for ([root, tip], is_held) in &snapshot.springs {
+        panel.curves.push(curve(vec![mm(*root), mm(*tip)], if *is_held { HELD } else { SPRING }, Shape::Path));
+    }
+    let in_view: Vec<_> = snapshot.ants.iter().filter(|ant| is_seen(&ant.position)).collect();
+    for ant in &in_view {
+        let tail = ant.position - BODY * direction(ant.heading);
+        panel.curves.push(curve(vec![mm(ant.position), mm(tail)], ANT, Shape::Path));
+        panel.curves.push(curve(vec![mm(ant.position)], ANT, Shape::Dots));
+    }
+    let n_pulling = snapshot.ants.iter().filter(|ant| matches!(ant.mode, Mode::Transport { .. })).count();
+    panel.note = Some(format!("{} s, {n_pulling} pull", number(snapshot.time)));
+    panel
+}
+
+/// The way of the load, its outlines at the snapshots, and the nest.
+pub fn path(shown: &Shown) -> Panel {
+    let mut panel = Panel::new("x (mm)", "y (mm)", Scale::Plane);
+    panel.curves.push(circle(shown.nest, shown.arrival_radius, Style::NEST));
+    panel.curves.push(curve(shown.path.iter().map(|point| mm(*point)).collect(), OURS, Shape::Path));
+    for snapshot in &shown.snapshots {
+        panel.curves.push(circle(snapshot.load.position, shown.load_radius, LOAD.thin()));
+        let rim = snapshot.load.position + shown.load_radius * direction(snapshot.load.heading);
+        panel.curves.push(curve(vec![mm(snapshot.load.position), mm(rim)], LOAD.thin(), Shape::Path));
+    }
+    panel
+}
+
+fn circle(centre: Vec2, radius: f64, style: Style) -> Curve {
+    curve((0..=72).map(|k| mm(centre + radius * direction(TAU * f64::from(k) / 72.0))).collect(), style, Shape::Path)
+}
+
+fn mm(point: Vec2) -> [f64; 2] {
+    [MILLI * point.x, MILLI * point.y]
+}

@@ -1,0 +1,109 @@
+//! The page beside the paper's results: what was run, what came of it in tables, and what each file is.
+
+use std::fmt::Write;
+
+use crate::math::Interval;
+use crate::output::quantity::{number, quantity};
+use crate::studies::paper::report::Paper;
+use crate::studies::paper::{Claim, Conclusion, Estimate, Replayed};
+
+/// What the files are.
+const FILES: &str = "\
+- `table.csv` every quantity on every set of runs, with intervals, grades and paired differences; `claims.csv`, `group-size.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`
+- `fit.csv` every set of parameters that was tried, and how far it is from the printed numbers; `runs.csv` every run
+- `pulls.svg` pulls by trial and the largest one; `group-size.svg` speed by group and shares; `backends.svg` what inertia and the engine move; `fit.svg` how sharp the fit is
+- `transition.svg`, `snapshots.svg`, `path.svg` one run of four ants
+- `table.txt` what the command prints; `summary.json` the same for programs; `manifest.json` where it comes from
+";
+
+/// The page in Markdown.
+pub fn paper_readme(found: &Paper) -> String {
+    let mut text = format!(
+        "# The paper's results\n\nMade by `cohaul paper`, preset `{}`, seeds from {}. Intervals are 95 %, Student's t times the standard error by the bootstrap over seeds; ticks and pulls of one run are not \
+         independent.\n",
+        found.preset, found.first_seed
+    );
+    let sets = found.sets.iter().map(|set| vec![set.name.clone(), set.n_seeds.to_string(), format!("{} of {}", set.n_arrived, set.n_runs)]);
+    table("Sets of runs", &["set", "seeds", "runs that arrive"], sets.collect(), &mut text);
+    let rows = found.table.iter().filter(|row| row.printed.is_some());
+    let rows = rows.map(|row| {
+        let printed = row.printed.map_or_else(String::new, |printed| quantity(printed, row.unit));
+        let grade = row.grade.map_or("", |grade| grade.name()).to_owned();
+        vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), grade, row.why.clone()]
+    });
+    table("Beside what is printed", &["quantity", "paper", "here", "grade", "why"], rows.collect(), &mut text);
+    text.push_str("\nMatch: the printed number lies in the interval, or ours rounds to it. Near: within 10 %, a share within 0.05. The paper's figures are known by form only: none of their values is compared.\n");
+    table("Claims", &["claim", "statistic", "limit", "here", "holds"], found.claims.iter().map(claim).collect(), &mut text);
+    table("Conclusions by backend and inertia", &heads(found), found.conclusions.iter().map(conclusion).collect(), &mut text);
+    text.push_str("\nEach cell is the value and whether the conclusion holds there (`?`: these seeds do not tell). Inertia is scaled at the same friction.\n");
+    let replayed = found.replayed.iter().map(replayed).collect();
+    table("Replayed pathwise, on the load's rim", &["trial", "verdict", "inertia", "engine", "own error", "way"], replayed, &mut text);
+    let transitions = found.transitions.iter().map(|row| {
+        let counts = [row.n_runs, row.n_significant, row.n_rising].map(|n| n.to_string());
+        let median = row.median_time_s.map_or_else(String::new, |time| quantity(time, "s"));
+        [vec![row.trial.name(), row.series.to_owned()], counts.to_vec(), vec![median]].concat()
+    });
+    table(
+        "One change of mean in a run",
+        &["trial", "series", "runs", "significant", "of those rising", "median time"],
+        transitions.collect(),
+        &mut text,
+    );
+    text.push_str("\nBest place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance.\n");
+    write!(text, "\n## Files\n\n{FILES}").expect("a string takes all");
+    text
+}
+
+/// A table under its title; nothing without lines.
+fn table(title: &str, heads: &[impl AsRef<str>], lines: Vec<Vec<String>>, text: &mut String) {
+    if lines.is_empty() {
+        return;
+    }
+    let heads: Vec<&str> = heads.iter().map(AsRef::as_ref).collect();
+    let rule = "---|".repeat(heads.len());
+    write!(text, "\n## {title}\n\n| {} |\n|{rule}\n", heads.join(" | ")).expect("a string takes all");
+    for line in lines {
+        writeln!(text, "| {} |", line.join(" | ")).expect("a string takes all");
+    }
+}
+
+fn with_interval(estimate: &Option<Estimate>, unit: &str) -> String {
+    let between = |interval: Option<Interval>| {
+        interval.map_or_else(String::new, |Interval { low, high }| format!(" ({} to {})", quantity(low, unit), quantity(high, unit)))
+    };
+    estimate.map_or_else(|| "-".to_owned(), |estimate| format!("{}{}", quantity(estimate.value, unit), between(estimate.interval_95)))
+}
+
+fn claim(claim: &Claim) -> Vec<String> {
+    let limit = format!("{} {}", if claim.below { "below" } else { "above" }, number(claim.limit));
+    vec![claim.claim.to_owned(), claim.statistic.clone(), limit, with_interval(&claim.found, ""), holds(claim.holds).to_owned()]
+}
+
+fn holds(holds: Option<bool>) -> &'static str {
+    match holds {
+        Some(true) => "yes",
+        Some(false) => "no",
+        None => "?",
+    }
+}
+
+fn heads(found: &Paper) -> Vec<String> {
+    let sets = found.conclusions.first().into_iter().flat_map(|conclusion| conclusion.on.iter().map(|standing| standing.set.clone()));
+    std::iter::once("conclusion".to_owned()).chain(sets).collect()
+}
+
+fn conclusion(conclusion: &Conclusion) -> Vec<String> {
+    let cell = |standing: &crate::studies::paper::Standing| {
+        let value = standing.value.map_or_else(|| "-".to_owned(), number);
+        let is_changed = conclusion.changed_on.contains(&standing.set);
+        let answer = format!("{value}, {}", holds(standing.holds));
+        if is_changed { format!("**{answer}**") } else { answer }
+    };
+    std::iter::once(conclusion.conclusion.clone()).chain(conclusion.on.iter().map(cell)).collect()
+}
+
+fn replayed(one: &Replayed) -> Vec<String> {
+    let lengths = [one.inertia_m, one.engine_m, one.own_m].map(|length| quantity(length, "m"));
+    let way = format!("{} in {}", quantity(one.path_length_m, "m"), quantity(one.duration_s, "s"));
+    [vec![one.trial.name(), one.verdict.clone()], lengths.to_vec(), vec![way]].concat()
+}

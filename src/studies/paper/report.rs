@@ -1,0 +1,313 @@
+//! The paper's results made again, for programs: tables that follow from the answers of a study.
+
+use serde::Serialize;
+
+use crate::backend::{BackendKind, Status};
+use crate::output::finite::NotFinite;
+use crate::studies::paper::fit::{self, Found, Point};
+use crate::studies::paper::printed;
+use crate::studies::paper::why::{why, why_maximum};
+use crate::studies::paper::{
+    Answer, Claim, Conclusion, Done, Estimate, Extreme, Grade, MEASURES, Measure, Plan, Printed, Replayed, RunFacts, Sample, Speeds, Task,
+    Trial, Unit, claims, conclusions, extreme, grade, graded, load_speeds, units,
+};
+
+/// What `paper --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Paper {
+    pub preset: &'static str,
+    pub first_seed: u64,
+    pub quick: bool,
+    pub wall_s: f64,
+    /// The worst ending of a step in all runs.
+    pub status: Status,
+    pub sets: Vec<SetLine>,
+    /// On the first set, beside the others.
+    pub table: Vec<TableRow>,
+    pub claims: Vec<Claim>,
+    pub load_speed: Vec<Speeds>,
+    pub transitions: Vec<TransitionRow>,
+    pub conclusions: Vec<Conclusion>,
+    pub replayed: Vec<Replayed>,
+    pub fit: Vec<FitRow>,
+}
+
+/// A set of runs that have all in common but trial and seed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SetLine {
+    pub name: String,
+    pub preset: &'static str,
+    pub backend: &'static str,
+    /// Over that of the paper's load (1).
+    pub inertia: f64,
+    pub n_seeds: u64,
+    pub n_runs: usize,
+    pub n_arrived: usize,
+}
+
+/// A quantity beside the printed one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TableRow {
+    pub quantity: String,
+    pub unit: &'static str,
+    pub printed: Option<f64>,
+    /// On the first set.
+    pub ours: Option<Estimate>,
+    pub grade: Option<Grade>,
+    pub why: String,
+    /// On the other sets, in their order.
+    pub on_others: Vec<OtherSet>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OtherSet {
+    pub set: String,
+    pub value: Option<Estimate>,
+    pub grade: Option<Grade>,
+    /// Minus the first set, paired by seed.
+    pub minus_first: Option<Estimate>,
+    /// Whether the interval of that leaves out zero.
+    pub is_shifted: bool,
+}
+
+/// Changes of mean in one series over the runs of one trial.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TransitionRow {
+    pub trial: Trial,
+    pub series: &'static str,
+    pub n_runs: usize,
+    /// In which a change is significant at 5 %; chance alone makes a twentieth of them so.
+    pub n_significant: usize,
+    /// Of those, in which the mean rises.
+    pub n_rising: usize,
+    /// Of the significant ones: median of the time (s), of that over the run's (1), and of the mean after over that before (1).
+    pub median_time_s: Option<f64>,
+    pub median_time_share: Option<f64>,
+    pub median_ratio: Option<f64>,
+}
+
+/// One set of parameters and how far from the printed numbers it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FitRow {
+    #[serde(flatten)]
+    pub point: Point,
+    #[serde(flatten)]
+    pub found: Found,
+    /// Worst deviation over what counts as near (1).
+    pub score: f64,
+    pub deviations: [f64; 4],
+}
+
+/// The runs of all sets, by set.
+pub struct Runs<'a> {
+    pub by_set: Vec<Vec<(Trial, u64, &'a RunFacts)>>,
+}
+
+impl<'a> Runs<'a> {
+    pub fn new(plan: &Plan, done: &'a Done) -> Self {
+        let mut by_set: Vec<Vec<(Trial, u64, &RunFacts)>> = vec![Vec::new(); plan.sets.len()];
+        for (task, answer) in answers(plan, done) {
+            if let (Task::Run { set, trial, seed }, Answer::Run(facts)) = (task, answer) {
+                by_set[set].push((trial, seed, facts));
+            }
+        }
+        by_set.iter_mut().for_each(|runs| runs.sort_by_key(|(trial, seed, _)| (*trial, *seed)));
+        Self { by_set }
+    }
+
+    /// All runs with the number of their set.
+    pub fn flat(&self) -> Vec<(usize, Trial, u64, &'a RunFacts)> {
+        let of_set = |(set, runs): (usize, &Vec<(Trial, u64, &'a RunFacts)>)| {
+            runs.iter().map(|(trial, seed, facts)| (set, *trial, *seed, *facts)).collect::<Vec<_>>()
+        };
+        self.by_set.iter().enumerate().flat_map(of_set).collect()
+    }
+
+    pub fn units(&self, set: usize) -> Vec<Unit<'a>> {
+        units(self.by_set[set].iter().copied())
+    }
+}
+
+fn answers<'a>(plan: &Plan, done: &'a Done) -> impl Iterator<Item = (Task, &'a Answer)> {
+    let tasks = plan.tasks();
+    done.iter().filter_map(move |(at, answer)| Some((*tasks.get(*at)?, answer)))
+}
+
+impl Paper {
+    /// Of a study that is done.
+    pub fn new(plan: &Plan, done: &Done, quick: bool, wall_s: f64) -> Self {
+        let runs = Runs::new(plan, done);
+        let names: Vec<String> = (0..plan.sets.len()).map(|at| set_name(plan, at)).collect();
+        let sets: Vec<(String, Vec<Unit>)> = names.iter().cloned().zip((0..names.len()).map(|at| runs.units(at))).collect();
+        // Other presets are other models: no conclusion is about them.
+        let same_model: Vec<_> =
+            sets.iter().zip(&plan.sets).filter(|(_, set)| set.case.preset == plan.preset).map(|(set, _)| set.clone()).collect();
+        let first = &sets[0].1;
+        let control_period = Trial::TEN_TEN.scenario(&plan.sets[0].case, 1).control_period;
+        Self {
+            preset: plan.preset.name(),
+            first_seed: plan.first_seed,
+            quick,
+            wall_s,
+            status: runs.by_set.iter().flatten().map(|(_, _, facts)| facts.status).max().unwrap_or_default(),
+            sets: (0..names.len()).map(|at| set_line(plan, at, &names[at], &runs.by_set[at])).collect(),
+            table: table(&sets),
+            claims: claims(first),
+            load_speed: load_speeds(first, control_period),
+            transitions: transitions(&runs.by_set[0]),
+            conclusions: conclusions(&same_model),
+            replayed: answers(plan, done)
+                .filter_map(|(_, answer)| if let Answer::Replay(found) = answer { Some((**found).clone()) } else { None })
+                .collect(),
+            fit: fit_rows(plan, done),
+        }
+    }
+
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
+        text.push('\n');
+        text
+    }
+
+    /// # Errors
+    /// When a number that is not finite would be printed.
+    pub fn check_finite(&self) -> Result<(), NotFinite> {
+        let in_table =
+            self.table.iter().flat_map(|row| row.ours.iter().chain(row.on_others.iter().filter_map(|other| other.value.as_ref())));
+        let in_claims = self.claims.iter().filter_map(|claim| claim.found.as_ref());
+        for estimate in in_table.chain(in_claims) {
+            crate::output::finite::finite("a result of the study", estimate.value)?;
+        }
+        self.fit.iter().try_for_each(|row| crate::output::finite::finite("a score of the fit", row.score).map(drop))
+    }
+}
+
+/// Backend, inertia and preset, as far as they differ from the usual.
+fn set_name(plan: &Plan, at: usize) -> String {
+    let case = &plan.sets[at].case;
+    if case.preset != plan.preset {
+        return case.preset.name().to_owned();
+    }
+    if case.inertia == 1.0 { case.backend.name().to_owned() } else { format!("inertia x {}", case.inertia) }
+}
+
+fn set_line(plan: &Plan, at: usize, name: &str, runs: &[(Trial, u64, &RunFacts)]) -> SetLine {
+    let case = &plan.sets[at].case;
+    SetLine {
+        name: name.to_owned(),
+        preset: case.preset.name(),
+        backend: case.backend.name(),
+        inertia: if case.backend == BackendKind::QuasiStatic { 0.0 } else { case.inertia },
+        n_seeds: plan.sets[at].n_seeds,
+        n_runs: runs.len(),
+        n_arrived: runs.iter().filter(|(_, _, facts)| facts.arrived).count(),
+    }
+}
+
+fn table(sets: &[(String, Vec<Unit>)]) -> Vec<TableRow> {
+    let mut rows: Vec<TableRow> = MEASURES.iter().map(|measure| row_of(*measure, sets)).collect();
+    rows.insert(2, maximum_row(sets));
+    rows
+}
+
+fn row_of(measure: Measure, sets: &[(String, Vec<Unit>)]) -> TableRow {
+    let first = &sets[0].1;
+    let printed = measure.printed();
+    let graded = |ours: &Option<Estimate>| printed.as_ref().zip(ours.as_ref()).map(|(printed, ours)| grade(printed, ours));
+    let other = |(name, units): &(String, Vec<Unit>)| {
+        let value = measure.estimate(units);
+        let minus_first = measure.difference(units, first);
+        let is_shifted = minus_first.and_then(|found| found.interval_95).is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
+        OtherSet { set: name.clone(), value, grade: graded(&value), minus_first, is_shifted }
+    };
+    let ours = measure.estimate(first);
+    TableRow {
+        quantity: measure.name(),
+        unit: measure.unit(),
+        printed: printed.map(|printed| printed.value),
+        ours,
+        grade: graded(&ours),
+        why: why(measure).to_owned(),
+        on_others: sets[1..].iter().map(other).collect(),
+    }
+}
+
+/// The largest pull of a sample of the printed size; its interval is that of one such sample.
+fn maximum_row(sets: &[(String, Vec<Unit>)]) -> TableRow {
+    let printed = Printed::new(printed::PULL_MAX_N, 0.05e-3);
+    let of = |units: &[Unit]| -> Option<Estimate> {
+        let found = largest(units)?;
+        Some(Estimate { value: found.expected, interval_95: Some(found.draw_95), n_units: units.len() })
+    };
+    let graded = |ours: &Option<Estimate>| ours.map(|ours| graded(&printed, ours.value, ours.interval_95));
+    let other = |(name, units): &(String, Vec<Unit>)| {
+        let value = of(units);
+        OtherSet { set: name.clone(), value, grade: graded(&value), minus_first: None, is_shifted: false }
+    };
+    let ours = of(&sets[0].1);
+    let why = largest(&sets[0].1).map_or_else(String::new, |found| why_maximum(&found));
+    TableRow {
+        quantity: format!("pull, largest of {}", printed::N_PULLS),
+        unit: "N",
+        printed: Some(printed.value),
+        ours,
+        grade: graded(&ours),
+        why,
+        on_others: sets[1..].iter().map(other).collect(),
+    }
+}
+
+/// The largest pull of a sample of the printed size from the printed trials.
+pub fn largest(units: &[Unit]) -> Option<Extreme> {
+    extreme(units, |unit| Sample::Printed.runs(unit), printed::N_PULLS)
+}
+
+fn transitions(runs: &[(Trial, u64, &RunFacts)]) -> Vec<TransitionRow> {
+    let series = ["speed", "turn rate", "interaction"];
+    let row = |trial: Trial, at: usize| {
+        let own: Vec<&RunFacts> = runs.iter().filter(|(of, ..)| *of == trial).map(|(_, _, facts)| *facts).collect();
+        let change = |facts: &&RunFacts| {
+            let changes = [facts.changes.speed, facts.changes.turn_rate, facts.changes.interaction];
+            changes[at].map(|change| (change, facts.time_s))
+        };
+        let found: Vec<_> = own.iter().filter_map(change).collect();
+        let significant: Vec<_> = found.iter().filter(|(change, _)| change.change.is_significant()).collect();
+        let median = |of: &dyn Fn(&(crate::studies::paper::ChangeAt, f64)) -> f64| median(significant.iter().map(|one| of(one)).collect());
+        TransitionRow {
+            trial,
+            series: series[at],
+            n_runs: found.len(),
+            n_significant: significant.len(),
+            n_rising: significant.iter().filter(|(change, _)| change.change.mean_after > change.change.mean_before).count(),
+            median_time_s: median(&|(change, _)| change.time_s),
+            median_time_share: median(&|(change, duration)| change.time_s / duration),
+            median_ratio: median(&|(change, _)| change.change.mean_after / change.change.mean_before).filter(|ratio| ratio.is_finite()),
+        }
+    };
+    Trial::ALL
+        .into_iter()
+        .filter(|trial| trial.n_ants() > 1)
+        .flat_map(|trial| (0..3).map(move |at| (trial, at)))
+        .map(|(trial, at)| row(trial, at))
+        .collect()
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+fn fit_rows(plan: &Plan, done: &Done) -> Vec<FitRow> {
+    let points = fit::points(plan.n_fit_points);
+    let mut rows: Vec<(usize, FitRow)> = answers(plan, done)
+        .filter_map(|(task, answer)| match (task, answer) {
+            (Task::Fit { point }, Answer::Fit(found)) => {
+                let row = FitRow { point: points[point], found: *found, score: found.score(), deviations: found.deviations() };
+                Some((point, row))
+            }
+            _ => None,
+        })
+        .collect();
+    rows.sort_by_key(|(point, _)| *point);
+    rows.into_iter().map(|(_, row)| row).collect()
+}

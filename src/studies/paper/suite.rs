@@ -1,0 +1,209 @@
+//! All runs of a study on all processors. What is done can be kept, and a later call goes on from there.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::fit::{self, Found};
+use super::trial::{Case, Trial};
+use super::{RunFacts, facts};
+use crate::analysis::compare::{self, Cause, Settings};
+use crate::backend::BackendKind;
+use crate::scenario::presets::Preset;
+
+/// What a study is made of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    pub preset: Preset,
+    pub first_seed: u64,
+    /// Each with its numbers of seeds.
+    pub sets: Vec<Set>,
+    /// Sets of parameters for each pace, and seeds for each; none leaves the fit out.
+    pub n_fit_points: usize,
+    pub n_fit_seeds: u64,
+    /// Trials that are replayed pathwise.
+    pub replayed: Vec<Trial>,
+    /// Followed no longer than this (s).
+    pub replayed_s: f64,
+}
+
+/// Seeds of one case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Set {
+    pub case: Case,
+    pub n_seeds: u64,
+    /// Of the first seeds, those that are run with other numbers of ants on ten springs, too.
+    pub n_crowd_seeds: u64,
+}
+
+/// One piece of work.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Task {
+    Run { set: usize, trial: Trial, seed: u64 },
+    Fit { point: usize },
+    Replay { trial: Trial },
+}
+
+/// What came of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    Run(Box<RunFacts>),
+    Fit(Found),
+    Replay(Box<Replayed>),
+}
+
+/// A pathwise comparison of the backends in short: displacements of the load's rim, at most (m).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Replayed {
+    pub trial: Trial,
+    pub seed: u64,
+    pub duration_s: f64,
+    pub verdict: String,
+    pub inertia_m: f64,
+    pub engine_m: f64,
+    pub own_m: f64,
+    /// Way of the rim (m), and displacement that counts as agreement (m).
+    pub path_length_m: f64,
+    pub tolerance_m: f64,
+    pub causes: Vec<String>,
+    /// When inertia first parts the paths (s); `null` where it does not.
+    pub parts_at_s: Option<f64>,
+}
+
+/// Answers by the number of their task.
+pub type Done = BTreeMap<usize, Answer>;
+
+impl Plan {
+    /// Tasks in their order, the dearest first, so that no processor is left alone with one at the end.
+    pub fn tasks(&self) -> Vec<Task> {
+        let seeds = |n: u64| self.first_seed..self.first_seed + n;
+        let crowds = (1..=10).map(Trial::OnTen).filter(|trial| !Trial::ALL.contains(trial));
+        let trials = |set: &Set| {
+            let (of_paper, of_crowd) = (seeds(set.n_seeds), seeds(set.n_crowd_seeds));
+            let of_paper = Trial::ALL.into_iter().flat_map(move |trial| of_paper.clone().map(move |seed| (trial, seed)));
+            of_paper.chain(crowds.clone().flat_map(move |trial| of_crowd.clone().map(move |seed| (trial, seed))))
+        };
+        let runs = self.sets.iter().enumerate();
+        let runs = runs.flat_map(|(set, of)| trials(of).map(move |(trial, seed)| Task::Run { set, trial, seed }));
+        let replays = self.replayed.iter().map(|trial| Task::Replay { trial: *trial });
+        let points = if self.n_fit_points > 0 { fit::points(self.n_fit_points).len() } else { 0 };
+        let mut tasks: Vec<Task> = replays.chain((0..points).map(|point| Task::Fit { point })).chain(runs).collect();
+        tasks.sort_by(|a, b| self.cost(b).total_cmp(&self.cost(a)));
+        tasks
+    }
+
+    /// About the time that a task takes (s); for progress and order only.
+    fn cost(&self, task: &Task) -> f64 {
+        match task {
+            Task::Fit { .. } => 0.2 * self.n_fit_seeds as f64,
+            Task::Replay { .. } => 0.3 * self.replayed_s,
+            Task::Run { set, trial, .. } => {
+                let case = &self.sets[*set].case;
+                let simulated = match trial {
+                    Trial::OneOne => 240.0,
+                    Trial::FourFour => 85.0,
+                    Trial::OnTen(n_ants) => 30.0 + 240.0 / f64::from(*n_ants).powi(2),
+                };
+                simulated
+                    * match case.backend {
+                        BackendKind::QuasiStatic => 1e-3,
+                        BackendKind::Inertial => 3e-3 / case.inertia.sqrt().clamp(0.3, 1.5),
+                        BackendKind::Rapier => 2e-2,
+                    }
+            }
+        }
+    }
+
+    fn answer(&self, task: &Task, points: &[fit::Point], watch: &(impl Fn() -> bool + Sync)) -> Option<Answer> {
+        match task {
+            Task::Run { set, trial, seed } => Some(Answer::Run(Box::new(facts::run(*trial, &self.sets[*set].case, *seed, |_| watch())?))),
+            Task::Fit { point } => Some(Answer::Fit(points[*point].try_out(self.n_fit_seeds, watch)?)),
+            Task::Replay { trial } => Some(Answer::Replay(Box::new(self.replay(*trial, watch)?))),
+        }
+    }
+
+    fn replay(&self, trial: Trial, watch: &(impl Fn() -> bool + Sync)) -> Option<Replayed> {
+        let mut scenario = trial.scenario(&Case::new(self.preset, BackendKind::QuasiStatic), self.first_seed);
+        scenario.duration = scenario.duration.min(self.replayed_s);
+        let found = compare::replayed(&scenario, &Settings::default(), |_| watch())?;
+        let name = |cause: &Cause| match cause {
+            Cause::Inertia => "inertia".to_owned(),
+            Cause::Engine => "engine".to_owned(),
+        };
+        let duration = found.solutions[1].trace.rows.last().map_or(0.0, |row| row.time);
+        Some(Replayed {
+            trial,
+            seed: self.first_seed,
+            duration_s: duration,
+            verdict: found.verdict.text().to_owned(),
+            inertia_m: found.rim.inertia_m,
+            engine_m: found.rim.engine_m,
+            own_m: found.rim.own_m,
+            path_length_m: found.path_length_m,
+            tolerance_m: found.tolerance_m,
+            causes: found.causes.iter().map(name).collect(),
+            parts_at_s: found.first_parting.by_inertia.map(|parting| parting.time_s),
+        })
+    }
+}
+
+/// Does all tasks of `plan` that are not `done`. `watch` is told the share done (1) now and then and says whether to go on; `keep` sees all that is done now and
+/// then, for safe keeping. All are done when as many are returned as there are tasks.
+pub fn study(plan: &Plan, done: Done, watch: impl Fn(f64) -> bool + Sync, keep: impl Fn(&Done) + Sync) -> Done {
+    let tasks = plan.tasks();
+    let points = fit::points(plan.n_fit_points);
+    let total: f64 = tasks.iter().map(|task| plan.cost(task)).sum();
+    let spent = Mutex::new(done.keys().filter_map(|at| tasks.get(*at)).map(|task| plan.cost(task)).sum::<f64>());
+    let left: Vec<(usize, &Task)> = tasks.iter().enumerate().filter(|(at, _)| !done.contains_key(at)).collect();
+    let done = Mutex::new(done);
+    let share = || *spent.lock().expect("no thread panicked while it counted") / total;
+    // In their order, one by one: the first are a thousand times dearer than the last.
+    left.into_iter().par_bridge().for_each(|(at, task)| {
+        if !watch(share()) {
+            return;
+        }
+        let Some(answer) = plan.answer(task, &points, &|| watch(share())) else { return };
+        *spent.lock().expect("no thread panicked while it counted") += plan.cost(task);
+        let mut done = done.lock().expect("no thread panicked while it kept an answer");
+        done.insert(at, answer);
+        keep(&done);
+    });
+    done.into_inner().expect("no thread panicked while it kept an answer")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan() -> Plan {
+        // Of few ticks.
+        let preset = Preset::LiteralNewtons;
+        let case = Case::new(preset, BackendKind::QuasiStatic);
+        Plan {
+            preset,
+            first_seed: 1,
+            sets: vec![Set { case, n_seeds: 2, n_crowd_seeds: 0 }],
+            n_fit_points: 0,
+            n_fit_seeds: 0,
+            replayed: vec![],
+            replayed_s: 0.0,
+        }
+    }
+
+    /// Interrupted and gone on with, a study is the same as in one go.
+    #[test]
+    fn an_interrupted_study_goes_on() {
+        let plan = plan();
+        let whole = study(&plan, Done::new(), |_| true, |_| {});
+        assert_eq!(whole.len(), plan.tasks().len());
+        let kept = Mutex::new(Done::new());
+        let part = study(&plan, Done::new(), |share| share < 0.3, |done| kept.lock().unwrap().clone_from(done));
+        assert!(!part.is_empty() && part.len() < whole.len(), "{}", part.len());
+        assert_eq!(*kept.lock().unwrap(), part);
+        let text = serde_json::to_string(&part).unwrap();
+        assert_eq!(study(&plan, serde_json::from_str(&text).unwrap(), |_| true, |_| {}), whole);
+    }
+}

@@ -1,0 +1,31 @@
+//! Why a number of ours is where it is beside the printed one: a sentence a row.
+
+use crate::output::quantity::quantity;
+use crate::studies::paper::{Extreme, Measure, Sample};
+
+/// What makes the difference, or the agreement, of one quantity.
+pub fn why(measure: Measure) -> &'static str {
+    match measure {
+        Measure::PullMean(Sample::Printed) | Measure::PullSd(Sample::Printed) => {
+            "fixed by what a spring gains between two decisions, which the paper leaves open and the fit sets; which trials it sampled is inferred from the sample's size"
+        }
+        Measure::PullMean(_) | Measure::PullSd(_) => {
+            "not printed by trial: a load that follows its ants slackens their springs, one that sticks does not"
+        }
+        Measure::SizeShare(_) => {
+            "set by how soon an ant that has let go finds a free tip, so by the reach; ours spread wider than a binomial, as ants come back unequally fast"
+        }
+        Measure::TimeToNest(_) => "not printed beyond an order of 100 s; goes with the inferred walking speed of pulling ants",
+        Measure::Arrived(_) => "within the longest time of the scenario; not printed",
+        _ => "a ratio that no inferred speed changes much",
+    }
+}
+
+/// The same of the largest pull.
+pub fn why_maximum(found: &Extreme) -> String {
+    format!(
+        "one draw of an extreme: the interval is that of a sample of the printed size, foreseen from {} pulls, whose largest was {}",
+        found.n,
+        quantity(found.met, "N")
+    )
+}

@@ -1,0 +1,103 @@
+//! All points of the maps on all processors. What is done can be kept, and a later call goes on from there.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::cell::Cell;
+use super::scene::{Scene, Setting};
+use crate::studies::verify::scenes::{SLIP_STRETCH, natural_rate};
+
+/// How fine the maps are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effort {
+    Full,
+    Quick,
+}
+
+/// Points of one scene: Phi is the fastest, zeta the slowest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    pub scene: Scene,
+    pub phis: Vec<f64>,
+    pub epsilons: Vec<f64>,
+    pub zetas: Vec<f64>,
+}
+
+/// Cells that are done, by their number through all grids.
+pub type Done = BTreeMap<usize, Cell>;
+
+impl Grid {
+    pub fn of(scene: Scene, effort: Effort) -> Self {
+        // A haul takes seconds where the others take milliseconds, and minutes at a hundred radians.
+        let (n, longest, zetas) = match (scene, effort) {
+            (Scene::Haul, Effort::Full) => (12, 10.0, vec![0.0, 0.5]),
+            (Scene::Haul, Effort::Quick) => (3, 3.0, vec![0.0, 0.5]),
+            (_, Effort::Full) => (20, 300.0, vec![0.0, 0.1, 0.5, 1.0]),
+            (_, Effort::Quick) => (6, 300.0, vec![0.0, 0.1, 0.5, 1.0]),
+        };
+        // Below a fiftieth nothing moves in the haul.
+        let slowest = if scene == Scene::Haul { 0.02 } else { 1e-3 };
+        Self { scene, phis: by_factors(0.3, longest, n), epsilons: by_factors(slowest, 1.0, n), zetas }
+    }
+
+    /// Where the paper's ants work: tips at 30, 40 and 80 mm/s, held for 0.1 to 0.3 s.
+    pub fn paper(scene: Scene) -> Self {
+        Self { scene, phis: PAPER_PHIS.to_vec(), epsilons: PAPER_SPEEDS.map(epsilon_of).to_vec(), zetas: vec![0.0] }
+    }
+
+    pub fn n_cells(&self) -> usize {
+        self.phis.len() * self.epsilons.len() * self.zetas.len()
+    }
+
+    pub fn setting(&self, index: usize) -> Setting {
+        let (n, m) = (self.phis.len(), self.epsilons.len());
+        Setting { phi: self.phis[index % n], epsilon: self.epsilons[index / n % m], zeta: self.zetas[index / (n * m)], mass_factor: 1.0 }
+    }
+}
+
+/// Speeds of the paper's tips (m/s).
+pub const PAPER_SPEEDS: [f64; 3] = [0.03, 0.04, 0.08];
+/// omega_n T_e of the paper's ants, from their shortest to their longest hold.
+pub const PAPER_PHIS: [f64; 3] = [2.0, 4.0, 6.0];
+
+/// Epsilon of the paper's load with tips at this speed (m/s).
+pub fn epsilon_of(speed: f64) -> f64 {
+    speed / natural_rate() / SLIP_STRETCH
+}
+
+/// `n` values from `low` to `high` by equal factors.
+fn by_factors(low: f64, high: f64, n: usize) -> Vec<f64> {
+    (0..n).map(|i| low * (high / low).powf(i as f64 / (n - 1) as f64)).collect()
+}
+
+/// All settings in the order of their cells.
+pub fn cells(grids: &[Grid]) -> Vec<(Scene, Setting)> {
+    grids.iter().flat_map(|grid| (0..grid.n_cells()).map(|index| (grid.scene, grid.setting(index)))).collect()
+}
+
+/// Measures all cells that are not `done`. `watch` is told the share of the work done (1) now and then and says whether to go on; all are done when as many come back as
+/// there are cells.
+pub fn measure(grids: &[Grid], done: Done, watch: impl Fn(f64) -> bool + Sync) -> Done {
+    let all = cells(grids);
+    let work = |(scene, at): &(Scene, Setting)| if *scene == Scene::Haul { 100.0 + 30.0 * at.phi * at.phi } else { 4.0 + at.phi };
+    let whole: f64 = all.iter().map(work).sum();
+    // Thousandths, since there is no atomic number with a fraction.
+    let spent = AtomicU64::new(done.keys().map(|number| (1e3 * work(&all[*number])) as u64).sum());
+    let mut left: Vec<usize> = (0..all.len()).filter(|number| !done.contains_key(number)).collect();
+    // The longest first: all threads then end at about the same time.
+    left.sort_by(|a, b| work(&all[*b]).total_cmp(&work(&all[*a])));
+    let done = Mutex::new(done);
+    left.par_iter().with_max_len(1).for_each(|number| {
+        let (scene, at) = &all[*number];
+        let goes_on = || watch((1e-3 * spent.load(Relaxed) as f64 / whole).min(1.0));
+        let Some(cell) = goes_on().then(|| Cell::measure(*scene, at, goes_on)).flatten() else { return };
+        spent.fetch_add((1e3 * work(&all[*number])) as u64, Relaxed);
+        done.lock().expect("no thread panicked while it kept a cell").insert(*number, cell);
+    });
+    done.into_inner().expect("no thread panicked while it kept a cell")
+}

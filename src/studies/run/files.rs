@@ -1,0 +1,121 @@
+//! The files of one run in an output folder.
+
+use std::path::Path;
+
+use crate::output::chart::shown::SeenRows;
+use crate::output::chart::{self, Labelled, Scene};
+use crate::output::folder::{FolderError, OutputFile, OutputFolder};
+use crate::output::manifest::Manifest;
+use crate::output::page::REPORT;
+use crate::output::tips_csv::write_tips;
+use crate::output::trace_csv;
+use crate::output::trace_csv::{TraceColumns, TraceTable};
+use crate::scenario::Scenario;
+use crate::simulation::{Row, Trace};
+use crate::studies::run::page::run_page;
+use crate::studies::run::summary::RunSummary;
+
+/// What is written of a run, besides its rows.
+#[derive(Clone, Copy, Debug)]
+pub struct RunFiles<'a> {
+    pub summary: &'a RunSummary,
+    /// With its rows only where tips or a report need them.
+    pub trace: &'a Trace,
+    /// Whether `tips.csv` is written too.
+    pub with_tips: bool,
+    pub scene: &'a Scene,
+    pub manifest: &'a Manifest,
+    /// Scenario of the report; `None` for no report, which takes longer to write than all else.
+    pub report: Option<&'a Scenario>,
+}
+
+/// Real time of a run (s) from which its files are brought to the disk before they take their name.
+const WORTH_WAITING: f64 = 1.0;
+
+const TRACE: &str = "trace.csv";
+
+/// The output folder of a run that goes on: rows are written as they come, and need not be kept.
+pub struct RunWriter {
+    folder: OutputFolder,
+    table: TraceTable<OutputFile>,
+    seen: SeenRows,
+}
+
+impl RunWriter {
+    /// Begins the folder `target` and its `trace.csv`. Dropped before [`RunWriter::finish`] it leaves nothing.
+    ///
+    /// # Errors
+    /// When the folder may not be written (see [`crate::output::folder::check_target`]), or the disk fails.
+    pub fn create(target: &Path, columns: TraceColumns) -> Result<Self, FolderError> {
+        let folder = OutputFolder::create(target)?;
+        let table = TraceTable::new(columns, folder.open(TRACE)?).map_err(|error| folder.in_content(TRACE, error))?;
+        Ok(Self { folder, table, seen: SeenRows::default() })
+    }
+
+    /// Writes the next rows.
+    ///
+    /// # Errors
+    /// When a number in them is not finite, or the disk fails.
+    pub fn add(&mut self, rows: &[Row]) -> Result<(), FolderError> {
+        self.seen.add(rows);
+        self.table.add(rows).map_err(|error| self.folder.in_content(TRACE, error))
+    }
+
+    /// Writes `summary.json`, `events.csv`, `transitions.csv`, `overview.svg`, `manifest.json` and, if asked for, `tips.csv` and `report.html`, and puts the folder in its
+    /// place.
+    ///
+    /// A run of less than a second is not waited for until it is on the disk: see [`OutputFolder::unsynced`].
+    ///
+    /// # Errors
+    /// When a number is not finite, or the disk fails.
+    pub fn finish(self, files: &RunFiles) -> Result<(), FolderError> {
+        let Self { folder, table, seen } = self;
+        let mut folder = if files.summary.wall_s < WORTH_WAITING { folder.unsynced() } else { folder };
+        let table = table.finish().map_err(|error| folder.in_content(TRACE, error))?;
+        folder.close(table)?;
+        folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
+        if files.with_tips {
+            folder.write("tips.csv", |out| write_tips(files.trace, out))?;
+        }
+        folder.write("events.csv", |out| trace_csv::write_events(files.trace, out))?;
+        folder.write("transitions.csv", |out| trace_csv::write_transitions(files.trace, out))?;
+        let labelled = Labelled { label: files.summary.backend.name(), trace: files.trace };
+        folder.write("overview.svg", |out| out.write_all(chart::overview_of_rows(&labelled, &seen, files.scene).as_bytes()))?;
+        if let Some(scenario) = files.report {
+            let page = run_page(files.summary, files.trace, scenario, files.manifest);
+            folder.write(REPORT, |out| out.write_all(page.to_html().as_bytes()))?;
+        }
+        folder.finish(files.manifest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::BackendKind;
+    use crate::output::manifest::tests::manifest;
+    use crate::output::synthetic;
+
+    #[test]
+    fn a_broken_trace_leaves_no_folder_and_names_file_and_column() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        let options = synthetic::options(BackendKind::Rapier);
+        let summary = RunSummary::new("four ants", &options, 7, &synthetic::outcome(None), 0.1).unwrap();
+        let (mut trace, scene, manifest) = (synthetic::trace(200, 1.0), Scene::default(), manifest());
+        trace.rows[150].motion.twist.angular = f64::INFINITY;
+        let write = |trace: &Trace| {
+            let (summary, manifest) = (&summary, &manifest);
+            let mut writer = RunWriter::create(&target, TraceColumns::Motion)?;
+            trace.rows.chunks(7).try_for_each(|rows| writer.add(rows))?;
+            writer.finish(&RunFiles { summary, trace, with_tips: false, scene: &scene, manifest, report: None })
+        };
+        let error = write(&trace).unwrap_err().to_string();
+        assert!(error.contains("out/trace.csv: turn_rate_rad_per_s is inf"), "{error}");
+        assert_eq!(std::fs::read_dir(room.path()).unwrap().count(), 0);
+
+        trace.rows[150].motion.twist.angular = 0.0;
+        write(&trace).unwrap();
+        assert_eq!(std::fs::read_dir(&target).unwrap().count(), 6);
+    }
+}

@@ -1,0 +1,42 @@
+//! Floor 4: where numbers break. Maps over two parameters of a scene, far beyond what it is made for, and what each backend makes of every cell.
+//!
+//! A [`Map`] is a grid of two parameters over a base scene and what is known of its answer. Each cell is run on every [`Variant`] of the backends, watched at
+//! every step, and ends as one [`Row`]: an [`Outcome`], the cause in words of every one but `finished`, and the numbers that the two rest on. Panics are caught
+//! cell by cell, numbers that are not finite are looked for in all that a backend tells, and whatever has no cause counts as unexplained.
+//!
+//! All budgets count work and not time, and nothing depends on how cells are spread over threads: a table is the same bit for bit on every run.
+//!
+//! ```text
+//! map.rs       axes, grids, a cell and what is asked of it
+//! scene.rs     base scenes as scenario files
+//! maps/        the maps, one file a family
+//! variant.rs   the ways to move a load that are put under stress
+//! guard.rs     panics as results
+//! observer.rs  a backend that is watched at every step
+//! run.rs       one cell on one backend: numbers
+//! judge.rs     numbers -> outcome
+//! cause.rs     outcome -> cause
+//! suite.rs     all cells on all processors, resumable
+//! ```
+
+mod cause;
+pub(crate) mod guard;
+pub mod heat_map;
+mod judge;
+mod map;
+mod maps;
+mod observer;
+pub mod page;
+pub mod report;
+mod run;
+mod scene;
+mod suite;
+mod variant;
+
+pub use judge::Outcome;
+pub use map::{Answer, Asked, Axis, Cell, Map};
+pub use maps::all;
+pub use run::Numbers;
+pub use scene::Scene;
+pub use suite::{Done, Effort, Row, n_cells, stress, stress_with};
+pub use variant::Variant;

@@ -1,0 +1,218 @@
+//! A sweep: what `sweep --json` and `merge --json` print, and the same as text.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use serde::{Deserialize, Serialize};
+
+use crate::math::Interval;
+use crate::output::quantity::quantity;
+use crate::studies::sweep::{Distribution, Group, Identity};
+
+/// What a sweep amounts to. Only the cost is not of the table alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SweepSummary {
+    pub scenario: String,
+    pub n_runs: u64,
+    pub n_points: u64,
+    pub n_seeds: u64,
+    pub first_seed: u64,
+    pub parameters: Vec<String>,
+    /// Number of runs by how they ended.
+    pub statuses: BTreeMap<String, u64>,
+    /// The first runs that failed.
+    pub failures: Vec<Failure>,
+    pub n_groups: u64,
+    /// Runs that differ by their seed alone, together; `null` where there are too many: `groups.csv` has them all.
+    pub groups: Option<Vec<Group>>,
+    /// Only of a sweep that ran: a merge has run nothing.
+    pub cost: Option<Cost>,
+}
+
+/// What the runs of the last call took; those of an earlier one that was stopped are not counted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// (s)
+    pub wall_s: f64,
+    /// Of all threads (s).
+    pub cpu_s: f64,
+    pub n_threads: usize,
+    /// Number of runs that took it.
+    #[serde(default)]
+    pub n_runs: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    pub cell: u64,
+    pub cause: String,
+}
+
+/// Of a run without an answer.
+pub const FAILED: &str = "failed";
+/// Of one at fixed steps, or under error control, some step of which did not converge.
+pub const NOT_CONVERGED: &str = "not-converged";
+/// Of one under error control whose estimated error is too large.
+pub const NOT_WITHIN_TOLERANCE: &str = "not-within-tolerance";
+
+/// How many groups a summary holds.
+pub const MOST_GROUPS: usize = 1000;
+/// How many failures are named.
+pub const MOST_FAILURES: usize = 10;
+/// How many groups the text shows.
+const MOST_SHOWN: usize = 40;
+
+impl SweepSummary {
+    /// Of a table without rows so far.
+    pub fn new(identity: &Identity, name: &str, cost: Option<Cost>) -> Self {
+        Self {
+            scenario: name.to_owned(),
+            n_runs: 0,
+            n_points: identity.design.n_points(),
+            n_seeds: identity.n_seeds,
+            first_seed: identity.first_seed,
+            parameters: identity.parameters().iter().map(|column| column.name.clone()).collect(),
+            statuses: BTreeMap::new(),
+            failures: Vec::new(),
+            n_groups: 0,
+            groups: Some(Vec::new()),
+            cost,
+        }
+    }
+
+    pub fn add_group(&mut self, group: Group) {
+        self.n_groups += 1;
+        match &mut self.groups {
+            Some(groups) if groups.len() < MOST_GROUPS => groups.push(group),
+            groups => *groups = None,
+        }
+    }
+
+    pub fn n_failed(&self) -> u64 {
+        self.n_of(FAILED)
+    }
+
+    /// Of a run's status, see [`FAILED`], [`NOT_CONVERGED`] and [`NOT_WITHIN_TOLERANCE`].
+    pub fn n_of(&self, status: &str) -> u64 {
+        self.statuses.get(status).copied().unwrap_or(0)
+    }
+
+    /// What to tell of runs whose numbers are less good than asked for.
+    pub fn warnings(&self) -> Vec<String> {
+        let kinds = [
+            (NOT_CONVERGED, "have steps that did not converge: what comes after is only as good as their residual"),
+            (NOT_WITHIN_TOLERANCE, "are not within their tolerance at the finest strides"),
+        ];
+        let told = kinds.iter().map(|(status, what)| (self.n_of(status), what)).filter(|(n, _)| *n > 0);
+        told.map(|(n, what)| format!("{n} of {} runs {what}; they count in means like all others", self.n_runs)).collect()
+    }
+
+    /// What its runs took, as far as the last call had any left to run.
+    pub fn took(&self) -> Option<String> {
+        let Cost { wall_s, n_threads, n_runs, .. } = self.cost.filter(|cost| cost.n_runs > 0)?;
+        let last = if n_runs < self.n_runs { format!("the last {n_runs} in ") } else { String::new() };
+        Some(format!("{last}{} on {n_threads} thread{}", quantity(wall_s, "s"), if n_threads == 1 { "" } else { "s" }))
+    }
+
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
+        text.push('\n');
+        text
+    }
+}
+
+/// A line a group, then how runs ended.
+pub fn sweep_text(found: &SweepSummary) -> String {
+    let mut text = String::new();
+    let groups = found.groups.as_deref().unwrap_or_default();
+    text.push_str(&table(found, &groups[..groups.len().min(MOST_SHOWN)]));
+    writeln!(text, "(in brackets and after +-: intervals at 95 %)").expect("a string takes all");
+    if groups.len() > MOST_SHOWN || found.groups.is_none() {
+        writeln!(text, "... {} groups in all: see groups.csv", found.n_groups).expect("a string takes all");
+    }
+    for Failure { cell, cause } in &found.failures {
+        writeln!(text, "failed: cell {cell}: {cause}").expect("a string takes all");
+    }
+    let statuses: Vec<String> = found.statuses.iter().map(|(status, n)| format!("{n} {status}")).collect();
+    let took = found.took().map_or_else(String::new, |took| format!("; {took}"));
+    writeln!(text, "{} runs of {}: {}{took}", found.n_runs, found.scenario, statuses.join(", ")).expect("a string takes all");
+    text
+}
+
+/// Names of the columns, then a row a group. Steps have a column where a backend has several.
+pub(crate) fn group_rows(found: &SweepSummary, groups: &[Group]) -> Vec<Vec<String>> {
+    let n_different = groups.iter().map(|group| (group.point, &group.backend)).collect::<BTreeSet<_>>().len();
+    let steps = (n_different < groups.len()).then_some("step");
+    let measured = ["runs", "arrived", "their time to nest", "pull, mean", "pull, sd", "speed"];
+    let head: Vec<&str> = found.parameters.iter().map(String::as_str).chain(["backend"]).chain(steps).chain(measured).collect();
+    let head = head.into_iter().map(str::to_owned).collect();
+    let mut rows: Vec<Vec<String>> = std::iter::once(head).chain(groups.iter().map(|group| line(group, steps.is_some()))).collect();
+    for at in 0..found.parameters.len() {
+        let values: Vec<String> = rows[1..].iter().map(|row| row[at].clone()).collect();
+        rows[1..].iter_mut().zip(shortened(&values)).for_each(|(row, text)| row[at] = text);
+    }
+    rows
+}
+
+/// Numbers with the fewest digits, from four on, with which different ones stay different; what has no more digits than that, and words, as they are.
+fn shortened(values: &[String]) -> Vec<String> {
+    let with = |digits: usize| -> Vec<String> {
+        let short = |text: &String| {
+            let rounded = text.parse().ok().and_then(|value: f64| format!("{value:.*e}", digits - 1).parse::<f64>().ok());
+            rounded.map(|value| serde_json::json!(value).to_string()).filter(|short| short.len() < text.len())
+        };
+        values.iter().map(|text| short(text).unwrap_or_else(|| text.clone())).collect()
+    };
+    let n_different = |texts: &[String]| texts.iter().collect::<BTreeSet<_>>().len();
+    let n_values = n_different(values);
+    (4..17).map(with).find(|texts| n_different(texts) == n_values).unwrap_or_else(|| values.to_vec())
+}
+
+fn table(found: &SweepSummary, groups: &[Group]) -> String {
+    let rows = group_rows(found, groups);
+    let width = |at: usize| rows.iter().map(|row| row[at].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let padded = |row: &Vec<String>| {
+        let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
+        format!("{}\n", cells.join("  ").trim_end())
+    };
+    rows.iter().map(padded).collect()
+}
+
+fn line(group: &Group, with_step: bool) -> Vec<String> {
+    let arrived = match (group.arrival_share, group.arrival_interval_95) {
+        (Some(share), Some(Interval { low, high })) => format!("{:.1} % ({:.1} to {:.1})", 100.0 * share, 100.0 * low, 100.0 * high),
+        _ => "-".to_owned(),
+    };
+    let mean = |name: &str, unit: &str| mean_text(group.measure(name), unit);
+    let measures = [mean("time_to_nest_s", "s"), mean("pull_mean_n", "N"), mean("pull_sd_n", "N"), mean("mean_speed_m_per_s", "m/s")];
+    let step = with_step.then(|| group.step_s.map_or("-".to_owned(), |step| quantity(step, "s")));
+    let head = group.parameters.iter().cloned().chain([group.backend.clone()]).chain(step);
+    head.chain([group.n.to_string(), arrived]).chain(measures).collect()
+}
+
+/// Mean and half of its 95 % interval.
+fn mean_text(distribution: &Distribution, unit: &str) -> String {
+    match (distribution.mean, distribution.mean_interval_95) {
+        (Some(mean), Some(Interval { low, high })) => format!("{} +- {}", quantity(mean, unit), quantity(0.5 * (high - low), unit)),
+        (Some(mean), None) => quantity(mean, unit),
+        _ => "-".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_are_told_with_as_many_digits_as_tell_them_apart() {
+        for (values, told) in [
+            (["0.0017782794100389228", "0.0031622776601683794", "10.0"], ["0.001778", "0.003162", "10.0"]),
+            (["0.10000400000000001", "0.1000041", "0.2"], ["0.100004", "0.1000041", "0.2"]),
+            (["1.0", "1.0000000000000002", "1.0"], ["1.0", "1.0000000000000002", "1.0"]),
+            (["hazard", "12345678", "1e-300"], ["hazard", "12345678", "1e-300"]),
+        ] {
+            assert_eq!(shortened(&values.map(str::to_owned)), told);
+        }
+    }
+}

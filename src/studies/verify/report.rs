@@ -1,0 +1,225 @@
+//! A verification for programs, for people and as files.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::manifest::Manifest;
+use crate::output::quantity::quantity;
+use crate::studies::verify::figure;
+use crate::studies::verify::{Case, Effort, Errors, Expected, Outcome, Row, RowKind};
+
+/// What `verify --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verification {
+    pub holds: bool,
+    /// Rows that hold, and rows that could have missed.
+    pub n_held: usize,
+    pub n_judged: usize,
+    /// Rows for information only.
+    pub n_shown: usize,
+    pub quick: bool,
+    pub wall_s: f64,
+    pub cases: Vec<Question>,
+    pub rows: Vec<Line>,
+}
+
+/// What a case asks.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Question {
+    pub name: String,
+    pub family: &'static str,
+    pub what: String,
+    pub source: String,
+}
+
+/// A row with its numbers in SI units; `null`, in a table an empty field, where there is none. A column of `verify.csv` each, in this order.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Line {
+    pub case: String,
+    pub family: &'static str,
+    pub backend: &'static str,
+    /// Whether the answer was extrapolated over all steps down to this one.
+    pub extrapolated: bool,
+    /// `null` under error control.
+    pub step_s: Option<f64>,
+    pub error_m: Option<f64>,
+    pub error_rad: Option<f64>,
+    pub error_ratio: Option<f64>,
+    pub bound_m: Option<f64>,
+    pub bound_rad: Option<f64>,
+    pub bound_ratio: Option<f64>,
+    /// What is asked for under error control; `null` at a step.
+    pub tolerance_m: Option<f64>,
+    /// Measured between this step and the one before.
+    pub order: Option<f64>,
+    pub expected: &'static str,
+    pub expected_order: Option<f64>,
+    /// `null` for information only.
+    pub holds: Option<bool>,
+    pub missed: Option<String>,
+    pub reason: String,
+    pub source: String,
+}
+
+impl Verification {
+    /// Of the `rows` of `cases`; those without any row are left out.
+    pub fn new(cases: &[Case], rows: &[Row], effort: Effort, wall_s: f64) -> Self {
+        let lines: Vec<Line> = rows.iter().map(Line::of).collect();
+        let n_judged = lines.iter().filter(|line| line.holds.is_some()).count();
+        let n_held = lines.iter().filter(|line| line.holds == Some(true)).count();
+        let asked = |case: &&Case| rows.iter().any(|row| row.case == case.name);
+        Self {
+            holds: n_held == n_judged,
+            n_held,
+            n_judged,
+            n_shown: lines.len() - n_judged,
+            quick: effort == Effort::Quick,
+            wall_s,
+            cases: cases.iter().filter(asked).map(Question::of).collect(),
+            rows: lines,
+        }
+    }
+
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a verification is plain data");
+        text.push('\n');
+        text
+    }
+
+    fn write_csv(&self, out: impl std::io::Write) -> Result<(), csv::Error> {
+        let mut writer = csv::Writer::from_writer(out);
+        self.rows.iter().try_for_each(|line| writer.serialize(line))?;
+        Ok(writer.flush()?)
+    }
+}
+
+impl Question {
+    pub fn of(case: &Case) -> Self {
+        Self { name: case.name.clone(), family: case.family.name(), what: case.what.clone(), source: case.source.clone() }
+    }
+}
+
+impl Line {
+    fn of(row: &Row) -> Self {
+        // A number that is not finite is in no file; the row says so in words.
+        let [error_m, error_rad, error_ratio] = row.errors.entries().map(|error| error.filter(|error| error.is_finite()));
+        let [bound_m, bound_rad, bound_ratio] = row.bounds.entries();
+        let (expected, expected_order) = match row.expected {
+            Expected::Order(order) => ("order", Some(order)),
+            Expected::Within(power) => ("within", (power > 0.0).then_some(power)),
+            Expected::Exact => ("exact", None),
+        };
+        let (holds, missed) = match &row.outcome {
+            Outcome::Holds => (Some(true), None),
+            Outcome::Misses(why) => (Some(false), Some(why.clone())),
+            Outcome::Shown => (None, None),
+        };
+        Self {
+            case: row.case.clone(),
+            family: row.family.name(),
+            backend: row.variant.name(),
+            extrapolated: row.kind == RowKind::Extrapolated,
+            step_s: row.step_s,
+            error_m,
+            error_rad,
+            error_ratio,
+            bound_m,
+            bound_rad,
+            bound_ratio,
+            tolerance_m: row.tolerance_m,
+            order: row.order,
+            expected,
+            expected_order,
+            holds,
+            missed,
+            reason: row.reason.clone(),
+            source: row.source.clone(),
+        }
+    }
+
+    /// The step, or the tolerance in its place.
+    fn level(&self) -> String {
+        let tolerance = self.tolerance_m.map(|tolerance| quantity(tolerance, "m"));
+        tolerance.or(self.step_s.map(|step| quantity(step, "s"))).unwrap_or_default()
+    }
+
+    /// Cells of the table for people, all but the last of a fixed width.
+    fn cells(&self) -> [String; 7] {
+        let step = if self.extrapolated { "-> 0".to_owned() } else { self.level() };
+        let errors = Errors { metres: self.error_m, radians: self.error_rad, ratio: self.error_ratio };
+        let bounds = Errors { metres: self.bound_m, radians: self.bound_rad, ratio: self.bound_ratio };
+        let expected = match (self.expected, self.expected_order) {
+            (_, _) if self.extrapolated || self.holds.is_none() => String::new(),
+            _ if self.tolerance_m.is_some() => "within".to_owned(),
+            ("within", Some(power)) => format!("<= h^{power}"),
+            (_, Some(order)) => format!("{order}"),
+            ("within", None) => "bound".to_owned(),
+            (kind, None) => kind.to_owned(),
+        };
+        let outcome = match (self.holds, &self.missed) {
+            (Some(true), _) => "holds".to_owned(),
+            (None, _) => "shown".to_owned(),
+            (_, why) => format!("MISSES: {}", why.as_deref().unwrap_or_default()),
+        };
+        let order = self.order.map_or(String::new(), |order| format!("{order:.2}"));
+        [self.backend.to_owned(), step, in_print(&errors), in_print(&bounds), order, expected, outcome]
+    }
+}
+
+/// Errors with their units.
+fn in_print(errors: &Errors) -> String {
+    let parts = errors.entries().into_iter().zip(["m", "rad", ""]);
+    let parts: Vec<String> = parts.filter_map(|(error, unit)| Some(quantity(error?, unit))).collect();
+    parts.join(", ")
+}
+
+/// The rows over aligned columns, case by case, then what missed, then how many hold.
+pub fn verify_text(found: &Verification) -> String {
+    let head = ["backend", "step", "error", "bound", "order", "expected", ""].map(str::to_owned);
+    let cells: Vec<[String; 7]> = found.rows.iter().map(Line::cells).collect();
+    let width = |column: usize| cells.iter().chain([&head]).map(|cells| cells[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..6).map(width).collect();
+    let line = |cells: &[String; 7]| {
+        let padded = cells.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}  "));
+        format!("  {}{}\n", padded.collect::<String>(), cells[6]).replace(" \n", "\n")
+    };
+    let mut text = line(&head).trim_end().to_owned() + "\n";
+    for question in &found.cases {
+        writeln!(text, "{}: {}; known: {}", question.name, question.what, question.source).expect("a string takes all");
+        let rows = found.rows.iter().zip(&cells).filter(|(row, _)| row.case == question.name);
+        rows.for_each(|(_, cells)| text.push_str(&line(cells)));
+    }
+    for row in found.rows.iter().filter(|row| row.holds == Some(false)) {
+        let (step, why) = (row.level(), row.missed.as_deref().unwrap_or_default());
+        writeln!(text, "missed: {} by {} at {step}: {why} (bound: {})", row.case, row.backend, row.reason).expect("a string takes all");
+    }
+    text.push_str(&summary(found));
+    text
+}
+
+fn summary(found: &Verification) -> String {
+    let shown = if found.n_shown > 0 { format!("; {} shown for information, the engine's own", found.n_shown) } else { String::new() };
+    format!("{} of {} hold{shown}; {}\n", found.n_held, found.n_judged, quantity(found.wall_s, "s"))
+}
+
+/// Names of the cases and what they ask.
+pub fn list_text(cases: &[Case]) -> String {
+    let width = |text: fn(&Case) -> &str| cases.iter().map(|case| text(case).chars().count()).max().unwrap_or(0);
+    let (family, name) = (width(|case| case.family.name()), width(|case| &case.name));
+    cases.iter().map(|case| format!("{:<family$}  {:<name$}  {}\n", case.family.name(), case.name, case.what)).collect()
+}
+
+/// Writes `verify.json`, `verify.csv`, `convergence.svg` and `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// When the folder may not be written, or the disk fails.
+pub fn write_verification(target: &Path, found: &Verification, rows: &[Row], manifest: &Manifest) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write("verify.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.write("verify.csv", |out| found.write_csv(out))?;
+    folder.write("convergence.svg", |out| out.write_all(figure::convergence(rows).as_bytes()))?;
+    folder.finish(manifest)
+}
