@@ -99,7 +99,7 @@ fn another_seed_is_another_run_of_ants_and_the_same_run_of_tips() {
 /// States on the way: at the start, right after the first grasp and the first release, in the middle of a hold, and at the end.
 fn saved_on_the_way(scenario: &Scenario, options: &BackendOptions) -> Vec<String> {
     let mut run = Simulation::new(scenario, options, Keep::Trace);
-    let mut texts = vec![serde_json::to_string(&run.save()).unwrap()];
+    let mut texts = vec![serde_json::to_string(&run.save().unwrap()).unwrap()];
     let (mut wanted, mut steps_into_hold) = (vec![EventKind::Grasp, EventKind::Release], 0);
     while !run.is_finished() {
         let n_events = run.trace().events.len();
@@ -110,7 +110,7 @@ fn saved_on_the_way(scenario: &Scenario, options: &BackendOptions) -> Vec<String
         let is_holding = n_events > 0 && happened.is_empty() && run.trace().rows.last().is_some_and(|row| !row.tips.is_empty());
         steps_into_hold += usize::from(is_holding);
         if wanted.len() < n_wanted || (is_holding && steps_into_hold == 7) || run.is_finished() {
-            texts.push(serde_json::to_string(&run.save()).unwrap());
+            texts.push(serde_json::to_string(&run.save().unwrap()).unwrap());
         }
     }
     assert_eq!(texts.len(), 5);
@@ -125,7 +125,7 @@ fn a_saved_run_goes_on_bit_for_bit() {
             for text in saved_on_the_way(&scenario, &options) {
                 let saved: SavedRun = serde_json::from_str(&text).unwrap();
                 let mut resumed = Simulation::resume(&scenario, &saved, Keep::Trace).unwrap();
-                assert_eq!(serde_json::to_string(&resumed.save()).unwrap(), text);
+                assert_eq!(serde_json::to_string(&resumed.save().unwrap()).unwrap(), text);
                 resumed.run(|_| true);
                 assert!(digits(resumed) == uninterrupted, "{} {options:?} saved at {} s", scenario.name, saved_time(&text));
             }
@@ -145,7 +145,7 @@ fn a_run_that_is_saved_at_every_step_is_the_same_run() {
         let mut watched = Simulation::new(&scenario, &options, Keep::Trace);
         while !watched.is_finished() {
             watched.step();
-            let _ = watched.save();
+            let _ = watched.save().unwrap();
         }
         assert_eq!(digits(watched), digits(whole(&scenario, &options)));
     }
@@ -228,7 +228,7 @@ fn ants_walk_and_believe_the_same_on_every_backend_until_the_first_grasp() {
 }
 
 fn ants_until_first_grasp(scenario: &Scenario, options: &BackendOptions) -> Vec<Value> {
-    let ants = |run: &Simulation| serde_json::to_value(run.save()).unwrap()["driver"]["ants"].clone();
+    let ants = |run: &Simulation| serde_json::to_value(run.save().unwrap()).unwrap()["driver"]["ants"].clone();
     let mut run = Simulation::new(scenario, options, Keep::Trace);
     let mut walk = vec![ants(&run)];
     assert!(walk[0].as_array().is_some_and(|ants| ants.len() == 4));
@@ -246,7 +246,7 @@ fn ants_until_first_grasp(scenario: &Scenario, options: &BackendOptions) -> Vec<
 fn beliefs_are_the_same_wherever_the_load_is() {
     let scenario = careless_ants();
     let beliefs = |options: &BackendOptions| {
-        let saved = serde_json::to_value(whole(&scenario, options).save()).unwrap();
+        let saved = serde_json::to_value(whole(&scenario, options).save().unwrap()).unwrap();
         saved["driver"]["ants"].as_array().unwrap().iter().map(|ant| ant["belief_error"].clone()).collect::<Vec<_>>()
     };
     let all: Vec<_> = all_options(&scenario).iter().map(beliefs).collect();
@@ -279,7 +279,7 @@ fn a_tip_let_go_at_its_grasp_is_never_held() {
 fn a_run_that_kept_no_trace_cannot_go_on_with_one() {
     let scenario = busy_tips();
     let options = all_options(&scenario)[0];
-    let saved = Simulation::new(&scenario, &options, Keep::Outcome).save();
+    let saved = Simulation::new(&scenario, &options, Keep::Outcome).save().unwrap();
     assert!(Simulation::resume(&scenario, &saved, Keep::Trace).err().is_some_and(|error| error.to_string().contains("kept no trace")));
     assert!(Simulation::resume(&scenario, &saved, Keep::Outcome).is_ok());
 }
@@ -288,7 +288,7 @@ fn a_run_that_kept_no_trace_cannot_go_on_with_one() {
 fn a_state_of_another_run_is_refused_and_says_why() {
     let scenario = four_ants(0.5, 1);
     for options in all_options(&scenario) {
-        let saved = Simulation::new(&scenario, &options, Keep::Trace).save();
+        let saved = Simulation::new(&scenario, &options, Keep::Trace).save().unwrap();
         let refusal = |scenario: &Scenario, saved: &SavedRun| match Simulation::resume(scenario, saved, Keep::Trace) {
             Ok(_) => panic!("resumed"),
             Err(error) => error.to_string(),
@@ -318,7 +318,7 @@ fn a_damaged_state_is_refused_and_says_why() {
     let scenario = four_ants(12.0, 1);
     let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3), Keep::Outcome);
     run.run(|time| time < 10.0);
-    let saved = serde_json::to_value(run.save()).unwrap();
+    let saved = serde_json::to_value(run.save().unwrap()).unwrap();
     let ants = saved["driver"]["ants"].as_array().unwrap();
     let holding: Vec<usize> = (0..ants.len()).filter(|ant| ants[*ant]["mode"]["mode"] == "transport").collect();
     let [one, other] = holding[..2] else { panic!("{holding:?}") };
@@ -357,7 +357,7 @@ fn a_rotation_that_is_carried_on_stays_one() {
         let options = BackendOptions { second_order, ..BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3) };
         let mut run = Simulation::new(&scenario, &options, Keep::Outcome);
         run.run(|_| true);
-        let saved = serde_json::to_value(run.save()).unwrap();
+        let saved = serde_json::to_value(run.save().unwrap()).unwrap();
         let turn: Vec<f64> = serde_json::from_value(saved["backend"]["turn"].clone()).unwrap();
         let heading = run.motion().pose.heading;
         assert!(heading > 15.0 && run.outcome().steps.n_solves > 5000, "{heading}");

@@ -210,7 +210,7 @@ fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
     let (backend, _) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
     let mut run = Simulation::on(&scenario, &options(&scenario), Keep::Outcome, driver_of(&scenario), backend);
     run.run(|time| time < 0.5 * scenario.duration);
-    let saved: SavedRun = serde_json::from_str(&serde_json::to_string(&run.save()).unwrap()).unwrap();
+    let saved: SavedRun = serde_json::from_str(&serde_json::to_string(&run.save().unwrap()).unwrap()).unwrap();
     let (backend, estimator) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
     let mut resumed = Simulation::resume_on(&scenario, &saved, Keep::Outcome, backend).unwrap();
     resumed.run(|_| true);
@@ -219,7 +219,7 @@ fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
     let mut plain = Simulation::new(&scenario, &options(&scenario), Keep::Outcome);
     plain.run(|time| time < 0.5 * scenario.duration);
     let (backend, _) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
-    let error = Simulation::resume_on(&scenario, &plain.save(), Keep::Outcome, backend).err().unwrap().to_string();
+    let error = Simulation::resume_on(&scenario, &plain.save().unwrap(), Keep::Outcome, backend).err().unwrap().to_string();
     assert!(error.contains("without an inertia estimate"), "{error}");
     assert!(Simulation::resume(&scenario, &saved, Keep::Outcome).is_ok());
 }

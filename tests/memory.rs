@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System as Memory};
 use std::cell::Cell;
 
 use cohaul::analysis::estimate::Watched;
-use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Motion, RestoreError, SavedState, StepReport};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Motion, StepReport};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, driver_of};
@@ -40,7 +40,7 @@ struct Nailed {
 }
 
 impl Backend for Nailed {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
+    fn attach(&mut self, spring: usize, tip: Vec2) {
         self.tips[spring] = Some(tip);
     }
 
@@ -61,24 +61,12 @@ impl Backend for Nailed {
         self.tips[spring]
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.tips[spring].map_or(Vec2::zeros(), |tip| -0.6 * tip)
-    }
-
-    fn friction_forces(&self) -> Vec<Vec2> {
-        Vec::new()
+    fn pull(&self, spring: usize) -> Vec2 {
+        self.tips[spring].map_or(Vec2::zeros(), |tip| 0.6 * tip)
     }
 
     fn energy(&self) -> EnergyLedger {
         EnergyLedger::default()
-    }
-
-    fn save(&self) -> SavedState {
-        SavedState::of(&())
-    }
-
-    fn restore(&mut self, _: &SavedState) -> Result<(), RestoreError> {
-        Ok(())
     }
 }
 

@@ -30,7 +30,7 @@ fn exact(scenario: &Scenario) -> Vec<BackendOptions> {
 
 fn moving(scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
     let mut load = build(&scenario.system, scenario.start, options);
-    load.grasp(0, Vec2::new(0.04, 0.0));
+    load.attach(0, Vec2::new(0.04, 0.0));
     let n = scenario.system.springs.len();
     assert_eq!(load.advance(&vec![Vec2::new(0.05, 0.01); n], 0.01).status, Status::Converged);
     load
@@ -57,7 +57,7 @@ fn tips_that_go_nowhere_and_times_that_do_not_pass_are_failures() {
             assert!(report.status == Status::Failed && report.n_not_converged > 0, "{what}: {report:?}");
             assert_eq!((load.motion(), load.energy(), load.tip(0)), (before, books, Some(Vec2::new(0.05, 0.01))), "{what}");
             let mut again = build(&scenario.system, scenario.start, &options);
-            again.restore(&load.save()).unwrap();
+            again.restore(&load.save().unwrap()).unwrap();
             for load in [&mut load, &mut again] {
                 assert_eq!(load.advance(&there, 0.01).status, Status::Converged, "{what}");
                 assert_eq!(load.motion(), undisturbed, "{what}");
@@ -80,7 +80,7 @@ fn what_is_refused_leaves_engine_and_estimate_as_they_were() {
     }
     let estimate = |with_refused: bool| {
         let (mut load, estimator) = Watched::new(&scenario.system, scenario.start, &BackendOptions::new(BackendKind::QuasiStatic, 1e-3));
-        load.grasp(0, Vec2::zeros());
+        load.attach(0, Vec2::zeros());
         for tick in 1..=100 {
             let target = [Vec2::new(1e-3 * f64::from(tick), 0.0)];
             if with_refused && tick % 10 == 0 {
@@ -103,7 +103,7 @@ fn a_grasp_nowhere_fails_until_it_is_let_go() {
     for options in exact(&scenario) {
         let mut load = moving(&scenario, &options);
         let targets = [Vec2::new(0.05, 0.01); 2];
-        load.grasp(1, Vec2::new(f64::NAN, 0.0));
+        load.attach(1, Vec2::new(f64::NAN, 0.0));
         assert_eq!(load.advance(&targets, 0.01).status, Status::Failed, "{options:?}");
         load.release(1);
         assert_eq!(load.advance(&targets, 0.01).status, Status::Converged, "{options:?}");
@@ -159,7 +159,7 @@ fn a_run_of_another_driver_goes_on_with_it() {
     };
     let mut run = Simulation::driven(&scenario, &options, Keep::Trace, replay()).in_parts(3);
     run.run(|time| time < 0.9);
-    let saved = run.save();
+    let saved = run.save().unwrap();
     let backend = build(&scenario.system, scenario.start, &options);
     let mut resumed = Simulation::resume_driven(&scenario, &saved, Keep::Trace, replay(), backend).unwrap();
     resumed.run(|_| true);

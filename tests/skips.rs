@@ -70,7 +70,7 @@ fn slow_pull(way: Vec2, skips: Skips, n: u64, n_each: u64) -> (Vec<(StepReport, 
     let options = BackendOptions::new(BackendKind::QuasiStatic, 1.0 / n_each as f64);
     let mut run = build(&system, start, &BackendOptions { skips, ..options });
     let tip = system.springs[0].rest_tip();
-    run.grasp(0, tip);
+    run.attach(0, tip);
     let reports = (1..=n)
         .map(|i| {
             let target = tip + way * (i as f64 / n as f64);
@@ -82,7 +82,7 @@ fn slow_pull(way: Vec2, skips: Skips, n: u64, n_each: u64) -> (Vec<(StepReport, 
             if stands {
                 assert!((energy.elastic - energy.tip_work).abs() <= 1e-15 * energy.tip_work, "{i}: {energy:?}");
                 // Rounding of sums of 22 mN.
-                assert!((friction - run.force_on_tip(0)).norm() < 1e-16, "{i}: {friction} {}", run.force_on_tip(0));
+                assert!((friction + run.pull(0)).norm() < 1e-16, "{i}: {friction} {}", run.pull(0));
                 let mut forces = run.friction_forces().into_iter().zip(system.ground.slip_limits());
                 assert!(forces.all(|(force, limit)| force.norm() <= limit * (1.0 + 1e-12)), "{i}: {:?}", run.friction_forces());
             }
@@ -126,7 +126,7 @@ fn a_load_that_waits_knows_how_often_a_spring_was_swung_around() {
     system.springs[0].torsional_stiffness *= 1e-3;
     let (start, spring) = (Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO }, system.springs[0]);
     let mut run = build(&system, start, &BackendOptions::new(BackendKind::QuasiStatic, 1.0));
-    run.grasp(0, spring.rest_tip());
+    run.attach(0, spring.rest_tip());
     let (n, mut n_skipped) = (600, 0);
     for i in 1..=n {
         let swing = 3.0 * std::f64::consts::PI * f64::from(i) / f64::from(n);
@@ -167,16 +167,16 @@ fn a_certificate_is_saved_with_the_run() {
     let tips: Vec<Vec2> = system.springs.iter().map(|spring| start.pose.to_world(&spring.rest_tip())).collect();
     let at = |i: u32| tips.iter().map(|tip| tip + f64::from(i) * Vec2::new(2e-4, 1e-4)).collect::<Vec<_>>();
     let mut whole = build(&system, start, &options);
-    tips.iter().enumerate().for_each(|(spring, tip)| whole.grasp(spring, *tip));
+    tips.iter().enumerate().for_each(|(spring, tip)| whole.attach(spring, *tip));
     let mut n_skipped = 0;
     for i in 1..=200 {
-        let saved = whole.save();
+        let saved = whole.save().unwrap();
         let mut part = build(&system, start, &options);
         part.restore(&saved).unwrap();
         let reports = [whole.advance(&at(i), 0.01), part.advance(&at(i), 0.01)];
         assert_eq!(reports[0], reports[1], "{i}");
-        assert_eq!(whole.save(), part.save(), "{i}");
-        assert_eq!((whole.energy(), whole.force_on_tip(1)), (part.energy(), part.force_on_tip(1)), "{i}");
+        assert_eq!(whole.save().unwrap(), part.save().unwrap(), "{i}");
+        assert_eq!((whole.energy(), whole.pull(1)), (part.energy(), part.pull(1)), "{i}");
         n_skipped += reports[0].skipped.stick_bound;
     }
     assert!((20..180).contains(&n_skipped), "{n_skipped}");

@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SavedState, Status, StepReport};
+use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, Status, StepReport};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::built;
@@ -117,8 +117,8 @@ impl Broken {
 }
 
 impl Backend for Broken {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
-        self.inside.grasp(spring, tip);
+    fn attach(&mut self, spring: usize, tip: Vec2) {
+        self.inside.attach(spring, tip);
     }
 
     fn release(&mut self, spring: usize) {
@@ -153,8 +153,8 @@ impl Backend for Broken {
         if matches!(self.fault, Fault::LosesATip) && self.n_steps > 9 { tip.map(|tip| tip + Vec2::new(1e-9, 0.0)) } else { tip }
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.inside.force_on_tip(spring)
+    fn pull(&self, spring: usize) -> Vec2 {
+        self.inside.pull(spring)
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
@@ -167,14 +167,6 @@ impl Backend for Broken {
             energy.elastic += self.by(0.01) * energy.tip_work.abs();
         }
         energy
-    }
-
-    fn save(&self) -> SavedState {
-        self.inside.save()
-    }
-
-    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
-        self.inside.restore(state)
     }
 }
 

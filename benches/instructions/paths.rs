@@ -63,7 +63,7 @@ fn dragging(n: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
     let mut tips: Vec<Vec2> = system.springs.iter().map(|spring| spring.rest_tip()).collect();
     let ways: Vec<Vec2> = (0..n).map(|j| step * PULL_SPEED * direction(0.3 * j as f64 / n as f64)).collect();
     let mut backend = build(&system, at_rest(), options);
-    tips.iter().enumerate().for_each(|(spring, tip)| backend.grasp(spring, *tip));
+    tips.iter().enumerate().for_each(|(spring, tip)| backend.attach(spring, *tip));
     let mut advance = move || {
         tips.iter_mut().zip(&ways).for_each(|(tip, way)| *tip += way);
         (backend.advance(&tips, step), backend.motion().twist.linear.norm())

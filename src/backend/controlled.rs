@@ -18,7 +18,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::friction::Regime;
-use super::held::Grip;
+use super::springs::Attachment;
 use super::transition::{Transition, TransitionKind};
 use super::{Motion, Status, StepReport};
 use crate::math::{Twist, Vec2, rotation};
@@ -66,7 +66,7 @@ pub(super) trait FirstOrder {
 
 /// The way of the tips in one advance.
 pub(super) struct Way<'a> {
-    pub from: &'a [Grip],
+    pub from: &'a [Attachment],
     /// (m, world, one entry a spring)
     pub targets: &'a [Vec2],
     /// (s)

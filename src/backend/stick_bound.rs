@@ -17,8 +17,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::friction::FrictionSolver;
-use super::held::{Grip, HeldSprings};
-use super::spring_blocks::Place;
+use super::springs::Place;
+use super::springs::{Attachment, Attachments};
 use crate::math::{Mat2, Mat3x2, Vec2, Vec3, perpendicular};
 use crate::model::PolarSpring;
 use crate::model::spring::SHORTEST_LENGTH;
@@ -38,7 +38,7 @@ pub struct StickBound {
     forces: Vec<Vec2>,
     /// Where the load was.
     at: Option<Place>,
-    /// One a grip, in their order.
+    /// One a attachment, in their order.
     balls: Vec<Ball>,
     /// Of the same; none before many steps are asked for.
     growths: Vec<Growth>,
@@ -48,7 +48,7 @@ pub struct StickBound {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Ball {
     /// As it was when the certificate was made.
-    grip: Grip,
+    attachment: Attachment,
     /// (m)
     radius: f64,
 }
@@ -64,13 +64,13 @@ struct Growth {
 
 impl StickBound {
     /// Takes the rest of a load at a place that `solver` has just found for the tips of `held`, whose swings are those there.
-    pub fn renew(&mut self, springs: &[PolarSpring], held: &HeldSprings, at: &Place, solver: &FrictionSolver) {
+    pub fn renew(&mut self, springs: &[PolarSpring], held: &Attachments, at: &Place, solver: &FrictionSolver) {
         self.forget();
         self.balls.clear();
         self.growths.clear();
         let mut wrench = Vec3::zeros();
-        for grip in held.grips() {
-            let Some((ball, pull)) = Ball::about(grip, &springs[grip.spring], at) else { return };
+        for attachment in held.iter() {
+            let Some((ball, pull)) = Ball::about(attachment, &springs[attachment.spring], at) else { return };
             wrench += pull;
             self.balls.push(ball);
         }
@@ -91,24 +91,24 @@ impl StickBound {
         self.is_made = false;
     }
 
-    /// Puts the tips of grips where the certificate was made for them.
-    pub fn put_back(&self, grips: &mut [Grip]) {
-        grips.iter_mut().zip(&self.balls).for_each(|(grip, ball)| grip.tip = ball.grip.tip);
+    /// Puts the tips of attachments where the certificate was made for them.
+    pub fn put_back(&self, attachments: &mut [Attachment]) {
+        attachments.iter_mut().zip(&self.balls).for_each(|(attachment, ball)| attachment.tip = ball.attachment.tip);
     }
 
-    /// Whether the load surely sticks under this wrench of the springs (N, N, N m; load axes), with their tips here (m, world, in the order of the grips).
+    /// Whether the load surely sticks under this wrench of the springs (N, N, N m; load axes), with their tips here (m, world, in the order of the attachments).
     pub fn holds(&self, wrench: &Vec3, tips: impl Iterator<Item = Vec2>, solver: &FrictionSolver) -> bool {
-        let is_near = |(ball, tip): (&Ball, Vec2)| ball.contains(&(tip - ball.grip.tip));
+        let is_near = |(ball, tip): (&Ball, Vec2)| ball.contains(&(tip - ball.attachment.tip));
         let change = solver.balanced(&(wrench - self.wrench));
         self.is_made && change.is_some_and(|change| solver.bears(&self.forces, &change, 0.0)) && self.balls.iter().zip(tips).all(is_near)
     }
 
     /// On how many of `n_steps` equal steps of the tips' straight way from where they are to their entries of `targets` (m, world), from the first one on, the load
     /// surely sticks.
-    pub fn n_sure(&mut self, springs: &[PolarSpring], held: &HeldSprings, targets: &[Vec2], n_steps: u64, solver: &FrictionSolver) -> u64 {
+    pub fn n_sure(&mut self, springs: &[PolarSpring], held: &Attachments, targets: &[Vec2], n_steps: u64, solver: &FrictionSolver) -> u64 {
         let Some(at) = self.at.filter(|_| self.is_made) else { return 0 };
         if self.growths.is_empty() {
-            let growth = |ball: &Ball| Growth::in_ball(ball, &springs[ball.grip.spring], &at, solver);
+            let growth = |ball: &Ball| Growth::in_ball(ball, &springs[ball.attachment.spring], &at, solver);
             self.growths = self.balls.iter().map_while(growth).collect();
         }
         if self.growths.len() < self.balls.len() {
@@ -117,8 +117,8 @@ impl StickBound {
         let is_sure = |n: u64| {
             let share = n as f64 / n_steps as f64;
             let (mut change, mut bend) = (Vec3::zeros(), 0.0);
-            self.balls.iter().zip(&self.growths).zip(held.grips()).all(|((ball, growth), grip)| {
-                let way = grip.tip + share * (targets[grip.spring] - grip.tip) - ball.grip.tip;
+            self.balls.iter().zip(&self.growths).zip(held.iter()).all(|((ball, growth), attachment)| {
+                let way = attachment.tip + share * (targets[attachment.spring] - attachment.tip) - ball.attachment.tip;
                 change += growth.response * way;
                 bend += growth.bend * way.norm_squared();
                 ball.contains(&way)
@@ -142,10 +142,10 @@ impl StickBound {
 
 impl Ball {
     /// With the pull of the spring on the load (N, N, N m; load axes). `None` for a spring too short to have a direction.
-    fn about(grip: &Grip, spring: &PolarSpring, at: &Place) -> Option<(Self, Vec3)> {
-        let Reach { arm, length, pull, .. } = Reach::of(grip, spring, at)?;
+    fn about(attachment: &Attachment, spring: &PolarSpring, at: &Place) -> Option<(Self, Vec3)> {
+        let Reach { arm, length, pull, .. } = Reach::of(attachment, spring, at)?;
         let radius = if spring.is_isotropic() { f64::MAX } else { BALL * length };
-        Some((Self { grip: *grip, radius }, pull.push(arm.perp(&pull))))
+        Some((Self { attachment: *attachment, radius }, pull.push(arm.perp(&pull))))
     }
 
     /// Whether it reaches as far as this way (m) from its centre.
@@ -165,23 +165,23 @@ struct Reach {
 
 impl Reach {
     /// `None` for a spring too short to have a direction, which it needs.
-    fn of(grip: &Grip, spring: &PolarSpring, at: &Place) -> Option<Self> {
-        let arm = at.turn.tr_mul(&(grip.tip - at.pose.position));
+    fn of(attachment: &Attachment, spring: &PolarSpring, at: &Place) -> Option<Self> {
+        let arm = at.turn.tr_mul(&(attachment.tip - at.pose.position));
         let along = arm - spring.root;
         let (length, radial) = (along.norm(), spring.radial_stiffness);
         if spring.is_isotropic() {
             return Some(Self { arm, along, length, pull: radial * along });
         }
         let e = along / length;
-        let (stretch, swing) = (radial * (length - spring.rest_length), spring.torsional_stiffness * grip.swing / length);
+        let (stretch, swing) = (radial * (length - spring.rest_length), spring.torsional_stiffness * attachment.swing / length);
         (length > SHORTEST_LENGTH * spring.rest_length).then(|| Self { arm, along, length, pull: stretch * e + swing * perpendicular(&e) })
     }
 }
 
 impl Growth {
     /// Within a ball about the tip of a spring. `None` for one too short to have a direction, and where nothing is known of the supports.
-    fn in_ball(Ball { grip, radius }: &Ball, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<Self> {
-        let Reach { arm, along, length, pull } = Reach::of(grip, spring, at)?;
+    fn in_ball(Ball { attachment, radius }: &Ball, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<Self> {
+        let Reach { arm, along, length, pull } = Reach::of(attachment, spring, at)?;
         let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
         let (bend, stiffness) = if spring.is_isotropic() {
             (0.0, radial * Mat2::identity())
@@ -189,12 +189,12 @@ impl Growth {
             let e = along / length;
             let t = perpendicular(&e);
             let across = (radial * (length - spring.rest_length) + torsional / length) / length;
-            let coupling = torsional * grip.swing / (length * length);
+            let coupling = torsional * attachment.swing / (length * length);
             let mixed = e * t.transpose();
             let stiffness = radial * e * e.transpose() + across * t * t.transpose() - coupling * (mixed + mixed.transpose());
             let shortest = length - radius;
             let largest_a = (radial * spring.rest_length).max(2.0 * torsional / shortest) / (shortest * shortest);
-            let largest_b = 2.0 * torsional * (grip.swing.abs() + LARGEST_TURN) / (shortest * shortest * shortest);
+            let largest_b = 2.0 * torsional * (attachment.swing.abs() + LARGEST_TURN) / (shortest * shortest * shortest);
             let curvature = 1.155 * largest_a + largest_b;
             let largest = radial.max(across.abs()) + coupling.abs();
             let bend = solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature);
@@ -239,12 +239,12 @@ mod tests {
             let tip = place.pose.to_world(&(spring.root + reach));
             let wrench = |tip: &Vec2| {
                 let shape = spring.shape(&place.pose, tip, swing);
-                let force = place.turn.tr_mul(&spring.force_on_tip(&place.pose, &shape));
+                let pull = place.turn.tr_mul(&spring.pull(&place.pose, &shape));
                 let arm = place.turn.tr_mul(&(tip - place.pose.position));
-                -force.push(arm.perp(&force))
+                pull.push(arm.perp(&pull))
             };
-            let grip = Grip { spring: 0, tip, swing };
-            let (ball, pull) = Ball::about(&grip, &spring, &place).unwrap();
+            let attachment = Attachment { spring: 0, tip, swing };
+            let (ball, pull) = Ball::about(&attachment, &spring, &place).unwrap();
             let growth = Growth::in_ball(&ball, &spring, &place, &solver).unwrap();
             // Rounding of forces of 0.1 N.
             assert!((pull - wrench(&tip)).norm() < 1e-15, "{case}: {pull} {}", wrench(&tip));

@@ -1,17 +1,22 @@
-//! A run whose error is known: two of the same kind side by side, one of them less exact.
+//! Error estimate of a run under error control: two backends of the same kind side by side.
 //!
-//! Both take strides under error control, the second with a tolerance four times the first's, and it keeps the answers whose errors the control sees
-//! instead of the better ones. What it has strayed from the first after any number of strides is how those errors have added up, and bounds the
-//! first one's own error with a margin.
+//! Both take macro-steps under error control, the second with four times the tolerance of the first.
+//! It keeps the answers whose errors the control estimates, in place of the better ones. Its distance
+//! from the first shows how those errors have added up, and bounds the error of the first with a
+//! margin.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Backend, EnergyLedger, HeldTip, Motion, PoseError, RestoreError, SavedState, StepReport, Transition};
+use super::wrapped::{Hook, Wrapped};
+use super::{Backend, PoseError, RestoreError, SaveError, SavedState, StepReport};
 use crate::math::Vec2;
 
-pub(super) struct Tandem {
-    pub answer: Box<dyn Backend>,
-    pub check: Box<dyn Backend>,
+/// The less exact of the two backends.
+pub(super) struct Check(Box<dyn Backend>);
+
+/// The backend `answer`, with a pose error that `check` estimates.
+pub(super) fn tandem(answer: Box<dyn Backend>, check: Box<dyn Backend>) -> Wrapped<Check> {
+    Wrapped { inside: answer, hook: Check(check) }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -20,64 +25,36 @@ struct Saved {
     check: SavedState,
 }
 
-impl Backend for Tandem {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
-        self.answer.grasp(spring, tip);
-        self.check.grasp(spring, tip);
+impl Hook for Check {
+    fn attach(&mut self, answer: &mut dyn Backend, spring: usize, tip: Vec2) {
+        answer.attach(spring, tip);
+        self.0.attach(spring, tip);
     }
 
-    fn release(&mut self, spring: usize) {
-        self.answer.release(spring);
-        self.check.release(spring);
+    fn release(&mut self, answer: &mut dyn Backend, spring: usize) {
+        answer.release(spring);
+        self.0.release(spring);
     }
 
-    /// Costs are those of both.
-    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
-        let mut report = self.answer.advance(tip_targets, duration);
-        report.add(&self.check.advance(tip_targets, duration));
+    /// The report counts the work of both.
+    fn advance(&mut self, answer: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        let mut report = answer.advance(tip_targets, duration);
+        report.add(&self.0.advance(tip_targets, duration));
         report
     }
 
-    fn motion(&self) -> Motion {
-        self.answer.motion()
-    }
-
-    fn tip(&self, spring: usize) -> Option<Vec2> {
-        self.answer.tip(spring)
-    }
-
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.answer.force_on_tip(spring)
-    }
-
-    fn look_at(&self, tips: &mut [HeldTip]) {
-        self.answer.look_at(tips);
-    }
-
-    fn friction_forces(&self) -> Vec<Vec2> {
-        self.answer.friction_forces()
-    }
-
-    fn energy(&self) -> EnergyLedger {
-        self.answer.energy()
-    }
-
-    fn transitions(&self) -> &[Transition] {
-        self.answer.transitions()
-    }
-
-    fn pose_error(&self) -> Option<PoseError> {
-        let [answer, check] = [&self.answer, &self.check].map(|run| run.motion().pose);
+    fn pose_error(&self, answer: &dyn Backend) -> Option<PoseError> {
+        let [answer, check] = [answer, self.0.as_ref()].map(|run| run.motion().pose);
         Some(PoseError { position: (answer.position - check.position).norm(), heading: (answer.heading - check.heading).abs() })
     }
 
-    fn save(&self) -> SavedState {
-        SavedState::of(&Saved { answer: self.answer.save(), check: self.check.save() })
+    fn save(&self, answer: &dyn Backend) -> Result<SavedState, SaveError> {
+        Ok(SavedState::of(&Saved { answer: answer.save()?, check: self.0.save()? }))
     }
 
-    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
-        let Saved { answer, check } = state.read()?;
-        self.answer.restore(&answer)?;
-        self.check.restore(&check)
+    fn restore(&mut self, answer: &mut dyn Backend, state: &SavedState) -> Result<(), RestoreError> {
+        let saved: Saved = state.read()?;
+        answer.restore(&saved.answer)?;
+        self.0.restore(&saved.check)
     }
 }

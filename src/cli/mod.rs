@@ -32,7 +32,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
-use crate::backend::{BackendKind, Integrator, RapierOptions, RestoreError};
+use crate::backend::{BackendKind, Integrator, RapierOptions, RestoreError, SaveError};
 use crate::output::finite::NotFinite;
 use crate::output::folder::{FolderError, check_target};
 use crate::output::page::REPORT;
@@ -156,6 +156,8 @@ enum CliError {
     NotASavedRun { path: PathBuf, source: serde_json::Error },
     #[error("{path}: {source}")]
     Restore { path: PathBuf, source: RestoreError },
+    #[error(transparent)]
+    Save(#[from] SaveError),
     #[error("{0}")]
     Usage(String),
     #[error(transparent)]

@@ -217,7 +217,7 @@ fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
 /// Keeps the state for the next call, if there is a file for it.
 fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<ExitCode, CliError> {
     let Some(path) = path else { return Err(CliError::Interrupted) };
-    state::keep(path, &run.save())?;
+    state::keep(path, &run.save()?)?;
     say!("stopped at {} s; the same command goes on from {}", run.time(), path.display());
     Ok(ExitCode::from(130))
 }

@@ -131,9 +131,9 @@ impl PolarSpring {
         self.radial_stiffness * (length - self.rest_length) * radial + torsional * perpendicular(&radial)
     }
 
-    /// Force of the spring on the tip (N, world axes), Eq. (10).
-    pub fn force_on_tip(&self, pose: &Pose, shape: &SpringShape) -> Vec2 {
-        -(rotation(pose.heading + self.bearing) * self.pull_in_root(shape))
+    /// Force of the holder on the tip (N, world axes): dU/d(tip), the negative of Eq. (10).
+    pub fn pull(&self, pose: &Pose, shape: &SpringShape) -> Vec2 {
+        rotation(pose.heading + self.bearing) * self.pull_in_root(shape)
     }
 
     /// Energy with its first and second derivatives by the pose of the load, for a tip that stands still.

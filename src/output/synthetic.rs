@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, SkipCounts, Status, StepReport, TransitionCounts};
 use crate::math::{Pose, Summary, Twist, Vec2, direction};
-use crate::simulation::{Event, EventKind, HeldTip, Outcome, Row, Trace};
+use crate::simulation::{AttachedTip, Event, EventKind, Outcome, Row, Trace};
 
 /// Simulated time between two rows (s).
 const TICK: f64 = 0.025;
@@ -93,7 +93,7 @@ fn energy(time: f64, lag: f64) -> EnergyLedger {
 }
 
 /// Spring j is held in the first two thirds of every period of its own.
-fn tips(time: f64, lag: f64) -> Vec<HeldTip> {
+fn tips(time: f64, lag: f64) -> Vec<AttachedTip> {
     let pose = pose(time, lag);
     let held = |j: usize| {
         let period = 6.0 + 2.7 * j as f64;
@@ -102,15 +102,15 @@ fn tips(time: f64, lag: f64) -> Vec<HeldTip> {
     };
     let tip = |(j, age): (usize, f64)| {
         let out = direction(pose.heading + FRAC_PI_2 * j as f64);
-        HeldTip { spring: j, position: pose.position + 0.04 * out, pull: (0.0005 + 0.004 * age.min(3.0)) * out }
+        AttachedTip { spring: j, position: pose.position + 0.04 * out, pull: (0.0005 + 0.004 * age.min(3.0)) * out }
     };
     (0..4).filter_map(|j| held(j).map(|age| (j, age))).map(tip).collect()
 }
 
-fn record_events(trace: &mut Trace, time: f64, tips: &[HeldTip]) {
+fn record_events(trace: &mut Trace, time: f64, tips: &[AttachedTip]) {
     let before = trace.rows.last().map_or(Vec::new(), |row| row.tips.to_vec());
-    let holds = |tips: &[HeldTip], spring: usize| tips.iter().any(|tip| tip.spring == spring);
-    let event = |tip: &HeldTip, kind| Event { time, spring: tip.spring, ant: Some(tip.spring), tip: tip.position, kind };
+    let holds = |tips: &[AttachedTip], spring: usize| tips.iter().any(|tip| tip.spring == spring);
+    let event = |tip: &AttachedTip, kind| Event { time, spring: tip.spring, ant: Some(tip.spring), tip: tip.position, kind };
     let grasps = tips.iter().filter(|tip| !holds(&before, tip.spring)).map(|tip| event(tip, EventKind::Grasp));
     let releases = before.iter().filter(|tip| !holds(tips, tip.spring)).map(|tip| event(tip, EventKind::Release));
     trace.events.extend(grasps.chain(releases));

@@ -11,7 +11,7 @@ use super::periods::Periods;
 use super::releases::Releases;
 use super::sensing::{Around, Placed, Sensing};
 use super::{Driver, Event, EventKind, Orders, SAME_INSTANT, Trace, View};
-use crate::backend::{HeldTip, Motion, RestoreError};
+use crate::backend::{AttachedTip, Motion, RestoreError};
 use crate::math::{Chance, LANES, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Mode, Steering};
@@ -173,7 +173,7 @@ impl Ants {
     }
 
     /// Puts ants that hold a tip where the tip is.
-    fn hold(&mut self, tips: &[HeldTip]) {
+    fn hold(&mut self, tips: &[AttachedTip]) {
         for ant in &mut self.state.ants {
             let Mode::Transport { spring, .. } = ant.mode else { continue };
             if let Some(tip) = tips.iter().find(|tip| tip.spring == spring) {
@@ -316,7 +316,7 @@ impl Driver for Ants {
         Ok(())
     }
 
-    fn check(&self, tick: u64, tips: &[HeldTip]) -> Result<(), RestoreError> {
+    fn check(&self, tick: u64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
         let mut n_holding = 0;
         for ant in &self.state.ants {
             let Mode::Transport { spring, grasp_tick } = ant.mode else { continue };
@@ -345,7 +345,7 @@ mod tests {
         let scenario = Scenario { duration: 12.34, ..Scenario::parse(text, "four ants").unwrap() };
         let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3), Keep::Trace);
         run.run(|_| true);
-        let state: State = serde_json::from_value(serde_json::to_value(run.save()).unwrap()["driver"].clone()).unwrap();
+        let state: State = serde_json::from_value(serde_json::to_value(run.save().unwrap()).unwrap()["driver"].clone()).unwrap();
         let mut last = Vec::new();
         follow_ants(&scenario, run.trace(), |_, ants| last = ants.to_vec());
         assert!(run.trace().events.len() > 20, "grasps and releases are part of it");

@@ -19,7 +19,7 @@ use crate::math::{Summary, Vec2};
 use crate::scenario::{Drive, Scenario};
 use clock::Clock;
 
-pub use crate::backend::{HeldTip, HeldTips};
+pub use crate::backend::{AttachedTip, AttachedTips};
 pub use ants::{Ants, follow_ants};
 pub(crate) use clock::SAME_INSTANT;
 pub use replay::Replay;
@@ -119,7 +119,7 @@ pub trait Driver {
 
     /// # Errors
     /// When the state restored last is not one at this `tick` with these tips held.
-    fn check(&self, _tick: u64, _tips: &[HeldTip]) -> Result<(), RestoreError> {
+    fn check(&self, _tick: u64, _tips: &[AttachedTip]) -> Result<(), RestoreError> {
         Ok(())
     }
 }
@@ -131,7 +131,7 @@ pub struct View<'a> {
     /// Of the load.
     pub motion: Motion,
     /// Held tips in the order of their springs, if somebody has looked at them.
-    pub tips: &'a [HeldTip],
+    pub tips: &'a [AttachedTip],
     /// (s)
     pub time: f64,
     /// Number of the tick at this instant; `None` between ticks.
@@ -146,7 +146,7 @@ impl View<'_> {
         // Where all springs before it are held, it stands at its own number.
         let at_its_number = self.tips.get(spring).filter(|tip| tip.spring == spring);
         let seen = at_its_number.or_else(|| Some(&self.tips[self.tips.binary_search_by_key(&spring, |tip| tip.spring).ok()?]));
-        seen.map_or_else(|| -self.backend.force_on_tip(spring), |tip| tip.pull)
+        seen.map_or_else(|| self.backend.pull(spring), |tip| tip.pull)
     }
 }
 
@@ -182,7 +182,7 @@ pub struct Simulation<'a> {
     transitions: TransitionCounts,
     trace: Trace,
     /// Of the springs that are held, in their order. Where a trace is kept it has their places and pulls at this instant, looked at once for all.
-    tips: HeldTips,
+    tips: AttachedTips,
     /// Kept for its memory.
     orders: Orders,
 }
@@ -266,7 +266,7 @@ impl<'a> Simulation<'a> {
             return;
         }
         if self.keep == Keep::Trace {
-            self.backend.look_at(&mut self.tips);
+            self.backend.read_tips(&mut self.tips);
         }
         let motion = self.backend.motion();
         if self.is_over(&motion) {
@@ -351,8 +351,8 @@ impl<'a> Simulation<'a> {
                     self.tips.remove(at);
                 }
                 EventKind::Grasp => {
-                    self.backend.grasp(spring, position);
-                    self.tips.insert(at, HeldTip { spring, position, pull: -self.backend.force_on_tip(spring) });
+                    self.backend.attach(spring, position);
+                    self.tips.insert(at, AttachedTip { spring, position, pull: self.backend.pull(spring) });
                 }
             }
         }
@@ -380,7 +380,7 @@ impl<'a> Simulation<'a> {
     fn record(&mut self, motion: Motion) {
         if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
             let (energy, error) = (self.backend.energy(), self.backend.pose_error());
-            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: HeldTips::new(), error });
+            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), error });
             // Filled where it stands: a row is long.
             self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
         }
@@ -407,8 +407,8 @@ pub fn driver_of(scenario: &Scenario) -> Box<dyn Driver> {
 }
 
 /// Tips of the springs that are held, in their order.
-fn held_by(scenario: &Scenario, backend: &dyn Backend) -> HeldTips {
-    let held = |spring| Some(HeldTip { spring, position: backend.tip(spring)?, pull: -backend.force_on_tip(spring) });
+fn held_by(scenario: &Scenario, backend: &dyn Backend) -> AttachedTips {
+    let held = |spring| Some(AttachedTip { spring, position: backend.tip(spring)?, pull: backend.pull(spring) });
     (0..scenario.system.springs.len()).filter_map(held).collect()
 }
 
@@ -423,10 +423,10 @@ mod tests {
     /// Ants that compare what they are shown with what the backend says tip by tip, and note the latter once they have acted.
     struct Looking {
         ants: Box<dyn Driver>,
-        said: Rc<RefCell<Vec<HeldTips>>>,
+        said: Rc<RefCell<Vec<AttachedTips>>>,
     }
 
-    fn said(view: &View) -> HeldTips {
+    fn said(view: &View) -> AttachedTips {
         held_by(view.scenario, view.backend)
     }
 

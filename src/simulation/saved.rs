@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Driver, Keep, Simulation, Trace, built, driver_of, held_by};
-use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SavedState, StepReport, TransitionCounts};
+use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SaveError, SavedState, StepReport, TransitionCounts};
 use crate::scenario::Scenario;
 
 /// Everything of a run that its scenario does not say. Floats are written with all their digits.
@@ -27,8 +27,12 @@ pub struct SavedRun {
 }
 
 impl Simulation<'_> {
-    pub fn save(&self) -> SavedRun {
-        SavedRun {
+    /// State of the run so far, from which [`Simulation::resume`] continues.
+    ///
+    /// # Errors
+    /// When the backend cannot be saved.
+    pub fn save(&self) -> Result<SavedRun, SaveError> {
+        Ok(SavedRun {
             scenario_hash: self.scenario.hash(),
             options: self.options,
             tick: self.clock.tick,
@@ -40,9 +44,9 @@ impl Simulation<'_> {
             error: self.error,
             transitions: self.transitions,
             driver: self.driver.save(),
-            backend: self.backend.save(),
+            backend: self.backend.save()?,
             trace: self.trace.clone(),
-        }
+        })
     }
 }
 

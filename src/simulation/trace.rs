@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::backend::{EnergyLedger, HeldTips, Motion, PoseError, StepReport, Transition, TransitionCounts};
+use crate::backend::{AttachedTips, EnergyLedger, Motion, PoseError, StepReport, Transition, TransitionCounts};
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
 
@@ -25,18 +25,18 @@ pub struct Row {
     pub energy: EnergyLedger,
     /// Tips that are held, in the order of their springs.
     #[serde(serialize_with = "as_slice", deserialize_with = "from_list")]
-    pub tips: HeldTips,
+    pub tips: AttachedTips,
     /// How far the pose may be wrong; `None` where the backend does not know.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
 }
 
-fn as_slice<S: Serializer>(tips: &HeldTips, serializer: S) -> Result<S::Ok, S::Error> {
+fn as_slice<S: Serializer>(tips: &AttachedTips, serializer: S) -> Result<S::Ok, S::Error> {
     tips.as_slice().serialize(serializer)
 }
 
-fn from_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<HeldTips, D::Error> {
-    Vec::deserialize(deserializer).map(HeldTips::from_vec)
+fn from_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<AttachedTips, D::Error> {
+    Vec::deserialize(deserializer).map(AttachedTips::from_vec)
 }
 
 impl Row {

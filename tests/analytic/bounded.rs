@@ -12,9 +12,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use cohaul::backend::held::HeldSprings;
 use cohaul::backend::quasi_static::QuasiStatic;
-use cohaul::backend::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, StepReport, Stepping};
+use cohaul::backend::springs::Attachments;
+use cohaul::backend::{Backend, EnergyLedger, Motion, Skip, Skips, StepReport, Stepping};
 use cohaul::math::{Arc, Pose, Vec2, rotation};
 use cohaul::model::System;
 use cohaul::model::support::slip_velocity;
@@ -38,7 +38,7 @@ pub struct Findings {
 pub struct Audited {
     inner: QuasiStatic,
     system: System,
-    held: HeldSprings,
+    held: Attachments,
     disturbed: bool,
     findings: Rc<RefCell<Findings>>,
 }
@@ -48,7 +48,7 @@ impl Audited {
     pub fn new(system: &System, start: Motion) -> (Self, Rc<RefCell<Findings>>) {
         let findings = Rc::new(RefCell::new(Findings::default()));
         let inner = QuasiStatic::new(system.clone(), start, Stepping::Fixed(f64::INFINITY), Skips::ALL.without(Skip::StickBound));
-        let audited = Self { inner, system: system.clone(), held: HeldSprings::default(), disturbed: false, findings: findings.clone() };
+        let audited = Self { inner, system: system.clone(), held: Attachments::default(), disturbed: false, findings: findings.clone() };
         (audited, findings)
     }
 
@@ -57,8 +57,7 @@ impl Audited {
         let springs = &self.system.springs;
         let (q0, booked) = (self.inner.motion().pose, self.inner.energy().friction);
         let before = self.held.clone();
-        let grips = before.grips().to_vec();
-        self.held.place_tips(&grips, targets, 1.0);
+        self.held.place_tips(&before, targets, 1.0);
         let report = self.inner.advance(targets, duration);
         let q1 = self.inner.motion().pose;
 
@@ -99,9 +98,9 @@ fn friction_loss(system: &System, from: &Pose, to: &Pose) -> f64 {
 }
 
 impl Backend for Audited {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
-        self.held.grasp(&self.system.springs, spring, tip, &self.inner.motion().pose);
-        self.inner.grasp(spring, tip);
+    fn attach(&mut self, spring: usize, tip: Vec2) {
+        self.held.attach(&self.system.springs, spring, tip, &self.inner.motion().pose);
+        self.inner.attach(spring, tip);
         self.disturbed = true;
     }
 
@@ -115,7 +114,7 @@ impl Backend for Audited {
         let mut report = StepReport::default();
         if self.disturbed {
             let mut here = tip_targets.to_vec();
-            self.held.grips().iter().for_each(|grip| here[grip.spring] = grip.tip);
+            self.held.iter().for_each(|grip| here[grip.spring] = grip.tip);
             report.add(&self.step(&here, duration, true));
             self.disturbed = false;
         }
@@ -131,8 +130,8 @@ impl Backend for Audited {
         self.inner.tip(spring)
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.inner.force_on_tip(spring)
+    fn pull(&self, spring: usize) -> Vec2 {
+        self.inner.pull(spring)
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
@@ -141,13 +140,5 @@ impl Backend for Audited {
 
     fn energy(&self) -> EnergyLedger {
         self.inner.energy()
-    }
-
-    fn save(&self) -> SavedState {
-        self.inner.save()
-    }
-
-    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
-        self.inner.restore(state)
     }
 }

@@ -24,7 +24,7 @@ fn rate() -> f64 {
 fn pulled(kind: BackendKind, damping_ratio: f64, speed: f64, step: f64, n: u32) -> Motion {
     let mut run = backend(kind, &system(damping_ratio), at_rest(), step);
     let duration = f64::from(n) * step;
-    run.grasp(0, Vec2::zeros());
+    run.attach(0, Vec2::zeros());
     let report = run.advance(&[Vec2::new(speed * duration, 0.0)], duration);
     assert_eq!((report.status, report.n_steps), (Status::Converged, u64::from(n)));
     run.motion()
@@ -80,7 +80,7 @@ fn slipping_from_onset(kind: BackendKind, damping_ratio: f64, speed: f64, step: 
     let stretch = (SLIP_LIMIT - dashpot) / RADIAL;
     let tip = |time: f64| Vec2::new(stretch + speed * time, 0.0);
     let mut run = backend(kind, &system(damping_ratio), at_rest(), step);
-    run.grasp(0, tip(0.0));
+    run.attach(0, tip(0.0));
     let duration = step * f64::from(n);
     assert_eq!(run.advance(&[tip(duration)], duration).status, Status::Converged);
     run.motion()
@@ -93,7 +93,7 @@ fn ramp_and_hold() {
     for kind in WITH_INERTIA {
         let runs = [1e-3, 5e-4, 2.5e-4, 1.25e-4].map(|step| {
             let mut run = backend(kind, &system(0.0), at_rest(), step);
-            run.grasp(0, Vec2::zeros());
+            run.attach(0, Vec2::zeros());
             let end = [Vec2::new(speed * ramp, 0.0)];
             run.advance(&end, ramp);
             let at_hold = run.motion();

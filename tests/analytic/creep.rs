@@ -14,7 +14,7 @@ fn way_in_a_minute(kind: BackendKind, arm: f64) -> f64 {
     let root = Vec2::new(0.0, arm);
     let tip = start.pose.to_world(&(root + Vec2::new(0.9 * critical / RADIAL, 0.0)));
     let mut run = backend(kind, &paper_system(vec![isotropic(root, 0.0)]), start, 1e-3);
-    run.grasp(0, start.pose.to_world(&root));
+    run.attach(0, start.pose.to_world(&root));
     assert_eq!(run.advance(&[tip], 0.05).status, Status::Converged);
     assert_eq!(run.advance(&[tip], 60.0).status, Status::Converged);
     distance(&start.pose, &run.motion().pose)

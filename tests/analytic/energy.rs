@@ -49,7 +49,7 @@ fn walk(run: &mut dyn Backend, n: usize, stride: f64, seed: u64, n_steps: u64, m
             match run.tip(spring) {
                 None if toss < 0.05 => {
                     tips[spring] = rest + 0.005 * direction(TAU * turn);
-                    run.grasp(spring, tips[spring]);
+                    run.attach(spring, tips[spring]);
                 }
                 Some(tip) if toss < 0.004 || is_near_buckling(&springs[spring], run, &tip) => run.release(spring),
                 _ => (),
@@ -147,7 +147,7 @@ fn the_damping_of_the_implicit_step_is_what_the_ripple_loses() {
         for n in [1_000, 4_000] {
             let step = period / f64::from(n);
             let mut run = backend(kind, &paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), step);
-            run.grasp(0, Vec2::zeros());
+            run.attach(0, Vec2::zeros());
             run.advance(&[Vec2::new(speed * onset, 0.0)], onset);
             run.advance(&[Vec2::new(speed * (onset + period), 0.0)], period);
             let (ledger, parts) = (run.energy(), run.energy().defect_parts());

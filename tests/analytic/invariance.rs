@@ -128,7 +128,7 @@ fn names_of_springs_and_supports_do_not_matter() {
 fn at_nodes(nodes: &[f64], clock: impl Fn(f64) -> f64) -> Vec<Pose> {
     let mut run = backend(BackendKind::QuasiStatic, &system(), at_rest(), f64::INFINITY);
     for (spring, tip) in reference_tips(0.0) {
-        run.grasp(spring, tip);
+        run.attach(spring, tip);
     }
     let poses = nodes.windows(2).map(|pair| {
         let mut targets = vec![Vec2::new(f64::NAN, f64::NAN); 4];

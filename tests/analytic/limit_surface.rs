@@ -91,7 +91,7 @@ fn moved_by(kind: BackendKind, share: f64, is_torque: bool, heading: f64) -> f64
     let pull = |i: usize| if i == 0 { Vec2::new(0.0, way) } else { Vec2::new(0.0, -way) };
     let tips: Vec<Vec2> = arms.iter().enumerate().map(|(i, arm)| start.pose.to_world(&(arm + pull(i)))).collect();
     let mut run = backend(kind, &system, start, 1e-3);
-    tips.iter().enumerate().for_each(|(i, tip)| run.grasp(i, *tip));
+    tips.iter().enumerate().for_each(|(i, tip)| run.attach(i, *tip));
     run.advance(&tips, 0.5);
     distance(&start.pose, &run.motion().pose)
 }

@@ -120,7 +120,7 @@ fn the_reference_scene_comes_within_a_micrometre_at_a_millisecond() {
 #[test]
 fn it_sticks_exactly_and_stays_bounded_at_long_steps() {
     let mut stuck = midpoint(&paper_system(vec![isotropic(Vec2::new(0.004, 0.0), 0.0)]), at_rest(), 1e-3);
-    stuck.grasp(0, Vec2::new(0.004, 0.8 * SLIP_LIMIT / RADIAL / 1.5));
+    stuck.attach(0, Vec2::new(0.004, 0.8 * SLIP_LIMIT / RADIAL / 1.5));
     stuck.advance(&[Vec2::new(0.004, 0.8 * SLIP_LIMIT / RADIAL / 1.5)], 60.0);
     assert_eq!(stuck.motion(), at_rest());
 
@@ -128,7 +128,7 @@ fn it_sticks_exactly_and_stays_bounded_at_long_steps() {
     let mut system = peers_system(vec![isotropic(Vec2::zeros(), 0.0)]);
     system.ground.friction_coefficient = 0.0;
     let mut swinging = midpoint(&system, at_rest(), 0.5);
-    swinging.grasp(0, Vec2::new(0.01, 0.0));
+    swinging.attach(0, Vec2::new(0.01, 0.0));
     for _ in 0..200 {
         swinging.advance(&[Vec2::new(0.01, 0.0)], 0.5);
         // The implicit midpoint rule keeps the energy of a linear oscillation: no further out than it started.
@@ -144,7 +144,7 @@ fn dashpots_are_second_order_and_the_books_close() {
         let mut system = peers_system(vec![isotropic(Vec2::zeros(), zeta)]);
         system.ground.friction_coefficient = 0.0;
         let mut load = midpoint(&system, at_rest(), step);
-        load.grasp(0, Vec2::new(0.01, 0.0));
+        load.attach(0, Vec2::new(0.01, 0.0));
         load.advance(&[Vec2::new(0.01, 0.0)], 0.2);
         let (rate, damped) = ((RADIAL / MASS).sqrt(), (1.0f64 - zeta * zeta).sqrt());
         let phase = rate * damped * 0.2;
@@ -162,7 +162,7 @@ fn swinging(root: Vec2, velocity: [f64; 2], step: f64) -> Box<dyn Backend> {
     let mut system = paper_system(vec![isotropic(root, 0.0)]);
     system.ground.friction_coefficient = 0.0;
     let mut load = midpoint(&system, moving(velocity[0], velocity[1], 0.0), step);
-    load.grasp(0, Vec2::new(0.03, 0.01));
+    load.attach(0, Vec2::new(0.03, 0.01));
     load
 }
 

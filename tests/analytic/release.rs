@@ -29,8 +29,8 @@ fn logged_jump(
     let period = TAU * (system.load.mass / RADIAL).sqrt();
     let tips = [Vec2::new(stretch, 0.0), Vec2::new(-stretch, 0.0)];
     let mut run = backend(kind, &system, at_rest(), period / f64::from(n_per_period));
-    run.grasp(0, tips[0]);
-    run.grasp(1, tips[1]);
+    run.attach(0, tips[0]);
+    run.attach(1, tips[1]);
     run.advance(&tips, period / 8.0);
     // Two pulls that cancel: rest, in the engine up to rounding of rounding.
     assert!(run.motion().pose.position.norm() < 1e-20);
@@ -117,14 +117,14 @@ fn grasp_on_the_way(off: f64) -> (usize, u64) {
     let mut run = backend(BackendKind::QuasiStatic, &system, at_rest(), 0.0025);
     let tip = |k: usize, run: &dyn Backend| run.motion().pose.to_world(&system.springs[k].rest_tip());
     let mut targets = vec![tip(0, run.as_ref()); 2];
-    run.grasp(0, targets[0]);
+    run.attach(0, targets[0]);
     for _ in 0..400 {
         targets[0] += 1.25e-4 * direction(1.2);
         run.advance(&targets, 0.0025);
     }
     assert!(run.motion().twist.linear.norm() > 0.003 && run.motion().twist.angular.abs() > 0.1, "it slips and turns: {:?}", run.motion());
     targets[1] = tip(1, run.as_ref()) + Vec2::new(off, 0.0);
-    run.grasp(1, targets[1]);
+    run.attach(1, targets[1]);
     targets[0] += 1.25e-4 * direction(1.2);
     let report = run.advance(&targets, 0.0025);
     assert_eq!(report.status, Status::Converged);

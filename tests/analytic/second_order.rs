@@ -41,7 +41,7 @@ fn steps_of_two_lengths_keep_the_order() {
     let end = |n: u32| {
         let mut run = second_order(&system, at_rest());
         for (spring, tip) in reference_tips(0.0) {
-            run.grasp(spring, tip);
+            run.attach(spring, tip);
         }
         let mut n_steps = 0;
         for i in 0..n {

@@ -16,7 +16,7 @@ fn heading_left(from: f64, way: f64, n_per_mm: f64) -> f64 {
     let spring = PolarSpring { radial_stiffness: 1e6 * RADIAL, ..isotropic(Vec2::new(ARM, 0.0), 0.0) };
     let tip = start.pose.to_world(&spring.root);
     let mut run = backend(BackendKind::QuasiStatic, &paper_system(vec![spring]), start, 1e-3 / n_per_mm);
-    run.grasp(0, tip);
+    run.attach(0, tip);
     run.advance(&[tip + Vec2::new(from, 0.0)], from);
     let before = run.motion().pose.heading;
     run.advance(&[tip + Vec2::new(from + way, 0.0)], way);

@@ -13,9 +13,9 @@ fn busy_run(system: &System, step: f64, options: RapierOptions, mut look: impl F
     for tick in 0..200 {
         let time = 5e-3 * f64::from(tick);
         match tick {
-            0 => run.grasp(0, busy_tips(time)[0]),
-            20 => run.grasp(2, busy_tips(time)[2]),
-            60 => run.grasp(1, busy_tips(time)[1]),
+            0 => run.attach(0, busy_tips(time)[0]),
+            20 => run.attach(2, busy_tips(time)[2]),
+            60 => run.attach(1, busy_tips(time)[1]),
             120 => run.release(0),
             _ => (),
         }
@@ -73,7 +73,7 @@ fn a_free_swing_keeps_its_energy_but_for_the_step() {
     system.ground.friction_coefficient = 0.0;
     let defect = |step: f64| {
         let mut run = backend(&system, moving(Vec2::new(0.05, 0.02), 1.0), step, RapierOptions::default());
-        (0..3).for_each(|spring| run.grasp(spring, busy_tips(0.0)[spring]));
+        (0..3).for_each(|spring| run.attach(spring, busy_tips(0.0)[spring]));
         run.advance(&busy_tips(0.0), 0.2);
         let ledger = run.energy();
         assert_eq!((ledger.friction, ledger.damping, ledger.released), (0.0, 0.0, 0.0));

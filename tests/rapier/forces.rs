@@ -30,7 +30,7 @@ fn places(system: &System, rate: f64, n_steps: usize, options: RapierOptions) ->
     let step = rate / (STIFFNESS / MASS).sqrt();
     let amplitude = 1e-3;
     let mut run = backend(system, at_rest(Pose::new(amplitude, 0.0, 0.0)), step, options);
-    run.grasp(0, Vec2::zeros());
+    run.attach(0, Vec2::zeros());
     let place = |_| {
         assert_ne!(run.advance(&[Vec2::zeros()], step).status, Status::Failed);
         run.motion().pose.position.x / amplitude
@@ -75,7 +75,7 @@ fn it_sticks_below_the_limit_of_friction_and_slides_above() {
             system.springs = vec![isotropic(Vec2::zeros())];
             let mut run = backend(&system, at_rest(Pose::new(0.0, 0.0, 0.0)), 1e-3, RapierOptions { precision, ..FORCE });
             let tip = Vec2::new(share * SLIP_LIMIT / STIFFNESS, 0.0);
-            run.grasp(0, tip);
+            run.attach(0, tip);
             run.advance(&[tip], 1.0);
             // Let go at F it moves by (F - f) / k to twice that, 1.65 mm to 3.3 mm; in f32 a hold is good to 1e-7 of the force.
             let way = run.motion().pose.position.x;
@@ -90,7 +90,7 @@ fn it_sticks_below_the_limit_of_friction_and_slides_above() {
 fn with_shorter_steps_forces_and_joints_become_one() {
     let end = |step: f64, springs| -> Motion {
         let mut run = backend(&busy_system(0.1), moving(Vec2::new(0.05, 0.02), 1.0), step, RapierOptions { springs, ..FORCE });
-        (0..3).for_each(|spring| run.grasp(spring, busy_tips(0.0)[spring]));
+        (0..3).for_each(|spring| run.attach(spring, busy_tips(0.0)[spring]));
         for tick in 1..=40 {
             run.advance(&busy_tips(5e-3 * f64::from(tick)), 5e-3);
         }
@@ -109,7 +109,7 @@ fn with_shorter_steps_forces_and_joints_become_one() {
 fn the_ledger_of_an_explicit_dashpot_closes_with_the_step() {
     let worst_defect = |step: f64| {
         let mut run = backend(&swing(0.1), at_rest(Pose::new(1e-3, 0.0, 0.0)), step, FORCE);
-        run.grasp(0, Vec2::zeros());
+        run.attach(0, Vec2::zeros());
         let mut worst: f64 = 0.0;
         let n_steps = (TAU / (STIFFNESS / MASS).sqrt() / step).round() as usize;
         for _ in 0..n_steps {

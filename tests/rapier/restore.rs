@@ -28,9 +28,9 @@ fn fresh(options: RapierOptions) -> Box<dyn Backend> {
 fn tick(run: &mut dyn Backend, tick: i32) {
     let time = 5e-3 * f64::from(tick);
     match tick {
-        2 | 61 => run.grasp(2, busy_tips(time)[2]),
-        5 | 45 => run.grasp(0, busy_tips(time)[0]),
-        20 | 71 => run.grasp(1, busy_tips(time)[1]),
+        2 | 61 => run.attach(2, busy_tips(time)[2]),
+        5 | 45 => run.attach(0, busy_tips(time)[0]),
+        20 | 71 => run.attach(1, busy_tips(time)[1]),
         30 => run.release(0),
         50 => run.release(2),
         65 => run.release(1),
@@ -41,7 +41,7 @@ fn tick(run: &mut dyn Backend, tick: i32) {
 
 /// All digits of the state: the text of a float in JSON is exact, and tells -0 from 0.
 fn digits(run: &dyn Backend) -> String {
-    serde_json::to_string(&run.save()).unwrap()
+    serde_json::to_string(&run.save().unwrap()).unwrap()
 }
 
 #[test]
@@ -86,10 +86,10 @@ fn two_runs_are_one_bit_for_bit() {
 #[test]
 fn a_state_of_another_run_is_refused() {
     let mut run = fresh(RapierOptions::default());
-    let other = fresh(with_friction(FrictionModel::Box)).save();
+    let other = fresh(with_friction(FrictionModel::Box)).save().unwrap();
     assert!(run.restore(&other).unwrap_err().to_string().contains("options"));
     assert!(run.restore(&SavedState(serde_json::json!({"kind": "inertial"}))).is_err());
-    let mut missing = run.save();
+    let mut missing = run.save().unwrap();
     missing.0["state"]["held"] = serde_json::json!([{"spring": 7, "tip": [0.0, 0.0], "swing": 0.0}]);
     assert!(run.restore(&missing).unwrap_err().to_string().contains("spring"));
 }

@@ -21,7 +21,7 @@ fn pulled_aside(arm: f64, share: f64, duration: f64, options: RapierOptions) -> 
     let across = perpendicular(&direction(start.pose.heading + std::f64::consts::FRAC_PI_2));
     let tip = start.pose.to_world(&system.springs[0].root) + stretch * across;
     let mut run = backend(&system, start, 1e-3, options);
-    run.grasp(0, tip);
+    run.attach(0, tip);
     let report = run.advance(&[tip], duration);
     assert_eq!(report.status, Status::Converged);
     let largest = run.friction_forces().iter().map(|force| force.norm()).fold(0.0, f64::max);
@@ -53,10 +53,10 @@ fn many_damped_springs_do_not_make_it_creep() {
         let start = at_rest(Pose::new(0.03, -0.02, 0.7));
         let tips: Vec<Vec2> = system.springs.iter().map(|s| start.pose.to_world(&s.rest_tip()) + Vec2::new(0.0015, 0.001)).collect();
         let mut run = backend(&system, start, 1e-3, RapierOptions { springs, ..RapierOptions::default() });
-        tips.iter().enumerate().for_each(|(spring, tip)| run.grasp(spring, *tip));
+        tips.iter().enumerate().for_each(|(spring, tip)| run.attach(spring, *tip));
         run.advance(&tips, 10.0);
         // Ten springs of 0.66 N/m to all sides, 1.8 mm off: a good half of the limit.
-        let pull: Vec2 = -(0..10).map(|spring| run.force_on_tip(spring)).sum::<Vec2>();
+        let pull: Vec2 = (0..10).map(|spring| run.pull(spring)).sum();
         assert!(pull.norm() > 0.4 * SLIP_LIMIT && pull.norm() < 0.7 * SLIP_LIMIT, "{}", pull.norm() / SLIP_LIMIT);
         assert!(distance(&start, &run.motion()) < 1e-15, "{springs:?}: {}", distance(&start, &run.motion()));
     }

@@ -7,7 +7,7 @@ use super::shadow::{Followed, Shadow, Tick, Tools};
 use super::slip::apart;
 use super::stride::Stride;
 use crate::backend::friction::WarmStart;
-use crate::backend::held::{HeldSprings, pulls_with};
+use crate::backend::springs::{Attachments, pulls_with};
 use crate::backend::{Motion, RestoreError};
 use crate::math::{Pose, Vec2};
 use crate::model::System;
@@ -55,7 +55,7 @@ pub struct Estimator {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
-    held: HeldSprings,
+    held: Attachments,
     shadow: Shadow,
     /// Where the present stride began, or will (s).
     time: f64,
@@ -104,7 +104,7 @@ impl Estimator {
         let shadow = Shadow::new(system, start);
         let cause = if shadow.speed > 0.0 { Cause::Start } else { Cause::Driving };
         let state = State {
-            held: HeldSprings::default(),
+            held: Attachments::default(),
             shadow,
             time: 0.0,
             stride: Stride::new(system.springs.len()),
@@ -124,9 +124,9 @@ impl Estimator {
     }
 
     /// The load at `pose` was grasped at the `tip` of a spring (m, world).
-    pub fn grasp(&mut self, spring: usize, tip: Vec2, pose: &Pose) {
+    pub fn attach(&mut self, spring: usize, tip: Vec2, pose: &Pose) {
         self.end_stride();
-        let brought = self.state.held.grasp(&self.system.springs, spring, tip, pose);
+        let brought = self.state.held.attach(&self.system.springs, spring, tip, pose);
         if pulls_with(&self.system, spring, brought) {
             self.state.event = Some((Cause::Grasp, spring));
         }
@@ -145,7 +145,7 @@ impl Estimator {
     fn change(&mut self) {
         self.tools.springs.change();
         let (springs, held) = (&self.system.springs, &self.state.held);
-        self.shortest = held.grips().iter().map(|grip| springs[grip.spring].rest_length).fold(f64::INFINITY, f64::min);
+        self.shortest = held.iter().map(|grip| springs[grip.spring].rest_length).fold(f64::INFINITY, f64::min);
         self.radian = (self.system.load.mass / held.largest_stiffness(springs)).sqrt();
     }
 
@@ -285,7 +285,7 @@ impl Estimator {
         for event in &events[first..until] {
             targets[event.spring] = event.tip;
             match event.kind {
-                EventKind::Grasp => self.grasp(event.spring, event.tip, &pose),
+                EventKind::Grasp => self.attach(event.spring, event.tip, &pose),
                 EventKind::Release => self.release(event.spring, &pose),
             }
         }

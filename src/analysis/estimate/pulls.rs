@@ -4,9 +4,9 @@
 //! mostly is, asks for no more than their gradient.
 
 use super::shadow::Tick;
-use crate::backend::held::HeldSprings;
 use crate::backend::increment::in_body_increments;
-use crate::backend::spring_blocks::{Place, SpringBlocks};
+use crate::backend::springs::Attachments;
+use crate::backend::springs::{Place, SpringBlocks};
 use crate::math::{Mat3, Vec3};
 use crate::model::{Reaction, System};
 
@@ -75,14 +75,14 @@ impl Attached {
 
     fn place_tips(&mut self, system: &System, tick: &Tick, share: f64) {
         self.gather(system, tick.held);
-        self.blocks.place_tips(tick.held.grips(), tick.targets, share);
+        self.blocks.place_tips(tick.held, tick.targets, share);
     }
 
-    fn gather(&mut self, system: &System, held: &HeldSprings) {
+    fn gather(&mut self, system: &System, held: &Attachments) {
         if std::mem::take(&mut self.is_stale) {
-            self.blocks.gather(&system.springs, held.grips());
+            self.blocks.gather(&system.springs, held);
             self.blocks.aim();
-            self.radial = held.grips().iter().map(|grip| system.springs[grip.spring].radial_stiffness).sum();
+            self.radial = held.iter().map(|grip| system.springs[grip.spring].radial_stiffness).sum();
         }
     }
 }
@@ -90,7 +90,7 @@ impl Attached {
 /// A dashpot is a spring of stiffness c / t about its shape at the start of the tick.
 fn dashpots(system: &System, tick: &Tick, at: &Place) -> Dashpots {
     let mut sum = Reaction::ZERO;
-    for grip in tick.held.grips() {
+    for grip in tick.held.iter() {
         let spring = &system.springs[grip.spring];
         if spring.damping_ratio > 0.0 {
             let (radial, torsional) = system.dashpot(spring);
@@ -124,9 +124,9 @@ mod tests {
         let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/paper/four-ants-four-springs.json");
         let system = Scenario::read(scene.as_ref()).unwrap().system;
         let (still, pose) = (Pose::new(0.0, 0.0, 0.0), Pose::new(0.01, -0.004, 0.3));
-        let mut held = HeldSprings::default();
+        let mut held = Attachments::default();
         for (i, spring) in system.springs.iter().enumerate() {
-            held.grasp(&system.springs, i, spring.rest_tip(), &still);
+            held.attach(&system.springs, i, spring.rest_tip(), &still);
         }
         let about = |angle: f64| -> Vec<Vec2> {
             system.springs.iter().map(|spring| spring.root + 0.024 * direction(spring.bearing + angle)).collect()
@@ -141,7 +141,7 @@ mod tests {
         let found = attached.pulls(&system, &tick, &Place::of(&pose)).elastic;
         let before = attached.gradient(&system, &tick, &Place::of(&pose), 0.0);
         let after = attached.gradient(&system, &tick, &Place::of(&pose), 1.0);
-        let by_one = |held: &HeldSprings| in_body_increments(&held.reaction(&system.springs, &pose), &rotation(pose.heading));
+        let by_one = |held: &Attachments| in_body_increments(&held.reaction(&system.springs, &pose), &rotation(pose.heading));
         // Roundings of torques of 4.5e-4 N m/rad times 6 rad, four of them, and of stiffnesses of a few N/m.
         assert!((before - by_one(&held).gradient).amax() < 1e-16 && before.norm() > 1e-3, "{before}");
         held.move_tips(&targets);

@@ -23,9 +23,9 @@ use super::slider::Slider;
 use super::slip::{Resistance, increment, rim};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
-use crate::backend::held::HeldSprings;
 use crate::backend::increment::{friction_loss, positive_definite};
-use crate::backend::spring_blocks::Place;
+use crate::backend::springs::Attachments;
+use crate::backend::springs::Place;
 use crate::math::{Mat2, Mat3, Pose, PositiveDefinite, Vec2, Vec3, rotation};
 use crate::model::{Load, System};
 
@@ -45,7 +45,7 @@ pub struct Tick<'a> {
     pub before: &'a Pose,
     pub after: &'a Pose,
     /// Springs with their tips where the tick begins, and where these go (m, world, one entry a spring).
-    pub held: &'a HeldSprings,
+    pub held: &'a Attachments,
     pub targets: &'a [Vec2],
     /// A grasp or a release came just before.
     pub is_event: bool,

@@ -1,6 +1,6 @@
 //! Directions of slip as body twists: how long they are, how two poses lie apart, and how friction answers them.
 
-use crate::backend::spring_blocks::Place;
+use crate::backend::springs::Place;
 use crate::math::{Arc, Mat3, Pose, Vec3, perpendicular};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::held::HeldSprings;
+use crate::backend::springs::Attachments;
 use crate::math::{Pose, Vec2};
 
 /// A stretch of ticks of the load without inertia; one without duration is not begun.
@@ -46,8 +46,8 @@ impl Stride {
     }
 
     /// Whether the tips, `held` where the stride begins, go the way to `targets` within `duration` (s) as they went so far.
-    pub fn leads_on(&self, held: &HeldSprings, targets: &[Vec2], duration: f64) -> bool {
-        held.grips().iter().all(|grip| {
+    pub fn leads_on(&self, held: &Attachments, targets: &[Vec2], duration: f64) -> bool {
+        held.iter().all(|grip| {
             let (so_far, now) = (self.targets[grip.spring], targets[grip.spring]);
             // Velocities times both durations.
             let (last, next) = (duration * (so_far - grip.tip), self.duration * (now - so_far));

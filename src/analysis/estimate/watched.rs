@@ -5,7 +5,8 @@ use std::rc::Rc;
 
 use super::{Estimator, InertiaEstimate};
 use crate::backend::{
-    Backend, BackendKind, BackendOptions, EnergyLedger, HeldTip, Motion, PoseError, RestoreError, SavedState, StepReport, Transition, build,
+    AttachedTip, Backend, BackendKind, BackendOptions, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, StepReport,
+    Transition, build,
 };
 use crate::math::Vec2;
 use crate::model::System;
@@ -38,10 +39,10 @@ impl Watched {
 }
 
 impl Backend for Watched {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
+    fn attach(&mut self, spring: usize, tip: Vec2) {
         let pose = self.motion().pose;
-        self.estimator.borrow_mut().grasp(spring, tip, &pose);
-        self.backend.grasp(spring, tip);
+        self.estimator.borrow_mut().attach(spring, tip, &pose);
+        self.backend.attach(spring, tip);
     }
 
     fn release(&mut self, spring: usize) {
@@ -69,12 +70,12 @@ impl Backend for Watched {
         self.backend.tip(spring)
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.backend.force_on_tip(spring)
+    fn pull(&self, spring: usize) -> Vec2 {
+        self.backend.pull(spring)
     }
 
-    fn look_at(&self, tips: &mut [HeldTip]) {
-        self.backend.look_at(tips);
+    fn read_tips(&self, tips: &mut [AttachedTip]) {
+        self.backend.read_tips(tips);
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
@@ -93,10 +94,10 @@ impl Backend for Watched {
         self.backend.pose_error()
     }
 
-    fn save(&self) -> SavedState {
-        let SavedState(mut state) = self.backend.save();
+    fn save(&self) -> Result<SavedState, SaveError> {
+        let SavedState(mut state) = self.backend.save()?;
         state[KEY] = self.estimator.borrow().save();
-        SavedState(state)
+        Ok(SavedState(state))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {

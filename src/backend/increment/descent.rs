@@ -199,8 +199,8 @@ mod tests {
     use super::super::tests::{ground, spring};
     use super::super::{Potential, minimise};
     use super::*;
-    use crate::backend::held::HeldSprings;
-    use crate::backend::spring_blocks::{Place, SpringBlocks};
+    use crate::backend::springs::Attachments;
+    use crate::backend::springs::{Place, SpringBlocks};
     use crate::math::{Chance, Stream, Vec2, rotation};
     use crate::model::PolarSpring;
 
@@ -214,13 +214,13 @@ mod tests {
             let chance = Chance::new(case);
             let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
             let springs: Vec<PolarSpring> = (0..3).map(|k| spring(0.4 + 2.0 * f64::from(k))).collect();
-            let mut held = HeldSprings::default();
+            let mut held = Attachments::default();
             for (k, spring) in springs.iter().enumerate() {
                 let way = Vec2::new(-0.01 * (1.0 + draw(2 * k as u64)), 0.02 * draw(2 * k as u64 + 1));
-                held.grasp(&springs, k, start.to_world(&(spring.rest_tip() + rotation(spring.bearing) * way)), &start);
+                held.attach(&springs, k, start.to_world(&(spring.rest_tip() + rotation(spring.bearing) * way)), &start);
             }
             let mut blocks = SpringBlocks::default();
-            blocks.gather(&springs, held.grips());
+            blocks.gather(&springs, &held);
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
             let found = minimise(Potential::of(&mut blocks, Place::of(&start)), &ground, &mut solver, 0.0122, None);

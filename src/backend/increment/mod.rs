@@ -17,7 +17,7 @@ mod glide;
 
 use super::StepReport;
 use super::friction::{FrictionSolver, Regime};
-use super::spring_blocks::{Place, SpringBlocks};
+use super::springs::{Place, SpringBlocks};
 use crate::math::{Arc, Mat2, Mat3, Pose, Twist, Vec2, Vec3, shift_of};
 use crate::model::support::slip_velocity;
 use crate::model::{Ground, Load, Reaction};
@@ -263,7 +263,7 @@ pub fn in_body_increments(world: &Reaction, turn: &Mat2) -> Reaction {
 mod tests {
     use super::*;
     use crate::backend::Status;
-    use crate::backend::held::HeldSprings;
+    use crate::backend::springs::Attachments;
     use crate::math::{Chance, Pose, Stream, direction, rotation};
     use crate::model::{PolarSpring, SupportPoint};
 
@@ -282,14 +282,14 @@ mod tests {
             let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
             let n = 1 + case as usize % 3;
             let springs: Vec<PolarSpring> = (0..n as u32).map(|k| spring(0.4 + 2.0 * f64::from(k))).collect();
-            let mut held = HeldSprings::default();
+            let mut held = Attachments::default();
             for (k, spring) in springs.iter().enumerate() {
                 let way = 0.025 * Vec2::new(1.0 + draw(2 * k as u64), draw(2 * k as u64 + 1));
                 let tip = start.to_world(&(spring.rest_tip() + rotation(spring.bearing) * way));
-                held.grasp(&springs, k, tip, &start);
+                held.attach(&springs, k, tip, &start);
             }
             let mut blocks = SpringBlocks::default();
-            blocks.gather(&springs, held.grips());
+            blocks.gather(&springs, &held);
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
             let mut find = |guess| minimise(Potential::of(&mut blocks, Place::of(&start)), &ground, &mut solver, 0.0122, guess);

@@ -1,16 +1,16 @@
 //! Damping: a dashpot is a spring of stiffness c / t about the shape at the start of the step, seen after the time t. Its force is c times the mean rate of that
 //! time, and twice its energy over t the power it takes.
 
-use crate::backend::held::{Grip, HeldSprings};
-use crate::backend::spring_blocks::SpringBlocks;
+use crate::backend::springs::SpringBlocks;
+use crate::backend::springs::{Attachment, Attachments};
 use crate::math::{Pose, Vec2};
 use crate::model::{PolarSpring, System};
 
-/// Dashpots of one step as springs; the index of a dashpot is the place of its grip. None at all without damping.
+/// Dashpots of one step as springs; the index of a dashpot is the place of its attachment. None at all without damping.
 #[derive(Default)]
 pub(super) struct Dashpots {
     springs: Vec<PolarSpring>,
-    grips: Vec<Grip>,
+    attachments: Vec<Attachment>,
     blocks: SpringBlocks,
     /// Time after which their springs are evaluated (s).
     time: f64,
@@ -19,17 +19,17 @@ pub(super) struct Dashpots {
 impl Dashpots {
     /// Sets one for each of `held`, whose tips are where they were at the start of the step, with the load at `before`. Springs are evaluated with tips at `tips`
     /// after `time` (s).
-    pub fn renew(&mut self, system: &System, held: &HeldSprings, tips: impl Iterator<Item = Vec2>, before: &Pose, time: f64) {
+    pub fn renew(&mut self, system: &System, held: &Attachments, tips: impl Iterator<Item = Vec2>, before: &Pose, time: f64) {
         self.springs.clear();
-        self.grips.clear();
-        for (at, (last, tip)) in held.grips().iter().zip(tips).enumerate() {
+        self.attachments.clear();
+        for (at, (last, tip)) in held.iter().zip(tips).enumerate() {
             let spring = &system.springs[last.spring];
             let (radial, torsional) = system.dashpot(spring);
             let dashpot = spring.about(&last.shape(&system.springs, before), radial / time, torsional / time);
-            self.grips.push(Grip { spring: at, tip, swing: dashpot.shape(before, &tip, 0.0).swing });
+            self.attachments.push(Attachment { spring: at, tip, swing: dashpot.shape(before, &tip, 0.0).swing });
             self.springs.push(dashpot);
         }
-        self.blocks.gather(&self.springs, &self.grips);
+        self.blocks.gather(&self.springs, &self.attachments);
         self.time = time;
     }
 
@@ -45,6 +45,6 @@ impl Dashpots {
 
     /// Forces on the tips (N, world).
     pub fn forces(&self, stage: &Pose) -> impl Iterator<Item = Vec2> {
-        self.springs.iter().zip(&self.grips).map(|(spring, grip)| spring.force_on_tip(stage, &grip.shape(&self.springs, stage)))
+        self.springs.iter().zip(&self.attachments).map(|(spring, attachment)| -spring.pull(stage, &attachment.shape(&self.springs, stage)))
     }
 }

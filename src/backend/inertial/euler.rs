@@ -8,7 +8,7 @@ use super::{Problem, Stepped};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Coasting, Increment, Potential, minimise};
-use crate::backend::spring_blocks::Place;
+use crate::backend::springs::Place;
 use crate::math::{Pose, Twist};
 
 pub(super) fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {

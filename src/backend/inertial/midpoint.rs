@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use super::{Problem, Stepped};
 use crate::backend::friction::{FrictionSolver, Regime};
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
-use crate::backend::spring_blocks::Place;
+use crate::backend::springs::Place;
 use crate::backend::{Motion, StepReport};
 use crate::math::{Arc, Mat2, Pose, Twist, Vec2, Vec3};
 use crate::model::System;

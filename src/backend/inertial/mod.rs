@@ -19,10 +19,10 @@ use serde::{Deserialize, Serialize};
 use super::controlled::{self, FirstOrder, Pace, Way};
 use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
-use super::held::{Grip, HeldSprings};
-use super::spring_blocks::{Place, SpringBlocks};
+use super::springs::{Attachment, Attachments};
+use super::springs::{Place, SpringBlocks};
 use super::transition::{Transition, TransitionKind};
-use super::{Backend, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, Status, StepReport, Stepping, n_steps_in};
+use super::{Backend, EnergyLedger, Motion, RestoreError, SaveError, SavedState, Skip, Skips, Status, StepReport, Stepping, n_steps_in};
 use crate::math::{Arc, Mat2, Pose, Twist, Vec2, perpendicular, rotation};
 use crate::model::System;
 use dashpots::Dashpots;
@@ -47,16 +47,16 @@ pub struct Inertial {
     springs: SpringBlocks,
     dashpots: Dashpots,
     /// Grips at the start of an advance.
-    from: Vec<Grip>,
+    from: Vec<Attachment>,
     transitions: Vec<Transition>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct State {
     motion: Motion,
-    held: HeldSprings,
+    held: Attachments,
     energy: EnergyLedger,
-    /// Force of each spring's dashpot on its tip in the last step (N, world); zero for free ones.
+    /// Force of each spring's dashpot on its tip in the last step (N, world); zero for free springs.
     dashpot_on_tip: Vec<Vec2>,
     /// The load stood still through the last step, with tips that did too, and nothing was grasped or let go since.
     settled: bool,
@@ -123,7 +123,7 @@ impl Inertial {
         let kinetic = system.load.kinetic_energy(&start.twist);
         let state = State {
             motion: start,
-            held: HeldSprings::default(),
+            held: Attachments::default(),
             energy: EnergyLedger { kinetic, initial: kinetic, ..EnergyLedger::default() },
             dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()],
             settled: false,
@@ -169,7 +169,7 @@ impl Inertial {
     /// Takes over what was grasped, let go or put in place of the state.
     fn gather(&mut self) {
         if std::mem::take(&mut self.state.is_stale) {
-            self.springs.gather(&self.system.springs, self.state.held.grips());
+            self.springs.gather(&self.system.springs, &self.state.held);
             self.springs.start(&Place::of(&self.state.motion.pose));
         }
     }
@@ -192,12 +192,12 @@ impl Inertial {
         let accepted = self.springs.accept(&motion.pose);
         let damping = self.dashpots.loss(stage, step);
         let mut on_dashpots = 0.0;
-        for ((force, tip), last) in self.dashpots.forces(stage).zip(self.springs.tips()).zip(self.state.held.grips()) {
+        for ((force, tip), last) in self.dashpots.forces(stage).zip(self.springs.tips()).zip(self.state.held.iter()) {
             on_dashpots -= force.dot(&(tip - last.tip));
             self.state.dashpot_on_tip[last.spring] = force;
         }
         self.state.turn = self.springs.place().turn;
-        self.springs.scatter(self.state.held.grips_mut());
+        self.springs.scatter(self.state.held.as_mut_slice());
         let kinetic = self.system.load.kinetic_energy(&motion.twist);
         let state = &mut self.state;
         state.settled = accepted.tips_stood && motion.twist == Twist::ZERO && state.motion.twist == Twist::ZERO;
@@ -325,8 +325,8 @@ impl FirstOrder for Inertial {
 }
 
 impl Backend for Inertial {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
-        let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
+    fn attach(&mut self, spring: usize, tip: Vec2) {
+        let brought = self.state.held.attach(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
         (self.state.settled, self.state.undisturbed, self.state.past) = (false, false, None);
         self.state.is_stale = true;
@@ -342,7 +342,7 @@ impl Backend for Inertial {
 
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
         self.transitions.clear();
-        if !self.state.held.can_go(tip_targets, duration) {
+        if !self.state.held.can_move(tip_targets, duration) {
             return StepReport::refused();
         }
         let n_steps = match self.stepping {
@@ -357,11 +357,11 @@ impl Backend for Inertial {
         }
         let mut from = std::mem::take(&mut self.from);
         from.clear();
-        from.extend_from_slice(self.state.held.grips());
+        from.extend_from_slice(&self.state.held);
         let report = match self.stepping {
             Stepping::Fixed(_) => self.steps(&Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY }, n_steps),
             Stepping::Controlled(control) => {
-                let held = from.iter().map(|grip| &self.system.springs[grip.spring]);
+                let held = from.iter().map(|attachment| &self.system.springs[attachment.spring]);
                 let longest = LONGEST_STRIDE / self.system.fastest_rate_on(held);
                 let way = Way { from: &from, targets: tip_targets, duration, longest };
                 let (mut pace, mut transitions) = (std::mem::take(&mut self.state.pace), std::mem::take(&mut self.transitions));
@@ -382,13 +382,14 @@ impl Backend for Inertial {
         self.state.held.tip(spring)
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
+    fn pull(&self, spring: usize) -> Vec2 {
         let State { held, motion, is_stale, dashpot_on_tip, .. } = &self.state;
-        let force = match held.place(spring) {
-            Some(at) if !is_stale => self.springs.force_on_tip(at),
-            _ => held.force_on_tip(&self.system.springs, spring, &motion.pose),
+        let pull = match held.place(spring) {
+            Some(at) if !is_stale => self.springs.pull(at),
+            _ => held.pull(&self.system.springs, spring, &motion.pose),
         };
-        force + dashpot_on_tip[spring]
+        let on_tip = dashpot_on_tip[spring] - pull;
+        -on_tip
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
@@ -403,8 +404,8 @@ impl Backend for Inertial {
         &self.transitions
     }
 
-    fn save(&self) -> SavedState {
-        SavedState::of(&State { warm_start: self.solver.warm_start().clone(), ..self.state.clone() })
+    fn save(&self) -> Result<SavedState, SaveError> {
+        Ok(SavedState::of(&State { warm_start: self.solver.warm_start().clone(), ..self.state.clone() }))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
@@ -416,7 +417,7 @@ impl Backend for Inertial {
         self.solver.set_warm_start(state.warm_start.clone())?;
         self.state = state;
         if !self.state.is_stale {
-            self.springs.gather(&self.system.springs, self.state.held.grips());
+            self.springs.gather(&self.system.springs, &self.state.held);
             self.springs.start(&Place { pose: self.state.motion.pose, turn: self.state.turn });
         }
         Ok(())

@@ -116,7 +116,7 @@ mod tests {
             let mut backend = QuasiStatic::new(system.clone(), start, Stepping::Fixed(f64::INFINITY), Skips::ALL);
             for (spring, polar) in system.springs.iter().enumerate().take(3) {
                 let [u, v] = chance.uniform_pair(Stream::Scene, spring as u32, 2);
-                backend.grasp(spring, start.pose.to_world(&polar.rest_tip()) + reach * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0));
+                backend.attach(spring, start.pose.to_world(&polar.rest_tip()) + reach * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0));
             }
             backend.jump();
             let end = backend.state.motion.pose;

@@ -13,13 +13,14 @@ use serde::{Deserialize, Serialize};
 use super::controlled::{self, FirstOrder, Pace, Way};
 use super::forecast::Forecast;
 use super::friction::{FrictionSolver, Regime, WarmStart};
-use super::held::{Grip, HeldSprings, pulls_with};
 use super::increment::{Increment, Potential, minimise};
-use super::spring_blocks::{Accepted, Place, SpringBlocks};
+use super::springs::{Accepted, Place, SpringBlocks};
+use super::springs::{Attachment, Attachments, pulls_with};
 use super::stick_bound::StickBound;
 use super::transition::{Transition, TransitionKind};
 use super::{
-    Backend, ConeSolver, EnergyLedger, HeldTip, Motion, RestoreError, SavedState, Skip, Skips, Status, StepReport, Stepping, n_steps_in,
+    AttachedTip, Backend, ConeSolver, EnergyLedger, Motion, RestoreError, SaveError, SavedState, Skip, Skips, Status, StepReport, Stepping,
+    n_steps_in,
 };
 use crate::math::{Mat2, Pose, Twist, Vec2, Vec3, rotation};
 use crate::model::System;
@@ -40,14 +41,14 @@ pub struct QuasiStatic {
     /// The held springs as they are evaluated, unless the state is stale.
     springs: SpringBlocks,
     /// Grips at the start of an advance.
-    from: Vec<Grip>,
+    from: Vec<Attachment>,
     transitions: Vec<Transition>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct State {
     motion: Motion,
-    held: HeldSprings,
+    held: Attachments,
     energy: EnergyLedger,
     /// A grasp or a release has changed the forces since the last balance, by more than what counts as none of it: ants grasp tips at rest.
     disturbed: bool,
@@ -81,7 +82,7 @@ impl QuasiStatic {
         let skips = if matches!(stepping, Stepping::Fixed(_)) { skips } else { skips.without(Skip::StickBound) };
         let state = State {
             motion,
-            held: HeldSprings::default(),
+            held: Attachments::default(),
             energy: EnergyLedger::default(),
             disturbed: false,
             regime: Regime::Stick,
@@ -149,14 +150,14 @@ impl QuasiStatic {
         }
         let mut from = std::mem::take(&mut self.from);
         from.clear();
-        from.extend_from_slice(self.state.held.grips());
+        from.extend_from_slice(&self.state.held);
         let way = Way { from: &from, targets: tip_targets, duration, longest: f64::INFINITY };
         match self.stepping {
             Stepping::Fixed(longest) => self.steps(&way, n_steps_in(duration, longest), report),
             Stepping::Controlled(control) => {
                 let (mut pace, mut transitions) = (std::mem::take(&mut self.state.pace), std::mem::take(&mut self.transitions));
                 // Tips that are at their targets leave no limit.
-                let n_looks = self.state.held.farthest_way(tip_targets) / (LONGEST_TIP_WAY * self.system.load.radius);
+                let n_looks = self.state.held.longest_displacement(tip_targets) / (LONGEST_TIP_WAY * self.system.load.radius);
                 let is_at_rest = self.state.regime == Regime::Stick;
                 let way = Way { longest: if is_at_rest { duration / n_looks } else { f64::INFINITY }, ..way };
                 report.add(&controlled::advance(self, &way, &control, &mut pace, &mut transitions));
@@ -199,7 +200,7 @@ impl QuasiStatic {
         self.catch_up();
         if std::mem::take(&mut self.state.is_stale) {
             let place = Place::of(&self.state.motion.pose);
-            self.springs.gather(&self.system.springs, self.state.held.grips());
+            self.springs.gather(&self.system.springs, &self.state.held);
             self.springs.start(&place);
             self.state.turn = place.turn;
         }
@@ -217,7 +218,7 @@ impl QuasiStatic {
     fn book(&mut self, accepted: &Accepted) {
         self.state.energy.tip_work += accepted.of_tips;
         self.state.energy.elastic = accepted.elastic;
-        self.springs.scatter(self.state.held.grips_mut());
+        self.springs.scatter(self.state.held.as_mut_slice());
     }
 
     /// Leaves out the next of the way's steps, of which some are `done`, as far as the load surely sticks, and gives their number.
@@ -354,15 +355,15 @@ impl FirstOrder for QuasiStatic {
 
     fn finish_snap(&mut self, before: &State, report: &mut StepReport) -> Option<TransitionKind> {
         let (start, end) = (before.motion.pose, self.state.motion.pose);
-        let allowed = self.state.held.largest_work_error(&self.system.springs, &before.held, &start, &end);
+        let allowed = self.state.held.work_error(&self.system.springs, &before.held, &start, &end);
         self.snap(&start, before.energy.defect(), |_| allowed, report)
     }
 }
 
 impl Backend for QuasiStatic {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
+    fn attach(&mut self, spring: usize, tip: Vec2) {
         self.catch_up();
-        let brought = self.state.held.grasp(&self.system.springs, spring, tip, &self.state.motion.pose);
+        let brought = self.state.held.attach(&self.system.springs, spring, tip, &self.state.motion.pose);
         self.state.energy.book_grasp(brought);
         self.state.disturbed |= pulls_with(&self.system, spring, brought);
         self.state.forecast.forget();
@@ -381,7 +382,7 @@ impl Backend for QuasiStatic {
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let mut report = StepReport::default();
         self.transitions.clear();
-        if self.state.held.can_go(tip_targets, duration) {
+        if self.state.held.can_move(tip_targets, duration) {
             self.follow(tip_targets, duration, &mut report);
         } else {
             report = StepReport::refused();
@@ -397,24 +398,24 @@ impl Backend for QuasiStatic {
         self.state.held.tip(spring)
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
+    fn pull(&self, spring: usize) -> Vec2 {
         let State { held, motion, is_stale, is_waiting, .. } = &self.state;
         match held.place(spring) {
-            Some(at) if *is_waiting => self.springs.force_on_tip_there(at),
-            Some(at) if !is_stale => self.springs.force_on_tip(at),
-            _ => held.force_on_tip(&self.system.springs, spring, &motion.pose),
+            Some(at) if *is_waiting => self.springs.pull_there(at),
+            Some(at) if !is_stale => self.springs.pull(at),
+            _ => held.pull(&self.system.springs, spring, &motion.pose),
         }
     }
 
-    fn look_at(&self, tips: &mut [HeldTip]) {
+    fn read_tips(&self, tips: &mut [AttachedTip]) {
         let State { held, motion, is_stale, is_waiting, .. } = &self.state;
-        for (tip, grip) in tips.iter_mut().zip(held.grips()) {
-            tip.position = grip.tip;
+        for (tip, attachment) in tips.iter_mut().zip(held.iter()) {
+            tip.position = attachment.tip;
         }
         if *is_waiting || !is_stale {
             self.springs.see_pulls(*is_waiting, |at, pull| tips[at].pull = pull);
         } else {
-            tips.iter_mut().for_each(|tip| tip.pull = -held.force_on_tip(&self.system.springs, tip.spring, &motion.pose));
+            tips.iter_mut().for_each(|tip| tip.pull = held.pull(&self.system.springs, tip.spring, &motion.pose));
         }
     }
 
@@ -441,8 +442,8 @@ impl Backend for QuasiStatic {
         &self.transitions
     }
 
-    fn save(&self) -> SavedState {
-        SavedState::of(&State { warm_start: self.solver.warm_start().clone(), ..self.state.clone() })
+    fn save(&self) -> Result<SavedState, SaveError> {
+        Ok(SavedState::of(&State { warm_start: self.solver.warm_start().clone(), ..self.state.clone() }))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
@@ -461,14 +462,14 @@ impl Backend for QuasiStatic {
         self.state = state;
         if !self.state.is_stale {
             let place = Place { pose: self.state.motion.pose, turn: self.state.turn };
-            let (grips, mut accepted) = (self.state.held.grips(), self.state.held.grips().to_vec());
+            let (attachments, mut accepted) = (&self.state.held, self.state.held.to_vec());
             if self.state.is_waiting {
                 self.state.stick.put_back(&mut accepted);
             }
             self.springs.gather(&self.system.springs, &accepted);
             self.springs.start(&place);
             if self.state.is_waiting {
-                self.springs.set_tips(grips);
+                self.springs.set_tips(attachments);
                 self.springs.look();
             }
         }

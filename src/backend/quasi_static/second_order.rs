@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::backend::friction::{FrictionSolver, Regime};
 use crate::backend::increment::{Glided, Increment, Objective, Wanted, friction_loss, glide, rounding_of_places};
-use crate::backend::spring_blocks::{Place, SpringBlocks};
+use crate::backend::springs::{Place, SpringBlocks};
 use crate::math::{Arc, Mat2, Pose, Vec2, Vec3, shift_of};
 use crate::model::support::slip_velocity;
 use crate::model::{Reaction, System};

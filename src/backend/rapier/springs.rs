@@ -5,7 +5,7 @@
 //! energy turns the force with the frame; it has no sign, so the engine does not get it, and the frames are set anew in every step instead.
 
 use super::joints::{AxisLaw, SpringJoint};
-use crate::backend::held::Grip;
+use crate::backend::springs::Attachment;
 use crate::math::{Mat3, Twist, Vec2, Vec3, direction, perpendicular, unwrap_near};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::support::wrench_of;
@@ -44,14 +44,14 @@ impl Anchor {
     }
 
     /// The spring between `grip` and a load at `position` whose x axis points along the unit vector `facing`.
-    pub fn strand(&self, grip: &Grip, position: &Vec2, facing: &Vec2) -> Strand {
+    pub fn strand(&self, grip: &Attachment, position: &Vec2, facing: &Vec2) -> Strand {
         let turn = turned(facing, &self.bearing);
         let shape = self.shape(grip, position, &turn);
         Strand { pull: turned(&turn, &self.spring.pull_in_root(&shape)), energy: self.spring.energy(&shape), swing: shape.swing }
     }
 
     /// The same spring as a joint, its tip at `grip` after a motion at `tip_velocity` (m/s).
-    pub fn joint(&self, grip: &Grip, tip_velocity: &Vec2, position: &Vec2, facing: &Vec2) -> SpringJoint {
+    pub fn joint(&self, grip: &Attachment, tip_velocity: &Vec2, position: &Vec2, facing: &Vec2) -> SpringJoint {
         let turn = turned(facing, &self.bearing);
         let shape = self.shape(grip, position, &turn);
         let is_short = shape.length <= SHORTEST_LENGTH * self.spring.rest_length;
@@ -71,7 +71,7 @@ impl Anchor {
     }
 
     /// What [`PolarSpring::shape`] says, without a sine: `turn` is the unit vector of the root's x axis.
-    fn shape(&self, grip: &Grip, position: &Vec2, turn: &Vec2) -> SpringShape {
+    fn shape(&self, grip: &Attachment, position: &Vec2, turn: &Vec2) -> SpringShape {
         let tip_in_root = seen_from(turn, &(grip.tip - position)) - self.root;
         let length = tip_in_root.norm();
         let swing = if length > 0.0 { unwrap_near(tip_in_root.y.atan2(tip_in_root.x), grip.swing) } else { grip.swing };

@@ -3,7 +3,7 @@
 use super::joints::{FrictionJoint, SpringJoint};
 use super::springs::{SpringSum, Strand};
 use crate::backend::Motion;
-use crate::backend::held::Grip;
+use crate::backend::springs::Attachment;
 use crate::math::{Twist, Vec2, Wrench};
 
 pub struct Step<'a> {
@@ -14,9 +14,9 @@ pub struct Step<'a> {
     /// Unit vector of the load's x axis at the start.
     pub facing: Vec2,
     /// The held springs with their tips at the start.
-    pub from: &'a [Grip],
+    pub from: &'a [Attachment],
     /// The same with their tips at the end.
-    pub to: &'a [Grip],
+    pub to: &'a [Attachment],
     /// The held springs at both ends of the step, in the same order.
     pub strands: [&'a [Strand]; 2],
     /// The held springs as joints, one each, in the same order.

@@ -12,9 +12,9 @@ use super::springs::{Anchor, SpringSum, Strand};
 use super::step::Step;
 use super::{EngineSettings, RapierOptions, SpringModel};
 use crate::backend::friction::WarmStart;
-use crate::backend::held::{Grip, HeldSprings};
+use crate::backend::springs::{Attachment, Attachments};
 use crate::backend::{
-    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SavedState, Skip, Skips, Status, StepReport, n_steps_in,
+    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SaveError, SavedState, Skip, Skips, Status, StepReport, n_steps_in,
 };
 use crate::math::{Twist, Vec2, Wrench};
 use crate::model::System;
@@ -34,7 +34,7 @@ pub struct Transport {
     /// Whether the engine has other joints than the held springs ask for.
     is_stale: bool,
     state: State,
-    /// The held springs at the state's pose, in the order of their grips.
+    /// The held springs at the state's pose, in the order of the attachments.
     strands: Vec<Strand>,
     work: Work,
 }
@@ -43,8 +43,8 @@ pub struct Transport {
 #[derive(Default)]
 struct Work {
     /// Grips at the start of the advance and of the step.
-    begin: Vec<Grip>,
-    from: Vec<Grip>,
+    begin: Vec<Attachment>,
+    from: Vec<Attachment>,
     springs: Vec<SpringJoint>,
     folded: Vec<SpringJoint>,
     strands: Vec<Strand>,
@@ -60,7 +60,7 @@ struct State {
     body: BodyState,
     /// With its whole turns, which the engine does not count (rad).
     heading: f64,
-    held: HeldSprings,
+    held: Attachments,
     books: Books,
     /// On each support of the ground (N, world).
     friction_forces: Vec<Vec2>,
@@ -87,7 +87,7 @@ impl Transport {
         let mut state = State {
             body,
             heading: body.motion(start.pose.heading).pose.heading,
-            held: HeldSprings::default(),
+            held: Attachments::default(),
             books: Books::default(),
             friction_forces: vec![Vec2::zeros(); system.ground.supports.len()],
             dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()],
@@ -142,7 +142,7 @@ impl Transport {
         let body = self.engine.body();
         let end = if is_finite { body.motion(self.state.heading) } else { NOWHERE };
         let facing_at_end = body.facing();
-        let strands = self.state.held.grips().iter().map(|grip| self.anchors[grip.spring].strand(grip, &body.position, &facing_at_end));
+        let strands = self.state.held.iter().map(|grip| self.anchors[grip.spring].strand(grip, &body.position, &facing_at_end));
         work.strands.clear();
         work.strands.extend(strands);
         let step = Step {
@@ -151,7 +151,7 @@ impl Transport {
             end,
             facing,
             from: &work.from,
-            to: self.state.held.grips(),
+            to: &self.state.held,
             strands: [&self.strands, &work.strands],
             springs: &work.springs,
             sum: &sum,
@@ -186,7 +186,7 @@ impl Transport {
     /// Writes the step down as joints; returns the sum of the springs.
     fn pose(&mut self, work: &mut Work, start: &Motion, facing: &Vec2, duration: f64, report: &mut StepReport) -> SpringSum {
         work.springs.clear();
-        for (grip, before) in self.state.held.grips().iter().zip(&work.from) {
+        for (grip, before) in self.state.held.iter().zip(&work.from) {
             let tip_velocity = (grip.tip - before.tip) / duration;
             work.springs.push(self.anchors[grip.spring].joint(grip, &tip_velocity, &start.pose.position, facing));
         }
@@ -226,7 +226,7 @@ impl Transport {
         let elastic = strands.iter().fold(0.0, |sum, strand| sum + strand.energy);
         let is_finite = body.is_finite()
             && heading.is_finite()
-            && self.state.held.grips().iter().all(|grip| grip.tip.x.is_finite() && grip.tip.y.is_finite())
+            && self.state.held.iter().all(|grip| grip.tip.x.is_finite() && grip.tip.y.is_finite())
             && strands.iter().all(|strand| strand.swing.is_finite())
             && work.dashpots.iter().all(|force| force.x.is_finite() && force.y.is_finite())
             && work.wrenches.iter().all(|wrench| wrench.force.x.is_finite() && wrench.force.y.is_finite())
@@ -239,8 +239,8 @@ impl Transport {
         }
         let state = &mut self.state;
         (state.body, state.heading, state.books) = (body, heading, books);
-        state.held.keep_swings(strands.iter().map(|strand| strand.swing));
-        for (grip, force) in state.held.grips().iter().zip(&work.dashpots) {
+        state.held.set_swings(strands.iter().map(|strand| strand.swing));
+        for (grip, force) in state.held.iter().zip(&work.dashpots) {
             state.dashpot_on_tip[grip.spring] = *force;
         }
         state.friction_forces.fill(Vec2::zeros());
@@ -252,13 +252,13 @@ impl Transport {
     }
 
     /// Puts the tips back to where they were.
-    fn withdraw(&mut self, from: &[Grip]) {
+    fn withdraw(&mut self, from: &[Attachment]) {
         let mut tips = vec![Vec2::zeros(); self.system.springs.len()];
         from.iter().for_each(|grip| tips[grip.spring] = grip.tip);
         self.state.held.place_tips(from, &tips, 1.0);
     }
 
-    fn strand_of(&self, grip: &Grip) -> Strand {
+    fn strand_of(&self, grip: &Attachment) -> Strand {
         self.anchors[grip.spring].strand(grip, &self.state.body.position, &self.state.body.facing())
     }
 
@@ -304,19 +304,19 @@ impl State {
 }
 
 impl Backend for Transport {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
+    fn attach(&mut self, spring: usize, tip: Vec2) {
         let pose = self.state.motion().pose;
-        let energy = self.state.held.grasp(&self.system.springs, spring, tip, &pose);
+        let energy = self.state.held.attach(&self.system.springs, spring, tip, &pose);
         self.state.books.tip_work += self.state.finite_or_fail(energy);
-        let at = self.state.held.grips().partition_point(|grip| grip.spring < spring);
-        self.strands.insert(at, self.strand_of(&self.state.held.grips()[at]));
+        let at = self.state.held.partition_point(|grip| grip.spring < spring);
+        self.strands.insert(at, self.strand_of(&self.state.held[at]));
         self.is_stale = true;
         self.state.rests = false;
     }
 
     fn release(&mut self, spring: usize) {
         let pose = self.state.motion().pose;
-        let at = self.state.held.grips().partition_point(|grip| grip.spring < spring);
+        let at = self.state.held.partition_point(|grip| grip.spring < spring);
         let energy = self.state.held.release(&self.system.springs, spring, &pose);
         self.strands.remove(at);
         self.state.books.released += self.state.finite_or_fail(energy);
@@ -333,7 +333,7 @@ impl Backend for Transport {
         let step = duration / n_steps as f64;
         let mut work = std::mem::take(&mut self.work);
         work.begin.clear();
-        work.begin.extend_from_slice(self.state.held.grips());
+        work.begin.extend_from_slice(&self.state.held);
         let tips_stay = self.state.held.tips_are_at(tip_targets);
         let mut report = StepReport::default();
         for done in 1..=n_steps {
@@ -346,7 +346,7 @@ impl Backend for Transport {
                 break;
             }
             work.from.clear();
-            work.from.extend_from_slice(self.state.held.grips());
+            work.from.extend_from_slice(&self.state.held);
             self.state.held.place_tips(&work.begin, tip_targets, done as f64 / n_steps as f64);
             report.add(&self.advance_one(&mut work, step));
             if self.state.has_failed {
@@ -365,9 +365,8 @@ impl Backend for Transport {
         self.state.held.tip(spring)
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
-        let at = self.state.held.grips().binary_search_by_key(&spring, |grip| grip.spring);
-        at.map_or(Vec2::zeros(), |at| self.state.dashpot_on_tip[spring] - self.strands[at].pull)
+    fn pull(&self, spring: usize) -> Vec2 {
+        self.state.held.place(spring).map_or(Vec2::zeros(), |at| -(self.state.dashpot_on_tip[spring] - self.strands[at].pull))
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
@@ -379,8 +378,8 @@ impl Backend for Transport {
         self.ledger_of(&self.state.books, elastic, &self.state.motion())
     }
 
-    fn save(&self) -> SavedState {
-        SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start: self.footing.warm_start().cloned() })
+    fn save(&self) -> Result<SavedState, SaveError> {
+        Ok(SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start: self.footing.warm_start().cloned() }))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
@@ -398,7 +397,7 @@ impl Backend for Transport {
         saved.state.held.check(&self.system.springs)?;
         self.footing.set_warm_start(saved.warm_start)?;
         self.state = saved.state;
-        self.strands = self.state.held.grips().iter().map(|grip| self.strand_of(grip)).collect();
+        self.strands = self.state.held.iter().map(|grip| self.strand_of(grip)).collect();
         self.is_stale = true;
         Ok(())
     }

@@ -158,7 +158,7 @@ fn drag(system: &System, kind: BackendKind, n_steps: u64) -> f64 {
         let bow = Vec2::new(SPEED * time, 0.5 * SPEED * time * time);
         system.springs.iter().map(|spring| spring.rest_tip() + bow).collect()
     };
-    tips(0.0).into_iter().enumerate().for_each(|(spring, tip)| backend.grasp(spring, tip));
+    tips(0.0).into_iter().enumerate().for_each(|(spring, tip)| backend.attach(spring, tip));
     // A stretch of 8 mm makes four springs of the paper slip: 0.27 s.
     let slips_at = 0.3;
     for i in 1..=LEAD_IN {

@@ -1,7 +1,7 @@
 //! Friction problems of a run, and what is left of their conditions in an answer.
 
-use crate::backend::held::HeldSprings;
 use crate::backend::increment::{in_body_increments, positive_definite};
+use crate::backend::springs::Attachments;
 use crate::backend::{BackendKind, BackendOptions};
 use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
@@ -30,9 +30,9 @@ pub fn problems_of(scenario: &Scenario, n: usize) -> Vec<Problem> {
     let (springs, length) = (&scenario.system.springs, scenario.system.load.radius);
     let problem = |pair: &[crate::simulation::Row]| {
         let pose = pair[0].motion.pose;
-        let mut held = HeldSprings::default();
+        let mut held = Attachments::default();
         for tip in &pair[1].tips {
-            held.grasp(springs, tip.spring, tip.position, &pose);
+            held.attach(springs, tip.spring, tip.position, &pose);
         }
         let local = in_body_increments(&held.reaction(springs, &pose), &rotation(pose.heading));
         (!held.is_empty()).then(|| Problem { hessian: positive_definite(&local.hessian, length), drive: -local.gradient })

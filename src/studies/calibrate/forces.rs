@@ -99,7 +99,7 @@ pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
             Tip::InRoot(tip) => (in_root(spring, tip, near), None),
             Tip::InWorld { load, tip } => {
                 let shape = spring.shape(load, tip, near);
-                (shape, Some(-spring.force_on_tip(load, &shape)))
+                (shape, Some(spring.pull(load, &shape)))
             }
         };
         last.insert(sample.spring, (frame, shape.swing));

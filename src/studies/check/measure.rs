@@ -90,7 +90,7 @@ pub fn row_of(row: &simulation::Row) -> Row {
 pub fn moving_row(row: &Row) -> simulation::Row {
     let [time, x, y, heading, vx, vy, angular, ..] = *row;
     let motion = Motion { pose: Pose::new(x, y, heading), twist: Twist { linear: Vec2::new(vx, vy), angular } };
-    simulation::Row { time, motion, energy: EnergyLedger::default(), tips: simulation::HeldTips::new(), error: None }
+    simulation::Row { time, motion, energy: EnergyLedger::default(), tips: simulation::AttachedTips::new(), error: None }
 }
 
 /// The row at `time` (s) of a trace; straight between rows where it has none there, `None` after its end.

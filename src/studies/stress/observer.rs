@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::backend::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SavedState, StepReport, Transition};
+use crate::backend::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, StepReport, Transition};
 use crate::math::{Pose, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
@@ -71,7 +71,7 @@ impl Observer {
     }
 
     fn pulls(&self) -> Vec<Vec2> {
-        (0..self.system.springs.len()).map(|at| self.backend.force_on_tip(at)).collect()
+        (0..self.system.springs.len()).map(|at| self.backend.pull(at)).collect()
     }
 
     fn tips(&self) -> Vec<Option<Vec2>> {
@@ -165,9 +165,9 @@ fn is_convex(spring: &PolarSpring, length: f64, swing: f64) -> bool {
 }
 
 impl Backend for Observer {
-    fn grasp(&mut self, spring: usize, tip: Vec2) {
+    fn attach(&mut self, spring: usize, tip: Vec2) {
         self.swings[spring] = 0.0;
-        self.backend.grasp(spring, tip);
+        self.backend.attach(spring, tip);
         let shapes = self.shapes();
         let seen = Rc::clone(&self.seen);
         self.see_springs(&mut seen.borrow_mut(), &shapes);
@@ -189,7 +189,7 @@ impl Backend for Observer {
         for (at, (tip, pull)) in tips.iter().zip(&pulls).enumerate() {
             let Some(tip) = tip else { continue };
             let (way, spring) = (tip_targets[at] - tip, &self.system.springs[at]);
-            let after = self.backend.force_on_tip(at);
+            let after = self.backend.pull(at);
             let size = if spring.rest_length > 0.0 { spring.rest_length } else { self.system.load.radius };
             seen.quadrature += (after - pull).norm() * way.norm();
             seen.peak_force = seen.peak_force.max(after.norm());
@@ -215,8 +215,8 @@ impl Backend for Observer {
         self.backend.tip(spring)
     }
 
-    fn force_on_tip(&self, spring: usize) -> Vec2 {
-        self.backend.force_on_tip(spring)
+    fn pull(&self, spring: usize) -> Vec2 {
+        self.backend.pull(spring)
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
@@ -235,7 +235,7 @@ impl Backend for Observer {
         self.backend.pose_error()
     }
 
-    fn save(&self) -> SavedState {
+    fn save(&self) -> Result<SavedState, SaveError> {
         self.backend.save()
     }
 

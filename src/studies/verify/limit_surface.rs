@@ -121,7 +121,7 @@ fn pulled(wrench: &Wrench, share: f64, start: Pose, options: &BackendOptions, re
     let springs: Vec<PolarSpring> = pulls.iter().map(|(root, _)| isotropic(*root, 0.0)).collect();
     let tips: Vec<Vec2> = pulls.iter().map(|(root, force)| start.to_world(&(root + share / RADIAL * force))).collect();
     let mut run: Box<dyn Backend> = build(&paper_system(springs), Motion { pose: start, twist: Twist::ZERO }, options);
-    tips.iter().enumerate().for_each(|(spring, tip)| run.grasp(spring, *tip));
+    tips.iter().enumerate().for_each(|(spring, tip)| run.attach(spring, *tip));
     report.add(&run.advance(&tips, 0.02));
     run.motion().pose
 }

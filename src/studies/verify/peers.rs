@@ -177,7 +177,7 @@ fn ripple() -> Case {
 /// The load with its spring in hand.
 fn pulled_load(options: &BackendOptions) -> Box<dyn Backend> {
     let mut run = build(&peers_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), options);
-    run.grasp(0, Vec2::zeros());
+    run.attach(0, Vec2::zeros());
     run
 }
 
@@ -202,7 +202,7 @@ fn way_in_a_minute(arm: f64, options: &BackendOptions, report: &mut StepReport) 
     let root = Vec2::new(0.0, arm);
     let tip = start.pose.to_world(&(root + Vec2::new(0.9 * critical / RADIAL, 0.0)));
     let mut run = build(&paper_system(vec![isotropic(root, 0.0)]), start, options);
-    run.grasp(0, tip);
+    run.attach(0, tip);
     report.add(&run.advance(&[tip], 60.0));
     super::scenes::distance(&start.pose, &run.motion().pose)
 }

@@ -35,7 +35,7 @@ fn play(speed: f64, onset: f64) -> Case {
         run: Box::new(move |options| {
             let (mut run, mut report) =
                 (build(&paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), options), StepReport::default());
-            run.grasp(0, Vec2::zeros());
+            run.attach(0, Vec2::zeros());
             let onset = SLIP_STRETCH / speed;
             let mut at = |from: f64, to: f64| {
                 report.add(&run.advance(&[Vec2::new(speed * to, 0.0)], to - from));
@@ -110,7 +110,7 @@ fn slipping(options: &BackendOptions, damping_ratio: f64, speed: f64, tau: f64, 
     let stretch = (SLIP_LIMIT - dashpot(damping_ratio) * speed) / RADIAL;
     let tip = |time: f64| Vec2::new(stretch + speed * time, 0.0);
     let mut run = build(&paper_system(vec![isotropic(Vec2::zeros(), damping_ratio)]), at_rest(), options);
-    run.grasp(0, tip(0.0));
+    run.attach(0, tip(0.0));
     let report = run.advance(&[tip(tau)], tau);
     Measured { values: vec![Value::metres(run.motion().pose.position.x, known)], arm: SUPPORT_RADIUS, report }
 }
@@ -130,7 +130,7 @@ fn hold() -> Case {
         source: "x_hold + 2 (v / omega) |sin(omega tau / 2)|; without inertia v t - f / k".to_owned(),
         run: Box::new(move |options| {
             let mut run: Box<dyn Backend> = build(&paper_system(vec![isotropic(Vec2::zeros(), 0.0)]), at_rest(), options);
-            run.grasp(0, Vec2::zeros());
+            run.attach(0, Vec2::zeros());
             let end = [Vec2::new(speed * ramp, 0.0)];
             let mut report = run.advance(&end, ramp);
             let at_hold = run.motion().pose.position.x;

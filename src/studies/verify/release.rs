@@ -97,8 +97,8 @@ fn way(jump: &Jump, options: &BackendOptions) -> Measured {
     system.load.inertia *= jump.mass_factor;
     let tips = [Vec2::new(stretch, 0.0), Vec2::new(-stretch, 0.0)];
     let mut run = build(&system, at_rest(), options);
-    run.grasp(0, tips[0]);
-    run.grasp(1, tips[1]);
+    run.attach(0, tips[0]);
+    run.attach(1, tips[1]);
     let mut report = run.advance(&tips, period / 8.0);
     run.release(1);
     // Three half swings at most. What a critical dashpot leaves falls as exp(-omega t).

@@ -100,7 +100,7 @@ pub fn drive(
     let mut report = StepReport::default();
     let n_springs = path(0.0).iter().map(|(spring, _)| spring + 1).max().unwrap_or(0);
     for (spring, tip) in path(0.0) {
-        backend.grasp(spring, tip);
+        backend.attach(spring, tip);
     }
     for i in 1..=n {
         let time = duration * f64::from(i) / f64::from(n);

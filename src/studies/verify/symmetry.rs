@@ -145,7 +145,7 @@ fn at_nodes(options: &BackendOptions, nodes: &[f64], clock: impl Fn(f64) -> f64)
     let mut run: Box<dyn Backend> = build(&system(), at_rest(), &options);
     let mut report = StepReport::default();
     for (spring, tip) in reference_tips(0.0) {
-        run.grasp(spring, tip);
+        run.attach(spring, tip);
     }
     let poses = nodes.windows(2).map(|pair| {
         let mut targets = vec![Vec2::zeros(); 4];

@@ -39,7 +39,7 @@ fn decay_length(arm: f64, known: f64, options: &BackendOptions) -> Measured {
     let spring = PolarSpring { radial_stiffness: 1e6 * RADIAL, ..isotropic(Vec2::new(arm, 0.0), 0.0) };
     let tip = start.pose.to_world(&spring.root);
     let mut run: Box<dyn Backend> = build(&paper_system(vec![spring]), start, options);
-    run.grasp(0, tip);
+    run.attach(0, tip);
     let mut report = run.advance(&[tip + Vec2::new(from, 0.0)], from);
     let before = run.motion().pose.heading;
     report.add(&run.advance(&[tip + Vec2::new(from + way, 0.0)], way));

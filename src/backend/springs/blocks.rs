@@ -12,33 +12,23 @@
 //! more, for which five or nine terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
 //! direction is left to [`PolarSpring`] itself. Lanes beyond the last spring repeat the first of their block without stiffness.
 
-mod block;
-
-use serde::{Deserialize, Serialize};
-
-use super::held::Grip;
-use crate::math::{Arc, LANES, Mat2, Numbers, Pose, Vec2, Vec3, direction, perpendicular, rotation};
+use super::attachments::Attachment;
+use super::block::{Block, Sums, Swings};
+use super::place::Place;
+use crate::math::{LANES, Mat2, Numbers, Pose, Vec2, Vec3, direction};
 use crate::model::{PolarSpring, Reaction};
-use block::{Block, Sums, Swings};
 
-/// All held springs, in the order of their grips.
+/// All held springs, in the order of their attachments.
 #[derive(Clone, Debug, Default)]
 pub struct SpringBlocks {
     n: usize,
     blocks: Vec<Block>,
-    /// Springs themselves and their grips, one a lane.
-    lanes: Vec<(PolarSpring, Grip)>,
+    /// Springs themselves and their attachments, one a lane.
+    lanes: Vec<(PolarSpring, Attachment)>,
     /// Bearing of each spring that was ever gathered (rad), and the unit vector there: springs come and go, their bearings mostly stay.
     bearings: Vec<(f64, Vec2)>,
     evaluated: Evaluated,
     accepted: Evaluated,
-}
-
-/// A pose of the load, and the rotation by its heading, to whatever last bits that was found.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Place {
-    pub pose: Pose,
-    pub turn: Mat2,
 }
 
 /// Energy (J) of all springs at a place and its gradient, in world axes.
@@ -69,47 +59,20 @@ impl Default for Evaluated {
     }
 }
 
-impl Place {
-    pub fn of(pose: &Pose) -> Self {
-        Self { pose: *pose, turn: rotation(pose.heading) }
-    }
-
-    /// At a pose whose axis x is turned to `ahead`, which is of length one but for rounding: so that a rotation which is carried on from place to place stays one, that is
-    /// taken off. Its angle goes away from the heading as the sum of the turns does, by what a heading is rounded by in each of them.
-    #[inline]
-    pub fn turned(pose: Pose, ahead: Vec2) -> Self {
-        let ahead = (1.5 - 0.5 * ahead.norm_squared()) * ahead;
-        Self { pose, turn: Mat2::from_columns(&[ahead, perpendicular(&ahead)]) }
-    }
-
-    /// Where the body-twist increment with this linear part (m) and along this arc leads.
-    #[inline]
-    pub fn moved(&self, shift: &Vec2, arc: &Arc) -> Self {
-        let Pose { position, heading } = self.pose;
-        let pose = Pose { position: position + self.turn * arc.shift(shift), heading: heading + arc.angle() };
-        Self::turned(pose, arc.rotation() * self.turn.column(0))
-    }
-
-    /// Where a body-twist increment (m, m, rad) leads.
-    pub fn moved_by(&self, increment: &Vec3) -> Self {
-        self.moved(&increment.xy(), &Arc::of(increment.z))
-    }
-}
-
 impl SpringBlocks {
-    /// Takes over the springs that `grips` hold; what works from an accepted pose on needs one. Nothing is allocated that was not needed before.
-    pub fn gather(&mut self, springs: &[PolarSpring], grips: &[Grip]) {
-        self.n = grips.len();
+    /// Takes over the springs that `attachments` hold; what works from an accepted pose on needs one. Nothing is allocated that was not needed before.
+    pub fn gather(&mut self, springs: &[PolarSpring], attachments: &[Attachment]) {
+        self.n = attachments.len();
         self.lanes.clear();
         self.blocks.clear();
-        for chunk in grips.chunks(LANES) {
+        for chunk in attachments.chunks(LANES) {
             let lane = |k: usize| chunk.get(k).unwrap_or(&chunk[0]);
             let mut block = Block::default();
             for k in 0..LANES {
-                let (grip, spring) = (*lane(k), springs[lane(k).spring]);
-                block.set_spring(k, &spring, bearing_of(&mut self.bearings, grip.spring, spring.bearing), k < chunk.len());
-                block.set_grip(k, &grip);
-                self.lanes.push((spring, grip));
+                let (attachment, spring) = (*lane(k), springs[lane(k).spring]);
+                block.set_spring(k, &spring, bearing_of(&mut self.bearings, attachment.spring, spring.bearing), k < chunk.len());
+                block.set_grip(k, &attachment);
+                self.lanes.push((spring, attachment));
             }
             self.blocks.push(block);
         }
@@ -125,8 +88,8 @@ impl SpringBlocks {
         self.n == 0
     }
 
-    /// Puts every tip a `share` of the way from `from`, the grips in their order, to its entry of `targets`; a share of one lands exactly there.
-    pub fn place_tips(&mut self, from: &[Grip], targets: &[Vec2], share: f64) {
+    /// Puts every tip a `share` of the way from `from`, the attachments in their order, to its entry of `targets`; a share of one lands exactly there.
+    pub fn place_tips(&mut self, from: &[Attachment], targets: &[Vec2], share: f64) {
         for (block, from) in self.blocks.iter_mut().zip(from.chunks(LANES)) {
             for k in 0..LANES {
                 let start = from.get(k).unwrap_or(&from[0]);
@@ -137,10 +100,10 @@ impl SpringBlocks {
         self.evaluated = Evaluated::default();
     }
 
-    /// Puts every tip where the grips, in their order, have it.
-    pub fn set_tips(&mut self, grips: &[Grip]) {
-        for (block, grips) in self.blocks.iter_mut().zip(grips.chunks(LANES)) {
-            (0..LANES).for_each(|k| block.tip.set_lane(k, grips.get(k).unwrap_or(&grips[0]).tip));
+    /// Puts every tip where the attachments, in their order, have it.
+    pub fn set_tips(&mut self, attachments: &[Attachment]) {
+        for (block, attachments) in self.blocks.iter_mut().zip(attachments.chunks(LANES)) {
+            (0..LANES).for_each(|k| block.tip.set_lane(k, attachments.get(k).unwrap_or(&attachments[0]).tip));
         }
         self.evaluated = Evaluated::default();
     }
@@ -207,7 +170,7 @@ impl SpringBlocks {
         }
     }
 
-    /// Tips now, in the order of the grips (m, world).
+    /// Tips now, in the order of the attachments (m, world).
     pub fn tips(&self) -> impl Iterator<Item = Vec2> + '_ {
         self.blocks.iter().flat_map(|block| (0..LANES).map(|k| block.tip.lane(k))).take(self.n)
     }
@@ -251,17 +214,17 @@ impl SpringBlocks {
         &self.accepted.at
     }
 
-    /// Force on the tip of the grip in this place at the accepted pose (N, world), Eq. (10).
-    pub fn force_on_tip(&self, at: usize) -> Vec2 {
-        -self.blocks[at / LANES].accepted_pull.lane(at % LANES)
+    /// Pull of the holder on the tip of the attachment in this place at the accepted pose (N, world).
+    pub fn pull(&self, at: usize) -> Vec2 {
+        self.blocks[at / LANES].accepted_pull.lane(at % LANES)
     }
 
     /// The same where the springs were evaluated last.
-    pub fn force_on_tip_there(&self, at: usize) -> Vec2 {
-        -(self.evaluated.at.turn * self.blocks[at / LANES].pull_there.lane(at % LANES))
+    pub fn pull_there(&self, at: usize) -> Vec2 {
+        self.evaluated.at.turn * self.blocks[at / LANES].pull_there.lane(at % LANES)
     }
 
-    /// Pulls of the holders (N, world), in the order of the grips: at the accepted pose, or where the springs were evaluated last.
+    /// Pulls of the holders (N, world), in the order of the attachments: at the accepted pose, or where the springs were evaluated last.
     pub fn see_pulls(&self, there: bool, mut see: impl FnMut(usize, Vec2)) {
         let turn = &self.evaluated.at.turn;
         let (cos, sin) = (Numbers::splat(turn.m11), Numbers::splat(turn.m21));
@@ -276,12 +239,12 @@ impl SpringBlocks {
         self.evaluated.energy
     }
 
-    /// Writes tips and swings of the accepted pose to the grips that were gathered.
-    pub fn scatter(&self, grips: &mut [Grip]) {
-        for (block, grips) in self.blocks.iter().zip(grips.chunks_mut(LANES)) {
+    /// Writes tips and swings of the accepted pose to the attachments that were gathered.
+    pub fn scatter(&self, attachments: &mut [Attachment]) {
+        for (block, attachments) in self.blocks.iter().zip(attachments.chunks_mut(LANES)) {
             let swing = block.swing.to_array();
-            for (k, grip) in grips.iter_mut().enumerate() {
-                (grip.tip, grip.swing) = (block.accepted_tip.lane(k), swing[k]);
+            for (k, attachment) in attachments.iter_mut().enumerate() {
+                (attachment.tip, attachment.swing) = (block.accepted_tip.lane(k), swing[k]);
             }
         }
     }
@@ -302,13 +265,13 @@ fn bearing_of(known: &mut Vec<(f64, Vec2)>, spring: usize, bearing: f64) -> Vec2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::held::HeldSprings;
-    use crate::math::{Chance, Mat3, Stream};
+    use crate::backend::springs::Attachments;
+    use crate::math::{Chance, Mat3, Stream, rotation};
 
     const STIFFNESS: f64 = 0.664;
 
     /// Springs of all kinds: the paper's, stiff and soft ones, isotropic ones, none of them at rest, some held after turns about their roots.
-    fn held(n: u32, seed: u64) -> (Vec<PolarSpring>, HeldSprings) {
+    fn held(n: u32, seed: u64) -> (Vec<PolarSpring>, Attachments) {
         let chance = Chance::new(seed);
         let draw = |i: u32, k: u64| 2.0 * chance.uniform(Stream::Start, i, k) - 1.0;
         let spring = |i: u32| PolarSpring {
@@ -320,11 +283,11 @@ mod tests {
             damping_ratio: 0.0,
         };
         let springs: Vec<PolarSpring> = (0..n).map(spring).collect();
-        let mut held = HeldSprings::default();
+        let mut held = Attachments::default();
         for (i, spring) in springs.iter().enumerate() {
             let at = i as u32;
             let tip = spring.rest_tip() + 0.01 * Vec2::new(draw(at, 4), draw(at, 5));
-            held.grasp(&springs, i, tip, &Pose::new(0.0, 0.0, 0.0));
+            held.attach(&springs, i, tip, &Pose::new(0.0, 0.0, 0.0));
         }
         (springs, held)
     }
@@ -355,7 +318,7 @@ mod tests {
         for n in [1, 2, 3, 4, 5, 11] {
             let (springs, mut held) = held(n, 7 + u64::from(n));
             let mut blocks = SpringBlocks::default();
-            blocks.gather(&springs, held.grips());
+            blocks.gather(&springs, &held);
             blocks.start(&Place::of(&Pose::new(0.0, 0.0, 0.0)));
             for step in 1..40 {
                 let t = f64::from(step);
@@ -366,13 +329,16 @@ mod tests {
                 assert_equal(&in_load(&mut blocks, &pose), &held.reaction(&springs, &pose).in_axes(&rotation(pose.heading)), n);
                 blocks.accept(&pose);
                 held.accept(&springs, &pose);
-                let mut grips = held.grips().to_vec();
-                blocks.scatter(&mut grips);
-                for (grip, own) in grips.iter().zip(held.grips()) {
+                let mut attachments = held.to_vec();
+                blocks.scatter(&mut attachments);
+                for (attachment, own) in attachments.iter().zip(held.iter()) {
                     // A walk of roundings of one.
-                    assert!((grip.swing - own.swing).abs() < 4e-15 && grip.tip == own.tip, "{n} {step}: {grip:?} {own:?}");
-                    let force = held.force_on_tip(&springs, own.spring, &pose);
-                    assert!((blocks.force_on_tip(own.spring) - force).norm() < 1e-15, "{n} {step}");
+                    assert!(
+                        (attachment.swing - own.swing).abs() < 4e-15 && attachment.tip == own.tip,
+                        "{n} {step}: {attachment:?} {own:?}"
+                    );
+                    let pull = held.pull(&springs, own.spring, &pose);
+                    assert!((blocks.pull(own.spring) - pull).norm() < 1e-15, "{n} {step}");
                 }
             }
         }
@@ -384,9 +350,9 @@ mod tests {
         let (springs, mut held) = held(5, 3);
         let mut blocks = SpringBlocks::default();
         let still = Pose::new(0.0, 0.0, 0.0);
-        blocks.gather(&springs, held.grips());
+        blocks.gather(&springs, &held);
         blocks.start(&Place::of(&still));
-        let from = held.grips().to_vec();
+        let from = held.to_vec();
         for step in 0..=60 {
             let angle = 0.4 * f64::from(step);
             let targets: Vec<Vec2> = springs.iter().map(|spring| spring.root + 0.02 * direction(spring.bearing + angle)).collect();
@@ -396,8 +362,8 @@ mod tests {
             blocks.accept(&still);
             held.accept(&springs, &still);
         }
-        assert!(held.grips()[0].swing > 20.0);
-        let mut on_root: Vec<Vec2> = held.grips().iter().map(|grip| grip.tip).collect();
+        assert!(held[0].swing > 20.0);
+        let mut on_root: Vec<Vec2> = held.iter().map(|attachment| attachment.tip).collect();
         on_root[1] = springs[1].root;
         blocks.place_tips(&from, &on_root, 1.0);
         held.place_tips(&from, &on_root, 1.0);
@@ -413,11 +379,11 @@ mod tests {
         let (springs, held) = held(6, 9);
         let mut blocks = SpringBlocks::default();
         let still = Pose::new(0.0, 0.0, 0.0);
-        blocks.gather(&springs, held.grips());
+        blocks.gather(&springs, &held);
         blocks.start(&Place::of(&still));
         let before = blocks.energy(&still);
-        let targets: Vec<Vec2> = held.grips().iter().map(|grip| grip.tip + Vec2::new(1e-3, -2e-3)).collect();
-        blocks.place_tips(held.grips(), &targets, 1.0);
+        let targets: Vec<Vec2> = held.iter().map(|attachment| attachment.tip + Vec2::new(1e-3, -2e-3)).collect();
+        blocks.place_tips(&held, &targets, 1.0);
         let stood = blocks.accept(&still);
         assert_eq!(stood.of_tips, stood.elastic - before);
         assert!(!stood.tips_stood && stood.on_load == 0.0);

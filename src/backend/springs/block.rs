@@ -1,7 +1,7 @@
 //! Springs side by side: their law, lane by lane.
 
-use super::super::held::Grip;
-use super::Place;
+use super::attachments::Attachment;
+use super::place::Place;
 use crate::math::{LANES, Mat3, Numbers, SMALL_TANGENT, Vec2, Vec3, Vectors, direction, small_arctangent};
 use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::{PolarSpring, Reaction};
@@ -11,7 +11,7 @@ use crate::model::{PolarSpring, Reaction};
 pub(super) enum Swings {
     /// From where the tips are.
     Found,
-    /// As the grips have them.
+    /// As the attachments have them.
     Given,
 }
 
@@ -66,10 +66,10 @@ impl Block {
         self.torsional.as_mut_array()[k] = stiffness(spring.torsional_stiffness);
     }
 
-    pub fn set_grip(&mut self, k: usize, grip: &Grip) {
-        self.tip.set_lane(k, grip.tip);
-        self.swing.as_mut_array()[k] = grip.swing;
-        self.turns.as_mut_array()[k] = whole_turns(grip.swing);
+    pub fn set_grip(&mut self, k: usize, attachment: &Attachment) {
+        self.tip.set_lane(k, attachment.tip);
+        self.swing.as_mut_array()[k] = attachment.swing;
+        self.turns.as_mut_array()[k] = whole_turns(attachment.swing);
     }
 
     /// Takes the direction that belongs to the accepted swing for that of the accepted pose.
@@ -152,14 +152,14 @@ impl Block {
     }
 
     /// The same by [`PolarSpring`], spring by spring, with derivatives in world axes.
-    pub fn reaction_apart(&mut self, lanes: &[(PolarSpring, Grip)], Place { pose, turn }: &Place) -> Reaction {
+    pub fn reaction_apart(&mut self, lanes: &[(PolarSpring, Attachment)], Place { pose, turn }: &Place) -> Reaction {
         let mut sum = Reaction::ZERO;
         for (k, (spring, _)) in lanes.iter().enumerate() {
             let shape = spring.shape(pose, &self.tip.lane(k), self.swing.to_array()[k]);
             sum.add(&spring.reaction(pose, &shape));
             self.swing_there.as_mut_array()[k] = shape.swing;
             self.direction_there.set_lane(k, direction(spring.bearing + shape.swing));
-            self.pull_there.set_lane(k, -turn.tr_mul(&spring.force_on_tip(pose, &shape)));
+            self.pull_there.set_lane(k, turn.tr_mul(&spring.pull(pose, &shape)));
         }
         for k in lanes.len()..LANES {
             self.swing_there.as_mut_array()[k] = self.swing_there.to_array()[0];

@@ -1,0 +1,91 @@
+//! From options to a backend, and the steps that are taken by default.
+
+use super::controlled::{Column, Control};
+use super::inertial::{Inertial, Integrator};
+use super::options::CHECK_SHARE;
+use super::quasi_static::QuasiStatic;
+use super::tandem::tandem;
+use super::{Backend, BackendKind, BackendOptions, Motion, Stepping, Tolerance, rapier};
+use crate::model::System;
+
+/// Shortest default step (s). A scene may be too stiff to resolve in reasonable time, and all methods
+/// are stable at longer steps.
+const SHORTEST_DEFAULT: f64 = 1e-5;
+
+/// Longest default step of the quasi-static method (s), the control period of the paper. The tips go
+/// so far in longer steps that jumps of the load are not recognised.
+const LONGEST_DEFAULT: f64 = 2.5e-3;
+
+/// Default step (s): the control period, but at most 2.5 ms. With inertia it is at most 1 ms and a
+/// tenth of a radian of the fastest oscillation, which gives a numerical damping ratio of at most
+/// 0.05, but at least 10 us.
+pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> f64 {
+    match kind {
+        BackendKind::QuasiStatic => control_period.min(LONGEST_DEFAULT),
+        BackendKind::Inertial | BackendKind::Rapier => (0.1 / system.fastest_rate()).clamp(SHORTEST_DEFAULT, 1e-3).min(control_period),
+    }
+}
+
+/// The requested step, at most the control period, or else the default step (s).
+pub fn step_of(requested: Option<f64>, kind: BackendKind, system: &System, control_period: f64) -> f64 {
+    requested.map_or_else(|| default_step(kind, system, control_period), |step| step.min(control_period))
+}
+
+/// Backend that the options ask for. This is the only place that maps kinds to code.
+///
+/// # Panics
+/// When the step or the tolerance is not positive, or when rapier is asked for a tolerance: an engine
+/// has no error control.
+pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
+    assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
+    if let Some(tolerance) = &options.tolerance {
+        let Tolerance { position_m, heading_rad, .. } = tolerance;
+        assert!(*position_m > 0.0 && *heading_rad > 0.0, "tolerances must be positive, found {position_m} m and {heading_rad} rad");
+        let controlled = |control| exact(system, start, options, Stepping::Controlled(control));
+        let answer = tolerance.control(system, settling_time(options.kind, system));
+        let check = Control {
+            position: CHECK_SHARE * answer.position,
+            heading: CHECK_SHARE * answer.heading,
+            energy: CHECK_SHARE * answer.energy,
+            keeps: Column::LastButOne,
+            ..answer
+        };
+        return Box::new(tandem(controlled(answer), controlled(check)));
+    }
+    match options.kind {
+        BackendKind::Rapier => rapier::build(system.clone(), start, options),
+        _ => exact(system, start, options, Stepping::Fixed(options.step_s)),
+    }
+}
+
+/// Exact backend with this stepping. Options that change fixed steps are ignored under error control.
+fn exact(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend> {
+    let is_fixed = matches!(stepping, Stepping::Fixed(_));
+    match options.kind {
+        BackendKind::QuasiStatic => {
+            let backend = QuasiStatic::new(system.clone(), start, stepping, options.skips);
+            let backend = if is_fixed { backend.through(options.cone_solver) } else { backend };
+            Box::new(if is_fixed && options.second_order { backend.of_second_order() } else { backend })
+        }
+        BackendKind::Inertial => {
+            let integrator = if is_fixed { options.integrator } else { Integrator::Euler };
+            Box::new(Inertial::new(system.clone(), start, stepping, integrator, options.skips))
+        }
+        BackendKind::Rapier => panic!("rapier has no error control"),
+    }
+}
+
+/// Time over which a wrong speed makes the position wrong (s): one radian of the slowest oscillation,
+/// or the time in which friction stops a load that crosses its radius, whichever is shorter. `None`
+/// for a method without inertia. Without springs and friction speeds stay right, up to 1e9 s.
+fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
+    if kind == BackendKind::QuasiStatic {
+        return None;
+    }
+    let load = &system.load;
+    let stiffness =
+        system.springs.iter().map(|spring| spring.radial_stiffness).filter(|stiffness| *stiffness > 0.0).fold(f64::INFINITY, f64::min);
+    let swing = (load.mass / stiffness).sqrt();
+    let braking = (load.mass * load.radius / system.total_slip_limit()).sqrt();
+    Some([swing, braking].into_iter().filter(|time| time.is_finite() && *time > 0.0).fold(f64::INFINITY, f64::min).min(1e9))
+}

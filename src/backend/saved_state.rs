@@ -1,0 +1,35 @@
+//! The state of a backend as JSON, and why it cannot be saved or restored.
+
+use serde::{Deserialize, Serialize};
+
+/// State of a backend as a JSON value. Floats keep all their digits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct SavedState(pub serde_json::Value);
+
+impl SavedState {
+    /// State with the fields of `state`. A number that is not finite becomes `null`, which cannot be
+    /// restored.
+    ///
+    /// # Panics
+    /// When JSON cannot hold `state`.
+    pub fn of<T: Serialize>(state: &T) -> Self {
+        SavedState(serde_json::to_value(state).expect("a backend's state is plain data"))
+    }
+
+    /// # Errors
+    /// When the value has another shape than `T`.
+    pub fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T, RestoreError> {
+        T::deserialize(&self.0).map_err(|error| RestoreError(error.to_string()))
+    }
+}
+
+/// Refusal of a backend to be saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("this backend cannot be saved")]
+pub struct SaveError;
+
+/// Reason why a saved state cannot be restored.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("saved state does not fit this run: {0}")]
+pub struct RestoreError(pub String);
