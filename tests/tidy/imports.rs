@@ -1,0 +1,141 @@
+//! Which file uses what another file defines, and circles of such uses.
+//!
+//! A path is followed to the file that defines its name, through modules and `pub use`. A module that
+//! only hands a name on does not use it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::Finding;
+use crate::source::{Kind, PathName, Source};
+
+/// Files by their modules, `["backend", "friction"]` for `crate::backend::friction`.
+struct Tree<'a> {
+    files: BTreeMap<Vec<String>, Module<'a>>,
+}
+
+struct Module<'a> {
+    file: &'a Source,
+    definitions: BTreeSet<&'a str>,
+    paths: Vec<PathName>,
+}
+
+/// A finding for each set of files that use each other.
+pub fn circles(files: &[Source]) -> Vec<Finding> {
+    let is_module = |file: &&Source| !["src/lib.rs", "src/main.rs"].contains(&file.path.as_str()) && !file.is_test();
+    let tree = Tree { files: files.iter().filter(is_module).map(|file| (module_of(&file.path), Module::new(file))).collect() };
+    let uses: BTreeMap<&str, BTreeMap<&str, String>> =
+        tree.files.iter().map(|(at, module)| (module.file.path.as_str(), tree.uses(at, module))).collect();
+    let reached: BTreeMap<&str, BTreeSet<&str>> = uses.keys().map(|path| (*path, reachable(&uses, path))).collect();
+    let mut seen = BTreeSet::new();
+    let mut findings = Vec::new();
+    for path in uses.keys().filter(|path| reached[**path].contains(**path)) {
+        if !seen.insert(*path) {
+            continue;
+        }
+        let circle: BTreeSet<&str> = reached[path].iter().filter(|other| reached[**other].contains(path)).copied().collect();
+        let ties: Vec<String> = circle
+            .iter()
+            .flat_map(|from| {
+                uses[from].iter().filter(|(to, _)| circle.contains(*to)).map(move |(to, name)| format!("{from} uses {name} of {to}"))
+            })
+            .collect();
+        seen.extend(&circle);
+        findings.push(Finding::new(path, 1, format!("{} files in a circle:\n    {}", circle.len(), ties.join("\n    "))));
+    }
+    findings
+}
+
+fn reachable<'a>(uses: &BTreeMap<&'a str, BTreeMap<&'a str, String>>, from: &str) -> BTreeSet<&'a str> {
+    let mut reached = BTreeSet::new();
+    let mut open: Vec<&str> = uses[from].keys().copied().collect();
+    while let Some(path) = open.pop() {
+        if reached.insert(path) {
+            open.extend(uses.get(path).into_iter().flat_map(BTreeMap::keys));
+        }
+    }
+    reached
+}
+
+fn module_of(path: &str) -> Vec<String> {
+    let inside = path.trim_start_matches("src/").trim_end_matches(".rs").trim_end_matches("/mod");
+    inside.split('/').map(str::to_owned).collect()
+}
+
+impl<'a> Module<'a> {
+    fn new(file: &'a Source) -> Self {
+        Self { file, definitions: file.definitions(), paths: file.paths() }
+    }
+}
+
+impl<'a> Tree<'a> {
+    /// Files that a module uses, each with one name that it takes.
+    fn uses(&self, at: &[String], module: &Module) -> BTreeMap<&'a str, String> {
+        let mut used = BTreeMap::new();
+        for path in &module.paths {
+            let leaf = path.names.last().expect("a path has names");
+            let times = module.file.tokens.iter().filter(|token| token.kind == Kind::Ident && token.text == *leaf).count();
+            if path.is_reexport && times < 2 {
+                continue;
+            }
+            if let Some(defining) = self.defining(at, path).filter(|defining| defining.path != module.file.path) {
+                used.entry(defining.path.as_str()).or_insert_with(|| leaf.clone());
+            }
+        }
+        used
+    }
+
+    /// The file that defines what `path` names, seen from the module `at`.
+    fn defining(&self, at: &[String], path: &PathName) -> Option<&'a Source> {
+        let mut names = path.names.iter().map(String::as_str).peekable();
+        let mut module = at.to_vec();
+        match names.peek().copied()? {
+            "crate" => module.clear(),
+            "super" | "self" => {}
+            // An import of a child of this module; other names are crates.
+            name => {
+                module.push(name.to_owned());
+                if !self.files.contains_key(&module) {
+                    return None;
+                }
+                module.pop();
+            }
+        }
+        while let Some(name) = names.next_if(|name| ["crate", "super", "self"].contains(name)) {
+            if name == "super" {
+                module.pop();
+            }
+        }
+        self.follow(module, &names.collect::<Vec<_>>(), 0)
+    }
+
+    /// The file that defines `names` in a module, through what the module hands on.
+    fn follow(&self, mut module: Vec<String>, names: &[&str], depth: usize) -> Option<&'a Source> {
+        let (name, rest) = match names.split_first() {
+            Some((name, rest)) => (*name, rest),
+            None => return self.files.get(&module).map(|module| module.file),
+        };
+        module.push(name.to_owned());
+        if self.files.contains_key(&module) {
+            return self.follow(module, rest, depth);
+        }
+        module.pop();
+        let Module { file, definitions, paths } = self.files.get(&module)?;
+        if depth > 8 || definitions.contains(name) {
+            return Some(file);
+        }
+        let handed_on = paths.iter().filter(|path| path.is_reexport);
+        for path in handed_on.filter(|path| path.names.last().is_some_and(|leaf| leaf == name || leaf == "*")) {
+            let names: Vec<String> = path.names.iter().map(|leaf| if leaf == "*" { name.to_owned() } else { leaf.clone() }).collect();
+            let through = PathName { names, ..*path };
+            let found = if ["crate", "super", "self"].contains(&through.names[0].as_str()) {
+                self.defining(&module, &through)
+            } else {
+                self.follow(module.clone(), &through.names.iter().map(String::as_str).collect::<Vec<_>>(), depth + 1)
+            };
+            if let Some(found) = found.filter(|found| found.path != file.path) {
+                return Some(found);
+            }
+        }
+        Some(file)
+    }
+}

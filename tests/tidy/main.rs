@@ -1,0 +1,256 @@
+//! What the source tree and the prose promise, checked on the files themselves.
+//!
+//! ```text
+//! source.rs   files of the repository, as text and as tokens
+//! imports.rs  which file uses what another file defines
+//! prose.rs    paragraphs, sentences and widths
+//! words.rs    phrases that nobody should have to read
+//! ```
+//!
+//! `COHAUL_TIDY=all` also lists what `not_yet.txt` excuses, and `COHAUL_TIDY=rewrite` writes that
+//! file anew.
+
+mod imports;
+mod prose;
+mod source;
+mod words;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::sync::LazyLock;
+
+use source::{Source, markdown_files, rust_files};
+
+/// Floors of the tree, from the bottom to the top: a file imports from its own floor and below.
+const FLOORS: [&str; 9] = ["math", "model", "scenario", "backend", "simulation", "analysis", "output", "studies", "cli"];
+
+/// Beginnings of the names of crates, and the places in which these may be used.
+const FENCES: [(&str, &[&str]); 5] = [
+    ("clap", &["src/cli/", "src/main.rs"]),
+    ("clarabel", &["src/backend/friction/clarabel.rs"]),
+    ("rapier2d", &["src/backend/rapier/"]),
+    ("parry2d", &["src/backend/contact/"]),
+    ("kuva", &["src/output/chart/"]),
+];
+
+const MAX_SRC_LINES: usize = 41_000;
+const MAX_TOP_FOLDERS: usize = 13;
+const MAX_FILE_LINES: usize = 400;
+const MAX_FUNCTION_LINES: usize = 60;
+const MAX_README_LINES: usize = 150;
+const MAX_PROSE_COLUMNS: usize = 100;
+const MAX_SENTENCE_WORDS: usize = 40;
+const MAX_MEAN_WORDS: f64 = 20.0;
+
+/// Files that break a rule still, a line `rule path` each. The list shrinks to nothing.
+const NOT_YET: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/tidy/not_yet.txt");
+
+/// The library and the program.
+static SRC: LazyLock<Vec<Source>> = LazyLock::new(|| rust_files("src"));
+
+/// A place that breaks a rule.
+pub struct Finding {
+    pub path: String,
+    pub line: usize,
+    pub what: String,
+}
+
+impl Finding {
+    pub fn new(path: &str, line: usize, what: impl Into<String>) -> Self {
+        Self { path: path.to_owned(), line, what: what.into() }
+    }
+}
+
+/// Fails with every finding that is not excused.
+fn expect_none(rule: &str, findings: Vec<Finding>) {
+    let asked = std::env::var("COHAUL_TIDY").unwrap_or_default();
+    if asked == "rewrite" {
+        return excuse(rule, &findings);
+    }
+    let (excused, shows_all) = (fs::read_to_string(NOT_YET).unwrap_or_default(), asked == "all");
+    let is_excused = |finding: &&Finding| !shows_all && excused.lines().any(|line| line == format!("{rule} {}", finding.path));
+    let left: Vec<String> = findings
+        .iter()
+        .filter(|finding| !is_excused(finding))
+        .map(|finding| format!("{}:{}: {rule}: {}", finding.path, finding.line, finding.what))
+        .collect();
+    assert!(left.is_empty(), "{} places:\n{}\n", left.len(), left.join("\n"));
+}
+
+/// Writes the files of these findings into the list, in place of those that it has for the rule.
+fn excuse(rule: &str, findings: &[Finding]) {
+    static LIST: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _lock = LIST.lock().expect("no test panics while it writes the list");
+    let before = fs::read_to_string(NOT_YET).unwrap_or_default();
+    let others = before.lines().filter(|line| line.split(' ').next() != Some(rule)).map(str::to_owned);
+    let lines: BTreeSet<String> = others.chain(findings.iter().map(|finding| format!("{rule} {}", finding.path))).collect();
+    if lines.is_empty() {
+        let _ = fs::remove_file(NOT_YET);
+    } else {
+        fs::write(NOT_YET, lines.into_iter().collect::<Vec<_>>().join("\n") + "\n").expect("the list can be written");
+    }
+}
+
+#[test]
+fn no_import_goes_up_a_floor() {
+    let floor = |name: &str| FLOORS.iter().position(|floor| *floor == name);
+    let mut findings = Vec::new();
+    for file in SRC.iter() {
+        let Some(own) = file.folder().and_then(floor) else { continue };
+        for path in file.paths().iter().filter(|path| path.names[0] == "crate") {
+            if let Some(other) = path.names.get(1).and_then(|name| floor(name)).filter(|other| *other > own) {
+                findings.push(Finding::new(&file.path, path.line, format!("{} imports from {} above it", FLOORS[own], FLOORS[other])));
+            }
+        }
+    }
+    expect_none("floors", findings);
+}
+
+#[test]
+fn every_top_folder_is_a_floor() {
+    let folders: BTreeSet<String> = SRC.iter().filter_map(|file| file.folder().map(str::to_owned)).collect();
+    let unknown = folders.iter().filter(|folder| !FLOORS.contains(&folder.as_str()));
+    let mut findings: Vec<Finding> = unknown.map(|folder| Finding::new(&format!("src/{folder}"), 1, "a folder without a floor")).collect();
+    if folders.len() > MAX_TOP_FOLDERS {
+        findings.push(Finding::new("src", 1, format!("{} top folders", folders.len())));
+    }
+    expect_none("folders", findings);
+}
+
+#[test]
+fn libraries_stay_behind_their_fences() {
+    let mut findings = Vec::new();
+    for file in SRC.iter() {
+        for (name, line) in file.crates_named() {
+            let fence = FENCES.iter().find(|(fenced, _)| name.starts_with(fenced)).map(|(_, places)| places);
+            if fence.is_some_and(|places| !places.iter().any(|place| file.path.starts_with(place))) {
+                findings.push(Finding::new(&file.path, line, format!("uses {name}")));
+            }
+        }
+    }
+    expect_none("fences", findings);
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    expect_none("circles", imports::circles(&SRC));
+}
+
+#[test]
+fn files_and_functions_are_short() {
+    let mut findings = Vec::new();
+    for file in SRC.iter().filter(|file| !file.is_test()) {
+        let n_lines = file.n_code_lines();
+        if n_lines > MAX_FILE_LINES {
+            findings.push(Finding::new(&file.path, 1, format!("{n_lines} lines of code")));
+        }
+        let long = file.functions().into_iter().filter(|function| function.n_lines > MAX_FUNCTION_LINES);
+        findings.extend(
+            long.map(|function| Finding::new(&file.path, function.line, format!("fn {} has {} lines", function.name, function.n_lines))),
+        );
+    }
+    expect_none("length", findings);
+}
+
+#[test]
+fn the_source_and_the_readme_stay_small() {
+    let n_lines = |path: &str| fs::read_to_string(source::root().join(path)).map_or(0, |text| text.lines().count());
+    let total: usize = source::files_below("src").iter().map(|path| n_lines(path)).sum();
+    let mut findings = Vec::new();
+    if total > MAX_SRC_LINES {
+        findings.push(Finding::new("src", 1, format!("{total} lines in all files, more than {MAX_SRC_LINES}")));
+    }
+    if n_lines("README.md") > MAX_README_LINES {
+        findings.push(Finding::new("README.md", 1, format!("{} lines, more than {MAX_README_LINES}", n_lines("README.md"))));
+    }
+    expect_none("size", findings);
+}
+
+#[test]
+fn prose_wraps_at_100_columns() {
+    let mut findings = Vec::new();
+    let others: Vec<Source> = ["tests", "benches", "examples"].iter().flat_map(|folder| rust_files(folder)).collect();
+    for file in SRC.iter().chain(&others) {
+        findings.extend(prose::wide_comments(file, MAX_PROSE_COLUMNS));
+    }
+    for (path, text) in markdown_files() {
+        findings.extend(prose::wide_lines(&path, &text, MAX_PROSE_COLUMNS));
+    }
+    expect_none("width", findings);
+}
+
+#[test]
+fn sentences_are_short() {
+    let mut findings = Vec::new();
+    let (mut n_words, mut n_sentences) = (0, 0);
+    let pages = markdown_files().into_iter().flat_map(|(path, text)| prose::sentences_of_markdown(&path, &text));
+    let printed = SRC.iter().filter(|file| !file.is_test()).flat_map(prose::printed_sentences);
+    for sentence in pages.chain(printed) {
+        n_words += sentence.n_words;
+        n_sentences += 1;
+        if sentence.n_words > MAX_SENTENCE_WORDS {
+            findings.push(Finding::new(&sentence.path, sentence.line, format!("{} words: {}", sentence.n_words, sentence.start())));
+        }
+    }
+    let mean = n_words as f64 / n_sentences.max(1) as f64;
+    if mean > MAX_MEAN_WORDS {
+        findings.push(Finding::new("README.md", 1, format!("{mean:.1} words in the mean of {n_sentences} sentences")));
+    }
+    expect_none("sentences", findings);
+}
+
+#[test]
+fn private_words_are_not_printed() {
+    let mut findings = Vec::new();
+    for file in SRC.iter().filter(|file| !file.is_test()) {
+        for text in file.texts() {
+            findings.extend(words::private_words(&file.path, text.line, &text.text));
+        }
+    }
+    for (path, text) in markdown_files() {
+        findings.extend(words::private_words(&path, 1, &text));
+    }
+    expect_none("words", findings);
+}
+
+/// The glossary is read by the program, so that its form is fixed.
+#[test]
+fn the_glossary_has_one_short_entry_a_term() {
+    const PATH: &str = "src/output/glossary.md";
+    let text = fs::read_to_string(source::root().join(PATH)).expect("the glossary is there");
+    let (mut findings, mut before, mut names) = (Vec::new(), String::new(), BTreeSet::new());
+    for entry in prose::glossary(&text) {
+        let mut fail = |what: String| findings.push(Finding::new(PATH, entry.line, format!("{}: {what}", entry.term)));
+        if entry.term.to_lowercase() < before {
+            fail(format!("stands behind {before}"));
+        }
+        before = entry.term.to_lowercase();
+        for name in entry.names.iter().filter(|name| !names.insert(name.to_lowercase())) {
+            fail(format!("{name} is explained twice"));
+        }
+        if !(1..=3).contains(&entry.n_sentences) {
+            fail(format!("{} sentences", entry.n_sentences));
+        }
+    }
+    assert!(names.len() > 100, "the glossary is read: {} names", names.len());
+    expect_none("glossary", findings);
+}
+
+/// A rule that finds nothing anywhere would be no rule.
+#[test]
+fn the_rules_find_what_they_are_for() {
+    let file = Source::new(
+        "src/math/made_up.rs",
+        "use crate::cli::{run::{self, Run}, Args};\n/// Own error on the rim.\nfn long() {\n    let _ = clap::Arg::new(\"x\");\n}\n\
+         #[cfg(test)]\nmod tests {\n    fn untold() {}\n}\n",
+    );
+    let names: Vec<String> = file.paths().iter().map(|path| path.names.join("::")).collect();
+    assert_eq!(names, ["crate::cli::run::self", "crate::cli::run::Run", "crate::cli::Args"]);
+    assert_eq!(file.functions().iter().map(|function| (function.name.as_str(), function.n_lines)).collect::<Vec<_>>(), [("long", 3)]);
+    assert_eq!(file.n_code_lines(), 4);
+    assert!(file.crates_named().iter().any(|(name, line)| name == "clap" && *line == 4));
+    let found = words::private_words("x", 1, &file.texts()[0].text);
+    assert_eq!(found.len(), 2, "own error, rim");
+    let pages = prose::sentences_of_markdown("x", "# No\n\nOne sentence, of Eq. 10.\nTwo `a b` here. Three!\n\n- four words in it\n");
+    assert_eq!(pages.iter().map(|sentence| sentence.n_words).collect::<Vec<_>>(), [5, 3, 1, 4]);
+}
