@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Output;
 
 use assert_cmd::Command;
-use cohaul::backend::quasi_static::conic::ACCURACY;
+use cohaul::backend::friction::clarabel::ACCURACY;
 use cohaul::backend::{BackendKind, BackendOptions, ConeSolver, Status};
 use cohaul::math::{Vec2, Vec3};
 use cohaul::scenario::Scenario;

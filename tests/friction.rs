@@ -2,26 +2,25 @@
 
 use std::f64::consts::TAU;
 
-use cohaul::backend::friction::{FrictionSolver, Regime};
-use cohaul::backend::quasi_static::conic;
-use cohaul::math::{Chance, Mat3, Stream, Vec2, Vec3, direction, perpendicular};
+use cohaul::backend::friction::{ContactMode, FrictionSolver, clarabel};
+use cohaul::math::{Mat3, RandomStreams, Stream, Vec2, Vec3, direction, perpendicular};
 use cohaul::model::support::{slip_velocity, wrench_of};
 use cohaul::model::{Ground, SupportPoint};
 
 /// Uniform draws in (0, 1), one after the other.
 struct Draws {
-    chance: Chance,
+    streams: RandomStreams,
     n: u64,
 }
 
 impl Draws {
     fn new(seed: u64) -> Self {
-        Self { chance: Chance::new(seed), n: 0 }
+        Self { streams: RandomStreams::new(seed), n: 0 }
     }
 
     fn unit(&mut self) -> f64 {
         self.n += 1;
-        self.chance.uniform(Stream::Start, 0, self.n)
+        self.streams.uniform(Stream::Start, 0, self.n)
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -182,11 +181,11 @@ fn kkt_residual_within(reach: f64, problem: &Problem, twist: &Vec3, forces: &[Ve
     cones.fold(balance, f64::max) / (scaled(problem.drive) + FORCE + products)
 }
 
-fn kind_of(regime: Regime) -> Kind {
-    match regime {
-        Regime::Stick => Kind::Stick,
-        Regime::Pinned(_) => Kind::Pinned,
-        Regime::Slip => Kind::Slip,
+fn kind_of(mode: ContactMode) -> Kind {
+    match mode {
+        ContactMode::Stick => Kind::Stick,
+        ContactMode::Pinned(_) => Kind::Pinned,
+        ContactMode::Slip => Kind::Slip,
     }
 }
 
@@ -210,14 +209,14 @@ fn built_problems_have_the_answers_they_were_built_for() {
             assert!(independent < 1e-11, "{class:?}: {independent:e} {solution:?}");
 
             if let Some((answer, kind)) = problem.answer {
-                n_other_kind += u32::from(kind_of(solution.regime) != kind);
+                n_other_kind += u32::from(kind_of(solution.mode) != kind);
                 // The drive carries rounding of 1e-16, which the weakest direction of H (1/50 of its scale) and the nearness of a kink (pins at
                 // 1e-6 below their limit, supports slipping at 1e-7) turn into no more than 1e-8.
                 assert!(size(&(solution.increment - answer)) < 1e-8, "{class:?}: {solution:?} {answer}");
             }
         }
-        // On the edge between two regimes, within rounding, either name is right.
-        assert!(n_other_kind <= 2, "{class:?}: {n_other_kind} of 4000 in another regime");
+        // On the edge between two contact modes, within rounding, either name is right.
+        assert!(n_other_kind <= 2, "{class:?}: {n_other_kind} of 4000 in another contact mode");
     }
 }
 
@@ -236,13 +235,13 @@ fn clarabel_never_finds_a_lower_objective() {
         let solution = solver.solve(&problem.hessian, &problem.drive);
         let residual = kkt_residual(&problem, &solution.increment, solver.forces());
         assert!(residual < 1e-11, "trial {trial}: {residual:e} {solution:?}");
-        let conic = conic::solve(&problem.ground, LENGTH, &problem.hessian, &problem.drive);
-        let (ours, theirs) = (objective(&problem, &solution.increment), objective(&problem, &conic.increment));
-        let scale = FORCE * LENGTH + problem.drive.dot(&conic.increment).abs();
-        assert!(ours <= theirs + 1e-12 * scale, "trial {trial}: {ours:e} above {theirs:e}, {solution:?}");
-        if conic.solved {
+        let theirs = clarabel::solve(&problem.ground, LENGTH, &problem.hessian, &problem.drive);
+        let (least, found) = (objective(&problem, &solution.increment), objective(&problem, &theirs.increment));
+        let scale = FORCE * LENGTH + problem.drive.dot(&theirs.increment).abs();
+        assert!(least <= found + 1e-12 * scale, "trial {trial}: {least:e} above {found:e}, {solution:?}");
+        if theirs.solved {
             n_solved += 1;
-            largest_difference = largest_difference.max(size(&(solution.increment - conic.increment)));
+            largest_difference = largest_difference.max(size(&(solution.increment - theirs.increment)));
         }
     }
     println!("clarabel solved {n_solved}, largest difference {largest_difference:e}");

@@ -4,8 +4,9 @@ use std::fs;
 use std::process::{Command, Output};
 
 use cohaul::backend::BackendKind;
+use cohaul::model::paper as printed;
 use cohaul::scenario::presets::Preset;
-use cohaul::studies::paper::{Case, Measure, RunFacts, Sample, Trial, claims, printed, run, units};
+use cohaul::studies::paper::{Case, Measure, RunFacts, Sample, Trial, claims, run, units};
 use serde_json::Value;
 use tempfile::tempdir;
 

@@ -1,13 +1,19 @@
 //! Every scenario that ships is one the schema knows, reads, and survives expansion; the reference scenes hold the numbers that their known
 //! answers rest on.
 
+#[path = "common/random_scenes.rs"]
+mod random_scenes;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use cohaul::math::Vec2;
 use cohaul::model::behaviour::Pace;
 use cohaul::scenario::presets::{self, Preset};
 use cohaul::scenario::{AntDrive, Drive, Scenario, ScenarioError, TipPath, format};
 use serde_json::{Value, json};
+
+use random_scenes::random_scenario;
 
 /// mu m g of the paper's load (N).
 const SLIP_LIMIT: f64 = 1.4 * 0.0016 * 9.81;
@@ -293,5 +299,29 @@ fn held_pulls_are_nine_tenths_of_the_critical_force() {
         let spring = scenario.system.springs[0];
         let pull = STIFFNESS * (tip_paths(&scenario)[0].waypoints[0].position - spring.root).norm();
         assert!((pull / (critical * SLIP_LIMIT) - 0.9).abs() < 1e-14, "{name}");
+    }
+}
+
+#[test]
+fn a_seed_has_one_random_scenario_and_another_seed_another() {
+    assert_eq!(random_scenario(7), random_scenario(7));
+    assert_ne!(random_scenario(7).system, random_scenario(8).system);
+}
+
+#[test]
+fn random_scenarios_are_different_and_keep_to_their_ranges() {
+    let scenes: Vec<Scenario> = (0..300).map(random_scenario).collect();
+    let share = |keep: &dyn Fn(&&Scenario) -> bool| scenes.iter().filter(keep).count() as f64 / 300.0;
+    // Five standard deviations of a share of 300 are 0.14 at most.
+    assert!((share(&|scene| matches!(scene.drive, Drive::Ants(_))) - 1.0 / 6.0).abs() < 0.14);
+    assert!((share(&|scene| scene.start.twist.linear.norm() > 0.0) - 1.0 / 6.0).abs() < 0.14);
+    let masses = || scenes.iter().map(|scene| scene.system.load.mass);
+    assert!(masses().fold(f64::INFINITY, f64::min) < 1e-4 && masses().fold(0.0, f64::max) > 0.1);
+    for scene in &scenes {
+        assert!((1..=10).contains(&scene.system.springs.len()) && scene.system.total_slip_limit() > 0.0, "{}", scene.name);
+        assert!(scene.system.springs.iter().all(|spring| (0.0..=2.0).contains(&spring.damping_ratio)));
+        // The weight acts at the load's origin.
+        let moment: Vec2 = scene.system.ground.supports.iter().map(|support| support.normal_load * support.offset).sum();
+        assert!(moment.norm() < 1e-15 * scene.system.load.mass.max(1.0), "{}", scene.name);
     }
 }

@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use cohaul::backend::friction::{FrictionSolver, Regime};
+use cohaul::backend::friction::{ContactMode, FrictionSolver};
 use cohaul::backend::{BackendKind, BackendOptions, Status, build};
 use cohaul::math::{Mat3, Vec2, Vec3, direction};
 use cohaul::output::trace_csv::{TraceColumns, write_trace};
@@ -92,7 +92,7 @@ fn cone_solve() -> Box<dyn FnMut()> {
         angle += 1e-3;
         let pull = 1.1 * SLIP_LIMIT * direction(angle);
         let solution = solver.solve(&hessian, &Vec3::new(pull.x, pull.y, 0.1 * SLIP_LIMIT * SUPPORT_RADIUS));
-        assert_eq!(solution.regime, Regime::Slip);
+        assert_eq!(solution.mode, ContactMode::Slip);
         solution.increment
     };
     for _ in 0..10 {

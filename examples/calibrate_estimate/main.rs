@@ -7,6 +7,8 @@
 //! writes `calibration.csv`, `calibration.svg` and `figures.txt` to an existing folder, and prints the last.
 
 mod figure;
+#[path = "../../tests/common/random_scenes.rs"]
+mod random_scenes;
 mod scene;
 mod statistics;
 
@@ -31,7 +33,7 @@ type AnyError = Box<dyn std::error::Error>;
 fn main() -> Result<(), AnyError> {
     let target = PathBuf::from(std::env::args().nth(1).ok_or("give the folder to write to")?);
     let mut scenes = stored()?;
-    scenes.extend(SEEDS.map(|seed| (format!("random-{seed}"), Class::Random, Scenario::random(seed))));
+    scenes.extend(SEEDS.map(|seed| (format!("random-{seed}"), Class::Random, random_scenes::random_scenario(seed))));
     let (n, done) = (scenes.len(), AtomicUsize::new(0));
     let progress = std::sync::Mutex::new(Progress::of_share("scenes"));
     let measured = |(name, class, scenario): &(String, Class, Scenario)| {

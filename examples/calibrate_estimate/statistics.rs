@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use cohaul::math::{Chance, Stream};
+use cohaul::math::{RandomStreams, Stream};
 
 use super::scene::{Class, Found};
 
@@ -112,9 +112,9 @@ fn ranks(values: Vec<f64>) -> Vec<f64> {
 /// Percentile interval over scenes drawn anew, with keyed draws.
 fn bootstrap(pairs: &[(f64, f64)]) -> (f64, f64) {
     const N: u32 = 2000;
-    let chance = Chance::new(1);
+    let streams = RandomStreams::new(1);
     let draw = |round: u32| {
-        let pick = |at: usize| pairs[(chance.uniform(Stream::Scene, round, at as u64) * pairs.len() as f64) as usize];
+        let pick = |at: usize| pairs[(streams.uniform(Stream::Scene, round, at as u64) * pairs.len() as f64) as usize];
         spearman(&(0..pairs.len()).map(pick).collect::<Vec<_>>())
     };
     let mut drawn: Vec<f64> = (0..N).map(draw).collect();

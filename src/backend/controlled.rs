@@ -392,7 +392,7 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Chance, Pose, Stream, Twist};
+    use crate::math::{Pose, RandomStreams, Stream, Twist};
     use crate::model::{Ground, Load};
 
     /// A method with an answer, or with another one at each step and no convergence.
@@ -416,7 +416,7 @@ mod tests {
 
         fn step(&mut self, _: &Way, from: f64, to: f64) -> StepReport {
             self.n_steps += 1;
-            let way = if self.has_answer { to - from } else { Chance::new(1).uniform(Stream::Start, 0, self.n_steps) };
+            let way = if self.has_answer { to - from } else { RandomStreams::new(1).uniform(Stream::Start, 0, self.n_steps) };
             self.state.pose.position.x += way;
             let status = if self.has_answer { Status::Converged } else { Status::NotConverged };
             StepReport { status, n_steps: 1, n_not_converged: u64::from(!self.has_answer), ..StepReport::default() }

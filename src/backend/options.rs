@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::controlled::{Column, Control};
+use super::friction::ConeSolver;
 use super::{Integrator, PoseError, RapierOptions, Skips};
 use crate::model::{Load, System};
 
@@ -52,17 +53,6 @@ pub struct BackendOptions {
     /// Whether quasi-static steps of fixed length are of second order where the load goes on slipping.
     #[serde(default, skip_serializing_if = "is_default")]
     pub second_order: bool,
-}
-
-/// What solves the friction problem.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ConeSolver {
-    /// The exact one of [`super::friction`].
-    #[default]
-    Exact,
-    /// An interior-point solver, for comparison: see [`super::quasi_static::conic`].
-    Clarabel,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {

@@ -213,7 +213,7 @@ impl Growth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Chance, Pose, Stream, direction};
+    use crate::math::{Pose, RandomStreams, Stream, direction};
     use crate::model::{Ground, SupportPoint};
 
     /// What a spring does beyond first order stays within the bound wherever the tip goes in its ball, and comes close to it somewhere: otherwise it would be loose.
@@ -223,8 +223,8 @@ mod tests {
         let solver = FrictionSolver::new(&Ground { friction_coefficient: 1.4, supports: supports.to_vec() }, 0.0122);
         let mut closest: f64 = 0.0;
         for case in 0..300 {
-            let chance = Chance::new(case);
-            let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
+            let streams = RandomStreams::new(case);
+            let draw = |k: u64| 2.0 * streams.uniform(Stream::Start, 0, k) - 1.0;
             let spring = PolarSpring {
                 root: 0.0122 * direction(3.0 * draw(0)),
                 bearing: 3.0 * draw(1),

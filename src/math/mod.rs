@@ -1,17 +1,17 @@
 //! Floor 0: plane geometry, angles, keyed random draws and statistics. Knows nothing of ants, loads or files.
 
 mod angle;
-mod chance;
 mod lanes;
 mod pose;
 mod positive;
+mod random;
 mod statistics;
 
 pub use angle::{SMALL_TANGENT, direction, perpendicular, rotation, small_arctangent, unwrap_near, wrap_to_pi};
-pub use chance::{Chance, Stream};
 pub use lanes::{LANES, Number, Numbers, Vectors};
 pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, shift_of, small_rotation};
 pub use positive::PositiveDefinite;
+pub use random::{Draws, RandomStreams, Stream};
 pub use statistics::{Interval, Summary, mean_interval, proportion_interval, share_difference_interval, student};
 
 /// A point or a free vector in the plane.

@@ -7,6 +7,8 @@ pub mod ant;
 pub mod behaviour;
 pub mod interaction;
 pub mod load;
+mod motion;
+pub mod paper;
 pub mod spring;
 pub mod spring_design;
 pub mod support;
@@ -14,6 +16,7 @@ pub mod team;
 
 pub use interaction::interaction_force;
 pub use load::{Load, System};
+pub use motion::Motion;
 pub use spring::{PolarSpring, Reaction, SpringShape};
 pub use spring_design::SpringDesign;
 pub use support::{Ground, SupportPoint};

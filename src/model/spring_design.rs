@@ -30,18 +30,6 @@ pub struct SpringDesign {
 }
 
 impl SpringDesign {
-    /// The paper's spring (Fig. 2, Table I): E = 1.66 MPa, h = 0.8 mm, b = 3.2 mm, l_0 = 26.3 mm.
-    pub const PAPER: SpringDesign = SpringDesign {
-        youngs_modulus: 1.66e6,
-        member_width: 0.8e-3,
-        member_depth: 3.2e-3,
-        short_member_length: 9.8e-3,
-        folded_member_length: 11.9e-3,
-        link_length: 16.5e-3,
-        characteristic_radius_factor: 0.85,
-        stiffness_coefficient: 2.68,
-    };
-
     /// I = h^3 b / 12 (m^4).
     pub fn second_moment_of_area(&self) -> f64 {
         self.member_width.powi(3) * self.member_depth / 12.0
@@ -117,9 +105,10 @@ impl SpringDesign {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::paper;
     use approx::assert_relative_eq;
 
-    const DESIGN: SpringDesign = SpringDesign::PAPER;
+    const DESIGN: SpringDesign = paper::SPRING;
 
     /// Values of an independent derivation, printed with six or seven digits: the tolerances are half of the last one.
     #[test]

@@ -63,15 +63,15 @@ fn turned(ahead: Vectors, turns: Numbers) -> Vectors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Chance, Stream, direction, perpendicular, rotation, wrap_to_pi};
+    use crate::math::{RandomStreams, Stream, direction, perpendicular, rotation, wrap_to_pi};
 
     /// An ant at a time by angles, for small turns and large ones, near to each other or not.
     #[test]
     fn ants_side_by_side_pull_as_each_would_alone() {
         let mut largest_turn: f64 = 0.0;
         for case in 0..800 {
-            let chance = Chance::new(case);
-            let draw = |ant: usize, k: u64| 2.0 * chance.uniform(Stream::Start, ant as u32, k) - 1.0;
+            let streams = RandomStreams::new(case);
+            let draw = |ant: usize, k: u64| 2.0 * streams.uniform(Stream::Start, ant as u32, k) - 1.0;
             let haul = Haul {
                 load: (Vec2::new(0.1, -0.2), rotation(2.0 * draw(9, 0))),
                 nest: Vec2::new(0.2, -0.17),

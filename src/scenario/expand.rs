@@ -83,7 +83,7 @@ fn path_entry(path: &TipPath) -> PathEntry {
     PathEntry { spring: path.spring, waypoints: waypoints.collect(), release_s: path.release.map(plain) }
 }
 
-pub(super) fn ants_entry(ants: &AntDrive) -> AntsEntry {
+fn ants_entry(ants: &AntDrive) -> AntsEntry {
     let some = |value: f64| Some(plain(value));
     AntsEntry {
         kind: AntsKind::Ants,

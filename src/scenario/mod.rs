@@ -4,7 +4,6 @@
 mod error;
 mod expand;
 pub(crate) mod json;
-mod random;
 mod structure;
 mod validate;
 
@@ -14,10 +13,9 @@ pub mod presets;
 use std::fs;
 use std::path::Path;
 
-use crate::backend::Motion;
 use crate::math::Vec2;
-use crate::model::System;
 use crate::model::behaviour::{Pace, ReleaseLaw};
+use crate::model::{Motion, System};
 
 pub use error::{Finding, ScenarioError};
 

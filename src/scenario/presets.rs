@@ -1,11 +1,12 @@
-//! The numbers of the ants: the paper's where it prints them, inferred ones where it does not. All of them stand here and nowhere else.
+//! Named sets of the ants' parameters: printed values of the paper, and inferred ones where it prints
+//! none.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::AntDrive;
-use crate::math::Vec2;
 use crate::model::behaviour::{Pace, ReleaseLaw};
+use crate::model::paper;
 
 /// A named set of the ants' parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
@@ -45,9 +46,11 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
     let pulling = |pull_speed: f64, period: f64| AntDrive { pull_speed, release: ReleaseLaw { period, ..standard.release }, ..standard };
     match preset {
         Preset::Default => standard,
-        Preset::PaperSpeed => AntDrive { sensing_range: 0.0215, ..pulling(0.08, 0.106) },
-        Preset::Aged => AntDrive { release_pace: Pace::Aged, sensing_range: 0.0205, ..pulling(0.08, 0.08) },
-        Preset::LiteralNewtons => AntDrive { grasp_pace: Pace::PerTick, release_pace: Pace::PerTick, ..pulling(0.08, 0.08) },
+        Preset::PaperSpeed => AntDrive { sensing_range: 0.0215, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.106) },
+        Preset::Aged => AntDrive { release_pace: Pace::Aged, sensing_range: 0.0205, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) },
+        Preset::LiteralNewtons => {
+            AntDrive { grasp_pace: Pace::PerTick, release_pace: Pace::PerTick, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) }
+        }
         Preset::LiteralMillinewtons => {
             let literal = ants(Preset::LiteralNewtons, n_ants);
             AntDrive { release: ReleaseLaw { steepness: 1e5, ..literal.release }, ..literal }
@@ -55,26 +58,28 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
     }
 }
 
-/// Printed in the paper: nest, search speed, variance (without unit), grasp probability, strong pull, steepness (without unit). The rest
-/// is inferred from what those give: speed, reach, half angle and decision period of pulling ants are the fit of `cohaul paper`.
+/// Ants of the default preset. What the paper does not print is inferred from what it prints: speed,
+/// reach, half angle and decision period of pulling ants are the fit of `cohaul paper`. Two printed
+/// numbers are replaced: the half angle of 60 deg by that fit, and the offset of 2 mm by zero, since
+/// Eq. (23) has none for a pulling ant.
 fn standard(n_ants: usize) -> AntDrive {
     AntDrive {
         n_ants,
-        nest_position: Vec2::new(0.2, -0.17),
+        nest_position: paper::NEST_POSITION_M,
         arrival_radius: 0.01,
         start_half_width: 0.15,
-        search_speed: 0.08,
+        search_speed: paper::SEARCH_SPEED_M_PER_S,
         pull_speed: 0.05,
         sensing_range: 0.019,
-        target_variance: 0.01,
+        target_variance: paper::TARGET_VARIANCE_M2,
         target_redraw_period: 0.01,
-        steering_gain: 10.0,
+        steering_gain: paper::STEERING_GAIN_PER_S,
         steering_half_angle: 0.6,
         control_offset: 0.0,
-        grasp_probability: 0.2,
+        grasp_probability: paper::GRASP_PROBABILITY,
         grasp_decision_period: 0.0025,
         grasp_pace: Pace::Hazard,
-        release: ReleaseLaw { strong_pull: 0.02, steepness: 100.0, period: 0.175 },
+        release: ReleaseLaw { strong_pull: paper::STRONG_PULL_N, steepness: paper::RELEASE_STEEPNESS_PER_N, period: 0.175 },
         release_pace: Pace::Hazard,
     }
 }

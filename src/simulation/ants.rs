@@ -12,7 +12,7 @@ use super::releases::Releases;
 use super::sensing::{Around, Placed, Sensing};
 use super::{Driver, Event, EventKind, Orders, SAME_INSTANT, Trace, View};
 use crate::backend::{AttachedTip, Motion, RestoreError};
-use crate::math::{Chance, LANES, Stream, Summary, Vec2};
+use crate::math::{LANES, RandomStreams, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Mode, Steering};
 use crate::model::behaviour::{HalfAngle, Pace, hazard_of, probability_within, turn_towards};
@@ -22,7 +22,7 @@ use crate::scenario::{AntDrive, Drive, Scenario};
 /// All ants of one run.
 pub struct Ants {
     drive: AntDrive,
-    chance: Chance,
+    streams: RandomStreams,
     control_period: f64,
     /// Probability of a grasp per tick in reach of a tip.
     grasp_probability: f64,
@@ -50,24 +50,24 @@ struct State {
 
 impl Ants {
     pub fn new(scenario: &Scenario, drive: &AntDrive) -> Self {
-        let chance = Chance::new(scenario.seed);
+        let streams = RandomStreams::new(scenario.seed);
         let period = scenario.control_period;
         let grasp_probability = match drive.grasp_pace {
             Pace::PerTick => drive.grasp_probability,
             Pace::Hazard | Pace::Aged => probability_within(hazard_of(drive.grasp_probability, drive.grasp_decision_period), period),
         };
-        let start = |ant: usize| start_of(ant as u32, &chance, drive, &scenario.start);
+        let start = |ant: usize| start_of(ant as u32, &streams, drive, &scenario.start);
         let springs = &scenario.system.springs;
         Self {
             drive: drive.clone(),
-            chance,
+            streams,
             control_period: period,
             grasp_probability,
             belief_spread: drive.target_variance.sqrt(),
             half_angle: HalfAngle::new(drive.steering_half_angle),
             steering: Steering::new(drive.steering_gain, period),
             state: State { ants: (0..drive.n_ants).map(start).collect(), pulls: Summary::default() },
-            releases: Releases::new(drive, chance, period),
+            releases: Releases::new(drive, streams, period),
             sensing: Sensing::new(springs, drive.sensing_range),
             load: Placed::new(&scenario.start.pose),
             beliefs: Periods::new(period, drive.target_redraw_period),
@@ -135,7 +135,7 @@ impl Ants {
     }
 
     fn believe(&mut self, i: usize, belief: u64) {
-        self.state.ants[i].belief_error = self.belief_spread * self.chance.normal_pair(Stream::Target, i as u32, belief);
+        self.state.ants[i].belief_error = self.belief_spread * self.streams.normal_pair(Stream::Target, i as u32, belief);
     }
 
     /// Takes grasps and releases from a recorded run in place of deciding them; beliefs are drawn as in the run.
@@ -159,7 +159,7 @@ impl Ants {
 
     /// An ant in reach of free tips grasps the nearest, with the probability of one tick. The draw comes first: it is cheaper than the search, and mostly fails.
     fn grasped(&self, i: usize, tick: u64, position: &Vec2, around: &Around) -> Option<(usize, Vec2)> {
-        let is_drawn = self.chance.uniform(Stream::Grasp, i as u32, tick) < self.grasp_probability;
+        let is_drawn = self.streams.uniform(Stream::Grasp, i as u32, tick) < self.grasp_probability;
         if is_drawn { around.nearest(position) } else { None }
     }
 
@@ -256,10 +256,10 @@ pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut see: impl FnMut(usize
 }
 
 /// Uniform in a square about the load, facing anywhere.
-fn start_of(ant: u32, chance: &Chance, drive: &AntDrive, load: &Motion) -> Ant {
-    let [u, v] = chance.uniform_pair(Stream::Start, ant, 0);
+fn start_of(ant: u32, streams: &RandomStreams, drive: &AntDrive, load: &Motion) -> Ant {
+    let [u, v] = streams.uniform_pair(Stream::Start, ant, 0);
     let offset = drive.start_half_width * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0);
-    let heading = PI * (2.0 * chance.uniform(Stream::Start, ant, 1) - 1.0);
+    let heading = PI * (2.0 * streams.uniform(Stream::Start, ant, 1) - 1.0);
     Ant::new(load.pose.position + offset, heading)
 }
 

@@ -4,7 +4,7 @@
 //! of time: before the next one that is low, a pull that is not uncommonly strong ends no hold, and neither it nor its probability is looked at any closer.
 
 use super::periods::Periods;
-use crate::math::{Chance, Stream, Summary, Vec2};
+use crate::math::{RandomStreams, Stream, Summary, Vec2};
 use crate::model::behaviour::{Pace, ReleaseLaw, probability_within};
 use crate::scenario::AntDrive;
 
@@ -12,7 +12,7 @@ use crate::scenario::AntDrive;
 pub struct Releases {
     law: ReleaseLaw,
     pace: Pace,
-    chance: Chance,
+    streams: RandomStreams,
     /// (s)
     control_period: f64,
     /// Between decisions, at which pulls are looked at.
@@ -41,14 +41,14 @@ const N_BESIDE: usize = 2;
 const UNKNOWN: Ahead = Ahead { decision: 0, from: 0, to: 0, low: 0 };
 
 impl Releases {
-    pub fn new(drive: &AntDrive, chance: Chance, control_period: f64) -> Self {
+    pub fn new(drive: &AntDrive, streams: RandomStreams, control_period: f64) -> Self {
         let (law, pace) = (drive.release, drive.release_pace);
         // A unit of the logistic curve beyond even odds.
         let strong = 0.5 * law.strong_pull + 1.0 / law.steepness;
         Self {
             law,
             pace,
-            chance,
+            streams,
             control_period,
             decisions: Periods::new(control_period, if pace == Pace::PerTick { control_period } else { law.period }),
             // By far more than what roundings of a square can make of it.
@@ -97,17 +97,17 @@ impl Releases {
     }
 
     fn draw(&self, ant: usize, tick: u64) -> f64 {
-        self.chance.uniform(Stream::Release, ant as u32, tick)
+        self.streams.uniform(Stream::Release, ant as u32, tick)
     }
 
     /// Whether the draw at a tick is low.
     fn is_low(&mut self, ant: usize, tick: u64) -> bool {
-        let Self { chance, ants, low, .. } = self;
+        let Self { streams, ants, low, .. } = self;
         let ahead = &mut ants[ant];
         if !(ahead.from..ahead.to).contains(&tick) {
             *ahead = Ahead { from: tick, to: tick.saturating_add(N_AHEAD), low: 0, ..*ahead };
             for begin in (0..N_AHEAD).step_by(N_BESIDE) {
-                let draws: [f64; N_BESIDE] = chance.uniforms(Stream::Release, ant as u32, tick.wrapping_add(begin));
+                let draws: [f64; N_BESIDE] = streams.uniforms(Stream::Release, ant as u32, tick.wrapping_add(begin));
                 draws.iter().zip(begin..).for_each(|(drawn, k)| ahead.low |= u32::from(*drawn <= *low) << k);
             }
         }
@@ -129,13 +129,13 @@ mod tests {
                 .replace("\"n_ants\": 4", &format!("\"n_ants\": 4, \"preset\": \"{preset}\", \"release_pace\": \"hazard\""));
             let Drive::Ants(drive) = Scenario::parse(&text, preset).unwrap().drive else { panic!("ants drive this scene") };
             for control_period in [0.0025, 0.2] {
-                let (chance, mut pulls) = (Chance::new(3), Summary::default());
-                let mut releases = Releases::new(&drive, chance, control_period);
+                let (streams, mut pulls) = (RandomStreams::new(3), Summary::default());
+                let mut releases = Releases::new(&drive, streams, control_period);
                 let (mut n_ends, mut n_strong) = (0, 0);
                 for tick in 1..20_000 {
                     for ant in 0..drive.n_ants {
                         let pull = 0.012 * (1.0 + (0.01 * (tick * (ant as u64 + 1)) as f64).sin());
-                        let drawn = chance.uniform(Stream::Release, ant as u32, tick);
+                        let drawn = streams.uniform(Stream::Release, ant as u32, tick);
                         let ends = drawn < probability_within(drive.release.hazard(pull), control_period);
                         // Holds begin and end, and nobody asks meanwhile.
                         if tick / 500 % 5 == ant as u64 {

@@ -179,13 +179,13 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Chance, Stream};
+    use crate::math::{RandomStreams, Stream};
 
     /// Roots in a disc of 12 mm, rest tips up to 40 mm from the origin, some of them on one place.
     fn springs(n: usize) -> Vec<PolarSpring> {
-        let chance = Chance::new(3);
+        let streams = RandomStreams::new(3);
         let spring = |j: u32| {
-            let [u, v] = chance.uniform_pair(Stream::Scene, j / 2, 0);
+            let [u, v] = streams.uniform_pair(Stream::Scene, j / 2, 0);
             let root = 0.012 * v * Vec2::new((7.0 * u).cos(), (7.0 * u).sin());
             PolarSpring {
                 root,
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn cells_and_the_comparison_find_what_a_look_at_all_tips_finds() {
-        let chance = Chance::new(5);
+        let streams = RandomStreams::new(5);
         for (n_springs, reach, far_away) in [(1, 0.015, 0.0), (2, 0.015, 0.0), (5, 0.1, 3.0), (300, 0.004, 0.1), (1000, 0.015, 1e3)] {
             let mut sensing = Sensing::new(&springs(n_springs), reach);
             (0..n_springs).filter(|spring| spring % 3 == 2).for_each(|spring| sensing.take(spring));
@@ -209,7 +209,7 @@ mod tests {
             let (quick, slow) = (sensing.around(load, true), sensing.around(load, false));
             let (mut n_found, mut n_far) = (0, 0);
             for ant in 0..4000 {
-                let [u, v] = chance.uniform_pair(Stream::Start, ant, 0);
+                let [u, v] = streams.uniform_pair(Stream::Start, ant, 0);
                 let position = load.position + 0.08 * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0);
                 let expected = slow.nearest(&position);
                 n_far += u32::from(quick.is_far(&position));

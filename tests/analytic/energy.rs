@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Integrator, Status, Tolerance, TransitionKind, build};
-use cohaul::math::{Chance, Stream, Vec2, direction};
+use cohaul::math::{RandomStreams, Stream, Vec2, direction};
 use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, driver_of};
@@ -39,12 +39,12 @@ fn is_near_buckling(spring: &PolarSpring, run: &dyn Backend, tip: &Vec2) -> bool
 
 /// Tips of `n` springs that walk at random: straight for some steps of `stride` (m), now and then let go and grasped elsewhere.
 fn walk(run: &mut dyn Backend, n: usize, stride: f64, seed: u64, n_steps: u64, mut watch: impl FnMut(&dyn Backend)) {
-    let chance = Chance::new(seed);
+    let streams = RandomStreams::new(seed);
     let springs = paper_springs(n);
     let mut tips = vec![Vec2::new(f64::NAN, f64::NAN); n];
     for tick in 0..n_steps {
         for spring in 0..n {
-            let [toss, turn] = chance.uniform_pair(Stream::Grasp, spring as u32, tick);
+            let [toss, turn] = streams.uniform_pair(Stream::Grasp, spring as u32, tick);
             let rest = run.motion().pose.to_world(&springs[spring].rest_tip());
             match run.tip(spring) {
                 None if toss < 0.05 => {
@@ -54,7 +54,7 @@ fn walk(run: &mut dyn Backend, n: usize, stride: f64, seed: u64, n_steps: u64, m
                 Some(tip) if toss < 0.004 || is_near_buckling(&springs[spring], run, &tip) => run.release(spring),
                 _ => (),
             }
-            let course = chance.uniform(Stream::Target, spring as u32, tick / 40);
+            let course = streams.uniform(Stream::Target, spring as u32, tick / 40);
             tips[spring] += stride * direction(TAU * course);
         }
         assert_eq!(run.advance(&tips, 1e-3).status, Status::Converged, "seed {seed}, tick {tick}");

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use cohaul::backend::friction::{FrictionSolution, FrictionSolver, Regime};
+use cohaul::backend::friction::{ContactMode, FrictionSolution, FrictionSolver};
 use cohaul::backend::{BackendKind, Motion};
 use cohaul::math::{Mat3, Pose, Twist, Vec2, Vec3, direction, rotation};
 use cohaul::model::Ground;
@@ -24,10 +24,10 @@ const HAIR: f64 = 1e-9;
 /// On the limit surface at `wrench`; the onset above it.
 fn onset(wrench: Vec3) -> FrictionSolution {
     let below = solution((1.0 - HAIR) * wrench);
-    assert_eq!((below.regime, below.increment), (Regime::Stick, Vec3::zeros()), "{wrench}");
+    assert_eq!((below.mode, below.increment), (ContactMode::Stick, Vec3::zeros()), "{wrench}");
     let above = solution((1.0 + HAIR) * wrench);
     assert!(
-        above.regime != Regime::Stick && above.increment.norm() > 0.1 * HAIR && above.increment.norm() < 10.0 * HAIR,
+        above.mode != ContactMode::Stick && above.increment.norm() > 0.1 * HAIR && above.increment.norm() < 10.0 * HAIR,
         "{wrench} {above:?}"
     );
     above
@@ -39,7 +39,7 @@ fn a_force_through_the_centre_is_held_up_to_one_in_every_direction() {
         let force = direction(TAU * f64::from(i) / 60.0 + 0.01);
         let slip = onset(Vec3::new(force.x, force.y, 0.0));
         // The supports move as one, along the force: exact but for rounding over the hair.
-        assert_eq!(slip.regime, Regime::Slip);
+        assert_eq!(slip.mode, ContactMode::Slip);
         assert!((slip.increment.xy().normalize() - force).norm() < 1e-6 && slip.increment.z.abs() < 1e-6 * HAIR, "{slip:?}");
     }
 }
@@ -67,7 +67,7 @@ fn on_each_of_six_facets_the_load_turns_about_one_support() {
                 let torque = third - own.x;
                 assert!((force.x + torque - 1.154700538).abs() < 5e-10);
                 let slip = onset(Vec3::new(turned.x, turned.y, sense * torque));
-                assert_eq!(slip.regime, Regime::Pinned(support as usize), "{share} {angle}");
+                assert_eq!(slip.mode, ContactMode::Pinned(support as usize), "{share} {angle}");
                 let pivot = ground().supports[support as usize].offset;
                 let about_pivot = slip.increment.z * Vec3::new(pivot.y, -pivot.x, 1.0);
                 assert!((slip.increment - about_pivot).norm() < 1e-15 && slip.increment.z * sense > 0.0);
@@ -76,7 +76,7 @@ fn on_each_of_six_facets_the_load_turns_about_one_support() {
             let edge = Vec2::new(third + 0.34, 0.0);
             let turned = rotation(TAU * f64::from(support) / 3.0) * Vec2::new(sense * edge.x, 0.0);
             let slip = solution(1.01 * Vec3::new(turned.x, turned.y, sense * (third - 0.34)));
-            assert_eq!(slip.regime, Regime::Slip);
+            assert_eq!(slip.mode, ContactMode::Slip);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A force along y at (b, 0): the force at which the load slips, and about which point (-h, 0). Supports at distance one, sum of limits one.
 
-use cohaul::backend::friction::{FrictionSolution, FrictionSolver, Regime};
+use cohaul::backend::friction::{ContactMode, FrictionSolution, FrictionSolver};
 use cohaul::math::{Mat3, Vec3, direction};
 use cohaul::model::{Ground, SupportPoint};
 
@@ -17,13 +17,13 @@ fn pulled(ground: &Ground, arm: f64, force: f64) -> FrictionSolution {
 }
 
 /// h at the onset above `force`, which must be the critical one to a billionth.
-fn centre_at_onset(ground: &Ground, arm: f64, force: f64) -> (f64, Regime) {
-    assert_eq!(pulled(ground, arm, (1.0 - 1e-9) * force).regime, Regime::Stick, "{arm}");
+fn centre_at_onset(ground: &Ground, arm: f64, force: f64) -> (f64, ContactMode) {
+    assert_eq!(pulled(ground, arm, (1.0 - 1e-9) * force).mode, ContactMode::Stick, "{arm}");
     let slip = pulled(ground, arm, (1.0 + 1e-9) * force);
-    assert!(slip.regime != Regime::Stick && slip.increment.z > 0.0, "{arm}: {slip:?}");
+    assert!(slip.mode != ContactMode::Stick && slip.increment.z > 0.0, "{arm}: {slip:?}");
     // A force along y and mirrored supports: no motion along x, to rounding over the hair.
     assert!(slip.increment.x.abs() < 1e-5 * slip.increment.norm(), "{arm}: {slip:?}");
-    (slip.increment.y / slip.increment.z, slip.regime)
+    (slip.increment.y / slip.increment.z, slip.mode)
 }
 
 /// The excess of a billionth turns the direction by about as much; rounding over it by 1e-6.
@@ -52,18 +52,18 @@ fn away_from_a_support() {
     let edge = 3f64.sqrt();
     for b in [2.0 - edge + 1e-3, 0.5, 1.0, 2.0, 3.0, 2.0 + edge - 1e-3] {
         let force = 2.0 / 3f64.sqrt() / (1.0 + b);
-        let (centre, regime) = centre_at_onset(&ground, b, force);
-        assert_eq!(regime, Regime::Pinned(0), "{b}");
+        let (centre, mode) = centre_at_onset(&ground, b, force);
+        assert_eq!(mode, ContactMode::Pinned(0), "{b}");
         // The pivot is exact.
         assert!((centre - 1.0).abs() < 1e-13, "{b}: {centre}");
     }
     assert!((2.0 / 3f64.sqrt() / 2.0 - 0.577350269190f64).abs() < 1e-12);
     for b in [2.0 - edge - 1e-2, 2.0 + edge + 1e-2] {
         let force = 2.0 / 3f64.sqrt() / (1.0 + b);
-        assert_eq!(pulled(&ground, b, 1.01 * force).regime, Regime::Slip, "{b}");
+        assert_eq!(pulled(&ground, b, 1.01 * force).mode, ContactMode::Slip, "{b}");
     }
     // At the tip of a spring of the paper, which is beyond.
-    let (centre, regime) = centre_at_onset(&ground, (LOAD_RADIUS + REST_LENGTH) / SUPPORT_RADIUS, 0.199942252731);
-    assert_eq!(regime, Regime::Slip);
+    let (centre, mode) = centre_at_onset(&ground, (LOAD_RADIUS + REST_LENGTH) / SUPPORT_RADIUS, 0.199942252731);
+    assert_eq!(mode, ContactMode::Slip);
     assert!((centre - 0.65435334281).abs() < CENTRE_TOLERANCE, "{centre}");
 }

@@ -1,4 +1,4 @@
-use cohaul::math::{Chance, Stream};
+use cohaul::math::{RandomStreams, Stream};
 use cohaul::model::SpringDesign;
 use cohaul::studies::calibrate::{Held, Limits, Made, Target, Wanted, design, on_grid};
 
@@ -34,10 +34,10 @@ fn free(design: &SpringDesign) -> [f64; 4] {
 
 #[test]
 fn the_stiffnesses_of_any_spring_lead_back_to_it_whichever_dimension_is_held() {
-    let chance = Chance::new(3);
+    let streams = RandomStreams::new(3);
     for k in 0..200 {
-        let [a, b] = chance.uniform_pair(Stream::Scene, 0, k);
-        let [c, d] = chance.uniform_pair(Stream::Scene, 1, k);
+        let [a, b] = streams.uniform_pair(Stream::Scene, 0, k);
+        let [c, d] = streams.uniform_pair(Stream::Scene, 1, k);
         let made = SpringDesign {
             short_member_length: 5e-3 + 0.01 * a,
             folded_member_length: 8e-3 + 0.01 * b,

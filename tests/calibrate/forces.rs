@@ -1,5 +1,5 @@
 use cohaul::backend::{BackendKind, BackendOptions};
-use cohaul::math::{Chance, Pose, Stream, Summary, Vec2, direction, rotation};
+use cohaul::math::{Pose, RandomStreams, Stream, Summary, Vec2, direction, rotation};
 use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, Trace};
@@ -125,11 +125,11 @@ fn errors_of_tips_and_stiffnesses_spread_forces_as_said() {
     let one = |tip: Vec2, sensor: &Sensor| {
         tip_forces(&Recording { samples: vec![Sample { time: 0.0, spring: 0, tip: Tip::InRoot(tip) }] }, sensor).forces[0]
     };
-    let chance = Chance::new(11);
+    let streams = RandomStreams::new(11);
     let (mut by_tip, mut by_all) = (Summary::default(), Summary::default());
     for k in 0..20_000 {
-        let moved = tip + noise * chance.normal_pair(Stream::Scene, 0, k);
-        let stiffer = chance.normal_pair(Stream::Scene, 1, k);
+        let moved = tip + noise * streams.normal_pair(Stream::Scene, 0, k);
+        let stiffer = streams.normal_pair(Stream::Scene, 1, k);
         let spring = &exact.springs[0];
         let (radial, torsional) =
             (spring.radial_stiffness + radial_error * stiffer.x, spring.torsional_stiffness + torsional_error * stiffer.y);

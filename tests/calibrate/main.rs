@@ -6,11 +6,11 @@ mod fit;
 mod forces;
 mod program;
 
-use cohaul::model::SpringDesign;
+use cohaul::model::{SpringDesign, paper};
 use cohaul::studies::calibrate::generated::{Plan, measurements};
 use cohaul::studies::calibrate::{Calibration, Dimensions, Measurements, Ranges, fit};
 
-const TRUTH: SpringDesign = SpringDesign::PAPER;
+const TRUTH: SpringDesign = paper::SPRING;
 
 /// No noise and no difference between trials.
 const EXACT: Plan = Plan { between_trials: 0.0, noise: 0.0, states_noise: false, ..Plan::EXAMPLE };

@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use cohaul::math::{Chance, Stream};
+use cohaul::math::{RandomStreams, Stream};
 use tempfile::tempdir;
 
 use crate::common::{command, done, names, refused, scene, sweep, tables};
@@ -33,9 +33,9 @@ fn a_sweep_killed_ten_times_has_the_same_table_as_one_that_was_not() {
     let begun = Instant::now();
     done(&sweep(&scene, &[&ARGS[..], &THREADS].concat(), &whole));
     let few_rows = begun.elapsed() / 120;
-    let (chance, journal) = (Chance::new(11), room.path().join("out.journal"));
+    let (streams, journal) = (RandomStreams::new(11), room.path().join("out.journal"));
     for kill in 0..10 {
-        let [rows, pause] = chance.uniform_pair(Stream::Scene, 0, kill);
+        let [rows, pause] = streams.uniform_pair(Stream::Scene, 0, kill);
         let mut child = started(&scene, &out);
         let (enough, begun) = (n_lines(&journal) + (40.0 * rows) as usize, Instant::now());
         while kill > 0 && n_lines(&journal) < enough && begun.elapsed() < Duration::from_secs(20) {

@@ -10,6 +10,7 @@
 //!
 //! proves that it does. Close to the edge of slipping this ends without an answer, and the exact solver has to tell.
 
+use crate::backend::friction::move_back_within;
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
@@ -38,10 +39,6 @@ pub enum Look {
 
 /// So often forces are taken back: nearly all that can come to rest does by then.
 const MOST_ROUNDS: u32 = 24;
-/// Share of its limit that a force is taken back to (1).
-const WITHIN: f64 = 0.98;
-/// By how much more than the way there it is taken (1): the rest of it comes back.
-const OVER: f64 = 1.6;
 /// What may be out of balance (1): roundings.
 const BALANCED: f64 = 1e-13;
 
@@ -77,7 +74,7 @@ impl Bearing {
             if fits && self.keep(wrench) {
                 return Look::Holds;
             }
-            self.take_back();
+            self.trial.iter_mut().zip(&self.supports).for_each(|(force, (_, limit))| move_back_within(force, *limit));
         }
         Look::Open(twist)
     }
@@ -99,15 +96,6 @@ impl Bearing {
 
     fn held_by_trial(&self) -> Vec3 {
         self.trial.iter().zip(&self.supports).map(|(force, (offset, _))| wrench_of(offset, force)).sum()
-    }
-
-    fn take_back(&mut self) {
-        for (force, (_, limit)) in self.trial.iter_mut().zip(&self.supports) {
-            let (size, within) = (force.norm(), WITHIN * limit);
-            if size > within {
-                *force *= 1.0 + OVER * (within / size - 1.0);
-            }
-        }
     }
 
     pub fn forces(&self) -> &[Vec2] {
@@ -132,8 +120,8 @@ impl Bearing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::friction::{FrictionSolver, Regime};
-    use crate::math::{Chance, Stream, direction};
+    use crate::backend::friction::{ContactMode, FrictionSolver};
+    use crate::math::{RandomStreams, Stream, direction};
     use crate::model::SupportPoint;
 
     fn tripod() -> Ground {
@@ -149,8 +137,8 @@ mod tests {
         let stiffness = Mat3::from_diagonal(&Vec3::new(2.0, 2.0, 1e-3));
         let (mut n_held, mut n_slipping) = (0, 0);
         for case in 0..40 {
-            let chance = Chance::new(case);
-            let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
+            let streams = RandomStreams::new(case);
+            let draw = |k: u64| 2.0 * streams.uniform(Stream::Start, 0, k) - 1.0;
             let (mut bearing, mut solver) = (Bearing::new(&ground), FrictionSolver::new(&ground, 0.0122));
             let way = Vec3::new(draw(0), draw(1), 0.008 * draw(2));
             let bend = Vec3::new(draw(3), draw(4), 0.008 * draw(5));
@@ -160,14 +148,14 @@ mod tests {
                 let holds = bearing.look(&wrench) == Look::Holds;
                 if holds {
                     n_held += 1;
-                    assert_eq!(solver.solve(&stiffness, &wrench).regime, Regime::Stick, "{case} {step}");
+                    assert_eq!(solver.solve(&stiffness, &wrench).mode, ContactMode::Stick, "{case} {step}");
                     let held: Vec3 =
                         bearing.supports.iter().zip(&bearing.forces).map(|((offset, _), force)| wrench_of(offset, force)).sum();
                     assert!((held - wrench).xy().amax() <= BALANCED * bearing.units.x, "{case} {step}");
                     assert!(bearing.forces.iter().zip(&bearing.supports).all(|(force, (_, limit))| force.norm() <= *limit));
                 } else {
                     n_slipping += 1;
-                    assert_ne!(solver.solve(&stiffness, &(1.02 * wrench)).regime, Regime::Stick, "{case} {step}");
+                    assert_ne!(solver.solve(&stiffness, &(1.02 * wrench)).mode, ContactMode::Stick, "{case} {step}");
                     // What it slips by, a little further on, is near the direction that was found.
                     let Look::Open(near) = bearing.look(&(1.1 * wrench)) else { panic!("{case} {step}") };
                     let slip = solver.solve(&stiffness, &(1.1 * wrench)).increment;

@@ -49,7 +49,7 @@ impl Step<'_> {
         for _ in 0..MOST_ITERATIONS {
             let hessian = positive_definite(&local.hessian, length);
             let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
-            regime = solution.regime;
+            regime = solution.mode;
             report.n_solves += 1;
             report.n_iterations += u64::from(solution.n_iterations);
             let full_step = solution.increment - at;
@@ -201,7 +201,7 @@ mod tests {
     use super::*;
     use crate::backend::springs::Attachments;
     use crate::backend::springs::{Place, SpringBlocks};
-    use crate::math::{Chance, Stream, Vec2, rotation};
+    use crate::math::{RandomStreams, Stream, Vec2, rotation};
     use crate::model::PolarSpring;
 
     /// Tips pushed towards the load make it unstable against turns, which friction alone holds back. There the descent makes the springs' energy convex and gets on by
@@ -211,8 +211,8 @@ mod tests {
         let (ground, start) = (ground(), Pose::new(0.1, -0.05, 0.7));
         let mut n_found = 0;
         for case in 0..2000 {
-            let chance = Chance::new(case);
-            let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
+            let streams = RandomStreams::new(case);
+            let draw = |k: u64| 2.0 * streams.uniform(Stream::Start, 0, k) - 1.0;
             let springs: Vec<PolarSpring> = (0..3).map(|k| spring(0.4 + 2.0 * f64::from(k))).collect();
             let mut held = Attachments::default();
             for (k, spring) in springs.iter().enumerate() {

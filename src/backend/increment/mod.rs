@@ -264,7 +264,7 @@ mod tests {
     use super::*;
     use crate::backend::Status;
     use crate::backend::springs::Attachments;
-    use crate::math::{Chance, Pose, Stream, direction, rotation};
+    use crate::math::{Pose, RandomStreams, Stream, direction, rotation};
     use crate::model::{PolarSpring, SupportPoint};
 
     pub(super) fn ground() -> Ground {
@@ -278,8 +278,8 @@ mod tests {
         let (ground, start) = (ground(), Pose::new(0.1, -0.05, 0.7));
         let mut n_found = [0; 2];
         for case in 0..1000 {
-            let chance = Chance::new(case);
-            let draw = |k: u64| 2.0 * chance.uniform(Stream::Start, 0, k) - 1.0;
+            let streams = RandomStreams::new(case);
+            let draw = |k: u64| 2.0 * streams.uniform(Stream::Start, 0, k) - 1.0;
             let n = 1 + case as usize % 3;
             let springs: Vec<PolarSpring> = (0..n as u32).map(|k| spring(0.4 + 2.0 * f64::from(k))).collect();
             let mut held = Attachments::default();

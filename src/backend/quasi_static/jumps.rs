@@ -95,7 +95,7 @@ impl QuasiStatic {
 mod tests {
     use super::*;
     use crate::backend::{Backend, Skips, Stepping};
-    use crate::math::{Chance, Stream, Vec2};
+    use crate::math::{RandomStreams, Stream, Vec2};
     use crate::scenario::Scenario;
 
     /// Legs that a jump leaves out lead nowhere: further ones stay within what counts as no way, and rounding. Soft springs and stiff ones, short jumps
@@ -106,16 +106,16 @@ mod tests {
         let Scenario { system, start, .. } = Scenario::parse(text, "four ants").unwrap();
         let (mut n_jumps, mut n_cut) = (0, 0);
         for case in 0..300 {
-            let (chance, mut system) = (Chance::new(case), system.clone());
-            let stiffer = 10f64.powf(4.0 * chance.uniform(Stream::Scene, 0, 0));
+            let (streams, mut system) = (RandomStreams::new(case), system.clone());
+            let stiffer = 10f64.powf(4.0 * streams.uniform(Stream::Scene, 0, 0));
             for spring in &mut system.springs {
                 spring.radial_stiffness *= stiffer;
                 spring.torsional_stiffness *= stiffer;
             }
-            let reach = 0.5 * 10f64.powf(-2.0 * chance.uniform(Stream::Scene, 0, 1)) * system.springs[0].rest_length;
+            let reach = 0.5 * 10f64.powf(-2.0 * streams.uniform(Stream::Scene, 0, 1)) * system.springs[0].rest_length;
             let mut backend = QuasiStatic::new(system.clone(), start, Stepping::Fixed(f64::INFINITY), Skips::ALL);
             for (spring, polar) in system.springs.iter().enumerate().take(3) {
-                let [u, v] = chance.uniform_pair(Stream::Scene, spring as u32, 2);
+                let [u, v] = streams.uniform_pair(Stream::Scene, spring as u32, 2);
                 backend.attach(spring, start.pose.to_world(&polar.rest_tip()) + reach * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0));
             }
             backend.jump();

@@ -4,7 +4,6 @@
 //! the step. Where a grasp or a release leaves the load out of balance, it jumps to the nearest balance before the tips move on; where
 //! moving tips take the balance away, it snaps to another one within the step. Dashpots act through rates, so they do not act here.
 
-pub mod conic;
 mod jumps;
 mod second_order;
 
@@ -111,7 +110,7 @@ impl QuasiStatic {
 
     /// The same with its friction problems handed to `solver`.
     pub fn through(self, solver: ConeSolver) -> Self {
-        Self { solver: self.solver.through(solver, &self.system.ground, self.system.load.radius), ..self }
+        Self { solver: FrictionSolver::by(solver, &self.system.ground, self.system.load.radius), ..self }
     }
 
     /// The same with steps of second order where the load goes on slipping.

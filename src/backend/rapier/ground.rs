@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use super::FrictionModel;
 use super::joints::FrictionJoint;
 use super::springs::{SpringSum, seen_from, turned};
-use crate::backend::friction::{FrictionSolution, FrictionSolver, Regime, WarmStart};
+use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver, WarmStart};
 use crate::backend::{Motion, RestoreError, StepReport};
 use crate::math::{Mat3, Vec2, Vec3, direction};
 use crate::model::System;
@@ -37,8 +37,8 @@ struct Foot {
 }
 
 enum How {
-    /// With the regime of the last step.
-    Aligned(Box<FrictionSolver>, Regime),
+    /// Solver, and contact mode in the last step.
+    Aligned(Box<FrictionSolver>, ContactMode),
     /// The same joints in every step.
     Fixed,
 }
@@ -55,7 +55,7 @@ impl Footing {
             .collect();
         let solver = || Box::new(FrictionSolver::new(&system.ground, system.load.radius));
         let (how, joints) = match model {
-            FrictionModel::Aligned => (How::Aligned(solver(), Regime::Slip), Vec::with_capacity(feet.len())),
+            FrictionModel::Aligned => (How::Aligned(solver(), ContactMode::Slip), Vec::with_capacity(feet.len())),
             FrictionModel::Polygon => (How::Fixed, polygon(&feet)),
             FrictionModel::Box => (How::Fixed, feet.iter().map(|foot| foot.joint(Vec2::x(), [foot.limit; 2])).collect()),
         };
@@ -64,7 +64,7 @@ impl Footing {
 
     /// Whether the joints of the last step let the load move by no more than the engine's rounding, or know nothing of it.
     pub fn may_hold(&self) -> bool {
-        !matches!(self.how, How::Aligned(_, Regime::Slip | Regime::Pinned(_)))
+        !matches!(self.how, How::Aligned(_, ContactMode::Slip | ContactMode::Pinned(_)))
     }
 
     /// The joints of the last step.
@@ -75,22 +75,22 @@ impl Footing {
     /// Poses the joints of a step of `duration` (s) from `motion`, with the load's x axis along `facing`, under the springs of `sum`; what it took goes to
     /// `report`.
     pub fn pose(&mut self, system: &System, motion: &Motion, facing: &Vec2, sum: &SpringSum, duration: f64, report: &mut StepReport) {
-        let How::Aligned(solver, regime) = &mut self.how else { return };
+        let How::Aligned(solver, mode) = &mut self.how else { return };
         if self.feet.is_empty() {
             return;
         }
         let solution = solve(solver, system, motion, facing, sum, duration);
-        *regime = solution.regime;
+        *mode = solution.mode;
         report.n_solves += 1;
         report.n_iterations += u64::from(solution.n_iterations);
         report.residual = report.residual.max(solution.residual);
         self.joints.clear();
         for (at, foot) in self.feet.iter().enumerate() {
             let force = turned(facing, &solver.forces()[foot.support]);
-            self.joints.push(match solution.regime {
-                Regime::Stick => foot.held(at == 0, force),
-                Regime::Pinned(support) => foot.aligned(&force, support == foot.support),
-                Regime::Slip => foot.aligned(&force, false),
+            self.joints.push(match solution.mode {
+                ContactMode::Stick => foot.held(at == 0, force),
+                ContactMode::Pinned(support) => foot.aligned(&force, support == foot.support),
+                ContactMode::Slip => foot.aligned(&force, false),
             });
         }
     }

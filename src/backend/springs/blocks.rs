@@ -266,14 +266,14 @@ fn bearing_of(known: &mut Vec<(f64, Vec2)>, spring: usize, bearing: f64) -> Vec2
 mod tests {
     use super::*;
     use crate::backend::springs::Attachments;
-    use crate::math::{Chance, Mat3, Stream, rotation};
+    use crate::math::{Mat3, RandomStreams, Stream, rotation};
 
     const STIFFNESS: f64 = 0.664;
 
     /// Springs of all kinds: the paper's, stiff and soft ones, isotropic ones, none of them at rest, some held after turns about their roots.
     fn held(n: u32, seed: u64) -> (Vec<PolarSpring>, Attachments) {
-        let chance = Chance::new(seed);
-        let draw = |i: u32, k: u64| 2.0 * chance.uniform(Stream::Start, i, k) - 1.0;
+        let streams = RandomStreams::new(seed);
+        let draw = |i: u32, k: u64| 2.0 * streams.uniform(Stream::Start, i, k) - 1.0;
         let spring = |i: u32| PolarSpring {
             root: 0.0122 * Vec2::new(draw(i, 0), draw(i, 1)),
             bearing: 4.0 * draw(i, 2),

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative};
-use crate::model::SpringDesign;
+use crate::model::paper;
 use crate::studies::calibrate::report::{DesignReport, write_design};
 use crate::studies::calibrate::{Held, Limits, Made, Target, Wanted, design as spring, on_grid};
 
@@ -82,7 +82,7 @@ pub fn design(args: &DesignArgs) -> Result<ExitCode, CliError> {
 }
 
 fn wanted(args: &DesignArgs) -> Wanted {
-    let paper = SpringDesign::PAPER;
+    let paper = paper::SPRING;
     let held = match (args.short_member_length_m, args.folded_member_length_m, args.member_width_m) {
         (_, Some(folded), _) => Held::FoldedMemberLengthM(folded),
         (_, _, Some(width)) => Held::MemberWidthM(width),

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative, read};
 use crate::backend::BackendKind;
-use crate::model::SpringDesign;
+use crate::model::paper;
 use crate::output::folder::MANIFEST;
 use crate::output::quantity::quantity;
 use crate::scenario::Scenario;
@@ -67,7 +67,7 @@ pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
     let sensor = sensor(args, scenario.as_ref())?;
     let rest_length = sensor.springs.iter().map(|spring| spring.rest_length).fold(0.0, f64::max);
     // Isotropic springs have no length of their own.
-    let rest_length = if rest_length > 0.0 { rest_length } else { SpringDesign::PAPER.rest_length() };
+    let rest_length = if rest_length > 0.0 { rest_length } else { paper::SPRING.rest_length() };
     let recording = Recording::read(&file, scenario.as_ref().map(|scenario| scenario.system.springs.len()), rest_length)?;
     if scenario.is_none() && recording.is_in_world() {
         let rule = "tips in world axes need the springs' roots: name them by --scenario";

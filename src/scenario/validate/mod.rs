@@ -14,9 +14,8 @@ use super::error::{Finding, Findings, ScenarioError};
 use super::format::{DriveEntry, GroundEntry, LoadEntry, ScenarioFile, SpringsEntry};
 use super::json::join;
 use super::{Drive, Scenario};
-use crate::backend::Motion;
 use crate::math::{Pose, Twist, Vec2};
-use crate::model::{Load, System};
+use crate::model::{Load, Motion, System};
 
 /// More ticks than this (1) and a run neither ends nor fits into memory.
 const MOST_TICKS: f64 = 1e9;

@@ -9,7 +9,7 @@ use super::clock::{Clock, Timing};
 use super::fit::{Line, PowerLaw, line, power_law};
 use crate::backend::{BackendKind, BackendOptions, Motion, build, default_step};
 use crate::math::{Pose, Twist, Vec2, direction};
-use crate::model::{Ground, Load, PolarSpring, SupportPoint, System};
+use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, paper};
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Keep, Simulation};
 
@@ -118,10 +118,10 @@ fn sizes(largest: usize, is_quick: bool) -> Vec<usize> {
 
 /// A load of 1.6 g on `n_supports` supports and `n_springs` springs, with weight and stiffness shared out evenly.
 fn dragged(n_springs: usize, n_supports: usize) -> System {
-    const RADIUS: f64 = 0.0122;
-    const MASS: f64 = 1.6e-3;
+    const RADIUS: f64 = paper::LOAD_RADIUS_M;
+    const MASS: f64 = paper::LOAD_MASS_KG;
     /// Of all springs together (N/m, N m/rad): four of the paper's.
-    const STIFFNESS: (f64, f64) = (4.0 * 0.664, 4.0 * 4.52e-4);
+    const STIFFNESS: (f64, f64) = (4.0 * paper::RADIAL_STIFFNESS_N_PER_M, 4.0 * paper::TORSIONAL_STIFFNESS_NM_PER_RAD);
     let turn = std::f64::consts::TAU;
     let share = 1.0 / n_springs as f64;
     let spring = |j: usize| {
@@ -129,7 +129,7 @@ fn dragged(n_springs: usize, n_supports: usize) -> System {
         PolarSpring {
             root: RADIUS * direction(bearing),
             bearing,
-            rest_length: 0.0263,
+            rest_length: paper::REST_LENGTH_M,
             radial_stiffness: share * STIFFNESS.0,
             torsional_stiffness: share * STIFFNESS.1,
             damping_ratio: 0.0,
@@ -141,7 +141,7 @@ fn dragged(n_springs: usize, n_supports: usize) -> System {
     };
     System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * RADIUS * RADIUS, radius: RADIUS },
-        ground: Ground { friction_coefficient: 1.4, supports: (0..n_supports).map(support).collect() },
+        ground: Ground { friction_coefficient: paper::FRICTION_COEFFICIENT, supports: (0..n_supports).map(support).collect() },
         springs: (0..n_springs).map(spring).collect(),
     }
 }
@@ -209,7 +209,11 @@ mod tests {
 
     #[test]
     fn each_curve_has_its_own_fit() {
-        let mut points = Growth { ants: crate::scenario::Scenario::random(1), is_quick: false }.points();
+        let mut points = Growth {
+            ants: crate::scenario::Scenario::read("scenarios/paper/four-ants-four-springs.json".as_ref()).unwrap(),
+            is_quick: false,
+        }
+        .points();
         for point in &mut points {
             let n = point.n as f64;
             // Two rounds: the least counts.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::clock::{Timing, time_of};
 use super::problems::{Problem, kkt_residual};
 use crate::backend::friction::FrictionSolver;
-use crate::backend::quasi_static::conic::ConicSolver;
+use crate::backend::friction::clarabel::ClarabelSolver;
 use crate::math::{Vec2, Vec3};
 use crate::scenario::Scenario;
 
@@ -106,7 +106,7 @@ impl SolverRow {
 fn pass(scenario: &Scenario, solver: Solver, problems: &[Problem], mut see: impl FnMut(&Problem, &Vec3, &dyn Fn() -> Vec<Vec2>)) {
     let (ground, length) = (&scenario.system.ground, scenario.system.load.radius);
     let mut exact = FrictionSolver::new(ground, length);
-    let mut conic = ConicSolver::new(ground, length);
+    let mut clarabel = ClarabelSolver::new(ground, length);
     for problem in problems {
         let Problem { hessian, drive } = problem;
         if solver == Solver::Exact {
@@ -114,10 +114,10 @@ fn pass(scenario: &Scenario, solver: Solver, problems: &[Problem], mut see: impl
             see(problem, &increment, &|| exact.forces().iter().map(|force| -force).collect());
         } else {
             if solver == Solver::ClarabelBuilt {
-                conic = ConicSolver::new(ground, length);
+                clarabel = ClarabelSolver::new(ground, length);
             }
-            let increment = conic.friction_solution(hessian, drive).increment;
-            see(problem, &increment, &|| conic.forces());
+            let increment = clarabel.friction_solution(hessian, drive).increment;
+            see(problem, &increment, &|| clarabel.forces());
         }
     }
 }

@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn the_triangle_inverts_eq_2_up_to_the_limit() {
         for (short, link) in [(9.8e-3, 16.5e-3), (16.5e-3, 9.8e-3)] {
-            let design = SpringDesign { short_member_length: short, link_length: link, ..SpringDesign::PAPER };
+            let design = SpringDesign { short_member_length: short, link_length: link, ..crate::model::paper::SPRING };
             for turn in [-1.5, -0.2, 0.0, 1e-6, 0.7, 1.57] {
                 let (swing, force) = design.tangential_case_2(turn);
                 assert!(swing.abs() < Case::TangentialTwo.limit(&design));

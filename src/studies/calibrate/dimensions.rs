@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::SpringDesign;
+use crate::model::{SpringDesign, paper};
 use crate::scenario::Finding;
 
 /// Dimensions and the two factors of the pseudo-rigid-body model; what a file leaves out is the paper's (Fig. 2, Table I).
@@ -27,7 +27,7 @@ pub struct Dimensions {
 
 impl Default for Dimensions {
     fn default() -> Self {
-        Self::of(&SpringDesign::PAPER)
+        Self::of(&paper::SPRING)
     }
 }
 

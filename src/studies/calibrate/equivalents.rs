@@ -98,7 +98,7 @@ mod tests {
     /// The printed 0.664 N/m: as the secant, as a fit through the origin, and not as the tangent.
     #[test]
     fn the_printed_stiffness_is_the_secant_at_eight_millimetres() {
-        let design = SpringDesign::PAPER;
+        let design = crate::model::paper::SPRING;
         let found = RadialEquivalents::of(&design, [0.0, 10.274e-3], 0.66354);
         // Half of the last printed digit.
         assert!((found.secant_at_8_mm_n_per_m.unwrap() - 0.664).abs() < 5e-4);

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{Case, Measurement, Measurements};
-use crate::math::{Chance, Stream};
+use crate::math::{RandomStreams, Stream};
 use crate::model::SpringDesign;
 
 /// What is measured, and how badly.
@@ -35,15 +35,15 @@ cargo run --example generate_measurements prints this file.";
 
 /// All cases with a reach other than zero.
 pub fn measurements(truth: &SpringDesign, plan: &Plan) -> Measurements {
-    let chance = Chance::new(plan.seed);
+    let streams = RandomStreams::new(plan.seed);
     let mut found = Measurements::default();
     for (index, (case, reach)) in Case::ALL.into_iter().zip(plan.reach).enumerate().filter(|(_, (_, reach))| *reach != 0.0) {
         for trial in 0..plan.n_trials {
             let agent = (index * plan.n_trials + trial) as u32;
-            let stiffer = 1.0 + plan.between_trials * chance.normal_pair(Stream::Scene, agent, 0).x;
+            let stiffer = 1.0 + plan.between_trials * streams.normal_pair(Stream::Scene, agent, 0).x;
             for i in 1..=plan.n_points {
                 let at = reach * i as f64 / plan.n_points as f64;
-                let noise = plan.noise * chance.normal_pair(Stream::Scene, agent, i as u64).x;
+                let noise = plan.noise * streams.normal_pair(Stream::Scene, agent, i as u64).x;
                 let point = Measurement { at, force: stiffer * case.force(truth, at) + noise, sd: plan.states_noise.then_some(plan.noise) };
                 found.add(case, (trial + 1).to_string(), point);
             }

@@ -4,10 +4,8 @@ use super::equivalents::PAPER_STRETCH;
 use super::fit::EDGE;
 use super::{Calibration, Case};
 use crate::math::Vec2;
-use crate::model::{PolarSpring, SpringDesign};
+use crate::model::{PolarSpring, SpringDesign, paper};
 
-/// kappa_rho (N/m) and kappa_tau (N m/rad) as the paper prints them.
-const PRINTED: [f64; 2] = [0.664, 4.52e-4];
 /// Rest lengths that differ by more than this share are not of one design.
 const SAME_LENGTH: f64 = 0.01;
 
@@ -59,12 +57,12 @@ impl Sensor {
         let spring = PolarSpring {
             root: Vec2::zeros(),
             bearing: 0.0,
-            rest_length: SpringDesign::PAPER.rest_length(),
-            radial_stiffness: PRINTED[0],
-            torsional_stiffness: PRINTED[1],
+            rest_length: paper::SPRING.rest_length(),
+            radial_stiffness: paper::RADIAL_STIFFNESS_N_PER_M,
+            torsional_stiffness: paper::TORSIONAL_STIFFNESS_NM_PER_RAD,
             damping_ratio: 0.0,
         };
-        Self { model: Some(SpringDesign::PAPER), ..Self::exact(vec![spring]) }
+        Self { model: Some(paper::SPRING), ..Self::exact(vec![spring]) }
     }
 
     /// Springs whose stiffnesses are known.

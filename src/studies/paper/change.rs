@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::{Chance, Stream};
+use crate::math::{RandomStreams, Stream};
 
 /// The best place for one change of mean.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,10 +47,10 @@ pub fn change_of_mean(values: &[f64], block: usize, seed: u64) -> Option<Change>
         return None;
     }
     let (at, explained) = best(values)?;
-    let chance = Chance::new(seed);
+    let streams = RandomStreams::new(seed);
     let as_much_is = explained * (1.0 - ROUNDING);
     let as_much =
-        (0..N_ORDERS).filter(|order| best(&shuffled(values, block, &chance, *order)).is_some_and(|(_, other)| other >= as_much_is));
+        (0..N_ORDERS).filter(|order| best(&shuffled(values, block, &streams, *order)).is_some_and(|(_, other)| other >= as_much_is));
     let p_value = (1 + as_much.count()) as f64 / f64::from(1 + N_ORDERS);
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     Some(Change { at, mean_before: mean(&values[..at]), mean_after: mean(&values[at..]), explained, p_value })
@@ -80,10 +80,10 @@ fn best(values: &[f64]) -> Option<(usize, f64)> {
 }
 
 /// The blocks of the series in a random order (Fisher and Yates); the last, shorter one goes along.
-fn shuffled(values: &[f64], block: usize, chance: &Chance, order: u32) -> Vec<f64> {
+fn shuffled(values: &[f64], block: usize, streams: &RandomStreams, order: u32) -> Vec<f64> {
     let mut blocks: Vec<&[f64]> = values.chunks(block).collect();
     for i in (1..blocks.len()).rev() {
-        let drawn = chance.uniform(Stream::Resample, order, i as u64);
+        let drawn = streams.uniform(Stream::Resample, order, i as u64);
         blocks.swap(i, (drawn * (i + 1) as f64) as usize);
     }
     blocks.concat()
@@ -94,8 +94,8 @@ mod tests {
     use super::*;
 
     fn noise(n: usize, seed: u64) -> Vec<f64> {
-        let chance = Chance::new(seed);
-        (0..n).map(|i| chance.normal_pair(Stream::Scene, 0, i as u64).x).collect()
+        let streams = RandomStreams::new(seed);
+        (0..n).map(|i| streams.normal_pair(Stream::Scene, 0, i as u64).x).collect()
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::math::Interval;
 use crate::model::behaviour::Pace;
+use crate::model::paper as printed;
 use crate::output::chart::MILLI;
 use crate::output::chart::canvas::natural_height;
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
@@ -9,7 +10,7 @@ use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, ROW_HEIGHT, WIDTH, alone,
 use crate::output::quantity::quantity;
 use crate::studies::paper::figure_run;
 use crate::studies::paper::report::{FitRow, Paper, TableRow};
-use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Shown, Trial, Unit, printed};
+use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Shown, Trial, Unit};
 
 pub const OURS: Style = Style { color: "#0072B2", dash: "", width: 1.6 };
 pub const OTHER: Style = Style { color: "#E69F00", dash: "", width: 1.6 };

@@ -5,14 +5,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::facts;
 use super::facts::RunFacts;
 use super::measures::{Measure, Sample};
 use super::trial::{Case, Trial};
 use super::units::{Unit, units};
-use super::{facts, printed};
 use crate::backend::BackendKind;
-use crate::math::{Chance, Stream};
+use crate::math::{RandomStreams, Stream};
 use crate::model::behaviour::{Pace, ReleaseLaw};
+use crate::model::paper as printed;
 use crate::scenario::AntDrive;
 use crate::scenario::presets::{Preset, ants};
 
@@ -85,10 +86,10 @@ fn of_preset(preset: Preset) -> Point {
 
 /// One value in each of `n` equal parts of (0, 1), in a random order.
 fn column(n: usize, axis: u32) -> Vec<f64> {
-    let chance = Chance::new(20_100);
-    let mut values: Vec<f64> = (0..n).map(|i| (i as f64 + chance.uniform(Stream::Scene, axis, i as u64)) / n as f64).collect();
+    let streams = RandomStreams::new(20_100);
+    let mut values: Vec<f64> = (0..n).map(|i| (i as f64 + streams.uniform(Stream::Scene, axis, i as u64)) / n as f64).collect();
     for i in (1..n).rev() {
-        let drawn = chance.uniform(Stream::Resample, axis, i as u64);
+        let drawn = streams.uniform(Stream::Resample, axis, i as u64);
         values.swap(i, (drawn * (i + 1) as f64) as usize);
     }
     values

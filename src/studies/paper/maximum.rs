@@ -66,7 +66,7 @@ pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<&'a RunFact
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Chance, Stream};
+    use crate::math::{RandomStreams, Stream};
     use crate::studies::paper::{Trial, units};
 
     fn facts(pulls: Summary) -> RunFacts {
@@ -76,11 +76,11 @@ mod tests {
     /// Exponential pulls of mean one: the largest of n is ln n + gamma on average, which runs of 300 foresee for 30000.
     #[test]
     fn the_largest_of_many_is_foreseen_from_few() {
-        let chance = Chance::new(11);
+        let streams = RandomStreams::new(11);
         let runs: Vec<RunFacts> = (0..400)
             .map(|run| {
                 let mut pulls = Summary::default();
-                pulls.extend((0..300).map(|i| -chance.uniform(Stream::Scene, run, i).ln()));
+                pulls.extend((0..300).map(|i| -streams.uniform(Stream::Scene, run, i).ln()));
                 facts(pulls)
             })
             .collect();
@@ -96,11 +96,11 @@ mod tests {
     /// mean and what one value would do, of which t is exact for neither. Without errors of mean and scale the interval of 3 would hold it in 60 %.
     #[test]
     fn the_interval_holds_a_draw_however_few_units_there_are() {
-        let chance = Chance::new(12);
+        let streams = RandomStreams::new(12);
         for n in [3u32, 25] {
             let n_sets = 2000;
             let held = (0..n_sets).filter(|set| {
-                let gumbel = |i: u32| -(-chance.uniform(Stream::Scene, i, *set).ln()).ln();
+                let gumbel = |i: u32| -(-streams.uniform(Stream::Scene, i, *set).ln()).ln();
                 let runs: Vec<RunFacts> = (0..n)
                     .map(|i| {
                         let mut pulls = Summary::default();

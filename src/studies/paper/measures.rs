@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::facts::{OfSize, RunFacts};
-use super::printed;
 use super::trial::Trial;
 use super::units::{Estimate, Unit, difference, estimate, paired};
 use super::verdict::Printed;
 use crate::math::{proportion_interval, share_difference_interval};
+use crate::model::paper as printed;
 
 /// A quantity of a set of seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -28,7 +28,6 @@ pub mod fit;
 mod inertia;
 mod maximum;
 mod measures;
-pub mod printed;
 pub mod readme;
 pub mod report;
 mod shown;

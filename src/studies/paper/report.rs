@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::backend::{BackendKind, Status};
+use crate::model::paper as printed;
 use crate::output::finite::NotFinite;
 use crate::studies::paper::fit::{self, Found, Point};
-use crate::studies::paper::printed;
 use crate::studies::paper::why::{why, why_maximum};
 use crate::studies::paper::{
     Answer, Claim, Conclusion, Done, Estimate, Extreme, Grade, MEASURES, Measure, Plan, Printed, Replayed, RunFacts, Sample, Speeds, Task,

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::facts::RunFacts;
 use super::trial::Trial;
-use crate::math::{Chance, Interval, Stream, Summary, student};
+use crate::math::{Interval, RandomStreams, Stream, Summary, student};
 
 /// The runs of one seed, at most one a trial.
 #[derive(Clone, Copy, Debug)]
@@ -87,11 +87,11 @@ fn interval(value: f64, counting: &[usize], of: impl Fn(&[usize]) -> Option<f64>
     if n < 2 {
         return None;
     }
-    let chance = Chance::new(n as u64);
+    let streams = RandomStreams::new(n as u64);
     let (mut drawn, mut values) = (vec![0; n], Summary::default());
     for resample in 0..N_RESAMPLES {
         for (at, index) in drawn.iter_mut().enumerate() {
-            *index = counting[(chance.uniform(Stream::Resample, at as u32, resample) * n as f64) as usize];
+            *index = counting[(streams.uniform(Stream::Resample, at as u32, resample) * n as f64) as usize];
         }
         values.add(of(&drawn)?);
     }
@@ -118,8 +118,8 @@ mod tests {
     /// count.
     #[test]
     fn the_interval_of_a_mean_is_students() {
-        let chance = Chance::new(5);
-        let runs: Vec<RunFacts> = (0..60).map(|i| facts(80.0 + 10.0 * chance.normal_pair(Stream::Scene, 1, i).x)).collect();
+        let streams = RandomStreams::new(5);
+        let runs: Vec<RunFacts> = (0..60).map(|i| facts(80.0 + 10.0 * streams.normal_pair(Stream::Scene, 1, i).x)).collect();
         for n in [2, 3, 12, 60] {
             let all = runs.iter().enumerate();
             let units = units(all.map(|(seed, run)| (if seed < n { Trial::FourFour } else { Trial::OneOne }, seed as u64, run)));
@@ -138,8 +138,8 @@ mod tests {
     /// Runs that differ by a constant differ by it exactly, however much they scatter; seeds of one side alone do not count.
     #[test]
     fn differences_are_taken_in_pairs() {
-        let chance = Chance::new(6);
-        let runs: Vec<RunFacts> = (0..20).map(|i| facts(80.0 + 30.0 * chance.normal_pair(Stream::Scene, 1, i).x)).collect();
+        let streams = RandomStreams::new(6);
+        let runs: Vec<RunFacts> = (0..20).map(|i| facts(80.0 + 30.0 * streams.normal_pair(Stream::Scene, 1, i).x)).collect();
         let later: Vec<RunFacts> = runs[..15].iter().map(|run| facts(run.time_s + 2.0)).collect();
         let of = |runs: &'_ [RunFacts]| -> Vec<(Trial, u64, RunFacts)> {
             runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run.clone())).collect()

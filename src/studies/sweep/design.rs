@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::axis::{Axis, Values};
 use super::error::SweepError;
 use super::{hypercube, sobol};
-use crate::math::{Chance, Stream};
+use crate::math::{RandomStreams, Stream};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Design {
@@ -103,7 +103,7 @@ impl Design {
 
 /// Random bits that a whole axis is shifted by: the points stay as even as they were.
 fn shift(seed: u64, dimension: usize) -> u32 {
-    (Chance::new(seed).uniform(Stream::Design, dimension as u32, u64::MAX) * 2f64.powi(32)) as u32
+    (RandomStreams::new(seed).uniform(Stream::Design, dimension as u32, u64::MAX) * 2f64.powi(32)) as u32
 }
 
 fn take_digit(rest: &mut u64, base: u64) -> u64 {

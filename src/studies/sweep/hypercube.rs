@@ -3,38 +3,38 @@
 //! The interval of a point is a permutation of its index, keyed by seed and axis: a Feistel network over the next power of four, walked on until it falls below n
 //! (Black and Rogaway, "Ciphers with arbitrary finite domains", CT-RSA 2002). Chance is the same function of key and index as everywhere.
 
-use crate::math::{Chance, Stream};
+use crate::math::{RandomStreams, Stream};
 
 /// Rounds of the network: four make it look random (Luby and Rackoff), six leave no pattern in small domains.
 const ROUNDS: u32 = 6;
 
 /// Coordinate `dimension` of point `index` of `n`, in (0, 1).
 pub fn coordinate(seed: u64, index: u64, n: u64, dimension: u32) -> f64 {
-    let chance = Chance::new(seed);
-    let within = chance.uniform(Stream::Design, dimension, index);
+    let streams = RandomStreams::new(seed);
+    let within = streams.uniform(Stream::Design, dimension, index);
     // Rounding must not lead into the next interval, nor to 1.
-    let share = (permuted(&chance, index, n, dimension) as f64 + within) / n as f64;
+    let share = (permuted(&streams, index, n, dimension) as f64 + within) / n as f64;
     share.min(1.0 - f64::EPSILON)
 }
 
 /// Where `index` goes in a permutation of `n`.
-fn permuted(chance: &Chance, index: u64, n: u64, dimension: u32) -> u64 {
+fn permuted(streams: &RandomStreams, index: u64, n: u64, dimension: u32) -> u64 {
     let half_bits = (64 - n.saturating_sub(1).leading_zeros()).div_ceil(2).max(1);
     let mut at = index;
     loop {
-        at = encrypted(chance, at, half_bits, dimension);
+        at = encrypted(streams, at, half_bits, dimension);
         if at < n {
             return at;
         }
     }
 }
 
-fn encrypted(chance: &Chance, at: u64, half_bits: u32, dimension: u32) -> u64 {
+fn encrypted(streams: &RandomStreams, at: u64, half_bits: u32, dimension: u32) -> u64 {
     let mask = (1u64 << half_bits) - 1;
     let (mut left, mut right) = (at >> half_bits, at & mask);
     for round in 1..=ROUNDS {
         // Agents beyond all dimensions: none of these draws is that of a point.
-        let draw = chance.uniform(Stream::Design, (round << 16) | dimension, right);
+        let draw = streams.uniform(Stream::Design, (round << 16) | dimension, right);
         (left, right) = (right, left ^ (draw * (mask + 1) as f64) as u64);
     }
     (left << half_bits) | right

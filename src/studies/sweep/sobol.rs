@@ -59,7 +59,7 @@ fn directions(dimension: usize) -> [u32; 32] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Chance, Stream};
+    use crate::math::{RandomStreams, Stream};
 
     fn point(index: u64, n: usize) -> Vec<f64> {
         (0..n).map(|dimension| f64::from(coordinate(index, dimension)) / 2f64.powi(32)).collect()
@@ -112,8 +112,8 @@ mod tests {
         for (d, share) in [(2, 0.1), (5, 1.0 / 3.0)] {
             let random_mean = (2f64.powi(-d) - 3f64.powi(-d)) / 256.0;
             let sobol: Vec<_> = (0..256).map(|index| point(index, d as usize)).collect();
-            let chance = Chance::new(1);
-            let draw = |index: u64| (0..d as u32).map(|dimension| chance.uniform(Stream::Design, dimension, index)).collect();
+            let streams = RandomStreams::new(1);
+            let draw = |index: u64| (0..d as u32).map(|dimension| streams.uniform(Stream::Design, dimension, index)).collect();
             let random: Vec<Vec<f64>> = (0..256).map(draw).collect();
             assert!(discrepancy(&sobol) < share * random_mean, "{d}: {} of {random_mean}", discrepancy(&sobol));
             assert!(discrepancy(&random) > 0.4 * random_mean, "{d}: {} of {random_mean}", discrepancy(&random));

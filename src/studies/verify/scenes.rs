@@ -4,24 +4,24 @@ use std::f64::consts::PI;
 
 use crate::backend::{Backend, BackendOptions, Motion, StepReport, Tolerance, build, n_steps_in};
 use crate::math::{Pose, Twist, Vec2, direction};
-use crate::model::{Ground, Load, PolarSpring, SupportPoint, System};
+use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, paper};
 
 /// (m/s^2)
 pub const GRAVITY: f64 = 9.81;
-/// mu (1).
-pub const MU: f64 = 1.4;
-/// Of the paper's load (kg).
-pub const MASS: f64 = 1.6e-3;
+/// Coefficient of friction, mu (1).
+pub const MU: f64 = paper::FRICTION_COEFFICIENT;
+/// Mass of the paper's load (kg).
+pub const MASS: f64 = paper::LOAD_MASS_KG;
 /// mu m g (N).
 pub const SLIP_LIMIT: f64 = MU * MASS * GRAVITY;
 /// Radial stiffness of the paper's springs (N/m).
-pub const RADIAL: f64 = 0.664;
+pub const RADIAL: f64 = paper::RADIAL_STIFFNESS_N_PER_M;
 /// Torsional stiffness of the paper's springs (N m/rad).
-pub const TORSIONAL: f64 = 4.52e-4;
-/// Of the paper's load (m).
-pub const LOAD_RADIUS: f64 = 0.0122;
-/// Of the paper's springs (m).
-pub const REST_LENGTH: f64 = 0.0263;
+pub const TORSIONAL: f64 = paper::TORSIONAL_STIFFNESS_NM_PER_RAD;
+/// Radius of the paper's load (m).
+pub const LOAD_RADIUS: f64 = paper::LOAD_RADIUS_M;
+/// Rest length of the paper's springs (m).
+pub const REST_LENGTH: f64 = paper::REST_LENGTH_M;
 /// Supports of the paper's load from its centre (m).
 pub const SUPPORT_RADIUS: f64 = 2.0 * LOAD_RADIUS / 3.0;
 /// mu m g over the radial stiffness (m): the stretch at which a load on one spring slips.

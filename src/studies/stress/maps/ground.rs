@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::super::map::{Answer, Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, isotropic, rest_tip, ring, spring, support};
-use crate::math::{Chance, Stream, Vec2, direction};
+use crate::math::{RandomStreams, Stream, Vec2, direction};
 use crate::scenario::format::SupportEntry;
 use crate::studies::verify::scenes::{GRAVITY, LOAD_RADIUS, MASS, RADIAL, SLIP_STRETCH, SUPPORT_RADIUS};
 
@@ -123,7 +123,7 @@ fn arranged(kind: usize, n: usize) -> Vec<SupportEntry> {
     // From -1 to 1; one alone stands in the middle.
     let along = |i: usize| if n > 1 { 2.0 * i as f64 / (n - 1) as f64 - 1.0 } else { 0.0 };
     let random = |i: usize| {
-        let [u, v] = Chance::new(1).uniform_pair(Stream::Scene, 0, i as u64);
+        let [u, v] = RandomStreams::new(1).uniform_pair(Stream::Scene, 0, i as u64);
         LOAD_RADIUS * u.sqrt() * direction(TAU * v)
     };
     let unequal = |rest: f64| {

@@ -1,49 +1,54 @@
 //! All supports on one point: that support sticks while the load turns freely about it, or it slips.
 //!
-//! The twist is written by the slip v of the support S and by y, the part of the turn about it, in an orthonormal basis: `p = (S_y, -S_x, 1) / g` with
-//! `g = sqrt(1 + |S|^2)` turns about S, and the two directions across p move S along itself and g times as fast across. That mixes turns and shifts only as
-//! far as S is off the origin, so nothing cancels, be S near or far. Friction knows v alone; y follows as the minimum for each v, which leaves, with
-//! the Schur complement H~ of p and w~ likewise,
+//! The twist is written by the slip v of the support S and by y, the part of the turn about it, in
+//! an orthonormal basis: `p = (S_y, -S_x, 1) / g` with `g = sqrt(1 + |S|^2)` turns about S, and the
+//! two directions across p move S along itself and g times as fast across. That mixes turns and
+//! shifts only as far as S is off the origin, so nothing cancels, whether S is near or far. Friction
+//! depends on v alone; y follows as the minimum for each v, which leaves, with the Schur complement
+//! H~ of p and w~ likewise,
 //!
 //! ```text
 //! 1/2 v'H~v - w~'v + c|v|
 //! ```
 //!
-//! With |w~| <= c the support sticks, and w~ is the force on it. Else v = s u with |u| = 1 and `(s H~ + c) u = w~`: the speed s solves
-//! `1 / |(s H~ + c)^-1 w~| = 1`, whose left side is concave and grows with s (the power mean, of exponent -2, of linear functions). From s = 0 Newton's
-//! method therefore climbs to the root without ever passing it.
+//! With |w~| <= c the support sticks, and w~ is the force on it. Otherwise v = s u with |u| = 1 and
+//! `(s H~ + c) u = w~`: the speed s solves `1 / |(s H~ + c)^-1 w~| = 1`. Its left side is concave and
+//! grows with s (the power mean, of exponent -2, of linear functions), so Newton's method climbs from
+//! s = 0 to the root without ever passing it.
 
-use super::cones::Cones;
-use super::{Candidate, Regime};
+use crate::backend::friction::cones::Cones;
+use crate::backend::friction::problem::{Candidate, ContactMode};
 use crate::math::{Mat2, Mat3, Vec2, Vec3, perpendicular};
 
-/// Far more than the six or so iterations that it takes: the end of a problem that has no minimum.
+/// Far above the six or so iterations that a problem with a minimum needs.
 const MOST_ITERATIONS: u32 = 60;
-/// Resistance to turning about the support, relative to the largest to anything (1), below which it is rounding.
+/// Resistance to turning about the support that counts as rounding, relative to the largest
+/// resistance (1).
 const LEAST_STIFFNESS: f64 = 1e-14;
 
-/// The answer for the only cone, with its force written.
-pub(super) fn solve(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
+/// Answer for the only cone; writes its force.
+pub fn solve(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
     let (found, force) = about(&cones.offsets[0], cones.limits[0], h, w, n_iterations);
     forces[0] = force;
     found
 }
 
-/// The answer for one cone at `offset`, and the force f there.
-pub(super) fn about(offset: &Vec2, limit: f64, h: &Mat3, w: &Vec3, n_iterations: &mut u32) -> (Candidate, Vec2) {
+/// Answer for one cone at `offset`, and the force f there.
+pub fn about(offset: &Vec2, limit: f64, h: &Mat3, w: &Vec3, n_iterations: &mut u32) -> (Candidate, Vec2) {
     let problem = Split::new(offset, h, w);
     if problem.force.norm() <= limit {
         let rate = problem.turn(&Vec2::zeros()) / problem.gain / problem.lever;
         let twist = rate * Vec3::new(offset.y, -offset.x, 1.0);
-        let regime = if rate == 0.0 { Regime::Stick } else { Regime::Pinned(0) };
-        return (Candidate { twist, regime }, (w - h * twist).xy());
+        let mode = if rate == 0.0 { ContactMode::Stick } else { ContactMode::Pinned(0) };
+        return (Candidate { twist, mode }, (w - h * twist).xy());
     }
     let slip = problem.slip(limit, n_iterations);
     let force = limit * (problem.frame * slip.normalize());
-    (Candidate { twist: problem.twist_of(&slip), regime: Regime::Slip }, force)
+    (Candidate { twist: problem.twist_of(&slip), mode: ContactMode::Slip }, force)
 }
 
-/// The problem by the slip of the support, along its offset and across, and the turn about it.
+/// The problem in three coordinates: slip of the support along its offset and across it, and turn
+/// about it.
 struct Split {
     /// Unit of length that makes turns about the origin as hard as shifts.
     lever: f64,
@@ -94,13 +99,13 @@ impl Split {
         }
     }
 
-    /// The minimum over the turn at a slip.
+    /// Turn that minimises the objective at a slip.
     fn turn(&self, slip: &Vec2) -> f64 {
         let rest = self.w.z - self.h.m13 * slip.x - self.h.m23 * (slip.y / self.gain);
         if self.h.m33 > 0.0 { rest / self.h.m33 } else { 0.0 }
     }
 
-    /// Slip v where the support does not stick.
+    /// Slip v of a support that does not stick.
     fn slip(&self, limit: f64, n_iterations: &mut u32) -> Vec2 {
         let mut speed = 0.0;
         let mut unit = self.force / limit;
@@ -127,7 +132,7 @@ impl Split {
     }
 }
 
-/// A positive definite matrix of two rows, whose entries may be of very different size.
+/// A positive definite 2x2 matrix whose entries may be of very different size.
 struct Symmetric {
     first: f64,
     ratio: f64,

@@ -1,27 +1,33 @@
-//! Continuation over rounded cones: |v| becomes sqrt(v^2 + eps^2), with eps falling tenfold from stage to stage.
+//! Continuation over rounded cones: |v| becomes sqrt(v^2 + eps^2), and eps falls tenfold from stage to
+//! stage.
 //!
-//! Each stage is a smooth convex problem for damped Newton. Its forces lie strictly inside the cones and its twist near the answer's, so each stage
-//! offers the exact methods a start. What still has no exact answer after the last stage moves by less than the last eps, or lies on the edge
-//! between two regimes within rounding.
+//! Each stage is a smooth convex problem for a damped Newton method. Its forces lie strictly inside
+//! the cones and its twist is near the answer's, so each stage offers the exact methods a start. A
+//! problem without an exact answer after the last stage moves by less than the last eps, or lies on
+//! the edge between two contact modes within rounding.
 
-use super::cones::Cones;
-use super::{Candidate, EXACT, Regime, far_answer, gliding, pinned, slipping};
+use super::start::far_answer;
+use super::{gliding, pinned, slipping};
+use crate::backend::friction::cones::Cones;
+use crate::backend::friction::problem::{Candidate, ContactMode, EXACT};
 use crate::math::{Mat2, Mat3, Vec2, Vec3};
 use crate::model::support::wrench_of;
 
-/// Down to the rounding of double precision.
+/// Stages down to the rounding of double precision.
 const N_STAGES: i32 = 15;
-/// In so many stages nearly every answer is found; who gets past them may depend on exact ones.
+/// Stages at a coarse accuracy: nearly every answer is found in them.
 const FIRST_STAGES: i32 = 4;
-/// Accuracy of these (1): the exact methods take over from there, or the next stage does.
+/// Accuracy of the first stages (1): the exact methods or the next stage take over from there.
 const NEAR: f64 = 1e-3;
-/// Enough to halve a damped step from one end of double precision to the other; a stage takes some ten.
+/// Iterations of one stage at most; a stage takes some ten.
 const MOST_ITERATIONS: u32 = 60;
-/// In all stages and the exact methods between them, which take some hundred where one of these finds the answer.
+/// Iterations in all stages and in the exact methods between them at most; where these find the
+/// answer, all take some hundred.
 const MOST_IN_ALL: u32 = 300;
 
-/// The answer found on the way, or the best one at its end, with the cones' forces written.
-pub(super) fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
+/// Answer of an exact method from one of the stages, or else the best one after the last stage; writes
+/// the forces of the cones.
+pub fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
     let (start, motion) = far_answer(cones, h, w, n_iterations);
     let mut twist = if cones.cluster.is_some() { start } else { Vec3::zeros() };
     let scale = if cones.cluster.is_some() { motion } else { motion.min(extent_of_motion(h, w)) };
@@ -41,18 +47,19 @@ pub(super) fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_i
     best_of_both(cones, h, w, &twist, rounding, forces)
 }
 
-/// Largest displacement of a twist, with supports at distance one.
+/// Largest displacement by a twist of supports at distance one.
 fn extent(twist: &Vec3) -> f64 {
     twist.xy().norm() + twist.z.abs()
 }
 
-/// How far the load would go along w itself without friction: stands in where H is nearly singular and the linear answer huge.
+/// Displacement of the load along w itself without friction. It replaces the linear answer, which is
+/// huge where H is nearly singular.
 fn extent_of_motion(h: &Mat3, w: &Vec3) -> f64 {
     let stiffness = w.dot(&(h * w));
     if stiffness > 0.0 { extent(w) * w.norm_squared() / stiffness } else { f64::INFINITY }
 }
 
-/// The exact methods, started from a stage's answer.
+/// Answer of the exact methods, started from that of a stage.
 fn exact_from(
     cones: &Cones,
     h: &Mat3,
@@ -65,32 +72,34 @@ fn exact_from(
     let rounded = Rounded { cones, h, w, rounding };
     (0..cones.len()).for_each(|k| forces[k] = rounded.force(k, twist));
     if cones.stick_forces(w, forces) {
-        return Some(Candidate { twist: Vec3::zeros(), regime: Regime::Stick });
+        return Some(Candidate { twist: Vec3::zeros(), mode: ContactMode::Stick });
     }
     let slowest = cones.slowest(twist);
     let started = pinned::about(cones, slowest, h, w, forces);
     if started.is_some() || cones.slip(slowest, twist).norm() <= rounding {
         return started;
     }
-    // Among supports close together the polar coordinates, made for their arms, would lose the turn beside a fast slip.
+    // Among supports close together the polar coordinates would lose the turn beside a fast slip,
+    // since they are scaled by the arms.
     let glides = cones.cluster.and_then(|_| gliding::slip(cones, h, w, twist, n_iterations));
     if let Some((twist, _)) = glides {
         cones.write_slip_forces(&twist, forces);
-        return Some(Candidate { twist, regime: Regime::Slip });
+        return Some(Candidate { twist, mode: ContactMode::Slip });
     }
     slipping::slip(cones, h, w, twist, forces, n_iterations).or_else(|| slipping::stick(cones, w, twist, forces, n_iterations))
 }
 
-/// Where no regime holds exactly: rest or the last stage's motion, whichever violates the conditions less.
+/// Rest or the motion of the last stage, whichever violates the conditions less: for problems in which
+/// no contact mode holds exactly.
 fn best_of_both(cones: &Cones, h: &Mat3, w: &Vec3, twist: &Vec3, rounding: f64, forces: &mut [Vec2]) -> Candidate {
     let rounded = Rounded { cones, h, w, rounding };
     (0..cones.len()).for_each(|k| forces[k] = rounded.force(k, twist));
     let rest = cones.residual(h, w, &Vec3::zeros(), forces);
     let moving = cones.residual(h, w, twist, forces);
     if rest <= moving.max(EXACT) {
-        Candidate { twist: Vec3::zeros(), regime: Regime::Stick }
+        Candidate { twist: Vec3::zeros(), mode: ContactMode::Stick }
     } else {
-        Candidate { twist: *twist, regime: Regime::Slip }
+        Candidate { twist: *twist, mode: ContactMode::Slip }
     }
 }
 
@@ -133,7 +142,8 @@ impl Rounded<'_> {
     }
 }
 
-/// Damped Newton until the gradient is down to the `accuracy`, over the forces in it (1): a step counts when the objective falls by Armijo's rule, or when it has
+/// Twist at which the gradient, over the forces in it, is down to the `accuracy` (1), by a damped
+/// Newton method. A step counts when the objective falls by Armijo's rule, or when the objective has
 /// reached its rounding and the gradient still falls.
 fn minimise(problem: &Rounded, start: Vec3, accuracy: f64, n_iterations: &mut u32) -> Vec3 {
     let mut twist = start;

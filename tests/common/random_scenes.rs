@@ -1,48 +1,43 @@
-//! Random scenarios, one a seed: many unlike scenes for tests and calibrations.
+//! Random scenarios, one per seed: many different scenes for tests and calibrations.
 //!
 //! | what | distribution (log: uniform in the logarithm) |
 //! |---|---|
 //! | load | radius log 6-25 mm; inertia 0.3-1 times m R^2; mass log 3e-5-0.3 kg; a sixth start with speed |
 //! | friction, half of the scenes | limit log 10-50 mN whatever the mass |
-//! | friction, the others | mu log 0.2-1.5 under gravity, so that the limit goes with the mass |
+//! | friction, the others | mu log 0.2-1.5 under gravity, so that the limit scales with the mass |
 //! | supports | a tripod, or 3-6 points about the centre of mass with equal or unequal loads |
-//! | springs | 1-10, a ring or irregular; lengths 1-3 radii; a seventh of the scenes has springs without rest length |
-//! | stiffness | so that the held springs together reach the friction limit at a stretch of log 0.03-0.45 lengths |
+//! | springs | 1-10, a ring or irregular; lengths 1-3 radii; in a seventh of the scenes without rest length |
+//! | stiffness | the attached springs together reach the friction limit at a stretch of log 0.03-0.45 lengths |
 //! | damping ratio | none in a third of the scenes, else uniform up to 1, in a quarter up to 2 |
-//! | drive | haul (half): tips ahead go one way of 2-5 legs at log 1 mm/s-0.3 m/s, grasped and let go now and then |
-//! | | spread (a third): tips all around are pulled outwards and let go one by one |
-//! | | ants (a sixth): 1-10 of the default ants on the paper's springs, for 4-8 s |
+//! | drive: haul (half) | tips ahead move along one path of 2-5 parts at log 1 mm/s-0.3 m/s, attached and released now and then |
+//! | drive: spread (a third) | tips all around are pulled outwards and released one by one |
+//! | drive: ants (a sixth) | 1-10 of the default ants on the paper's springs, for 4-8 s |
 //! | time | 1.5-4 s with control periods of 1, 2.5 or 5 ms |
 //!
-//! Tips keep away from the roots of their springs and swings stay moderate: a grasp reaches for where the load should be by then, taken for a point on a
-//! string that is dragged behind the tips.
+//! Tips keep away from the roots of their springs and swings stay moderate. A tip is attached where the
+//! load should be by then: at a point on a string that is dragged behind the tips.
 
 use std::f64::consts::{PI, TAU};
 
-use super::expand::ants_entry;
-use super::format::{
+use cohaul::math::{RandomStreams, Stream, Vec2, direction, wrap_to_pi};
+use cohaul::model::paper;
+use cohaul::scenario::Scenario;
+use cohaul::scenario::format::{
     DriveEntry, GroundEntry, LoadEntry, PathEntry, ScenarioFile, SpringEntry, SpringsEntry, SupportEntry, SupportsEntry, TipsEntry,
     TipsKind,
 };
-use super::presets::{self, Preset};
-use super::{AntDrive, Scenario};
-use crate::math::{Chance, Stream, Vec2, direction, wrap_to_pi};
+use serde_json::json;
 
-impl Scenario {
-    /// The random scenario of this seed: the distribution stands in the table at the top of this file's module page.
-    ///
-    /// # Panics
-    /// Never: whatever is drawn obeys the rules of the format.
-    pub fn random(seed: u64) -> Self {
-        let draws = &mut Draws { chance: Chance::new(seed), n: 0 };
-        let kind = match draws.unit() {
-            share if share < 1.0 / 2.0 => Kind::Haul,
-            share if share < 5.0 / 6.0 => Kind::Spread,
-            _ => Kind::Ants,
-        };
-        let name = format!("random scenario {seed}");
-        file(seed, name.clone(), kind, draws).checked(&name).expect("draws obey the rules of the format")
-    }
+/// The random scenario of this seed, from the distribution in the table above.
+pub fn random_scenario(seed: u64) -> Scenario {
+    let draws = &mut Draws { streams: RandomStreams::new(seed), n: 0 };
+    let kind = match draws.unit() {
+        share if share < 1.0 / 2.0 => Kind::Haul,
+        share if share < 5.0 / 6.0 => Kind::Spread,
+        _ => Kind::Ants,
+    };
+    let name = format!("random scenario {seed}");
+    file(seed, name.clone(), kind, draws).checked(&name).expect("draws obey the rules of the format")
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -54,7 +49,7 @@ enum Kind {
 
 /// Uniform draws, one after the other: all of them functions of the seed.
 struct Draws {
-    chance: Chance,
+    streams: RandomStreams,
     n: u64,
 }
 
@@ -62,7 +57,7 @@ impl Draws {
     /// In (0, 1).
     fn unit(&mut self) -> f64 {
         self.n += 1;
-        self.chance.uniform(Stream::Scene, 0, self.n)
+        self.streams.uniform(Stream::Scene, 0, self.n)
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -92,7 +87,7 @@ fn file(seed: u64, name: String, kind: Kind, draws: &mut Draws) -> ScenarioFile 
     let control_period_s = draws.one_of([1e-3, 2.5e-3, 5e-3]);
     let mut load = load(draws);
     if kind == Kind::Ants {
-        load.radius_m = 0.0122;
+        load.radius_m = paper::LOAD_RADIUS_M;
         load.inertia_kg_m2 = None;
     }
     let (ground, limit) = ground(&load, kind, draws);
@@ -286,49 +281,19 @@ fn spread(springs: &mut [SpringEntry], load: &LoadEntry, limit: f64, duration: f
 
 fn ants(springs: &mut [SpringEntry], draws: &mut Draws) -> DriveEntry {
     for spring in springs.iter_mut() {
-        spring.rest_length_m = 0.0263;
-        spring.radial_stiffness_n_per_m = 0.664;
-        spring.torsional_stiffness_nm_per_rad = 4.52e-4;
+        spring.rest_length_m = paper::REST_LENGTH_M;
+        spring.radial_stiffness_n_per_m = paper::RADIAL_STIFFNESS_N_PER_M;
+        spring.torsional_stiffness_nm_per_rad = paper::TORSIONAL_STIFFNESS_NM_PER_RAD;
     }
-    let ants = AntDrive {
-        start_half_width: 0.05,
-        pull_speed: draws.between(0.02, 0.08),
-        nest_position: 0.4 * direction(draws.between(0.0, TAU)),
-        ..presets::ants(Preset::Default, draws.count(1, 10))
-    };
-    DriveEntry::Ants(Box::new(ants_entry(&ants)))
+    let pull_speed = draws.between(0.02, 0.08);
+    let nest: [f64; 2] = (0.4 * direction(draws.between(0.0, TAU))).into();
+    let ants = json!({
+        "kind": "ants", "n_ants": draws.count(1, 10), "start_half_width_m": 0.05,
+        "pull_speed_m_per_s": pull_speed, "nest_position_m": nest,
+    });
+    serde_json::from_value(ants).expect("the entry has the shape of the format")
 }
 
 fn point(time: f64, position: Vec2) -> [f64; 3] {
     [time, position.x, position.y]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scenario::Drive;
-
-    #[test]
-    fn a_seed_has_one_scenario_and_another_seed_another() {
-        assert_eq!(Scenario::random(7), Scenario::random(7));
-        assert_ne!(Scenario::random(7).system, Scenario::random(8).system);
-    }
-
-    #[test]
-    fn scenes_are_unlike_and_keep_to_their_ranges() {
-        let scenes: Vec<Scenario> = (0..300).map(Scenario::random).collect();
-        let share = |keep: &dyn Fn(&&Scenario) -> bool| scenes.iter().filter(keep).count() as f64 / 300.0;
-        // Five standard deviations of a share of 300 are 0.14 at most.
-        assert!((share(&|scene| matches!(scene.drive, Drive::Ants(_))) - 1.0 / 6.0).abs() < 0.14);
-        assert!((share(&|scene| scene.start.twist.linear.norm() > 0.0) - 1.0 / 6.0).abs() < 0.14);
-        let masses = || scenes.iter().map(|scene| scene.system.load.mass);
-        assert!(masses().fold(f64::INFINITY, f64::min) < 1e-4 && masses().fold(0.0, f64::max) > 0.1);
-        for scene in &scenes {
-            assert!((1..=10).contains(&scene.system.springs.len()) && scene.system.total_slip_limit() > 0.0, "{}", scene.name);
-            assert!(scene.system.springs.iter().all(|spring| (0.0..=2.0).contains(&spring.damping_ratio)));
-            // The weight acts at the load's origin.
-            let moment: Vec2 = scene.system.ground.supports.iter().map(|support| support.normal_load * support.offset).sum();
-            assert!(moment.norm() < 1e-15 * scene.system.load.mass.max(1.0), "{}", scene.name);
-        }
-    }
 }

@@ -1,47 +1,53 @@
-//! The same cone problem posed for clarabel, an interior-point solver: the independent check of the exact one.
+//! The friction problem posed for clarabel, an interior-point solver: an independent check of the exact
+//! methods.
 //!
-//! Variables are the twist x and one bound t_i a support; the objective is `1/2 x'Hx - w'x + sum_i c_i t_i`, and (t_i, B_i x) lies in a
-//! second-order cone, whose dual holds the friction forces. Lengths and forces are scaled to order one: in plain SI clarabel calls answers solved that
-//! are a third off. Supports stay, so that one solver answers all problems of a run: only H and w are handed over anew.
+//! Variables are the twist x and one bound t_i per support. The objective is
+//! `1/2 x'Hx - w'x + sum_i c_i t_i`, and (t_i, B_i x) lies in a second-order cone, whose dual holds the
+//! friction forces. Lengths and forces are scaled to order one: in SI units clarabel reports answers as
+//! solved that are wrong by a third. The supports do not change, so that one solver answers all problems
+//! of a run: only H and w are handed over anew.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use crate::backend::friction::{FrictionSolution, Regime};
+use super::problem::{ContactMode, FrictionSolution};
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::slip_velocity;
 
-/// What clarabel answers.
+/// Answer of clarabel to one friction problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConicSolution {
+pub struct ClarabelSolution {
     /// Body-twist increment (m, m, rad).
     pub increment: Vec3,
     /// Whether clarabel claims full accuracy by its own measure.
     pub solved: bool,
 }
 
-/// Accuracy asked of clarabel in scaled units: about where rounding ends its iterations on problems of this kind. By default it stops at 1e-8 of the
-/// objective, which is 1e-4 of the twist.
+/// Tolerance for clarabel in scaled units (1): about where rounding ends its iterations on problems of
+/// this kind. By default it stops at 1e-8 of the objective, which is 1e-4 of the twist.
 const TOLERANCE: f64 = 1e-13;
-/// What a step may count on of the increment (1): the root of the tolerance, since an objective is flat at its minimum.
+/// Error of an increment over its size (1): the root of the tolerance is 3e-7, since an objective is flat
+/// at its minimum.
 pub const ACCURACY: f64 = 1e-6;
-/// A force that is less than its limit by this share belongs to a support that sticks (1).
+/// Share of its limit by which the force of a sticking support is below it (1).
 const STICKS: f64 = 1e-6;
 
-/// Clarabel for one set of supports.
-pub struct ConicSolver {
+/// Clarabel set up for one set of supports.
+pub struct ClarabelSolver {
     solver: DefaultSolver<f64>,
     ground: Ground,
-    /// Unit of length (m) and of force (N).
+    /// Unit of length (m).
     length: f64,
+    /// Unit of force (N).
     force: f64,
-    /// Scaled.
+    /// Slip limits of the supports (scaled).
     limits: Vec<f64>,
 }
 
-impl ConicSolver {
-    /// `length_scale` (m) is the unit of length inside; the unit of force is the sum of the slip limits.
+impl ClarabelSolver {
+    /// Solver for the supports of `ground`, with `length_scale` as unit of length (m) and the sum of the
+    /// slip limits as unit of force.
     ///
     /// # Panics
     /// When clarabel refuses the problem's shape, which does not depend on its numbers.
@@ -68,11 +74,12 @@ impl ConicSolver {
         Self { solver, ground: ground.clone(), length: length_scale, force, limits }
     }
 
-    /// Minimises `1/2 x'Hx - w'x + sum_i c_i |B_i x|` over body-twist increments x for `hessian` H (N/m, N, N m/rad) and `drive` w (N, N, N m).
+    /// Minimises `1/2 x'Hx - w'x + sum_i c_i |B_i x|` over body-twist increments x for `hessian` H (N/m, N,
+    /// N m/rad) and `drive` w (N, N, N m).
     ///
     /// # Panics
-    /// When clarabel refuses new numbers in the shape that it has.
-    pub fn solve(&mut self, hessian: &Mat3, drive: &Vec3) -> ConicSolution {
+    /// When clarabel refuses new numbers for the same shape of problem.
+    pub fn solve(&mut self, hessian: &Mat3, drive: &Vec3) -> ClarabelSolution {
         let units = self.units();
         let energy = self.force * self.length;
         let h = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j] / energy);
@@ -83,7 +90,7 @@ impl ConicSolver {
         self.solver.solve();
         let solution = &self.solver.solution;
         let increment = Vec3::from_fn(|i, _| solution.x[i]).component_mul(&units);
-        ConicSolution { increment, solved: solution.status == SolverStatus::Solved }
+        ClarabelSolution { increment, solved: solution.status == SolverStatus::Solved }
     }
 
     /// Friction resistance of each support in the last solution (N, load axes), along its slip.
@@ -92,21 +99,22 @@ impl ConicSolver {
         self.solver.solution.z.chunks_exact(3).map(|dual| -self.force * Vec2::new(dual[1], dual[2])).collect()
     }
 
-    /// The answer as the exact solver gives it. Supports with forces inside their limits stick; where all do nothing moves, although an interior point is never
-    /// quite there. The residual is clarabel's own.
+    /// Answer in the form of the exact methods. Supports with forces inside their limits stick. Where
+    /// more than one does, nothing moves, although an interior point never quite reaches rest. The
+    /// residual is clarabel's own.
     pub fn friction_solution(&mut self, hessian: &Mat3, drive: &Vec3) -> FrictionSolution {
         let found = self.solve(hessian, drive);
         let forces = self.forces();
         let sticks = |(force, limit): (&Vec2, &f64)| force.norm() < (1.0 - STICKS) * limit * self.force;
         let sticking: Vec<usize> = forces.iter().zip(&self.limits).enumerate().filter_map(|(i, pair)| sticks(pair).then_some(i)).collect();
-        let regime = match sticking[..] {
-            [] => Regime::Slip,
-            [one] if self.limits.len() > 1 => Regime::Pinned(one),
-            _ => Regime::Stick,
+        let mode = match sticking[..] {
+            [] => ContactMode::Slip,
+            [one] if self.limits.len() > 1 => ContactMode::Pinned(one),
+            _ => ContactMode::Stick,
         };
-        let increment = if regime == Regime::Stick { Vec3::zeros() } else { found.increment };
+        let increment = if mode == ContactMode::Stick { Vec3::zeros() } else { found.increment };
         let solution = &self.solver.solution;
-        FrictionSolution { increment, regime, residual: solution.r_prim.max(solution.r_dual), n_iterations: solution.iterations }
+        FrictionSolution { increment, mode, residual: solution.r_prim.max(solution.r_dual), n_iterations: solution.iterations }
     }
 
     fn units(&self) -> Vec3 {
@@ -114,22 +122,22 @@ impl ConicSolver {
     }
 }
 
-/// A solver of the same supports: it keeps nothing of the problems that it has solved.
-impl Clone for ConicSolver {
+/// The copy has the same supports, and nothing of the problems that were solved.
+impl Clone for ClarabelSolver {
     fn clone(&self) -> Self {
         Self::new(&self.ground, self.length)
     }
 }
 
-impl std::fmt::Debug for ConicSolver {
+impl std::fmt::Debug for ClarabelSolver {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.debug_struct("ConicSolver").field("ground", &self.ground).field("length", &self.length).finish_non_exhaustive()
+        f.debug_struct("ClarabelSolver").field("ground", &self.ground).field("length", &self.length).finish_non_exhaustive()
     }
 }
 
-/// One problem by a solver of its own: see [`ConicSolver::solve`].
-pub fn solve(ground: &Ground, length_scale: f64, hessian: &Mat3, drive: &Vec3) -> ConicSolution {
-    ConicSolver::new(ground, length_scale).solve(hessian, drive)
+/// Solves one problem with a new solver: see [`ClarabelSolver::solve`].
+pub fn solve(ground: &Ground, length_scale: f64, hessian: &Mat3, drive: &Vec3) -> ClarabelSolution {
+    ClarabelSolver::new(ground, length_scale).solve(hessian, drive)
 }
 
 /// Entries of the upper triangle, column by column.
@@ -137,7 +145,7 @@ fn upper_triangle(h: &Mat3) -> Vec<f64> {
     (0..3).flat_map(|j| (0..=j).map(move |i| (i, j))).map(|at| h[at]).collect()
 }
 
-/// The upper triangle of diag(H, 0), with all entries of H, zeros too.
+/// The upper triangle of diag(H, 0), with all entries of H, also those that are zero.
 fn quadratic_part(h: &Mat3, n: usize) -> CscMatrix<f64> {
     let column_starts: Vec<usize> = [0, 1, 3].into_iter().chain(std::iter::repeat_n(6, n + 1)).collect();
     CscMatrix::new(3 + n, 3 + n, column_starts, vec![0, 0, 1, 0, 1, 2], upper_triangle(h))

@@ -1,26 +1,28 @@
 //! All supports slip: Newton's method in polar coordinates about the slowest one.
 //!
-//! The twist is written by the velocity of the slowest support k and the turn rate, (v_k, omega), and that triple in polar form,
-//! `v_k = s sin(psi) (cos phi, sin phi)`, `omega = s cos(psi) / L` with L the largest distance of a support from k. The friction of k then has the
-//! direction (cos phi, sin phi) whatever its speed, and that of the others depends on psi and phi alone: the residual is smooth through v_k = 0
-//! and linear in s, and neither slow slip nor the edge of sticking spoils convergence.
+//! The twist is written by the velocity of the slowest support k and the turn rate, (v_k, omega), and
+//! that triple in polar form, `v_k = s sin(psi) (cos phi, sin phi)`, `omega = s cos(psi) / L` with L the
+//! largest distance of a support from k. The friction of k then has the direction (cos phi, sin phi)
+//! whatever its speed, and that of the others depends on psi and phi alone: the residual is smooth
+//! through v_k = 0 and linear in s, and neither slow slip nor the edge of sticking spoils convergence.
 //!
-//! The same coordinates tell sticking from slipping near that edge: with f_i the full friction forces of a direction (psi, phi), the share g for which
-//! `g sum_i B_i' f_i = w` is the gauge of the limit surface. With g <= 1, the forces g f_i balance w and nothing moves.
+//! The same coordinates tell sticking from slipping near that edge: with f_i the full friction forces
+//! of a direction (psi, phi), the share g for which `g sum_i B_i' f_i = w` is the gauge of the limit
+//! surface. With g <= 1, the forces g f_i balance w and nothing moves.
 
-use super::cones::Cones;
-use super::{Candidate, EXACT, Regime};
+use crate::backend::friction::cones::Cones;
+use crate::backend::friction::problem::{Candidate, ContactMode, EXACT};
 use crate::math::{Mat2, Mat3, Vec2, Vec3, direction};
 use crate::model::support::{slip_velocity, wrench_of};
 
-/// An angle that changes by more in one step has left the region where Newton's method is to be trusted (rad).
+/// Change of an angle in one step beyond which Newton's method is not trusted (rad).
 const LONGEST_TURN: f64 = 1.5;
-/// So often the residual may fail to fall in a row.
+/// Iterations in a row in which the residual may fail to fall.
 const PATIENCE: u32 = 4;
-/// Far from an answer Newton's method gives up by its patience; near one it needs some six iterations.
+/// Iterations at most; near an answer some six are needed.
 const MOST_ITERATIONS: u32 = 40;
 
-/// The problem seen from the slowest support.
+/// The problem with twists about the slowest support.
 struct Rebased<'a> {
     cones: &'a Cones,
     k: usize,
@@ -54,22 +56,23 @@ impl Polar {
     }
 }
 
-/// The slip found from `start`, with the cones' forces written; `None`, with the forces as they were, when Newton's method ends elsewhere.
-pub(super) fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
+/// Slip found from `start`; writes the forces of the cones. `None`, with the forces as they were, when
+/// Newton's method ends elsewhere.
+pub fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
     let problem = Rebased::new(cones, cones.slowest(start), h, w);
     let at = problem.newton(|speed, aim| problem.balance(speed, aim), problem.polar_of(start)?, n_iterations)?;
     problem.write_forces(&at, 1.0, forces);
-    Some(Candidate { twist: problem.twist_at(&at), regime: Regime::Slip })
+    Some(Candidate { twist: problem.twist_at(&at), mode: ContactMode::Slip })
 }
 
-/// Rest, when the gauge found from the direction of `start` is at most one, with the cones' forces written; `None`, with the forces as they were,
-/// when it is not or was not found.
-pub(super) fn stick(cones: &Cones, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
+/// Rest, when the gauge found from the direction of `start` is at most one; writes the forces of the
+/// cones. `None`, with the forces as they were, when the gauge is larger or was not found.
+pub fn stick(cones: &Cones, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
     let problem = Rebased::new(cones, cones.slowest(start), &Mat3::zeros(), w);
     let start = Polar { speed: 1.0, ..problem.polar_of(start)? };
     let at = problem.newton(|speed, aim| problem.gauge(speed, aim), start, n_iterations).filter(|at| at.speed <= 1.0)?;
     problem.write_forces(&at, at.speed, forces);
-    Some(Candidate { twist: Vec3::zeros(), regime: Regime::Stick })
+    Some(Candidate { twist: Vec3::zeros(), mode: ContactMode::Stick })
 }
 
 impl<'a> Rebased<'a> {
@@ -102,7 +105,7 @@ impl<'a> Rebased<'a> {
         Vec3::new(aim.sin * aim.course.x, aim.sin * aim.course.y, aim.cos / self.reach)
     }
 
-    /// A zero of `residual`, which also gives the derivative by (s, psi, phi).
+    /// Zero of `residual`, which also returns the derivative by (s, psi, phi).
     fn newton(&self, residual: impl Fn(f64, &Aim) -> (Vec3, Mat3), mut at: Polar, n_iterations: &mut u32) -> Option<Polar> {
         let (mut best, mut best_residual, mut waited) = (at, f64::INFINITY, 0);
         for _ in 0..MOST_ITERATIONS {
@@ -114,7 +117,7 @@ impl<'a> Rebased<'a> {
             if size < best_residual {
                 (best, best_residual) = (at, size);
             }
-            // One step beyond the tolerance costs little and takes the last digits.
+            // One step beyond the tolerance costs little and gains the last digits.
             if size <= 1e-16 * scale || waited > 0 && best_residual <= EXACT * scale {
                 break;
             }
