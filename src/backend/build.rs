@@ -2,9 +2,9 @@
 
 use super::controlled::{Column, Control};
 use super::inertial::{Inertial, Integrator};
-use super::options::CHECK_SHARE;
 use super::quasi_static::QuasiStatic;
 use super::tandem::tandem;
+use super::tolerance::CHECK_SHARE;
 use super::{Backend, BackendKind, BackendOptions, Motion, Stepping, Tolerance, rapier};
 use crate::model::System;
 
@@ -20,9 +20,10 @@ const LONGEST_DEFAULT: f64 = 2.5e-3;
 /// tenth of a radian of the fastest oscillation, which gives a numerical damping ratio of at most
 /// 0.05, but at least 10 us.
 pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> f64 {
-    match kind {
-        BackendKind::QuasiStatic => control_period.min(LONGEST_DEFAULT),
-        BackendKind::Inertial | BackendKind::Rapier => (0.1 / system.fastest_rate()).clamp(SHORTEST_DEFAULT, 1e-3).min(control_period),
+    if kind.has_inertia() {
+        (0.1 / system.fastest_rate()).clamp(SHORTEST_DEFAULT, 1e-3).min(control_period)
+    } else {
+        control_period.min(LONGEST_DEFAULT)
     }
 }
 
@@ -34,32 +35,28 @@ pub fn step_of(requested: Option<f64>, kind: BackendKind, system: &System, contr
 /// Backend that the options ask for. This is the only place that maps kinds to code.
 ///
 /// # Panics
-/// When the step or the tolerance is not positive, or when rapier is asked for a tolerance: an engine
-/// has no error control.
+/// When the step or the tolerance is not positive, or when a backend without error control is given a
+/// tolerance.
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
-    if let Some(tolerance) = &options.tolerance {
-        let Tolerance { position_m, heading_rad, .. } = tolerance;
-        assert!(*position_m > 0.0 && *heading_rad > 0.0, "tolerances must be positive, found {position_m} m and {heading_rad} rad");
-        let controlled = |control| exact(system, start, options, Stepping::Controlled(control));
-        let answer = tolerance.control(system, settling_time(options.kind, system));
-        let check = Control {
-            position: CHECK_SHARE * answer.position,
-            heading: CHECK_SHARE * answer.heading,
-            energy: CHECK_SHARE * answer.energy,
-            keeps: Column::LastButOne,
-            ..answer
-        };
-        return Box::new(tandem(controlled(answer), controlled(check)));
-    }
-    match options.kind {
-        BackendKind::Rapier => rapier::build(system.clone(), start, options),
-        _ => exact(system, start, options, Stepping::Fixed(options.step_s)),
-    }
+    let Some(tolerance) = &options.tolerance else { return with(system, start, options, Stepping::Fixed(options.step_s)) };
+    let Tolerance { position_m, heading_rad, .. } = tolerance;
+    assert!(*position_m > 0.0 && *heading_rad > 0.0, "tolerances must be positive, found {position_m} m and {heading_rad} rad");
+    assert!(options.kind.is_exact(), "{} has no error control", options.kind.name());
+    let controlled = |control| with(system, start, options, Stepping::Controlled(control));
+    let answer = tolerance.control(system, settling_time(options.kind, system));
+    let check = Control {
+        position: CHECK_SHARE * answer.position,
+        heading: CHECK_SHARE * answer.heading,
+        energy: CHECK_SHARE * answer.energy,
+        keeps: Column::LastButOne,
+        ..answer
+    };
+    Box::new(tandem(controlled(answer), controlled(check)))
 }
 
-/// Exact backend with this stepping. Options that change fixed steps are ignored under error control.
-fn exact(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend> {
+/// Backend with this stepping. Options of fixed steps are ignored under error control.
+fn with(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend> {
     let is_fixed = matches!(stepping, Stepping::Fixed(_));
     match options.kind {
         BackendKind::QuasiStatic => {
@@ -71,7 +68,7 @@ fn exact(system: &System, start: Motion, options: &BackendOptions, stepping: Ste
             let integrator = if is_fixed { options.integrator } else { Integrator::Euler };
             Box::new(Inertial::new(system.clone(), start, stepping, integrator, options.skips))
         }
-        BackendKind::Rapier => panic!("rapier has no error control"),
+        BackendKind::Rapier => rapier::build(system.clone(), start, options),
     }
 }
 
@@ -79,7 +76,7 @@ fn exact(system: &System, start: Motion, options: &BackendOptions, stepping: Ste
 /// or the time in which friction stops a load that crosses its radius, whichever is shorter. `None`
 /// for a method without inertia. Without springs and friction speeds stay right, up to 1e9 s.
 fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
-    if kind == BackendKind::QuasiStatic {
+    if !kind.has_inertia() {
         return None;
     }
     let load = &system.load;

@@ -1,17 +1,16 @@
-//! How to move a load: kinds, steps, tolerances.
+//! The list of backends with what is true of each, and the options of a run.
 
 use serde::{Deserialize, Serialize};
 
-use super::controlled::{Column, Control};
 use super::friction::ConeSolver;
-use super::{Integrator, PoseError, RapierOptions, Skips};
-use crate::model::{Load, System};
+use super::rapier::Precision;
+use super::{Integrator, RapierOptions, Skips, Tolerance};
 
 /// The ways to move a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum BackendKind {
-    /// The paper's max-min step: no inertia.
+    /// The paper's max-min step, without inertia.
     QuasiStatic,
     /// The same step with the mass matrix: the reference dynamics.
     Inertial,
@@ -19,38 +18,86 @@ pub enum BackendKind {
     Rapier,
 }
 
+/// An option that only some backends read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// [`BackendOptions::integrator`].
+    Integrator,
+    /// [`BackendOptions::cone_solver`].
+    ConeSolver,
+    /// [`BackendOptions::second_order`].
+    SecondOrder,
+    /// [`BackendOptions::rapier`].
+    Engine,
+}
+
+/// What is true of a backend.
+struct Properties {
+    name: &'static str,
+    has_inertia: bool,
+    is_exact: bool,
+    reads: &'static [Setting],
+}
+
 impl BackendKind {
+    /// All backends, the simplest first.
     pub const ALL: [BackendKind; 3] = [BackendKind::QuasiStatic, BackendKind::Inertial, BackendKind::Rapier];
 
-    pub fn name(self) -> &'static str {
+    const fn properties(self) -> Properties {
         match self {
-            BackendKind::QuasiStatic => "quasi-static",
-            BackendKind::Inertial => "inertial",
-            BackendKind::Rapier => "rapier",
+            BackendKind::QuasiStatic => {
+                Properties { name: "quasi-static", has_inertia: false, is_exact: true, reads: &[Setting::ConeSolver, Setting::SecondOrder] }
+            }
+            BackendKind::Inertial => Properties { name: "inertial", has_inertia: true, is_exact: true, reads: &[Setting::Integrator] },
+            BackendKind::Rapier => Properties { name: "rapier", has_inertia: true, is_exact: false, reads: &[Setting::Engine] },
         }
+    }
+
+    /// Name in options, files and reports.
+    pub const fn name(self) -> &'static str {
+        self.properties().name
+    }
+
+    /// Whether the mass of the load matters.
+    pub const fn has_inertia(self) -> bool {
+        self.properties().has_inertia
+    }
+
+    /// Whether springs and friction are solved exactly. Only such a backend has error control, an
+    /// estimate of its error, and transitions of the contact mode.
+    pub const fn is_exact(self) -> bool {
+        self.properties().is_exact
+    }
+
+    /// Whether this backend reads an option that not all backends read.
+    pub fn reads(self, setting: Setting) -> bool {
+        self.properties().reads.contains(&setting)
     }
 }
 
 /// How to move the load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BackendOptions {
+    /// The backend.
     pub kind: BackendKind,
-    /// Longest step (s): a duration is cut into the fewest equal steps that do not exceed it. Infinite under error control.
+    /// Longest step (s). A duration is divided into the fewest equal steps that do not exceed it. The
+    /// step is infinite under error control.
     #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
     pub step_s: f64,
-    /// Error control in place of the step, for the exact backends.
+    /// Error control in place of the step, for exact backends.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
-    /// Of the inertial backend at a fixed step.
+    /// Integrator of the inertial backend at a fixed step.
     pub integrator: Integrator,
+    /// Options of the engine.
     pub rapier: RapierOptions,
-    /// What may be left out.
+    /// Work that is left out because its outcome is known.
     #[serde(default, skip_serializing_if = "is_default")]
     pub skips: Skips,
-    /// Of the quasi-static backend at a fixed step.
+    /// Solver of the friction problem of the quasi-static backend at a fixed step.
     #[serde(default, skip_serializing_if = "is_default")]
     pub cone_solver: ConeSolver,
-    /// Whether quasi-static steps of fixed length are of second order where the load goes on slipping.
+    /// Whether quasi-static steps of fixed length are of second order while the load keeps slipping.
     #[serde(default, skip_serializing_if = "is_default")]
     pub second_order: bool,
 }
@@ -68,7 +115,7 @@ fn is_unlimited(step: &f64) -> bool {
 }
 
 impl BackendOptions {
-    /// The usual settings at this longest step (s).
+    /// Default options with this longest step (s).
     pub fn new(kind: BackendKind, step_s: f64) -> Self {
         Self {
             kind,
@@ -82,62 +129,18 @@ impl BackendOptions {
         }
     }
 
-    /// An exact backend under error control.
+    /// Default options of an exact backend under error control.
     pub fn within(kind: BackendKind, tolerance: Tolerance) -> Self {
         Self { tolerance: Some(tolerance), ..Self::new(kind, f64::INFINITY) }
     }
-}
 
-/// Error that the pose of a run may have at any instant, given its grasps, releases and tip motions.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Tolerance {
-    pub position_m: f64,
-    pub heading_rad: f64,
-    /// How often the errors of strides, which add up to that of the run, have been divided by ten because they added up to too much.
-    #[serde(default)]
-    pub tightened: u32,
-}
-
-/// Error of a stride over that of the run (1). The former add up, but friction and springs bring a load back to its path, so that it is not for long.
-const STRIDE_SHARE: f64 = 1e-4;
-/// Largest error of a stride over the load's radius (1): beyond, an error is no longer small against what it is estimated from.
-const LARGEST_STRIDE_ERROR: f64 = 1e-3;
-/// Smallest error of a stride over the load's radius (1): below, roundings of places decide.
-const SMALLEST_STRIDE_ERROR: f64 = 1e-13;
-/// How often a run is repeated with smaller errors of strides.
-const MOST_TIGHTENED: u32 = 3;
-/// Tolerance of the run that checks another one, over that one's (1).
-pub(super) const CHECK_SHARE: f64 = 4.0;
-
-impl Tolerance {
-    /// Of a load whose rim may be off by `position_m` (m) through a shift, and by as much through a turn.
-    pub fn on_rim(position_m: f64, load: &Load) -> Self {
-        Self { position_m, heading_rad: position_m / load.radius, tightened: 0 }
+    /// Whether a run with these options reads an option that not all backends read.
+    pub fn reads(&self, setting: Setting) -> bool {
+        self.kind.reads(setting) && self.tolerance.is_none()
     }
 
-    /// The same, for a run whose strides err a tenth as much; `None` when that would not help any more.
-    pub fn tightened(&self) -> Option<Self> {
-        (self.tightened < MOST_TIGHTENED).then_some(Self { tightened: self.tightened + 1, ..*self })
-    }
-
-    /// Whether an error keeps to it.
-    pub fn allows(&self, error: &PoseError) -> bool {
-        error.position <= self.position_m && error.heading <= self.heading_rad
-    }
-
-    pub(super) fn control(&self, system: &System, settling_time: Option<f64>) -> Control {
-        let load = &system.load;
-        // What friction or a spring stretched by the load's radius has: energies err by that times the error of the position.
-        let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);
-        let force = system.total_slip_limit() + stiffness * load.radius;
-        let share = STRIDE_SHARE * 0.1f64.powi(self.tightened as i32);
-        let of_stride = |error: f64, size: f64| (share * error).clamp(SMALLEST_STRIDE_ERROR * size, LARGEST_STRIDE_ERROR * size);
-        Control {
-            position: of_stride(self.position_m, load.radius),
-            heading: of_stride(self.heading_rad, 1.0),
-            energy: of_stride(self.position_m, load.radius) * force,
-            settling_time,
-            keeps: Column::Last,
-        }
+    /// Whether the load is moved in single precision.
+    pub fn is_single_precision(&self) -> bool {
+        self.kind.reads(Setting::Engine) && self.rapier.precision == Precision::F32
     }
 }

@@ -104,7 +104,7 @@ impl Solution {
         let mut levels: Vec<_> = (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(level).collect::<Option<Vec<_>>>()?;
         levels.reverse();
         let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
-        let is_engine = options.kind == BackendKind::Rapier;
+        let is_engine = !options.kind.is_exact();
         let mut limit: Vec<Point> = (0..rows[0].len()).map(|i| extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
         for i in 1..limit.len() {
             limit[i].position_error = limit[i].position_error.max(limit[i - 1].position_error);

@@ -5,8 +5,8 @@ use std::rc::Rc;
 
 use super::{Estimator, InertiaEstimate};
 use crate::backend::{
-    AttachedTip, Backend, BackendKind, BackendOptions, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, StepReport,
-    Transition, build,
+    AttachedTip, Backend, BackendOptions, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, StepReport, Transition,
+    build,
 };
 use crate::math::Vec2;
 use crate::model::System;
@@ -26,7 +26,7 @@ impl Watched {
     /// # Panics
     /// When the options are those of a backend with inertia, of which there is nothing to estimate.
     pub fn new(system: &System, start: Motion, options: &BackendOptions) -> (Box<Self>, Rc<RefCell<Estimator>>) {
-        assert_eq!(options.kind, BackendKind::QuasiStatic, "inertia is estimated of a run without");
+        assert!(!options.kind.has_inertia(), "{} has inertia: there is nothing to estimate", options.kind.name());
         let estimator = Rc::new(RefCell::new(Estimator::new(system, &start)));
         let backend = build(system, start, options);
         (Box::new(Self { backend, estimator: Rc::clone(&estimator) }), estimator)

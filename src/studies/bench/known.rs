@@ -26,7 +26,7 @@ const BALANCED: f64 = 1e-12;
 pub fn known(scenario: &Scenario, kind: BackendKind) -> Option<Known> {
     let Drive::Tips(paths) = &scenario.drive else { return None };
     match paths.as_slice() {
-        [] if kind != BackendKind::QuasiStatic => slide(scenario).or_else(|| spin(scenario)),
+        [] if kind.has_inertia() => slide(scenario).or_else(|| spin(scenario)),
         [path] => pull(scenario, path, kind),
         _ => None,
     }
@@ -98,16 +98,13 @@ fn pull(scenario: &Scenario, path: &TipPath, kind: BackendKind) -> Option<Known>
     let (lag, slope) = (-amplitude * (rate * held).sin(), speed * (1.0 - (rate * held).cos()));
     let swing = (lag * lag + (slope / rate).powi(2)).sqrt();
     let phase = (slope / rate).atan2(lag);
-    let way_after = move |tau: f64| match kind {
-        BackendKind::QuasiStatic => speed * tau.min(held),
+    let way_after = move |tau: f64| match () {
+        _ if !kind.has_inertia() => speed * tau.min(held),
         _ if tau <= held => ramp(tau),
         _ => speed * held + swing * ((rate * (tau - held)).min(phase) - phase).cos(),
     };
     let along = way.normalize();
     let path = move |time: f64| Pose { position: start.pose.position + along * way_after((time - onset).max(0.0)), ..start.pose };
-    let formula = match kind {
-        BackendKind::QuasiStatic => "v t - f / k",
-        _ => "v tau - (v / omega) sin omega tau",
-    };
+    let formula = if kind.has_inertia() { "v tau - (v / omega) sin omega tau" } else { "v t - f / k" };
     Some(Known { formula, path: Box::new(path) })
 }

@@ -68,7 +68,7 @@ impl Scene {
 
     /// Whether `method` can answer: without inertia a load that starts with a speed has none, and one without springs no path.
     pub fn asks(&self, method: &Method) -> bool {
-        method.kind() != BackendKind::QuasiStatic || self.moves_without_inertia()
+        method.kind().has_inertia() || self.moves_without_inertia()
     }
 
     fn moves_without_inertia(&self) -> bool {
@@ -80,7 +80,7 @@ impl Scene {
         let row = self.scenario.control_period;
         let all: Vec<Level> = if method.is_controlled() {
             TOLERANCES.iter().map(|share| Level::Tolerance(share * path_length)).collect()
-        } else if method.kind() == BackendKind::QuasiStatic {
+        } else if !method.kind().has_inertia() {
             (0..N_QUASI_STATIC).map(|i| Level::Step(row * 0.5f64.powi(i))).collect()
         } else {
             let longest = LONGEST * default_step(method.kind(), &self.scenario.system, row);
@@ -129,9 +129,6 @@ impl References {
     /// # Panics
     /// When a load without inertia has no path in the scene.
     pub fn of(&self, kind: BackendKind) -> &Reference {
-        match kind {
-            BackendKind::QuasiStatic => self.quasi_static.as_ref().expect("the scene was asked"),
-            BackendKind::Inertial | BackendKind::Rapier => &self.inertial,
-        }
+        if kind.has_inertia() { &self.inertial } else { self.quasi_static.as_ref().expect("the scene was asked") }
     }
 }

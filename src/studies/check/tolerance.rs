@@ -18,8 +18,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{MEASURES, Row};
-use crate::backend::rapier::Precision;
-use crate::backend::{BackendKind, BackendOptions};
+use crate::backend::BackendOptions;
 use crate::scenario::Scenario;
 
 /// Share of the scales (1) that a run in f64 may be off.
@@ -72,7 +71,7 @@ impl Tolerances {
 
     /// The defaults for a run with these rows. A decision at another tick is another decision: times may be off by less than half a control period.
     pub fn of(scenario: &Scenario, options: &BackendOptions, rows: &[Row]) -> Self {
-        let in_single = options.kind == BackendKind::Rapier && options.rapier.precision == Precision::F32;
+        let in_single = options.is_single_precision();
         let share = if in_single { SHARE_IN_SINGLE } else { SHARE };
         let Scales { length, force, speed, energy } = Scales::of(scenario, rows);
         Self {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::backend::{BackendKind, Status};
+use crate::backend::Status;
 use crate::model::paper as printed;
 use crate::output::finite::NotFinite;
 use crate::studies::paper::fit::{self, Found, Point};
@@ -197,7 +197,7 @@ fn set_line(plan: &Plan, at: usize, name: &str, runs: &[(Trial, u64, &RunFacts)]
         name: name.to_owned(),
         preset: case.preset.name(),
         backend: case.backend.name(),
-        inertia: if case.backend == BackendKind::QuasiStatic { 0.0 } else { case.inertia },
+        inertia: if case.backend.has_inertia() { case.inertia } else { 0.0 },
         n_seeds: plan.sets[at].n_seeds,
         n_runs: runs.len(),
         n_arrived: runs.iter().filter(|(_, _, facts)| facts.arrived).count(),

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::analysis::estimate::InertiaEstimate;
 use crate::backend::{
-    BackendKind, BackendOptions, DefectParts, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, SkipCounts, Status, StepReport,
-    Tolerance, TransitionCounts,
+    BackendKind, BackendOptions, DefectParts, EnergyLedger, Integrator, Motion, PoseError, RapierOptions, Setting, SkipCounts, Status,
+    StepReport, Tolerance, TransitionCounts,
 };
 use crate::math::Summary;
 use crate::output::finite::{NotFinite, finite};
@@ -156,17 +156,17 @@ impl RunSummary {
             scenario: scenario.to_owned(),
             backend: options.kind,
             step_s: options.step_s.is_finite().then_some(options.step_s),
-            integrator: (options.kind == BackendKind::Inertial && options.tolerance.is_none()).then_some(options.integrator),
+            integrator: options.reads(Setting::Integrator).then_some(options.integrator),
             accuracy: options
                 .tolerance
                 .zip(outcome.error)
                 .map(|(asked, found)| Accuracy::new(&asked, &found, outcome.steps.status))
                 .transpose()?,
-            rapier: (options.kind == BackendKind::Rapier).then_some(options.rapier),
+            rapier: options.reads(Setting::Engine).then_some(options.rapier),
             seed,
             end: FinalState::new(outcome.time, &outcome.motion)?,
             energy: EnergySummary::new(&outcome.energy)?,
-            transitions: (options.kind != BackendKind::Rapier).then(|| TransitionSummary::new(&outcome.transitions)).transpose()?,
+            transitions: options.kind.is_exact().then(|| TransitionSummary::new(&outcome.transitions)).transpose()?,
             steps: StepSummary::new(&outcome.steps)?,
             wall_s: finite("wall_s", wall_s)?,
             ants: outcome.arrived.map(|arrived| AntSummary::new(arrived, outcome)).transpose()?,

@@ -8,7 +8,6 @@ use std::fmt::Write;
 use super::judge::{Outcome, step_radians};
 use super::run::Run;
 use super::variant::Variant;
-use crate::backend::BackendKind;
 use crate::model::SupportPoint;
 use crate::scenario::Scenario;
 
@@ -87,7 +86,7 @@ impl Facts<'_> {
             return None;
         }
         let mut cause = format!("the step does not resolve the oscillation {whose}: {radians:.1e} rad");
-        if self.variant.kind() == BackendKind::Rapier {
+        if !self.variant.kind().is_exact() {
             write!(cause, ", h^2 k is {:.1e} of the mass", radians * radians).expect("a string takes all");
         }
         Some(cause)
@@ -122,8 +121,7 @@ impl Facts<'_> {
     }
 
     fn unlike_inertia(&self, outcome: Outcome) -> Option<String> {
-        let is_about_sweeps =
-            matches!(outcome, Outcome::NotConverged | Outcome::EnergyFromNowhere) && self.variant.kind() == BackendKind::Rapier;
+        let is_about_sweeps = matches!(outcome, Outcome::NotConverged | Outcome::EnergyFromNowhere) && !self.variant.kind().is_exact();
         let (load, supports) = (&self.scenario.system.load, &self.scenario.system.ground.supports);
         let reach = supports.iter().map(|support| support.offset.norm()).fold(load.radius, f64::max);
         let share = load.inertia / (load.mass * reach * reach);

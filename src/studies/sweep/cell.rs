@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::column::{Column, Field, Kind, line_of};
 use super::error::SweepError;
 use super::plan::{Place, Plan, content_key, point_hash};
-use crate::backend::{BackendKind, BackendOptions, Status};
+use crate::backend::{BackendOptions, Status};
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, Outcome, Simulation};
 use crate::studies::stress::guard::guarded;
@@ -85,7 +85,7 @@ const MEASURED: [(&str, Kind, Take); 41] = [
 impl Facts<'_> {
     /// Whether the backend knows where the load's motion was not smooth.
     fn tells(&self) -> bool {
-        self.options.kind != BackendKind::Rapier
+        self.options.kind.is_exact()
     }
 }
 

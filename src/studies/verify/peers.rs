@@ -118,7 +118,7 @@ fn coasted(start: Motion, options: &BackendOptions) -> (Pose, StepReport) {
 /// Place at the end (m) less what it lags behind the tip without inertia.
 fn pulled_exactly(kind: BackendKind, duration: f64) -> f64 {
     let since = duration - SLIP_STRETCH / PULL;
-    let ripple = if kind == BackendKind::QuasiStatic { 0.0 } else { PULL / natural_rate() * (natural_rate() * since).sin() };
+    let ripple = if kind.has_inertia() { PULL / natural_rate() * (natural_rate() * since).sin() } else { 0.0 };
     PULL * since - ripple
 }
 

@@ -6,7 +6,7 @@
 use super::case::{Bound, Case, Family, Plan, Variant};
 use super::measured::{Measured, Value};
 use super::scenes::{MASS, RADIAL, SLIP_LIMIT, SLIP_STRETCH, SUPPORT_RADIUS, at_rest, isotropic, natural_rate, paper_system};
-use crate::backend::{Backend, BackendKind, BackendOptions, StepReport, build};
+use crate::backend::{Backend, BackendOptions, StepReport, build};
 use crate::math::Vec2;
 
 /// Speed of the tip (m/s), onset of slip (s) and v / omega (m), printed with nine and eleven digits.
@@ -136,7 +136,7 @@ fn hold() -> Case {
             let at_hold = run.motion().pose.position.x;
             report.add(&run.advance(&end, 0.2));
             let at_end = run.motion().pose.position.x;
-            let known = if options.kind == BackendKind::QuasiStatic { (HOLD.2, HOLD.2) } else { (HOLD.0, HOLD.1) };
+            let known = if options.kind.has_inertia() { (HOLD.0, HOLD.1) } else { (HOLD.2, HOLD.2) };
             Measured { values: vec![Value::metres(at_hold, known.0), Value::metres(at_end, known.1)], arm: SUPPORT_RADIUS, report }
         }),
         plans: vec![

@@ -6,7 +6,7 @@
 use super::case::{Bound, Case, Family, Plan, Variant};
 use super::measured::{Measured, Value};
 use super::scenes::{SUPPORT_RADIUS, at_rest, drive, n_pieces, paper_springs, paper_system, reference_tips};
-use crate::backend::{BackendKind, BackendOptions, build};
+use crate::backend::{BackendOptions, build};
 
 /// x, y (m) and heading (rad) at half way and at the end.
 pub type Poses = [[f64; 3]; 2];
@@ -67,7 +67,7 @@ fn poses(options: &BackendOptions, known: Poses) -> Measured {
     });
     let [half_way, end] = [n / 2, n].map(|node| found[node as usize - 1]);
     let mut values = [Value::pose(half_way, known[0]), Value::pose(end, known[1])].concat();
-    if options.kind == BackendKind::QuasiStatic {
+    if !options.kind.has_inertia() {
         values.push(Value::ratio(run.energy().friction / LOSS, 1.0));
     }
     Measured { values, arm: SUPPORT_RADIUS, report }

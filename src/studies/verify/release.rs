@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use super::case::{Bound, Case, Family, Plan, Variant};
 use super::measured::{Measured, Value};
 use super::scenes::{MASS, RADIAL, SLIP_STRETCH, SUPPORT_RADIUS, at_rest, isotropic, paper_system};
-use crate::backend::{BackendKind, BackendOptions, build};
+use crate::backend::{BackendOptions, build};
 use crate::math::Vec2;
 
 /// F0 / f; where a method without inertia and the undamped load stop (f / k).
@@ -104,6 +104,6 @@ fn way(jump: &Jump, options: &BackendOptions) -> Measured {
     // Three half swings at most. What a critical dashpot leaves falls as exp(-omega t).
     let n_periods = if jump.damping_ratio >= 1.0 { 6.0 } else { 3.0 };
     report.add(&run.advance(&tips, n_periods * period));
-    let ways = if options.kind == BackendKind::QuasiStatic { jump.still } else { jump.swung };
+    let ways = if options.kind.has_inertia() { jump.swung } else { jump.still };
     Measured { values: vec![Value::metres(run.motion().pose.position.x, ways * SLIP_STRETCH)], arm: SUPPORT_RADIUS, report }
 }
