@@ -89,11 +89,11 @@ fn shapes() -> Vec<Bad> {
         bad("/durations", json!(2.0), "durations", "unknown key; did you mean `duration_s`?", "2.0"),
         bad("/load/masss_kg", json!(2), "load.masss_kg", "unknown key; did you mean `mass_kg`?", "2"),
         bad("/load/heading", json!(0.5), "load.heading", "unknown key; did you mean `heading_rad`?", "0.5"),
-        bad("/ground/supports/1/colour", json!("red"), "ground.supports[1].colour", "known here: normal_load_n, offset_m", "\"red\""),
+        bad("/ground/supports/1/colour", json!("red"), "ground.supports[1].colour", "known keys are normal_load_n, offset_m", "\"red\""),
         bad("/springs/0/damping", json!(0.1), "springs[0].damping", "did you mean `damping_ratio`?", "0.1"),
         bad("/springs/2/ring/count", json!(2), "springs[2].ring.count", "is an unknown key", "2"),
         bad("/drive/paths/1/release", json!(1), "drive.paths[1].release", "did you mean `release_s`?", "1"),
-        bad("/drive/n_ants", json!(4), "drive.n_ants", "is an unknown key; known here: kind, paths", "4"),
+        bad("/drive/n_ants", json!(4), "drive.n_ants", "is an unknown key; known keys are kind, paths", "4"),
         bad("/load/mass_kg", json!("heavy"), "load.mass_kg", "must be a number", "\"heavy\""),
         bad("/load/radius_m", json!([0.1]), "load.radius_m", "must be a number", "a list of 1"),
         bad("/load/position_m", json!([0.0, 0.0, 0.0]), "load.position_m", "must be a list of 2 numbers", "a list of 3"),
@@ -125,8 +125,8 @@ fn values() -> Vec<Bad> {
         bad("/control_period_s", json!(2.0000001), "control_period_s", "must not be longer than the duration", "2.0000001"),
         bad("/load/mass_kg", json!(-0.0016), "load.mass_kg", "must be positive", "-0.0016"),
         bad("/load/mass_kg", json!(0), "load.mass_kg", "must be positive", "0.0"),
-        bad("/name", json!("\u{1b}[31m"), "name", "must not have control characters", "\"\\u{1b}[31m\""),
-        bad("/name", json!("a\u{202e}b"), "name", "must not have control characters", "\"a\\u{202e}b\""),
+        bad("/name", json!("\u{1b}[31m"), "name", "must not contain control characters", "\"\\u{1b}[31m\""),
+        bad("/name", json!("a\u{202e}b"), "name", "must not contain control characters", "\"a\\u{202e}b\""),
         bad("/load/position_m", json!([0, -1.1e50]), "load.position_m[1]", "must be at most 1e50 in size", "-1.1e50"),
         bad(
             "/ground/friction_coefficient",
@@ -144,11 +144,17 @@ fn values() -> Vec<Bad> {
         ),
         bad("/load/radius_m", json!(0), "load.radius_m", "must be positive", "0.0"),
         bad("/load/inertia_kg_m2", json!(0), "load.inertia_kg_m2", "must be positive", "0.0"),
-        bad("/load/radius_m", json!(1e-200), "load.inertia_kg_m2", "out of the range of floats", "nothing"),
+        bad("/load/radius_m", json!(1e-200), "load.inertia_kg_m2", "out of the range of floating-point numbers", "nothing"),
         bad("/ground/friction_coefficient", json!(-1e-300), "ground.friction_coefficient", "must not be negative", "-1e-300"),
         bad("/ground/gravity_m_per_s2", json!(0), "ground.gravity_m_per_s2", "must be positive", "0.0"),
         bad("/ground/gravity_m_per_s2", json!(-9.81), "ground.gravity_m_per_s2", "must be positive", "-9.81"),
-        bad("/ground/gravity_m_per_s2", json!(5e-324), "ground.gravity_m_per_s2", "must make a weight in the range of floats", "0.0 N"),
+        bad(
+            "/ground/gravity_m_per_s2",
+            json!(5e-324),
+            "ground.gravity_m_per_s2",
+            "must give a weight in the range of floating-point numbers",
+            "0.0 N",
+        ),
         bad("/ground/supports", json!([]), "ground.supports", "must be from 1 to 100000", "0"),
         bad("/ground/supports", json!([{ "offset_m": [0, 0] }]), "ground.supports", free, "1 supports without"),
         bad(
@@ -179,7 +185,13 @@ fn values() -> Vec<Bad> {
             "-1e-9",
         ),
         bad("/springs/0/rest_length_m", json!(-0.01), "springs[0].rest_length_m", "must not be negative", "-0.01"),
-        bad("/springs/0/rest_length_m", json!(0), "springs[0].rest_length_m", "must be positive where there is torsional stiffness", "0.0"),
+        bad(
+            "/springs/0/rest_length_m",
+            json!(0),
+            "springs[0].rest_length_m",
+            "must be positive for a spring with torsional stiffness",
+            "0.0",
+        ),
         bad("/springs/1/torsional_stiffness_nm_per_rad", json!(1e-12), "springs[1].rest_length_m", "has no direction", "0.0"),
         bad("/springs/0/radial_stiffness_n_per_m", json!(-1), "springs[0].radial_stiffness_n_per_m", "must not be negative", "-1.0"),
         bad(
@@ -204,13 +216,13 @@ fn values() -> Vec<Bad> {
         bad("/springs/2/ring/rest_length_m", json!(-0.01), "springs[2].ring.rest_length_m", "must not be negative", "-0.01"),
         bad("/drive/paths/1/spring", json!(4), "drive.paths[1].spring", "must be an index below the number of springs, 4", "4"),
         bad("/drive/paths/1/spring", json!(0), "drive.paths[1].spring", "must not be the spring of another path, drive.paths[0]", "0"),
-        bad("/drive/paths/1/waypoints", json!([]), "drive.paths[1].waypoints", "must hold at least one waypoint", "none"),
+        bad("/drive/paths/1/waypoints", json!([]), "drive.paths[1].waypoints", "must have at least one waypoint", "none"),
         bad("/drive/paths/1/waypoints/0", json!([-1e-9, 0, 0]), "drive.paths[1].waypoints[0][0]", "must not be negative", "-1e-9"),
         bad(
             "/drive/paths/0/waypoints/1",
             json!([0.5, 0, 0]),
             "drive.paths[0].waypoints[1][0]",
-            "must be later than the waypoint before, 0.5",
+            "must be later than the previous waypoint, 0.5",
             "0.5",
         ),
         bad("/drive/paths/0/release_s", json!(0.5), "drive.paths[0].release_s", "must be later than the first waypoint, 0.5", "0.5"),
@@ -222,7 +234,7 @@ fn ant_values() -> Vec<Bad> {
     vec![
         bad("/drive/n_ants", json!(0), "drive.n_ants", "must be from 1 to 1000000", "0"),
         bad("/drive/n_ants", json!(1_000_001), "drive.n_ants", "must be from 1 to 1000000", "1000001"),
-        bad("/springs", json!([]), "springs", "must hold at least one spring", "none"),
+        bad("/springs", json!([]), "springs", "must have at least one spring", "none"),
         bad("/drive/arrival_radius_m", json!(0), "drive.arrival_radius_m", "must be positive", "0.0"),
         bad("/drive/start_half_width_m", json!(-0.1), "drive.start_half_width_m", "must not be negative", "-0.1"),
         bad("/drive/search_speed_m_per_s", json!(-0.08), "drive.search_speed_m_per_s", "must not be negative", "-0.08"),
@@ -397,7 +409,7 @@ fn text_that_is_not_json_is_told_by_line_and_column() {
 fn a_key_given_twice_is_told_and_not_dropped() {
     let text = tips().to_string().replacen("\"mass_kg\":", "\"mass_kg\":5,\"mass_kg\":", 1);
     let told = Scenario::parse(&text, "bad.json").unwrap_err().to_string();
-    assert_eq!(told, "bad.json: load.mass_kg: must be given once, found it again");
+    assert_eq!(told, "bad.json: load.mass_kg: must be given once, found it a second time");
 }
 
 #[test]
@@ -489,4 +501,20 @@ fn odd_values_anywhere_are_answered() {
     }
     // Both answers must occur in numbers, or nothing was tried.
     assert!(n_accepted > 200 && n_refused > 500, "{n_accepted} {n_refused}");
+}
+
+/// Forty-two springs break the same rule: five are listed, the others are counted.
+#[test]
+fn long_lists_of_equal_faults_are_counted() {
+    let mut file = tips();
+    let mut spring = file["springs"][0].clone();
+    spring["rest_length_m"] = json!(-1.0);
+    file["springs"] = json!(vec![spring; 42]);
+    let error = Scenario::parse(&file.to_string(), "bad.json").unwrap_err();
+    assert_eq!(error.findings().len(), 42);
+    let told = error.to_string();
+    let lines: Vec<&str> = told.lines().collect();
+    assert_eq!(lines.len(), 6, "{told}");
+    assert_eq!(lines[0], "bad.json: springs[0].rest_length_m: must not be negative, found -1.0");
+    assert_eq!(lines[5], "bad.json: springs[].rest_length_m: must not be negative: and 37 more");
 }

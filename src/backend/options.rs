@@ -80,8 +80,8 @@ impl BackendKind {
 pub struct BackendOptions {
     /// The backend.
     pub kind: BackendKind,
-    /// Longest step (s). A duration is divided into the fewest equal steps that do not exceed it. The
-    /// step is infinite under error control.
+    /// Longest step (s). A duration is divided into the fewest equal steps that do not exceed it.
+    /// The step is infinite under error control.
     #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
     pub step_s: f64,
     /// Error control in place of the step, for exact backends.
@@ -97,7 +97,8 @@ pub struct BackendOptions {
     /// Solver of the friction problem of the quasi-static backend at a fixed step.
     #[serde(default, skip_serializing_if = "is_default")]
     pub cone_solver: ConeSolver,
-    /// Whether quasi-static steps of fixed length are of second order while the load keeps slipping.
+    /// Whether quasi-static steps of fixed length are of second order while the load keeps
+    /// slipping.
     #[serde(default, skip_serializing_if = "is_default")]
     pub second_order: bool,
 }

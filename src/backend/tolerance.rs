@@ -6,26 +6,28 @@ use super::PoseError;
 use super::controlled::{Column, Control};
 use crate::model::{Load, System};
 
-/// Error that the pose of a run may have at any time, for given attachments, releases and tip motions.
+/// Error that the pose of a run may have at any time, for given attachments, releases and tip
+/// motions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance {
     /// Largest error of the position (m).
     pub position_m: f64,
     /// Largest error of the heading (rad).
     pub heading_rad: f64,
-    /// Number of times that the errors of the macro-steps have been divided by ten because their sum,
-    /// the error of the run, was too large (1).
+    /// Number of times that the errors of the macro-steps have been divided by ten because their
+    /// sum, the error of the run, was too large (1).
     #[serde(default)]
     pub tightened: u32,
 }
 
-/// Error of a macro-step over that of the run (1). The errors add up at first, until friction and springs
-/// bring the load back to its path.
+/// Error of a macro-step over that of the run (1). The errors add up at first, until friction and
+/// springs bring the load back to its path.
 const MACRO_STEP_SHARE: f64 = 1e-4;
 /// Largest error of a macro-step over the load's radius (1). Beyond it the error is no longer small
 /// compared with the quantities that it is estimated from.
 const LARGEST_MACRO_STEP_ERROR: f64 = 1e-3;
-/// Smallest error of a macro-step over the load's radius (1). Below it the rounding of positions counts.
+/// Smallest error of a macro-step over the load's radius (1). Below it the rounding of positions
+/// counts.
 const SMALLEST_MACRO_STEP_ERROR: f64 = 1e-13;
 /// Largest number of repetitions of a run with smaller errors of the macro-steps.
 const MOST_TIGHTENED: u32 = 3;
@@ -33,14 +35,14 @@ const MOST_TIGHTENED: u32 = 3;
 pub(super) const CHECK_SHARE: f64 = 4.0;
 
 impl Tolerance {
-    /// Tolerance that allows a shift of `position_m` (m), and a turn by which the edge of the load moves
-    /// as far.
+    /// Tolerance that allows a shift of `position_m` (m), and a turn by which the edge of the load
+    /// moves as far.
     pub fn on_rim(position_m: f64, load: &Load) -> Self {
         Self { position_m, heading_rad: position_m / load.radius, tightened: 0 }
     }
 
-    /// The same tolerance with a tenth of the error of each macro-step; `None` when smaller errors would
-    /// not help any more.
+    /// The same tolerance with a tenth of the error of each macro-step; `None` when smaller errors
+    /// would not help any more.
     pub fn tightened(&self) -> Option<Self> {
         (self.tightened < MOST_TIGHTENED).then_some(Self { tightened: self.tightened + 1, ..*self })
     }
@@ -52,8 +54,8 @@ impl Tolerance {
 
     pub(super) fn control(&self, system: &System, settling_time: Option<f64>) -> Control {
         let load = &system.load;
-        // The force of friction, or of a spring stretched by the load's radius. The error of an energy is
-        // that force times the error of the position.
+        // The force of friction, or of a spring stretched by the load's radius. The error of an
+        // energy is that force times the error of the position.
         let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);
         let force = system.total_slip_limit() + stiffness * load.radius;
         let share = MACRO_STEP_SHARE * 0.1f64.powi(self.tightened as i32);

@@ -1,4 +1,4 @@
-//! Angles: counter-clockwise, in radians, and the plane rotations that go with them.
+//! Angles and rotations of the plane, counter-clockwise and in radians.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,7 +6,7 @@ use super::{Mat2, Number, Vec2};
 
 /// The angle in (-pi, pi] that differs from `angle` by whole turns (rad).
 pub fn wrap_to_pi(angle: f64) -> f64 {
-    // Less than a turn is left as it is by the division, which is slow.
+    // The division is slow, and leaves an angle below a turn as it is.
     let turned = match angle {
         0.0..TAU => angle,
         _ if -TAU < angle && angle < 0.0 => angle + TAU,
@@ -15,7 +15,8 @@ pub fn wrap_to_pi(angle: f64) -> f64 {
     if turned > PI { turned - TAU } else { turned }
 }
 
-/// The value of `angle` plus whole turns that lies nearest to `near` (rad): follows a branch instead of jumping at pi.
+/// The value of `angle` plus whole turns that is nearest to `near` (rad). It follows a branch
+/// instead of jumping at pi.
 pub fn unwrap_near(angle: f64, near: f64) -> f64 {
     if (near - angle).abs() < PI {
         return angle;
@@ -29,34 +30,38 @@ pub fn direction(angle: f64) -> Vec2 {
     Vec2::new(cos, sin)
 }
 
-/// `v` turned by a quarter turn counter-clockwise: the velocity at `v` of a unit turn rate about the origin.
+/// `v` turned by a quarter turn counter-clockwise. This is the velocity at `v` of a unit turn rate
+/// about the origin.
 pub fn perpendicular(v: &Vec2) -> Vec2 {
     Vec2::new(-v.y, v.x)
 }
 
-/// The rotation matrix by `angle`: its columns are the turned axes.
+/// Rotation matrix by `angle`, whose columns are the turned axes.
 pub fn rotation(angle: f64) -> Mat2 {
     let (sin, cos) = angle.sin_cos();
     Mat2::new(cos, -sin, sin, cos)
 }
 
-/// Tangent of an angle up to which [`small_arctangent`] is one: what its series leaves out stays below a rounding of one.
+/// Largest tangent for [`small_arctangent`] (1). Up to it the truncation error of the series is
+/// below the rounding of one.
 pub const SMALL_TANGENT: f64 = 1.0 / 8.0;
-/// The same for five terms.
+/// Largest tangent for a series of five terms (1).
 const TINY_TANGENT: f64 = 1.0 / 32.0;
 
-/// The angle with the tangent t, at most [`SMALL_TANGENT`], of one number or of several side by side: t - t^3 / 3 + t^5 / 5 - ... of nine terms, or five where they do.
+/// Arctangent of t, which is at most [`SMALL_TANGENT`] in size (rad), for one number or several
+/// side by side. The series t - t^3 / 3 + t^5 / 5 - ... has nine terms, or five where they are
+/// enough.
 pub fn small_arctangent<T: Number>(t: T) -> T {
     if t.is_within(TINY_TANGENT) {
         let square = t * t;
         let pair = |odd: f64| T::from(1.0 / odd) - square * T::from(1.0 / (odd + 2.0));
-        // Two by two: they need not wait for each other.
+        // In pairs, which can be computed at the same time.
         return t - t * square * (pair(3.0) + square * square * pair(7.0));
     }
     nine_terms(t)
 }
 
-/// Apart from the five that mostly do, whose code it would make long.
+/// Series of nine terms. It is a function of its own, to keep the common case of five terms short.
 #[inline(never)]
 fn nine_terms<T: Number>(t: T) -> T {
     let square = t * t;
@@ -70,7 +75,7 @@ fn nine_terms<T: Number>(t: T) -> T {
 mod tests {
     use super::*;
 
-    /// Roundings of a sum of terms of which the first is the largest, of many terms and of few.
+    /// The tolerance is some roundings of the first, largest term.
     #[test]
     fn small_arctangents_are_arctangents() {
         for k in -1000..=1000 {

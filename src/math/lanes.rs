@@ -4,14 +4,16 @@ use std::ops::{Add, Mul, Sub};
 
 use super::Vec2;
 
-/// Numbers side by side: as many as one register holds on every processor that this is built for. With more, what is at hand no longer fits into registers.
+/// Numbers side by side: as many as one register holds on every supported processor. Wider ones
+/// would not leave enough registers for a hot loop.
 pub type Numbers = wide::f64x2;
 
+/// Count of [`Numbers`] (1).
 pub const LANES: usize = 2;
 
 /// A number, or several side by side.
 pub trait Number: Copy + From<f64> + Add<Output = Self> + Mul<Output = Self> + Sub<Output = Self> {
-    /// Whether all are of at most this size.
+    /// Whether all numbers are at most `size` in size.
     fn is_within(self, size: f64) -> bool;
 }
 
@@ -27,7 +29,7 @@ impl Number for Numbers {
     }
 }
 
-/// As many vectors of the plane.
+/// [`LANES`] vectors of the plane, side by side.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vectors {
     pub x: Numbers,
@@ -63,12 +65,12 @@ impl Vectors {
         Self { x: factor * self.x, y: factor * self.y }
     }
 
-    /// Turned by the rotation whose first column is this (cos, sin).
+    /// These vectors turned by the rotation whose first column is (cos, sin).
     pub fn turned(self, cos: Numbers, sin: Numbers) -> Self {
         Self { x: cos * self.x - sin * self.y, y: sin * self.x + cos * self.y }
     }
 
-    /// This where the `mask` is set, the other one elsewhere.
+    /// These vectors where the `mask` is set, the others elsewhere.
     pub fn or(self, other: Self, mask: Numbers) -> Self {
         Self { x: mask.select(self.x, other.x), y: mask.select(self.y, other.y) }
     }

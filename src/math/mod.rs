@@ -1,4 +1,4 @@
-//! Floor 0: plane geometry, angles, keyed random draws and statistics. Knows nothing of ants, loads or files.
+//! Geometry of the plane, angles, keyed random numbers and statistics.
 
 mod angle;
 mod lanes;
@@ -18,9 +18,9 @@ pub use statistics::{Interval, Summary, mean_interval, proportion_interval, shar
 pub type Vec2 = nalgebra::Vector2<f64>;
 /// A twist, wrench or gradient as a column: two linear entries, then the angular one.
 pub type Vec3 = nalgebra::Vector3<f64>;
-/// A linear map of plane vectors.
+/// A linear map of vectors in the plane.
 pub type Mat2 = nalgebra::Matrix2<f64>;
 /// A symmetric stiffness or mass over (x, y, heading).
 pub type Mat3 = nalgebra::Matrix3<f64>;
-/// A linear map from plane vectors to columns of three.
+/// A linear map from vectors in the plane to columns of three.
 pub type Mat3x2 = nalgebra::Matrix3x2<f64>;

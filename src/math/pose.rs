@@ -1,30 +1,37 @@
-//! Poses of the plane, twists and wrenches, and the motion along a constant body twist.
+//! Poses, twists and wrenches of the plane, and the motion by a constant body twist.
 //!
-//! A constant body twist (u, delta) takes the pose (x, heading) to (x + R(heading) V(delta) u, heading + delta) with
-//! `V = [[sin d / d, -(1 - cos d) / d], [(1 - cos d) / d, sin d / d]]` (the exponential map of SE(2)).
+//! A constant body twist (u, delta) takes the pose (x, heading) to (x + R(heading) V(delta) u,
+//! heading + delta) with `V = [[sin d / d, -(1 - cos d) / d], [(1 - cos d) / d, sin d / d]]` (the
+//! exponential map of SE(2)).
 
 use serde::{Deserialize, Serialize};
 
 use super::{Mat2, Number, Vec2, Vec3, perpendicular, rotation};
 
-/// Position (m) and heading (rad) of the load's frame in world axes; the heading counts whole turns.
+/// Position and heading of the load's frame in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
+    /// Position of the origin (m).
     pub position: Vec2,
+    /// Angle from the x axis of the world to that of the load (rad). It counts whole turns.
     pub heading: f64,
 }
 
-/// Velocity of the load's origin (m/s, world axes) and turn rate (rad/s).
+/// Velocity of the load's origin and turn rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Twist {
+    /// Velocity of the origin (m/s, world axes).
     pub linear: Vec2,
+    /// Turn rate (rad/s).
     pub angular: f64,
 }
 
-/// Force (N, world axes) and torque about the load's origin (N m).
+/// Force and torque on the load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wrench {
+    /// Force (N, world axes).
     pub force: Vec2,
+    /// Torque about the load's origin (N m).
     pub torque: f64,
 }
 
@@ -33,18 +40,25 @@ impl Pose {
         Self { position: Vec2::new(x, y), heading }
     }
 
+    /// Edge displacement from `other` (m): |dx| + R |dtheta|. It bounds the displacement of any
+    /// point within the `radius` (m) of the load's origin.
+    pub fn edge_displacement(&self, other: &Pose, radius: f64) -> f64 {
+        (self.position - other.position).norm() + radius * (self.heading - other.heading).abs()
+    }
+
     /// World position of a point fixed to the load (m).
     pub fn to_world(&self, point_in_load: &Vec2) -> Vec2 {
         self.position + rotation(self.heading) * point_in_load
     }
 
-    /// The pose reached by the body-twist increment (u_x, u_y, delta) in (m, m, rad).
+    /// Pose reached by the body-twist increment (u_x, u_y, delta) (m, m, rad).
     pub fn moved_by(&self, increment: &Vec3) -> Pose {
         Pose { position: self.position + self.shift_by(increment), heading: self.heading + increment.z }
     }
 
-    /// How far the body-twist increment takes the origin (m, world axes), with all digits: the difference of two positions has lost those that
-    /// their distance from the world's origin takes.
+    /// Displacement of the origin by the body-twist increment (m, world axes), with all digits. A
+    /// difference of two positions has fewer, since rounding grows with the distance from the
+    /// world's origin.
     pub fn shift_by(&self, increment: &Vec3) -> Vec2 {
         shift_of(&rotation(self.heading), increment)
     }
@@ -57,6 +71,12 @@ impl Pose {
 impl Twist {
     pub const ZERO: Twist = Twist { linear: Vec2::new(0.0, 0.0), angular: 0.0 };
 
+    /// Edge speed (m/s): |v| + R |omega|. It bounds the speed of any point within the `radius` (m)
+    /// of the load's origin.
+    pub fn edge_speed(&self, radius: f64) -> f64 {
+        self.linear.norm() + radius * self.angular.abs()
+    }
+
     /// Velocity of the point of the load at `arm` from its origin, both in world axes (m/s).
     pub fn velocity_at(&self, arm: &Vec2) -> Vec2 {
         self.linear + self.angular * perpendicular(arm)
@@ -67,39 +87,46 @@ impl Twist {
     }
 }
 
-/// [`Pose::shift_by`] for a load whose axes `turn` takes to world axes.
+/// [`Pose::shift_by`] for a load whose axes are turned by the rotation `turn`.
 pub fn shift_of(turn: &Mat2, increment: &Vec3) -> Vec2 {
     turn * Arc::of(increment.z).shift(&increment.xy())
 }
 
-/// The rotation by an angle delta and the mean V of all rotations on the way there, with what V's derivatives take. Near zero nothing cancels.
+/// The rotation by an angle delta, and the mean V of all rotations from zero to delta with its
+/// derivatives. Near zero no digits cancel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
     delta: f64,
     cos: f64,
     sin: f64,
-    /// (1 - sin d / d) / d^2, (1 - cos d) / d^2 and (1 - 2 (1 - cos d) / d^2) / d^2.
+    /// (1 - sin d / d) / d^2.
     sine_rest: f64,
+    /// (1 - cos d) / d^2.
     cosine_rest: f64,
+    /// (1 - 2 (1 - cos d) / d^2) / d^2.
     mean_rest: f64,
 }
 
-/// Below this angle (rad) the closed forms cancel and their Taylor series are exact: the first term left out is under 1e-17.
+/// Angle below which the Taylor series are exact, while digits of the closed forms cancel (rad).
+/// The first term left out is below 1e-17.
 pub const SERIES_BELOW: f64 = 0.25;
-/// The same for four terms in place of six.
+/// Angle below which four terms of the series are enough (rad).
 const FEW_BELOW: f64 = 1.0 / 128.0;
 
-/// Rests of (1 - sin d / d) / d^2, (1 - cos d) / d^2 and (1 - 2 (1 - cos d) / d^2) / d^2 as factors of [`series`], with their first terms.
+/// Series of (1 - sin d / d) / d^2: factors and first term for [`series`].
 const SINE_REST: ([f64; 5], f64) = ([1.0 / 156.0, 1.0 / 110.0, 1.0 / 72.0, 1.0 / 42.0, 1.0 / 20.0], 1.0 / 6.0);
+/// Series of (1 - cos d) / d^2.
 const COSINE_REST: ([f64; 5], f64) = ([1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0, 1.0 / 12.0], 1.0 / 2.0);
+/// Series of (1 - 2 (1 - cos d) / d^2) / d^2.
 const MEAN_REST: ([f64; 5], f64) = ([1.0 / 182.0, 1.0 / 132.0, 1.0 / 90.0, 1.0 / 56.0, 1.0 / 30.0], 1.0 / 12.0);
 
-/// The first term times 1 - f_n d^2 (1 - f_(n-1) d^2 (...)) of an angle d with this `square`, without the first `N_LEFT_OUT` factors.
+/// The first term times 1 - f_n d^2 (1 - f_(n-1) d^2 (...)) for the `square` of an angle d. The
+/// first `N_LEFT_OUT` factors are left out.
 fn series<T: Number, const N_LEFT_OUT: usize>(square: T, (factors, first): ([f64; 5], f64)) -> T {
     factors[N_LEFT_OUT..].iter().fold(T::from(1.0), |rest, factor| T::from(1.0) - square * T::from(*factor) * rest) * T::from(first)
 }
 
-/// Cosine and sine of an angle (rad) below [`SERIES_BELOW`], or of several side by side.
+/// Cosine and sine of an angle below [`SERIES_BELOW`] (rad), or of several angles side by side.
 pub fn small_rotation<T: Number>(delta: T) -> (T, T) {
     let square = delta * delta;
     let (sine_rest, cosine_rest) = if delta.is_within(FEW_BELOW) {
@@ -111,13 +138,14 @@ pub fn small_rotation<T: Number>(delta: T) -> (T, T) {
 }
 
 impl Arc {
-    // Inlined, what is not asked for of it is not worked out either.
+    /// Arc by the angle `delta` (rad).
+    // Inlined, so that unused parts are not computed.
     #[inline]
     pub fn of(delta: f64) -> Self {
         if delta.is_within(FEW_BELOW) { Self::by_series::<2>(delta) } else { Self::long(delta) }
     }
 
-    /// Apart from the many short ones, whose code it would make long.
+    /// Arc by a larger angle. It is a function of its own, to keep the common case short.
     #[inline(never)]
     fn long(delta: f64) -> Self {
         if delta.abs() < SERIES_BELOW {
@@ -141,33 +169,35 @@ impl Arc {
         Self { delta, cos, sin, sine_rest, cosine_rest, mean_rest }
     }
 
-    /// delta (rad).
+    /// Angle delta (rad).
     pub fn angle(&self) -> f64 {
         self.delta
     }
 
+    /// Rotation by delta.
     pub fn rotation(&self) -> Mat2 {
         Mat2::new(self.cos, -self.sin, self.sin, self.cos)
     }
 
-    /// V(delta): the mean of the rotations from 0 to `delta`, the left Jacobian of SE(2).
+    /// V(delta), the mean of the rotations from 0 to delta: the left Jacobian of SE(2).
     pub fn mean_rotation(&self) -> Mat2 {
         let (along, across) = (1.0 - self.delta * self.delta * self.sine_rest, self.delta * self.cosine_rest);
         Mat2::new(along, -across, across, along)
     }
 
-    /// V u: how far the twist with the linear part `u` (m) takes the origin on this arc (m, axes at its start).
+    /// Displacement V u of the origin on this arc by a twist with the linear part `u` (m, axes at
+    /// the start).
     pub fn shift(&self, u: &Vec2) -> Vec2 {
         self.mean_rotation() * u
     }
 
-    /// First derivative of V by delta, seen in the axes at the end of the arc: R(-delta) V'.
+    /// First derivative of V by delta in the axes at the end of the arc: R(-delta) V'.
     pub fn first_at_end(&self) -> Mat2 {
         let (along, across) = (self.delta * self.sine_rest, self.cosine_rest);
         Mat2::new(along, -across, across, along)
     }
 
-    /// Second derivative of V by delta, seen there.
+    /// Second derivative of V by delta in the axes at the end of the arc.
     pub fn second_at_end(&self) -> Mat2 {
         let (along, across) = (-2.0 * self.sine_rest, self.delta * self.mean_rest);
         Mat2::new(along, -across, across, along)
@@ -200,7 +230,8 @@ mod tests {
             let step = 1e-4;
             let (plus, minus) = (Arc::of(delta + step), Arc::of(delta - step));
             let at_end = |arc: &Arc| arc.rotation() * arc.first_at_end();
-            // Central differences: step^2 / 6 times a third derivative below 0.3, then rounding / step.
+            // Central differences: step^2 / 6 times a third derivative below 0.3, then rounding /
+            // step.
             let first = (plus.mean_rotation() - minus.mean_rotation()) / (2.0 * step);
             assert!((first - at_end(&arc)).norm() < 5e-9, "{delta}");
             let second = (at_end(&plus) - at_end(&minus)) / (2.0 * step);
@@ -208,8 +239,9 @@ mod tests {
         }
     }
 
-    /// What series and closed forms give next to the limit between them: the digits that cancel in the latter, some ten roundings over the square. And what few terms
-    /// give next to the limit from which there are more of them: roundings of the rests, which are at most 1/2.
+    /// Next to the limit between them, series and closed forms differ by the digits that cancel in
+    /// the latter, some ten roundings over the square. Short and long series differ by roundings of
+    /// the rests, which are at most 1/2.
     #[test]
     fn series_and_closed_forms_join() {
         let (few, many) = (Arc::of(FEW_BELOW), Arc::long(FEW_BELOW));

@@ -2,7 +2,8 @@
 
 use super::{Mat3, Vec3};
 
-/// A = L D L' with ones on the diagonal of L; only the lower half of A is read.
+/// The factors A = L D L' of a matrix, with ones on the diagonal of L. Only the lower half of A is
+/// read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositiveDefinite {
     pivots: Vec3,
@@ -11,7 +12,7 @@ pub struct PositiveDefinite {
 }
 
 impl PositiveDefinite {
-    /// `None` where a pivot is not positive.
+    /// Factors of `a`; `None` where a pivot is not positive.
     pub fn new(a: &Mat3) -> Option<Self> {
         let first = a.m11;
         let (l21, l31) = (a.m21 / first, a.m31 / first);
@@ -44,7 +45,8 @@ mod tests {
         assert!((PositiveDefinite::new(&a).unwrap().solve(&(a * x)) - x).amax() < 1e-14);
         let determinant = PositiveDefinite::new(&a).unwrap().pivots.product();
         assert!((determinant - a.determinant()).abs() < 1e-13);
-        // Raising one off-diagonal entry to just below and above sqrt(4 * 3), with the third unknown apart, decides definiteness.
+        // Raising one off-diagonal entry to just below and above sqrt(4 * 3), with the third
+        // unknown apart, decides definiteness.
         let pair = |b: f64| Mat3::new(4.0, b, 0.0, b, 3.0, 0.0, 0.0, 0.0, 1.0);
         assert!(PositiveDefinite::new(&pair(12f64.sqrt() - 1e-12)).is_some());
         assert!(PositiveDefinite::new(&pair(12f64.sqrt() + 1e-12)).is_none());

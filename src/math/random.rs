@@ -1,8 +1,8 @@
 //! Keyed random numbers: every draw is a pure function of (seed, stream, agent, tick).
 //!
-//! The generator is Philox4x32-10 (Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1,
-//! 2, 3", SC 2011). No state is kept from tick to tick, so the draws of one backend cannot depend on how
-//! often another one steps.
+//! The generator is Philox4x32-10 (Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as
+//! 1, 2, 3", SC 2011). No state is kept from tick to tick, so the draws of one backend cannot
+//! depend on how often another one steps.
 
 use std::convert::Infallible;
 use std::f64::consts::TAU;
@@ -60,7 +60,8 @@ impl RandomStreams {
         Open01.sample(&mut self.draws(stream, agent, tick))
     }
 
-    /// Draws of [`RandomStreams::uniform`] at `N` successive ticks from this one on, computed side by side.
+    /// Draws of [`RandomStreams::uniform`] at `N` successive ticks from this one on, computed side
+    /// by side.
     #[inline]
     pub fn uniforms<const N: usize>(&self, stream: Stream, agent: u32, tick: u64) -> [f64; N] {
         let ticks: [u64; N] = std::array::from_fn(|k| tick.wrapping_add(k as u64));
@@ -130,8 +131,9 @@ fn open_unit(high: u32, low: u32) -> f64 {
     f64::from_bits(ONE | bits) - (1.0 - 0.5 * f64::EPSILON)
 }
 
-/// Blocks of N counters, computed side by side. Words stand in the low halves; what is above them takes no
-/// part in products. `rand_philox` has the same function for one counter at a time, which is slower.
+/// Blocks of N counters, computed side by side. Words stand in the low halves; what is above them
+/// takes no part in products. `rand_philox` has the same function for one counter at a time, which
+/// is slower.
 // Inlined, so that counters stay in registers.
 #[inline(always)]
 fn philox4x32_10<const N: usize>(counter: [[u64; N]; 4], key: [u32; 2]) -> [[u64; N]; 4] {
@@ -197,7 +199,8 @@ mod tests {
         assert_ne!(base, RandomStreams::new(8).uniform(Stream::Grasp, 3, 11));
         let n = 40_000;
         let squares: f64 = (0..n).map(|tick| streams.normal_pair(Stream::Target, 0, tick).norm_squared()).sum();
-        // The mean of n chi-square(2) draws has standard deviation 2 / sqrt(n) = 0.01; five of them.
+        // The mean of n chi-square(2) draws has standard deviation 2 / sqrt(n) = 0.01; five of
+        // them.
         assert!((squares / n as f64 - 2.0).abs() < 0.05);
     }
 }

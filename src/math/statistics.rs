@@ -1,4 +1,4 @@
-//! Summaries of samples: moments that add without cancelling, and Student intervals of a mean.
+//! Summaries of samples, and confidence intervals.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -13,6 +13,7 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Adds one value.
     pub fn add(&mut self, value: f64) {
         self.n += 1;
         let before = value - self.mean;
@@ -21,6 +22,7 @@ impl Summary {
         self.max = if self.n == 1 { value } else { self.max.max(value) };
     }
 
+    /// Number of values (1).
     pub fn n(&self) -> u64 {
         self.n
     }
@@ -40,7 +42,8 @@ impl Summary {
         self.max
     }
 
-    /// The interval of the mean at the confidence `level` (0.95, say) by Student's t; `None` below two values.
+    /// Interval of the mean at the confidence `level`, for example 0.95, by Student's t; `None`
+    /// below two values.
     pub fn mean_interval(&self, level: f64) -> Option<Interval> {
         if self.n < 2 {
             return None;
@@ -50,7 +53,7 @@ impl Summary {
     }
 }
 
-/// Two-sided quantile of Student's t at the confidence `level` (0.95, say).
+/// Two-sided quantile of Student's t at the confidence `level`, for example 0.95.
 ///
 /// # Panics
 /// When the degrees of freedom are not positive.
@@ -72,14 +75,16 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// The interval of the mean of `values` at the confidence `level` (0.95, say) by Student's t; `None` below two values.
+/// Interval of the mean of `values` at the confidence `level`, for example 0.95, by Student's t;
+/// `None` below two values.
 pub fn mean_interval(values: &[f64], level: f64) -> Option<Interval> {
     let mut summary = Summary::default();
     summary.extend(values.iter().copied());
     summary.mean_interval(level)
 }
 
-/// The interval of a probability of which `n_hits` of `n` trials tell, at the confidence `level` (E. B. Wilson 1927); `None` without a trial.
+/// The interval of a probability at the confidence `level`, from `n_hits` in `n` trials (E. B.
+/// Wilson 1927); `None` without a trial.
 pub fn proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> {
     if n == 0 {
         return None;
@@ -88,14 +93,16 @@ pub fn proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> 
     let z = Normal::new(0.0, 1.0).ok()?.inverse_cdf(0.5 * (1.0 + level));
     let (widening, middle) = (1.0 + z * z / n, share + 0.5 * z * z / n);
     let half = z * (share * (1.0 - share) / n + 0.25 * z * z / (n * n)).sqrt();
-    // At the ends the two terms cancel, but for rounding.
+    // At the ends the two terms cancel up to rounding.
     let low = if n_hits == 0 { 0.0 } else { (middle - half) / widening };
     let high = if share == 1.0 { 1.0 } else { (middle + half) / widening };
     Some(Interval { low, high })
 }
 
-/// The interval of the difference of two shares of the same trials, of which `n_only` trials have one alone and the other alone, at the confidence `level`, after half
-/// a trial is added to each of the four outcomes (A. Agresti, Y. Min 2005); `None` without a trial.
+/// The interval of the difference of two proportions in the same `n` trials, at the confidence
+/// `level`; `None` without a trial. `n_only` counts the trials that have the first property alone,
+/// and those that have the second alone. Half a trial is added to each of the four outcomes (A.
+/// Agresti, Y. Min 2005).
 pub fn share_difference_interval(n_only: [u64; 2], n: u64, level: f64) -> Option<Interval> {
     if n == 0 {
         return None;
@@ -129,7 +136,8 @@ mod tests {
         assert_eq!(mean_interval(&[], 0.95), None);
     }
 
-    /// 8 of 10 at 95 %: 0.49016 to 0.94332 (tables); none and all of 10 reach the end on their side, and z^2 / (n + z^2) = 0.2775 on the other.
+    /// 8 of 10 at 95 %: 0.49016 to 0.94332 (tables). None and all of 10 reach 0 and 1, and
+    /// z^2 / (n + z^2) = 0.2775 from there.
     #[test]
     fn the_interval_of_a_share_stays_within_zero_and_one() {
         let interval = proportion_interval(8, 10, 0.95).unwrap();
@@ -140,8 +148,9 @@ mod tests {
         assert_eq!(proportion_interval(0, 0, 0.95), None);
     }
 
-    /// 12 and 4 of 40 by the formula as it stands in print, p12 - p21 +- z sqrt(p12 + p21 - (p12 - p21)^2) / sqrt(n) with p = (n_ij + 1/2) / (n + 2): 0.1905 +- 0.1791. Trials
-    /// that all agree leave room, the less the more there are of them.
+    /// 12 and 4 of 40 by the published formula, p12 - p21 +- z sqrt(p12 + p21 - (p12 - p21)^2) /
+    /// sqrt(n) with p = (n_ij + 1/2) / (n + 2): 0.1905 +- 0.1791. Trials that all agree leave an
+    /// interval, which narrows with their number.
     #[test]
     fn shares_of_few_trials_may_differ_by_much() {
         let interval = share_difference_interval([12, 4], 40, 0.95).unwrap();

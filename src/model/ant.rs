@@ -1,4 +1,4 @@
-//! An ant as a point that walks (Eq. 17) and steers (Eq. 20).
+//! An ant as a point that walks (Eq. 17) and steers (Eq. 19).
 
 use serde::{Deserialize, Serialize};
 
@@ -8,70 +8,76 @@ use crate::math::{Arc, Mat2, Number, Vec2, direction, perpendicular};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "mode")]
 pub enum Mode {
-    /// Walks towards where it believes the load to be, and grasps the tip of a free spring in reach.
+    /// The ant walks towards where it believes the load to be, and grasps the tip of a free spring
+    /// in reach.
     Search,
-    /// Holds the tip of one spring and walks backwards with it.
+    /// The ant is attached to the tip of one spring and walks backwards with it.
     Transport { spring: usize, grasp_tick: u64 },
 }
 
-/// An ant between two ticks. Its position (m, world) is that of its mandibles: the tip it holds, while it holds one.
+/// An ant between two ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ant {
+    /// Position of its mandibles (m, world): that of the tip, while the ant is attached to one.
     pub position: Vec2,
-    /// Direction it faces (rad, world). It pulls towards heading + pi.
+    /// Direction that the ant faces (rad, world). It pulls towards heading + pi.
     pub heading: f64,
-    /// The same as a unit vector, which turns with the heading: a rotation by what an ant turns in a tick takes far less than the sine of where it faces.
+    /// Heading as a unit vector. It is turned with the heading: the rotation by the small turn of a
+    /// tick is far cheaper than the sine of the heading.
     pub ahead: Vec2,
+    /// Current behaviour.
     pub mode: Mode,
     /// Offset of the believed from the true position of the load (m), redrawn now and then.
     pub belief_error: Vec2,
 }
 
 impl Ant {
-    /// A searching ant that believes the load to be where it is.
+    /// A searching ant that believes the load to be where the load is.
     pub fn new(position: Vec2, heading: f64) -> Self {
         Self { position, heading, ahead: direction(heading), mode: Mode::Search, belief_error: Vec2::zeros() }
     }
 
-    /// Walks a `way` (m) and a `turn` (rad), both at constant speed: an arc, Eq. (17).
-    pub fn walk(&mut self, way: f64, turn: f64) {
+    /// Walks a `distance` (m) with a `turn` (rad), both at constant rate: an arc, Eq. (17).
+    pub fn walk(&mut self, distance: f64, turn: f64) {
         let arc = Arc::of(turn);
         let axes = Mat2::from_columns(&[self.ahead, perpendicular(&self.ahead)]);
-        self.position += axes * arc.shift(&Vec2::new(way, 0.0));
+        self.position += axes * arc.shift(&Vec2::new(distance, 0.0));
         self.turn(&arc);
     }
 
     /// Turns on the spot along `arc`.
     pub fn turn(&mut self, arc: &Arc) {
         let ahead = arc.rotation() * self.ahead;
-        // Back to length one, from which rounding alone has taken it.
+        // Rounding has changed the length from one.
         self.ahead = (1.5 - 0.5 * ahead.norm_squared()) * ahead;
         self.heading += arc.angle();
     }
 }
 
-/// How ants steer, Eq. (20): at gain (1/s) times heading error (rad), as its mean over a duration (s) while the desired heading stands still. The error then decays as
-/// exp(-gain t), and no choice of control period makes it overshoot. The exponential is the same for all ants.
+/// Steering of the ants, Eq. (19): the turn rate is gain (1/s) times heading error (rad). Over a
+/// tick it is the mean of that law for a constant desired heading: the error decays as exp(-gain
+/// t), and no choice of control period makes it overshoot. The exponential is the same for all
+/// ants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steering {
-    /// (s)
+    /// Duration of a tick (s).
     duration: f64,
-    /// Share of the error that is steered out (1).
+    /// Fraction of the error that is removed in a tick (1).
     share: f64,
 }
 
 impl Steering {
-    /// For a gain (1/s) and a duration (s).
+    /// Steering with this gain (1/s) over ticks of this duration (s).
     pub fn new(gain: f64, duration: f64) -> Self {
         Self { duration, share: -(-gain * duration).exp_m1() }
     }
 
-    /// (s)
+    /// Duration of a tick (s).
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// Turn within the duration for a heading error (rad), or for several side by side.
+    /// Turn within a tick for a heading error (rad), or for several errors side by side.
     pub fn turn<T: Number>(&self, heading_error: T) -> T {
         heading_error * T::from(self.share)
     }
@@ -105,9 +111,10 @@ mod tests {
         }
     }
 
-    /// Through a million ticks: the heading, some hundred radians at last, loses up to 3e-14 in each, a random walk of 3e-11.
+    /// Over a million ticks the heading, some hundred radians in the end, loses up to 3e-14 in
+    /// each: a random walk of 3e-11.
     #[test]
-    fn an_ant_goes_on_facing_where_it_heads() {
+    fn the_unit_vector_follows_the_heading() {
         let mut ant = Ant::new(Vec2::zeros(), 0.3);
         let mut farthest: f64 = 0.0;
         for tick in 0..1_000_000 {

@@ -1,8 +1,9 @@
-//! What an ant decides (Eq. 18-19, 21-23): grasp, release, and where to pull.
+//! Decisions of an ant (Eq. 18-19, 21-23): grasp, release, and direction of the pull.
 //!
-//! Deviation: the paper gives probabilities per step of a step it does not print. Here decisions have rates: a probability p per decision
-//! period D is the hazard -ln(1 - p) / D, so that rates do not depend on the control period (a hold ends at a tick: half a period late in the mean).
-//! The literal per-tick reading is [`Pace::PerTick`].
+//! Deviation: the paper states probabilities per time step, and does not print the step. Here
+//! decisions have rates: a probability p per decision period D is the hazard -ln(1 - p) / D, so
+//! that rates do not depend on the control period. An attachment ends at a tick, on average half a
+//! period late. The literal reading per tick is [`Pace::PerTick`].
 
 use std::f64::consts::LN_2;
 
@@ -10,15 +11,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::{Numbers, SMALL_TANGENT, Vec2, Vectors, small_arctangent};
 
-/// When an ant draws for a decision.
+/// Times at which an ant makes a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pace {
-    /// Every decision period after the grasp, with the printed probability.
+    /// Once per decision period after the grasp, with the printed probability.
     Aged,
-    /// At every tick, with the hazard that the printed probability per decision period amounts to.
+    /// At every tick, with the hazard that gives the printed probability within one decision
+    /// period.
     Hazard,
-    /// At every tick, with the printed probability: the literal reading, which depends on the control period.
+    /// At every tick, with the printed probability. Rates then depend on the control period.
     PerTick,
 }
 
@@ -32,38 +34,40 @@ pub fn hazard_of(probability: f64, period: f64) -> f64 {
     -(-probability).ln_1p() / period
 }
 
-/// How a pull makes an ant let go.
+/// Dependence of a release on the pull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReleaseLaw {
-    /// F_m: the pull at twice the even odds (N).
+    /// F_m (N): the release probability is 1/2 at half this pull.
     pub strong_pull: f64,
-    /// zeta (1/N).
+    /// Steepness zeta of the release probability over the pull (1/N).
     pub steepness: f64,
-    /// D_r: time between decisions (s).
+    /// Time between decisions, D_r (s).
     pub period: f64,
 }
 
 impl ReleaseLaw {
-    /// Probability of letting go at one decision under a pull (N), Eq. (18): a logistic curve through 1/2 at half the strong pull.
+    /// Probability of a release at one decision under a pull (N), Eq. (18).
     pub fn probability(&self, pull: f64) -> f64 {
         1.0 / (1.0 + (-self.steepness * (pull - 0.5 * self.strong_pull)).exp())
     }
 
-    /// Hazard of letting go (1/s): softplus(zeta (F - F_m / 2)) / D_r, since -ln(1 - logistic z) = softplus z.
+    /// Hazard of a release under a pull F (N): softplus(zeta (F - F_m / 2)) / D_r, since -ln(1 -
+    /// logistic z) = softplus z (1/s).
     pub fn hazard(&self, pull: f64) -> f64 {
         let z = self.steepness * (pull - 0.5 * self.strong_pull);
-        // softplus without overflow.
+        // This form of softplus does not overflow.
         (z.max(0.0) + (-z.abs()).exp().ln_1p()) / self.period
     }
 
-    /// A hazard (1/s) that [`ReleaseLaw::hazard`] never exceeds, without its exponential: softplus z is at most max(z, 0) + ln 2.
+    /// Upper bound of [`ReleaseLaw::hazard`], without its exponential: softplus z is at most max(z,
+    /// 0) + ln 2 (1/s).
     pub fn most_hazard(&self, pull: f64) -> f64 {
         let z = self.steepness * (pull - 0.5 * self.strong_pull);
         (z.max(0.0) + LN_2) / self.period
     }
 }
 
-/// beta of Eq. (22): how far a pull may be off the direction of its spring, as the rotations by it to both sides.
+/// Half angle beta of Eq. (22), the largest angle between a pull and its spring, as a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfAngle {
     sin: f64,
@@ -71,14 +75,15 @@ pub struct HalfAngle {
 }
 
 impl HalfAngle {
-    /// From 0 to pi (rad).
+    /// Half angle from 0 to pi (rad).
     pub fn new(half_angle: f64) -> Self {
         let (sin, cos) = half_angle.sin_cos();
         Self { sin, cos }
     }
 
-    /// The directions in which ants want to pull, of any length, Eq. (22): towards the nest, but at most the half angle off the direction in which the `spring` of each
-    /// leads away from the load. A nest exactly behind the spring counts as on its left.
+    /// Directions in which ants want to pull, Eq. (22), as vectors of any length: towards the nest,
+    /// but at most the half angle off the direction in which the `spring` of each leads away from
+    /// the load. A nest exactly behind the spring counts as on its left.
     pub fn pull_directions(&self, spring: Vectors, nest: Vectors) -> Vectors {
         let (sin, cos) = (Numbers::splat(self.sin), Numbers::splat(self.cos));
         let is_left = spring.perp(nest).simd_ge(Numbers::ZERO);
@@ -86,33 +91,36 @@ impl HalfAngle {
         let beyond = turned.perp(nest);
         let is_past = is_left.select(beyond, -beyond).simd_gt(Numbers::ZERO);
         let is_behind = spring.dot(nest).simd_lt(Numbers::ZERO);
-        // More than a right angle off counts as past a half angle below one, and less as short of one above.
+        // An angle above 90 degrees exceeds any half angle below 90 degrees; an angle below 90
+        // degrees is within any half angle above.
         let is_beyond = if self.cos > 0.0 { is_behind | is_past } else { is_behind & is_past };
         turned.or(nest, is_beyond)
     }
 }
 
-/// Where ants that pull in these directions face: they walk backwards, Eq. (21).
+/// Directions that ants face when they pull in these directions: they walk backwards, Eq. (21).
 pub fn facing_for_pull(pull_directions: Vectors) -> Vectors {
     Vectors { x: -pull_directions.x, y: -pull_directions.y }
 }
 
-/// Signed angle from the unit vector `ahead` to a `desired` direction of any length in (-pi, pi] (rad), Eq. (19).
+/// Signed angle from the unit vector `ahead` to a `desired` direction of any length in (-pi, pi]
+/// (rad), Eq. (19).
 pub fn turn_towards(desired: &Vec2, ahead: &Vec2) -> f64 {
     let (across, along) = (ahead.perp(desired), ahead.dot(desired));
     if across.abs() <= SMALL_TANGENT * along && along > 0.0 {
         return small_arctangent(across / along);
     }
-    // Without minus zeros, which stand for minus pi across, and along for a turn of an ant that is where it wants to be.
+    // Adding zero removes minus zeros, which would turn the result to minus pi, or an ant that
+    // already faces the right way.
     (across + 0.0).atan2(along + 0.0)
 }
 
-/// The same, side by side.
+/// Angles of [`turn_towards`] for several ants side by side (rad).
 #[inline]
 pub fn turns_towards(desired: Vectors, ahead: Vectors) -> Numbers {
     let (across, along) = (ahead.perp(desired), ahead.dot(desired));
     let is_small = across.abs().simd_le(Numbers::splat(SMALL_TANGENT) * along) & along.simd_gt(Numbers::ZERO);
-    // Most ants that pull face nearly where they want to.
+    // Most ants that pull face nearly the desired direction.
     if is_small.all() {
         return small_arctangent(across / along);
     }
@@ -128,7 +136,7 @@ mod tests {
 
     const PAPER: ReleaseLaw = ReleaseLaw { strong_pull: 0.020, steepness: 100.0, period: 0.25 };
 
-    /// The six values for 0 ... 36.5 mN, printed with four digits.
+    /// Six values from 0 to 36.5 mN, of an independent calculation with four digits.
     #[test]
     fn release_probabilities_in_newtons() {
         let table = [(0.0, 0.2689), (0.005, 0.3775), (0.010, 0.5), (0.020, 0.7311), (0.030, 0.8808), (0.0365, 0.9340)];
@@ -143,16 +151,16 @@ mod tests {
             let within = probability_within(PAPER.hazard(pull), PAPER.period);
             // Both are of order one; rounding of exp and ln_1p.
             assert!((within - PAPER.probability(pull)).abs() < 1e-14);
-            // Where the pull is at the even odds, the two are the same number.
+            // At the pull with probability 1/2 the two are equal.
             assert!(PAPER.hazard(pull) <= PAPER.most_hazard(pull) * (1.0 + 1e-15));
         }
         assert!(PAPER.hazard(1e6).is_finite());
         assert!((probability_within(hazard_of(0.2, 0.0025), 0.0025) - 0.2).abs() < 1e-16);
     }
 
-    /// Whatever it faces, with either sign of zero.
+    /// The ant may face any direction, and zeros may have either sign.
     #[test]
-    fn an_ant_that_is_where_it_wants_to_be_does_not_turn() {
+    fn an_ant_without_a_desired_direction_does_not_turn() {
         for quarter in 0..8 {
             let ahead = direction(0.1 + 0.25 * PI * f64::from(quarter));
             assert_eq!(turn_towards(&Vec2::zeros(), &ahead), 0.0);
@@ -162,7 +170,7 @@ mod tests {
         }
     }
 
-    /// Of one ant, beside others that pull another way, wherever it stands among them.
+    /// Direction of one ant beside others that pull elsewhere, at every place among them.
     fn pull_direction(limit: &HalfAngle, spring: &Vec2, nest: &Vec2) -> Vec2 {
         let beside =
             |own: &Vec2, at: usize| Vectors::new(std::array::from_fn(|k| if k == at { *own } else { Vec2::new(0.1 - own.y, own.x) }));
@@ -172,7 +180,7 @@ mod tests {
         first
     }
 
-    /// The same by angles.
+    /// Angle of the pull, computed with angles.
     fn by_angles(spring: f64, nest: f64, half_angle: f64) -> f64 {
         spring + wrap_to_pi(nest - spring).clamp(-half_angle, half_angle)
     }

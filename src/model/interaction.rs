@@ -2,9 +2,10 @@
 
 use crate::math::Vec2;
 
-/// Signed interaction force (N) of two ants pulling with `pulls` at `tips`: the difference of their pulls along the line between the tips,
-/// positive when they pull apart. It moves no load: adding it to both, opposite in sign, changes neither force nor torque. Zero for
-/// coincident tips, where no line exists.
+/// Signed interaction force of two ants with `pulls` (N) at `tips` (m), Eq. (4): the difference of
+/// their pulls along the line between the tips, positive when they pull apart (N). It moves no
+/// load: adding it to both pulls with opposite signs changes neither force nor torque. It is zero
+/// for coincident tips, which have no line.
 pub fn interaction_force(tips: [Vec2; 2], pulls: [Vec2; 2]) -> f64 {
     let line = tips[0] - tips[1];
     let length = line.norm();

@@ -3,14 +3,15 @@
 use super::{Ground, PolarSpring};
 use crate::math::{Mat3, Twist};
 
-/// A rigid body in the plane; its frame's origin is its centre of mass.
+/// A rigid body in the plane. The origin of its frame is its centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     /// Mass (kg).
     pub mass: f64,
     /// Moment of inertia about the origin (kg m^2).
     pub inertia: f64,
-    /// Radius of the outline, a disc (m). It carries no force: it draws the load and sets the default inertia.
+    /// Radius of the outline, a disc (m). It has no effect on forces; it sets the default inertia
+    /// and the measure of displacements.
     pub radius: f64,
 }
 
@@ -26,11 +27,15 @@ impl Load {
     }
 }
 
-/// What a backend moves. Nothing here changes during a run.
+/// The mechanism that a backend moves: load, ground and springs. Nothing in it changes during a
+/// run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct System {
+    /// The load.
     pub load: Load,
+    /// Friction and supports.
     pub ground: Ground,
+    /// Springs of the load. A spring is named by its index.
     pub springs: Vec<PolarSpring>,
 }
 
@@ -40,13 +45,15 @@ impl System {
         self.ground.slip_limits().sum()
     }
 
-    /// Estimate of the fastest oscillation of the load on all its springs at rest, in translation or turning (rad/s); zero without springs. Each by itself is no
-    /// faster; together, on springs to one side of the load's origin, they may be, by sqrt(2) at most.
+    /// Estimate of the fastest oscillation of the load on all its springs at rest, in translation
+    /// or turning; zero without springs (rad/s). It bounds either motion alone. With springs on one
+    /// side of the load's origin the motions couple, and the rate may be higher by a factor of
+    /// sqrt(2) at most.
     pub fn fastest_rate(&self) -> f64 {
         self.fastest_rate_on(self.springs.iter())
     }
 
-    /// The same on some of its springs.
+    /// [`System::fastest_rate`] on some of the springs (rad/s).
     pub fn fastest_rate_on<'a>(&self, springs: impl Iterator<Item = &'a PolarSpring>) -> f64 {
         let (mut linear, mut angular) = (0.0, 0.0);
         for spring in springs {
@@ -58,8 +65,9 @@ impl System {
         (linear / self.load.mass).max(angular / self.load.inertia).sqrt()
     }
 
-    /// Dashpot coefficients (radial in N s/m, torsional in N m s/rad) of a spring with this damping ratio on this load:
-    /// stiffness times 2 zeta / omega_n with omega_n = sqrt(radial stiffness / mass). That of an isotropic spring resists every direction alike.
+    /// Radial and torsional dashpot coefficient of a spring on this load: stiffness times 2 zeta /
+    /// omega_n with omega_n = sqrt(radial stiffness / mass). The dashpot of an isotropic spring
+    /// resists every direction alike (N s/m, N m s/rad).
     pub fn dashpot(&self, spring: &PolarSpring) -> (f64, f64) {
         if spring.damping_ratio == 0.0 || spring.radial_stiffness == 0.0 {
             return (0.0, 0.0);

@@ -1,7 +1,8 @@
-//! Floor 1: the paper's laws, pure and stateless: springs, load, supports, ants and their decisions.
+//! The paper's laws, without state: springs, load, supports, ants and their decisions.
 //!
-//! Equation numbers are those of Berman, Lindsey, Sakar, Kumar, Pratt, "Study of group food retrieval by ants as a model for multi-robot
-//! collective transport strategies", Robotics: Science and Systems VI, 2010.
+//! Equation numbers are those of Berman, Lindsey, Sakar, Kumar, Pratt, "Study of group food
+//! retrieval by ants as a model for multi-robot collective transport strategies", Robotics: Science
+//! and Systems VI, 2010.
 
 pub mod ant;
 pub mod behaviour;

@@ -1,7 +1,8 @@
 //! The polar spring (Eq. 8-10) as an energy, with gradient and Hessian by the load's pose.
 //!
-//! The root R is fixed to the load, the undeformed spring points along `bearing` there. With Q the rotation by heading + bearing, the
-//! tip seen from the root is `d = Q^T (p - x) - a`, where `a` is the root in axes turned by the bearing. In polar form d = (length, swing) and
+//! The root R is fixed to the load, and the undeformed spring points along `bearing` in the load's
+//! frame. With Q the rotation by heading + bearing, the tip seen from the root is `d = Q^T (p - x)
+//! - a`, where `a` is the root in axes turned by the bearing. In polar form d = (length, swing) and
 //!
 //! ```text
 //! U = 1/2 k_r (l - l_0)^2 + 1/2 k_t psi^2          f = dU/dd = k_r (l - l_0) e_r + (k_t psi / l) e_t
@@ -9,63 +10,70 @@
 //! dd/dx = -Q^T,  dd/dtheta = -J (d + a)            with J a quarter turn
 //! ```
 //!
-//! Deviation: Eq. (8) sets the tip frame to the world's orientation, so that an undeformed spring beside the load would carry 27 mN; the swing
-//! here is the polar angle of the tip in the root's frame. Deviation: Eq. (16) pairs a body twist with a wrench about the root, which counts
-//! the couple twice; forces here are derivatives of one energy, so power and energy agree. Eq. (10) is the force on the tip; the
-//! load gets its opposite.
+//! Deviation: Eq. (8) sets the tip frame to the world's orientation, so that an undeformed spring
+//! beside the load would carry 27 mN. The swing here is the polar angle of the tip in the root's
+//! frame.
+//!
+//! Deviation: Eq. (16) pairs a body twist with a wrench about the root, which counts the couple
+//! twice. Forces here are derivatives of one energy, so power and energy agree.
+//!
+//! Eq. (10) is the force on the tip; the load gets its opposite.
 
 use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, direction, perpendicular, rotation, unwrap_near};
 
-/// One spring of the load. Nothing here changes during a run.
+/// One spring of the load. Nothing in it changes during a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolarSpring {
     /// Root in the load's frame (m).
     pub root: Vec2,
     /// Direction of the undeformed spring in the load's frame (rad).
     pub bearing: f64,
-    /// Length without force (m). With zero torsional stiffness, zero makes the isotropic spring of the test scenes.
+    /// Length without force (m). A spring without rest length and torsional stiffness is isotropic.
     pub rest_length: f64,
     /// Stiffness against change of length (N/m).
     pub radial_stiffness: f64,
     /// Stiffness against swing about the root (N m/rad).
     pub torsional_stiffness: f64,
-    /// Damping over critical damping of the load's mass on this spring (1); 0 is undamped.
+    /// Damping over critical damping of the load's mass on this spring (1).
     pub damping_ratio: f64,
 }
 
-/// A held spring's tip as the spring sees it.
+/// Tip of an attached spring in the frame of its root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringShape {
     /// Tip from root in the frame turned by the bearing (m).
     pub tip_in_root: Vec2,
     /// Distance from root to tip (m).
     pub length: f64,
-    /// Polar angle of the tip there (rad), continued over whole turns.
+    /// Polar angle of the tip in that frame, continued over whole turns (rad).
     pub swing: f64,
 }
 
-/// What a held spring answers at one pose of the load.
+/// Energy of attached springs at one pose of the load, with its derivatives by the pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reaction {
     /// Elastic energy (J).
     pub energy: f64,
-    /// Derivative of the energy by (x, y, heading) in world axes (N, N, N m): minus the wrench on the load.
+    /// Derivative of the energy by (x, y, heading) in world axes: minus the wrench on the load (N,
+    /// N, N m).
     pub gradient: Vec3,
     /// Second derivative by (x, y, heading) (N/m, N, N m/rad).
     pub hessian: Mat3,
 }
 
 impl Reaction {
+    /// Reaction of no spring.
     pub const ZERO: Reaction =
         Reaction { energy: 0.0, gradient: Vec3::new(0.0, 0.0, 0.0), hessian: Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) };
 
+    /// Adds the reaction of other springs.
     pub fn add(&mut self, other: &Reaction) {
         self.energy += other.energy;
         self.gradient += other.gradient;
         self.hessian += other.hessian;
     }
 
-    /// The same with derivatives by shifts along axes that `turn` takes to world axes.
+    /// This reaction with derivatives by shifts along axes that `turn` rotates to world axes.
     pub fn in_axes(&self, turn: &Mat2) -> Reaction {
         let gradient = turn.tr_mul(&self.gradient.xy());
         let linear = turn.tr_mul(&self.hessian.fixed_view::<2, 2>(0, 0).into_owned()) * turn;
@@ -75,23 +83,27 @@ impl Reaction {
     }
 }
 
-/// Below this share of the rest length the direction of the spring is no longer a physical quantity: the polar law is continued with the
-/// tip kept at this distance, so that forces stay finite.
+/// Shortest length of a spring over its rest length (1). Below it the direction of the spring has
+/// no physical meaning, and the polar law is continued with the tip at this distance, so that
+/// forces stay finite.
 pub const SHORTEST_LENGTH: f64 = 1e-6;
 
 impl PolarSpring {
-    /// Without rest length and torsion the law is linear in the tip's position and has no preferred direction.
+    /// Whether the law is linear in the position of the tip, without a preferred direction: that is
+    /// so without rest length and torsional stiffness.
     pub fn is_isotropic(&self) -> bool {
         self.rest_length == 0.0 && self.torsional_stiffness == 0.0
     }
 
-    /// Stiffness against a way of the tip from where it rests, along or across the spring, whichever is larger (N/m).
+    /// Stiffness against a displacement of the tip from rest, along or across the spring, whichever
+    /// is larger (N/m).
     pub fn largest_stiffness(&self) -> f64 {
         let across = if self.torsional_stiffness == 0.0 { 0.0 } else { self.torsional_stiffness / self.rest_length.powi(2) };
         self.radial_stiffness.max(across)
     }
 
-    /// A spring with the same root that is undeformed in `shape`, with stiffnesses (N/m, N m/rad) of its own.
+    /// A spring with the same root and these stiffnesses (N/m, N m/rad) that is undeformed in
+    /// `shape`.
     pub fn about(&self, shape: &SpringShape, radial_stiffness: f64, torsional_stiffness: f64) -> PolarSpring {
         let softened = PolarSpring { radial_stiffness, torsional_stiffness, damping_ratio: 0.0, ..*self };
         if self.is_isotropic() {
@@ -101,12 +113,13 @@ impl PolarSpring {
         }
     }
 
-    /// The tip of the undeformed spring in the load's frame (m).
+    /// Tip of the undeformed spring in the load's frame (m).
     pub fn rest_tip(&self) -> Vec2 {
         self.root + self.rest_length * direction(self.bearing)
     }
 
-    /// Shape of the spring between the load at `pose` and `tip` (m, world), on the branch of the swing nearest to `swing_near`.
+    /// Shape of the spring between the load at `pose` and `tip` (m, world), on the branch of the
+    /// swing nearest to `swing_near`.
     pub fn shape(&self, pose: &Pose, tip: &Vec2, swing_near: f64) -> SpringShape {
         let tip_in_root = rotation(pose.heading + self.bearing).tr_mul(&(tip - pose.position)) - self.root_in_bearing();
         let length = tip_in_root.norm();
@@ -120,8 +133,8 @@ impl PolarSpring {
         0.5 * self.radial_stiffness * stretch * stretch + 0.5 * self.torsional_stiffness * shape.swing * shape.swing
     }
 
-    /// dU/dd (N) in the frame turned by the bearing: the force that moves the tip out, and the force the load feels at the tip. Eq. (10) is
-    /// its opposite.
+    /// Force dU/dd on the load at the tip, in the frame turned by the bearing (N). The ant pulls
+    /// the tip with the same force. Eq. (10) is its opposite.
     pub fn pull_in_root(&self, shape: &SpringShape) -> Vec2 {
         if self.is_isotropic() {
             return self.radial_stiffness * shape.tip_in_root;
@@ -136,7 +149,7 @@ impl PolarSpring {
         rotation(pose.heading + self.bearing) * self.pull_in_root(shape)
     }
 
-    /// Energy with its first and second derivatives by the pose of the load, for a tip that stands still.
+    /// Energy with its first and second derivatives by the pose of the load, for a tip at rest.
     pub fn reaction(&self, pose: &Pose, shape: &SpringShape) -> Reaction {
         let turn = rotation(pose.heading + self.bearing);
         let pull = self.pull_in_root(shape);
@@ -159,7 +172,8 @@ impl PolarSpring {
         }
     }
 
-    /// H_d: second derivative of the energy by the tip's position in the frame turned by the bearing (N/m).
+    /// H_d: second derivative of the energy by the tip's position in the frame turned by the
+    /// bearing (N/m).
     fn stiffness_in_root(&self, shape: &SpringShape) -> Mat2 {
         if self.is_isotropic() {
             return Mat2::from_diagonal_element(self.radial_stiffness);
@@ -173,7 +187,7 @@ impl PolarSpring {
             - torsion * shape.swing * (coupling + coupling.transpose())
     }
 
-    /// Length kept away from zero, and the unit vector from root to tip.
+    /// Length, kept away from zero (m), and unit vector from root to tip.
     fn polar_axis(&self, shape: &SpringShape) -> (f64, Vec2) {
         let shortest = SHORTEST_LENGTH * self.rest_length;
         if shape.length > shortest {
@@ -191,13 +205,14 @@ impl PolarSpring {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::paper;
 
     const PAPER: PolarSpring = PolarSpring {
-        root: Vec2::new(0.0122, 0.0),
+        root: Vec2::new(paper::LOAD_RADIUS_M, 0.0),
         bearing: 0.0,
-        rest_length: 0.0263,
-        radial_stiffness: 0.664,
-        torsional_stiffness: 4.52e-4,
+        rest_length: paper::REST_LENGTH_M,
+        radial_stiffness: paper::RADIAL_STIFFNESS_N_PER_M,
+        torsional_stiffness: paper::TORSIONAL_STIFFNESS_NM_PER_RAD,
         damping_ratio: 0.0,
     };
 
@@ -219,7 +234,8 @@ mod tests {
         for i in 0..3 {
             let e = Vec3::ith(i, scale[i] * step);
             let along = |t: f64| energy_at(&spring, at + t * e, &tip, shape.swing);
-            // Fourth-order differences; energy 1e-4 J: truncation 1e-12 of it, rounding 1e-16 / step relative.
+            // Fourth-order differences; energy 1e-4 J: truncation 1e-12 of it, rounding 1e-16 /
+            // step relative.
             let slope = (8.0 * (along(1.0) - along(-1.0)) - along(2.0) + along(-2.0)) / 12.0;
             assert!((slope - reaction.gradient.dot(&e)).abs() < 1e-9 * 1e-4 * step.sqrt(), "{i}: {slope}");
             for j in 0..3 {
@@ -254,7 +270,7 @@ mod tests {
         let shape = PAPER.shape(&pose, &PAPER.rest_tip(), 0.0);
         let stiffness = PAPER.reaction(&pose, &shape).hessian.m33;
         assert!((stiffness - 4.52e-4 / 0.0263f64.powi(2) * 0.0385f64.powi(2)).abs() < 1e-18 * 1e3);
-        // Printed with three digits.
+        // Three digits are known.
         assert!((stiffness - 9.69e-4).abs() < 5e-7);
     }
 

@@ -1,12 +1,15 @@
 //! Pseudo-rigid-body design of the paper's planar springs (Section III, Eq. 1-3).
 //!
-//! A spring is one short member, two folded members and stiff links between, cut from a sheet. Each member bends at characteristic pivots:
-//! one at the short member (k_1) and one at either end of both folded members (k_2 ... k_5), each with `k_i = 2 gamma K_Theta E I / l_i`.
+//! A spring is one short member, two folded members and stiff links between them, cut from a sheet.
+//! Each member bends at characteristic pivots: one at the short member (k_1) and one at either end
+//! of both folded members (k_2 ... k_5), each with `k_i = 2 gamma K_theta E I / l_i`.
 //!
-//! * Radial pull r turns the four folded pivots by phi, with r = 2 l_2 sin phi (Eq. 1).
-//! * Tangential push turns either one folded pivot by phi (case 2, Eq. 2) or the short member's pivot (case 3, Eq. 3).
+//! * A radial displacement r turns the four folded pivots by phi, with r = 2 l_2 sin phi (Eq. 1).
+//! * A tangential displacement turns either one folded pivot by phi (case 2, Eq. 2) or the pivot of
+//!   the short member (case 3, Eq. 3).
 //!
-//! The forces below follow from virtual work on these mechanisms, which reproduces Eq. (1)-(3) as printed.
+//! The forces below follow from virtual work on these mechanisms, which reproduces Eq. (1)-(3) as
+//! printed.
 
 /// Dimensions and material of one spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,24 +26,24 @@ pub struct SpringDesign {
     pub folded_member_length: f64,
     /// Length l_3 + l_5 of the stiff links beyond the short member (m).
     pub link_length: f64,
-    /// gamma (1).
+    /// Characteristic radius factor gamma (1).
     pub characteristic_radius_factor: f64,
-    /// K_Theta (1).
+    /// Stiffness coefficient K_theta (1).
     pub stiffness_coefficient: f64,
 }
 
 impl SpringDesign {
-    /// I = h^3 b / 12 (m^4).
+    /// Second moment of area of a member, I = h^3 b / 12 (m^4).
     pub fn second_moment_of_area(&self) -> f64 {
         self.member_width.powi(3) * self.member_depth / 12.0
     }
 
-    /// l_0 = l_1 + l_3 + l_5, root to tip without force (m).
+    /// Length from root to tip without force, l_1 + l_3 + l_5 (m).
     pub fn rest_length(&self) -> f64 {
         self.short_member_length + self.link_length
     }
 
-    /// k_1 ... k_5 (N m/rad).
+    /// Stiffnesses of the pivots, k_1 ... k_5 (N m/rad).
     pub fn pivot_stiffnesses(&self) -> [f64; 5] {
         let bending =
             2.0 * self.characteristic_radius_factor * self.stiffness_coefficient * self.youngs_modulus * self.second_moment_of_area();
@@ -48,15 +51,16 @@ impl SpringDesign {
         [short, folded, folded, folded, folded]
     }
 
-    /// kappa_tau as the sum of all pivot stiffnesses (N m/rad): the identification that gives the printed 4.52e-4.
+    /// Torsional stiffness kappa_tau as the sum of all pivot stiffnesses, which gives the printed
+    /// 4.52e-4 (N m/rad).
     pub fn torsional_stiffness(&self) -> f64 {
         self.pivot_stiffnesses().iter().sum()
     }
 
-    /// F_r at a radial stretch (N), Eq. (1).
+    /// Radial force F_r at a radial stretch (m), Eq. (1) (N).
     ///
     /// # Panics
-    /// When the stretch is not below twice the folded length, where the members are straight.
+    /// When the stretch is at least twice the folded length, where the members are straight.
     pub fn radial_force(&self, stretch: f64) -> f64 {
         let span = 2.0 * self.folded_member_length;
         assert!(stretch.abs() < span, "a stretch of {stretch} m would straighten members that span {span} m");
@@ -64,20 +68,21 @@ impl SpringDesign {
         self.folded_stiffness() * turn / (span * turn.cos())
     }
 
-    /// Secant stiffness F_r / r (N/m): linear kappa_rho identified at one stretch. The limit at zero stretch is the tangent.
+    /// Secant stiffness F_r / r at a stretch (m): kappa_rho of a linear law that agrees at that
+    /// stretch (N/m). At zero it is the tangent.
     pub fn secant_radial_stiffness(&self, stretch: f64) -> f64 {
         if stretch == 0.0 { self.initial_radial_stiffness() } else { self.radial_force(stretch) / stretch }
     }
 
-    /// Tangent dF_r / dr (N/m).
+    /// Tangent stiffness dF_r / dr at a stretch (m) (N/m).
     pub fn tangent_radial_stiffness(&self, stretch: f64) -> f64 {
         let turn = (stretch / (2.0 * self.folded_member_length)).asin();
         let cos = turn.cos();
         self.initial_radial_stiffness() * (1.0 + turn * turn.tan()) / (cos * cos)
     }
 
-    /// Case 2, Eq. (2): polar angle of the tip about the root (rad) and force across the spring (N) when one folded pivot, at the end of the
-    /// short member, has turned by `turn` (rad).
+    /// Polar angle of the tip about the root and force across the spring in case 2, Eq. (2), when
+    /// the folded pivot at the end of the short member has turned by `turn` (rad) (rad, N).
     pub fn tangential_case_2(&self, turn: f64) -> (f64, f64) {
         let (short, link) = (self.short_member_length, self.link_length);
         let (sin, cos) = turn.sin_cos();
@@ -88,7 +93,8 @@ impl SpringDesign {
         (across.atan2(along), couple / (length * angle_per_turn))
     }
 
-    /// Case 3, Eq. (3): force across the spring (N) when the whole spring has swung by `swing` (rad) about the short member's pivot.
+    /// Force across the spring in case 3, Eq. (3), when the whole spring has swung by `swing` (rad)
+    /// about the pivot of the short member (N).
     pub fn tangential_case_3(&self, swing: f64) -> f64 {
         self.pivot_stiffnesses()[0] * swing / self.rest_length()
     }
@@ -110,7 +116,8 @@ mod tests {
 
     const DESIGN: SpringDesign = paper::SPRING;
 
-    /// Values of an independent derivation, printed with six or seven digits: the tolerances are half of the last one.
+    /// Values of an independent derivation with six or seven digits. The tolerances are half of the
+    /// last digit.
     #[test]
     fn pivots_and_torsional_stiffness() {
         assert_relative_eq!(DESIGN.second_moment_of_area(), 1.36533e-13, max_relative = 4e-6);

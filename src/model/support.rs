@@ -2,46 +2,50 @@
 
 use crate::math::{Vec2, Vec3};
 
-/// A point of the load that stands on the ground.
+/// A point at which the load stands on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportPoint {
     /// Position in the load's frame (m).
     pub offset: Vec2,
-    /// Normal load (N), constant: the motion is in the plane.
+    /// Normal load (N). It is constant, since the motion is in the plane.
     pub normal_load: f64,
 }
 
 /// Level ground under the load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ground {
-    /// Coulomb's mu, the same for sticking and slipping (1).
+    /// Coulomb's coefficient of friction mu, the same for sticking and slipping (1).
     pub friction_coefficient: f64,
+    /// Points at which the load stands.
     pub supports: Vec<SupportPoint>,
 }
 
 impl Ground {
-    /// Largest friction force of each support, mu times its normal load (N), Eq. (13).
+    /// Largest friction force of each support, mu times its normal load, Eq. (13) (N).
     pub fn slip_limits(&self) -> impl Iterator<Item = f64> + '_ {
         self.supports.iter().map(|support| self.friction_coefficient * support.normal_load)
     }
 }
 
-/// Slip velocity (m/s, load axes) of the point at `offset` for a body twist (u_x, u_y, omega): B xi of Eq. (12).
+/// Slip velocity of the point at `offset` (m) for a body twist (u_x, u_y, omega), B xi of Eq. (12)
+/// (m/s, load axes).
 ///
-/// Deviation: Eq. (12) prints the inertial-frame twist beside body-frame offsets, which is wrong unless the heading is zero; B goes
-/// with the body twist.
+/// Deviation: Eq. (12) prints the twist in the inertial frame beside offsets in the body frame,
+/// which is wrong unless the heading is zero. B belongs to the body twist.
 pub fn slip_velocity(offset: &Vec2, body_twist: &Vec3) -> Vec2 {
     Vec2::new(body_twist.x - body_twist.z * offset.y, body_twist.y + body_twist.z * offset.x)
 }
 
-/// Wrench (F_x, F_y, torque) in load axes (N, N, N m) of `force` acting at `offset`: B^T force.
+/// Wrench (F_x, F_y, torque) of a `force` (N) that acts at `offset` (m), B^T force (N, N, N m; load
+/// axes).
 pub fn wrench_of(offset: &Vec2, force: &Vec2) -> Vec3 {
     Vec3::new(force.x, force.y, offset.perp(force))
 }
 
-/// Normal loads (N) of three supports under a weight (N) at the load's origin; `None` when the supports lie on one line.
+/// Normal loads of three supports under a weight (N) at the load's origin; `None` when the supports
+/// lie on one line (N).
 ///
-/// A negative entry says that the centre of mass lies outside the triangle: the load would tip over.
+/// With a negative entry the centre of mass lies outside the triangle, and the load would tip over.
 pub fn normal_loads_of_three(offsets: &[Vec2; 3], weight: f64) -> Option<[f64; 3]> {
     let area = |a: &Vec2, b: &Vec2| a.perp(b);
     let [a, b, c] = offsets;

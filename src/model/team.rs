@@ -1,36 +1,40 @@
-//! Ants that pull, side by side.
+//! Ants that pull, computed side by side.
 
 use super::ant::{Ant, Steering};
 use super::behaviour::{HalfAngle, facing_for_pull, turns_towards};
 use crate::math::{Arc, LANES, Mat2, Numbers, SERIES_BELOW, Vec2, Vectors, small_rotation};
 
-/// What all ants that pull one load share while they take a step.
+/// Quantities that all ants of one load share during a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Haul {
     /// Origin of the load (m, world), and the rotation of its axes to those of the world.
     pub load: (Vec2, Mat2),
-    /// (m, world)
+    /// Position of the nest (m, world).
     pub nest: Vec2,
+    /// Largest angle between a pull and its spring.
     pub half_angle: HalfAngle,
+    /// Steering of the ants.
     pub steering: Steering,
-    /// v_pull (m/s).
+    /// Walking speed of a pulling ant (m/s).
     pub speed: f64,
-    /// From the mandibles to the point about which an ant turns (m).
+    /// Distance from the mandibles to the point about which an ant turns (m).
     pub control_offset: f64,
 }
 
-/// Where ants are after a step.
+/// State of ants after a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Pulled {
-    /// (m, world)
+    /// Positions of their tips (m, world).
     pub tip: Vectors,
-    /// By how much they have turned (rad), and the unit vector they face along.
+    /// Angles by which they turned (rad).
     pub turn: Numbers,
+    /// Unit vectors along which they face.
     pub ahead: Vectors,
 }
 
 impl Haul {
-    /// Where ants that pull at springs with these roots (m, load axes) are after the step, Eq. (19-22): each drags its tip backwards, while it turns to where it wants
+    /// State after the tick of ants that pull at springs with these roots (m, load axes), Eq.
+    /// (19-22). Each ant drags its tip backwards while it turns to the direction in which it wants
     /// to pull.
     #[inline]
     pub fn pulled(&self, ants: [&Ant; LANES], roots: [&Vec2; LANES]) -> Pulled {
@@ -48,7 +52,7 @@ impl Haul {
     }
 }
 
-/// Unit vectors turned by angles (rad), as [`Ant::turn`] does.
+/// Unit vectors turned by angles (rad) as in [`Ant::turn`].
 fn turned(ahead: Vectors, turns: Numbers) -> Vectors {
     let (cos, sin) = if turns.abs().simd_lt(Numbers::splat(SERIES_BELOW)).all() {
         small_rotation(turns)
@@ -65,7 +69,7 @@ mod tests {
     use super::*;
     use crate::math::{RandomStreams, Stream, direction, perpendicular, rotation, wrap_to_pi};
 
-    /// An ant at a time by angles, for small turns and large ones, near to each other or not.
+    /// The ants one by one with angles, for small turns and large ones, alike and unlike.
     #[test]
     fn ants_side_by_side_pull_as_each_would_alone() {
         let mut largest_turn: f64 = 0.0;

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario, and how it is said: file, place, rule, and what was found there.
+//! Faults of a scenario, with their file, place, rule, and what was found there.
 
 use std::fmt::{self, Display};
 use std::io;
@@ -6,28 +6,31 @@ use std::io;
 /// One broken rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// Where: keys joined by points, indices in brackets, as in `springs[2].rest_length_m`. Empty for the whole file.
+    /// Place of the fault: keys joined by points, with indices in brackets, as in
+    /// `springs[2].rest_length_m`. It is empty for the whole file.
     pub path: String,
-    /// What must hold there.
+    /// Rule that is broken.
     pub rule: String,
-    /// What stands there instead.
+    /// Value or thing that was found.
     pub found: String,
 }
 
-/// Why there is no scenario.
+/// Reasons why a scenario cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
+    /// The file cannot be read.
     #[error("{file}: cannot be read: {source}")]
     Unreadable { file: String, source: io::Error },
+    /// The text is not JSON.
     #[error("{file}: line {line} column {column}: must be JSON: {reason}")]
     NotJson { file: String, line: usize, column: usize, reason: String },
-    /// Every broken rule, one a line.
+    /// The file breaks rules.
     #[error("{}", lines(file, findings))]
     Invalid { file: String, findings: Vec<Finding> },
 }
 
 impl ScenarioError {
-    /// The broken rules; none when there was nothing to hold rules against.
+    /// All broken rules. The list is empty when the file could not be read as JSON.
     pub fn findings(&self) -> &[Finding] {
         match self {
             ScenarioError::Invalid { findings, .. } => findings,
@@ -43,23 +46,55 @@ impl Display for Finding {
     }
 }
 
+/// Equal faults that are listed one by one. Further ones are counted.
+const MOST_LISTED: usize = 5;
+
+/// One line per finding. Findings with the same rule at the same key of a list count as equal.
 fn lines(file: &str, findings: &[Finding]) -> String {
-    findings.iter().map(|finding| format!("{file}: {finding}")).collect::<Vec<_>>().join("\n")
+    let mut lines = Vec::new();
+    let mut counts: Vec<(String, &str, usize)> = Vec::new();
+    for finding in findings {
+        let (place, rule) = (without_indices(&finding.path), finding.rule.split(',').next().unwrap_or_default());
+        let at = counts.iter().position(|(p, r, _)| *p == place && *r == rule).unwrap_or_else(|| {
+            counts.push((place, rule, 0));
+            counts.len() - 1
+        });
+        counts[at].2 += 1;
+        if counts[at].2 <= MOST_LISTED {
+            lines.push(format!("{file}: {finding}"));
+        }
+    }
+    let more = counts.iter().filter(|(_, _, n)| *n > MOST_LISTED);
+    lines.extend(more.map(|(place, rule, n)| format!("{file}: {place}: {rule}: and {} more", n - MOST_LISTED)));
+    lines.join("\n")
 }
 
-/// Largest number in a scenario: products of a few of them are finite, and so is what is drawn of them.
+/// The path with empty brackets in place of indices.
+fn without_indices(path: &str) -> String {
+    let mut is_index = false;
+    path.chars()
+        .filter(|letter| {
+            is_index = *letter == '[' || is_index && *letter != ']';
+            *letter == '[' || !is_index
+        })
+        .collect()
+}
+
+/// Largest number in a scenario (1): products of a few such numbers are finite.
 const LARGEST: f64 = 1e50;
 
-/// Findings as they come in, with the rules that many places share.
+/// Findings in the order of their discovery, with the rules that many places share.
 #[derive(Debug, Default)]
 pub struct Findings(pub Vec<Finding>);
 
 impl Findings {
+    /// Adds a finding.
     pub fn report(&mut self, path: impl Display, rule: impl Into<String>, found: impl Display) {
         self.0.push(Finding { path: path.to_string(), rule: rule.into(), found: found.to_string() });
     }
 
-    /// Reports unless `holds`; a number that is not finite, or so large that its powers are not, breaks every rule.
+    /// Adds a finding unless the rule `holds`. A number that is not finite, or so large that its
+    /// powers are not, breaks every rule.
     pub fn require(&mut self, holds: bool, path: impl Display, rule: &str, found: f64) {
         if !found.is_finite() {
             self.report(path, "must be a finite number", number(found));
@@ -70,25 +105,29 @@ impl Findings {
         }
     }
 
+    /// Requires a finite number.
     pub fn finite(&mut self, path: impl Display, found: f64) {
         self.require(true, path, "", found);
     }
 
+    /// Requires finite numbers.
     pub fn finite_vector(&mut self, path: impl Display, found: &[f64]) {
         for (axis, value) in found.iter().enumerate() {
             self.finite(format_args!("{path}[{axis}]"), *value);
         }
     }
 
+    /// Requires a positive number.
     pub fn positive(&mut self, path: impl Display, found: f64) {
         self.require(found > 0.0, path, "must be positive", found);
     }
 
+    /// Requires a number that is not negative.
     pub fn not_negative(&mut self, path: impl Display, found: f64) {
         self.require(found >= 0.0, path, "must not be negative", found);
     }
 
-    /// Whether `found` things are at least one and not so many that memory runs out before anything else can be said.
+    /// Whether there is at least one thing, and at most `most`, a limit that protects memory.
     pub fn count(&mut self, path: impl Display, found: usize, most: usize) -> bool {
         let holds = (1..=most).contains(&found);
         if !holds {
@@ -98,7 +137,7 @@ impl Findings {
     }
 }
 
-/// A number in the shortest digits that give it back: `1e-9`, not `0.000000001`.
+/// Shortest digits that give the number back, as in `1e-9`.
 pub fn number(value: f64) -> String {
     format!("{value:?}")
 }

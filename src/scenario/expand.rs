@@ -1,4 +1,5 @@
-//! A scenario back to its file: every default written out, every short form taken apart. One scenario has one such file, and so one hash.
+//! The expanded file of a scenario: every default is written out, every short form is replaced.
+//! Equal scenarios have the same expanded file, and so the same hash.
 
 use std::fmt::Write;
 
@@ -13,8 +14,8 @@ use crate::math::Vec2;
 use crate::model::{Ground, PolarSpring};
 
 impl Scenario {
-    /// The file that says all of this and leaves nothing to defaults. Read again it gives an equal scenario. Gravity is missing: it serves to
-    /// work out normal loads that are left out, and here none is.
+    /// The file that states the whole scenario without defaults. It reads as an equal scenario. It
+    /// has no gravity, which only replaces missing normal loads.
     pub fn expanded(&self) -> ScenarioFile {
         ScenarioFile {
             schema: None,
@@ -32,7 +33,8 @@ impl Scenario {
         }
     }
 
-    /// SHA-256 of the expanded file, in hexadecimal: the same for every way of writing the same scenario.
+    /// SHA-256 of the expanded file in hexadecimal. Equal scenarios have the same hash, however
+    /// they are written.
     pub fn hash(&self) -> String {
         let text = serde_json::to_string(&self.expanded()).expect("the format is plain data");
         Sha256::digest(text).iter().fold(String::new(), |mut hex, byte| {
@@ -114,7 +116,7 @@ fn pair(vector: &Vec2) -> [f64; 2] {
     [plain(vector.x), plain(vector.y)]
 }
 
-/// The same number with minus zero as zero: the two are equal but print differently.
+/// The number, with zero in place of minus zero: the two are equal but print differently.
 fn plain(value: f64) -> f64 {
     value + 0.0
 }

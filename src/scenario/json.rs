@@ -1,4 +1,5 @@
-//! Text to a JSON value. A key given twice is a finding: plain reading would drop one of the two without a word.
+//! Text to a JSON value. A key that is given twice is a finding, since a plain reader would drop
+//! one of the two.
 
 use std::fmt;
 
@@ -7,25 +8,25 @@ use serde_json::{Map, Value};
 
 use super::error::{Findings, ScenarioError};
 
-/// Text that is not JSON.
+/// Error of a text that is not JSON.
 pub struct SyntaxError(serde_json::Error);
 
 impl SyntaxError {
     pub fn of_file(self, file: &str) -> ScenarioError {
         let (line, column) = (self.0.line(), self.0.column());
         let told = self.0.to_string();
-        // serde_json appends the place, which has its own fields here.
+        // serde_json appends the place, which has fields of its own here.
         let reason = told.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&told).to_string();
         ScenarioError::NotJson { file: file.to_string(), line, column, reason }
     }
 }
 
-/// Text without the byte order mark that some editors begin it with.
+/// The text without the byte order mark that some editors put first.
 pub fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// The value in `text`, with a finding for each key that is given twice.
+/// The value of `text`, with a finding for each key that is given twice.
 ///
 /// # Errors
 /// When the text is not JSON, or a number in it is too large for a float.
@@ -43,7 +44,7 @@ pub fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
 }
 
-/// Where the reader is.
+/// Place of the reader in the text.
 struct Place<'a> {
     path: String,
     findings: &'a mut Findings,
@@ -112,7 +113,7 @@ impl<'de> Visitor<'de> for Place<'_> {
             let path = join(&self.path, &key);
             let value = source.next_value_seed(self.at(path.clone()))?;
             if map.contains_key(&key) {
-                self.findings.report(path, "must be given once", "it again");
+                self.findings.report(path, "must be given once", "it a second time");
             }
             map.insert(key, value);
         }

@@ -1,5 +1,5 @@
-//! Floor 2: a run as data. A scenario file is read, checked whole and expanded into a [`Scenario`]; nothing else of the program sees the
-//! file.
+//! A run as data. A scenario file is read, checked as a whole and expanded into a [`Scenario`]. The
+//! rest of the program does not use the file.
 
 mod error;
 mod expand;
@@ -19,19 +19,24 @@ use crate::model::{Motion, System};
 
 pub use error::{Finding, ScenarioError};
 
-/// One run, as checked when it was read or built: its numbers make sense. Who changes them in code asks again by `scenario.expanded().checked(name)`
-/// ([`format::ScenarioFile::checked`]). Nothing here changes during a run.
+/// One run, checked against all rules when it was read. After a change in code,
+/// `scenario.expanded().checked(name)` checks it again ([`format::ScenarioFile::checked`]). Nothing
+/// in it changes during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
+    /// Name of the run, in a few words.
     pub name: String,
-    /// Longest simulated time (s); a run of ants ends earlier when the load arrives.
+    /// Longest simulated time (s). A run with ants ends earlier when the load arrives.
     pub duration: f64,
-    /// Clock of behaviour and of the trace (s).
+    /// Time between two decisions of the ants and two rows of the trace (s).
     pub control_period: f64,
-    /// Key of all chance.
+    /// Seed of all random streams.
     pub seed: u64,
+    /// Load, ground and springs.
     pub system: System,
+    /// Motion of the load at the start.
     pub start: Motion,
+    /// Motion of the tips.
     pub drive: Drive,
 }
 
@@ -39,7 +44,8 @@ impl Scenario {
     /// The scenario in the JSON file at `path`.
     ///
     /// # Errors
-    /// When the file cannot be read, is not JSON, or breaks a rule of the format: then with every finding, not only the first.
+    /// When the file cannot be read, is not JSON, or breaks rules of the format. The error lists
+    /// every broken rule.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let name = path.display().to_string();
         match fs::read_to_string(path) {
@@ -48,7 +54,7 @@ impl Scenario {
         }
     }
 
-    /// The scenario that the JSON `text` describes; errors call it `name_for_errors`.
+    /// The scenario in the JSON `text`. Errors name the file `name_for_errors`.
     ///
     /// ```
     /// use cohaul::scenario::Scenario;
@@ -65,7 +71,7 @@ impl Scenario {
     /// ```
     ///
     /// # Errors
-    /// As [`Scenario::read`].
+    /// When the text is not JSON or breaks rules of the format, as for [`Scenario::read`].
     pub fn parse(text: &str, name_for_errors: &str) -> Result<Self, ScenarioError> {
         let (mut value, mut findings) = json::read(text).map_err(|error| error.of_file(name_for_errors))?;
         let misfits = structure::compare(&mut value, &mut findings);
@@ -74,65 +80,72 @@ impl Scenario {
     }
 }
 
-/// What moves the tips.
+/// Motion of the tips: prescribed paths, or ants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
-    /// Prescribed paths of the tips, at most one per spring.
+    /// Prescribed paths, at most one per spring.
     Tips(Vec<TipPath>),
-    /// The behaviour model closed around the load.
+    /// Ants, in a closed loop with the load.
     Ants(AntDrive),
 }
 
 /// The prescribed path of one tip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TipPath {
+    /// Index of the spring.
     pub spring: usize,
-    /// Straight between waypoints, held after the last. The spring is grasped at the first one's time. Times increase strictly.
+    /// Waypoints with strictly increasing times. The spring is attached at the time of the first
+    /// one. The tip moves in straight lines between them and stays at the last one.
     pub waypoints: Vec<Waypoint>,
-    /// Time at which the spring is let go (s), after the first waypoint's; from the end of the run on it stays held.
+    /// Time at which the spring is released, later than the first waypoint; `None` for never (s).
     pub release: Option<f64>,
 }
 
-/// Where a tip is at one time.
+/// Position of a tip at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waypoint {
-    /// (s)
+    /// Time (s).
     pub time: f64,
-    /// (m, world)
+    /// Position (m, world).
     pub position: Vec2,
 }
 
-/// Ants and their behaviour (Eq. 17-23). Values the paper does not print are inferred and marked so in the format's schema.
+/// Ants and their behaviour (Eq. 17-23). The schema of the format marks values that the paper does
+/// not print.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AntDrive {
+    /// Number of ants (1).
     pub n_ants: usize,
-    /// r_n (m, world).
+    /// Position of the nest, r_n (m, world).
     pub nest_position: Vec2,
-    /// rho: the load has arrived when its origin is this close to the nest (m).
+    /// Distance of the load's origin from the nest at which the load has arrived, rho (m).
     pub arrival_radius: f64,
-    /// Ants start uniformly in a square of this half width about the load (m), facing anywhere.
+    /// Half width of the square about the load in which the ants start, uniformly distributed (m).
     pub start_half_width: f64,
-    /// v_i of a searching ant (m/s).
+    /// Walking speed of a searching ant, v_i (m/s).
     pub search_speed: f64,
-    /// v_i of a pulling ant (m/s).
+    /// Walking speed of a pulling ant, v_i (m/s).
     pub pull_speed: f64,
-    /// r_s: reach within which a searching ant notices the tip of a free spring (m).
+    /// Distance within which a searching ant senses the tip of a free spring, r_s (m).
     pub sensing_range: f64,
-    /// sigma^2 of the believed about the true position of the load, each axis (m^2).
+    /// Variance of the believed position of the load on each axis, sigma^2 (m^2).
     pub target_variance: f64,
-    /// Time between two beliefs (s).
+    /// Time between two draws of the believed position (s).
     pub target_redraw_period: f64,
-    /// k (1/s).
+    /// Turn rate over heading error, k (1/s).
     pub steering_gain: f64,
-    /// beta (rad).
+    /// Largest angle between a pull and its spring, beta (rad).
     pub steering_half_angle: f64,
-    /// r: from the point about which an ant turns to its mandibles (m).
+    /// Distance from the mandibles to the point about which an ant turns, r (m).
     pub control_offset: f64,
-    /// p_1, per grasp decision period (1).
+    /// Probability of grasping a tip in reach per grasp decision period, p_1 (1).
     pub grasp_probability: f64,
-    /// D_a (s).
+    /// Time between two grasp decisions, D_a (s).
     pub grasp_decision_period: f64,
+    /// Times of the grasp decisions.
     pub grasp_pace: Pace,
+    /// Dependence of releases on the pull.
     pub release: ReleaseLaw,
+    /// Times of the release decisions.
     pub release_pace: Pace,
 }

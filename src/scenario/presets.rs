@@ -1,5 +1,5 @@
-//! Named sets of the ants' parameters: printed values of the paper, and inferred ones where it prints
-//! none.
+//! Named sets of the ants' parameters: printed values of the paper, and inferred ones where it
+//! prints none.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,27 +8,33 @@ use super::AntDrive;
 use crate::model::behaviour::{Pace, ReleaseLaw};
 use crate::model::paper;
 
-/// A named set of the ants' parameters.
+/// Named set of the ants' parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The set that comes closest to the numbers printed in the paper's text, with releases as a hazard at every tick: rates do not depend on the control period.
+    /// The set that comes closest to the printed results of the paper. Ants decide at every tick
+    /// with a hazard, so that rates do not depend on the control period.
     #[default]
     Default,
-    /// Pulling ants as fast as searching ones (0.08 m/s), with a decision period that keeps forces in range.
+    /// Pulling ants walk as fast as searching ants, at 0.08 m/s. The time between release decisions
+    /// keeps forces in the printed range.
     PaperSpeed,
-    /// Releases at decisions a period apart after each grasp, with the printed probability; the best set of that kind.
+    /// Ants decide to release once per decision period after each grasp, with the printed
+    /// probability. Of such sets this one fits the printed results best.
     Aged,
-    /// The printed probabilities at every tick, forces in newtons. Meant for a control period of 0.08 s, at which forces come out as printed.
+    /// Ants decide at every tick with the printed probabilities, for forces in newtons. With a
+    /// control period of 0.08 s the forces are as printed.
     LiteralNewtons,
-    /// The printed probabilities at every tick, forces in millinewtons: in effect a hard limit at 10 mN. Meant for the same control period.
+    /// Ants decide at every tick with the printed probabilities, for forces in millinewtons. The
+    /// release is then nearly a hard limit at 10 mN. It is meant for a control period of 0.08 s.
     LiteralMillinewtons,
 }
 
 impl Preset {
+    /// All presets, the default first.
     pub const ALL: [Preset; 5] = [Preset::Default, Preset::PaperSpeed, Preset::Aged, Preset::LiteralNewtons, Preset::LiteralMillinewtons];
 
-    /// Its name in scenarios and options.
+    /// Name in scenarios and options.
     pub fn name(self) -> &'static str {
         match self {
             Preset::Default => "default",
@@ -40,7 +46,7 @@ impl Preset {
     }
 }
 
-/// `n_ants` ants with the parameters of `preset`.
+/// Drive by `n_ants` ants with the parameters of `preset`.
 pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
     let standard = standard(n_ants);
     let pulling = |pull_speed: f64, period: f64| AntDrive { pull_speed, release: ReleaseLaw { period, ..standard.release }, ..standard };
@@ -58,10 +64,10 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
     }
 }
 
-/// Ants of the default preset. What the paper does not print is inferred from what it prints: speed,
-/// reach, half angle and decision period of pulling ants are the fit of `cohaul paper`. Two printed
-/// numbers are replaced: the half angle of 60 deg by that fit, and the offset of 2 mm by zero, since
-/// Eq. (23) has none for a pulling ant.
+/// Ants of the default preset. What the paper does not print is inferred from what it prints:
+/// speed, reach, half angle and decision period of pulling ants are the fit of `cohaul paper`. Two
+/// printed numbers are replaced: the half angle of 60 deg by that fit, and the offset of 2 mm by
+/// zero, since Eq. (23) has none for a pulling ant.
 fn standard(n_ants: usize) -> AntDrive {
     AntDrive {
         n_ants,

@@ -1,7 +1,7 @@
-//! The shape of a file against the format's own schema: every key that is missing, unknown or of the wrong type, each where it stands.
-//!
-//! Reading into the format's types would stop at the first of them, and could not say where inside an alternative it stood (serde issue
-//! 1621). Only those parts of JSON Schema are known that the format's schema uses.
+//! Comparison of the shape of a file with the schema of the format: every key that is missing,
+//! unknown or of the wrong type is found at its place. Deserialization into the types of the format
+//! would stop at the first fault, and could not locate it inside an untagged enum (serde issue
+//! 1621). The comparison supports those parts of JSON Schema that the schema of the format uses.
 
 use serde_json::{Map, Value};
 
@@ -9,8 +9,8 @@ use super::error::Findings;
 use super::format;
 use super::json::join;
 
-/// Reports every difference in shape and takes unknown keys out of `value`, so that the rest can still be read. What comes back are the
-/// paths whose value cannot be read.
+/// Adds a finding for every difference in shape, and removes unknown keys from `value`, so that the
+/// rest can still be read. Returns the paths whose value cannot be read.
 pub fn compare(value: &mut Value, findings: &mut Findings) -> Vec<String> {
     let schema = format::schema();
     let mut comparison = Comparison { schema: &schema, findings, misfits: Vec::new() };
@@ -70,7 +70,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Goes on with the branch that `value` is meant for.
+    /// Continues with the branch that `value` is meant for.
     fn visit_alternative(&mut self, branches: &'a [Value], value: &mut Value, path: &str) {
         let branches: Vec<&'a Value> = branches.iter().map(|branch| self.resolved(branch)).collect();
         let Some(key) = self.discriminator(&branches) else {
@@ -94,7 +94,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// The key that tells the branches apart: in each of them it takes one word only.
+    /// The key that distinguishes the branches: in each of them it has only one possible word.
     fn discriminator(&self, branches: &[&'a Value]) -> Option<&'a str> {
         let is_word = |branch: &&'a Value, key: &str| {
             let property = branch.get("properties").and_then(|properties| properties.get(key));
@@ -118,7 +118,7 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// The words that a schema allows, when it allows words only.
+/// The words that a schema allows, if it allows only words.
 fn words(schema: &Value) -> Option<Vec<&str>> {
     if let Some(word) = schema["const"].as_str() {
         return Some(vec![word]);
@@ -130,7 +130,7 @@ fn words(schema: &Value) -> Option<Vec<&str>> {
     Some(branches.iter().map(words).collect::<Option<Vec<_>>>()?.concat())
 }
 
-/// The branch of fitting type that knows most of the keys of `value`; the last of several.
+/// The branch of fitting type that has most of the keys of `value`; the last one of several.
 fn nearest_branch<'a>(branches: &[&'a Value], value: &Value) -> Option<&'a Value> {
     let n_known = |branch: &&&'a Value| {
         let keys = value.as_object().into_iter().flat_map(Map::keys);
@@ -144,10 +144,10 @@ fn fits_type(schema: &Value, value: &Value) -> bool {
         Some("object") => value.is_object(),
         Some("array") => value.is_array(),
         Some("number") => value.is_number(),
-        // All whole numbers of the format are counts, indices or seeds.
+        // Whole numbers of the format are counts, indices or seeds.
         Some("integer") => value.is_u64(),
         Some("string") => value.is_string(),
-        other => panic!("the format's schema has a type that is not known here: {other:?} in {schema}"),
+        other => panic!("the format's schema has a type that is not supported: {other:?} in {schema}"),
     }
 }
 
@@ -155,7 +155,7 @@ fn type_name(schema: &Value) -> &'static str {
     match schema["type"].as_str() {
         Some("object") => "an object",
         Some("array") => "a list",
-        Some("integer") => "a whole number from 0 on and below 2^64, without point or exponent",
+        Some("integer") => "a whole number from 0 to 2^64 - 1, without decimal point or exponent",
         Some("string") => "a text",
         _ => "a number",
     }
@@ -169,7 +169,7 @@ fn one_of(words: &[&str]) -> String {
     }
 }
 
-/// What stands there, short enough for one line.
+/// Description of a value, short enough for one line.
 fn said(value: &Value) -> String {
     const LONGEST: usize = 60;
     match value {
@@ -190,16 +190,17 @@ fn unknown_key(key: &str, known: &Map<String, Value>) -> String {
     let near = known.keys().filter(|other| is_near(key, other)).min_by_key(|other| edit_distance(key, other));
     match near {
         Some(other) => format!("is an unknown key; did you mean `{other}`?"),
-        None => format!("is an unknown key; known here: {}", known.keys().map(String::as_str).collect::<Vec<_>>().join(", ")),
+        None => format!("is an unknown key; known keys are {}", known.keys().map(String::as_str).collect::<Vec<_>>().join(", ")),
     }
 }
 
-/// Whether `key` looks like `other` misspelt: the unit left out, or up to a third of it wrong.
+/// Whether `key` looks like a misspelt `other`: the unit is missing, or up to a third of it is
+/// wrong.
 fn is_near(key: &str, other: &str) -> bool {
     other.starts_with(key) || edit_distance(key, other) <= (key.chars().count() / 3).max(2)
 }
 
-/// Number of letters to insert, drop or change (Levenshtein 1966).
+/// Number of letters to insert, remove or change (Levenshtein 1966).
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,11 +1,11 @@
-//! The friction problem posed for clarabel, an interior-point solver: an independent check of the exact
-//! methods.
+//! The friction problem posed for clarabel, an interior-point solver: an independent check of the
+//! exact methods.
 //!
-//! Variables are the twist x and one bound t_i per support. The objective is
-//! `1/2 x'Hx - w'x + sum_i c_i t_i`, and (t_i, B_i x) lies in a second-order cone, whose dual holds the
-//! friction forces. Lengths and forces are scaled to order one: in SI units clarabel reports answers as
-//! solved that are wrong by a third. The supports do not change, so that one solver answers all problems
-//! of a run: only H and w are handed over anew.
+//! Variables are the twist x and one bound t_i per support. The objective is `1/2 x'Hx - w'x +
+//! sum_i c_i t_i`, and (t_i, B_i x) lies in a second-order cone, whose dual holds the friction
+//! forces. Lengths and forces are scaled to order one: in SI units clarabel reports answers as
+//! solved that are wrong by a third. The supports do not change, so that one solver answers all
+//! problems of a run: only H and w are handed over anew.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -24,11 +24,11 @@ pub struct ClarabelSolution {
     pub solved: bool,
 }
 
-/// Tolerance for clarabel in scaled units (1): about where rounding ends its iterations on problems of
-/// this kind. By default it stops at 1e-8 of the objective, which is 1e-4 of the twist.
+/// Tolerance for clarabel in scaled units (1): about where rounding ends its iterations on problems
+/// of this kind. By default it stops at 1e-8 of the objective, which is 1e-4 of the twist.
 const TOLERANCE: f64 = 1e-13;
-/// Error of an increment over its size (1): the root of the tolerance is 3e-7, since an objective is flat
-/// at its minimum.
+/// Error of an increment over its size (1): the root of the tolerance is 3e-7, since an objective
+/// is flat at its minimum.
 pub const ACCURACY: f64 = 1e-6;
 /// Share of its limit by which the force of a sticking support is below it (1).
 const STICKS: f64 = 1e-6;
@@ -46,8 +46,8 @@ pub struct ClarabelSolver {
 }
 
 impl ClarabelSolver {
-    /// Solver for the supports of `ground`, with `length_scale` as unit of length (m) and the sum of the
-    /// slip limits as unit of force.
+    /// Solver for the supports of `ground`, with `length_scale` as unit of length (m) and the sum
+    /// of the slip limits as unit of force.
     ///
     /// # Panics
     /// When clarabel refuses the problem's shape, which does not depend on its numbers.
@@ -74,8 +74,8 @@ impl ClarabelSolver {
         Self { solver, ground: ground.clone(), length: length_scale, force, limits }
     }
 
-    /// Minimises `1/2 x'Hx - w'x + sum_i c_i |B_i x|` over body-twist increments x for `hessian` H (N/m, N,
-    /// N m/rad) and `drive` w (N, N, N m).
+    /// Minimises `1/2 x'Hx - w'x + sum_i c_i |B_i x|` over body-twist increments x for `hessian` H
+    /// (N/m, N, N m/rad) and `drive` w (N, N, N m).
     ///
     /// # Panics
     /// When clarabel refuses new numbers for the same shape of problem.
@@ -99,9 +99,9 @@ impl ClarabelSolver {
         self.solver.solution.z.chunks_exact(3).map(|dual| -self.force * Vec2::new(dual[1], dual[2])).collect()
     }
 
-    /// Answer in the form of the exact methods. Supports with forces inside their limits stick. Where
-    /// more than one does, nothing moves, although an interior point never quite reaches rest. The
-    /// residual is clarabel's own.
+    /// Answer in the form of the exact methods. Supports with forces inside their limits stick.
+    /// Where more than one does, nothing moves, although an interior point never quite reaches
+    /// rest. The residual is clarabel's own.
     pub fn friction_solution(&mut self, hessian: &Mat3, drive: &Vec3) -> FrictionSolution {
         let found = self.solve(hessian, drive);
         let forces = self.forces();

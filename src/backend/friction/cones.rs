@@ -221,8 +221,8 @@ impl Cones {
         cones.fold(balance, f64::max) / self.force_scale(h, w, twist)
     }
 
-    /// Size of the terms of the balance, of which rounding is a share: |w|, the limits and the largest
-    /// product in H x.
+    /// Size of the terms of the balance, of which rounding is a share: |w|, the limits and the
+    /// largest product in H x.
     pub fn force_scale(&self, h: &Mat3, w: &Vec3, twist: &Vec3) -> f64 {
         let products = (0..3).map(|j| h.column(j).amax() * twist[j].abs()).fold(0.0, f64::max);
         w.amax() + 1.0 + products

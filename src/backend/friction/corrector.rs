@@ -7,8 +7,8 @@ use super::solver::FrictionSolver;
 use crate::math::{Mat3, PositiveDefinite, Vec3};
 
 impl FrictionSolver {
-    /// Solution of [`FrictionSolver::solve`] where all supports slip and `near` (m, m, rad) is close to
-    /// it; `None`, with nothing changed, where there is no such solution.
+    /// Solution of [`FrictionSolver::solve`] where all supports slip and `near` (m, m, rad) is
+    /// close to it; `None`, with nothing changed, where there is no such solution.
     pub fn slide(&mut self, hessian: &Mat3, drive: &Vec3, near: &Vec3) -> Option<FrictionSolution> {
         let (h, w) = self.cones.scaled(hessian, drive);
         let mut n_iterations = 0;
@@ -18,10 +18,10 @@ impl FrictionSolver {
         Some(FrictionSolution { increment: self.cones.unscaled_twist(&twist), mode: ContactMode::Slip, residual, n_iterations })
     }
 
-    /// Newton step (m, m, rad) from a body-twist increment at which all supports slip, and the imbalance
-    /// there over the forces in it (1). `gradient` and `hessian` are those of all forces but friction (N,
-    /// N, N m; N/m, N, N m/rad). Without a Hessian the `tangent` of the last step is used; else `tangent`
-    /// becomes the one here. `None` where a support slips too slowly.
+    /// Newton step (m, m, rad) from a body-twist increment at which all supports slip, and the
+    /// imbalance there over the forces in it (1). `gradient` and `hessian` are those of all forces
+    /// but friction (N, N, N m; N/m, N, N m/rad). Without a Hessian the `tangent` of the last step
+    /// is used; else `tangent` becomes the one here. `None` where a support slips too slowly.
     // Inlined, because the caller needs the returned vector at once.
     #[inline(always)]
     pub fn gliding_step(
@@ -54,16 +54,17 @@ impl FrictionSolver {
         ContactMode::Slip
     }
 
-    /// Support that the load turned about in the last answer, and the body twist (m, m, rad) of a unit
-    /// turn about it.
+    /// Support that the load turned about in the last answer, and the body twist (m, m, rad) of a
+    /// unit turn about it.
     pub fn unit_turn(&self) -> Option<(Vec3, usize)> {
         let cone = self.last.pin?;
         Some((self.cones.unscaled_twist(&unit_turn(&self.cones.offsets[cone])), self.cones.first_support_of(cone)))
     }
 
-    /// Newton step (rad) from a `turn` (rad) about the support of [`FrictionSolver::unit_turn`], and the
-    /// imbalance there over the forces in it (1). `gradient` and `hessian` are those of all forces but
-    /// friction (N, N, N m; N/m, N, N m/rad). `None` where the energy does not grow with the turn.
+    /// Newton step (rad) from a `turn` (rad) about the support of [`FrictionSolver::unit_turn`],
+    /// and the imbalance there over the forces in it (1). `gradient` and `hessian` are those of all
+    /// forces but friction (N, N, N m; N/m, N, N m/rad). `None` where the energy does not grow with
+    /// the turn.
     pub fn pivoting_step(&self, turn: f64, gradient: &Vec3, hessian: &Mat3) -> Option<(f64, f64)> {
         let pivot = self.cones.offsets[self.last.pin?];
         let (h, g) = self.cones.scaled(hessian, gradient);
@@ -74,9 +75,9 @@ impl FrictionSolver {
         (stiffness > 0.0).then(|| (-out_of_balance / stiffness, out_of_balance.abs() / scale))
     }
 
-    /// Takes a `turn` (rad) about the support of [`FrictionSolver::unit_turn`] as the last solution, if
-    /// that support can bear the force that is left for it. The turn balances the `gradient` (N, N, N m)
-    /// of all forces but friction.
+    /// Takes a `turn` (rad) about the support of [`FrictionSolver::unit_turn`] as the last
+    /// solution, if that support can bear the force that is left for it. The turn balances the
+    /// `gradient` (N, N, N m) of all forces but friction.
     pub fn keep_pivoting(&mut self, turn: f64, gradient: &Vec3) -> bool {
         let Some(k) = self.last.pin else { return false };
         let pulls = -self.cones.scaled_gradient(gradient);

@@ -52,9 +52,9 @@ impl Cones {
 
     /// Writes forces that balance w and leave room to all limits, if any do; returns `false` where
     /// nothing is known. From the least-norm forces on, those near their limits are given more and
-    /// more weight (Lawson 1961), which leads to the forces whose largest share of a limit is least.
-    /// The twist n that belongs to them bounds that share from below: nothing balances w with less
-    /// than `n'w / sum_i c_i |B_i n|`.
+    /// more weight (Lawson 1961), which leads to the forces whose largest share of a limit is
+    /// least. The twist n that belongs to them bounds that share from below: nothing balances w
+    /// with less than `n'w / sum_i c_i |B_i n|`.
     pub fn roomy_forces(&self, w: &Vec3, forces: &mut Vec<Vec2>) -> bool {
         forces.clear();
         let Some(balance) = &self.balance else { return false };
@@ -93,9 +93,9 @@ impl Cones {
         true
     }
 
-    /// Whether these forces stay within all limits when two more are added: the least-norm forces for
-    /// a wrench, of which `balanced` is the balance matrix times the wrench, and those for any wrench
-    /// of the norm `further`.
+    /// Whether these forces stay within all limits when two more are added: the least-norm forces
+    /// for a wrench, of which `balanced` is the balance matrix times the wrench, and those for any
+    /// wrench of the norm `further`.
     pub fn bears(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
         let bears = |k: usize| {
             let room = (1.0 - MARGIN) * self.limits[k] - self.sways[k] * further;
@@ -104,9 +104,9 @@ impl Cones {
         (0..self.len()).all(bears)
     }
 
-    /// Whether forces within all limits balance w. They are found from the given forces by the least
-    /// change in units of the limits, or else as the least-norm forces. The answer `false` proves
-    /// nothing, and leaves the forces as they were.
+    /// Whether forces within all limits balance w. They are found from the given forces by the
+    /// least change in units of the limits, or else as the least-norm forces. The answer `false`
+    /// proves nothing, and leaves the forces as they were.
     pub fn stick_forces(&self, w: &Vec3, forces: &mut [Vec2]) -> bool {
         let Some(balance) = &self.balance else { return false };
         let change = balance * (w - self.wrench(forces));
@@ -122,10 +122,10 @@ impl Cones {
         fits
     }
 
-    /// Searches forces that balance w, for a load close to the edge of slipping. Forces that the least
-    /// change takes beyond their limits are moved back to a little within, and what that leaves out
-    /// of balance is balanced again, over and over. The change is along the slip of some twist n; a
-    /// twist with `n'w > sum_i c_i |B_i n|` proves that the load slips.
+    /// Searches forces that balance w, for a load close to the edge of slipping. Forces that the
+    /// least change takes beyond their limits are moved back to a little within, and what that
+    /// leaves out of balance is balanced again, over and over. The change is along the slip of some
+    /// twist n; a twist with `n'w > sum_i c_i |B_i n|` proves that the load slips.
     pub fn pressed_forces(&self, w: &Vec3, forces: &mut [Vec2]) -> Pressed {
         let Some(balance) = &self.balance else { return Pressed::Unsure };
         let mut trial: SmallVec<[Vec2; 8]> = SmallVec::from_slice(forces);
@@ -151,9 +151,9 @@ impl Cones {
 
     /// A twist near the slip that balances w, from a direction `n` with `n'w > sum_i c_i |B_i n|`.
     /// Along `n` the objective is least at a twist x. The parabolas that touch the cones' losses
-    /// there, `c_i |B_i x|^2 / 2 |B_i x|`, are together least at another twist, where the objective is
-    /// less than at x, and so on (Weiszfeld 1937). `None` where that does not end in a slip of all
-    /// cones.
+    /// there, `c_i |B_i x|^2 / 2 |B_i x|`, are together least at another twist, where the objective
+    /// is less than at x, and so on (Weiszfeld 1937). `None` where that does not end in a slip of
+    /// all cones.
     pub fn slip_along(&self, n: &Vec3, h: &Mat3, w: &Vec3) -> Option<Vec3> {
         let mut twist = (n.dot(w) - self.loss(n)) / n.dot(&(h * n)) * n;
         for _ in 0..N_TOUCHES {

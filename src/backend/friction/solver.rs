@@ -36,14 +36,15 @@ impl FrictionSolver {
         }
     }
 
-    /// Error of an increment by the solver, over its size (1). It is zero for the exact methods, whose
-    /// error is rounding.
+    /// Error of an increment by the solver, over its size (1). It is zero for the exact methods,
+    /// whose error is rounding.
     pub fn accuracy(&self) -> f64 {
         if self.clarabel.is_some() { clarabel::ACCURACY } else { 0.0 }
     }
 
-    /// Minimises for `hessian` (N/m, N, N m/rad; positive semidefinite) and `drive` w (N, N, N m), both
-    /// over a body-twist increment (m, m, rad). Without slip limits the answer is the linear one.
+    /// Minimises for `hessian` (N/m, N, N m/rad; positive semidefinite) and `drive` w (N, N, N m),
+    /// both over a body-twist increment (m, m, rad). Without slip limits the answer is the linear
+    /// one.
     pub fn solve(&mut self, hessian: &Mat3, drive: &Vec3) -> FrictionSolution {
         if let Some(clarabel) = &mut self.clarabel {
             let solution = clarabel.friction_solution(hessian, drive);
@@ -75,9 +76,9 @@ impl FrictionSolver {
         self.clarabel.is_none() && !self.last.slipped && self.last.pin.is_none()
     }
 
-    /// Residual (1) of a load that was at rest in the last answer and stays there under this `gradient`
-    /// (N, N, N m) of all forces but friction; rest is then the last answer. `None`, with nothing changed,
-    /// where the load was not at rest, or where that is not certain at once.
+    /// Residual (1) of a load that was at rest in the last answer and stays there under this
+    /// `gradient` (N, N, N m) of all forces but friction; rest is then the last answer. `None`,
+    /// with nothing changed, where the load was not at rest, or where that is not certain at once.
     pub fn rest(&mut self, gradient: &Vec3) -> Option<f64> {
         if !self.was_at_rest() {
             return None;
@@ -90,20 +91,20 @@ impl FrictionSolver {
         })
     }
 
-    /// Scaled vector that stands for the least friction forces that balance a wrench (N, N, N m) on a
-    /// load at rest. It is linear in the wrench; `None` where it is not known.
+    /// Scaled vector that stands for the least friction forces that balance a wrench (N, N, N m) on
+    /// a load at rest. It is linear in the wrench; `None` where it is not known.
     pub fn balanced(&self, wrench: &Vec3) -> Option<Vec3> {
         if self.clarabel.is_some() { None } else { self.cones.balanced(&self.cones.scaled_gradient(wrench)) }
     }
 
-    /// Writes friction forces (scaled, one per cone) that balance a wrench (N, N, N m) on a load at rest
-    /// and leave room to their limits, if any do; returns `false` where that is not known.
+    /// Writes friction forces (scaled, one per cone) that balance a wrench (N, N, N m) on a load at
+    /// rest and leave room to their limits, if any do; returns `false` where that is not known.
     pub fn roomy_forces(&self, wrench: &Vec3, forces: &mut Vec<Vec2>) -> bool {
         self.clarabel.is_none() && self.cones.roomy_forces(&self.cones.scaled_gradient(wrench), forces)
     }
 
-    /// Whether these forces and the least ones that `balanced` stands for are together surely within
-    /// their limits, for any further wrench of this scaled norm.
+    /// Whether these forces and the least ones that `balanced` stands for are together surely
+    /// within their limits, for any further wrench of this scaled norm.
     pub fn bears(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
         self.cones.bears(forces, balanced, further)
     }
@@ -114,8 +115,8 @@ impl FrictionSolver {
     }
 
     /// A copy of this solver with the forces by which a load at rest bears `drive` (N, N, N m): the
-    /// forces `from` of a certificate of rest (scaled, one per cone), and the least forces for the change
-    /// of `drive` since then.
+    /// forces `from` of a certificate of rest (scaled, one per cone), and the least forces for the
+    /// change of `drive` since then.
     pub fn bearing(&self, drive: &Vec3, from: &[Vec2]) -> Self {
         let mut bearing = self.clone();
         let w = self.cones.scaled_gradient(drive);
@@ -126,13 +127,14 @@ impl FrictionSolver {
         bearing
     }
 
-    /// Friction force on each support of the ground in the last solution (N, load axes), opposite to its
-    /// slip.
+    /// Friction force on each support of the ground in the last solution (N, load axes), opposite
+    /// to its slip.
     pub fn forces(&self) -> &[Vec2] {
         &self.support_forces
     }
 
-    /// Friction force on each support in the last solution (N, world), for a load with this heading (rad).
+    /// Friction force on each support in the last solution (N, world), for a load with this heading
+    /// (rad).
     pub fn forces_in_world(&self, heading: f64) -> Vec<Vec2> {
         let turn = rotation(heading);
         self.support_forces.iter().map(|force| turn * force).collect()

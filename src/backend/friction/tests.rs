@@ -7,9 +7,9 @@ use super::rest::Pressed;
 use crate::math::{Mat3, RandomStreams, Stream, Vec2, Vec3, direction};
 use crate::model::{Ground, SupportPoint};
 
-/// Wrenches up to 95 % of those that slip, by the exact solver. The forces balance them to rounding and
-/// leave most of the room that is possible: half of a bound that is itself within a tenth or so ends the
-/// search.
+/// Wrenches up to 95 % of those that slip, by the exact solver. The forces balance them to rounding
+/// and leave most of the room that is possible: half of a bound that is itself within a tenth or so
+/// ends the search.
 #[test]
 fn roomy_forces_balance_a_wrench_and_leave_most_of_the_room_there_is() {
     let mut n_crowded = 0;
@@ -49,9 +49,9 @@ fn roomy_forces_balance_a_wrench_and_leave_most_of_the_room_there_is() {
     assert!(n_crowded > 100, "{n_crowded}");
 }
 
-/// Wrenches from just beyond the slip limit to far beyond. The objective at the twist is at most that
-/// along the direction that proves the slip, and the touching parabolas leave, in the median, at most a
-/// tenth of the distance to the least value.
+/// Wrenches from just beyond the slip limit to far beyond. The objective at the twist is at most
+/// that along the direction that proves the slip, and the touching parabolas leave, in the median,
+/// at most a tenth of the distance to the least value.
 #[test]
 fn a_slip_is_near_where_parabolas_touch_its_losses() {
     let mut left = Vec::new();
@@ -85,7 +85,8 @@ fn tripod() -> Ground {
     Ground { friction_coefficient: 1.4, supports: supports.to_vec() }
 }
 
-/// The problem is convex, so both starts lead to the one minimum, up to a hundred roundings of the forces.
+/// The problem is convex, so both starts lead to the one minimum, up to a hundred roundings of the
+/// forces.
 #[test]
 fn a_slip_from_nearby_is_the_one_from_anywhere() {
     let ground = tripod();

@@ -1,7 +1,7 @@
 //! The drive: prescribed paths of the tips, or ants.
 //!
-//! Each kind is a struct with its own `kind` key, not a variant of an internally tagged enum: the schema then has one closed object a
-//! kind, against which every key can be checked where it stands.
+//! Each kind is a struct with its own `kind` key, not a variant of an internally tagged enum. The
+//! schema then has one closed object per kind, against which every key can be checked at its place.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,23 +10,27 @@ use crate::model::behaviour::Pace;
 use crate::scenario::AntDrive;
 use crate::scenario::presets::{self, Preset};
 
-/// What moves the tips of the springs.
+/// The motion of the tips: prescribed paths, or ants.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum DriveEntry {
+    /// Prescribed paths of the tips.
     Tips(TipsEntry),
+    /// Ants that search, grasp, pull and release.
     Ants(Box<AntsEntry>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TipsKind {
+    /// The tips follow prescribed paths.
     Tips,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AntsKind {
+    /// Ants move the tips.
     Ants,
 }
 
@@ -34,8 +38,9 @@ pub enum AntsKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TipsEntry {
+    /// Kind of the drive: "tips".
     pub kind: TipsKind,
-    /// At most one path a spring; a spring without one stays free.
+    /// Paths of the tips, at most one per spring. A spring without a path stays free.
     pub paths: Vec<PathEntry>,
 }
 
@@ -43,124 +48,148 @@ pub struct TipsEntry {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PathEntry {
-    /// Index of the spring (1).
+    /// Index of the spring, from 0 (1).
     pub spring: usize,
-    /// [time (s), x (m), y (m)] in world axes: straight between, held after the last. The spring is grasped at the first one's time.
+    /// Waypoints [time (s), x (m), y (m)] in world axes. The spring is attached at the time of the
+    /// first one. The tip moves in straight lines at constant speed between waypoints, and stays at
+    /// the last one.
     pub waypoints: Vec<[f64; 3]>,
-    /// When the spring is let go (s). Without it never.
+    /// Time at which the spring is released (s). The default is never.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub release_s: Option<f64>,
 }
 
-/// Ants that search, grasp, pull and let go. Every default is that of the preset.
+/// Ants that search for a tip, grasp it, pull and release it. The default of every key is that of
+/// the preset; the defaults stated here are those of the preset "default".
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AntsEntry {
+    /// Kind of the drive: "ants".
     pub kind: AntsKind,
-    /// How many ants (1).
+    /// Number of ants (1).
     pub n_ants: usize,
-    /// Where defaults come from. A key that is given beats its preset.
+    /// Named set of parameters for all keys that are left out. The default is "default".
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Preset", extend("default" = "default"))]
     pub preset: Option<Preset>,
-    /// Where the load is to go (m, world). Inferred: the paper gives the position, the load's start is taken as the origin.
+    /// Position of the nest, to which the ants pull the load (m, world axes). The default is
+    /// printed in the paper, with the start of the load as the origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "[f64; 2]", extend("default" = <[f64; 2]>::from(standard().nest_position)))]
     pub nest_position_m: Option<[f64; 2]>,
-    /// The load has arrived when its origin is this close to the nest (m). Inferred: the paper says "small".
+    /// Distance of the load's origin from the nest at which the load has arrived (m). The default
+    /// is inferred: the paper says "small".
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().arrival_radius))]
     pub arrival_radius_m: Option<f64>,
-    /// Ants start uniformly in a square of this half width about the load (m). Inferred: the paper says "uniform".
+    /// Half width of the square about the load in which the ants start, uniformly distributed (m).
+    /// The default is inferred: the paper prints no size.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().start_half_width))]
     pub start_half_width_m: Option<f64>,
-    /// Walking speed of a searching ant (m/s).
+    /// Walking speed of a searching ant (m/s). The default is printed in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().search_speed))]
     pub search_speed_m_per_s: Option<f64>,
-    /// Walking speed of a pulling ant (m/s). Inferred: fits the printed forces and times best.
+    /// Walking speed of a pulling ant (m/s). The default is inferred: it fits the printed forces
+    /// and times best.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().pull_speed))]
     pub pull_speed_m_per_s: Option<f64>,
-    /// Reach within which a searching ant notices the tip of a free spring (m). Inferred: not printed in the paper.
+    /// Distance within which a searching ant senses the tip of a free spring (m). The default is
+    /// inferred: the paper does not print it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().sensing_range))]
     pub sensing_range_m: Option<f64>,
-    /// Variance, on each axis, of where an ant believes the load to be (m^2). Inferred: the unit; the number is printed.
+    /// Variance, on each axis, of the position at which an ant believes the load to be (m^2). The
+    /// default is printed in the paper without a unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().target_variance))]
     pub target_variance_m2: Option<f64>,
-    /// Time between two beliefs (s). Inferred: the paper redraws at each step of a step that it does not print.
+    /// Time between two draws of that position (s). The default is inferred: the paper draws at
+    /// each time step, and does not print the step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().target_redraw_period))]
     pub target_redraw_period_s: Option<f64>,
-    /// Turn rate over heading error (1/s). Inferred: not printed in the paper.
+    /// Turn rate of an ant over its heading error (1/s). The default is printed in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().steering_gain))]
     pub steering_gain_per_s: Option<f64>,
-    /// How far off its spring's direction an ant may pull (rad). Inferred: not printed in the paper.
+    /// Largest angle between the pull of an ant and the direction of its spring (rad). The default
+    /// is inferred: it fits the printed results better than the printed 60 degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().steering_half_angle))]
     pub steering_half_angle_rad: Option<f64>,
-    /// From the point about which an ant turns to its mandibles (m). Inferred: not printed in the paper.
+    /// Distance from the mandibles of an ant to the point about which it turns (m). The default is
+    /// inferred: the paper prints 2 mm for searching ants, and no offset for pulling ants.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().control_offset))]
     pub control_offset_m: Option<f64>,
-    /// Probability of grasping a free tip in reach, per decision period (1).
+    /// Probability of grasping a free tip in reach, per decision period (1). The default is printed
+    /// in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().grasp_probability))]
     pub grasp_probability: Option<f64>,
-    /// Time between two grasp decisions (s). Inferred: grasps must be much faster than releases to give the printed group sizes.
+    /// Time between two grasp decisions (s). The default is inferred: the printed group sizes need
+    /// grasps that are much faster than releases.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().grasp_decision_period))]
     pub grasp_decision_period_s: Option<f64>,
-    /// When an ant draws for a grasp. Inferred: not printed in the paper.
+    /// Times at which an ant decides to grasp. The default is "hazard", inferred: the paper does
+    /// not print its time step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "GraspPace", extend("default" = "hazard"))]
     pub grasp_pace: Option<GraspPace>,
-    /// Pull at twice the even odds of letting go (N).
+    /// Force close to the largest that an ant can apply (N). The release probability is 1/2 at half
+    /// of it. The default is printed in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().release.strong_pull))]
     pub strong_pull_n: Option<f64>,
-    /// Steepness of the odds of letting go over the pull (1/N). Inferred: the unit; the number is printed.
+    /// Steepness of the release probability over the pull (1/N). The default is printed in the
+    /// paper without a unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().release.steepness))]
     pub release_steepness_per_n: Option<f64>,
-    /// Time between two release decisions (s). Inferred: fits the printed forces.
+    /// Time between two release decisions (s). The default is inferred: it fits the printed forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().release.period))]
     pub release_decision_period_s: Option<f64>,
-    /// When an ant draws for a release. Inferred: not printed in the paper.
+    /// Times at which an ant decides to release. The default is "hazard", inferred: the paper does
+    /// not print its time step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "ReleasePace", extend("default" = "hazard"))]
     pub release_pace: Option<ReleasePace>,
 }
 
-/// When an ant draws for a grasp.
+/// Times at which an ant decides to grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GraspPace {
-    /// At every tick, with the hazard that the probability per decision period amounts to.
+    /// The ant decides at every tick, with the hazard that gives the probability within one
+    /// decision period.
     Hazard,
-    /// At every tick, with the probability itself: the literal reading, which depends on the control period.
+    /// The ant decides at every tick, with the probability itself. Rates then depend on the control
+    /// period.
     PerTick,
 }
 
-/// When an ant draws for a release.
+/// Times at which an ant decides to release.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReleasePace {
-    /// Every decision period after its grasp, with the printed probability.
+    /// The ant decides once per decision period after its grasp, with the printed probability.
     Aged,
-    /// At every tick, with the hazard that the printed probability per decision period amounts to.
+    /// The ant decides at every tick, with the hazard that gives the printed probability within one
+    /// decision period.
     Hazard,
-    /// At every tick, with the printed probability: the literal reading, which depends on the control period.
+    /// The ant decides at every tick, with the printed probability. Rates then depend on the
+    /// control period.
     PerTick,
 }
 
 impl GraspPace {
+    /// Pace in the model.
     pub fn pace(self) -> Pace {
         match self {
             GraspPace::Hazard => Pace::Hazard,
@@ -168,8 +197,10 @@ impl GraspPace {
         }
     }
 
+    /// Entry for a pace of the model.
+    ///
     /// # Panics
-    /// On [`Pace::Aged`]: before its grasp an ant has no age.
+    /// For [`Pace::Aged`]: a grasp has no attachment before it from which time could count.
     pub fn of(pace: Pace) -> Self {
         match pace {
             Pace::Hazard => GraspPace::Hazard,
@@ -180,6 +211,7 @@ impl GraspPace {
 }
 
 impl ReleasePace {
+    /// Pace in the model.
     pub fn pace(self) -> Pace {
         match self {
             ReleasePace::Aged => Pace::Aged,
@@ -188,6 +220,7 @@ impl ReleasePace {
         }
     }
 
+    /// Entry for a pace of the model.
     pub fn of(pace: Pace) -> Self {
         match pace {
             Pace::Aged => ReleasePace::Aged,

@@ -5,48 +5,55 @@ use std::f64::consts::FRAC_PI_2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Level ground with Coulomb friction.
+/// Level ground with Coulomb friction under the load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GroundEntry {
-    /// Coulomb's mu, the same for sticking and slipping (1).
+    /// Coulomb's coefficient of friction, the same for sticking and slipping (1).
     pub friction_coefficient: f64,
-    /// Gravity (m/s^2), for normal loads that are left out; it has no other use.
+    /// Gravity, from which normal loads follow that are left out (m/s^2). It has no other effect.
+    /// The default is 9.81.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = STANDARD_GRAVITY))]
     pub gravity_m_per_s2: Option<f64>,
-    /// Points of the load that stand on the ground: a list, or a short form for points at equal angles.
+    /// Points at which the load stands on the ground: a list, or a short form for points at equal
+    /// angles.
     pub supports: SupportsEntry,
 }
 
-/// (m/s^2)
+/// Gravity where a file gives none (m/s^2).
 pub const STANDARD_GRAVITY: f64 = 9.81;
 
-/// Points of the load that stand on the ground.
+/// Points at which the load stands on the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum SupportsEntry {
+    /// Short form for three equal supports.
     Tripod(TripodForm),
+    /// Short form for equal supports on a circle.
     Ring(RingOfSupportsForm),
+    /// Supports one by one.
     List(Vec<SupportEntry>),
 }
 
-/// One point that stands on the ground.
+/// One point at which the load stands on the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SupportEntry {
     /// Position in the load's frame (m).
     pub offset_m: [f64; 2],
-    /// Normal load (N). May be left out of all of exactly three supports: then it follows from the centre of mass.
+    /// Normal load (N). It may be left out for all of exactly three supports: it then follows from
+    /// the weight and the centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub normal_load_n: Option<f64>,
 }
 
-/// Short form.
+/// Short form for three equal supports.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TripodForm {
+    /// The three supports.
     pub tripod: Tripod,
 }
 
@@ -54,17 +61,19 @@ pub struct TripodForm {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tripod {
-    /// Distance from the centre of mass (m).
+    /// Distance of the supports from the centre of mass (m).
     pub radius_m: f64,
-    /// Direction of the first support in the load's frame (rad).
+    /// Direction of the first support in the load's frame (rad). The default is a quarter turn: the
+    /// first support is on the y axis.
     #[serde(default = "quarter_turn")]
     pub first_bearing_rad: f64,
 }
 
-/// Short form.
+/// Short form for equal supports on a circle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RingOfSupportsForm {
+    /// The supports on the circle.
     pub ring: RingOfSupports,
 }
 
@@ -72,14 +81,16 @@ pub struct RingOfSupportsForm {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RingOfSupports {
-    /// How many (1).
+    /// Number of supports (1).
     pub n: usize,
-    /// Distance from the centre of mass (m).
+    /// Distance of the supports from the centre of mass (m).
     pub radius_m: f64,
-    /// Direction of the first support in the load's frame (rad).
+    /// Direction of the first support in the load's frame (rad). The default is 0: the first
+    /// support is on the x axis.
     #[serde(default)]
     pub first_bearing_rad: f64,
-    /// Normal load of each (N). May be left out for three: then a third of the weight.
+    /// Normal load of each support (N). It may be left out for three supports: each then carries a
+    /// third of the weight.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub normal_load_n: Option<f64>,

@@ -1,7 +1,7 @@
-//! The scenario file as data: what may be written, key by key. The types here are the JSON Schema too, so that the doc comment of a field is
-//! the description that an editor shows for its key.
+//! The scenario file as data, key by key. The JSON Schema is made from these types: the doc comment
+//! of a field is the description of its key in editors and in the book.
 //!
-//! Nothing here knows a rule beyond the shape; the rules are in `validate`.
+//! The types state the shape of a file. All other rules are in `validate`.
 
 mod drive;
 mod ground;
@@ -14,56 +14,60 @@ pub use spring::{RingOfSprings, RingOfSpringsForm, SpringEntry, SpringsEntry};
 use schemars::{JsonSchema, schema_for};
 use serde::{Deserialize, Serialize};
 
-/// One run of collective transport. SI units throughout; angles in radians, counter-clockwise.
+/// One run of collective transport. All units are SI units. Angles are in radians and
+/// counter-clockwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "cohaul scenario")]
 pub struct ScenarioFile {
-    /// Where this schema is, for editors. Not read.
+    /// Location of this schema, for editors. The program does not read it.
     #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub schema: Option<String>,
-    /// What the run is, in a few words.
+    /// Name of the run, in a few words.
     pub name: String,
-    /// Longest simulated time (s). A run of ants ends earlier when the load arrives.
+    /// Longest simulated time (s). A run with ants ends earlier when the load arrives at the nest.
     pub duration_s: f64,
-    /// Clock of behaviour and of the trace (s): every velocity that is commanded stays constant this long.
+    /// Control period, the time between two decisions of the ants and two rows of the trace (s).
+    /// Every commanded velocity is constant within it.
     pub control_period_s: f64,
-    /// Key of all chance (1).
+    /// Seed of all random streams (1). The default is 1.
     #[serde(default = "first_seed")]
     pub seed: u64,
-    /// The load and how it starts.
+    /// The load and its start.
     pub load: LoadEntry,
-    /// The level ground under the load.
+    /// The ground under the load.
     pub ground: GroundEntry,
-    /// Springs of the load, in order: a spring is named by its index. A group takes as many indices as it has springs.
+    /// Springs of the load. A spring is named by its index, from 0. A group takes as many indices
+    /// as it has springs.
     pub springs: Vec<SpringsEntry>,
-    /// What moves the tips of the springs.
+    /// The motion of the tips: prescribed paths, or ants.
     pub drive: DriveEntry,
 }
 
-/// A rigid disc in the plane. Its frame's origin is its centre of mass.
+/// The load, a rigid disc in the plane. The origin of its frame is its centre of mass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadEntry {
     /// Mass (kg).
     pub mass_kg: f64,
-    /// Moment of inertia about the centre of mass (kg m^2). Without it that of a uniform disc, m R^2 / 2.
+    /// Moment of inertia about the centre of mass (kg m^2). The default is that of a uniform disc,
+    /// m R^2 / 2.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub inertia_kg_m2: Option<f64>,
     /// Radius of the outline (m).
     pub radius_m: f64,
-    /// Where the origin starts (m, world).
+    /// Position of the origin at the start (m, world axes). The default is [0, 0].
     #[serde(default)]
     pub position_m: [f64; 2],
-    /// Heading at the start (rad).
+    /// Heading at the start (rad). The default is 0.
     #[serde(default)]
     pub heading_rad: f64,
-    /// Velocity of the origin at the start (m/s, world).
+    /// Velocity of the origin at the start (m/s, world axes). The default is [0, 0].
     #[serde(default)]
     pub velocity_m_per_s: [f64; 2],
-    /// Turn rate at the start (rad/s).
+    /// Turn rate at the start (rad/s). The default is 0.
     #[serde(default)]
     pub turn_rate_rad_per_s: f64,
 }

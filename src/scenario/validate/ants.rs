@@ -1,4 +1,4 @@
-//! Rules of the ants' parameters, and what their preset puts in where the file says nothing.
+//! Rules of the ants' parameters, and defaults from their preset.
 
 use std::f64::consts::PI;
 
@@ -9,12 +9,12 @@ use crate::scenario::error::{Findings, number};
 use crate::scenario::format::{AntsEntry, GraspPace, ReleasePace};
 use crate::scenario::presets;
 
-/// The ants, over `n_springs` springs and a control period (s) where those are known.
+/// Ants on `n_springs` springs with this control period (s), where those are known.
 pub fn ants(entry: &AntsEntry, n_springs: Option<usize>, control_period: Option<f64>, findings: &mut Findings) -> AntDrive {
     let ants = with_defaults(entry);
     findings.count("drive.n_ants", ants.n_ants, MOST_ANTS);
     if n_springs == Some(0) {
-        findings.report("springs", "must hold at least one spring for ants to pull", "none");
+        findings.report("springs", "must have at least one spring for the ants", "none");
     }
     check_walk(&ants, findings);
     check_grasp(&ants, findings);
@@ -68,7 +68,7 @@ fn check_grasp(ants: &AntDrive, findings: &mut Findings) {
     let probability = ants.grasp_probability;
     let (holds, rule) = match ants.grasp_pace {
         // A certain event has no finite hazard.
-        Pace::Hazard => ((0.0..1.0).contains(&probability), "must be at least 0 and below 1 where it makes a hazard"),
+        Pace::Hazard => ((0.0..1.0).contains(&probability), "must be at least 0 and below 1 for the pace \"hazard\""),
         _ => ((0.0..=1.0).contains(&probability), "must be from 0 to 1"),
     };
     findings.require(holds, "drive.grasp_probability", rule, probability);
@@ -80,9 +80,10 @@ fn check_release(ants: &AntDrive, control_period: Option<f64>, findings: &mut Fi
     findings.not_negative("drive.strong_pull_n", strong_pull);
     findings.not_negative("drive.release_steepness_per_n", steepness);
     findings.positive("drive.release_decision_period_s", period);
-    // An ant decides at ticks: with more than one decision a tick the printed odds would be those of another period.
+    // An ant decides at ticks: with more than one decision a tick the printed odds would be those
+    // of another period.
     if ants.release_pace == Pace::Aged && period > 0.0 && control_period.is_some_and(|tick| period < tick) {
-        let rule = "must not be shorter than the control period where releases are aged";
+        let rule = "must not be shorter than the control period for the release pace \"aged\"";
         findings.report("drive.release_decision_period_s", rule, number(period));
     }
 }

@@ -1,4 +1,4 @@
-//! Rules of the ground: friction, supports and what they carry.
+//! Rules of the ground: friction, supports and normal loads.
 
 use super::{MOST_IN_RING, bearings, polar};
 use crate::math::Vec2;
@@ -7,10 +7,11 @@ use crate::model::{Ground, SupportPoint};
 use crate::scenario::error::{Findings, number};
 use crate::scenario::format::{GroundEntry, RingOfSupports, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod};
 
-/// The centre of mass may lie outside of the supports by this share of the weight and still count as on their edge: rounding of offsets.
+/// Negative normal load over the weight that counts as rounding of offsets: the centre of mass is
+/// then on the edge of the supports (1).
 const TIPPING_SLACK: f64 = 1e-12;
 
-/// The ground under a load of `mass` (kg), where that is known; normal loads that nothing is known about are NaN.
+/// Ground under a load of `mass` (kg), where that is known. Unknown normal loads are NaN.
 pub fn ground(entry: &GroundEntry, mass: Option<f64>, findings: &mut Findings) -> Ground {
     findings.not_negative("ground.friction_coefficient", entry.friction_coefficient);
     let gravity = entry.gravity_m_per_s2.unwrap_or(STANDARD_GRAVITY);
@@ -24,14 +25,19 @@ pub fn ground(entry: &GroundEntry, mass: Option<f64>, findings: &mut Findings) -
     Ground { friction_coefficient: entry.friction_coefficient, supports }
 }
 
-/// The weight (N) where mass (kg) and gravity (m/s^2) are good.
+/// Weight of a `mass` (kg) under `gravity` (m/s^2); `None` where one of them is out of range (N).
 fn weight(mass: Option<f64>, gravity: f64, findings: &mut Findings) -> Option<f64> {
     let is_good = |value: f64| value > 0.0 && value.is_finite();
     let weight = mass.filter(|mass| is_good(*mass) && is_good(gravity))? * gravity;
-    // At least one of three supports carries a third or more, so that some normal load is above zero then.
+    // At least one of three supports carries a third or more, so that some normal load is above
+    // zero then.
     let fits = (weight / 3.0).is_normal();
     if !fits {
-        findings.report("ground.gravity_m_per_s2", "must make a weight in the range of floats", format_args!("{} N", number(weight)));
+        findings.report(
+            "ground.gravity_m_per_s2",
+            "must give a weight in the range of floating-point numbers",
+            format_args!("{} N", number(weight)),
+        );
     }
     fits.then_some(weight)
 }
@@ -76,7 +82,7 @@ fn listed(list: &[SupportEntry], weight: Option<f64>, findings: &mut Findings) -
     offsets.zip(loads).map(|(offset, normal_load)| SupportPoint { offset, normal_load }).collect()
 }
 
-/// Normal load (N) of each support: as given, or from the centre of mass.
+/// Normal load of each support, as given or from the centre of mass (N).
 fn normal_loads(list: &[SupportEntry], weight: Option<f64>, findings: &mut Findings) -> Vec<f64> {
     let n_given = list.iter().filter(|support| support.normal_load_n.is_some()).count();
     if n_given == list.len() {
@@ -100,7 +106,7 @@ fn given_loads(list: &[SupportEntry], findings: &mut Findings) -> Vec<f64> {
         findings.not_negative(format_args!("ground.supports[{index}].normal_load_n"), *load);
     }
     if loads.iter().all(|load| *load == 0.0) {
-        findings.report("ground.supports", "must carry a normal load somewhere", "zero on every support");
+        findings.report("ground.supports", "must have at least one positive normal load", "zero on every support");
     }
     loads
 }
@@ -116,7 +122,7 @@ fn loads_of_three(offsets: &[Vec2; 3], weight: f64, findings: &mut Findings) -> 
     };
     for (index, load) in loads.iter().enumerate() {
         if !(*load >= -TIPPING_SLACK * weight && load.is_finite()) {
-            let rule = "must not be negative: the centre of mass lies outside of the supports and the load would tip";
+            let rule = "must not be negative: the centre of mass lies outside the supports, and the load would tip over";
             findings.require(false, format_args!("ground.supports[{index}].normal_load_n"), rule, *load);
         }
     }

@@ -1,6 +1,6 @@
-//! From what a file says to a scenario that can be run: defaults put in, short forms taken apart, every rule checked, every finding kept.
-//!
-//! Each section is checked even when another one cannot be read, so that one look at the findings is enough to mend a file.
+//! From the entries of a file to a scenario: defaults are added, short forms are replaced, every
+//! rule is checked, and every finding is kept. Each section is checked even when another one cannot
+//! be read, so that one list of findings is enough to correct a file.
 
 mod ants;
 mod ground;
@@ -17,13 +17,14 @@ use super::{Drive, Scenario};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::{Load, Motion, System};
 
-/// More ticks than this (1) and a run neither ends nor fits into memory.
+/// Largest number of ticks (1): more would neither end nor fit into memory.
 const MOST_TICKS: f64 = 1e9;
-/// Most equal things in a ring, and most springs or supports in all.
+/// Largest number of springs or supports, in one ring and in all (1).
 const MOST_IN_RING: usize = 100_000;
+/// Largest number of ants (1).
 const MOST_ANTS: usize = 1_000_000;
 
-/// A scenario file of which some sections may not have been readable.
+/// A scenario file in which some sections may be missing or unreadable.
 pub struct Draft {
     name: Option<String>,
     duration: Option<f64>,
@@ -36,7 +37,7 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// The sections of `value` that hold none of the paths in `misfits`.
+    /// Sections of `value` that contain none of the unreadable paths in `misfits`.
     pub fn read(mut value: Value, misfits: &[String], findings: &mut Findings) -> Self {
         let mut source = Sections { value: &mut value, misfits, findings };
         Self {
@@ -68,10 +69,10 @@ impl From<ScenarioFile> for Draft {
 }
 
 impl ScenarioFile {
-    /// The scenario that a file built in code describes; errors call it `name_for_errors`.
+    /// The scenario of a file that was built in code. Errors name the file `name_for_errors`.
     ///
     /// # Errors
-    /// When it breaks a rule: with every finding.
+    /// When the file breaks rules. The error lists every broken rule.
     pub fn checked(self, name_for_errors: &str) -> Result<Scenario, ScenarioError> {
         scenario(self.into(), Findings::default())
             .map_err(|findings| ScenarioError::Invalid { file: name_for_errors.to_string(), findings })
@@ -91,17 +92,18 @@ impl Sections<'_> {
         if self.misfits.iter().any(is_within) {
             return None;
         }
-        // The shape was compared before: what goes wrong here is a difference between the schema and the types.
+        // The shape was compared before: what goes wrong here is a difference between the schema
+        // and the types.
         serde_path_to_error::deserialize(section)
             .map_err(|error| self.findings.report(join(key, &error.path().to_string()), error.inner().to_string(), "another shape"))
             .ok()
     }
 }
 
-/// The scenario of a draft, given what was found while reading it.
+/// The scenario of a draft, with the findings that were made while it was read.
 ///
 /// # Errors
-/// When there is any finding.
+/// When there is at least one finding.
 pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Finding>> {
     let built = build(draft, &mut findings);
     match built {
@@ -113,15 +115,15 @@ pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Fi
     }
 }
 
-/// Of what terminals and pages are told, text with its direction turned among it.
+/// Whether a letter controls a terminal or the direction of text.
 fn is_control(letter: char) -> bool {
     letter.is_control() || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// `None` when a section is missing.
+/// The scenario; `None` when a section is missing.
 fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
     if let Some(name) = draft.name.as_deref().filter(|name| name.chars().any(is_control)) {
-        findings.report("name", "must not have control characters", format_args!("{name:?}"));
+        findings.report("name", "must not contain control characters", format_args!("{name:?}"));
     }
     check_clock(draft.duration, draft.control_period, findings);
     let load = draft.load.map(|entry| load(&entry, findings));
@@ -172,14 +174,15 @@ fn load(entry: &LoadEntry, findings: &mut Findings) -> (Load, Motion) {
     (load, Motion { pose, twist })
 }
 
-/// The given moment of inertia, or that of a uniform disc.
+/// Moment of inertia as given, or that of a uniform disc (kg m^2).
 fn inertia(entry: &LoadEntry, findings: &mut Findings) -> f64 {
     let disc = 0.5 * entry.mass_kg * entry.radius_m * entry.radius_m;
     match entry.inertia_kg_m2 {
         Some(given) => findings.positive("load.inertia_kg_m2", given),
-        // A wrong mass or radius has its own finding; this is for a product that floats cannot hold.
+        // A wrong mass or radius has its own finding; this is for a product that floats cannot
+        // hold.
         None if entry.mass_kg > 0.0 && entry.radius_m > 0.0 => {
-            let rule = "must be given: m R^2 / 2 of this mass and radius is out of the range of floats";
+            let rule = "must be given: m R^2 / 2 of this mass and radius is out of the range of floating-point numbers";
             if !(disc > 0.0 && disc.is_finite()) && entry.mass_kg.is_finite() && entry.radius_m.is_finite() {
                 findings.report("load.inertia_kg_m2", rule, "nothing");
             }
@@ -189,12 +192,12 @@ fn inertia(entry: &LoadEntry, findings: &mut Findings) -> f64 {
     entry.inertia_kg_m2.unwrap_or(disc)
 }
 
-/// The point at `bearing` (rad) and `radius` (m).
+/// Point at `bearing` (rad) and `radius` (m).
 fn polar(radius: f64, bearing: f64) -> Vec2 {
     radius * crate::math::direction(bearing)
 }
 
-/// The directions (rad) of `n` equal angles from `first` on.
+/// Directions of `n` equal angles from `first` on (rad).
 fn bearings(n: usize, first: f64) -> impl Iterator<Item = f64> {
     (0..n).map(move |index| first + std::f64::consts::TAU * index as f64 / n as f64)
 }

@@ -1,4 +1,4 @@
-//! Rules of the springs, and rings of them taken apart.
+//! Rules of the springs, and the springs of rings.
 
 use std::fmt::Display;
 
@@ -7,7 +7,7 @@ use crate::model::PolarSpring;
 use crate::scenario::error::{Findings, number};
 use crate::scenario::format::{RingOfSprings, SpringEntry, SpringsEntry};
 
-/// All springs in order, groups in place.
+/// All springs in order; those of a ring follow at its place.
 pub fn springs(entries: &[SpringsEntry], findings: &mut Findings) -> Vec<PolarSpring> {
     let n_springs = n_springs(entries);
     let mut springs = Vec::new();
@@ -25,7 +25,7 @@ pub fn springs(entries: &[SpringsEntry], findings: &mut Findings) -> Vec<PolarSp
     springs
 }
 
-/// How many springs the entries stand for.
+/// Number of springs of the entries, with those of rings (1).
 pub fn n_springs(entries: &[SpringsEntry]) -> usize {
     entries.iter().map(n_springs_of).fold(0, usize::saturating_add)
 }
@@ -53,7 +53,7 @@ fn one(entry: &SpringEntry, index: usize, findings: &mut Findings) -> PolarSprin
     spring
 }
 
-/// The springs of a ring; none when the number of them is out of range.
+/// Springs of a ring; none when their number is out of range.
 fn ring(ring: &RingOfSprings, index: usize, findings: &mut Findings) -> impl Iterator<Item = PolarSpring> + use<> {
     let place = format!("springs[{index}].ring");
     findings.not_negative(format_args!("{place}.radius_m"), ring.radius_m);
@@ -72,7 +72,7 @@ fn ring(ring: &RingOfSprings, index: usize, findings: &mut Findings) -> impl Ite
     bearings(n, first.bearing).map(move |bearing| PolarSpring { root: polar(radius, bearing), bearing, ..first })
 }
 
-/// The rules of the spring's law, wherever the spring is.
+/// Checks the rules of the spring law, for a single spring or a ring.
 fn check_law(place: &impl Display, spring: &PolarSpring, findings: &mut Findings) {
     let key = |name: &str| format!("{place}.{name}");
     let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
@@ -84,7 +84,7 @@ fn check_law(place: &impl Display, spring: &PolarSpring, findings: &mut Findings
         findings.report(key("radial_stiffness_n_per_m"), "must be positive where the torsional stiffness is zero", number(radial));
     }
     if torsional > 0.0 && spring.rest_length == 0.0 {
-        let rule = "must be positive where there is torsional stiffness: a spring without length has no direction";
+        let rule = "must be positive for a spring with torsional stiffness: a spring without length has no direction";
         findings.report(key("rest_length_m"), rule, number(spring.rest_length));
     }
     if spring.damping_ratio > 0.0 && radial == 0.0 {

@@ -6,7 +6,7 @@ use crate::scenario::error::{Findings, number};
 use crate::scenario::format::{PathEntry, TipsEntry};
 use crate::scenario::{TipPath, Waypoint};
 
-/// The paths, over `n_springs` springs where that is known.
+/// Paths on `n_springs` springs, where that number is known.
 pub fn paths(entry: &TipsEntry, n_springs: Option<usize>, findings: &mut Findings) -> Vec<TipPath> {
     let mut first_path_of = HashMap::new();
     for (index, path) in entry.paths.iter().enumerate() {
@@ -25,7 +25,7 @@ pub fn paths(entry: &TipsEntry, n_springs: Option<usize>, findings: &mut Finding
 
 fn check_times(place: &str, path: &PathEntry, findings: &mut Findings) {
     let Some(first) = path.waypoints.first() else {
-        return findings.report(format_args!("{place}.waypoints"), "must hold at least one waypoint", "none");
+        return findings.report(format_args!("{place}.waypoints"), "must have at least one waypoint", "none");
     };
     if first[0] < 0.0 {
         findings.report(format_args!("{place}.waypoints[0][0]"), "must not be negative", number(first[0]));
@@ -35,7 +35,7 @@ fn check_times(place: &str, path: &PathEntry, findings: &mut Findings) {
     }
     for (index, pair) in path.waypoints.windows(2).enumerate() {
         if pair[1][0] <= pair[0][0] {
-            let rule = format!("must be later than the waypoint before, {}", number(pair[0][0]));
+            let rule = format!("must be later than the previous waypoint, {}", number(pair[0][0]));
             findings.report(format_args!("{place}.waypoints[{}][0]", index + 1), rule, number(pair[1][0]));
         }
     }

@@ -6,9 +6,9 @@
 //! H x - w + sum_i c_i B_i' u_i = 0        u_i = B_i x / |B_i x|
 //! ```
 //!
-//! have the symmetric positive definite derivative `H + sum_i (c_i / |B_i x|) b_i b_i'` with
-//! `b_i = B_i' J u_i`, J a quarter turn. From the twist of the step before, two or three iterations
-//! reach rounding, at a fraction of the cost of the polar coordinates, which take over wherever this
+//! have the symmetric positive definite derivative `H + sum_i (c_i / |B_i x|) b_i b_i'` with `b_i =
+//! B_i' J u_i`, J a quarter turn. From the twist of the step before, two or three iterations reach
+//! rounding, at a fraction of the cost of the polar coordinates, which take over wherever this
 //! method does not converge.
 
 use crate::backend::friction::cones::Cones;
@@ -52,9 +52,9 @@ pub fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, n_iterations: &mut 
     None
 }
 
-/// Imbalance at `twist` under friction and the `gradient` of the other forces (scaled). The lower half
-/// of `derivative`, which is that of the other forces, becomes that of all. `None` where a support
-/// slips too slowly.
+/// Imbalance at `twist` under friction and the `gradient` of the other forces (scaled). The lower
+/// half of `derivative`, which is that of the other forces, becomes that of all. `None` where a
+/// support slips too slowly.
 // Inlined, because callers need the returned vector at once.
 #[inline(always)]
 pub fn balance(cones: &Cones, gradient: &Vec3, mut derivative: Option<&mut Mat3>, twist: &Vec3) -> Option<Vec3> {

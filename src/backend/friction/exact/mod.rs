@@ -1,18 +1,20 @@
-//! Exact methods for the friction problem in scaled units. The order of the attempts is one of cost only.
+//! Exact methods for the friction problem in scaled units. The order of the attempts is one of cost
+//! only.
 //!
-//! - One (`single`): all supports stand on one point. This is a problem of its own, solved in closed
-//!   form but for one scalar.
+//! - One (`single`): all supports stand on one point. This is a problem of its own, solved in
+//!   closed form but for one scalar.
 //!
 //! 0. Gliding (`gliding`): as in the last answer all supports slip, none of them slowly.
-//! 1. Rest (`super::rest`): forces within all limits balance w, and nothing moves. Close to the edge of
-//!    slipping rest is tried once more after 2, where forces take some rounds to find. Where that shows
-//!    that there are none, parabolas that touch the losses of the cones lead to a slip that gliding
-//!    completes.
-//! 2. Pinned (`pinned`): rotation about one support that sticks. If two distinct ones stick, all do.
-//! 3. Slipping (`slipping`): all supports slip, or stick close to it. Newton's method in coordinates in
-//!    which the kink at a slow support is smooth.
-//! 4. Smoothed (`smoothed`): continuation over rounded cones, which gives the other methods a start where
-//!    they have none.
+//! 1. Rest (`super::rest`): forces within all limits balance w, and nothing moves. Close to the
+//!    edge of slipping rest is tried once more after 2, where forces take some rounds to find.
+//!    Where that shows that there are none, parabolas that touch the losses of the cones lead to a
+//!    slip that gliding completes.
+//! 2. Pinned (`pinned`): rotation about one support that sticks. If two distinct ones stick, all
+//!    do.
+//! 3. Slipping (`slipping`): all supports slip, or stick close to it. Newton's method in
+//!    coordinates in which the kink at a slow support is smooth.
+//! 4. Smoothed (`smoothed`): continuation over rounded cones, which gives the other methods a start
+//!    where they have none.
 
 pub(super) mod gliding;
 pub(super) mod pinned;
@@ -51,8 +53,8 @@ pub fn search(cones: &Cones, h: &Mat3, w: &Vec3, last: &mut WarmStart, n_iterati
     pin(cones, h, w, last).unwrap_or_else(|| search_near_the_edge(cones, h, w, last, far, n_iterations))
 }
 
-/// Answer by a turn about one support. The last pin is tried first. With many supports only that one is
-/// tried here, since the continuation finds the others at less cost.
+/// Answer by a turn about one support. The last pin is tried first. With many supports only that
+/// one is tried here, since the continuation finds the others at less cost.
 fn pin(cones: &Cones, h: &Mat3, w: &Vec3, last: &mut WarmStart) -> Option<Candidate> {
     const FEW: usize = 8;
     let others = if cones.len() <= FEW { cones.len() } else { 0 };

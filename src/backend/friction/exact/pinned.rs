@@ -1,8 +1,8 @@
 //! Rotation about one support that sticks, or rest under a moment about it.
 //!
-//! With p the twist of a unit turn about support k, b = w.p the moment about it and
-//! T = sum_{i != k} c_i |S_i - S_k| the friction moment of the others, the turn is
-//! `(b - sign(b) T) / (p'Hp)` when |b| > T. When |b| <= T the others balance the moment with the share
+//! With p the twist of a unit turn about support k, b = w.p the moment about it and T = sum_{i !=
+//! k} c_i |S_i - S_k| the friction moment of the others, the turn is `(b - sign(b) T) / (p'Hp)`
+//! when |b| > T. When |b| <= T the others balance the moment with the share
 //! |b| / T of their friction. Either is the answer when the force that is left for support k is
 //! within its limit.
 

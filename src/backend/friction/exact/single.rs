@@ -1,20 +1,21 @@
-//! All supports on one point: that support sticks while the load turns freely about it, or it slips.
+//! All supports on one point: that support sticks while the load turns freely about it, or it
+//! slips.
 //!
 //! The twist is written by the slip v of the support S and by y, the part of the turn about it, in
 //! an orthonormal basis: `p = (S_y, -S_x, 1) / g` with `g = sqrt(1 + |S|^2)` turns about S, and the
 //! two directions across p move S along itself and g times as fast across. That mixes turns and
-//! shifts only as far as S is off the origin, so nothing cancels, whether S is near or far. Friction
-//! depends on v alone; y follows as the minimum for each v, which leaves, with the Schur complement
-//! H~ of p and w~ likewise,
+//! shifts only as far as S is off the origin, so nothing cancels, whether S is near or far.
+//! Friction depends on v alone; y follows as the minimum for each v, which leaves, with the Schur
+//! complement H~ of p and w~ likewise,
 //!
 //! ```text
 //! 1/2 v'H~v - w~'v + c|v|
 //! ```
 //!
 //! With |w~| <= c the support sticks, and w~ is the force on it. Otherwise v = s u with |u| = 1 and
-//! `(s H~ + c) u = w~`: the speed s solves `1 / |(s H~ + c)^-1 w~| = 1`. Its left side is concave and
-//! grows with s (the power mean, of exponent -2, of linear functions), so Newton's method climbs from
-//! s = 0 to the root without ever passing it.
+//! `(s H~ + c) u = w~`: the speed s solves `1 / |(s H~ + c)^-1 w~| = 1`. Its left side is concave
+//! and grows with s (the power mean, of exponent -2, of linear functions), so Newton's method
+//! climbs from s = 0 to the root without ever passing it.
 
 use crate::backend::friction::cones::Cones;
 use crate::backend::friction::problem::{Candidate, ContactMode};

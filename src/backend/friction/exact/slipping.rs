@@ -1,14 +1,15 @@
 //! All supports slip: Newton's method in polar coordinates about the slowest one.
 //!
-//! The twist is written by the velocity of the slowest support k and the turn rate, (v_k, omega), and
-//! that triple in polar form, `v_k = s sin(psi) (cos phi, sin phi)`, `omega = s cos(psi) / L` with L the
-//! largest distance of a support from k. The friction of k then has the direction (cos phi, sin phi)
-//! whatever its speed, and that of the others depends on psi and phi alone: the residual is smooth
-//! through v_k = 0 and linear in s, and neither slow slip nor the edge of sticking spoils convergence.
+//! The twist is written by the velocity of the slowest support k and the turn rate, (v_k, omega),
+//! and that triple in polar form, `v_k = s sin(psi) (cos phi, sin phi)`, `omega = s cos(psi) / L`
+//! with L the largest distance of a support from k. The friction of k then has the direction (cos
+//! phi, sin phi) whatever its speed, and that of the others depends on psi and phi alone: the
+//! residual is smooth through v_k = 0 and linear in s, and neither slow slip nor the edge of
+//! sticking spoils convergence.
 //!
-//! The same coordinates tell sticking from slipping near that edge: with f_i the full friction forces
-//! of a direction (psi, phi), the share g for which `g sum_i B_i' f_i = w` is the gauge of the limit
-//! surface. With g <= 1, the forces g f_i balance w and nothing moves.
+//! The same coordinates tell sticking from slipping near that edge: with f_i the full friction
+//! forces of a direction (psi, phi), the share g for which `g sum_i B_i' f_i = w` is the gauge of
+//! the limit surface. With g <= 1, the forces g f_i balance w and nothing moves.
 
 use crate::backend::friction::cones::Cones;
 use crate::backend::friction::problem::{Candidate, ContactMode, EXACT};
@@ -41,7 +42,8 @@ struct Polar {
     course: f64,
 }
 
-/// The angles of [`Polar`] as directions: sine and cosine of the tilt, and the unit vector of the course.
+/// The angles of [`Polar`] as directions: sine and cosine of the tilt, and the unit vector of the
+/// course.
 #[derive(Clone, Copy)]
 struct Aim {
     sin: f64,
@@ -56,8 +58,8 @@ impl Polar {
     }
 }
 
-/// Slip found from `start`; writes the forces of the cones. `None`, with the forces as they were, when
-/// Newton's method ends elsewhere.
+/// Slip found from `start`; writes the forces of the cones. `None`, with the forces as they were,
+/// when Newton's method ends elsewhere.
 pub fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
     let problem = Rebased::new(cones, cones.slowest(start), h, w);
     let at = problem.newton(|speed, aim| problem.balance(speed, aim), problem.polar_of(start)?, n_iterations)?;
@@ -65,8 +67,8 @@ pub fn slip(cones: &Cones, h: &Mat3, w: &Vec3, start: &Vec3, forces: &mut [Vec2]
     Some(Candidate { twist: problem.twist_at(&at), mode: ContactMode::Slip })
 }
 
-/// Rest, when the gauge found from the direction of `start` is at most one; writes the forces of the
-/// cones. `None`, with the forces as they were, when the gauge is larger or was not found.
+/// Rest, when the gauge found from the direction of `start` is at most one; writes the forces of
+/// the cones. `None`, with the forces as they were, when the gauge is larger or was not found.
 pub fn stick(cones: &Cones, w: &Vec3, start: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Option<Candidate> {
     let problem = Rebased::new(cones, cones.slowest(start), &Mat3::zeros(), w);
     let start = Polar { speed: 1.0, ..problem.polar_of(start)? };

@@ -1,5 +1,5 @@
-//! Continuation over rounded cones: |v| becomes sqrt(v^2 + eps^2), and eps falls tenfold from stage to
-//! stage.
+//! Continuation over rounded cones: |v| becomes sqrt(v^2 + eps^2), and eps falls tenfold from stage
+//! to stage.
 //!
 //! Each stage is a smooth convex problem for a damped Newton method. Its forces lie strictly inside
 //! the cones and its twist is near the answer's, so each stage offers the exact methods a start. A
@@ -25,8 +25,8 @@ const MOST_ITERATIONS: u32 = 60;
 /// answer, all take some hundred.
 const MOST_IN_ALL: u32 = 300;
 
-/// Answer of an exact method from one of the stages, or else the best one after the last stage; writes
-/// the forces of the cones.
+/// Answer of an exact method from one of the stages, or else the best one after the last stage;
+/// writes the forces of the cones.
 pub fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iterations: &mut u32) -> Candidate {
     let (start, motion) = far_answer(cones, h, w, n_iterations);
     let mut twist = if cones.cluster.is_some() { start } else { Vec3::zeros() };
@@ -52,8 +52,8 @@ fn extent(twist: &Vec3) -> f64 {
     twist.xy().norm() + twist.z.abs()
 }
 
-/// Displacement of the load along w itself without friction. It replaces the linear answer, which is
-/// huge where H is nearly singular.
+/// Displacement of the load along w itself without friction. It replaces the linear answer, which
+/// is huge where H is nearly singular.
 fn extent_of_motion(h: &Mat3, w: &Vec3) -> f64 {
     let stiffness = w.dot(&(h * w));
     if stiffness > 0.0 { extent(w) * w.norm_squared() / stiffness } else { f64::INFINITY }
@@ -89,8 +89,8 @@ fn exact_from(
     slipping::slip(cones, h, w, twist, forces, n_iterations).or_else(|| slipping::stick(cones, w, twist, forces, n_iterations))
 }
 
-/// Rest or the motion of the last stage, whichever violates the conditions less: for problems in which
-/// no contact mode holds exactly.
+/// Rest or the motion of the last stage, whichever violates the conditions less: for problems in
+/// which no contact mode holds exactly.
 fn best_of_both(cones: &Cones, h: &Mat3, w: &Vec3, twist: &Vec3, rounding: f64, forces: &mut [Vec2]) -> Candidate {
     let rounded = Rounded { cones, h, w, rounding };
     (0..cones.len()).for_each(|k| forces[k] = rounded.force(k, twist));
@@ -143,8 +143,8 @@ impl Rounded<'_> {
 }
 
 /// Twist at which the gradient, over the forces in it, is down to the `accuracy` (1), by a damped
-/// Newton method. A step counts when the objective falls by Armijo's rule, or when the objective has
-/// reached its rounding and the gradient still falls.
+/// Newton method. A step counts when the objective falls by Armijo's rule, or when the objective
+/// has reached its rounding and the gradient still falls.
 fn minimise(problem: &Rounded, start: Vec3, accuracy: f64, n_iterations: &mut u32) -> Vec3 {
     let mut twist = start;
     let (mut gradient, mut hessian) = problem.derivatives(&twist);

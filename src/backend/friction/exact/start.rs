@@ -5,8 +5,8 @@ use crate::backend::friction::cones::Cones;
 use crate::math::{Mat3, Vec2, Vec3};
 
 /// A start from which no answer should be far, and how far supports move at it (scaled). Where the
-/// supports are close together it is the answer with all limits at one point, which leaves only their
-/// turn about that point open; elsewhere it is the answer without friction.
+/// supports are close together it is the answer with all limits at one point, which leaves only
+/// their turn about that point open; elsewhere it is the answer without friction.
 pub fn far_answer(cones: &Cones, h: &Mat3, w: &Vec3, n_iterations: &mut u32) -> (Vec3, f64) {
     if let Some(extent) = cones.cluster {
         let (found, _) = single::about(&Vec2::zeros(), 1.0, h, w, n_iterations);
@@ -18,7 +18,8 @@ pub fn far_answer(cones: &Cones, h: &Mat3, w: &Vec3, n_iterations: &mut u32) -> 
     (free, free.xy().norm() + free.z.abs())
 }
 
-/// Minimiser without friction, with a ridge of 1e-12 of the largest diagonal entry where H is singular.
+/// Minimiser without friction, with a ridge of 1e-12 of the largest diagonal entry where H is
+/// singular.
 pub fn linear_answer(h: &Mat3, w: &Vec3) -> Vec3 {
     let ridge = 1e-12 * h.diagonal().amax();
     h.cholesky()
