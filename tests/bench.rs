@@ -12,9 +12,10 @@ use cohaul::simulation::{Keep, Simulation};
 use cohaul::studies::bench::report::Benchmark;
 use cohaul::studies::bench::text::bench_text;
 use cohaul::studies::bench::{
-    Effort, Ending, Host, LEVELS, Level, METHODS, Measured, Plan, Problem, Reference, Row, Scene, Sequence, Solver, bench, equal_errors,
-    four_ants, kkt_residual, named, problems_of, standard_scenes,
+    BenchError, Effort, Ending, Host, LEVELS, Level, METHODS, Measured, Plan, Problem, Reference, Row, Scene, Sequence, Solver, bench,
+    equal_errors, four_ants, kkt_residual, named, problems_of, standard_scenes,
 };
+use cohaul::studies::runner::Records;
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -125,6 +126,10 @@ fn the_residual_of_a_friction_problem_is_rounding_for_the_exact_solver_and_sees_
     assert!(n_moving > 30, "{n_moving}");
 }
 
+fn measured(plan: &Plan) -> Measured {
+    bench(plan, &mut Records::in_memory(), &mut |_| true).unwrap()
+}
+
 fn plan(scene: Scene, budget_s: f64) -> Plan {
     Plan { scenes: vec![scene], effort: Effort { repeats: 2, budget_s, quick: true }, solvers: None, growth: None }
 }
@@ -132,8 +137,7 @@ fn plan(scene: Scene, budget_s: f64) -> Plan {
 #[test]
 fn settings_that_take_too_long_are_rows_and_nothing_finer_is_tried() {
     let plan = plan(scene("slide"), 1e-9);
-    let mut found = Measured::default();
-    assert!(bench(&plan, &mut found, &mut |_| true).unwrap());
+    let found = measured(&plan);
     let n_methods = METHODS.iter().filter(|method| method.kind() != BackendKind::QuasiStatic).count();
     assert_eq!(found.rows.iter().filter(|row| row.ending == Ending::TooLong(1e-9)).count(), n_methods);
     assert!(found.rows.len() > 2 * n_methods && found.rows.iter().all(|row| !row.is_answered() && row.cause().is_some()));
@@ -152,27 +156,23 @@ fn untimed(found: &Measured) -> (Vec<Row>, Vec<usize>) {
 
 #[test]
 fn a_benchmark_that_was_stopped_goes_on_and_measures_nothing_twice() {
-    let whole = {
-        let mut found = Measured::default();
-        assert!(bench(&plan(scene("spin"), 10.0), &mut found, &mut |_| true).unwrap());
-        found
-    };
-    let (mut found, mut n_stops) = (Measured::default(), 0);
-    loop {
+    let whole = measured(&plan(scene("spin"), 10.0));
+    let (room, mut n_stops) = (tempdir().unwrap(), 0);
+    let found = loop {
         let mut n_calls = 0;
         let mut stop_soon = |share: f64| {
             assert!((0.0..=1.0).contains(&share), "{share}");
             n_calls += 1;
             n_calls < 400
         };
-        if bench(&plan(scene("spin"), 10.0), &mut found, &mut stop_soon).unwrap() {
-            break;
+        let mut records = Records::open(&room.path().join("journal"), "bench", &"here").unwrap();
+        match bench(&plan(scene("spin"), 10.0), &mut records, &mut stop_soon) {
+            Ok(found) => break found,
+            Err(BenchError::Stopped) => n_stops += 1,
+            Err(error) => panic!("{error}"),
         }
-        // As through a file.
-        found = serde_json::from_str(&serde_json::to_string(&found).unwrap()).unwrap();
-        n_stops += 1;
         assert!(n_stops < 100);
-    }
+    };
     assert!(n_stops > 1, "{n_stops}");
     assert_eq!(untimed(&found), untimed(&whole));
     assert!(untimed(&whole).1.iter().all(|n| *n == 2));
@@ -181,8 +181,7 @@ fn a_benchmark_that_was_stopped_goes_on_and_measures_nothing_twice() {
 
 #[test]
 fn error_control_reaches_levels_that_no_engine_does_and_costs_are_monotone() {
-    let mut found = Measured::default();
-    assert!(bench(&plan(scene("tripod-spin-pinned"), 10.0), &mut found, &mut |_| true).unwrap());
+    let found = measured(&plan(scene("tripod-spin-pinned"), 10.0));
     let table = equal_errors(&found.rows);
     for method in METHODS {
         let costs: Vec<Option<f64>> = table.iter().filter(|line| line.method == method.name).map(|line| line.cpu_s).collect();
@@ -198,8 +197,7 @@ fn error_control_reaches_levels_that_no_engine_does_and_costs_are_monotone() {
 
 #[test]
 fn times_that_spread_warn_and_are_counted() {
-    let mut found = Measured::default();
-    assert!(bench(&plan(scene("slide"), 1e-9), &mut found, &mut |_| true).unwrap());
+    let mut found = measured(&plan(scene("slide"), 1e-9));
     let noise = |found: &Measured| Benchmark::new(Host::here(), plan(scene("slide"), 1.0).effort, found, 0.1);
     found.rows.iter_mut().for_each(|row| row.seconds = vec![1.0, 1.1, 1.2]);
     let calm = noise(&found);
@@ -278,11 +276,8 @@ fn nonsense_is_usage() {
     fs::write(room.path().join("mine.txt"), "mine").unwrap();
     let taken = room.path().to_str().unwrap();
     let foreign = room.path().join("mine.txt");
-    let other = room.path().join("other.state");
-    let effort = serde_json::json!({ "repeats": 9, "budget_s": 1.0, "quick": false });
-    let question = serde_json::json!({ "version": "0", "commit": null, "cpu": null, "scenes": [], "solvers": false, "growth": false, "effort": effort });
-    let found = serde_json::to_value(Measured::default()).unwrap();
-    fs::write(&other, serde_json::json!({ "question": question, "wall_s": 1.0, "found": found }).to_string()).unwrap();
+    let other = room.path().join("other.journal");
+    drop(Records::<Value>::open(&other, "bench", &serde_json::json!({ "version": "0" })).unwrap());
     for (args, word) in [
         (&["no-such-file.json"][..], "no-such-file"),
         (&[ANTS], "prescribed tips"),
@@ -291,8 +286,8 @@ fn nonsense_is_usage() {
         (&[SLIDE, "--repeats", "-1"], "-1"),
         (&[SLIDE, "--budget-s", "0"], "--budget-s"),
         (&[SLIDE, "--out", taken], "not empty"),
-        (&[SLIDE, "--state", foreign.to_str().unwrap()], "not a saved"),
-        (&[SLIDE, "--state", other.to_str().unwrap()], "other scenes"),
+        (&[SLIDE, "--state", foreign.to_str().unwrap()], "not a journal"),
+        (&[SLIDE, "--state", other.to_str().unwrap()], "is of another bench"),
     ] {
         let output = call(args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");

@@ -118,13 +118,13 @@ fn the_command_writes_tables_and_figures_whole() {
     assert_eq!(bare(&again), bare(text(&output.stdout)));
 }
 
-/// A state of another question is no start for this one, and stays.
+/// A journal of another question is refused and stays.
 #[test]
 fn a_foreign_state_and_nonsense_are_usage() {
     let room = tempdir().unwrap();
     let out = room.path().join("out");
     let folder = out.to_str().unwrap();
-    let state = room.path().join("out.state.json");
+    let state = room.path().join("out.journal");
     fs::write(&state, "{").unwrap();
     for (args, word) in [
         (&["--preset", "flying"][..], "flying"),
@@ -133,7 +133,7 @@ fn a_foreign_state_and_nonsense_are_usage() {
         (&["--seeds", "many"], "--seeds"),
         (&["--seed", "-3"], "-3"),
         (&["flying"], "flying"),
-        (&["--quick", "--out", folder], "not a saved run"),
+        (&["--quick", "--out", folder], "not a journal"),
     ] {
         let output = call(args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");

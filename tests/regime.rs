@@ -3,7 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use cohaul::studies::regime::{AGREEMENT, Cause, Cell, Done, Effort, Grid, Law, Scene, Setting, Standing, cells, measure, theory};
+use cohaul::studies::regime::{AGREEMENT, Cause, Cell, Effort, Grid, Law, Scene, Setting, Standing, cells, tasks, theory};
+use cohaul::studies::runner::Records;
+use tempfile::tempdir;
 
 fn at(phi: f64, epsilon: f64, zeta: f64) -> Setting {
     Setting { phi, epsilon, zeta, mass_factor: 1.0 }
@@ -115,17 +117,23 @@ fn small(scene: Scene) -> Grid {
 #[test]
 fn a_map_is_the_same_on_one_thread_and_two_and_in_two_parts() {
     let grids = [small(Scene::Excursion), small(Scene::TugOfWar)];
-    let on = |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| measure(&grids, Done::new(), |_| true));
+    let on =
+        |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| tasks(&grids).finished(&|_| true).unwrap());
     let whole = on(1);
     assert_eq!(whole.len(), cells(&grids).len());
     assert_eq!(whole, on(2));
     let left = AtomicUsize::new(400);
-    let part = measure(&grids, Done::new(), |_| left.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_ok());
-    assert!(!part.is_empty() && part.len() < whole.len(), "{}", part.len());
-    let part: Done = serde_json::from_str(&serde_json::to_string(&part).unwrap()).unwrap();
-    assert_eq!(measure(&grids, part, |_| true), whole);
+    let room = tempdir().unwrap();
+    let open = || Records::open(&room.path().join("journal"), "regime", &"here").unwrap();
+    let mut part = open();
+    tasks(&grids).run(&mut part, &|_| left.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_ok()).unwrap();
+    assert!((1..whole.len()).contains(&part.n_done()), "{}", part.n_done());
+    drop(part);
+    let mut resumed = open();
+    tasks(&grids).run(&mut resumed, &|_| true).unwrap();
+    assert_eq!(resumed.complete(whole.len()).ok().unwrap().0, whole);
     // Laws that are exact hold in every cell, and none that fails does so without a reason.
-    let found: Vec<Cell> = whole.into_values().collect();
+    let found: Vec<Cell> = whole;
     for standing in Standing::all(&found) {
         assert!(!standing.causes.contains_key(&Cause::Unknown), "{standing:?}");
         if standing.law == Law::Excursion {

@@ -8,7 +8,8 @@ use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, Status, Ste
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::built;
-use cohaul::studies::stress::{Axis, Done, Effort, Map, Outcome, Row, Variant, all, n_cells, stress, stress_with};
+use cohaul::studies::runner::Records;
+use cohaul::studies::stress::{Axis, Effort, Map, Outcome, Row, Variant, all, n_cells, tasks};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -17,7 +18,7 @@ fn quick(name: &str) -> Map {
 }
 
 fn rows(maps: &[Map], variants: &[Variant]) -> Vec<Row> {
-    stress(maps, variants, Done::new(), |_| true).into_values().flatten().collect()
+    tasks(maps, variants, &built).finished(&|_| true).unwrap().concat()
 }
 
 #[test]
@@ -70,12 +71,17 @@ fn a_table_is_the_same_on_one_thread_and_two_and_in_two_parts() {
     let whole = on(1);
     assert_eq!(whole, on(2));
     let left = AtomicUsize::new(7);
-    let part = stress(&maps, &Variant::ALL, Done::new(), |_| left.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_ok());
-    assert_eq!(part.len(), 7);
-    // Through text and back, as an interrupted run is kept.
-    let part: Done = serde_json::from_str(&serde_json::to_string(&part).unwrap()).unwrap();
-    let resumed = stress(&maps, &Variant::ALL, part, |_| true);
-    assert_eq!(resumed.into_values().flatten().collect::<Vec<Row>>(), whole);
+    let room = tempdir().unwrap();
+    let open = || Records::open(&room.path().join("journal"), "stress", &"here").unwrap();
+    let tasks = tasks(&maps, &Variant::ALL, &built);
+    let mut part = open();
+    tasks.run(&mut part, &|_| left.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_ok()).unwrap();
+    assert_eq!(part.n_done(), 7);
+    drop(part);
+    let mut resumed = open();
+    assert_eq!(resumed.n_done(), 7);
+    tasks.run(&mut resumed, &|_| true).unwrap();
+    assert_eq!(resumed.complete(n_cells(&maps)).ok().unwrap().0.concat(), whole);
 }
 
 /// In units of the scene the answers are the same. Six numbers that pass through a power of the scale keep all digits but the last few, of which a run
@@ -180,8 +186,8 @@ fn judged(map: &str, fault: Option<Fault>) -> Row {
         let inside = built(scenario, options);
         fault.map_or_else(|| built(scenario, options), |fault| Box::new(Broken { inside, fault, n_steps: 0 }))
     };
-    let done = stress_with(&[map], &[Variant::QuasiStatic], Done::new(), &make, |_| true);
-    done[&0][0].clone()
+    let rows = tasks(&[map], &[Variant::QuasiStatic], &make).finished(&|_| true).unwrap();
+    rows[0][0].clone()
 }
 
 #[test]
@@ -259,14 +265,14 @@ fn the_program_lists_its_maps_and_writes_them_whole() {
     assert_eq!(sums(&found["outcomes"]), 64);
 }
 
-/// A state of another question is no start for this one, and stays.
+/// A journal of another question, or of an earlier version, is refused and stays.
 #[test]
 fn a_foreign_state_and_nonsense_are_usage() {
     let room = tempdir().unwrap();
     let out = room.path().join("out");
-    let state = room.path().join("out.state.json");
-    let asked = r#"{"asked":{"version":"0","commit":null,"maps":["wind"],"backends":["rapier"],"effort":"full"},"wall_s":1.0,"done":{}}"#;
-    fs::write(&state, asked).unwrap();
+    let state = room.path().join("out.journal");
+    drop(Records::<Value>::open(&state, "stress", &serde_json::json!({ "maps": ["wind"] })).unwrap());
+    let asked = fs::read_to_string(&state).unwrap();
     let folder = out.to_str().unwrap();
     for (args, word) in [
         (&["--map", "flying"][..], "flying"),
@@ -274,7 +280,7 @@ fn a_foreign_state_and_nonsense_are_usage() {
         (&["--map"], "--map"),
         (&["--list", "--json"], "--list"),
         (&["flying"], "flying"),
-        (&["--map", "wind", "--quick", "--out", folder], "another command"),
+        (&["--map", "wind", "--quick", "--out", folder], "is of another stress: backends is absent"),
     ] {
         let output = call(args);
         assert_eq!(output.status.code(), Some(2), "{args:?}");
@@ -282,6 +288,10 @@ fn a_foreign_state_and_nonsense_are_usage() {
         assert!(text(&output.stderr).contains(word) && !text(&output.stderr).contains("panicked"), "{args:?}: {}", text(&output.stderr));
     }
     assert_eq!(fs::read_to_string(&state).unwrap(), asked);
-    fs::write(&state, "{").unwrap();
-    assert_eq!(call(&["--map", "wind", "--quick", "--out", folder]).status.code(), Some(2));
+    let old = r#"{"asked":{"version":"0","commit":null,"maps":["wind"],"backends":["rapier"],"effort":"full"},"wall_s":1.0,"done":{}}"#;
+    fs::write(&state, old).unwrap();
+    let output = call(&["--map", "wind", "--quick", "--out", folder]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("not a journal that this version of cohaul reads"));
+    assert_eq!(fs::read_to_string(&state).unwrap(), old);
 }

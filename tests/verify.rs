@@ -6,7 +6,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use cohaul::backend::{BackendOptions, Status};
 use cohaul::studies::verify::report::{Verification, verify_text};
-use cohaul::studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, Variant, all, verify};
+use cohaul::studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, Variant, all, tasks};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -14,8 +14,12 @@ fn named(name: &str) -> Case {
     all().into_iter().find(|case| case.name == name).unwrap_or_else(|| panic!("{name}"))
 }
 
+fn verify(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> Vec<Row> {
+    tasks(cases, wanted, effort).finished(&|_| true).unwrap().concat()
+}
+
 fn rows(case: Case, variant: Variant) -> Vec<Row> {
-    verify(&[case], |plan| plan.variant == variant, Effort::Full, |_| true).unwrap()
+    verify(&[case], |plan| plan.variant == variant, Effort::Full)
 }
 
 /// The case with another known answer: `wrong` of the right one.
@@ -37,7 +41,7 @@ fn misses(rows: &[Row]) -> Vec<(RowKind, String)> {
 #[test]
 fn every_known_answer_is_met() {
     let cases = all();
-    let rows = verify(&cases, |_| true, Effort::Quick, |_| true).unwrap();
+    let rows = verify(&cases, |_| true, Effort::Quick);
     for row in &rows {
         assert!(!matches!(row.outcome, Outcome::Misses(_)), "{row:?}");
         assert_eq!(row.outcome == Outcome::Shown, row.variant == Variant::RapierAsShipped, "{row:?}");
@@ -104,7 +108,7 @@ fn another_order_than_the_expected_one_is_a_miss() {
 #[test]
 fn a_broken_answer_is_a_miss_and_no_number() {
     let broken = with_known(named("peers-slide"), |_| f64::NAN);
-    let rows = verify(&[broken], |plan| plan.variant != Variant::InertialMidpoint, Effort::Quick, |_| true).unwrap();
+    let rows = verify(&[broken], |plan| plan.variant != Variant::InertialMidpoint, Effort::Quick);
     assert!(misses(&rows).iter().all(|(_, why)| why.contains("not finite")) && misses(&rows).len() == 13, "{rows:?}");
     let found = Verification::new(&[named("peers-slide")], &rows, Effort::Quick, 0.1);
     assert_eq!((found.holds, found.n_held, found.n_judged, found.n_shown), (false, 0, 13, 3));
@@ -143,7 +147,7 @@ fn a_case_measures_its_error_at_options_of_ones_own() {
 
 #[test]
 fn it_stops_when_told_to() {
-    assert_eq!(verify(&all(), |_: &Plan| true, Effort::Quick, |_| false), None);
+    assert_eq!(tasks(&all(), |_| true, Effort::Quick).finished(&|_| false), None);
 }
 
 fn call(args: &[&str]) -> Output {

@@ -1,21 +1,20 @@
 //! `cohaul bench`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{Instant, SystemTime};
+use std::time::SystemTime;
 
 use clap::Args;
-use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::{CliError, check_out, command_line, interrupt, positive, print, print_report, state};
+use super::{CliError, check_out, command_line, interrupt, positive, print, print_report, resumable};
 use crate::output::manifest::{Manifest, sha256_hex};
-use crate::output::progress::Progress;
 use crate::scenario::Scenario;
 use crate::studies::bench::files::write_benchmark;
 use crate::studies::bench::report::Benchmark;
 use crate::studies::bench::text::bench_text;
-use crate::studies::bench::{self, Effort, Growth, Host, Measured, Plan, Scene, crowd, four_ants, standard_scenes};
+use crate::studies::bench::{self, BenchError, Effort, Growth, Host, Plan, Scene, crowd, four_ants, standard_scenes};
+use crate::studies::runner::with_progress;
 
 #[derive(Args)]
 pub struct BenchArgs {
@@ -41,34 +40,13 @@ pub struct BenchArgs {
     /// Folder for tables, figures, summary and manifest
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// What was measured so far: resumed from if the file is there, written when the benchmark is interrupted, removed when it is done; without it DIR.state
-    /// beside the folder
+    /// What was measured so far: resumed from if the file is there, removed when the benchmark is done; without
+    /// it DIR.journal beside the folder
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
-}
-
-/// What an interrupted benchmark leaves.
-#[derive(Serialize, Deserialize)]
-struct State {
-    question: Question,
-    wall_s: f64,
-    found: Measured,
-}
-
-/// What was asked, where and of which program: times of different answers do not go together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Question {
-    version: String,
-    commit: Option<String>,
-    cpu: Option<String>,
-    /// Names and hashes.
-    scenes: Vec<(String, String)>,
-    solvers: bool,
-    growth: bool,
-    effort: Effort,
 }
 
 pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
@@ -77,35 +55,28 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
         check_out(out)?;
     }
     let host = Host::here();
-    let question = Question {
-        version: host.version.to_owned(),
-        commit: host.commit.map(str::to_owned),
-        cpu: host.cpu.clone(),
-        scenes: hashes,
-        solvers: plan.solvers.is_some(),
-        growth: plan.growth.is_some(),
-        effort: plan.effort,
-    };
-    let path = state_path(args);
-    let (mut found, before) = resumed(&question, path.as_deref())?;
-    let (started, clock) = (SystemTime::now(), Instant::now());
-    let mut progress = Progress::of_share("bench");
-    let is_done = bench::bench(&plan, &mut found, &mut |share| {
-        progress.at(share);
-        !interrupt::asked()
+    let asked = json!({
+        "cpu": host.cpu,
+        "scenes": hashes,
+        "solvers": plan.solvers.is_some(),
+        "growth": plan.growth.is_some(),
+        "effort": plan.effort,
     });
-    progress.finish();
-    let wall_s = before + clock.elapsed().as_secs_f64();
-    if !is_done.map_err(CliError::Usage)? {
-        return interrupted(State { question, wall_s, found }, path.as_deref());
-    }
-    let benchmark = Benchmark::new(host, plan.effort, &found, wall_s);
+    let path = args.state.clone().or_else(|| args.out.as_deref().map(resumable::journal_beside));
+    let mut records = resumable::open("bench", &asked, path.as_deref())?;
+    let started = SystemTime::now();
+    let measured = with_progress("bench", interrupt::asked, |watch| bench::bench(&plan, &mut records, &mut |share| watch(share)));
+    let found = measured.map_err(|error| match error {
+        BenchError::Stopped => resumable::stopped(&format!("{} measurements", records.n_done()), path.as_deref()),
+        BenchError::NoReference(cause) => CliError::Usage(cause),
+        BenchError::Journal(error) => error.into(),
+    })?;
+    let finished = resumable::finished(records, 0)?;
+    let benchmark = Benchmark::new(host, plan.effort, &found, finished.wall_s);
     if let Some(out) = &args.out {
-        write_benchmark(out, &benchmark, &manifest(&plan, &question, started))?;
+        write_benchmark(out, &benchmark, &manifest(&plan, &asked, started))?;
     }
-    if let Some(path) = path.filter(|path| path.exists()) {
-        std::fs::remove_file(&path).map_err(|source| CliError::File { path, source })?;
-    }
+    finished.remove_journal()?;
     print(&if args.json { benchmark.to_json() } else { bench_text(&benchmark) })?;
     if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
         print_report(out)?;
@@ -151,38 +122,10 @@ fn scenes(paths: &[PathBuf]) -> Result<Vec<Scene>, CliError> {
     Ok(scenes)
 }
 
-/// Where an interrupted benchmark is kept; nowhere without an output.
-fn state_path(args: &BenchArgs) -> Option<PathBuf> {
-    let beside = |out: &PathBuf| {
-        let name = out.file_name()?.to_string_lossy().into_owned();
-        Some(out.with_file_name(format!("{name}.state")))
-    };
-    args.state.clone().or_else(|| args.out.as_ref().and_then(beside))
-}
-
-/// What an earlier call measured, and for how long (s).
-fn resumed(question: &Question, path: Option<&Path>) -> Result<(Measured, f64), CliError> {
-    let none = || Ok((Measured::default(), 0.0));
-    let Some(path) = path else { return none() };
-    let Some(state) = state::read::<State>(path)? else { return none() };
-    if state.question != *question {
-        let text = "was kept by a benchmark of other scenes, options, program or machine; finish that, or remove the file";
-        return Err(CliError::Usage(format!("{}: {text}", path.display())));
-    }
-    Ok((state.found, state.wall_s))
-}
-
-fn interrupted(state: State, path: Option<&Path>) -> Result<ExitCode, CliError> {
-    let Some(path) = path else { return Err(CliError::Interrupted) };
-    state::keep(path, &state)?;
-    say!("stopped after {} settings; the same command goes on from {}", state.found.rows.len(), path.display());
-    Ok(ExitCode::from(130))
-}
-
-fn manifest(plan: &Plan, question: &Question, started: SystemTime) -> Manifest {
+fn manifest(plan: &Plan, asked: &Value, started: SystemTime) -> Manifest {
     let expanded = |scene: &Scene| (scene.name.clone(), serde_json::to_value(scene.scenario.expanded()).expect("a scenario is plain data"));
     let scenarios = json!(plan.scenes.iter().map(expanded).collect::<serde_json::Map<_, _>>());
-    let options = json!({ "effort": question.effort, "solvers": question.solvers, "growth": question.growth });
+    let options = json!({ "effort": asked["effort"], "solvers": asked["solvers"], "growth": asked["growth"] });
     let hash = sha256_hex(scenarios.to_string().as_bytes());
     Manifest::new(scenarios, hash, None, options, command_line(), started)
 }

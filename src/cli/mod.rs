@@ -18,9 +18,9 @@ mod interrupt;
 mod merge;
 mod paper;
 mod regime;
+mod resumable;
 mod run;
 mod scenario;
-mod state;
 mod stress;
 mod sweep;
 mod verify;
@@ -37,6 +37,7 @@ use crate::output::finite::NotFinite;
 use crate::output::folder::{FolderError, check_target};
 use crate::output::page::REPORT;
 use crate::scenario::{Drive, Scenario, ScenarioError};
+use crate::studies::journal::JournalError;
 use crate::studies::sweep::SweepError;
 
 #[derive(Parser)]
@@ -152,8 +153,8 @@ enum CliError {
     Folder(#[from] FolderError),
     #[error("{path}: {source}")]
     File { path: PathBuf, source: std::io::Error },
-    #[error("{path}: not a saved run: {source}")]
-    NotASavedRun { path: PathBuf, source: serde_json::Error },
+    #[error(transparent)]
+    Journal(#[from] JournalError),
     #[error("{path}: {source}")]
     Restore { path: PathBuf, source: RestoreError },
     #[error(transparent)]
@@ -164,6 +165,8 @@ enum CliError {
     Sweep(SweepError),
     #[error("interrupted")]
     Interrupted,
+    #[error("stopped after {work}; the same command goes on from {}", path.display())]
+    Stopped { work: String, path: PathBuf },
     #[error("a result is not finite: {0}")]
     NotFinite(#[from] NotFinite),
     #[error("cannot write to standard output: {0}")]
@@ -175,7 +178,7 @@ impl CliError {
         match self {
             CliError::NotFinite(_) | CliError::Output(_) => 3,
             // As shells count a process that a keyboard interrupt ended.
-            CliError::Interrupted => 130,
+            CliError::Interrupted | CliError::Stopped { .. } => 130,
             _ => 2,
         }
     }
@@ -211,7 +214,8 @@ pub fn main() -> ExitCode {
         // A reader that has seen enough, such as `head`, is no failure.
         Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            say!("error: {error}");
+            let severity = if error.exit_code() == 130 { "" } else { "error: " };
+            say!("{severity}{error}");
             ExitCode::from(error.exit_code())
         }
     }

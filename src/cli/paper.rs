@@ -2,22 +2,20 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::SystemTime;
 
 use clap::Args;
-use serde::{Deserialize, Serialize};
+use serde_json::json;
 
-use super::{CliError, check_out, command_line, interrupt, print, state};
+use super::{CliError, check_out, command_line, print, resumable};
 use crate::backend::{BackendKind, Status};
 use crate::output::manifest::{Manifest, sha256_hex};
-use crate::output::progress::Progress;
 use crate::scenario::presets::Preset;
 use crate::studies::paper::figure;
 use crate::studies::paper::files::write_paper;
 use crate::studies::paper::report::{Paper, Runs, largest};
 use crate::studies::paper::text::paper_text;
-use crate::studies::paper::{self, Case, Done, Plan, Set, Trial, study};
+use crate::studies::paper::{self, Case, Plan, Set, Trial};
 
 #[derive(Args)]
 pub struct PaperArgs {
@@ -36,7 +34,7 @@ pub struct PaperArgs {
     /// A few seeds, one other mass, no replays and no fit: half a minute in place of a quarter of an hour
     #[arg(long)]
     quick: bool,
-    /// Folder for tables, figures, summary and manifest; what an interrupted run has done is kept beside it, as DIR.state.json
+    /// Folder for tables, figures, summary and manifest; what an interrupted run has done is kept beside it, as DIR.journal
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of tables
@@ -44,25 +42,6 @@ pub struct PaperArgs {
     json: bool,
 }
 
-/// What was asked: a state belongs to one such.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Asked {
-    version: String,
-    commit: Option<String>,
-    plan: Plan,
-}
-
-/// An interrupted study.
-#[derive(Serialize, Deserialize)]
-struct State {
-    asked: Asked,
-    /// Of runs before this one (s).
-    wall_s: f64,
-    done: Done,
-}
-
-/// A state is written at most this often.
-const KEEP_EVERY: Duration = Duration::from_secs(15);
 /// Seeds unasked: as many as give the printed size of the sample of pulls.
 const SEEDS: u64 = 200;
 const QUICK_SEEDS: u64 = 12;
@@ -77,29 +56,19 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
         check_out(out)?;
     }
     let plan = plan(args);
-    let asked = asked(&plan);
-    let file = args.out.as_deref().map(state::file_beside);
-    let (started, clock) = (SystemTime::now(), Instant::now());
-    let before = file.as_deref().map(|file| state::saved(file, |state: &State| state.asked == asked)).transpose()?.flatten();
-    let (done, spent) = before.map_or((Done::new(), 0.0), |state| (state.done, state.wall_s));
-    let wall_s = || spent + clock.elapsed().as_secs_f64();
-    let done = run(&plan, done, |done| match &file {
-        Some(file) => state::keep(file, &State { asked: asked.clone(), wall_s: wall_s(), done: done.clone() }),
-        None => Ok(()),
-    })?;
-    if done.len() < plan.tasks().len() {
-        return state::interrupted(file.as_deref(), &State { asked, wall_s: wall_s(), done });
-    }
-    let found = Paper::new(&plan, &done, args.quick, wall_s());
+    let started = SystemTime::now();
+    let finished = resumable::run("paper", &json!({ "plan": plan }), &paper::tasks(&plan), args.out.as_deref())?;
+    let answers = &finished.records;
+    let found = Paper::new(&plan, answers, args.quick, finished.wall_s);
     found.check_finite()?;
     if let Some(out) = &args.out {
-        let runs = Runs::new(&plan, &done);
+        let runs = Runs::new(&plan, answers);
         let units = runs.units(0);
         let shown = paper::shown(Trial::FourFour, &plan.sets[0].case, plan.first_seed);
         let figures = figure::of_paper(&found, &units, largest(&units), shown.as_ref());
         write_paper(out, &found, &runs.flat(), &figures, &manifest(&plan, started))?;
     }
-    state::remove(file)?;
+    finished.remove_journal()?;
     print(&if args.json { found.to_json() } else { paper_text(&found) })?;
     Ok(if found.status == Status::Failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
@@ -141,41 +110,11 @@ fn plan(args: &PaperArgs) -> Plan {
     }
 }
 
-fn asked(plan: &Plan) -> Asked {
-    let build = Manifest::new(serde_json::Value::Null, String::new(), 0, serde_json::Value::Null, Vec::new(), SystemTime::UNIX_EPOCH);
-    Asked { version: build.version.to_owned(), commit: build.commit.map(str::to_owned), plan: plan.clone() }
-}
-
-/// Does what is left, and hands what is done to `keep` now and then.
-fn run(plan: &Plan, done: Done, keep: impl Fn(&Done) -> Result<(), CliError> + Sync) -> Result<Done, CliError> {
-    let progress = Mutex::new(Progress::of_share("paper"));
-    let (last_kept, failure) = (Mutex::new(Instant::now()), Mutex::new(None));
-    let watch = |share: f64| {
-        // Only one thread draws; the others need not wait for it.
-        if let Ok(mut progress) = progress.try_lock() {
-            progress.at(share);
-        }
-        !interrupt::asked()
-    };
-    let keep_at_times = |done: &Done| {
-        let mut last = last_kept.lock().expect("no thread panicked while it kept a state");
-        if last.elapsed() >= KEEP_EVERY {
-            if let Err(error) = keep(done) {
-                failure.lock().expect("no thread panicked while it failed").get_or_insert(error);
-            }
-            *last = Instant::now();
-        }
-    };
-    let done = study(plan, done, watch, keep_at_times);
-    progress.into_inner().expect("no thread panicked while it drew").finish();
-    failure.into_inner().expect("no thread panicked while it failed").map_or(Ok(done), Err)
-}
-
 /// In place of a scenario stand the trials, as run at the first seed.
 fn manifest(plan: &Plan, started: SystemTime) -> Manifest {
     let case = Case::new(plan.preset, BackendKind::QuasiStatic);
     let trials: Vec<_> = Trial::ALL.into_iter().map(|trial| trial.scenario(&case, plan.first_seed).expanded()).collect();
-    let scenario = serde_json::json!({ "name": "the paper's trials", "trials": trials });
+    let scenario = json!({ "name": "the paper's trials", "trials": trials });
     let options = serde_json::to_value(plan).expect("a plan is plain data");
     let hash = sha256_hex(scenario.to_string().as_bytes());
     Manifest::new(scenario, hash, None, options, command_line(), started)

@@ -11,7 +11,7 @@ use clap::Args;
 use serde_json::Value;
 
 use super::{
-    CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, state, step,
+    CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, resumable, step,
     warn_idle, warn_of_idle,
 };
 use crate::analysis::estimate::{AGREEMENT, Estimator, Watched};
@@ -22,6 +22,7 @@ use crate::output::progress::Progress;
 use crate::output::trace_csv::TraceColumns;
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
+use crate::studies::journal;
 use crate::studies::run::files::{RunFiles, RunWriter};
 use crate::studies::run::summary::RunSummary;
 use crate::studies::run::text::{convergence_warning, inertia_warning, run_text};
@@ -124,7 +125,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     }
     progress.finish();
     if !run.is_finished() {
-        return interrupted(&run, args.state.as_deref());
+        return Err(interrupted(&run, args.state.as_deref())?);
     }
     let (trace, outcome) = run.into_results();
     if let Some(writer) = &mut writer {
@@ -195,7 +196,7 @@ fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> 
 /// The run whose state is there, if it is one of these options.
 fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRun>, CliError> {
     let Some(path) = path else { return Ok(None) };
-    let Some(saved) = state::read::<SavedRun>(path)? else { return Ok(None) };
+    let Some(saved) = journal::load_single::<SavedRun>(path, "run")? else { return Ok(None) };
     let as_asked = saved.options.tolerance.map(|tolerance| Tolerance { tightened: 0, ..tolerance });
     let as_asked = BackendOptions { tolerance: as_asked, ..saved.options };
     if as_asked != *options {
@@ -215,9 +216,9 @@ fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
 }
 
 /// Keeps the state for the next call, if there is a file for it.
-fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<ExitCode, CliError> {
-    let Some(path) = path else { return Err(CliError::Interrupted) };
-    state::keep(path, &run.save()?)?;
-    say!("stopped at {} s; the same command goes on from {}", run.time(), path.display());
-    Ok(ExitCode::from(130))
+fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<CliError, CliError> {
+    if let Some(path) = path {
+        journal::save_single(path, "run", &run.save()?)?;
+    }
+    Ok(resumable::stopped(&format!("{} s", run.time()), path))
 }

@@ -12,17 +12,19 @@ use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, check_step, command_line, interrupt, positive, print, step, warn_of_idle, warn_of_idle_points};
+use super::{
+    CliError, EngineArgs, check_step, command_line, interrupt, positive, print, resumable, step, warn_of_idle, warn_of_idle_points,
+};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
-use crate::output::folder::{FolderError, MANIFEST, check_files, check_target};
+use crate::output::folder::{MANIFEST, check_files, check_target};
 use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
 use crate::scenario::Scenario;
+use crate::studies::journal::{Header, Journal, JournalError};
 use crate::studies::sweep::files::write_sweep;
 use crate::studies::sweep::report::{Cost, FAILED, NOT_WITHIN_TOLERANCE, SweepSummary, sweep_text};
 use crate::studies::sweep::{
-    Ask, Axis, Design, Header, INERTIA, Identity, Journal, Method, Part, Plan, Sample, SweepError, Table, Variant, finish_shard, header_of,
-    validate, verified, work,
+    Ask, Axis, Design, INERTIA, Identity, Method, Part, Plan, Sample, SweepError, Table, Variant, finish_shard, validate, verified, work,
 };
 
 #[derive(Args)]
@@ -157,7 +159,7 @@ fn pool(threads: Option<usize>, n_runs: u64) -> Result<ThreadPool, CliError> {
 fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, CliError> {
     let out = &args.out;
     check_target(out)?;
-    let path = beside(out, "journal");
+    let path = resumable::journal_beside(out);
     if let Some(summary) = finished(out, &plan.identity)? {
         // Killed between the last two steps, a sweep leaves both.
         if path.exists() {
@@ -167,8 +169,8 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
         return said(&summary, args.json);
     }
     let (started, wall, cpu) = (SystemTime::now(), Instant::now(), ProcessTime::now());
-    let header = Header::new(plan.identity.clone(), 0, plan.identity.n_cells);
-    let Some((journal, n_runs)) = filled(plan, pool, &path, &header)? else { return Ok(ExitCode::from(130)) };
+    let header = plan.identity.header(0..plan.identity.n_cells)?;
+    let (journal, n_runs) = filled(plan, pool, &path, &header)?;
     let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
     let cost = Cost { wall_s, cpu_s, n_threads: pool.current_num_threads(), n_runs };
     let summary = written(out, &plan.identity, &journal, Some(cost), started)?;
@@ -185,7 +187,7 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
     }
     fs::create_dir_all(&folder).map_err(|source| CliError::File { path: folder.clone(), source })?;
     let cells = part.cells(plan.identity.n_cells);
-    let header = Header::new(plan.identity.clone(), cells.start, cells.end);
+    let header = plan.identity.header(cells.clone())?;
     let (path, journal_path) = (folder.join(format!("{}.rows", part.name())), folder.join(format!("{}.journal", part.name())));
     check_neighbours(&folder, &plan.identity, part.n)?;
     let is_skipped = verified(&path, &header)?;
@@ -193,7 +195,7 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
         // Killed between the last two steps, a shard leaves both.
         let _ = fs::remove_file(&journal_path);
     } else {
-        let Some((journal, _)) = filled(plan, pool, &journal_path, &header)? else { return Ok(ExitCode::from(130)) };
+        let (journal, _) = filled(plan, pool, &journal_path, &header)?;
         remove_partials(&path);
         finish_shard(&path, &header, &journal)?;
         journal.remove()?;
@@ -224,16 +226,21 @@ fn check_neighbours(folder: &Path, identity: &Identity, n_parts: u64) -> Result<
         )));
     }
     let Some(path) = shards.into_iter().next() else { return Ok(()) };
-    let differences = identity.differences(&header_of(&path)?.sweep);
-    if differences.is_empty() { Ok(()) } else { Err(SweepError::Other { path, differences }.into()) }
+    check_same(&path, identity.differences(&Identity::read(&path)?.0))
 }
 
-/// The journal with the rows of all its cells, run as far as they were missing, and how many were; `None` when the user stopped.
-fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Result<Option<(Journal, u64)>, CliError> {
-    header.check_size()?;
-    if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent).map_err(|source| CliError::File { path: parent.to_owned(), source })?;
-    }
+/// # Errors
+/// When there are differences between the sweep asked for and that of the file or folder.
+fn check_same(path: &Path, differences: Vec<String>) -> Result<(), CliError> {
+    let other = || JournalError::Other { path: path.to_owned(), study: "sweep".to_owned(), differences: differences.clone() };
+    if differences.is_empty() { Ok(()) } else { Err(other().into()) }
+}
+
+/// The journal with the rows of all its cells, run as far as they were missing, and how many were.
+///
+/// # Errors
+/// When the user stopped the command, a point breaks a rule of the scenario, or the disk fails.
+fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Result<(Journal, u64), CliError> {
     let is_new = !path.exists();
     if is_new {
         validate(plan, header.begin..header.end, pool, || !interrupt::asked())?;
@@ -242,20 +249,20 @@ fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Resul
         }
     }
     let mut journal = Journal::open(path, header)?;
-    let n_left = header.end - header.begin - journal.n_done();
+    let n_left = journal.n_left();
     if journal.n_dropped > 0 {
-        say!("{}: its last {} bytes were cut off or spoilt; the runs that they were of are run again", path.display(), journal.n_dropped);
+        say!("{}: its last {} bytes were cut off or damaged; the runs that they belonged to run again", path.display(), journal.n_dropped);
     }
     if !is_new && journal.n_done() > 0 {
         say!("{}: goes on after {} runs, {n_left} are left", path.display(), journal.n_done());
     }
     run_left(plan, pool, header, &mut journal, n_left)?;
-    if journal.is_complete() {
-        return Ok(Some((journal, n_left)));
+    if journal.n_left() == 0 {
+        return Ok((journal, n_left));
     }
     journal.sync()?;
-    say!("stopped after {} of {} runs; the same command goes on from {}", journal.n_done(), header.end - header.begin, path.display());
-    Ok(None)
+    let work = format!("{} of {} runs", journal.n_done(), header.end - header.begin);
+    Err(resumable::stopped(&work, Some(path)))
 }
 
 fn run_left(plan: &Plan, pool: &ThreadPool, header: &Header, journal: &mut Journal, n_left: u64) -> Result<(), CliError> {
@@ -274,7 +281,7 @@ fn run_left(plan: &Plan, pool: &ThreadPool, header: &Header, journal: &mut Journ
     };
     let ended = work(plan, header.begin..header.end, pool, is_done, go_on, |cell, line| {
         n_ended.fetch_add(1, Relaxed);
-        journal.append(cell, line)
+        Ok(journal.append(cell, line)?)
     });
     progress.into_inner().expect("no thread panicked while it drew").finish();
     Ok(ended?)
@@ -323,21 +330,12 @@ pub(super) fn finished(out: &Path, identity: &Identity) -> Result<Option<SweepSu
         Ok(found) => identity.differences(&found),
         Err(error) => vec![format!("it is of another version of this program: {error}")],
     };
-    if !differences.is_empty() {
-        return Err(SweepError::Other { path: out.to_owned(), differences }.into());
-    }
+    check_same(out, differences)?;
     check_files(out)?;
     let path = out.join("summary.json");
     let text = fs::read(&path).map_err(|source| CliError::File { path: path.clone(), source })?;
-    let summary = serde_json::from_slice(&text).map_err(|source| CliError::NotASavedRun { path, source })?;
+    let summary = serde_json::from_slice(&text).map_err(|source| CliError::File { path, source: source.into() })?;
     Ok(Some(summary))
-}
-
-/// `DIR.what` beside the folder.
-fn beside(out: &Path, what: &str) -> PathBuf {
-    let mut name = out.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{what}"));
-    out.with_file_name(name)
 }
 
 /// Removes what a killed process left half-written of a shard: whoever holds its journal is alone.
@@ -354,9 +352,6 @@ fn remove_partials(shard: &Path) {
 
 impl From<SweepError> for CliError {
     fn from(error: SweepError) -> Self {
-        match error {
-            SweepError::Io { path, source } => CliError::Folder(FolderError::Io { path, source }),
-            error => CliError::Sweep(error),
-        }
+        CliError::Sweep(error)
     }
 }

@@ -2,17 +2,16 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
-use std::time::{Instant, SystemTime};
+use std::time::SystemTime;
 
 use clap::Args;
+use serde_json::json;
 
-use super::{CliError, check_out, command_line, interrupt, print};
+use super::{CliError, check_out, command_line, print, resumable};
 use crate::backend::BackendKind;
 use crate::output::manifest::{Manifest, sha256_hex};
-use crate::output::progress::Progress;
 use crate::studies::verify::report::{Verification, list_text, verify_text, write_verification};
-use crate::studies::verify::{self, Case, Effort, Plan, Row};
+use crate::studies::verify::{self, Case, Effort, Plan};
 
 #[derive(Args)]
 pub struct VerifyArgs {
@@ -28,7 +27,7 @@ pub struct VerifyArgs {
     /// Say which cases there are
     #[arg(long, conflicts_with_all = ["json", "out", "backend", "quick"])]
     list: bool,
-    /// Folder for table, figure, summary and manifest
+    /// Folder for table, figure, summary and manifest; what an interrupted run has done is kept beside it, as DIR.journal
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a table
@@ -46,12 +45,20 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         check_out(out)?;
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
-    let (started, clock) = (SystemTime::now(), Instant::now());
-    let rows = run(&cases, args.backend, effort)?;
-    let found = Verification::new(&cases, &rows, effort, clock.elapsed().as_secs_f64());
+    let wanted = |plan: &Plan| args.backend.is_none_or(|kind| kind == plan.variant.kind());
+    if let Some(kind) = args.backend.filter(|_| !cases.iter().flat_map(|case| &case.plans).any(wanted)) {
+        return Err(CliError::Usage(format!("--backend: none of these cases has a known answer for {}", kind.name())));
+    }
+    let started = SystemTime::now();
+    let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+    let asked = json!({ "cases": names, "backend": args.backend, "quick": args.quick });
+    let finished = resumable::run("verify", &asked, &verify::tasks(&cases, wanted, effort), args.out.as_deref())?;
+    let rows = finished.records.concat();
+    let found = Verification::new(&cases, &rows, effort, finished.wall_s);
     if let Some(out) = &args.out {
         write_verification(out, &found, &rows, &manifest(args, &found, started))?;
     }
+    finished.remove_journal()?;
     print(&if args.json { found.to_json() } else { verify_text(&found) })?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
@@ -66,28 +73,10 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, CliError> {
     Ok(all.into_iter().filter(|case| names.is_empty() || names.iter().any(|name| is_named(case, name))).collect())
 }
 
-fn run(cases: &[Case], backend: Option<BackendKind>, effort: Effort) -> Result<Vec<Row>, CliError> {
-    let wanted = |plan: &Plan| backend.is_none_or(|kind| kind == plan.variant.kind());
-    if let Some(kind) = backend.filter(|_| !cases.iter().flat_map(|case| &case.plans).any(wanted)) {
-        return Err(CliError::Usage(format!("--backend: none of these cases has a known answer for {}", kind.name())));
-    }
-    let progress = Mutex::new(Progress::of_share("verify"));
-    let watch = |share: f64| {
-        // Only one thread draws; the others need not wait for it.
-        if let Ok(mut progress) = progress.try_lock() {
-            progress.at(share);
-        }
-        !interrupt::asked()
-    };
-    let rows = verify::verify(cases, wanted, effort, watch).ok_or(CliError::Interrupted)?;
-    progress.into_inner().expect("no thread panicked while it drew").finish();
-    Ok(rows)
-}
-
 /// In place of a scenario stand the questions asked.
 fn manifest(args: &VerifyArgs, found: &Verification, started: SystemTime) -> Manifest {
-    let asked = serde_json::json!({ "name": "verify", "cases": found.cases });
-    let options = serde_json::json!({ "backend": args.backend, "quick": args.quick });
+    let asked = json!({ "name": "verify", "cases": found.cases });
+    let options = json!({ "backend": args.backend, "quick": args.quick });
     let hash = sha256_hex(asked.to_string().as_bytes());
     Manifest::new(asked, hash, 0, options, command_line(), started)
 }

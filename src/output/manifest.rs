@@ -80,10 +80,11 @@ impl Manifest {
         command_line: Vec<String>,
         started: SystemTime,
     ) -> Self {
+        let (version, commit) = build_of_program();
         Self {
             program: PROGRAM,
-            version: env!("CARGO_PKG_VERSION"),
-            commit: option_env!("COHAUL_COMMIT"),
+            version,
+            commit,
             libraries: Libraries::USED,
             machine: Machine::here(),
             command_line,
@@ -94,6 +95,11 @@ impl Manifest {
             scenario,
         }
     }
+}
+
+/// Version of this program, and the commit that it was built from, if that is known.
+pub fn build_of_program() -> (&'static str, Option<&'static str>) {
+    (env!("CARGO_PKG_VERSION"), option_env!("COHAUL_COMMIT"))
 }
 
 /// The value of `program` in a manifest.

@@ -39,7 +39,7 @@ fn threads_and_shards_in_any_order_make_the_same_table() {
 }
 
 #[test]
-fn a_finished_shard_is_skipped_and_a_spoilt_one_is_not_taken() {
+fn a_finished_shard_is_skipped_and_a_damaged_one_is_not_taken() {
     let room = tempdir().unwrap();
     let (scene, out, merged) = (scene(room.path()), room.path().join("out"), room.path().join("merged"));
     let shard = |part: &str| sweep(&scene, &["--seeds", "4", "--shard", part], &out);
@@ -61,8 +61,8 @@ fn a_finished_shard_is_skipped_and_a_spoilt_one_is_not_taken() {
     assert!(text.contains("is of another sweep: first_seed is 9, not 1"), "{text}");
     let text = fs::read_to_string(&file).unwrap().replacen("finished", "Finished", 1);
     fs::write(&file, text).unwrap();
-    assert!(refused(&shard("1/2")).contains("cut off or spoilt"));
-    assert!(refused(&merge(&[&out], &merged)).contains("cut off or spoilt"));
+    assert!(refused(&shard("1/2")).contains("cut off or damaged"));
+    assert!(refused(&merge(&[&out], &merged)).contains("cut off or damaged"));
     assert!(!merged.exists());
 }
 

@@ -1,15 +1,19 @@
-//! All of it in turn: errors of a scene's settings, then rounds of times over them; solvers; growth. What is measured is kept as it comes, so that a
-//! benchmark that was stopped goes on where it was.
+//! All measurements in turn: errors of a scene's settings, then rounds of times over them; solvers;
+//! growth. Every measurement is a record, so that a benchmark that was stopped continues where it was.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::growth::{Growth, GrowthPoint};
 use super::method::METHODS;
 use super::problems::problems_of;
-use super::scene::{Level, Scene, SceneFacts};
+use super::scene::{Level, References, Scene, SceneFacts};
 use super::solvers::{Sequence, Solver, SolverRow, sequences};
-use super::work::{Ending, Row};
+use super::work::Row;
 use crate::scenario::{Drive, Scenario};
+use crate::studies::journal::JournalError;
+use crate::studies::runner::Records;
 
 /// What to measure.
 pub struct Plan {
@@ -31,8 +35,8 @@ pub struct Effort {
     pub quick: bool,
 }
 
-/// All that was found so far.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Everything that was found.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     pub scenes: Vec<SceneFacts>,
     pub rows: Vec<Row>,
@@ -40,7 +44,20 @@ pub struct Measured {
     pub growth: Vec<GrowthPoint>,
 }
 
-/// Sees the share done (1) and says whether to go on.
+/// Why a benchmark ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// The watch ended it.
+    #[error("stopped")]
+    Stopped,
+    /// A scene has no reference.
+    #[error("{0}")]
+    NoReference(String),
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+}
+
+/// Receives the fraction of the work done (1) and returns whether to continue.
 pub type Watch<'a> = dyn FnMut(f64) -> bool + 'a;
 
 /// CPU time that all rounds of a setting may take, over that of one run (1).
@@ -48,147 +65,156 @@ const ROUNDS: f64 = 2.0;
 /// Friction problems in a sequence.
 const N_PROBLEMS: usize = 4000;
 const N_PROBLEMS_QUICK: usize = 800;
+/// Fraction of a scene's time that goes into its references and errors (1), about.
+const FIRST: f64 = 0.4;
+/// Fraction of that which goes into the references (1), about.
+const REFERENCES: f64 = 0.2;
 
-/// Measures what `found` lacks of the `plan`; false when `watch` said to stop.
+/// Measures what the `records` of a `plan` lack, one measurement after the other.
 ///
 /// # Errors
-/// When a scene has no reference.
-pub fn bench(plan: &Plan, found: &mut Measured, watch: &mut Watch) -> Result<bool, String> {
+/// When `watch` ended it, a scene has no reference, or a record cannot be kept.
+pub fn bench(plan: &Plan, records: &mut Records<Value>, watch: &mut Watch) -> Result<Measured, BenchError> {
     let n_parts = (plan.scenes.len() + usize::from(plan.solvers.is_some()) + usize::from(plan.growth.is_some())).max(1) as f64;
-    let mut n_done = 0.0;
+    let mut parts = (0..).map(|part| Span(f64::from(part) / n_parts, f64::from(part + 1) / n_parts));
+    let mut next_part = || parts.next().expect("numbers do not end");
+    let mut session = Session { effort: &plan.effort, records, next: 0, watch };
+    let mut found = Measured::default();
     for scene in &plan.scenes {
-        if bench_scene(scene, &plan.effort, found, &mut |share| watch((n_done + share) / n_parts))?.is_none() {
-            return Ok(false);
-        }
-        n_done += 1.0;
+        let part = next_part();
+        let (facts, mut rows) = session.errors(scene, part.inner(0.0, FIRST))?;
+        found.scenes.push(facts);
+        let time = |row: &Row| row.may_be_timed(ROUNDS * plan.effort.budget_s).then(|| row.time(scene));
+        session.rounds(part.inner(FIRST, 1.0), &mut rows, |row| &mut row.seconds, time)?;
+        found.rows.append(&mut rows);
     }
     if let Some(scenario) = &plan.solvers {
-        if bench_solvers(scenario, &plan.effort, found, &mut |share| watch((n_done + share) / n_parts)).is_none() {
-            return Ok(false);
-        }
-        n_done += 1.0;
+        found.solvers = session.solvers(scenario, next_part())?;
     }
-    let Some(growth) = &plan.growth else { return Ok(true) };
-    Ok(bench_growth(growth, &plan.effort, found, &mut |share| watch((n_done + share) / n_parts)).is_some())
+    if let Some(growth) = &plan.growth {
+        found.growth = growth.points();
+        let time = |point: &GrowthPoint| Some(growth.time(point));
+        session.rounds(next_part(), &mut found.growth, |point| &mut point.seconds, time)?;
+    }
+    Ok(found)
 }
 
-/// Share of a scene's time that goes into its references and errors (1), about.
-const FIRST: f64 = 0.4;
+/// Part of the whole work, by the fractions at its begin and end (1).
+#[derive(Clone, Copy)]
+struct Span(f64, f64);
 
-fn bench_scene(scene: &Scene, effort: &Effort, found: &mut Measured, watch: &mut Watch) -> Result<Option<()>, String> {
-    let is_whole = found.scenes.iter().any(|facts| facts.scene == scene.name) && has_all_rows(scene, effort, found);
-    if !is_whole && find_errors(scene, effort, found, &mut |share| watch(FIRST * share))?.is_none() {
-        return Ok(None);
+impl Span {
+    fn at(self, share: f64) -> f64 {
+        self.0 + share * (self.1 - self.0)
     }
-    Ok(time_rounds(scene, effort, found, &mut |share| watch(FIRST + (1.0 - FIRST) * share)))
+
+    fn inner(self, begin: f64, end: f64) -> Self {
+        Self(self.at(begin), self.at(end))
+    }
+
+    /// The part of item `i` of `n`.
+    fn item(self, i: usize, n: usize) -> Self {
+        self.inner(i as f64 / n as f64, (i + 1) as f64 / n as f64)
+    }
+}
+
+/// Measurements in their order, each a record by its number. What a measurement is depends on
+/// nothing but the plan and the measurements before it.
+struct Session<'a, 'b> {
+    effort: &'a Effort,
+    records: &'a mut Records<Value>,
+    next: usize,
+    watch: &'a mut Watch<'b>,
+}
+
+impl Session<'_, '_> {
+    /// The record of the next measurement, or what `measure` finds; `None` from it means stopped.
+    fn measured<T>(&mut self, span: Span, measure: impl FnOnce(&mut Watch) -> Result<Option<T>, BenchError>) -> Result<T, BenchError>
+    where
+        T: Serialize + DeserializeOwned,
+    {
+        let number = self.next;
+        self.next += 1;
+        if let Some(record) = self.records.get(number) {
+            return Ok(T::deserialize(record).map_err(|error| self.records.unfit(number, &error))?);
+        }
+        let mut watch = |share: f64| (self.watch)(span.at(share));
+        let found = if watch(0.0) { measure(&mut watch)? } else { None };
+        let found = found.ok_or(BenchError::Stopped)?;
+        self.records.keep(number, serde_json::to_value(&found).expect("a measurement is plain data"))?;
+        Ok(found)
+    }
+
+    /// One run of every setting for its error. Settings finer than one that took too long are left
+    /// out.
+    fn errors(&mut self, scene: &Scene, span: Span) -> Result<(SceneFacts, Vec<Row>), BenchError> {
+        // Found when the first measurement needs them: a benchmark that is resumed may need none.
+        let mut references: Option<References> = None;
+        let find = |watch: &mut Watch| -> Result<Option<References>, BenchError> {
+            let Some(found) = scene.references(watch) else { return Ok(None) };
+            found.map(Some).map_err(|cause| BenchError::NoReference(format!("{}: {cause}", scene.name)))
+        };
+        let facts = self.measured(span.inner(0.0, REFERENCES), |watch| {
+            references = find(watch)?;
+            Ok(references.as_ref().map(|references| scene.facts(references)))
+        })?;
+        let settings = settings(scene, self.effort, facts.path_length_m);
+        let (mut rows, budget): (Vec<Row>, f64) = (Vec::new(), self.effort.budget_s);
+        for (i, (method, level)) in settings.iter().enumerate() {
+            let last = rows.last().filter(|row| row.method == method.name);
+            let is_left_out = last.is_some_and(|row| !row.is_answered());
+            let row = self.measured(span.inner(REFERENCES, 1.0).item(i, settings.len()), |watch| {
+                if is_left_out {
+                    return Ok(Some(Row::left_out(scene, method, *level, budget)));
+                }
+                if references.is_none() {
+                    references = find(watch)?;
+                }
+                let Some(references) = &references else { return Ok(None) };
+                let reference = (references.of(method.kind()), facts.path_length_m);
+                Ok(Row::measure(scene, method, *level, reference, budget, watch))
+            })?;
+            rows.push(row);
+        }
+        Ok((facts, rows))
+    }
+
+    /// Times of all rows in turn, as often as asked for; `time` returns `None` for rows without one.
+    fn rounds<T>(
+        &mut self,
+        span: Span,
+        rows: &mut [T],
+        seconds: impl Fn(&mut T) -> &mut Vec<f64>,
+        time: impl Fn(&T) -> Option<f64>,
+    ) -> Result<(), BenchError> {
+        let (n, repeats) = (rows.len(), self.effort.repeats);
+        for round in 0..repeats {
+            for (i, row) in rows.iter_mut().enumerate() {
+                let time_s = self.measured(span.item(round, repeats).item(i, n), |_| Ok(Some(time(row))))?;
+                seconds(row).extend(time_s);
+            }
+        }
+        Ok(())
+    }
+
+    fn solvers(&mut self, scenario: &Scenario, span: Span) -> Result<Vec<SolverRow>, BenchError> {
+        let problems = problems_of(scenario, if self.effort.quick { N_PROBLEMS_QUICK } else { N_PROBLEMS });
+        let sequences = sequences(scenario, &problems);
+        let of = |name: Sequence| sequences.iter().find(|(sequence, _)| *sequence == name).map_or(&[][..], |(_, problems)| problems);
+        let mut rows = Vec::new();
+        for (name, problems) in &sequences {
+            for solver in Solver::ALL {
+                rows.push(self.measured(span.inner(0.0, 0.0), |_| Ok(Some(SolverRow::of(scenario, *name, solver, problems))))?);
+            }
+        }
+        self.rounds(span, &mut rows, |row| &mut row.seconds, |row| Some(row.time(scenario, of(row.sequence))))?;
+        Ok(rows)
+    }
 }
 
 fn settings(scene: &Scene, effort: &Effort, path_length: f64) -> Vec<(&'static super::Method, Level)> {
     let asked = METHODS.iter().filter(|method| scene.asks(method));
     asked.flat_map(|method| scene.levels(method, path_length, effort.quick).into_iter().map(move |level| (method, level))).collect()
-}
-
-fn has_all_rows(scene: &Scene, effort: &Effort, found: &Measured) -> bool {
-    let n_rows = found.rows.iter().filter(|row| row.scene == scene.name).count();
-    found
-        .scenes
-        .iter()
-        .find(|facts| facts.scene == scene.name)
-        .is_some_and(|facts| n_rows == settings(scene, effort, facts.path_length_m).len())
-}
-
-/// One run of every setting for its error; what is finer than a setting that took too long is left out.
-fn find_errors(scene: &Scene, effort: &Effort, found: &mut Measured, watch: &mut Watch) -> Result<Option<()>, String> {
-    let references = match scene.references(|share| watch(0.2 * share)) {
-        None => return Ok(None),
-        Some(references) => references.map_err(|cause| format!("{}: {cause}", scene.name))?,
-    };
-    let facts = scene.facts(&references);
-    let path_length = facts.path_length_m;
-    if !found.scenes.contains(&facts) {
-        found.scenes.push(facts);
-    }
-    let settings = settings(scene, effort, path_length);
-    for (i, (method, level)) in settings.iter().enumerate() {
-        let at = |inner: f64| 0.2 + 0.8 * (i as f64 + inner) / settings.len() as f64;
-        if !watch(at(0.0)) {
-            return Ok(None);
-        }
-        if found.rows.iter().any(|row| row.scene == scene.name && row.method == method.name && row.level == *level) {
-            continue;
-        }
-        let last = found.rows.last().filter(|row| row.scene == scene.name && row.method == method.name);
-        let row = if last.is_some_and(|row| !row.is_answered()) {
-            Row::left_out(scene, method, *level, effort.budget_s)
-        } else {
-            let reference = (references.of(method.kind()), path_length);
-            match Row::measure(scene, method, *level, reference, effort.budget_s, |inner| watch(at(inner))) {
-                Some(row) => row,
-                None => return Ok(None),
-            }
-        };
-        found.rows.push(row);
-    }
-    Ok(Some(()))
-}
-
-/// Times of all settings in turn, so often; expensive ones have fewer rounds.
-fn time_rounds(scene: &Scene, effort: &Effort, found: &mut Measured, watch: &mut Watch) -> Option<()> {
-    let n_rows = found.rows.iter().filter(|row| row.scene == scene.name).count();
-    for round in 0..effort.repeats {
-        for (i, row) in found.rows.iter_mut().filter(|row| row.scene == scene.name).enumerate() {
-            let spent: f64 = row.seconds.iter().sum();
-            let is_spent = !row.seconds.is_empty() && spent + spent / row.seconds.len() as f64 > ROUNDS * effort.budget_s;
-            if row.seconds.len() > round || is_spent || !row.is_answered() || row.ending == Ending::Failed {
-                continue;
-            }
-            if !watch((round as f64 + i as f64 / n_rows as f64) / effort.repeats as f64) {
-                return None;
-            }
-            row.time(scene);
-        }
-    }
-    Some(())
-}
-
-fn bench_solvers(scenario: &Scenario, effort: &Effort, found: &mut Measured, watch: &mut Watch) -> Option<()> {
-    let problems = problems_of(scenario, if effort.quick { N_PROBLEMS_QUICK } else { N_PROBLEMS });
-    let sequences = sequences(scenario, &problems);
-    let n = (sequences.len() * Solver::ALL.len()) as f64;
-    if found.solvers.is_empty() {
-        let all = sequences.iter().flat_map(|sequence| Solver::ALL.map(|solver| (sequence, solver)));
-        found.solvers = all.map(|((name, problems), solver)| SolverRow::of(scenario, *name, solver, problems)).collect();
-    }
-    let of = |name: Sequence| sequences.iter().find(|(sequence, _)| *sequence == name).map_or(&[][..], |(_, problems)| problems.as_slice());
-    for round in 0..effort.repeats {
-        for (i, row) in found.solvers.iter_mut().enumerate() {
-            if !watch((round as f64 + i as f64 / n) / effort.repeats as f64) {
-                return None;
-            }
-            if row.seconds.len() <= round {
-                row.time(scenario, of(row.sequence));
-            }
-        }
-    }
-    Some(())
-}
-
-fn bench_growth(growth: &Growth, effort: &Effort, found: &mut Measured, watch: &mut Watch) -> Option<()> {
-    if found.growth.is_empty() {
-        found.growth = growth.points();
-    }
-    let n = found.growth.len() as f64;
-    for round in 0..effort.repeats {
-        for (i, point) in found.growth.iter_mut().enumerate() {
-            if !watch((round as f64 + i as f64 / n) / effort.repeats as f64) {
-                return None;
-            }
-            if point.seconds.len() <= round {
-                growth.time(point);
-            }
-        }
-    }
-    Some(())
 }
 
 impl Plan {

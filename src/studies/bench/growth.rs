@@ -98,15 +98,14 @@ impl Growth {
         points
     }
 
-    /// Adds the time of one round.
-    pub fn time(&self, point: &mut GrowthPoint) {
+    /// CPU time a step, or a tick, of one round (s).
+    pub fn time(&self, point: &GrowthPoint) -> f64 {
         let n_steps = (WORK / point.n as u64).clamp(FEWEST_STEPS, MOST_STEPS);
-        let seconds = match point.quantity {
+        match point.quantity {
             Quantity::Springs => drag(&dragged(point.n, 3), point.backend, n_steps),
             Quantity::Supports => drag(&dragged(4, point.n), point.backend, n_steps),
             Quantity::Ants => ticks(&self.ants, point.n, n_steps),
-        };
-        point.seconds.push(seconds);
+        }
     }
 }
 

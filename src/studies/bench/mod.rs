@@ -42,7 +42,7 @@ mod standard;
 pub mod text;
 mod work;
 
-pub use benchmark::{Effort, Measured, Plan, Watch, bench};
+pub use benchmark::{BenchError, Effort, Measured, Plan, Watch, bench};
 pub use clock::{MOST_SPREAD, NOISY_SHARE, Timing, is_noisy};
 pub use equal_error::{EqualError, LEVELS, cheapest, equal_errors};
 pub use fit::{Line, PowerLaw, line, power_law};

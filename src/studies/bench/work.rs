@@ -126,10 +126,18 @@ impl Row {
         })
     }
 
-    /// Adds the CPU time of one more run, or of several that are too short alone. Nobody watches: that would take time too.
-    pub fn time(&mut self, scene: &Scene) {
+    /// Whether one more run is timed: all of them may take `budget` together (s of CPU time).
+    pub fn may_be_timed(&self, budget: f64) -> bool {
+        let spent: f64 = self.seconds.iter().sum();
+        let is_spent = !self.seconds.is_empty() && spent + spent / self.seconds.len() as f64 > budget;
+        !is_spent && self.is_answered() && self.ending != Ending::Failed
+    }
+
+    /// CPU time of one more run, or of several that are too short alone (s). Nothing watches the
+    /// run, because that would take time too.
+    pub fn time(&self, scene: &Scene) -> f64 {
         let options = self.method().options(self.level, &scene.scenario.system.load);
-        self.seconds.push(time_of(|| drop(finished(scene, &options, Keep::Outcome, |_| true))));
+        time_of(|| drop(finished(scene, &options, Keep::Outcome, |_| true)))
     }
 }
 

@@ -44,7 +44,7 @@ pub use inertia::{Conclusion, Standing, conclusions};
 pub use maximum::{Extreme, extreme};
 pub use measures::{Claim, MEASURES, Measure, Sample, Speeds, claims, load_speeds};
 pub use shown::{Shown, Snapshot, shown};
-pub use suite::{Answer, Done, Plan, Replayed, Set, Task, study};
+pub use suite::{Answer, Plan, Replayed, Set, Task, tasks};
 pub use trial::{Case, LITERAL_PERIOD_S, Trial};
 pub use units::{Estimate, Unit, difference, estimate, paired, units};
 pub use verdict::{Grade, Printed, grade, graded};

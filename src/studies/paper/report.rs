@@ -8,8 +8,8 @@ use crate::output::finite::NotFinite;
 use crate::studies::paper::fit::{self, Found, Point};
 use crate::studies::paper::why::{why, why_maximum};
 use crate::studies::paper::{
-    Answer, Claim, Conclusion, Done, Estimate, Extreme, Grade, MEASURES, Measure, Plan, Printed, Replayed, RunFacts, Sample, Speeds, Task,
-    Trial, Unit, claims, conclusions, extreme, grade, graded, load_speeds, units,
+    Answer, Claim, Conclusion, Estimate, Extreme, Grade, MEASURES, Measure, Plan, Printed, Replayed, RunFacts, Sample, Speeds, Task, Trial,
+    Unit, claims, conclusions, extreme, grade, graded, load_speeds, units,
 };
 
 /// What `paper --json` prints.
@@ -104,7 +104,7 @@ pub struct Runs<'a> {
 }
 
 impl<'a> Runs<'a> {
-    pub fn new(plan: &Plan, done: &'a Done) -> Self {
+    pub fn new(plan: &Plan, done: &'a [Answer]) -> Self {
         let mut by_set: Vec<Vec<(Trial, u64, &RunFacts)>> = vec![Vec::new(); plan.sets.len()];
         for (task, answer) in answers(plan, done) {
             if let (Task::Run { set, trial, seed }, Answer::Run(facts)) = (task, answer) {
@@ -128,14 +128,13 @@ impl<'a> Runs<'a> {
     }
 }
 
-fn answers<'a>(plan: &Plan, done: &'a Done) -> impl Iterator<Item = (Task, &'a Answer)> {
-    let tasks = plan.tasks();
-    done.iter().filter_map(move |(at, answer)| Some((*tasks.get(*at)?, answer)))
+fn answers<'a>(plan: &Plan, done: &'a [Answer]) -> impl Iterator<Item = (Task, &'a Answer)> {
+    plan.tasks().into_iter().zip(done)
 }
 
 impl Paper {
     /// Of a study that is done.
-    pub fn new(plan: &Plan, done: &Done, quick: bool, wall_s: f64) -> Self {
+    pub fn new(plan: &Plan, done: &[Answer], quick: bool, wall_s: f64) -> Self {
         let runs = Runs::new(plan, done);
         let names: Vec<String> = (0..plan.sets.len()).map(|at| set_name(plan, at)).collect();
         let sets: Vec<(String, Vec<Unit>)> = names.iter().cloned().zip((0..names.len()).map(|at| runs.units(at))).collect();
@@ -297,7 +296,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-fn fit_rows(plan: &Plan, done: &Done) -> Vec<FitRow> {
+fn fit_rows(plan: &Plan, done: &[Answer]) -> Vec<FitRow> {
     let points = fit::points(plan.n_fit_points);
     let mut rows: Vec<(usize, FitRow)> = answers(plan, done)
         .filter_map(|(task, answer)| match (task, answer) {

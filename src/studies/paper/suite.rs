@@ -1,9 +1,5 @@
-//! All runs of a study on all processors. What is done can be kept, and a later call goes on from there.
+//! What a study of the paper consists of: runs, fits and replays, as tasks.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::fit::{self, Found};
@@ -12,6 +8,7 @@ use super::{RunFacts, facts};
 use crate::analysis::compare::{self, Cause, Settings};
 use crate::backend::BackendKind;
 use crate::scenario::presets::Preset;
+use crate::studies::runner::Tasks;
 
 /// What a study is made of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,9 +69,6 @@ pub struct Replayed {
     /// When inertia first parts the paths (s); `null` where it does not.
     pub parts_at_s: Option<f64>,
 }
-
-/// Answers by the number of their task.
-pub type Done = BTreeMap<usize, Answer>;
 
 impl Plan {
     /// Tasks in their order, the dearest first, so that no processor is left alone with one at the end.
@@ -150,60 +144,9 @@ impl Plan {
     }
 }
 
-/// Does all tasks of `plan` that are not `done`. `watch` is told the share done (1) now and then and says whether to go on; `keep` sees all that is done now and
-/// then, for safe keeping. All are done when as many are returned as there are tasks.
-pub fn study(plan: &Plan, done: Done, watch: impl Fn(f64) -> bool + Sync, keep: impl Fn(&Done) + Sync) -> Done {
-    let tasks = plan.tasks();
-    let points = fit::points(plan.n_fit_points);
-    let total: f64 = tasks.iter().map(|task| plan.cost(task)).sum();
-    let spent = Mutex::new(done.keys().filter_map(|at| tasks.get(*at)).map(|task| plan.cost(task)).sum::<f64>());
-    let left: Vec<(usize, &Task)> = tasks.iter().enumerate().filter(|(at, _)| !done.contains_key(at)).collect();
-    let done = Mutex::new(done);
-    let share = || *spent.lock().expect("no thread panicked while it counted") / total;
-    // In their order, one by one: the first are a thousand times dearer than the last.
-    left.into_iter().par_bridge().for_each(|(at, task)| {
-        if !watch(share()) {
-            return;
-        }
-        let Some(answer) = plan.answer(task, &points, &|| watch(share())) else { return };
-        *spent.lock().expect("no thread panicked while it counted") += plan.cost(task);
-        let mut done = done.lock().expect("no thread panicked while it kept an answer");
-        done.insert(at, answer);
-        keep(&done);
-    });
-    done.into_inner().expect("no thread panicked while it kept an answer")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn plan() -> Plan {
-        // Of few ticks.
-        let preset = Preset::LiteralNewtons;
-        let case = Case::new(preset, BackendKind::QuasiStatic);
-        Plan {
-            preset,
-            first_seed: 1,
-            sets: vec![Set { case, n_seeds: 2, n_crowd_seeds: 0 }],
-            n_fit_points: 0,
-            n_fit_seeds: 0,
-            replayed: vec![],
-            replayed_s: 0.0,
-        }
-    }
-
-    /// Interrupted and gone on with, a study is the same as in one go.
-    #[test]
-    fn an_interrupted_study_goes_on() {
-        let plan = plan();
-        let whole = study(&plan, Done::new(), |_| true, |_| {});
-        assert_eq!(whole.len(), plan.tasks().len());
-        let kept = Mutex::new(Done::new());
-        let part = study(&plan, Done::new(), |share| share < 0.3, |done| kept.lock().unwrap().clone_from(done));
-        assert!(!part.is_empty() && part.len() < whole.len(), "{}", part.len());
-        assert_eq!(*kept.lock().unwrap(), part);
-        let text = serde_json::to_string(&part).unwrap();
-        assert_eq!(study(&plan, serde_json::from_str(&text).unwrap(), |_| true, |_| {}), whole);
-    }
+/// The tasks of `plan`, numbered as [`Plan::tasks`] does.
+pub fn tasks(plan: &Plan) -> Tasks<'_, Answer> {
+    let (tasks, points) = (plan.tasks(), fit::points(plan.n_fit_points));
+    let costs = tasks.iter().map(|task| plan.cost(task)).collect();
+    Tasks { costs, run: Box::new(move |task, go_on| plan.answer(&tasks[task], &points, &go_on)) }
 }

@@ -1,14 +1,10 @@
-//! All points of the maps on all processors. What is done can be kept, and a later call goes on from there.
+//! Grids of the maps, and their cells as tasks.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
 use super::scene::{Scene, Setting};
+use crate::studies::runner::Tasks;
 use crate::studies::verify::scenes::{SLIP_STRETCH, natural_rate};
 
 /// How fine the maps are.
@@ -27,9 +23,6 @@ pub struct Grid {
     pub epsilons: Vec<f64>,
     pub zetas: Vec<f64>,
 }
-
-/// Cells that are done, by their number through all grids.
-pub type Done = BTreeMap<usize, Cell>;
 
 impl Grid {
     pub fn of(scene: Scene, effort: Effort) -> Self {
@@ -80,24 +73,9 @@ pub fn cells(grids: &[Grid]) -> Vec<(Scene, Setting)> {
     grids.iter().flat_map(|grid| (0..grid.n_cells()).map(|index| (grid.scene, grid.setting(index)))).collect()
 }
 
-/// Measures all cells that are not `done`. `watch` is told the share of the work done (1) now and then and says whether to go on; all are done when as many come back as
-/// there are cells.
-pub fn measure(grids: &[Grid], done: Done, watch: impl Fn(f64) -> bool + Sync) -> Done {
+/// One task a cell of `grids`, in their order.
+pub fn tasks(grids: &[Grid]) -> Tasks<'static, Cell> {
     let all = cells(grids);
-    let work = |(scene, at): &(Scene, Setting)| if *scene == Scene::Haul { 100.0 + 30.0 * at.phi * at.phi } else { 4.0 + at.phi };
-    let whole: f64 = all.iter().map(work).sum();
-    // Thousandths, since there is no atomic number with a fraction.
-    let spent = AtomicU64::new(done.keys().map(|number| (1e3 * work(&all[*number])) as u64).sum());
-    let mut left: Vec<usize> = (0..all.len()).filter(|number| !done.contains_key(number)).collect();
-    // The longest first: all threads then end at about the same time.
-    left.sort_by(|a, b| work(&all[*b]).total_cmp(&work(&all[*a])));
-    let done = Mutex::new(done);
-    left.par_iter().with_max_len(1).for_each(|number| {
-        let (scene, at) = &all[*number];
-        let goes_on = || watch((1e-3 * spent.load(Relaxed) as f64 / whole).min(1.0));
-        let Some(cell) = goes_on().then(|| Cell::measure(*scene, at, goes_on)).flatten() else { return };
-        spent.fetch_add((1e3 * work(&all[*number])) as u64, Relaxed);
-        done.lock().expect("no thread panicked while it kept a cell").insert(*number, cell);
-    });
-    done.into_inner().expect("no thread panicked while it kept a cell")
+    let cost = |(scene, at): &(Scene, Setting)| if *scene == Scene::Haul { 100.0 + 30.0 * at.phi * at.phi } else { 4.0 + at.phi };
+    Tasks { costs: all.iter().map(cost).collect(), run: Box::new(move |task, go_on| Cell::measure(all[task].0, &all[task].1, go_on)) }
 }

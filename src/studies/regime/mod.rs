@@ -33,7 +33,7 @@ pub mod theory;
 pub use cell::Cell;
 pub use contour::{contour, lines};
 pub use law::{Cause, Law, Standing};
-pub use map::{Done, Effort, Grid, PAPER_PHIS, PAPER_SPEEDS, cells, epsilon_of, measure};
+pub use map::{Effort, Grid, PAPER_PHIS, PAPER_SPEEDS, cells, epsilon_of, tasks};
 pub use scene::{Scene, Setting, Staged};
 pub use script::{Act, Cue, Script};
 

@@ -16,7 +16,7 @@
 //! run.rs       one cell on one backend: numbers
 //! judge.rs     numbers -> outcome
 //! cause.rs     outcome -> cause
-//! suite.rs     all cells on all processors, resumable
+//! suite.rs     all cells as tasks
 //! ```
 
 mod cause;
@@ -38,5 +38,5 @@ pub use map::{Answer, Asked, Axis, Cell, Map};
 pub use maps::all;
 pub use run::Numbers;
 pub use scene::Scene;
-pub use suite::{Done, Effort, Row, n_cells, stress, stress_with};
+pub use suite::{Effort, Row, n_cells, tasks};
 pub use variant::Variant;

@@ -1,10 +1,5 @@
-//! All cells of maps on all processors. What is done can be kept, and a later call goes on from there.
+//! Tasks of a stress test: every cell of the maps on every backend.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::cause::Facts;
@@ -15,6 +10,7 @@ use super::run::{self, Numbers, Run};
 use super::variant::Variant;
 use crate::scenario::Scenario;
 use crate::simulation::{Make, built};
+use crate::studies::runner::Tasks;
 
 /// How fine maps are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,40 +43,17 @@ pub struct Row {
     pub numbers: Numbers,
 }
 
-/// Rows of the cells that are done, by the number of the cell through all maps.
-pub type Done = BTreeMap<usize, Vec<Row>>;
-
+/// Number of cells of all maps.
 pub fn n_cells(maps: &[Map]) -> usize {
     maps.iter().map(Map::n_cells).sum()
 }
 
-/// Runs all cells of `maps` that are not `done`, on each of `variants`. `watch` is told the share done (1) now and then and says whether to go on. All are done
-/// when as many are returned as there are cells.
-pub fn stress(maps: &[Map], variants: &[Variant], done: Done, watch: impl Fn(f64) -> bool + Sync) -> Done {
-    stress_with(maps, variants, done, &built, watch)
-}
-
-/// The same on backends made by `make`; references are made as usual.
-pub fn stress_with(maps: &[Map], variants: &[Variant], done: Done, make: &Make, watch: impl Fn(f64) -> bool + Sync) -> Done {
-    let tasks: Vec<(usize, &Map, usize)> = maps
-        .iter()
-        .flat_map(|map| (0..map.n_cells()).map(move |index| (map, index)))
-        .enumerate()
-        .map(|(n, (map, i))| (n, map, i))
-        .collect();
-    let n_done = AtomicUsize::new(done.len());
-    let left: Vec<&(usize, &Map, usize)> = tasks.iter().filter(|(number, ..)| !done.contains_key(number)).collect();
-    let done = Mutex::new(done);
-    // One by one: the dearest are a thousand times the cheapest and stand side by side.
-    left.par_iter().with_max_len(1).for_each(|(number, map, index)| {
-        if !watch(n_done.load(Relaxed) as f64 / tasks.len() as f64) {
-            return;
-        }
-        let rows = rows(map, *index, variants, make);
-        n_done.fetch_add(1, Relaxed);
-        done.lock().expect("no thread panicked while it kept a row").insert(*number, rows);
-    });
-    done.into_inner().expect("no thread panicked while it kept a row")
+/// One task a cell of `maps`, in their order: the rows of the cell on each of `variants`.
+///
+/// Backends under stress are made by `make`; reference runs use the normal backends.
+pub fn tasks<'a>(maps: &'a [Map], variants: &'a [Variant], make: &'a Make) -> Tasks<'a, Vec<Row>> {
+    let cells: Vec<(&Map, usize)> = maps.iter().flat_map(|map| (0..map.n_cells()).map(move |index| (map, index))).collect();
+    Tasks::equal(cells.len(), move |task, _| Some(rows(cells[task].0, cells[task].1, variants, make)))
 }
 
 fn rows(map: &Map, index: usize, variants: &[Variant], make: &Make) -> Vec<Row> {

@@ -13,7 +13,6 @@
 //! plan.rs       cells, and what tells one sweep from another
 //! column.rs     columns, fields and lines of the table
 //! cell.rs       one cell -> its row
-//! journal.rs    rows as they come, safe from a kill at any moment
 //! shard.rs      a part of the cells, finished; several of them as one table
 //! work.rs       all cells that are left, on all threads
 //! group.rs      means over the seeds of one point and backend
@@ -28,7 +27,6 @@ pub mod figure;
 pub mod files;
 mod group;
 mod hypercube;
-mod journal;
 pub mod page;
 #[cfg(feature = "parquet")]
 pub mod parquet;
@@ -45,7 +43,6 @@ pub use column::{Column, Field, Kind, fields_of, head_of};
 pub use design::{Design, Method, Sample};
 pub use error::SweepError;
 pub use group::{Distribution, Group, Grouper, MEASURES};
-pub use journal::{Header, Journal, header_of};
 pub use plan::{Ask, FORMAT, Identity, Plan, Variant};
 pub use shard::{Part, Shards, finish_shard, verified};
 pub use sobol::MOST_DIMENSIONS;

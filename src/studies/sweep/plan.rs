@@ -1,5 +1,8 @@
 //! Cells, and what tells one sweep from another.
 
+use std::ops::Range;
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -11,9 +14,13 @@ use super::error::SweepError;
 use super::template::Template;
 use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance, step_of};
 use crate::scenario::{Drive, Scenario};
+use crate::studies::journal::{self, Header, JournalError};
 
 /// Version of the table: it changes whenever a row of the same run would.
 pub const FORMAT: u32 = 2;
+
+/// Most cells of one file: the place of each row stays in memory.
+const MOST_CELLS: u64 = 100_000_000;
 
 /// A way to run every point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,8 +80,29 @@ impl Identity {
     /// What differs in `other`, each with both values as far as they are short; empty when nothing does.
     pub fn differences(&self, other: &Identity) -> Vec<String> {
         let [one, two] = [self, other].map(|it| serde_json::to_value(it).expect("an identity is plain data"));
-        let keys = one.as_object().into_iter().flat_map(|map| map.keys()).filter(|key| one[*key] != two[*key]);
-        keys.map(|key| format!("{key} is {}, not {}", shortened(&two[key]), shortened(&one[key]))).collect()
+        journal::differences(&one, &two)
+    }
+
+    /// Header of the files with the rows of these cells.
+    ///
+    /// # Errors
+    /// When there are too many cells for one file.
+    pub fn header(&self, cells: Range<u64>) -> Result<Header, SweepError> {
+        let n_cells = cells.end - cells.start;
+        if n_cells > MOST_CELLS {
+            return Err(SweepError::axis("--shard", format!("must leave at most {MOST_CELLS} runs to one part"), n_cells));
+        }
+        Ok(Header::new("sweep", self, cells))
+    }
+
+    /// Identity of the sweep that the file of rows at `path` belongs to, and its cells.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or holds no rows of a sweep.
+    pub fn read(path: &Path) -> Result<(Self, Range<u64>), SweepError> {
+        let header = Header::read(path)?;
+        let foreign = |error| JournalError::unusable(path, format!("has no rows of a sweep that this version reads: {error}"));
+        Ok((serde_json::from_value(header.identity).map_err(foreign)?, header.begin..header.end))
     }
 
     /// Number of consecutive cells that differ by their seed alone: a group.
@@ -103,15 +131,6 @@ impl Identity {
 
     pub fn first_parameter(&self) -> usize {
         cell::BEFORE.len()
-    }
-}
-
-fn shortened(value: &Value) -> String {
-    const MOST: usize = 160;
-    let text = value.to_string();
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text,
     }
 }
 

@@ -10,9 +10,9 @@ use std::str::FromStr;
 use sha2::{Digest, Sha256};
 
 use super::Table;
-use super::error::{SweepError, at};
-use super::journal::{Header, Journal, cell_of, header_line, header_of, marked, unmarked};
+use super::error::SweepError;
 use super::plan::{FORMAT, Identity};
+use crate::studies::journal::{Header, Journal, JournalError, at, marked, task_of, unmarked};
 
 /// Part `index` of `n`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ fn end_of(n_rows: u64, hash: Sha256) -> String {
 /// When the disk fails.
 pub fn finish_shard(path: &Path, header: &Header, journal: &Journal) -> Result<(), SweepError> {
     let partial = path.with_extension(format!("partial-{}", std::process::id()));
-    let written = write_shard(&partial, header, journal).and_then(|()| fs::rename(&partial, path).map_err(at(path)));
+    let written = write_shard(&partial, header, journal).and_then(|()| fs::rename(&partial, path).map_err(|error| at(path)(error).into()));
     if written.is_err() {
         // What is left of it is of no use, and the error says why.
         let _ = fs::remove_file(&partial);
@@ -74,15 +74,15 @@ fn write_shard(path: &Path, header: &Header, journal: &Journal) -> Result<(), Sw
     let (mut hash, mut n_rows) = (Sha256::new(), 0);
     let mut put = |line: &str| {
         hash.update(line);
-        out.write_all(line.as_bytes()).map_err(at(path))
+        out.write_all(line.as_bytes()).map_err(at(path)).map_err(SweepError::from)
     };
-    put(&header_line(header))?;
-    journal.visit(&mut |row| {
+    put(&header.line())?;
+    journal.visit(|row| {
         n_rows += 1;
         put(&marked(row))
     })?;
     out.write_all(marked(&end_of(n_rows, hash)).as_bytes()).map_err(at(path))?;
-    out.flush().and_then(|()| out.get_ref().sync_all()).map_err(at(path))
+    Ok(out.flush().and_then(|()| out.get_ref().sync_all()).map_err(at(path))?)
 }
 
 /// Whether the finished shard at `path` is whole and belongs to what is asked; `false` when there is none.
@@ -93,29 +93,32 @@ pub fn verified(path: &Path, asked: &Header) -> Result<bool, SweepError> {
     if !path.exists() {
         return Ok(false);
     }
-    super::journal::check_header(path, asked, &header_of(path)?)?;
+    asked.check(path, &Header::read(path)?)?;
     read_shard(path, &mut |_| Ok(()))?;
     Ok(true)
 }
 
 /// Shows the rows of one finished shard.
 fn read_shard(path: &Path, visit: &mut dyn FnMut(&str) -> Result<(), SweepError>) -> Result<(), SweepError> {
-    let spoilt = |n: u64| SweepError::journal(path, format!("line {n} is cut off or spoilt; remove the file and run its shard again"));
+    let damaged = |n: u64| {
+        let what = format!("line {n} is cut off or damaged; remove the file and run its shard again");
+        SweepError::from(JournalError::unusable(path, what))
+    };
     let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(at(path))?);
     let (mut hash, mut line, mut n_lines) = (Sha256::new(), Vec::new(), 0u64);
-    let header = header_of(path)?;
+    let header = Header::read(path)?;
     loop {
         line.clear();
         reader.read_until(b'\n', &mut line).map_err(at(path))?;
-        let text = unmarked(&line).ok_or_else(|| spoilt(n_lines + 1))?;
+        let text = unmarked(&line).ok_or_else(|| damaged(n_lines + 1))?;
         if text.starts_with("end ") {
             let is_right = text == end_of(n_lines - 1, hash) && n_lines - 1 == header.end - header.begin;
-            return if is_right { Ok(()) } else { Err(spoilt(n_lines + 1)) };
+            return if is_right { Ok(()) } else { Err(damaged(n_lines + 1)) };
         }
         hash.update(&line);
         if n_lines > 0 {
-            if cell_of(text) != Some(header.begin + n_lines - 1) {
-                return Err(spoilt(n_lines + 1));
+            if task_of(text) != Some(header.begin + n_lines - 1) {
+                return Err(damaged(n_lines + 1));
             }
             visit(text)?;
         }
@@ -141,12 +144,13 @@ impl Shards {
     pub fn gather(sources: &[PathBuf]) -> Result<Self, SweepError> {
         let (mut found, mut first, mut faults) = (Vec::new(), None::<Identity>, Vec::new());
         for path in files(sources)? {
-            let Header { sweep, begin, end, .. } = header_of(&path)?;
+            let (sweep, cells) = Identity::read(&path)?;
             let identity = first.get_or_insert_with(|| sweep.clone());
             if *identity == sweep {
-                found.push((begin, end, path));
+                found.push((cells.start, cells.end, path));
             } else if faults.len() < MOST_FAULTS {
-                faults.push(SweepError::Other { differences: identity.differences(&sweep), path }.to_string());
+                let differences = identity.differences(&sweep);
+                faults.push(JournalError::Other { differences, path, study: "sweep".to_owned() }.to_string());
             }
         }
         let Some(identity) = first else {
@@ -163,6 +167,12 @@ impl Shards {
             return Err(SweepError::Shards { faults });
         }
         Ok(Self { identity, paths: found.into_iter().map(|(.., path)| path).collect() })
+    }
+}
+
+impl Table for Journal {
+    fn visit(&self, visit: &mut dyn FnMut(&str) -> Result<(), SweepError>) -> Result<(), SweepError> {
+        Journal::visit(self, visit)
     }
 }
 
@@ -241,7 +251,7 @@ mod tests {
     }
 
     fn shard(folder: &Path, name: &str, identity: &Identity, cells: Range<u64>) -> PathBuf {
-        let header = Header::new(identity.clone(), cells.start, cells.end);
+        let header = identity.header(cells.clone()).unwrap();
         let mut journal = Journal::open(&folder.join(format!("{name}.journal")), &header).unwrap();
         cells.rev().for_each(|cell| journal.append(cell, &format!("{cell},row")).unwrap());
         let path = folder.join(format!("{name}.rows"));
@@ -280,15 +290,15 @@ mod tests {
         let room = tempfile::tempdir().unwrap();
         let identity = Identity { n_cells: 3, ..identity() };
         let path = shard(room.path(), "a", &identity, 0..3);
-        let header = header_of(&path).unwrap();
+        let header = Header::read(&path).unwrap();
         assert!(verified(&path, &header).unwrap());
         assert!(!verified(&room.path().join("none.rows"), &header).unwrap());
         let text = fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.split_inclusive('\n').collect();
         let without = |at: usize| lines.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, line)| *line).collect::<String>();
-        for spoilt in [without(2), without(4), text.replace("1,row", "1,raw"), text[..text.len() - 3].to_owned()] {
-            fs::write(&path, spoilt).unwrap();
-            assert!(verified(&path, &header).unwrap_err().to_string().contains("cut off or spoilt"));
+        for damaged in [without(2), without(4), text.replace("1,row", "1,raw"), text[..text.len() - 3].to_owned()] {
+            fs::write(&path, damaged).unwrap();
+            assert!(verified(&path, &header).unwrap_err().to_string().contains("cut off or damaged"));
         }
     }
 }

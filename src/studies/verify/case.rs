@@ -1,6 +1,6 @@
 //! A question, the ways to move the load that it is put to, and the bounds of their answers.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::measured::{Errors, Measured};
 use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Tolerance};
@@ -22,7 +22,7 @@ pub struct Case {
 pub type Run = Box<dyn Fn(&BackendOptions) -> Measured + Send + Sync>;
 
 /// Cases that test the same law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
     Slide,
@@ -38,7 +38,7 @@ pub enum Family {
 }
 
 /// A way to move the load.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Variant {
     QuasiStatic,
@@ -75,7 +75,7 @@ pub enum Levels {
 }
 
 /// How the error should fall with the step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind", content = "power")]
 pub enum Expected {
     /// With this power of the step; measured between successive steps.

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::backend::StepReport;
 
@@ -33,7 +33,7 @@ pub enum Unit {
 }
 
 /// Largest error in each unit; `None` where nothing has it. Bounds of errors have the same form.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// (m)
     pub metres: Option<f64>,

@@ -10,7 +10,7 @@
 //! case.rs        a question, its plans and bounds
 //! measured.rs    what was found beside what is known
 //! row.rs         runs of a plan -> rows that hold or miss
-//! suite.rs       many cases on all processors
+//! suite.rs       all plans as tasks
 //! scenes.rs      loads, springs and tips that cases share
 //! slide.rs ...   the cases, one file a family
 //! ```
@@ -36,7 +36,7 @@ pub mod tripod;
 pub use case::{Bound, Case, Expected, Family, Levels, Plan, Run, Variant};
 pub use measured::{Errors, Measured, Unit, Value, extrapolated};
 pub use row::{Outcome, Row, RowKind};
-pub use suite::{Effort, verify};
+pub use suite::{Effort, tasks};
 
 /// All cases, in the order of their families. Where a pose is the answer, an exact backend under error control is asked for it as well.
 pub fn all() -> Vec<Case> {

@@ -1,11 +1,13 @@
 //! Runs of a plan become rows that hold or miss.
 
+use serde::{Deserialize, Serialize};
+
 use super::case::{Bound, Case, Expected, Family, Levels, Plan, Variant};
 use super::measured::{Errors, Measured, limit_of};
 use crate::backend::{BackendOptions, Status};
 
 /// What came out at one step or tolerance.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     pub case: String,
     pub family: Family,
@@ -27,7 +29,7 @@ pub struct Row {
     pub outcome: Outcome,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RowKind {
     AtStep,
     /// In the limit of small steps, by Romberg's table over all of them.
@@ -35,7 +37,7 @@ pub enum RowKind {
     WithinTolerance,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
     Holds,
     /// What is wrong.
