@@ -7,6 +7,7 @@ use assert_cmd::Command;
 use cohaul::backend::friction::clarabel::ACCURACY;
 use cohaul::backend::{BackendKind, BackendOptions, ConeSolver, Status};
 use cohaul::math::{Vec2, Vec3};
+use cohaul::output::json;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation};
 use cohaul::studies::bench::report::Benchmark;
@@ -144,7 +145,7 @@ fn settings_that_take_too_long_are_rows_and_nothing_finer_is_tried() {
     let benchmark = Benchmark::new(Host::here(), plan.effort, &found, 0.1);
     assert!(benchmark.rows.iter().all(|line| line.cpu_min_s.is_none() && line.cause.as_ref().unwrap().contains("longer than")));
     assert!(benchmark.equal_error.iter().all(|line| line.cpu_s.is_none() && line.step_s.is_none()));
-    let text = benchmark.to_json() + &bench_text(&benchmark);
+    let text = json::pretty(&benchmark).unwrap() + &bench_text(&benchmark);
     assert!(!text.contains("NaN") && text.contains("without a plain success"));
 }
 

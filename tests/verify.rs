@@ -5,6 +5,7 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use cohaul::backend::{BackendOptions, Status};
+use cohaul::output::json;
 use cohaul::studies::verify::report::{Verification, verify_text};
 use cohaul::studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, Variant, all, tasks};
 use serde_json::Value;
@@ -112,7 +113,7 @@ fn a_broken_answer_is_a_miss_and_no_number() {
     assert!(misses(&rows).iter().all(|(_, why)| why.contains("not finite")) && misses(&rows).len() == 13, "{rows:?}");
     let found = Verification::new(&[named("peers-slide")], &rows, Effort::Quick, 0.1);
     assert_eq!((found.holds, found.n_held, found.n_judged, found.n_shown), (false, 0, 13, 3));
-    let text = verify_text(&found) + &found.to_json();
+    let text = verify_text(&found) + &json::pretty(&found).unwrap();
     assert!(!text.contains("NaN") && text.contains("MISSES") && text.contains("0 of 13 hold"), "{text}");
 
     let case = named("slide-1-m-s");

@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{CliError, check_out, command_line, interrupt, positive, print, print_report, resumable};
+use crate::output::json;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::scenario::Scenario;
 use crate::studies::bench::files::write_benchmark;
@@ -77,7 +78,7 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
         write_benchmark(out, &benchmark, &manifest(&plan, &asked, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { benchmark.to_json() } else { bench_text(&benchmark) })?;
+    print(&if args.json { json::pretty(&benchmark)? } else { bench_text(&benchmark) })?;
     if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
         print_report(out)?;
     }
@@ -123,9 +124,9 @@ fn scenes(paths: &[PathBuf]) -> Result<Vec<Scene>, CliError> {
 }
 
 fn manifest(plan: &Plan, asked: &Value, started: SystemTime) -> Manifest {
-    let expanded = |scene: &Scene| (scene.name.clone(), serde_json::to_value(scene.scenario.expanded()).expect("a scenario is plain data"));
+    let expanded = |scene: &Scene| (scene.name.clone(), json::plain(&scene.scenario.expanded()));
     let scenarios = json!(plan.scenes.iter().map(expanded).collect::<serde_json::Map<_, _>>());
     let options = json!({ "effort": asked["effort"], "solvers": asked["solvers"], "growth": asked["growth"] });
     let hash = sha256_hex(scenarios.to_string().as_bytes());
-    Manifest::new(scenarios, hash, None, options, command_line(), started)
+    Manifest::new(&scenarios, hash, None, &options, command_line(), started)
 }

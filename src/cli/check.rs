@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use super::{CliError, EngineArgs, check_out, check_step, command_line, interrupt, print, read_scenario, step, warn_of_idle};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Status, step_of};
+use crate::output::json;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::output::progress::Progress;
 use crate::scenario::Scenario;
@@ -101,14 +102,14 @@ fn hold_against(folder: &Path, args: &CheckArgs) -> Result<ExitCode, CliError> {
     let (started, clock) = (SystemTime::now(), Instant::now());
     let settings = Settings { scenario, exact: args.exact };
     let checks = watched("check", |watch| check::check(&baselines, &settings, &this_build(), watch))?;
-    let mut report = CheckReport::new(checks, args.exact, clock.elapsed().as_secs_f64())?;
+    let mut report = CheckReport::new(checks, args.exact, clock.elapsed().as_secs_f64());
     if args.accept {
         accept(folder, &mut report)?;
     }
     if let Some(out) = &args.out {
         write_check(out, &report, &manifest(&report.baselines, args.exact, started))?;
     }
-    print(&if args.json { report.to_json() } else { check_text(&report) })?;
+    print(&if args.json { json::pretty(&report)? } else { check_text(&report) })?;
     Ok(if report.is_good() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
@@ -150,11 +151,11 @@ fn accept(folder: &Path, report: &mut CheckReport) -> Result<(), CliError> {
 fn manifest(checks: &[Check], exact: bool, started: SystemTime) -> Manifest {
     let of =
         |take: fn(&Check) -> Value| -> BTreeMap<&str, Value> { checks.iter().map(|check| (check.name.as_str(), take(check))).collect() };
-    let scenarios = json!(of(|check| serde_json::to_value(check.found.scenario.expanded()).expect("a scenario is plain data")));
+    let scenarios = json!(of(|check| json::plain(&check.found.scenario.expanded())));
     let options =
         json!({ "exact": exact, "baselines": of(|check| json!(check.options)), "tolerances": of(|check| json!(check.found.tolerances)) });
     let hash = sha256_hex(scenarios.to_string().as_bytes());
-    Manifest::new(scenarios, hash, None, options, command_line(), started)
+    Manifest::new(&scenarios, hash, None, &options, command_line(), started)
 }
 
 fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {

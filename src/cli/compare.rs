@@ -12,6 +12,7 @@ use super::{
 };
 use crate::analysis::compare::{Settings, Tier, closed_loop, prescribed, replayed};
 use crate::backend::{BackendKind, Skip, Skips};
+use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
 use crate::scenario::{Drive, Scenario};
@@ -85,14 +86,12 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         add(&mut comparison, tier, &scenario, &settings, n_seeds)?;
     }
     comparison.wall_s = clock.elapsed().as_secs_f64();
-    comparison.check_finite()?;
+    json::check(&comparison)?;
     if let Some(out) = &args.out {
-        let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
-        let options = serde_json::to_value(settings).expect("settings are plain data");
-        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, command_line(), started);
+        let manifest = Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, &settings, command_line(), started);
         write_comparison(out, &comparison, &scenario, &manifest)?;
     }
-    print(&if args.json { comparison.to_json() } else { compare_text(&comparison) })?;
+    print(&if args.json { json::pretty(&comparison)? } else { compare_text(&comparison) })?;
     if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
         print_report(out)?;
     }

@@ -33,8 +33,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 use crate::backend::{BackendKind, Integrator, RapierOptions, RestoreError, SaveError};
-use crate::output::finite::NotFinite;
 use crate::output::folder::{FolderError, check_target};
+use crate::output::json::NotFinite;
 use crate::output::page::REPORT;
 use crate::scenario::{Drive, Scenario, ScenarioError};
 use crate::studies::journal::JournalError;

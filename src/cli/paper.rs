@@ -9,6 +9,7 @@ use serde_json::json;
 
 use super::{CliError, check_out, command_line, print, resumable};
 use crate::backend::{BackendKind, Status};
+use crate::output::json;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::scenario::presets::Preset;
 use crate::studies::paper::figure;
@@ -60,7 +61,7 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
     let finished = resumable::run("paper", &json!({ "plan": plan }), &paper::tasks(&plan), args.out.as_deref())?;
     let answers = &finished.records;
     let found = Paper::new(&plan, answers, args.quick, finished.wall_s);
-    found.check_finite()?;
+    json::check(&found)?;
     if let Some(out) = &args.out {
         let runs = Runs::new(&plan, answers);
         let units = runs.units(0);
@@ -69,7 +70,7 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
         write_paper(out, &found, &runs.flat(), &figures, &manifest(&plan, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { found.to_json() } else { paper_text(&found) })?;
+    print(&if args.json { json::pretty(&found)? } else { paper_text(&found) })?;
     Ok(if found.status == Status::Failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
@@ -115,7 +116,6 @@ fn manifest(plan: &Plan, started: SystemTime) -> Manifest {
     let case = Case::new(plan.preset, BackendKind::QuasiStatic);
     let trials: Vec<_> = Trial::ALL.into_iter().map(|trial| trial.scenario(&case, plan.first_seed).expanded()).collect();
     let scenario = json!({ "name": "the paper's trials", "trials": trials });
-    let options = serde_json::to_value(plan).expect("a plan is plain data");
     let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(scenario, hash, None, options, command_line(), started)
+    Manifest::new(&scenario, hash, None, plan, command_line(), started)
 }

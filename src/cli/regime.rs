@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{CliError, check_out, command_line, print, resumable};
+use crate::output::json;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::studies::regime::report::{Regime, regime_text, write_regime};
 use crate::studies::regime::{self, Effort, Grid, Scene};
@@ -46,7 +47,7 @@ pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
         write_regime(out, &found, &manifest(&asked, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { found.to_json() } else { regime_text(&found) })?;
+    print(&if args.json { json::pretty(&found)? } else { regime_text(&found) })?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
@@ -55,5 +56,5 @@ fn manifest(asked: &Value, started: SystemTime) -> Manifest {
     let scenario = json!({ "name": "regime", "scenes": asked["scenes"] });
     let options = json!({ "effort": asked["effort"] });
     let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(scenario, hash, 0, options, command_line(), started)
+    Manifest::new(&scenario, hash, 0, &options, command_line(), started)
 }

@@ -17,6 +17,7 @@ use super::{
 use crate::analysis::estimate::{AGREEMENT, Estimator, Watched};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, step_of};
 use crate::output::chart::Scene;
+use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
 use crate::output::trace_csv::TraceColumns;
@@ -136,9 +137,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         summary = summary.with_estimate(estimator.borrow().estimate(AGREEMENT))?;
     }
     if let Some(writer) = writer {
-        let expanded = serde_json::to_value(scenario.expanded()).expect("a scenario is plain data");
-        let options = serde_json::to_value(options).expect("options are plain data");
-        let manifest = Manifest::new(expanded, scenario.hash(), scenario.seed, options, command_line(), started);
+        let manifest = Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, &options, command_line(), started);
         let (scene, report) = (&Scene::of(&scenario), args.report.then_some(&scenario));
         let (summary, trace, manifest, with_tips) = (&summary, &trace, &manifest, args.tips);
         writer.finish(&RunFiles { summary, trace, with_tips, scene, manifest, report })?;
@@ -146,7 +145,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     }
-    print(&if args.json { summary.to_json() } else { run_text(&summary) })?;
+    print(&if args.json { json::pretty(&summary)? } else { run_text(&summary) })?;
     if let Some(out) = args.out.as_deref().filter(|_| args.report && !args.json) {
         print_report(out)?;
     }
@@ -208,7 +207,7 @@ fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRu
 
 /// What differs between the options of a saved run and those asked for.
 fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
-    let [saved, asked] = [saved, asked].map(|options| serde_json::to_value(options).expect("options are plain data"));
+    let [saved, asked] = [saved, asked].map(|options| json::plain(options));
     let names = saved.as_object().into_iter().chain(asked.as_object()).flat_map(|object| object.keys()).collect::<BTreeSet<_>>();
     let differing = names.into_iter().filter(|name| saved.get(name) != asked.get(name));
     let of = |options: &Value, name: &str| options.get(name).map_or("none".to_owned(), Value::to_string);

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use super::{CliError, print};
+use crate::output::json;
 use crate::scenario::{Scenario, format};
 
 #[derive(Subcommand)]
@@ -27,8 +28,8 @@ pub enum ScenarioCommand {
 
 pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
     match command {
-        ScenarioCommand::Show { scenario } => print(&pretty(&Scenario::read(scenario)?.expanded()))?,
-        ScenarioCommand::Schema => print(&pretty(&format::schema()))?,
+        ScenarioCommand::Show { scenario } => print(&json::pretty(&Scenario::read(scenario)?.expanded())?)?,
+        ScenarioCommand::Schema => print(&json::pretty(&format::schema())?)?,
         ScenarioCommand::Check { scenarios } => return check(scenarios),
     }
     Ok(ExitCode::SUCCESS)
@@ -46,10 +47,4 @@ fn check(paths: &[PathBuf]) -> Result<ExitCode, CliError> {
         }
     }
     Ok(code)
-}
-
-fn pretty(value: &impl serde::Serialize) -> String {
-    let mut text = serde_json::to_string_pretty(value).expect("a scenario is plain data");
-    text.push('\n');
-    text
 }

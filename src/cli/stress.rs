@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{CliError, check_out, command_line, print, print_report, resumable};
+use crate::output::json;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::simulation::built;
 use crate::studies::stress::report::{Stress, stress_list, stress_text, write_stress};
@@ -57,7 +58,7 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
         write_stress(out, &found, &maps, &rows, &manifest(&asked, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { found.to_json() } else { stress_text(&found) })?;
+    print(&if args.json { json::pretty(&found)? } else { stress_text(&found) })?;
     if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
         print_report(out)?;
     }
@@ -78,5 +79,5 @@ fn manifest(asked: &Value, started: SystemTime) -> Manifest {
     let scenario = json!({ "name": "stress", "maps": asked["maps"] });
     let options = json!({ "backends": asked["backends"], "effort": asked["effort"] });
     let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(scenario, hash, 0, options, command_line(), started)
+    Manifest::new(&scenario, hash, 0, &options, command_line(), started)
 }

@@ -17,6 +17,7 @@ use super::{
 };
 use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
 use crate::output::folder::{MANIFEST, check_files, check_target};
+use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
 use crate::scenario::Scenario;
@@ -301,15 +302,14 @@ pub(super) fn written(
     let base = Scenario::parse(&identity.scenario.to_string(), "scenario")?;
     let summary = SweepSummary::new(identity, &base.name, cost);
     let options = json!({ "sweep": identity, "cost": cost });
-    let expanded = serde_json::to_value(base.expanded()).expect("a scenario is plain data");
     let command = command_line();
-    let manifest = Manifest::new(expanded, identity.scenario_sha256.clone(), None, options, command, started);
+    let manifest = Manifest::new(&base.expanded(), identity.scenario_sha256.clone(), None, &options, command, started);
     Ok(write_sweep(out, identity, table, summary, &manifest)?)
 }
 
 /// Prints the summary; runs that failed or missed their tolerance are what a sweep was not asked for.
 pub(super) fn said(summary: &SweepSummary, json: bool) -> Result<ExitCode, CliError> {
-    print(&if json { summary.to_json() } else { sweep_text(summary) })?;
+    print(&if json { json::pretty(summary)? } else { sweep_text(summary) })?;
     summary.warnings().iter().for_each(|warning| say!("warning: {warning}"));
     Ok(if summary.n_of(FAILED) + summary.n_of(NOT_WITHIN_TOLERANCE) > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

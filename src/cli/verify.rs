@@ -9,6 +9,7 @@ use serde_json::json;
 
 use super::{CliError, check_out, command_line, print, resumable};
 use crate::backend::BackendKind;
+use crate::output::json;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::studies::verify::report::{Verification, list_text, verify_text, write_verification};
 use crate::studies::verify::{self, Case, Effort, Plan};
@@ -59,7 +60,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         write_verification(out, &found, &rows, &manifest(args, &found, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { found.to_json() } else { verify_text(&found) })?;
+    print(&if args.json { json::pretty(&found)? } else { verify_text(&found) })?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
@@ -78,5 +79,5 @@ fn manifest(args: &VerifyArgs, found: &Verification, started: SystemTime) -> Man
     let asked = json!({ "name": "verify", "cases": found.cases });
     let options = json!({ "backend": args.backend, "quick": args.quick });
     let hash = sha256_hex(asked.to_string().as_bytes());
-    Manifest::new(asked, hash, 0, options, command_line(), started)
+    Manifest::new(&asked, hash, 0, &options, command_line(), started)
 }

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_128;
 
+use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::manifest::PROGRAM;
 use crate::output::sibling::{Partial, make_sibling, turn_at};
@@ -204,6 +205,18 @@ impl OutputFolder {
         self.close(out)
     }
 
+    /// Writes `data` as indented JSON.
+    ///
+    /// # Errors
+    /// When a number is not finite, or the disk fails; the error names the file.
+    ///
+    /// # Panics
+    /// As [`OutputFolder::open`] does.
+    pub fn write_json(&mut self, name: &str, data: &impl Serialize) -> Result<(), FolderError> {
+        let text = json::pretty(data).map_err(|error| self.in_content(name, error))?;
+        self.write(name, |out| out.write_all(text.as_bytes()))
+    }
+
     /// Begins a file that is written piece by piece, until [`OutputFolder::close`].
     ///
     /// # Errors
@@ -237,10 +250,9 @@ impl OutputFolder {
     /// # Errors
     /// When the disk fails. The target is then as it was.
     pub fn finish(mut self, manifest: &Manifest) -> Result<(), FolderError> {
-        let mut text = serde_json::to_vec_pretty(&Listed { manifest, files: &self.files }).expect("a manifest is plain data");
-        text.push(b'\n');
+        let text = json::pretty(&Listed { manifest, files: &self.files }).map_err(|error| self.in_content(MANIFEST, error))?;
         let mut file = self.open_any(MANIFEST)?;
-        file.write_all(&text).map_err(at(&self.target.join(MANIFEST)))?;
+        file.write_all(text.as_bytes()).map_err(at(&self.target.join(MANIFEST)))?;
         self.close_any(file)?;
         let _turn = turn_at(&self.target);
         // Again: somebody may have put a file there during the run.

@@ -1,19 +1,33 @@
 //! Lines of a CSV table, written as fast as numbers are turned into text.
 //!
-//! A number that is the one above it, to the last bit, keeps its text: a load at rest repeats itself for thousands of lines. Text is collected in one block of memory
-//! and goes out when that is full.
+//! A number with the same bits as the one above it keeps its text: a load at rest repeats itself
+//! for thousands of lines. Text is collected in one block of memory and written when that is full.
 
 use std::io::{self, Write};
 
-/// Bytes that go out together: few calls, and still in the processor's cache.
+use crate::output::json::NotFinite;
+
+/// A table was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    #[error(transparent)]
+    NotFinite(#[from] NotFinite),
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+}
+
+/// Bytes that are written together: few calls, and still in the processor's cache.
 const BLOCK: usize = 1 << 16;
 
 /// Longest text of a field: `-2.2250738585072014e-308`.
 const WIDTH: usize = 24;
 
-/// A table on its way to `out`.
+/// A table that is being written to `out`.
 pub struct Lines<W> {
     out: W,
+    names: Vec<String>,
     block: Vec<u8>,
     /// How much of the block is filled.
     filled: usize,
@@ -58,17 +72,22 @@ fn put(text: &[u8], place: &mut [u8]) {
 }
 
 impl<W: Write> Lines<W> {
-    pub fn new(out: W, n_columns: usize) -> Self {
+    /// Begins a table with the names of its columns, which need no quotes.
+    ///
+    /// # Errors
+    /// When `out` fails.
+    pub fn new(mut out: W, names: &[impl AsRef<str>]) -> io::Result<Self> {
+        let names: Vec<String> = names.iter().map(|name| name.as_ref().to_owned()).collect();
+        writeln!(out, "{}", names.join(","))?;
+        let n_columns = names.len();
         let block = vec![0; BLOCK + n_columns * (WIDTH + 1) + PIECE];
-        Self { out, block, filled: 0, last: vec![Field::EMPTY; n_columns], column: 0 }
+        Ok(Self { out, names, block, filled: 0, last: vec![Field::EMPTY; n_columns], column: 0 })
     }
 
-    /// Names need no quotes.
-    pub fn head(&mut self, names: &[impl AsRef<str>]) -> io::Result<()> {
-        let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-        writeln!(self.out, "{}", names.join(","))
-    }
-
+    /// Begins a line.
+    ///
+    /// # Errors
+    /// When the table's `out` fails.
     pub fn begin(&mut self) -> io::Result<()> {
         self.column = 0;
         if self.filled < BLOCK {
@@ -77,15 +96,41 @@ impl<W: Write> Lines<W> {
         self.out.write_all(&self.block[..std::mem::take(&mut self.filled)])
     }
 
-    /// The next field of a line: a finite number.
-    pub fn number(&mut self, value: f64) {
-        self.numbers(&[value]);
+    /// Writes the next fields: numbers.
+    ///
+    /// # Errors
+    /// When one of them is not finite.
+    #[inline]
+    pub fn numbers(&mut self, values: &[f64]) -> Result<(), NotFinite> {
+        // All at once is faster than one after the other.
+        if !values.iter().fold(true, |all, value| all & value.is_finite()) {
+            return Err(self.not_finite(values));
+        }
+        self.fields(values);
+        Ok(())
     }
 
-    /// The next fields: finite numbers; what is no number leaves its field empty. Faster than one by one.
+    /// Writes the next fields: numbers, or nothing where a value is NaN.
     ///
-    /// All texts are made before the first goes into the block: a processor waits where it reads in one piece what has only just been written in several.
-    pub fn numbers(&mut self, values: &[f64]) {
+    /// # Errors
+    /// When a value is infinite.
+    #[inline]
+    pub fn numbers_or_nothing(&mut self, values: &[f64]) -> Result<(), NotFinite> {
+        if values.iter().fold(false, |any, value| any | value.is_infinite()) {
+            return Err(self.not_finite(&values.iter().map(|value| if value.is_nan() { 0.0 } else { *value }).collect::<Vec<_>>()));
+        }
+        self.fields(values);
+        Ok(())
+    }
+
+    fn not_finite(&self, values: &[f64]) -> NotFinite {
+        let at = values.iter().position(|value| !value.is_finite()).expect("one is not");
+        NotFinite { path: self.names[self.column + at].clone(), value: values[at] }
+    }
+
+    /// All texts are made before the first is copied into the block: a processor waits where it
+    /// reads in one piece what was just written in several.
+    fn fields(&mut self, values: &[f64]) {
         let fields = &mut self.last[self.column..][..values.len()];
         self.column += values.len();
         for (field, value) in fields.iter_mut().zip(values) {
@@ -103,7 +148,7 @@ impl<W: Write> Lines<W> {
         }
     }
 
-    /// The next field: a whole number.
+    /// Writes the next field: a whole number.
     pub fn count(&mut self, value: usize) {
         let n_digits = if value < 10 { 1 } else { value.ilog10() as usize + 1 };
         let mut rest = value;
@@ -115,14 +160,14 @@ impl<W: Write> Lines<W> {
         self.part();
     }
 
-    /// The next field: a word of at most [`WIDTH`] letters that needs no quotes.
+    /// Writes the next field: a word of at most [`WIDTH`] letters that needs no quotes.
     pub fn word(&mut self, word: &str) {
         self.block[self.filled..][..word.len()].copy_from_slice(word.as_bytes());
         self.filled += word.len();
         self.part();
     }
 
-    /// Empty fields.
+    /// Leaves the next fields empty.
     pub fn nothing(&mut self, n_fields: usize) {
         (0..n_fields).for_each(|_| self.part());
     }
@@ -138,6 +183,10 @@ impl<W: Write> Lines<W> {
         self.block[self.filled - 1] = b'\n';
     }
 
+    /// Writes what is left.
+    ///
+    /// # Errors
+    /// When the table's `out` fails.
     pub fn finish(mut self) -> io::Result<W> {
         self.out.write_all(&self.block[..self.filled])?;
         self.out.flush()?;
@@ -151,12 +200,10 @@ mod tests {
 
     fn written(rows: &[[f64; 2]]) -> String {
         let mut out = Vec::new();
-        let mut lines = Lines::new(&mut out, 3);
-        lines.head(&["a", "b", "n"].map(str::to_owned)).unwrap();
+        let mut lines = Lines::new(&mut out, &["a", "b", "n"]).unwrap();
         for (row, [a, b]) in rows.iter().enumerate() {
             lines.begin().unwrap();
-            lines.number(*a);
-            lines.number(*b);
+            lines.numbers_or_nothing(&[*a, *b]).unwrap();
             lines.count(row);
             lines.end();
         }
@@ -172,17 +219,17 @@ mod tests {
         assert_eq!(text, format!("a,b,n\n{}\n", lines.join("\n")));
     }
 
-    /// A table without a head, each line written by `fields` from its number.
+    /// The lines of a table, each written by `fields` from its number.
     fn table(n_columns: usize, n_rows: usize, fields: impl Fn(&mut Lines<&mut Vec<u8>>, usize)) -> String {
         let mut out = Vec::new();
-        let mut lines = Lines::new(&mut out, n_columns);
+        let mut lines = Lines::new(&mut out, &vec![""; n_columns]).unwrap();
         for row in 0..n_rows {
             lines.begin().unwrap();
             fields(&mut lines, row);
             lines.end();
         }
         lines.finish().unwrap();
-        String::from_utf8(out).unwrap()
+        String::from_utf8(out).unwrap().split_once('\n').unwrap().1.to_owned()
     }
 
     #[test]
@@ -196,13 +243,13 @@ mod tests {
             _ => ((row - row % 3 / 2) * n_columns + column) as f64 / 7.0 - 40.0,
         };
         let together = table(n_columns, 800, |lines, row| {
-            lines.numbers(&(0..n_columns).map(|column| value(row, column)).collect::<Vec<_>>());
+            lines.numbers_or_nothing(&(0..n_columns).map(|column| value(row, column)).collect::<Vec<_>>()).unwrap();
         });
         let one_by_one = table(n_columns, 800, |lines, row| {
             for column in 0..n_columns {
                 match value(row, column) {
                     value if value.is_nan() => lines.nothing(1),
-                    value => lines.number(value),
+                    value => lines.numbers(&[value]).unwrap(),
                 }
             }
         });
@@ -219,8 +266,9 @@ mod tests {
     #[test]
     fn a_number_that_comes_back_after_a_block_without_it_is_itself() {
         // Of other length than what has been written over it since.
-        let text =
-            table(2, 10_000, |lines, row| lines.numbers(&[1.5 / (row + 1) as f64, if row % 9_999 == 0 { 12_345.678 } else { f64::NAN }]));
+        let text = table(2, 10_000, |lines, row| {
+            lines.numbers_or_nothing(&[1.5 / (row + 1) as f64, if row % 9_999 == 0 { 12_345.678 } else { f64::NAN }]).unwrap();
+        });
         assert!(text.len() > 2 * BLOCK);
         assert_eq!((text.lines().next(), text.lines().last()), (Some("1.5,12345.678"), Some("0.00015,12345.678")));
     }

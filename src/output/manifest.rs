@@ -6,6 +6,8 @@ use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::output::json;
+
 /// What `manifest.json` says of a run, the list of files aside.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Manifest {
@@ -72,11 +74,14 @@ impl Machine {
 
 impl Manifest {
     /// The manifest of a run of `scenario` by this program on this machine.
+    ///
+    /// # Panics
+    /// When a number of the scenario or the options is not finite.
     pub fn new(
-        scenario: Value,
+        scenario: &impl Serialize,
         scenario_sha256: String,
         seed: impl Into<Option<u64>>,
-        options: Value,
+        options: &impl Serialize,
         command_line: Vec<String>,
         started: SystemTime,
     ) -> Self {
@@ -90,9 +95,9 @@ impl Manifest {
             command_line,
             started: humantime::format_rfc3339_seconds(started).to_string(),
             seed: seed.into(),
-            options,
+            options: json::plain(options),
             scenario_sha256,
-            scenario,
+            scenario: json::plain(scenario),
         }
     }
 }
@@ -123,8 +128,7 @@ pub(crate) mod tests {
         let hash = sha256_hex(scenario.to_string().as_bytes());
         let started = SystemTime::UNIX_EPOCH + Duration::from_secs(1_709_210_096);
         let command = ["cohaul", "run", "four.json"].map(str::to_owned).to_vec();
-        let options = serde_json::to_value(synthetic::options(BackendKind::Rapier)).unwrap();
-        Manifest::new(scenario, hash, 7, options, command, started)
+        Manifest::new(&scenario, hash, 7, &synthetic::options(BackendKind::Rapier), command, started)
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What people and programs read: tables, figures, pages, an output folder and a progress bar. Knows no study.
 
 pub mod chart;
-pub mod finite;
 pub mod folder;
+pub mod json;
 pub mod lines;
 pub mod manifest;
 pub mod page;

@@ -2,9 +2,7 @@
 
 use std::io::Write;
 
-use crate::output::finite::finite;
-use crate::output::lines::Lines;
-use crate::output::trace_csv::TableError;
+use crate::output::lines::{Lines, TableError};
 use crate::simulation::Trace;
 
 /// Columns of `tips.csv`, all in world axes.
@@ -15,19 +13,14 @@ pub const TIP_COLUMNS: [&str; 7] = ["time_s", "spring", "x_m", "y_m", "heading_r
 /// # Errors
 /// When a number is not finite, or `out` fails.
 pub fn write_tips(trace: &Trace, out: impl Write) -> Result<(), TableError> {
-    let mut lines = Lines::new(out, TIP_COLUMNS.len());
-    lines.head(&TIP_COLUMNS)?;
+    let mut lines = Lines::new(out, &TIP_COLUMNS)?;
     for row in &trace.rows {
         let pose = &row.motion.pose;
         for tip in &row.tips {
             lines.begin()?;
-            lines.number(finite("time_s", row.time)?);
+            lines.numbers(&[row.time])?;
             lines.count(tip.spring);
-            let numbers = [pose.position.x, pose.position.y, pose.heading, tip.position.x, tip.position.y];
-            for (name, value) in TIP_COLUMNS[2..].iter().zip(numbers) {
-                finite(name, value)?;
-            }
-            lines.numbers(&numbers);
+            lines.numbers(&[pose.position.x, pose.position.y, pose.heading, tip.position.x, tip.position.y])?;
             lines.end();
         }
     }

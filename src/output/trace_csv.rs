@@ -7,8 +7,8 @@
 use std::io::Write;
 
 use crate::backend::{Transition, TransitionKind};
-use crate::output::finite::{NotFinite, finite};
-use crate::output::lines::Lines;
+use crate::output::json::NotFinite;
+use crate::output::lines::{Lines, TableError};
 use crate::simulation::{EventKind, Row, Trace};
 use crate::studies::check;
 
@@ -56,16 +56,6 @@ pub const EVENT_COLUMNS: [&str; 6] = ["time_s", "event", "spring", "ant", "tip_x
 /// Columns of `transitions.csv`.
 pub const TRANSITION_COLUMNS: [&str; 6] = ["time_s", "transition", "support", "shift_m", "turn_rad", "energy_j"];
 
-#[derive(Debug, thiserror::Error)]
-pub enum TableError {
-    #[error(transparent)]
-    NotFinite(#[from] NotFinite),
-    #[error(transparent)]
-    Csv(#[from] csv::Error),
-    #[error(transparent)]
-    Io(#[from] std::io::Error),
-}
-
 /// A `trace.csv` on its way to `out`.
 pub struct TraceTable<W> {
     columns: TraceColumns,
@@ -80,10 +70,7 @@ impl<W: Write> TraceTable<W> {
     /// # Errors
     /// When `out` fails.
     pub fn new(columns: TraceColumns, out: W) -> Result<Self, TableError> {
-        let names = columns.names();
-        let mut lines = Lines::new(out, names.len());
-        lines.head(&names)?;
-        Ok(Self { columns, lines, pulls: vec![f64::NAN; 2 * columns.n_pulls()] })
+        Ok(Self { columns, lines: Lines::new(out, &columns.names())?, pulls: vec![f64::NAN; 2 * columns.n_pulls()] })
     }
 
     /// Goes on with these rows.
@@ -93,14 +80,14 @@ impl<W: Write> TraceTable<W> {
     pub fn add(&mut self, rows: &[Row]) -> Result<(), TableError> {
         for row in rows {
             self.lines.begin()?;
-            self.lines.numbers(&all_finite(&MOTION_COLUMNS, motion_of(row))?);
+            self.lines.numbers(&motion_of(row))?;
             if self.columns != TraceColumns::Motion {
-                self.lines.numbers(&all_finite(&FORCE_COLUMNS, forces_of(row))?);
+                self.lines.numbers(&forces_of(row))?;
             }
             self.lines.count(row.tips.len());
             if !self.pulls.is_empty() {
-                pulls_of(row, &mut self.pulls)?;
-                self.lines.numbers(&self.pulls);
+                pulls_of(row, &mut self.pulls);
+                self.lines.numbers_or_nothing(&self.pulls)?;
             }
             self.lines.end();
         }
@@ -124,25 +111,14 @@ pub fn write_trace(trace: &Trace, columns: TraceColumns, out: impl Write) -> Res
     table.finish().map(drop)
 }
 
-/// The fields of these names.
-fn all_finite<const N: usize>(names: &[&str; N], values: [f64; N]) -> Result<[f64; N], NotFinite> {
-    // Not one after the other, which takes longer.
-    if !values.iter().fold(true, |all, value| all & value.is_finite()) {
-        names.iter().zip(values).try_for_each(|(name, value)| finite(name, value).map(drop))?;
-    }
-    Ok(values)
-}
-
-/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); no number where nobody holds.
-fn pulls_of(row: &Row, pulls: &mut [f64]) -> Result<(), NotFinite> {
+/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); NaN where nobody holds.
+fn pulls_of(row: &Row, pulls: &mut [f64]) {
     pulls.fill(f64::NAN);
     for tip in &row.tips {
         if let Some(pull) = pulls.get_mut(2 * tip.spring..2 * tip.spring + 2) {
-            pull[0] = finite("pull_x_n", tip.pull.x)?;
-            pull[1] = finite("pull_y_n", tip.pull.y)?;
+            pull.copy_from_slice(&[tip.pull.x, tip.pull.y]);
         }
     }
-    Ok(())
 }
 
 /// Writes `events.csv` with [`EVENT_COLUMNS`], in the order of time.
@@ -150,11 +126,10 @@ fn pulls_of(row: &Row, pulls: &mut [f64]) -> Result<(), NotFinite> {
 /// # Errors
 /// When a number is not finite, or `out` fails.
 pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
-    let mut lines = Lines::new(out, EVENT_COLUMNS.len());
-    lines.head(&EVENT_COLUMNS)?;
+    let mut lines = Lines::new(out, &EVENT_COLUMNS)?;
     for event in &trace.events {
         lines.begin()?;
-        lines.number(finite("time_s", event.time)?);
+        lines.numbers(&[event.time])?;
         lines.word(match event.kind {
             EventKind::Grasp => "grasp",
             EventKind::Release => "release",
@@ -164,7 +139,7 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
             Some(ant) => lines.count(ant),
             None => lines.nothing(1),
         }
-        lines.numbers(&[finite("tip_x_m", event.tip.x)?, finite("tip_y_m", event.tip.y)?]);
+        lines.numbers(&[event.tip.x, event.tip.y])?;
         lines.end();
     }
     lines.finish()?;
@@ -177,11 +152,10 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
 /// # Errors
 /// When a number is not finite, or `out` fails.
 pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableError> {
-    let mut lines = Lines::new(out, TRANSITION_COLUMNS.len());
-    lines.head(&TRANSITION_COLUMNS)?;
+    let mut lines = Lines::new(out, &TRANSITION_COLUMNS)?;
     for Transition { time, kind } in &trace.transitions {
         lines.begin()?;
-        lines.number(finite("time_s", *time)?);
+        lines.numbers(&[*time])?;
         lines.word(kind.name());
         match kind {
             TransitionKind::Capture { support } | TransitionKind::Freed { support } => {
@@ -190,7 +164,7 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
             }
             TransitionKind::Jump { shift, turn, energy } => {
                 lines.nothing(1);
-                lines.numbers(&[finite("shift_m", *shift)?, finite("turn_rad", *turn)?, finite("energy_j", *energy)?]);
+                lines.numbers(&[*shift, *turn, *energy])?;
             }
             TransitionKind::Onset | TransitionKind::Stop => lines.nothing(4),
         }
@@ -215,8 +189,8 @@ pub fn write_pairs(pairs: &[(check::Row, check::Row)], out: impl Write) -> Resul
         let sides = expected[1..].iter().zip(&found[1..]).flat_map(|(expected, found)| [*expected, *found]);
         let apart = check::MEASURES.iter().map(|measure| measure.apart(expected, found));
         let row: Vec<_> = [expected[0]].into_iter().chain(sides).chain(apart).collect();
-        for (name, value) in head.iter().zip(&row) {
-            finite(name, *value)?;
+        if let Some((path, value)) = head.iter().zip(&row).find(|(_, value)| !value.is_finite()) {
+            return Err(NotFinite { path: path.clone(), value: *value }.into());
         }
         writer.serialize(row)?;
     }

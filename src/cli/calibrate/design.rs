@@ -10,6 +10,7 @@ use serde_json::json;
 use super::super::{CliError, check_out, positive, print};
 use super::{manifest, not_negative};
 use crate::model::paper;
+use crate::output::json;
 use crate::studies::calibrate::report::{DesignReport, write_design};
 use crate::studies::calibrate::{Held, Limits, Made, Target, Wanted, design as spring, on_grid};
 
@@ -77,7 +78,7 @@ pub fn design(args: &DesignArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.out {
         write_design(out, &found, &manifest("calibrate design", None, json!({ "wanted": wanted, "limits": limits }), started)?)?;
     }
-    print(&if args.json { found.to_json() } else { found.to_text() })?;
+    print(&if args.json { json::pretty(&found)? } else { found.to_text() })?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -9,7 +9,8 @@ use serde_json::json;
 
 use super::super::{CliError, check_out, print};
 use super::{DimensionArgs, manifest, not_negative};
-use crate::studies::calibrate::report::{fit_json, write_calibration};
+use crate::output::json;
+use crate::studies::calibrate::report::write_calibration;
 use crate::studies::calibrate::text::fit_text;
 use crate::studies::calibrate::{Measurements, Ranges, fit as fit_to};
 
@@ -49,7 +50,7 @@ pub fn fit(args: &FitArgs) -> Result<ExitCode, CliError> {
     let measurements = Measurements::read(&args.measurements, &dimensions)?;
     let found = fit_to(&measurements, &dimensions, &ranges, args.confidence)
         .map_err(|error| CliError::Usage(format!("{}: {error}", args.measurements.display())))?;
-    let text = if args.json { fit_json(&found)? } else { fit_text(&found) };
+    let text = if args.json { json::pretty(&found)? } else { fit_text(&found) };
     if let Some(out) = &args.out {
         let options =
             json!({ "dimensions": dimensions, "range_m": ranges.stretch, "range_rad": ranges.swing, "confidence": args.confidence });

@@ -13,6 +13,7 @@ use super::{manifest, not_negative, read};
 use crate::backend::BackendKind;
 use crate::model::paper;
 use crate::output::folder::MANIFEST;
+use crate::output::json;
 use crate::output::quantity::quantity;
 use crate::scenario::Scenario;
 use crate::studies::calibrate::report::{ForcesReport, write_tip_forces};
@@ -80,7 +81,7 @@ pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
         tip_noise_m: args.tip_noise_m,
         warnings: warnings(&sensor, &found, has_dashpots(args)?),
     };
-    let json = report.to_json()?;
+    let json = json::pretty(&report)?;
     if let Some(out) = &args.out {
         let first = sensor.spring(0);
         let options = json!({

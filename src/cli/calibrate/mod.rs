@@ -111,5 +111,5 @@ fn manifest(question: &str, input: Option<&Path>, options: Value, started: Syste
         None => sha256_hex(options.to_string().as_bytes()),
     };
     let asked = json!({ "name": question, "input": input.map(|path| path.display().to_string()) });
-    Ok(Manifest::new(asked, hash, None, options, command_line(), started))
+    Ok(Manifest::new(&asked, hash, None, &options, command_line(), started))
 }

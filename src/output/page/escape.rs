@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::output::json;
+
 /// `text` as HTML shows it, in elements and in attributes between double quotes. Characters that HTML forbids are left out.
 pub fn text(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len() + 16);
@@ -36,9 +38,9 @@ pub fn unbroken(text: &str) -> String {
 /// `data` as JSON that may stand in a script element: no `<` can end it or open a comment.
 ///
 /// # Panics
-/// When `data` is no plain data.
-pub fn json(data: &impl Serialize) -> String {
-    serde_json::to_string(data).expect("what a page shows is plain data").replace('<', "\\u003c")
+/// When a number of `data` is not finite.
+pub fn script_data(data: &impl Serialize) -> String {
+    json::line(data).expect("what a page shows is plain data").replace('<', "\\u003c")
 }
 
 /// A drawing made to stand alone, as a part of a page: without its XML declaration, and with names that no other drawing of the page has.
@@ -56,7 +58,7 @@ mod tests {
     fn nothing_in_a_text_or_in_data_can_become_markup() {
         let hostile = "</script><b onclick='x()'>&\"\u{0}\u{1b}<!--";
         assert_eq!(text(hostile), "&lt;/script&gt;&lt;b onclick=&#39;x()&#39;&gt;&amp;&quot;\u{fffd}\u{fffd}&lt;!--");
-        let data = json(&hostile);
+        let data = script_data(&hostile);
         assert!(!data.contains('<'), "{data}");
         assert_eq!(serde_json::from_str::<String>(&data).unwrap(), hostile);
     }

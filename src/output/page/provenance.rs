@@ -23,7 +23,7 @@ pub fn section(manifest: &Manifest) -> Section {
         .row(["parry2d", libraries.parry2d])
         .row(["nalgebra", libraries.nalgebra])
         .row(["clarabel", libraries.clarabel]);
-    let pretty = |value: &serde_json::Value| serde_json::to_string_pretty(value).expect("a manifest is plain data");
+    let pretty = |value: &serde_json::Value| format!("{value:#}");
     let folded = |heading: &str, value| Block::Folded { heading: heading.to_owned(), blocks: vec![Block::Code(pretty(value))] };
     let blocks = vec![
         Block::Numbers(numbers),

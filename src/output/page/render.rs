@@ -143,7 +143,7 @@ impl Writer {
     /// A place for the script to draw in, and its data.
     fn replay(&mut self, replay: &Replay) {
         self.n_replays += 1;
-        let (name, data) = (escape::text(&replay.name), escape::json(&replay.data));
+        let (name, data) = (escape::text(&replay.name), escape::script_data(&replay.data));
         let notes: String = replay.caption.iter().map(|note| format!("<li>{}</li>", escape::text(&escape::unbroken(note)))).collect();
         self.line(&format!(
             "<figure class=\"replay\" aria-label=\"{name}\"><div class=\"stage\"><noscript><p>The replay needs JavaScript, which is part of this file.</p></noscript></div>\

@@ -19,7 +19,7 @@ use crate::studies::bench::report::Benchmark;
 pub fn write_benchmark(target: &Path, found: &Benchmark, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     folder.write(REPORT, |out| out.write_all(bench_page(found, manifest).to_html().as_bytes()))?;
-    folder.write("bench.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.write_json("bench.json", found)?;
     write_table(&mut folder, "bench.csv", &found.rows)?;
     write_table(&mut folder, "equal-error.csv", &found.equal_error)?;
     write_table(&mut folder, "solvers.csv", &found.solvers)?;

@@ -135,12 +135,6 @@ impl Benchmark {
             fits: fits(&found.growth).iter().map(FitLine::of).collect(),
         }
     }
-
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a benchmark is plain data");
-        text.push('\n');
-        text
-    }
 }
 
 fn timings(found: &Measured) -> Vec<Timing> {

@@ -4,29 +4,13 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::output::finite::{NotFinite, finite};
 use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::json;
+use crate::output::lines::TableError;
 use crate::output::manifest::Manifest;
 use crate::studies::calibrate::figure;
 use crate::studies::calibrate::text::{design_text, fit_text, forces_text};
-use crate::studies::calibrate::{Calibration, Estimate, Force, ForceSummary, Limits, Made, Measurements, TipForces, Wanted};
-
-/// What `calibrate fit --json` prints; `calibrate forces` reads it back.
-pub fn fit_json(found: &Calibration) -> Result<String, NotFinite> {
-    let named =
-        [("youngs_modulus_pa", Some(&found.youngs_modulus_pa)), ("radial_stiffness_n_per_m", found.radial_stiffness_n_per_m.as_ref())];
-    let torsional = ("torsional_stiffness_nm_per_rad", found.torsional_stiffness_nm_per_rad.as_ref());
-    let by_case = found.cases.iter().map(|fit| ("cases", Some(&fit.youngs_modulus_pa)));
-    let linear = found.linear.iter().map(|fit| ("linear", Some(&fit.stiffness)));
-    for (name, estimate) in named.into_iter().chain([torsional]).chain(by_case).chain(linear) {
-        estimate.map(|estimate| whole(name, estimate)).transpose()?;
-    }
-    Ok(pretty(found))
-}
-
-fn whole(name: &str, estimate: &Estimate) -> Result<(), NotFinite> {
-    if estimate.is_finite() { Ok(()) } else { Err(NotFinite { field: name.to_owned(), value: f64::NAN }) }
-}
+use crate::studies::calibrate::{Calibration, Force, ForceSummary, Limits, Made, Measurements, TipForces, Wanted};
 
 /// What `calibrate design --json` prints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -40,10 +24,6 @@ pub struct DesignReport {
 }
 
 impl DesignReport {
-    pub fn to_json(&self) -> String {
-        pretty(self)
-    }
-
     pub fn to_text(&self) -> String {
         design_text(self)
     }
@@ -60,28 +40,9 @@ pub struct ForcesReport {
 }
 
 impl ForcesReport {
-    /// # Errors
-    /// When a number is not finite.
-    pub fn to_json(&self) -> Result<String, NotFinite> {
-        for summary in &self.springs {
-            for (name, value) in
-                [("mean_n", summary.mean_n), ("sd_n", summary.sd_n), ("max_n", summary.max_n), ("mean_error_n", summary.mean_error_n)]
-            {
-                finite(name, value)?;
-            }
-        }
-        Ok(pretty(self))
-    }
-
     pub fn to_text(&self) -> String {
         forces_text(self)
     }
-}
-
-fn pretty(value: &impl Serialize) -> String {
-    let mut text = serde_json::to_string_pretty(value).expect("a report is plain data");
-    text.push('\n');
-    text
 }
 
 /// Columns of `forces.csv`. The last three are empty where there is none: Eq. (1) beyond its reach, world axes of a tip in its root's frame.
@@ -100,16 +61,15 @@ pub const FORCE_COLUMNS: [&str; 12] = [
     "force_y_n",
 ];
 
-fn write_forces(forces: &[Force], out: impl std::io::Write) -> Result<(), crate::output::trace_csv::TableError> {
+fn write_forces(forces: &[Force], out: impl std::io::Write) -> Result<(), TableError> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
     writer.write_record(FORCE_COLUMNS)?;
     for force in forces {
         let numbers = [force.shape.length, force.shape.swing, force.radial, force.tangential, force.size, force.size_sd, force.tip_part];
-        for (name, value) in FORCE_COLUMNS[2..].iter().zip(numbers) {
-            finite(name, value)?;
-        }
         let world = [force.in_world.map(|force| force.x), force.in_world.map(|force| force.y)];
-        writer.serialize((finite("time_s", force.time)?, force.spring, numbers, force.radial_by_model, world))?;
+        let row = (force.time, force.spring, numbers, force.radial_by_model, world);
+        json::check(&row)?;
+        writer.serialize(row)?;
     }
     writer.flush()?;
     Ok(())
@@ -140,9 +100,7 @@ fn write_residuals(found: &Calibration, measurements: &Measurements, out: impl s
 /// When the folder may not be written, a number is not finite, or the disk fails.
 pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Measurements, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("calibration.json", |out| -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        Ok(out.write_all(fit_json(found)?.as_bytes())?)
-    })?;
+    folder.write_json("calibration.json", found)?;
     folder.write("calibration.txt", |out| out.write_all(fit_text(found).as_bytes()))?;
     folder.write("residuals.csv", |out| write_residuals(found, measurements, out))?;
     folder.write("calibration.svg", |out| out.write_all(figure::calibration(found, measurements).as_bytes()))?;
@@ -155,7 +113,7 @@ pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Meas
 /// As [`write_calibration`].
 pub fn write_design(target: &Path, found: &DesignReport, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("design.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.write_json("design.json", found)?;
     folder.finish(manifest)
 }
 
@@ -166,9 +124,7 @@ pub fn write_design(target: &Path, found: &DesignReport, manifest: &Manifest) ->
 pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &TipForces, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     folder.write("forces.csv", |out| write_forces(&forces.forces, out))?;
-    folder.write("forces.json", |out| -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        Ok(out.write_all(found.to_json()?.as_bytes())?)
-    })?;
+    folder.write_json("forces.json", found)?;
     folder.write("forces.svg", |out| out.write_all(figure::tip_forces(forces).as_bytes()))?;
     folder.finish(manifest)
 }

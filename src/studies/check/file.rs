@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::{Baseline, COLUMNS, reader};
+use crate::output::json;
 use crate::scenario::ScenarioError;
 
 /// The value of `format` in every baseline.
@@ -85,18 +86,17 @@ impl Baseline {
 
     /// The whole file. Floats have all their digits.
     pub fn to_json(&self) -> String {
-        let plain = |value: serde_json::Result<Value>| value.expect("a baseline is plain data");
         let values = [
             json!(FORMAT),
             json!(VERSION),
-            plain(serde_json::to_value(&self.build)),
+            json::plain(&self.build),
             json!(self.scenario.hash()),
-            plain(serde_json::to_value(self.scenario.expanded())),
-            plain(serde_json::to_value(self.options)),
-            plain(serde_json::to_value(self.tolerances)),
-            plain(serde_json::to_value(self.record.ending)),
-            plain(serde_json::to_value(&self.record.events)),
-            json!({ "columns": COLUMNS, "rows": self.record.rows }),
+            json::plain(&self.scenario.expanded()),
+            json::plain(&self.options),
+            json::plain(&self.tolerances),
+            json::plain(&self.record.ending),
+            json::plain(&self.record.events),
+            json!({ "columns": COLUMNS, "rows": json::plain(&self.record.rows) }),
         ];
         let sections = KEYS.iter().zip(&values).map(|(key, value)| format!("  \"{key}\": {}", layout(value, 2)));
         format!("{{\n{}\n}}\n", sections.collect::<Vec<_>>().join(",\n"))

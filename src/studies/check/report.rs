@@ -6,7 +6,6 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::output::chart::{self, Labelled, Scene};
-use crate::output::finite::{NotFinite, finite};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::{Libraries, Machine, Manifest};
 use crate::output::quantity::quantity;
@@ -50,37 +49,16 @@ pub fn this_build() -> Build {
 }
 
 impl CheckReport {
-    /// # Errors
-    /// When a number of a check is not finite.
-    pub fn new(baselines: Vec<Check>, exact: bool, wall_s: f64) -> Result<Self, NotFinite> {
-        for check in &baselines {
-            check_finite(check)?;
-        }
+    pub fn new(baselines: Vec<Check>, exact: bool, wall_s: f64) -> Self {
         let n = |verdict: Verdict| baselines.iter().filter(|check| check.verdict == verdict).count();
         let (n_agree, n_differ, n_not_computed) = (n(Verdict::Agrees), n(Verdict::Differs), n(Verdict::NotComputed));
-        Ok(Self { n_agree, n_differ, n_not_computed, exact, build: this_build(), accepted: Vec::new(), wall_s, baselines })
+        Self { n_agree, n_differ, n_not_computed, exact, build: this_build(), accepted: Vec::new(), wall_s, baselines }
     }
 
     /// Whether nothing is left that does not agree.
     pub fn is_good(&self) -> bool {
         self.baselines.iter().all(|check| check.verdict == Verdict::Agrees || self.accepted.contains(&check.name))
     }
-
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a check is plain data");
-        text.push('\n');
-        text
-    }
-}
-
-fn check_finite(check: &Check) -> Result<(), NotFinite> {
-    for deviation in &check.difference.deviations {
-        let values = [deviation.difference].into_iter().chain(deviation.found.iter().copied());
-        for value in values {
-            finite(&format!("{}: {}", check.name, deviation.measure), value)?;
-        }
-    }
-    Ok(())
 }
 
 /// Writes `summary.json`, `difference-NAME.csv` of every baseline, `difference-NAME.svg` of those that differ, and `manifest.json` to the folder
@@ -90,7 +68,7 @@ fn check_finite(check: &Check) -> Result<(), NotFinite> {
 /// When the folder may not be written, a number is not finite, or the disk fails.
 pub fn write_check(target: &Path, report: &CheckReport, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("summary.json", |out| out.write_all(report.to_json().as_bytes()))?;
+    folder.write_json("summary.json", report)?;
     for check in &report.baselines {
         folder.write(&format!("difference-{}.csv", check.name), |out| trace_csv::write_pairs(&check.difference.pairs, out))?;
         if check.verdict != Verdict::Differs {

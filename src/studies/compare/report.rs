@@ -9,7 +9,6 @@ use crate::analysis::compare::{
 };
 use crate::backend::{BackendKind, Status};
 use crate::output::chart::{self, Labelled, Scene};
-use crate::output::finite::NotFinite;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
@@ -46,41 +45,6 @@ impl Comparison {
     pub fn new(scenario: &Scenario, settings: &Settings) -> Self {
         Self { scenario: scenario.name.clone(), seed: scenario.seed, settings: *settings, tiers: Tiers::default(), wall_s: 0.0 }
     }
-
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a comparison is plain data");
-        text.push('\n');
-        text
-    }
-
-    /// # Errors
-    /// When a number that is not finite would be printed: JSON would make it a `null` without a word.
-    pub fn check_finite(&self) -> Result<(), NotFinite> {
-        for pathwise in [&self.tiers.prescribed, &self.tiers.replayed].into_iter().flatten() {
-            let Pathwise { inertia_effect, engine_error, own_error, numbers, predicted, .. } = pathwise;
-            let differences = [inertia_effect, engine_error, &own_error.all, &own_error.rapier];
-            let values = differences
-                .iter()
-                .flat_map(|d| [d.position_max_m, d.position_final_m, d.heading_max_rad, d.heading_final_rad, d.rim_max_m]);
-            let optional = [
-                numbers.epsilon,
-                numbers.phi,
-                predicted.while_driven_m,
-                predicted.coasting_m,
-                predicted.estimated_m,
-                predicted.release_factor,
-            ];
-            for value in values.chain(optional.into_iter().flatten()).chain([pathwise.path_length_m, numbers.zeta]) {
-                crate::output::finite::finite("a result of the comparison", value)?;
-            }
-        }
-        for measure in self.tiers.closed_loop.iter().flat_map(|found| &found.measures) {
-            for mean in [measure.quasi_static.mean, measure.inertial.mean, measure.rapier.mean] {
-                crate::output::finite::finite(measure.name, mean)?;
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Tiers {
@@ -100,7 +64,7 @@ pub fn write_comparison(target: &Path, comparison: &Comparison, scenario: &Scena
     let (scene, n_springs) = (&Scene::of(scenario), scenario.system.springs.len());
     let mut folder = OutputFolder::create(target)?;
     folder.write(REPORT, |out| out.write_all(comparison_page(comparison, scenario, manifest).to_html().as_bytes()))?;
-    folder.write("summary.json", |out| out.write_all(comparison.to_json().as_bytes()))?;
+    folder.write_json("summary.json", comparison)?;
     for (tier, pathwise) in [("prescribed", &comparison.tiers.prescribed), ("replayed", &comparison.tiers.replayed)] {
         if let Some(pathwise) = pathwise {
             let traces: Vec<_> = pathwise.solutions.iter().map(|solution| (solution.kind, &solution.trace)).collect();

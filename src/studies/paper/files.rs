@@ -40,7 +40,7 @@ pub fn write_paper(
     }
     folder.write("README.md", |out| out.write_all(paper_readme(found).as_bytes()))?;
     folder.write("table.txt", |out| out.write_all(paper_text(found).as_bytes()))?;
-    folder.write("summary.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.write_json("summary.json", found)?;
     folder.finish(manifest)
 }
 

@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use crate::backend::Status;
 use crate::model::paper as printed;
-use crate::output::finite::NotFinite;
 use crate::studies::paper::fit::{self, Found, Point};
 use crate::studies::paper::why::{why, why_maximum};
 use crate::studies::paper::{
@@ -160,24 +159,6 @@ impl Paper {
                 .collect(),
             fit: fit_rows(plan, done),
         }
-    }
-
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
-        text.push('\n');
-        text
-    }
-
-    /// # Errors
-    /// When a number that is not finite would be printed.
-    pub fn check_finite(&self) -> Result<(), NotFinite> {
-        let in_table =
-            self.table.iter().flat_map(|row| row.ours.iter().chain(row.on_others.iter().filter_map(|other| other.value.as_ref())));
-        let in_claims = self.claims.iter().filter_map(|claim| claim.found.as_ref());
-        for estimate in in_table.chain(in_claims) {
-            crate::output::finite::finite("a result of the study", estimate.value)?;
-        }
-        self.fit.iter().try_for_each(|row| crate::output::finite::finite("a score of the fit", row.score).map(drop))
     }
 }
 

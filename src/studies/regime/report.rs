@@ -112,12 +112,6 @@ impl Regime {
             cells,
         }
     }
-
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
-        text.push('\n');
-        text
-    }
 }
 
 impl MapLine {
@@ -231,6 +225,6 @@ pub fn write_regime(target: &Path, found: &Regime, manifest: &Manifest) -> Resul
     }
     folder.write("disagreement.svg", |out| out.write_all(disagreement(&found.grids, &found.cells).as_bytes()))?;
     folder.write("README.md", |out| out.write_all(page(found, target).as_bytes()))?;
-    folder.write("summary.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.write_json("summary.json", found)?;
     folder.finish(manifest)
 }

@@ -73,7 +73,7 @@ impl RunWriter {
         let mut folder = if files.summary.wall_s < WORTH_WAITING { folder.unsynced() } else { folder };
         let table = table.finish().map_err(|error| folder.in_content(TRACE, error))?;
         folder.close(table)?;
-        folder.write("summary.json", |out| out.write_all(files.summary.to_json().as_bytes()))?;
+        folder.write_json("summary.json", files.summary)?;
         if files.with_tips {
             folder.write("tips.csv", |out| write_tips(files.trace, out))?;
         }

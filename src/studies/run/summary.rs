@@ -8,7 +8,7 @@ use crate::backend::{
     StepReport, Tolerance, TransitionCounts,
 };
 use crate::math::Summary;
-use crate::output::finite::{NotFinite, finite};
+use crate::output::json::{self, NotFinite};
 use crate::simulation::Outcome;
 
 /// One run in SI units; names of fields are those of the JSON object.
@@ -152,26 +152,24 @@ impl RunSummary {
     /// # Errors
     /// When a number of the outcome is not finite. Backends promise that none is, whatever their status.
     pub fn new(scenario: &str, options: &BackendOptions, seed: u64, outcome: &Outcome, wall_s: f64) -> Result<Self, NotFinite> {
-        Ok(Self {
+        let summary = Self {
             scenario: scenario.to_owned(),
             backend: options.kind,
             step_s: options.step_s.is_finite().then_some(options.step_s),
             integrator: options.reads(Setting::Integrator).then_some(options.integrator),
-            accuracy: options
-                .tolerance
-                .zip(outcome.error)
-                .map(|(asked, found)| Accuracy::new(&asked, &found, outcome.steps.status))
-                .transpose()?,
+            accuracy: options.tolerance.zip(outcome.error).map(|(asked, found)| Accuracy::new(&asked, &found, outcome.steps.status)),
             rapier: options.reads(Setting::Engine).then_some(options.rapier),
             seed,
-            end: FinalState::new(outcome.time, &outcome.motion)?,
-            energy: EnergySummary::new(&outcome.energy)?,
-            transitions: options.kind.is_exact().then(|| TransitionSummary::new(&outcome.transitions)).transpose()?,
-            steps: StepSummary::new(&outcome.steps)?,
-            wall_s: finite("wall_s", wall_s)?,
-            ants: outcome.arrived.map(|arrived| AntSummary::new(arrived, outcome)).transpose()?,
+            end: FinalState::new(outcome.time, &outcome.motion),
+            energy: EnergySummary::new(&outcome.energy),
+            transitions: options.kind.is_exact().then(|| TransitionSummary::new(&outcome.transitions)),
+            steps: StepSummary::new(&outcome.steps),
+            wall_s,
+            ants: outcome.arrived.map(|arrived| AntSummary::new(arrived, outcome)),
             inertia_estimate: None,
-        })
+        };
+        json::check(&summary)?;
+        Ok(summary)
     }
 
     /// The same with what inertia would have done.
@@ -179,90 +177,74 @@ impl RunSummary {
     /// # Errors
     /// When a number of the estimate is not finite.
     pub fn with_estimate(self, estimate: InertiaEstimate) -> Result<Self, NotFinite> {
-        finite("inertia_estimate.displacement_max_m", estimate.displacement_max_m)?;
-        finite("inertia_estimate.displacement_final_m", estimate.displacement_final_m)?;
-        finite("inertia_estimate.path_length_m", estimate.path_length_m)?;
-        Ok(Self { inertia_estimate: Some(estimate), ..self })
-    }
-
-    /// The object over several lines, with a line end.
-    ///
-    /// # Panics
-    /// Never: a summary is plain data with text keys.
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
-        text.push('\n');
-        text
+        let summary = Self { inertia_estimate: Some(estimate), ..self };
+        json::check(&summary)?;
+        Ok(summary)
     }
 }
 
 impl Accuracy {
-    fn new(asked: &Tolerance, found: &PoseError, status: Status) -> Result<Self, NotFinite> {
-        Ok(Self {
+    fn new(asked: &Tolerance, found: &PoseError, status: Status) -> Self {
+        Self {
             asked_m: asked.position_m,
             asked_rad: asked.heading_rad,
-            estimated_m: finite("accuracy.estimated_m", found.position)?,
-            estimated_rad: finite("accuracy.estimated_rad", found.heading)?,
+            estimated_m: found.position,
+            estimated_rad: found.heading,
             is_met: asked.allows(found) && status == Status::Converged,
-        })
+        }
     }
 }
 
 impl FinalState {
-    fn new(time: f64, motion: &Motion) -> Result<Self, NotFinite> {
+    fn new(time: f64, motion: &Motion) -> Self {
         let (pose, twist) = (&motion.pose, &motion.twist);
-        Ok(Self {
-            time_s: finite("final.time_s", time)?,
-            position_m: [finite("final.position_m[0]", pose.position.x)?, finite("final.position_m[1]", pose.position.y)?],
-            heading_rad: finite("final.heading_rad", pose.heading)?,
-            velocity_m_per_s: [finite("final.velocity_m_per_s[0]", twist.linear.x)?, finite("final.velocity_m_per_s[1]", twist.linear.y)?],
-            turn_rate_rad_per_s: finite("final.turn_rate_rad_per_s", twist.angular)?,
-        })
+        Self {
+            time_s: time,
+            position_m: [pose.position.x, pose.position.y],
+            heading_rad: pose.heading,
+            velocity_m_per_s: [twist.linear.x, twist.linear.y],
+            turn_rate_rad_per_s: twist.angular,
+        }
     }
 }
 
 impl EnergySummary {
-    fn new(ledger: &EnergyLedger) -> Result<Self, NotFinite> {
-        Ok(Self {
-            elastic_j: finite("energy.elastic_j", ledger.elastic)?,
-            kinetic_j: finite("energy.kinetic_j", ledger.kinetic)?,
-            friction_j: finite("energy.friction_j", ledger.friction)?,
-            damping_j: finite("energy.damping_j", ledger.damping)?,
-            released_j: finite("energy.released_j", ledger.released)?,
-            dissipated_j: finite("energy.dissipated_j", ledger.dissipated())?,
-            tip_work_j: finite("energy.tip_work_j", ledger.tip_work)?,
-            initial_j: finite("energy.initial_j", ledger.initial)?,
-            defect_j: finite("energy.defect_j", ledger.defect())?,
-            defect_parts: DefectSummary::new(&ledger.defect_parts())?,
-        })
+    fn new(ledger: &EnergyLedger) -> Self {
+        Self {
+            elastic_j: ledger.elastic,
+            kinetic_j: ledger.kinetic,
+            friction_j: ledger.friction,
+            damping_j: ledger.damping,
+            released_j: ledger.released,
+            dissipated_j: ledger.dissipated(),
+            tip_work_j: ledger.tip_work,
+            initial_j: ledger.initial,
+            defect_j: ledger.defect(),
+            defect_parts: DefectSummary::new(&ledger.defect_parts()),
+        }
     }
 }
 
 impl DefectSummary {
-    fn new(parts: &DefectParts) -> Result<Self, NotFinite> {
-        Ok(Self {
-            jumps_j: finite("energy.defect_parts.jumps_j", parts.jumps)?,
-            numerical_damping_j: finite("energy.defect_parts.numerical_damping_j", parts.numerical_damping)?,
-            quadrature_j: finite("energy.defect_parts.quadrature_j", parts.quadrature)?,
-        })
+    fn new(parts: &DefectParts) -> Self {
+        Self { jumps_j: parts.jumps, numerical_damping_j: parts.numerical_damping, quadrature_j: parts.quadrature }
     }
 }
 
 impl TransitionSummary {
-    fn new(counts: &TransitionCounts) -> Result<Self, NotFinite> {
+    fn new(counts: &TransitionCounts) -> Self {
         let TransitionCounts { n_onset, n_stop, n_capture, n_freed, n_jumps, largest_jump } = *counts;
-        let largest_jump_m = largest_jump.map(|jump| finite("transitions.largest_jump_m", jump)).transpose()?;
-        Ok(Self { n_onset, n_stop, n_capture, n_freed, n_jumps, largest_jump_m })
+        Self { n_onset, n_stop, n_capture, n_freed, n_jumps, largest_jump_m: largest_jump }
     }
 }
 
 impl StepSummary {
-    fn new(report: &StepReport) -> Result<Self, NotFinite> {
+    fn new(report: &StepReport) -> Self {
         let residual = match report.status {
             Status::Failed if !report.residual.is_finite() => None,
-            _ => Some(finite("steps.residual", report.residual)?),
+            _ => Some(report.residual),
         };
-        Ok(Self {
+        Self {
             status: report.status,
             residual,
             n_steps: report.n_steps,
@@ -273,24 +255,19 @@ impl StepSummary {
             n_rejected: report.n_rejected,
             share_skipped: report.n_skipped as f64 / report.n_steps.max(1) as f64,
             skipped: report.skipped,
-        })
+        }
     }
 }
 
 impl AntSummary {
-    fn new(arrived: bool, outcome: &Outcome) -> Result<Self, NotFinite> {
-        Ok(Self { arrived, time_to_nest_s: arrived.then_some(outcome.time), pull_force_n: PullForce::new(&outcome.pulls)? })
+    fn new(arrived: bool, outcome: &Outcome) -> Self {
+        Self { arrived, time_to_nest_s: arrived.then_some(outcome.time), pull_force_n: PullForce::new(&outcome.pulls) }
     }
 }
 
 impl PullForce {
-    fn new(pulls: &Summary) -> Result<Self, NotFinite> {
-        Ok(Self {
-            mean: finite("pull_force_n.mean", pulls.mean())?,
-            sd: finite("pull_force_n.sd", pulls.sd())?,
-            max: finite("pull_force_n.max", pulls.max())?,
-            n: pulls.n(),
-        })
+    fn new(pulls: &Summary) -> Self {
+        Self { mean: pulls.mean(), sd: pulls.sd(), max: pulls.max(), n: pulls.n() }
     }
 }
 
@@ -306,7 +283,7 @@ mod tests {
     }
 
     fn json(kind: BackendKind, outcome: &Outcome) -> Value {
-        serde_json::from_str(&summary(kind, outcome).unwrap().to_json()).unwrap()
+        serde_json::from_str(&json::pretty(&summary(kind, outcome).unwrap()).unwrap()).unwrap()
     }
 
     #[test]
@@ -390,7 +367,7 @@ mod tests {
             ("final.velocity_m_per_s[1]", |o, v| o.motion.twist.linear.y = v),
             ("final.turn_rate_rad_per_s", |o, v| o.motion.twist.angular = v),
             ("energy.kinetic_j", |o, v| o.energy.kinetic = v),
-            ("energy.released_j", |o, v| o.energy.released = v),
+            ("energy.dissipated_j", |o, v| o.energy.released = v),
             ("energy.initial_j", |o, v| o.energy.initial = v),
             ("energy.defect_parts.jumps_j", |o, v| o.energy.jumps = -v),
             ("energy.defect_parts.numerical_damping_j", |o, v| o.energy.numerical_damping = v),
@@ -402,13 +379,13 @@ mod tests {
             for value in [f64::NAN, f64::INFINITY] {
                 let mut outcome = synthetic::outcome(Some(true));
                 poison(&mut outcome, value);
-                assert_eq!(summary(BackendKind::Inertial, &outcome).unwrap_err().field, field);
+                assert_eq!(summary(BackendKind::Inertial, &outcome).unwrap_err().path, field);
             }
         }
         // Sums of finite numbers can overflow too.
         let mut outcome = synthetic::outcome(None);
         (outcome.energy.elastic, outcome.energy.kinetic) = (f64::MAX, f64::MAX);
-        assert_eq!(summary(BackendKind::Inertial, &outcome).unwrap_err().field, "energy.defect_j");
+        assert_eq!(summary(BackendKind::Inertial, &outcome).unwrap_err().path, "energy.defect_j");
     }
 
     #[test]

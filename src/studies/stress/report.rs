@@ -115,12 +115,6 @@ impl Stress {
             defects: defects.collect(),
         }
     }
-
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
-        text.push('\n');
-        text
-    }
 }
 
 impl Defect {
@@ -198,7 +192,7 @@ pub fn write_stress(target: &Path, found: &Stress, maps: &[Map], rows: &[Row], m
         let of_map: Vec<&Row> = rows.iter().filter(|row| row.map == map.name).collect();
         folder.write(&format!("{}.svg", map.name), |out| out.write_all(heat_map(map, &of_map).as_bytes()))?;
     }
-    folder.write("summary.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.write_json("summary.json", found)?;
     folder.finish(manifest)
 }
 

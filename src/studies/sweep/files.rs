@@ -35,7 +35,7 @@ pub fn write_sweep(
         folder.write("figure.svg", |out| out.write_all(svg.as_bytes()))?;
     }
     folder.write(REPORT, |out| out.write_all(sweep_page(&summary, figure, manifest).to_html().as_bytes()))?;
-    folder.write("summary.json", |out| out.write_all(summary.to_json().as_bytes()))?;
+    folder.write_json("summary.json", &summary)?;
     folder.finish(manifest)?;
     Ok(summary)
 }

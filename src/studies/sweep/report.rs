@@ -113,12 +113,6 @@ impl SweepSummary {
         let last = if n_runs < self.n_runs { format!("the last {n_runs} in ") } else { String::new() };
         Some(format!("{last}{} on {n_threads} thread{}", quantity(wall_s, "s"), if n_threads == 1 { "" } else { "s" }))
     }
-
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a summary is plain data");
-        text.push('\n');
-        text
-    }
 }
 
 /// A line a group, then how runs ended.

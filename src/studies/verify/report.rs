@@ -83,12 +83,6 @@ impl Verification {
         }
     }
 
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a verification is plain data");
-        text.push('\n');
-        text
-    }
-
     fn write_csv(&self, out: impl std::io::Write) -> Result<(), csv::Error> {
         let mut writer = csv::Writer::from_writer(out);
         self.rows.iter().try_for_each(|line| writer.serialize(line))?;
@@ -218,7 +212,7 @@ pub fn list_text(cases: &[Case]) -> String {
 /// When the folder may not be written, or the disk fails.
 pub fn write_verification(target: &Path, found: &Verification, rows: &[Row], manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("verify.json", |out| out.write_all(found.to_json().as_bytes()))?;
+    folder.write_json("verify.json", found)?;
     folder.write("verify.csv", |out| found.write_csv(out))?;
     folder.write("convergence.svg", |out| out.write_all(figure::convergence(rows).as_bytes()))?;
     folder.finish(manifest)
