@@ -1,11 +1,13 @@
-//! Wrong input is told with place, rule and what was found, all of it at once; a hair inside of each threshold is accepted.
+//! Wrong input is told with place, rule and what was found, all of it at once; a hair inside of
+//! each threshold is accepted.
 
 use std::path::Path;
 
 use cohaul::scenario::{Scenario, ScenarioError, format};
 use serde_json::{Value, json};
 
-/// One change to a good scenario, and the one finding it must give: place, words of the rule, what was found.
+/// One change to a good scenario, and the one finding it must give: place, words of the rule, what
+/// was found.
 struct Bad {
     at: &'static str,
     put: Value,
@@ -345,7 +347,8 @@ fn a_hair_inside_of_each_threshold_is_accepted() {
         let file = changed(ants(), at, put.clone());
         assert!(Scenario::parse(&file.to_string(), "good.json").is_ok(), "{at} {put}: {}", error_of(&file));
     }
-    // A certain grasp at every tick is a probability, not a hazard; a decision between ticks is no matter for one.
+    // A certain grasp at every tick is a probability, not a hazard; a decision between ticks is no
+    // matter for one.
     let certain = changed(changed(ants(), "/drive/grasp_pace", json!("per-tick")), "/drive/grasp_probability", json!(1));
     assert!(Scenario::parse(&certain.to_string(), "good.json").is_ok());
     let hasty = changed(changed(ants(), "/drive/release_pace", json!("hazard")), "/drive/release_decision_period_s", json!(1e-4));
@@ -459,8 +462,8 @@ fn pointers(value: &Value, at: &str) -> Vec<String> {
     [at.to_string()].into_iter().chain(inner).filter(|at| !at.is_empty()).collect()
 }
 
-/// Every value of a good file replaced by every odd one: there is an answer and no panic, and what is accepted fits the schema and survives
-/// its expansion.
+/// Every value of a good file replaced by every odd one: there is an answer and no panic, and what
+/// is accepted fits the schema and survives its expansion.
 #[test]
 fn odd_values_anywhere_are_answered() {
     let schema = jsonschema::validator_for(&format::schema()).unwrap();

@@ -1,4 +1,5 @@
-//! The exact cone problem: known answers by construction, optimality conditions, and clarabel as an independent solver.
+//! The exact cone problem: known answers by construction, optimality conditions, and clarabel as an
+//! independent solver.
 
 use std::f64::consts::TAU;
 
@@ -158,7 +159,8 @@ fn objective(problem: &Problem, twist: &Vec3) -> f64 {
     0.5 * twist.dot(&(problem.hessian * twist)) - problem.drive.dot(twist) + friction
 }
 
-/// Largest violation of the optimality conditions, worked out from the forces on the supports alone, over the forces in them (1).
+/// Largest violation of the optimality conditions, worked out from the forces on the supports
+/// alone, over the forces in them (1).
 fn kkt_residual(problem: &Problem, twist: &Vec3, forces: &[Vec2]) -> f64 {
     kkt_residual_within(LENGTH, problem, twist, forces)
 }
@@ -174,7 +176,8 @@ fn kkt_residual_within(reach: f64, problem: &Problem, twist: &Vec3, forces: &[Ve
     let cones = problem.ground.supports.iter().zip(forces).map(|(support, force)| {
         let slip = slip_velocity(&support.offset, twist);
         let above = force.norm() - support.normal_load;
-        // Power short of that of the full force along the slip, over the largest speed: slow supports count less as their direction blurs.
+        // Power short of that of the full force along the slip, over the largest speed: slow
+        // supports count less as their direction blurs.
         let short = (support.normal_load * slip.norm() + force.dot(&slip)) / fastest.max(f64::MIN_POSITIVE);
         above.max(short)
     });
@@ -194,7 +197,8 @@ fn size(twist: &Vec3) -> f64 {
     twist.xy().norm() / LENGTH + twist.z.abs()
 }
 
-/// 20,000 problems. The answer that each was built to have comes back, and the optimality conditions hold to 1e-11 without exception.
+/// 20,000 problems. The answer that each was built to have comes back, and the optimality
+/// conditions hold to 1e-11 without exception.
 #[test]
 fn built_problems_have_the_answers_they_were_built_for() {
     let mut draws = Draws::new(1);
@@ -210,8 +214,9 @@ fn built_problems_have_the_answers_they_were_built_for() {
 
             if let Some((answer, kind)) = problem.answer {
                 n_other_kind += u32::from(kind_of(solution.mode) != kind);
-                // The drive carries rounding of 1e-16, which the weakest direction of H (1/50 of its scale) and the nearness of a kink (pins at
-                // 1e-6 below their limit, supports slipping at 1e-7) turn into no more than 1e-8.
+                // The drive carries rounding of 1e-16, which the weakest direction of H (1/50 of
+                // its scale) and the nearness of a kink (pins at 1e-6 below their limit, supports
+                // slipping at 1e-7) turn into no more than 1e-8.
                 assert!(size(&(solution.increment - answer)) < 1e-8, "{class:?}: {solution:?} {answer}");
             }
         }
@@ -220,7 +225,8 @@ fn built_problems_have_the_answers_they_were_built_for() {
     }
 }
 
-/// 12,000 problems of the five classes, and of 1 to 12 supports: never a worse objective than clarabel's by more than 1e-12 of its terms.
+/// 12,000 problems of the five classes, and of 1 to 12 supports: never a worse objective than
+/// clarabel's by more than 1e-12 of its terms.
 #[test]
 fn clarabel_never_finds_a_lower_objective() {
     let mut draws = Draws::new(2);
@@ -245,12 +251,13 @@ fn clarabel_never_finds_a_lower_objective() {
         }
     }
     println!("clarabel solved {n_solved}, largest difference {largest_difference:e}");
-    // Agreement between two solvers, not one compared with itself: clarabel's own accuracy is 1e-8 in the objective, its root in the twist, and H
-    // is 50 times weaker in its weakest direction.
+    // Agreement between two solvers, not one compared with itself: clarabel's own accuracy is 1e-8
+    // in the objective, its root in the twist, and H is 50 times weaker in its weakest direction.
     assert!(n_solved > 3_000 && largest_difference > 1e-14 && largest_difference < 1e-2, "{n_solved} {largest_difference:e}");
 }
 
-/// H of a load of the paper's mass, or of springs: any, or a single one whose tip the load may turn about at next to no cost.
+/// H of a load of the paper's mass, or of springs: any, or a single one whose tip the load may turn
+/// about at next to no cost.
 fn hessian_of_some_kind(kind: usize, draws: &mut Draws) -> Mat3 {
     let [mass, stiffness] = [0.0016 * draws.log_between(1e-2, 1e2), draws.log_between(0.01, 100.0)];
     match kind % 3 {
@@ -264,8 +271,9 @@ fn hessian_of_some_kind(kind: usize, draws: &mut Draws) -> Mat3 {
     }
 }
 
-/// 12,000 problems with one support, on the origin, a hair off it, or far outside the load, on both sides of sticking. The slip is the one that the problem
-/// was built to have, and the conditions hold to rounding.
+/// 12,000 problems with one support, on the origin, a hair off it, or far outside the load, on both
+/// sides of sticking. The slip is the one that the problem was built to have, and the conditions
+/// hold to rounding.
 #[test]
 fn one_support_anywhere_sticks_or_slips_as_built() {
     let mut draws = Draws::new(3);
@@ -289,7 +297,8 @@ fn one_support_anywhere_sticks_or_slips_as_built() {
         let independent = kkt_residual_within(LENGTH.max(distance), &problem, &solution.increment, solver.forces());
         assert!(independent <= 1e-12 && solution.residual <= 1e-12, "trial {trial} at {distance:e} m: {independent:e} {solution:?}");
         most_iterations = most_iterations.max(solution.n_iterations);
-        // Within the load nothing magnifies the rounding of the drive but the nearness of sticking and the weakest turn of the single spring.
+        // Within the load nothing magnifies the rounding of the drive but the nearness of sticking
+        // and the weakest turn of the single spring.
         if distance <= LENGTH && trial % 3 < 2 {
             let wrong = size(&(solution.increment - twist)) / size(&twist);
             let magnified =
@@ -307,7 +316,8 @@ fn stiffness_scale(hessian: &Mat3) -> f64 {
     Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j] / LENGTH).symmetric_eigenvalues().min()
 }
 
-/// 2 to 4 supports that stand ever closer together, on the origin or off it: turns about a point among them, slips and rest are found at bounded cost.
+/// 2 to 4 supports that stand ever closer together, on the origin or off it: turns about a point
+/// among them, slips and rest are found at bounded cost.
 #[test]
 fn supports_close_together_are_solved_like_others() {
     let mut draws = Draws::new(4);
@@ -323,7 +333,8 @@ fn supports_close_together_are_solved_like_others() {
         });
         let ground = Ground { friction_coefficient: 1.0, supports: supports.collect() };
         let hessian = hessian_of_some_kind(trial, &mut draws);
-        // A force through the cluster and a moment about it, from far less to more than friction holds.
+        // A force through the cluster and a moment about it, from far less to more than friction
+        // holds.
         let force = FORCE * draws.log_between(0.1, 3.0) * draws.direction();
         let moment = FORCE * if trial % 2 == 0 { LENGTH * draws.vector().x } else { extent * draws.log_between(0.01, 10.0) };
         let drive = wrench_of(&centre, &force) + Vec3::new(0.0, 0.0, moment);

@@ -1,4 +1,5 @@
-//! What a caller in code may get wrong is answered by a status, an error or a panic that says so, and never by numbers that look like an answer.
+//! What a caller in code may get wrong is answered by a status, an error or a panic that says so,
+//! and never by numbers that look like an answer.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,7 +37,8 @@ fn moving(scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
     load
 }
 
-/// Nothing moves, nothing is booked, and what makes sense afterwards goes on as if nothing had been.
+/// Nothing moves, nothing is booked, and what makes sense afterwards goes on as if nothing had
+/// been.
 #[test]
 fn tips_that_go_nowhere_and_times_that_do_not_pass_are_failures() {
     let scenario = scenario("analytic/centre-pull.json");
@@ -66,7 +68,8 @@ fn tips_that_go_nowhere_and_times_that_do_not_pass_are_failures() {
     }
 }
 
-/// A time that does not pass is no end of a run of rapier either; and who estimates inertia beside a run sees nothing of what was refused.
+/// A time that does not pass is no end of a run of rapier either; and who estimates inertia beside
+/// a run sees nothing of what was refused.
 #[test]
 fn what_is_refused_leaves_engine_and_estimate_as_they_were() {
     let scenario = scenario("analytic/centre-pull.json");
@@ -138,8 +141,8 @@ fn steps_and_tolerances_must_be_positive() {
     }
 }
 
-/// A replay in parts of control periods, stopped and gone on with: rows and path as without the stop. With the scenario's own driver in its place it is refused, or
-/// is another run.
+/// A replay in parts of control periods, stopped and gone on with: rows and path as without the
+/// stop. With the scenario's own driver in its place it is refused, or is another run.
 #[test]
 fn a_run_of_another_driver_goes_on_with_it() {
     let scenario = Scenario { duration: 2.0, ..scenario("paper/four-ants-four-springs.json") };

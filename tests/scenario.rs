@@ -1,5 +1,5 @@
-//! Every scenario that ships is one the schema knows, reads, and survives expansion; the reference scenes hold the numbers that their known
-//! answers rest on.
+//! Every scenario that ships is one the schema knows, reads, and survives expansion; the reference
+//! scenes hold the numbers that their known answers rest on.
 
 #[path = "common/random_scenes.rs"]
 mod random_scenes;
@@ -34,7 +34,8 @@ fn every_file() -> Vec<PathBuf> {
     let list = |folder: &Path| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect::<Vec<_>>();
     let mut files: Vec<_> = list(&root()).iter().filter(|path| path.is_dir()).flat_map(|folder| list(folder)).collect();
     files.sort();
-    // A wrong folder would pass every test below; the number is that of the files that were written.
+    // A wrong folder would pass every test below; the number is that of the files that were
+    // written.
     assert!(files.len() >= 26, "{files:?}");
     files
 }
@@ -149,7 +150,8 @@ fn a_key_beats_its_preset_and_a_preset_beats_the_default() {
     let newtons = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "literal-newtons" }));
     assert_eq!((newtons.grasp_pace, newtons.release_pace, newtons.release.steepness), (Pace::PerTick, Pace::PerTick, 100.0));
     let millinewtons = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "literal-millinewtons" }));
-    // The millinewton reading is a hard limit at F_m / 2 = 10 mN: a tenth of a millinewton below and above it.
+    // The millinewton reading is a hard limit at F_m / 2 = 10 mN: a tenth of a millinewton below
+    // and above it.
     assert!(millinewtons.release.probability(9.9e-3) < 1e-4 && millinewtons.release.probability(10.1e-3) > 1.0 - 1e-4);
     for preset in Preset::ALL {
         let name = serde_json::to_value(preset).unwrap();
@@ -201,7 +203,8 @@ fn a_group_of_springs_stands_in_place_and_points_outwards() {
     }
 }
 
-/// A load that carries the numbers of the paper: slip limit, tripod radius 2 R_L / 3, and chi = I / (m a^2) = 9 / 8.
+/// A load that carries the numbers of the paper: slip limit, tripod radius 2 R_L / 3, and chi = I /
+/// (m a^2) = 9 / 8.
 #[test]
 fn the_paper_load_has_the_derived_constants() {
     let system = read("paper/four-ants-four-springs.json").system;
@@ -210,8 +213,8 @@ fn the_paper_load_has_the_derived_constants() {
     assert!((system.load.inertia / (system.load.mass * arm * arm) - 1.125).abs() < 1e-14);
 }
 
-/// Springs that are held from the start have no slack there: their tips begin at the rest shape, or at the root of an isotropic spring, unless the
-/// scene says otherwise by its name.
+/// Springs that are held from the start have no slack there: their tips begin at the rest shape, or
+/// at the root of an isotropic spring, unless the scene says otherwise by its name.
 #[test]
 fn prescribed_tips_start_at_rest() {
     for file in every_file() {
@@ -228,9 +231,10 @@ fn prescribed_tips_start_at_rest() {
     }
 }
 
-/// Opposed springs load each other to 2.5 times the slip limit f, so their sum never moves the load; letting one go leaves the net force
-/// F_0 = 2.5 f. Then a method without inertia moves (F_0 - f) / k = 1.5 f / k, and an undamped load 2 (F_0 - f) / k = 3 f / k, where the spring
-/// pushes back with half of f, which friction holds: no second swing.
+/// Opposed springs load each other to 2.5 times the slip limit f, so their sum never moves the
+/// load; letting one go leaves the net force F_0 = 2.5 f. Then a method without inertia moves (F_0
+/// - f) / k = 1.5 f / k, and an undamped load 2 (F_0 - f) / k = 3 f / k, where the spring pushes
+/// back with half of f, which friction holds: no second swing.
 #[test]
 fn the_release_jump_leaves_two_and_a_half_slip_limits() {
     let scenario = read("analytic/release-jump.json");
@@ -265,7 +269,8 @@ fn the_reference_tips_follow_their_formulas() {
     }
 }
 
-/// Start values of the tripod scenes in units of sqrt(mu g a) and sqrt(mu g / a), and every scene long enough to come to rest.
+/// Start values of the tripod scenes in units of sqrt(mu g a) and sqrt(mu g / a), and every scene
+/// long enough to come to rest.
 #[test]
 fn sliding_scenes_start_at_their_numbers_and_outlast_them() {
     let rows = [
@@ -290,8 +295,9 @@ fn sliding_scenes_start_at_their_numbers_and_outlast_them() {
     assert!(read("analytic/slide-spin.json").duration > 0.054);
 }
 
-/// Held below the limit: 0.9 of the slip limit through the centre, and 0.9 of 2/3 of it across a support, where a force at right angles to
-/// the arm b = a of a tripod with a support there starts to move it: F / f = a (b + a) / (b^2 + a b + a^2).
+/// Held below the limit: 0.9 of the slip limit through the centre, and 0.9 of 2/3 of it across a
+/// support, where a force at right angles to the arm b = a of a tripod with a support there starts
+/// to move it: F / f = a (b + a) / (b^2 + a b + a^2).
 #[test]
 fn held_pulls_are_nine_tenths_of_the_critical_force() {
     for (name, critical) in [("hold-below-limit", 1.0), ("hold-below-limit-off-centre", 2.0 / 3.0)] {

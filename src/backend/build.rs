@@ -8,12 +8,12 @@ use super::tolerance::CHECK_SHARE;
 use super::{Backend, BackendKind, BackendOptions, Motion, Stepping, Tolerance, rapier};
 use crate::model::System;
 
-/// Shortest default step (s). A scene may be too stiff to resolve in reasonable time, and all methods
-/// are stable at longer steps.
+/// Shortest default step (s). A scene may be too stiff to resolve in reasonable time, and all
+/// methods are stable at longer steps.
 const SHORTEST_DEFAULT: f64 = 1e-5;
 
-/// Longest default step of the quasi-static method (s), the control period of the paper. The tips go
-/// so far in longer steps that jumps of the load are not recognised.
+/// Longest default step of the quasi-static method (s), the control period of the paper. The tips
+/// go so far in longer steps that jumps of the load are not recognised.
 const LONGEST_DEFAULT: f64 = 2.5e-3;
 
 /// Default step (s): the control period, but at most 2.5 ms. With inertia it is at most 1 ms and a
@@ -35,8 +35,8 @@ pub fn step_of(requested: Option<f64>, kind: BackendKind, system: &System, contr
 /// Backend that the options ask for. This is the only place that maps kinds to code.
 ///
 /// # Panics
-/// When the step or the tolerance is not positive, or when a backend without error control is given a
-/// tolerance.
+/// When the step or the tolerance is not positive, or when a backend without error control is given
+/// a tolerance.
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
     let Some(tolerance) = &options.tolerance else { return with(system, start, options, Stepping::Fixed(options.step_s)) };
@@ -72,9 +72,10 @@ fn with(system: &System, start: Motion, options: &BackendOptions, stepping: Step
     }
 }
 
-/// Time over which a wrong speed makes the position wrong (s): one radian of the slowest oscillation,
-/// or the time in which friction stops a load that crosses its radius, whichever is shorter. `None`
-/// for a method without inertia. Without springs and friction speeds stay right, up to 1e9 s.
+/// Time over which a wrong speed makes the position wrong (s): one radian of the slowest
+/// oscillation, or the time in which friction stops a load that crosses its radius, whichever is
+/// shorter. `None` for a method without inertia. Without springs and friction speeds stay right, up
+/// to 1e9 s.
 fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
     if !kind.has_inertia() {
         return None;

@@ -12,7 +12,7 @@ use super::{Integrator, RapierOptions, Skips, Tolerance};
 pub enum BackendKind {
     /// The paper's max-min step, without inertia.
     QuasiStatic,
-    /// The same step with the mass matrix: the reference dynamics.
+    /// The quasi-static step with the mass matrix added: the reference dynamics.
     Inertial,
     /// The rigid-body engine rapier2d.
     Rapier,

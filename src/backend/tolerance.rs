@@ -41,7 +41,7 @@ impl Tolerance {
         Self { position_m, heading_rad: position_m / load.radius, tightened: 0 }
     }
 
-    /// The same tolerance with a tenth of the error of each macro-step; `None` when smaller errors
+    /// This tolerance with a tenth of the error of each macro-step; `None` when smaller errors
     /// would not help any more.
     pub fn tightened(&self) -> Option<Self> {
         (self.tightened < MOST_TIGHTENED).then_some(Self { tightened: self.tightened + 1, ..*self })

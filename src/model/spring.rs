@@ -144,7 +144,7 @@ impl PolarSpring {
         self.radial_stiffness * (length - self.rest_length) * radial + torsional * perpendicular(&radial)
     }
 
-    /// Force of the holder on the tip (N, world axes): dU/d(tip), the negative of Eq. (10).
+    /// Force of the ant or robot on the tip (N, world axes): dU/d(tip), the negative of Eq. (10).
     pub fn pull(&self, pose: &Pose, shape: &SpringShape) -> Vec2 {
         rotation(pose.heading + self.bearing) * self.pull_in_root(shape)
     }

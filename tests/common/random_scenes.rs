@@ -14,8 +14,8 @@
 //! | drive: ants (a sixth) | 1-10 of the default ants on the paper's springs, for 4-8 s |
 //! | time | 1.5-4 s with control periods of 1, 2.5 or 5 ms |
 //!
-//! Tips keep away from the roots of their springs and swings stay moderate. A tip is attached where the
-//! load should be by then: at a point on a string that is dragged behind the tips.
+//! Tips keep away from the roots of their springs and swings stay moderate. A tip is attached where
+//! the load should be by then: at a point on a string that is dragged behind the tips.
 
 use std::f64::consts::{PI, TAU};
 
@@ -182,7 +182,8 @@ fn springs(radius: f64, kind: Kind, draws: &mut Draws) -> Vec<SpringEntry> {
     (0..n).map(|index| spring(index, draws)).collect()
 }
 
-/// Multiplies all stiffnesses so that `n_held` springs together reach `limit` (N) at a stretch of `slack` (m).
+/// Multiplies all stiffnesses so that `n_held` springs together reach `limit` (N) at a stretch of
+/// `slack` (m).
 fn stiffen(springs: &mut [SpringEntry], n_held: usize, limit: f64, slack: f64) {
     let factor = limit / (n_held as f64 * slack);
     for spring in springs {
@@ -227,7 +228,8 @@ fn haul(springs: &mut [SpringEntry], load: &LoadEntry, limit: f64, duration: f64
     DriveEntry::Tips(TipsEntry { kind: TipsKind::Tips, paths: paths.collect() })
 }
 
-/// A way of 2-5 legs that turns by up to 0.7 rad at its corners, turns back now and then, and rests on some legs; at most `longest` (m) in all.
+/// A way of 2-5 legs that turns by up to 0.7 rad at its corners, turns back now and then, and rests
+/// on some legs; at most `longest` (m) in all.
 fn way(ahead: f64, speed: f64, longest: f64, duration: f64, draws: &mut Draws) -> Way {
     let n = draws.count(2, 5);
     let mut way = vec![(0.0, Vec2::zeros())];
@@ -260,7 +262,8 @@ fn dragged(way: &Way, slack: f64, time: f64) -> Vec2 {
     })
 }
 
-/// Each tip goes outwards by its own stretch, all around; some are let go, and some go on slowly to one side.
+/// Each tip goes outwards by its own stretch, all around; some are let go, and some go on slowly to
+/// one side.
 fn spread(springs: &mut [SpringEntry], load: &LoadEntry, limit: f64, duration: f64, draws: &mut Draws) -> DriveEntry {
     let n = springs.len();
     let slack = draws.log_between(0.05, 0.45) * extent(springs, load);

@@ -7,7 +7,8 @@ use cohaul::model::System;
 
 use crate::scenes::{backend, busy_system, busy_tips, moving, with_friction};
 
-/// One second of three springs that are grasped, drawn and let go, at this step; `look` sees every control tick.
+/// One second of three springs that are grasped, drawn and let go, at this step; `look` sees every
+/// control tick.
 fn busy_run(system: &System, step: f64, options: RapierOptions, mut look: impl FnMut(&dyn Backend)) -> EnergyLedger {
     let mut run = backend(system, moving(Vec2::new(0.05, 0.02), 1.0), step, options);
     for tick in 0..200 {
@@ -56,8 +57,9 @@ fn friction_and_dashpots_never_give_energy() {
         let mut last = EnergyLedger::default();
         busy_run(&busy_system(0.3), 1e-3, options, |run| {
             let ledger = run.energy();
-            // Where supports stick, speeds of 1e-17 m/s have any sign: with 7 mN and a tick of 5 ms less than 1e-20 J, and more at
-            // the engine's last sweep before a stop, where 1e-3 of a force may point the wrong way over a nanometre.
+            // Where supports stick, speeds of 1e-17 m/s have any sign: with 7 mN and a tick of 5 ms
+            // less than 1e-20 J, and more at the engine's last sweep before a stop, where 1e-3 of a
+            // force may point the wrong way over a nanometre.
             assert!(ledger.friction >= last.friction - 1e-14, "{} {}", ledger.friction, last.friction);
             assert!(ledger.damping >= last.damping);
             last = ledger;

@@ -51,14 +51,16 @@ fn a_swing_is_that_of_symplectic_euler() {
     }
 }
 
-/// The explicit force is lost from omega h = 2 on, with dashpots from 2 (sqrt(1 + zeta^2) - zeta); an implicit spring never.
+/// The explicit force is lost from omega h = 2 on, with dashpots from 2 (sqrt(1 + zeta^2) - zeta);
+/// an implicit spring never.
 #[test]
 fn a_hair_below_its_limit_it_swings_and_a_hair_above_it_is_lost() {
     for damping_ratio in [0.0f64, 0.3] {
         let limit = 2.0 * ((1.0 + damping_ratio * damping_ratio).sqrt() - damping_ratio);
         let system = swing(damping_ratio);
         let largest = |rate: f64, options| places(&system, rate, 400, options).iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        // Swings are bounded by 1 / sqrt(1 - (omega h / 2)^2) = 10 at 0.995 of the limit; dashpots only take from that.
+        // Swings are bounded by 1 / sqrt(1 - (omega h / 2)^2) = 10 at 0.995 of the limit; dashpots
+        // only take from that.
         assert!(largest(0.995 * limit, FORCE) < 10.1, "{damping_ratio}");
         // At 1.005 of it each step multiplies by 1.22 without dashpots, by 1.03 with these.
         assert!(largest(1.005 * limit, FORCE) > 20.0, "{damping_ratio}");
@@ -77,7 +79,8 @@ fn it_sticks_below_the_limit_of_friction_and_slides_above() {
             let tip = Vec2::new(share * SLIP_LIMIT / STIFFNESS, 0.0);
             run.attach(0, tip);
             run.advance(&[tip], 1.0);
-            // Let go at F it moves by (F - f) / k to twice that, 1.65 mm to 3.3 mm; in f32 a hold is good to 1e-7 of the force.
+            // Let go at F it moves by (F - f) / k to twice that, 1.65 mm to 3.3 mm; in f32 a hold
+            // is good to 1e-7 of the force.
             let way = run.motion().pose.position.x;
             assert_eq!(way > 1.6e-3 && way < 3.4e-3, moves, "{precision:?} {share}: {way}");
             assert!(moves || way.abs() < 1e-9, "{precision:?} {way}");

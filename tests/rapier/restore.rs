@@ -11,7 +11,7 @@ fn all_options() -> Vec<RapierOptions> {
     for friction in [FrictionModel::Aligned, FrictionModel::Polygon, FrictionModel::Box] {
         for springs in [SpringModel::Joint, SpringModel::Aggregate, SpringModel::Force] {
             for precision in [Precision::F64, Precision::F32] {
-                for settings in [EngineSettings::Recommended, EngineSettings::AsShipped] {
+                for settings in [EngineSettings::Recommended, EngineSettings::EngineDefaults] {
                     all.push(RapierOptions { friction, springs, precision, settings });
                 }
             }
@@ -90,6 +90,6 @@ fn a_state_of_another_run_is_refused() {
     assert!(run.restore(&other).unwrap_err().to_string().contains("options"));
     assert!(run.restore(&SavedState(serde_json::json!({"kind": "inertial"}))).is_err());
     let mut missing = run.save().unwrap();
-    missing.0["state"]["held"] = serde_json::json!([{"spring": 7, "tip": [0.0, 0.0], "swing": 0.0}]);
+    missing.0["state"]["attachments"] = serde_json::json!([{"spring": 7, "tip": [0.0, 0.0], "swing": 0.0}]);
     assert!(run.restore(&missing).unwrap_err().to_string().contains("spring"));
 }

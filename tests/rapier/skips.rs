@@ -1,4 +1,5 @@
-//! Steps that are left out are those whose outcome is known: the run with all steps is the same one.
+//! Steps that are left out are those whose outcome is known: the run with all steps is the same
+//! one.
 
 use cohaul::backend::rapier::{EngineSettings, FrictionModel, Precision, RapierOptions, SpringModel};
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Skips, StepReport, build};
@@ -10,7 +11,7 @@ use crate::scenes::{at_rest, busy_system};
 fn variants() -> impl Iterator<Item = RapierOptions> {
     let frictions = [FrictionModel::Aligned, FrictionModel::Polygon, FrictionModel::Box];
     let springs = [SpringModel::Joint, SpringModel::Aggregate, SpringModel::Force];
-    let settings = [EngineSettings::Recommended, EngineSettings::AsShipped];
+    let settings = [EngineSettings::Recommended, EngineSettings::EngineDefaults];
     frictions.into_iter().flat_map(move |friction| {
         springs.into_iter().flat_map(move |springs| {
             [Precision::F64, Precision::F32].into_iter().flat_map(move |precision| {
@@ -25,7 +26,8 @@ fn run(system: &System, rapier: RapierOptions, skips: Skips) -> Box<dyn Backend>
     build(system, at_rest(Pose::new(0.01, -0.02, 0.3)), &options)
 }
 
-/// Where the tips are at a tick of 5 ms: at rest, drawn out so far that the load slips, at rest again.
+/// Where the tips are at a tick of 5 ms: at rest, drawn out so far that the load slips, at rest
+/// again.
 fn tips(system: &System, tick: i32) -> Vec<Vec2> {
     let drawn = f64::from((tick - 40).clamp(0, 60));
     let start = Pose::new(0.01, -0.02, 0.3);
@@ -54,11 +56,13 @@ fn what_is_left_out_does_not_show() {
             made.add(&tick(&mut *full, &system, at));
             let [lean, full] = [&lean, &full].map(|run| run.motion().pose);
             let gap = (lean.position - full.position).norm().max(0.0122 * (lean.heading - full.heading).abs());
-            // As promised: a step of less than 1e-21 m may be left out, and there are 1500; where one fell into slip, that comes to some roundings.
+            // As promised: a step of less than 1e-21 m may be left out, and there are 1500; where
+            // one fell into slip, that comes to some roundings.
             assert!(gap <= 1e-15, "{options:?} {at}: {gap}");
         }
         let gap = (lean.energy().defect() - full.energy().defect()).abs();
-        // In f32 a load whose pose does not change has a speed of 1e-9 m/s all the same, and the friction of 7 mN that it books with that is 1e-14 J a step.
+        // In f32 a load whose pose does not change has a speed of 1e-9 m/s all the same, and the
+        // friction of 7 mN that it books with that is 1e-14 J a step.
         assert!(gap < if options.precision == Precision::F64 { 1e-18 } else { 1e-11 }, "{options:?} {gap}");
         assert!(lean.motion().pose.position.x > 0.02, "{}", lean.motion().pose.position);
         let skipped = left_out.skipped;
@@ -67,7 +71,7 @@ fn what_is_left_out_does_not_show() {
         assert!(skipped.free_load >= 50, "{options:?} {skipped:?}");
         match (options.settings, options.precision) {
             // Its creep is what it is run for.
-            (EngineSettings::AsShipped, _) => assert_eq!(skipped.still_tips, 0, "{options:?}"),
+            (EngineSettings::EngineDefaults, _) => assert_eq!(skipped.still_tips, 0, "{options:?}"),
             // 150 steps between the grasp and the pull, most of 600 after it.
             (EngineSettings::Recommended, Precision::F64) => assert!(skipped.still_tips > 400, "{options:?} {skipped:?}"),
             (EngineSettings::Recommended, Precision::F32) => (),
@@ -88,7 +92,8 @@ fn each_kind_has_its_switch() {
     let no_free = count(Skips { free_load: false, ..Skips::ALL });
     let no_still = count(Skips { still_tips: false, ..Skips::ALL });
     assert!(all.free_load == 50 && all.still_tips > 100, "{all:?}");
-    // A free load that rapier moves rounds its angle, with which rest can begin a step later or sooner.
+    // A free load that rapier moves rounds its angle, with which rest can begin a step later or
+    // sooner.
     assert!(no_free.free_load == 0 && no_free.still_tips > 100, "{no_free:?}");
     assert_eq!((no_still.free_load, no_still.still_tips), (all.free_load, 0));
 }
@@ -109,7 +114,8 @@ fn a_tip_that_moves_is_never_left_out() {
     assert_ne!(run.pull(1), before);
 }
 
-/// Rest belongs to the state: saved in its midst, a run goes on bit for bit and leaves out the same steps.
+/// Rest belongs to the state: saved in its midst, a run goes on bit for bit and leaves out the same
+/// steps.
 #[test]
 fn a_run_saved_at_rest_goes_on_at_rest() {
     let system = busy_system(0.1);

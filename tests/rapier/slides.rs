@@ -20,7 +20,8 @@ fn end_of(velocity: Vec2, turn_rate: f64, step: f64, options: RapierOptions) -> 
     backend.motion()
 }
 
-/// Implicit Euler falls short by v0 h / 2 - r (1 - r) a h^2 / 2, with r the part of a step in which the load would have stopped.
+/// Implicit Euler falls short by v0 h / 2 - r (1 - r) a h^2 / 2, with r the part of a step in which
+/// the load would have stopped.
 #[test]
 fn a_slide_falls_short_by_half_a_step_of_its_speed_in_every_direction() {
     assert!((SLIDE - 1.45624e-3).abs() < 5e-9, "v^2 / (2 mu g)");
@@ -38,7 +39,8 @@ fn a_slide_falls_short_by_half_a_step_of_its_speed_in_every_direction() {
     assert!((error + 0.0675).abs() < 5e-5, "engines without model error are 6.75 % off at 1 ms: {error}");
 }
 
-/// At 45 degrees each axis of the box brakes with the whole limit: sqrt(2) times the friction, however short the step.
+/// At 45 degrees each axis of the box brakes with the whole limit: sqrt(2) times the friction,
+/// however short the step.
 #[test]
 fn the_box_stops_a_diagonal_slide_29_percent_early_at_any_step() {
     for step in [1e-3, 1e-4, 1e-5] {
@@ -52,7 +54,8 @@ fn the_box_stops_a_diagonal_slide_29_percent_early_at_any_step() {
     assert!((end.pose.position.norm() / SLIDE - 0.69).abs() < 0.001);
 }
 
-/// The polygon's width over the disc's is pi / 16 / tan(pi / 16) along its axes and pi / 16 / sin(pi / 16) between them.
+/// The polygon's width over the disc's is pi / 16 / tan(pi / 16) along its axes and pi / 16 /
+/// sin(pi / 16) between them.
 #[test]
 fn the_polygon_errs_by_its_width() {
     let half_side = std::f64::consts::PI / 16.0;
@@ -73,14 +76,16 @@ fn a_spin_stops_where_the_moment_of_friction_says() {
     for step in [1e-3, 5e-4, 2.5e-4] {
         let end = end_of(Vec2::zeros(), spin, step, RapierOptions::default());
         let short = angle - end.pose.heading;
-        // Rapier turns by atan(h omega) where h omega is meant: (h omega)^3 / 3 less a step, in the mean over the stop half of (h omega)^2 / 3.
+        // Rapier turns by atan(h omega) where h omega is meant: (h omega)^3 / 3 less a step, in the
+        // mean over the stop half of (h omega)^2 / 3.
         let linearised = angle * (step * spin).powi(2) / 6.0;
         assert!((short - spin * step / 2.0 - linearised).abs() < 0.13 * deceleration * step * step, "{step}: {short}");
         assert!(end.pose.position.norm() < 1e-16);
     }
 }
 
-/// Slide and spin on a tripod (extrapolated to 14 digits by an independent program), chi = 1.125, start (1, 0) and 0.3 in units of a and sqrt(mu g a): one support is caught on the way.
+/// Slide and spin on a tripod (extrapolated to 14 digits by an independent program), chi = 1.125,
+/// start (1, 0) and 0.3 in units of a and sqrt(mu g a): one support is caught on the way.
 #[test]
 fn slide_and_spin_converge_to_the_known_end() {
     let system = paper_body();
@@ -98,7 +103,8 @@ fn slide_and_spin_converge_to_the_known_end() {
     let (coarse, fine) = (end(2e-3), end(1e-3));
     for i in 0..3 {
         let (far, near) = (coarse[i] - known[i], fine[i] - known[i]);
-        // First order: halving the step halves the error, up to the place of the stop within a step.
+        // First order: halving the step halves the error, up to the place of the stop within a
+        // step.
         assert!((far / near - 2.0).abs() < 0.05, "{i}: {far} {near}");
         // What is left after Richardson's step is O(h^2).
         assert!((2.0 * fine[i] - coarse[i] - known[i]).abs() < 2e-6, "{i}: {}", 2.0 * fine[i] - coarse[i] - known[i]);
@@ -117,7 +123,7 @@ fn slide_and_spin_tell_the_friction_models_apart() {
     assert!(polygon.abs() < 0.001 && polygon != 0.0, "{polygon}");
     let box_friction = limit(with_friction(FrictionModel::Box)) / exact - 1.0;
     assert!((box_friction + 0.265).abs() < 0.002, "{box_friction}");
-    let as_shipped = limit(RapierOptions::as_shipped()) / exact - 1.0;
+    let as_shipped = limit(RapierOptions::engine_defaults()) / exact - 1.0;
     assert!((as_shipped + 0.265).abs() < 0.002, "{as_shipped}");
 }
 
@@ -149,7 +155,7 @@ fn a_load_without_friction_turns_on_and_its_heading_counts_whole_turns() {
     let mut system = peers_body();
     system.ground.friction_coefficient = 0.0;
     let (spin, step, duration) = (20.0, 1e-3, 2.0);
-    for settings in [EngineSettings::Recommended, EngineSettings::AsShipped] {
+    for settings in [EngineSettings::Recommended, EngineSettings::EngineDefaults] {
         let options = RapierOptions { settings, ..RapierOptions::default() };
         let mut run = backend(&system, moving(Vec2::new(0.3, 0.0), spin), step, options);
         let report = run.advance(&[], duration);
@@ -167,7 +173,8 @@ fn a_load_without_friction_turns_on_and_its_heading_counts_whole_turns() {
 fn steps_at_rest_are_skipped_and_counted() {
     let mut run = backend(&peers_body(), moving(SPEED * Vec2::x(), 0.0), 1e-3, RapierOptions::default());
     let report = run.advance(&[], 0.1);
-    // 14 steps to brake, one to stop, and up to two in which the sweeps shrink the rest of the speed.
+    // 14 steps to brake, one to stop, and up to two in which the sweeps shrink the rest of the
+    // speed.
     assert_eq!((report.n_steps, report.n_skipped, report.n_solves), (100, 84, 16));
     assert_eq!(run.friction_forces(), vec![Vec2::zeros(); 3]);
     let again = run.advance(&[], 1.0);

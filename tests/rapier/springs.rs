@@ -42,7 +42,8 @@ fn one_step_shows_mass_inertia_and_implicit_stiffness() {
     }
 }
 
-/// Without friction and with dashpots the load comes to rest where the exact law says: any bias of the joints would show.
+/// Without friction and with dashpots the load comes to rest where the exact law says: any bias of
+/// the joints would show.
 #[test]
 fn a_damped_load_settles_where_the_exact_law_balances() {
     for springs in [SpringModel::Joint, SpringModel::Aggregate] {
@@ -54,8 +55,9 @@ fn a_damped_load_settles_where_the_exact_law_balances() {
         tips.iter().enumerate().for_each(|(spring, tip)| run.attach(spring, *tip));
         run.advance(&tips, 10.0);
         let (force, torque) = total_pull(&*run, &tips);
-        // The load stops for good where h v is below half an ulp of its position, 3e-17 m at 0.3 m: the dashpots, 0.065 N s/m each, hold three
-        // times 2e-15 N against that. Forces are near 1e-2 N; moments have arms of 0.4 m.
+        // The load stops for good where h v is below half an ulp of its position, 3e-17 m at 0.3 m:
+        // the dashpots, 0.065 N s/m each, hold three times 2e-15 N against that. Forces are near
+        // 1e-2 N; moments have arms of 0.4 m.
         assert!(force.norm() < 1e-14 && torque.abs() < 1e-15, "{force} {torque}");
         assert!(run.pull(0).norm() > 1e-3);
         assert!(run.energy().kinetic < 1e-25);
@@ -83,7 +85,8 @@ fn at_rest_friction_balances_the_exact_law() {
     }
 }
 
-/// The logarithmic decrement of a damped spring is that of its dashpot and of implicit Euler's w h / 2.
+/// The logarithmic decrement of a damped spring is that of its dashpot and of implicit Euler's w h
+/// / 2.
 #[test]
 fn damping_decays_as_its_ratio_says() {
     let mut system = peers_body();
@@ -98,7 +101,8 @@ fn damping_decays_as_its_ratio_says() {
     run.advance(&[tip], 3.0 * period);
     let left = (tip - run.motion().pose.position).x / tip.x;
     let expected = (-(ratio + 0.5 * frequency * step) * frequency * 3.0 * period).exp();
-    // Implicit Euler's next term is of order (w h)^2 over 18.8 rad; the phase at the crest enters by its square.
+    // Implicit Euler's next term is of order (w h)^2 over 18.8 rad; the phase at the crest enters
+    // by its square.
     assert!((left / expected - 1.0).abs() < 1e-3, "{left} {expected}");
     let ledger = run.energy();
     assert!(ledger.damping > 0.8 * ledger.tip_work * (1.0 - left * left) && ledger.damping < ledger.tip_work);
@@ -115,14 +119,17 @@ fn dashpots_do_not_brake_a_load_that_goes_along() {
     let velocity = Vec2::new(0.04, 0.01);
     let tips: Vec<Vec2> = rest.iter().map(|tip| tip + 5.0 * velocity).collect();
     run.advance(&tips, 5.0);
-    // After 5 s at w zeta near 20 / s every transient of the start is gone. Tips at 0.2 m round to 3e-17 m a step, 3e-14 m/s.
+    // After 5 s at w zeta near 20 / s every transient of the start is gone. Tips at 0.2 m round to
+    // 3e-17 m a step, 3e-14 m/s.
     assert!((run.motion().twist.linear - velocity).norm() < 1e-12);
-    // Dashpots against the ground would hold 1.4e-3 N. Tips are 41 um ahead of the load when a step asks for its forces; of that the law's
-    // curvature leaves a share of (v h / l)^2 = 2e-6 twice, less what cancels around the ring.
+    // Dashpots against the ground would hold 1.4e-3 N. Tips are 41 um ahead of the load when a step
+    // asks for its forces; of that the law's curvature leaves a share of (v h / l)^2 = 2e-6 twice,
+    // less what cancels around the ring.
     assert!(run.pull(0).norm() < 1e-10, "{}", run.pull(0));
 }
 
-/// The folded joint has the slope and the force of all springs, so only rounding and the last sweep part the two.
+/// The folded joint has the slope and the force of all springs, so only rounding and the last sweep
+/// part the two.
 #[test]
 fn one_joint_for_all_springs_moves_as_a_joint_for_each() {
     let mut n_parted = 0;
@@ -135,8 +142,8 @@ fn one_joint_for_all_springs_moves_as_a_joint_for_each() {
             run.motion().pose
         });
         let gap = (ends[0].position - ends[1].position).norm();
-        // Sweeps end near 1e-15 of the forces but for a few steps in which the load turns about one support: there at 1e-4 of 30 mN, which shifts
-        // 1.6 g by 2e-9 m in 1 ms.
+        // Sweeps end near 1e-15 of the forces but for a few steps in which the load turns about one
+        // support: there at 1e-4 of 30 mN, which shifts 1.6 g by 2e-9 m in 1 ms.
         assert!(gap < 2e-9, "{n_springs}: {gap}");
         assert!(ends[0].position.norm() > 1e-4, "{}", ends[0].position);
         n_parted += u32::from(ends[0] != ends[1]);
@@ -145,8 +152,8 @@ fn one_joint_for_all_springs_moves_as_a_joint_for_each() {
     assert!(n_parted >= 2, "{n_parted}");
 }
 
-/// Centre pull, x = v t' - (v / w) sin(w t') after the slip at t*; the ripple decays by implicit Euler's w h / 2, and the lag behind the
-/// quasi-static path is v / w = 0.245 mm at the crests.
+/// Centre pull, x = v t' - (v / w) sin(w t') after the slip at t*; the ripple decays by implicit
+/// Euler's w h / 2, and the lag behind the quasi-static path is v / w = 0.245 mm at the crests.
 #[test]
 fn a_pull_through_the_centre_slips_on_time_and_ripples() {
     let mut system = peers_body();
@@ -173,20 +180,23 @@ fn a_pull_through_the_centre_slips_on_time_and_ripples() {
             }
         }
         assert!(creep < 1e-17, "{creep}");
-        // The first crest of the ripple comes after a quarter of a period with three quarters behind: e^(-3/4 pi w h) of it at most is left.
+        // The first crest of the ripple comes after a quarter of a period with three quarters
+        // behind: e^(-3/4 pi w h) of it at most is left.
         assert!(ripple < lag && ripple > lag * (-0.75 * std::f64::consts::PI * frequency * step).exp() * 0.99, "{ripple}");
-        // What damping does not explain is the place of the slip within a step: at most v / 2 of its length, and the next order.
+        // What damping does not explain is the place of the slip within a step: at most v / 2 of
+        // its length, and the next order.
         assert!(error < 0.5 * speed * step + 0.5 * lag * (frequency * step), "{step}: {error}");
     }
 }
 
-/// What most people would write creeps and slips early, as shipped: the baseline is a bad one and stays so.
+/// What most people would write creeps and slips early, as shipped: the baseline is a bad one and
+/// stays so.
 #[test]
 fn as_shipped_a_pull_through_the_centre_creeps() {
     let mut system = peers_body();
     system.springs = vec![isotropic(Vec2::zeros())];
-    let mut run = backend(&system, at_rest(Pose::new(0.0, 0.0, 0.0)), 1e-3, RapierOptions::as_shipped());
-    assert_eq!(RapierOptions::as_shipped().settings, EngineSettings::AsShipped);
+    let mut run = backend(&system, at_rest(Pose::new(0.0, 0.0, 0.0)), 1e-3, RapierOptions::engine_defaults());
+    assert_eq!(RapierOptions::engine_defaults().settings, EngineSettings::EngineDefaults);
     run.attach(0, Vec2::zeros());
     let tip = Vec2::new(0.9 * SLIP_LIMIT / STIFFNESS, 0.0);
     let report = run.advance(&[tip], 6.0);
@@ -200,7 +210,8 @@ fn ring(n: usize, damping_ratio: f64) -> System {
     System { springs: springs.collect(), ..paper_body() }
 }
 
-/// Sweeps over a hundred damped springs do not end, and the report says so; over the one joint in their place they do.
+/// Sweeps over a hundred damped springs do not end, and the report says so; over the one joint in
+/// their place they do.
 #[test]
 fn many_damped_springs_need_the_one_joint() {
     let system = ring(100, 0.3);

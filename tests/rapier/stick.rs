@@ -10,12 +10,14 @@ use crate::scenes::{SLIP_LIMIT, at_rest, backend, isotropic, paper_body, polar, 
 /// Distance of the supports from the centre of the paper's load (m).
 const A: f64 = 2.0 * 0.0122 / 3.0;
 
-/// Where the load is after `duration` (s) under a spring at `arm` (m) along the first support, drawn across it by `share` of the exact slip force.
+/// Where the load is after `duration` (s) under a spring at `arm` (m) along the first support,
+/// drawn across it by `share` of the exact slip force.
 fn pulled_aside(arm: f64, share: f64, duration: f64, options: RapierOptions) -> (Motion, Motion, f64) {
     let start = at_rest(Pose::new(0.03, -0.02, 0.7));
     let toward_support = Vec2::y();
     let system = System { springs: vec![isotropic(arm * toward_support)], ..paper_body() };
-    // Onset of slip under an off-centre force: F* / f = a (b + a) / (b^2 + a b + a^2) with a support on the line from the centre to the pull.
+    // Onset of slip under an off-centre force: F* / f = a (b + a) / (b^2 + a b + a^2) with a
+    // support on the line from the centre to the pull.
     let slip_force = SLIP_LIMIT * A * (arm + A) / (arm * arm + A * arm + A * A);
     let stretch = share * slip_force / 0.664;
     let across = perpendicular(&direction(start.pose.heading + std::f64::consts::FRAC_PI_2));
@@ -44,7 +46,8 @@ fn a_load_below_its_limit_does_not_creep_in_a_minute() {
     }
 }
 
-/// Ten damped springs, in one joint or in ten: the engine's sweeps over them do not end in 24, but each ends with the hold.
+/// Ten damped springs, in one joint or in ten: the engine's sweeps over them do not end in 24, but
+/// each ends with the hold.
 #[test]
 fn many_damped_springs_do_not_make_it_creep() {
     for springs in [SpringModel::Joint, SpringModel::Aggregate] {
@@ -80,7 +83,8 @@ fn a_hair_below_the_limit_it_sticks_and_a_hair_above_it_slides() {
         // Every support near its limit, none above it.
         assert!(largest <= SLIP_LIMIT / 3.0 * (1.0 + 1e-12) && largest > 0.999 * SLIP_LIMIT / 3.0);
         let (start, end, _) = pulled_aside(arm, 1.0 + 1e-3, 1.0, RapierOptions::default());
-        // Released at F0 it moves by (F0 - f) / k to twice that: 33 mm times a thousandth at the centre.
+        // Released at F0 it moves by (F0 - f) / k to twice that: 33 mm times a thousandth at the
+        // centre.
         assert!(distance(&start, &end) > 5e-6 && distance(&start, &end) < 1e-4, "{arm}: {}", distance(&start, &end));
     }
 }

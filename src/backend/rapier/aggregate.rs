@@ -1,7 +1,8 @@
-//! All held springs as one joint: at their centre of stiffness the resistance to shifting and to turning part, so that three axes carry all.
-//!
-//! With `S = K + D / h = [[A, b], [b', c]]` over (velocity, turn rate), the velocity of the point at the arm a is `v + omega J a`, and S has no
-//! coupling in its terms for `J a = A^-1 b`. What is left is A, along its own axes, and `c - b' A^-1 b` against turning.
+//! All attached springs as one joint. At their centre of stiffness, shifts and turns are not
+//! coupled, so that three axes are enough. With `S = K + D / h = [[A, b], [b', c]]` over (velocity,
+//! turn rate), the velocity of the point at the arm a is `v + omega J a`. In terms of that velocity
+//! S has no coupling for `J a = A^-1 b`. The joint has A along its own axes, and `c - b' A^-1 b`
+//! against turning.
 
 use nalgebra::SymmetricEigen;
 
@@ -9,10 +10,11 @@ use super::joints::{AxisLaw, SpringJoint};
 use super::springs::SpringSum;
 use crate::math::{Mat2, Mat3, Vec2, Vec3, perpendicular};
 
-/// Axes softer than this share of the stiffest do not shift the centre: their part of `A^-1 b` would be rounding over rounding.
+/// Stiffness over the largest one below which an axis does not shift the centre (1): its part of
+/// `A^-1 b` would be rounding over rounding.
 const SOFTEST: f64 = 1e-12;
 
-/// One joint that does to the load what the springs of `sum` do in a step of `duration` (s).
+/// One joint with the effect of the springs of `sum` in a step of `duration` (s).
 pub fn fold(sum: &SpringSum, duration: f64) -> SpringJoint {
     let slope = sum.stiffness + sum.damping / duration;
     let linear: Mat2 = slope.fixed_view::<2, 2>(0, 0).into();
@@ -35,7 +37,7 @@ pub fn fold(sum: &SpringSum, duration: f64) -> SpringJoint {
     }
 }
 
-/// What the springs do against the twist `unit` and along it.
+/// Law of the springs along the twist `unit`.
 fn axis_law(sum: &SpringSum, unit: &Vec3) -> AxisLaw {
     let form = |matrix: &Mat3| unit.dot(&(matrix * unit));
     AxisLaw { stiffness: form(&sum.stiffness).max(0.0), damping: form(&sum.damping).max(0.0), force: unit.dot(&sum.wrench) }
@@ -51,7 +53,7 @@ mod tests {
         SpringJoint { arm, direction: direction(bearing), axes: [Some(law(0.7, 0.02)), across.map(|k| law(k, -0.004))], turning: None }
     }
 
-    /// Slope and wrench of the folded joint, worked out from its own numbers as the engine does.
+    /// Slope and wrench of the folded joint, computed from its numbers as in the engine.
     fn sum_of(joint: &SpringJoint) -> SpringSum {
         let mut sum = SpringSum::of(std::slice::from_ref(joint));
         let turning = joint.turning.unwrap();

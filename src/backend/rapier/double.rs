@@ -1,11 +1,12 @@
-//! The engine in f64: the text of `world.rs` over `rapier2d_f64`.
+//! The engine in double precision: `world.rs` with `rapier2d_f64`.
 
 pub(super) use rapier2d_f64 as engine;
 
-/// Floating point of this engine.
+/// Floating-point type of this engine.
 pub(super) type Real = f64;
 
-// The same file is read once per precision: the two crates share no types, and a macro or a copy would be harder to read.
+// The file is included once per precision: the two crates share no types, and a macro or a copy
+// would be harder to read.
 #[allow(clippy::duplicate_mod)]
 #[path = "world.rs"]
 mod world;

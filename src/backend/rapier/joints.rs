@@ -1,30 +1,30 @@
-//! What a step asks of the engine, as plain data in f64 and world axes: the cut at which rapier ends.
+//! Input and output of an engine step as plain data in f64 and world axes: the interface to rapier.
 
 use serde::{Deserialize, Serialize};
 
 use crate::backend::Motion;
 use crate::math::{Pose, Twist, Vec2, Vec3, Wrench, direction, perpendicular, unwrap_near};
 
-/// One axis of a spring joint. With v the speed of the load along the axis, the engine applies `force - (h k + d) v` to the load, so that a
-/// positive stiffness makes the step implicit.
+/// One axis of a spring joint. With v the speed of the load along the axis, the engine applies
+/// `force - (h k + d) v` to the load, so that a positive stiffness makes the step implicit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLaw {
-    /// k (N/m, or N m/rad about the point).
+    /// Stiffness k (N/m, or N m/rad about the point).
     pub stiffness: f64,
-    /// d (N s/m, or N m s/rad).
+    /// Damping d (N s/m, or N m s/rad).
     pub damping: f64,
-    /// Force on a load that does not move in this step (N, or N m).
+    /// Force on a load at rest (N, or N m).
     pub force: f64,
 }
 
-/// A spring between the load and a point of the world.
+/// A joint between the load and a point of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringJoint {
-    /// Where the force acts, from the load's origin (m).
+    /// Point where the force acts, from the load's origin (m).
     pub arm: Vec2,
     /// Unit vector of the first axis; the second is a quarter turn on.
     pub direction: Vec2,
-    /// Laws of both axes.
+    /// Laws of the two axes.
     pub axes: [Option<AxisLaw>; 2],
     /// Law of the turn about the point.
     pub turning: Option<AxisLaw>,
@@ -52,37 +52,41 @@ impl SpringJoint {
     }
 }
 
-/// Friction under one support along one or two axes, or the hold of a load that sticks.
+/// Friction under one support along one or two axes, or the joint that stops a load that sticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
     /// Index in [`crate::model::Ground::supports`].
     pub support: usize,
-    /// Where the force acts in the load's frame (m).
+    /// Point where the force acts, in the load's frame (m).
     pub offset: Vec2,
     /// Unit vector of the first axis; the second is a quarter turn on.
     pub direction: Vec2,
-    /// Largest force along each axis (N); infinite holds, zero leaves the axis out.
+    /// Largest force along each axis (N). An infinite limit stops the load, zero removes the axis.
     pub limits: [f64; 2],
-    /// Largest moment against turning (N m), likewise.
+    /// Largest moment against turning (N m). An infinite limit stops the load, zero removes the
+    /// axis.
     pub turning_limit: f64,
-    /// Force on the load (N, world) where all supports stick and the engine's own distribution over them means nothing.
+    /// Force on the load where all supports stick, in place of the engine's arbitrary distribution
+    /// (N, world).
     pub stuck_force: Option<Vec2>,
 }
 
-/// Everything that rapier keeps of the load from one step to the next. Its numbers are the engine's own, so f64 holds them exactly.
+/// State of the load that rapier keeps from step to step. The numbers of the engine fit into f64
+/// exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyState {
-    /// (m)
+    /// Position (m).
     pub position: Vec2,
     /// Cosine and sine of the heading.
     pub rotation: Vec2,
-    /// (m/s)
+    /// Velocity (m/s).
     pub velocity: Vec2,
-    /// (rad/s)
+    /// Turn rate (rad/s).
     pub turn_rate: f64,
 }
 
 impl BodyState {
+    /// State of a load with this motion.
     pub fn of(motion: &Motion) -> Self {
         BodyState {
             position: motion.pose.position,
@@ -92,17 +96,19 @@ impl BodyState {
         }
     }
 
-    /// The engine knows a heading up to whole turns; `heading_near` counts them.
+    /// Motion of the load. The engine's heading is known up to whole turns; `heading_near` decides
+    /// between them.
     pub fn motion(&self, heading_near: f64) -> Motion {
         self.motion_at(unwrap_near(self.rotation.y.atan2(self.rotation.x), heading_near))
     }
 
-    /// With a heading that is known already.
+    /// Motion of the load with this `heading` (rad).
     pub fn motion_at(&self, heading: f64) -> Motion {
         Motion { pose: Pose { position: self.position, heading }, twist: Twist { linear: self.velocity, angular: self.turn_rate } }
     }
 
-    /// The rotation with the rounding of its length taken out, which in f32 is 1e-7.
+    /// Unit vector of the load's x axis. In f32 the length of the rotation differs from one by
+    /// 1e-7.
     pub fn facing(&self) -> Vec2 {
         self.rotation / self.rotation.norm()
     }
@@ -112,18 +118,20 @@ impl BodyState {
     }
 }
 
-/// A world of rapier with one load in it.
+/// A world of rapier with one load.
 pub trait Engine {
+    /// State of the load.
     fn body(&self) -> BodyState;
 
-    /// Starts from a fresh world with the load in this state and room for so many joints. What follows depends on nothing that was before.
+    /// Starts a new world with the load in this state and with these numbers of joints. No earlier
+    /// step affects it.
     fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize);
 
-    /// Sets all joints and moves the load over `duration` (s), under the wrench `push` about its origin (N, N, N m) as well. The answer no says that
-    /// the engine found no finite state.
+    /// Sets all joints and moves the load for `duration` (s), with an additional wrench `push`
+    /// about its origin (N, N, N m). Returns `false` when the engine found no finite state.
     fn step(&mut self, duration: f64, friction: &[FrictionJoint], springs: &[SpringJoint], push: Option<&Vec3>) -> bool;
 
-    /// Force (N, world) of a friction joint on the load, and its moment about where it acts (N m), in the last step; in that step's last substep,
-    /// when the engine makes several.
+    /// Force of a friction joint on the load (N, world) and its moment about the point where it
+    /// acts (N m) in the last substep.
     fn friction_wrench(&self, joint: usize) -> Wrench;
 }

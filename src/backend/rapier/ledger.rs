@@ -1,78 +1,69 @@
-//! The energy of one step: what friction, dashpots and tips did.
+//! Energy of one step: what friction, dashpots and tips did.
 //!
-//! Quadratures. Friction: minus force times `h v` at the support's arm at the start of the step, the slip that the engine's solver saw; the
-//! true slip differs by O(h^2 omega^2) and would give a support that the load turns about a spurious sign. Dashpots: force times `h` times
-//! their rate of deformation at the end of the step in the geometry of its start. Tips: trapezoid of the law's force, and at a load that stood what
-//! the springs have got, which is exact; plus the dashpots' force of the step. With these the defect of a step is `-1/2 dv' M dv - 1/2 h^2 v' K v` (numerical damping of implicit Euler) and terms of O(h^3).
-
-use serde::{Deserialize, Serialize};
+//! - Friction: minus the force times `h v` at the support's arm at the start of the step, the slip
+//!   of the engine's solver. The true slip differs by O(h^2 omega^2), and would give a support that
+//!   the load turns about a wrong sign.
+//! - Dashpots: the force times `h` times the rate of deformation at the end of the step, in the
+//!   geometry of its start.
+//! - Tips: the trapezoid rule with the force of the law, plus the dashpots' force of the step. For
+//!   a load at rest it is the energy that the springs gained, which is exact.
+//!
+//! With these the defect of a step is `-1/2 dv' M dv - 1/2 h^2 v' K v`, the numerical damping of
+//! implicit Euler, and terms of O(h^3).
 
 use super::joints::SpringJoint;
 use super::springs::turned;
 use super::step::Step;
+use crate::backend::EnergyLedger;
 use crate::math::{Vec2, perpendicular};
 use crate::model::Load;
 
-/// Energy that went somewhere so far (J); see [`crate::backend::EnergyLedger`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Books {
-    pub friction: f64,
-    pub damping: f64,
-    pub released: f64,
-    pub tip_work: f64,
-    pub initial: f64,
-    pub numerical_damping: f64,
+/// Adds the losses of friction in a step, and the part of the change of motion of `load` that
+/// neither friction nor springs explain.
+pub fn add_friction(ledger: &mut EnergyLedger, load: &Load, step: &Step) {
+    let before = ledger.friction;
+    for (joint, wrench) in step.friction.iter().zip(step.wrenches) {
+        let slip_velocity = step.end.twist.velocity_at(&turned(&step.facing, &joint.offset));
+        ledger.friction -= step.duration * (wrench.force.dot(&slip_velocity) + wrench.torque * step.end.twist.angular);
+    }
+    let [start, end] = [&step.start, &step.end].map(|motion| load.kinetic_energy(&motion.twist));
+    ledger.numerical_damping -= ledger.friction - before + end - start;
 }
 
-impl Books {
-    pub fn is_finite(&self) -> bool {
-        [self.friction, self.damping, self.released, self.tip_work, self.initial, self.numerical_damping].iter().all(|v| v.is_finite())
-    }
-
-    /// Books friction, and what it and the change of motion of `load` leave to be explained.
-    pub fn add_friction(&mut self, load: &Load, step: &Step) {
-        let before = self.friction;
-        for (joint, wrench) in step.friction.iter().zip(step.wrenches) {
-            let slip_velocity = step.end.twist.velocity_at(&turned(&step.facing, &joint.offset));
-            self.friction -= step.duration * (wrench.force.dot(&slip_velocity) + wrench.torque * step.end.twist.angular);
+/// Adds dashpots and tips of a step, and writes the force of each attached spring's dashpots on its
+/// tip to `on_tips` (N, world).
+pub fn add_springs(ledger: &mut EnergyLedger, step: &Step, on_tips: &mut Vec<Vec2>) {
+    let is_at_rest = step.start.pose == step.end.pose;
+    let (shift, turn) = (step.end.pose.position - step.start.pose.position, step.end.pose.heading - step.start.pose.heading);
+    let [before, after] = step.springs;
+    on_tips.clear();
+    for (at, joint) in step.joints.iter().enumerate() {
+        let (tip_shift, [before, after]) = (step.to[at].tip - step.from[at].tip, [&before[at], &after[at]]);
+        if is_at_rest {
+            ledger.tip_work += after.energy - before.energy;
+        } else {
+            ledger.tip_work += 0.5 * (before.pull + after.pull).dot(&tip_shift);
+            let shift_at = |tip: &Vec2, origin: &Vec2| shift + turn * perpendicular(&(tip - origin));
+            ledger.numerical_damping += 0.5
+                * (before.pull.dot(&shift_at(&step.from[at].tip, &step.start.pose.position))
+                    + after.pull.dot(&shift_at(&step.to[at].tip, &step.end.pose.position)));
         }
-        let [start, end] = [&step.start, &step.end].map(|motion| load.kinetic_energy(&motion.twist));
-        self.numerical_damping -= self.friction - before + end - start;
+        on_tips.push(add_dashpots(ledger, step, joint, &tip_shift));
     }
+}
 
-    /// Books dashpots and tips, and leaves the force of each held spring's dashpots on its tip in `on_tips` (N, world).
-    pub fn add_springs(&mut self, step: &Step, on_tips: &mut Vec<Vec2>) {
-        let stands = step.start.pose == step.end.pose;
-        let (way, turn) = (step.end.pose.position - step.start.pose.position, step.end.pose.heading - step.start.pose.heading);
-        let [before, after] = step.strands;
-        on_tips.clear();
-        for (at, joint) in step.springs.iter().enumerate() {
-            let (shift, [before, after]) = (step.to[at].tip - step.from[at].tip, [&before[at], &after[at]]);
-            if stands {
-                self.tip_work += after.energy - before.energy;
-            } else {
-                self.tip_work += 0.5 * (before.pull + after.pull).dot(&shift);
-                let way_at = |tip: &Vec2, origin: &Vec2| way + turn * perpendicular(&(tip - origin));
-                self.numerical_damping += 0.5
-                    * (before.pull.dot(&way_at(&step.from[at].tip, &step.start.pose.position))
-                        + after.pull.dot(&way_at(&step.to[at].tip, &step.end.pose.position)));
-            }
-            on_tips.push(self.add_dashpots(step, joint, &shift));
-        }
+/// Adds the dashpots of a spring, and returns their force on its tip, whose displacement is
+/// `tip_shift` (m) (N, world).
+fn add_dashpots(ledger: &mut EnergyLedger, step: &Step, joint: &SpringJoint, tip_shift: &Vec2) -> Vec2 {
+    if !joint.is_damped() {
+        return Vec2::zeros();
     }
-
-    /// Force of a spring's dashpots on its tip (N, world), whose way is `shift` (m).
-    fn add_dashpots(&mut self, step: &Step, joint: &SpringJoint, shift: &Vec2) -> Vec2 {
-        if !joint.is_damped() {
-            return Vec2::zeros();
-        }
-        let rate_for = |velocity: Vec2| shift / step.duration - velocity;
-        let rate = rate_for(step.end.twist.velocity_at(&joint.arm));
-        let rate_seen = rate_for(step.damped_twist().velocity_at(&joint.arm));
-        let on_load = joint.force(|law, axis| law.damping * rate_seen.dot(axis));
-        self.tip_work += on_load.dot(shift);
-        self.damping += on_load.dot(&rate) * step.duration;
-        self.numerical_damping += on_load.dot(&(shift - rate * step.duration));
-        -on_load
-    }
+    let rate_for = |velocity: Vec2| tip_shift / step.duration - velocity;
+    let rate = rate_for(step.end.twist.velocity_at(&joint.arm));
+    let rate_in_engine = rate_for(step.damped_twist().velocity_at(&joint.arm));
+    let on_load = joint.force(|law, axis| law.damping * rate_in_engine.dot(axis));
+    ledger.tip_work += on_load.dot(tip_shift);
+    ledger.damping += on_load.dot(&rate) * step.duration;
+    ledger.numerical_damping += on_load.dot(&(tip_shift - rate * step.duration));
+    -on_load
 }

@@ -1,4 +1,4 @@
-//! How far the engine's sweeps ended from the solution of the step it was asked.
+//! Residual of the engine's solver: violation of the equations of a step.
 
 use super::joints::FrictionJoint;
 use super::springs::turned;
@@ -7,10 +7,11 @@ use crate::math::{Twist, Vec2, Vec3, perpendicular};
 use crate::model::Load;
 use crate::model::support::wrench_of;
 
-/// Largest violation of the step's equations, relative to the forces in them, `slip_limit` (N) of all supports together among them (1).
-///
-/// The sweeps keep the balance of each impulse with the twist exactly, so what is left shows in two places: springs whose force belongs
-/// to an older twist, seen as a gap in the balance of all forces, and supports that slip below their limit.
+/// Largest violation of the equations of a step, relative to the forces in them (1). The sum of all
+/// slip limits, `slip_limit` (N), is one of these forces. The iterations keep each impulse in
+/// balance with the twist. The rest of the error has two forms: springs whose force belongs to an
+/// older twist, which leaves a gap in the balance of all forces, and supports that slip below their
+/// limit.
 pub fn residual(load: &Load, slip_limit: f64, step: &Step) -> f64 {
     let mut gap = balance_without_friction(load, step);
     let gyration = (load.inertia / load.mass).sqrt();
@@ -28,7 +29,7 @@ pub fn residual(load: &Load, slip_limit: f64, step: &Step) -> f64 {
     relative(worst, slip_limit + step.sum.force_scale)
 }
 
-/// `violation` (N) over `forces` (N). Where there are none, nothing is violated or all is: one.
+/// `violation` (N) over `forces` (N). Without forces it is zero for no violation, and else one.
 fn relative(violation: f64, forces: f64) -> f64 {
     let ratio = violation / forces;
     match () {
@@ -38,7 +39,7 @@ fn relative(violation: f64, forces: f64) -> f64 {
     }
 }
 
-/// `M (v - v_n) / h - W + (h K + D) v` (N, N, N m).
+/// Imbalance without friction, `M (v - v_n) / h - W + (h K + D) v` (N, N, N m).
 fn balance_without_friction(load: &Load, step: &Step) -> Vec3 {
     let (before, after) = (column(&step.start.twist), column(&step.end.twist));
     let inertia = Vec3::new(load.mass, load.mass, load.inertia);
@@ -46,13 +47,13 @@ fn balance_without_friction(load: &Load, step: &Step) -> Vec3 {
     inertia.component_mul(&(after - before)) / step.duration - step.sum.wrench + slope * after
 }
 
-/// Force by which a support's forces miss Coulomb's law along its axes (N): the change that its `slip` (m/s) asks for and the limits allow.
-/// `rate` (N s/m) turns slip into force.
+/// Violation of Coulomb's law by the force of a support along its axes: the change of force that
+/// its `slip` (m/s) requires and its limits allow. `rate` (N s/m) converts slip to force (N).
 fn slip_below_limit(joint: &FrictionJoint, slip: &Vec2, force: &Vec2, rate: f64) -> f64 {
     let axes = [joint.direction, perpendicular(&joint.direction)];
     let misses = axes.iter().zip(joint.limits).map(|(axis, limit)| {
         let along = force.dot(axis);
-        // Not `clamp`, which ends the program where a limit is no number.
+        // Not `clamp`, which panics where a limit is not a number.
         (along - (along - rate * slip.dot(axis)).min(limit).max(-limit)).abs()
     });
     misses.fold(0.0, f64::max)
@@ -66,7 +67,8 @@ fn column(twist: &Twist) -> Vec3 {
 mod tests {
     use super::relative;
 
-    /// A load without friction and springs that the engine slows down all the same, as its largest speed as shipped does, has a residual of one.
+    /// A load without friction and springs has a residual of one when the engine slows it down, as
+    /// the default largest speed does.
     #[test]
     fn without_any_force_a_residual_has_a_value() {
         assert_eq!([relative(0.0, 0.0), relative(1e-3, 0.0), relative(1e3, 1e-307), relative(1e-3, 2e-3)], [0.0, 1.0, 1.0, 0.5]);

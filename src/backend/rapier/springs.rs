@@ -1,8 +1,11 @@
-//! Held springs as joints: the exact force of the law at the pose of the load, and a positive stiffness around it.
+//! Attached springs as joints: the exact force of the law at the pose of the load, and a positive
+//! stiffness around it.
 //!
-//! Along the spring the length grows at the rate -e_r . v and the force by k_r times that; across it the swing grows at -e_t . v / l and the
-//! force by k_t / l^2 times e_t . v, with v the velocity of the load's material point at the tip. What is left of the second derivative of the
-//! energy turns the force with the frame; it has no sign, so the engine does not get it, and the frames are set anew in every step instead.
+//! Along the spring the length grows at the rate -e_r . v, and the force by k_r times that. Across
+//! it the swing grows at -e_t . v / l, and the force by k_t / l^2 times e_t . v. Here v is the
+//! velocity of the load's material point at the tip. The rest of the second derivative of the
+//! energy turns the force with the frame. It is indefinite, so the engine does not get it; the
+//! frames are set anew in every step instead.
 
 use super::joints::{AxisLaw, SpringJoint};
 use crate::backend::springs::Attachment;
@@ -11,9 +14,9 @@ use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::support::wrench_of;
 use crate::model::{PolarSpring, SpringShape, System};
 
-/// A spring with all that does not change in a run worked out.
+/// A spring with all quantities that do not change during a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Anchor {
+pub struct PreparedSpring {
     spring: PolarSpring,
     /// Cosine and sine of the bearing.
     bearing: Vec2,
@@ -23,37 +26,39 @@ pub struct Anchor {
     damping: (f64, f64),
 }
 
-/// A held spring as a finished step left it.
+/// State of an attached spring at one pose of the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strand {
+pub struct SpringState {
     /// Force of the spring on the load (N, world).
     pub pull: Vec2,
-    /// (J)
+    /// Elastic energy (J).
     pub energy: f64,
-    /// (rad)
+    /// Swing (rad).
     pub swing: f64,
 }
 
-impl Anchor {
+impl PreparedSpring {
+    /// All springs of `system`.
     pub fn of(system: &System) -> Vec<Self> {
-        let anchor = |spring: &PolarSpring| {
+        let prepared = |spring: &PolarSpring| {
             let bearing = direction(spring.bearing);
             Self { spring: *spring, bearing, root: seen_from(&bearing, &spring.root), damping: system.dashpot(spring) }
         };
-        system.springs.iter().map(anchor).collect()
+        system.springs.iter().map(prepared).collect()
     }
 
-    /// The spring between `grip` and a load at `position` whose x axis points along the unit vector `facing`.
-    pub fn strand(&self, grip: &Attachment, position: &Vec2, facing: &Vec2) -> Strand {
+    /// State of the spring with a load at `position` (m) whose x axis points along the unit vector
+    /// `facing`.
+    pub fn state(&self, attachment: &Attachment, position: &Vec2, facing: &Vec2) -> SpringState {
         let turn = turned(facing, &self.bearing);
-        let shape = self.shape(grip, position, &turn);
-        Strand { pull: turned(&turn, &self.spring.pull_in_root(&shape)), energy: self.spring.energy(&shape), swing: shape.swing }
+        let shape = self.shape(attachment, position, &turn);
+        SpringState { pull: turned(&turn, &self.spring.pull_in_root(&shape)), energy: self.spring.energy(&shape), swing: shape.swing }
     }
 
-    /// The same spring as a joint, its tip at `grip` after a motion at `tip_velocity` (m/s).
-    pub fn joint(&self, grip: &Attachment, tip_velocity: &Vec2, position: &Vec2, facing: &Vec2) -> SpringJoint {
+    /// The spring as a joint, whose tip has arrived with `tip_velocity` (m/s).
+    pub fn joint(&self, attachment: &Attachment, tip_velocity: &Vec2, position: &Vec2, facing: &Vec2) -> SpringJoint {
         let turn = turned(facing, &self.bearing);
-        let shape = self.shape(grip, position, &turn);
+        let shape = self.shape(attachment, position, &turn);
         let is_short = shape.length <= SHORTEST_LENGTH * self.spring.rest_length;
         let radial = turned(&turn, &if is_short { direction(shape.swing) } else { shape.tip_in_root / shape.length });
         let pull = turned(&turn, &self.spring.pull_in_root(&shape));
@@ -63,22 +68,22 @@ impl Anchor {
             (stiffness > 0.0).then_some(AxisLaw { stiffness, damping, force })
         };
         SpringJoint {
-            arm: grip.tip - position,
+            arm: attachment.tip - position,
             direction: radial,
             axes: [law(along, &radial), law(across, &perpendicular(&radial))],
             turning: None,
         }
     }
 
-    /// What [`PolarSpring::shape`] says, without a sine: `turn` is the unit vector of the root's x axis.
-    fn shape(&self, grip: &Attachment, position: &Vec2, turn: &Vec2) -> SpringShape {
-        let tip_in_root = seen_from(turn, &(grip.tip - position)) - self.root;
+    /// [`PolarSpring::shape`] without a sine: `turn` is the unit vector of the root's x axis.
+    fn shape(&self, attachment: &Attachment, position: &Vec2, turn: &Vec2) -> SpringShape {
+        let tip_in_root = seen_from(turn, &(attachment.tip - position)) - self.root;
         let length = tip_in_root.norm();
-        let swing = if length > 0.0 { unwrap_near(tip_in_root.y.atan2(tip_in_root.x), grip.swing) } else { grip.swing };
+        let swing = if length > 0.0 { unwrap_near(tip_in_root.y.atan2(tip_in_root.x), attachment.swing) } else { attachment.swing };
         SpringShape { tip_in_root, length, swing }
     }
 
-    /// Stiffness (N/m) and damping (N s/m) along and across a spring of this length.
+    /// Stiffness (N/m) and damping (N s/m), along and across a spring of this length (m).
     fn axis_rates(&self, length: f64) -> [(f64, f64); 2] {
         let (radial_damping, torsional_damping) = self.damping;
         let along = (self.spring.radial_stiffness, radial_damping);
@@ -96,21 +101,21 @@ pub fn turned(facing: &Vec2, v: &Vec2) -> Vec2 {
     Vec2::new(facing.x * v.x - facing.y * v.y, facing.y * v.x + facing.x * v.y)
 }
 
-/// `v` turned back by that angle.
+/// `v` turned back by the angle of the unit vector `facing`.
 pub fn seen_from(facing: &Vec2, v: &Vec2) -> Vec2 {
     Vec2::new(facing.x * v.x + facing.y * v.y, facing.x * v.y - facing.y * v.x)
 }
 
-/// What all spring joints together do to the load, about its origin and in world axes.
+/// Sum of all spring joints, about the load's origin and in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringSum {
-    /// K (N/m, N, N m/rad), positive semidefinite.
+    /// Stiffness K, positive semidefinite (N/m, N, N m/rad).
     pub stiffness: Mat3,
-    /// D (N s/m, N s, N m s/rad), positive semidefinite.
+    /// Damping D, positive semidefinite (N s/m, N s, N m s/rad).
     pub damping: Mat3,
-    /// W: on a load that does not move (N, N, N m).
+    /// Wrench W on a load at rest (N, N, N m).
     pub wrench: Vec3,
-    /// Sum of the sizes of the forces (N): what a residual is compared with.
+    /// Sum of the sizes of the forces, which a residual is compared with (N).
     pub force_scale: f64,
 }
 
@@ -122,6 +127,7 @@ impl SpringSum {
         force_scale: 0.0,
     };
 
+    /// Sum of joints whose forces depend on the motion of the load.
     pub fn of(joints: &[SpringJoint]) -> Self {
         let mut sum = Self::NONE;
         for joint in joints {
@@ -136,8 +142,8 @@ impl SpringSum {
         sum
     }
 
-    /// The same as a wrench that the motion of the load does not change: that of all springs at the start of a step on a load with `twist` there, its share
-    /// of the dashpots included.
+    /// Sum as a constant wrench: that of springs and dashpots at the start of a step, on a load
+    /// with `twist` there.
     pub fn explicit(joints: &[SpringJoint], twist: &Twist) -> Self {
         let mut sum = Self::NONE;
         for joint in joints {
@@ -149,7 +155,7 @@ impl SpringSum {
         sum
     }
 
-    /// Adds to the upper triangles.
+    /// Adds one axis to the upper triangles.
     fn add(&mut self, law: &AxisLaw, unit_wrench: &Vec3) {
         add_square(&mut self.stiffness, law.stiffness, unit_wrench);
         if law.damping != 0.0 {

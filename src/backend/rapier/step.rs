@@ -1,37 +1,41 @@
-//! One finished step as its readers see it: where it began and ended, what was asked and what the engine answered.
+//! One finished step: its start and end, the joints that were set, and the answer of the engine.
 
 use super::joints::{FrictionJoint, SpringJoint};
-use super::springs::{SpringSum, Strand};
+use super::springs::{SpringState, SpringSum};
 use crate::backend::Motion;
 use crate::backend::springs::Attachment;
 use crate::math::{Twist, Vec2, Wrench};
 
+/// One finished step. All lists of springs have the order of the attachments.
 pub struct Step<'a> {
-    /// (s)
+    /// Duration of the step (s).
     pub duration: f64,
+    /// Motion at the start.
     pub start: Motion,
+    /// Motion at the end.
     pub end: Motion,
     /// Unit vector of the load's x axis at the start.
     pub facing: Vec2,
-    /// The held springs with their tips at the start.
+    /// Attached springs with their tips at the start.
     pub from: &'a [Attachment],
-    /// The same with their tips at the end.
+    /// Attached springs with their tips at the end.
     pub to: &'a [Attachment],
-    /// The held springs at both ends of the step, in the same order.
-    pub strands: [&'a [Strand]; 2],
-    /// The held springs as joints, one each, in the same order.
-    pub springs: &'a [SpringJoint],
-    /// Their sum at the start, with the tips at the end.
+    /// Attached springs at both ends of the step.
+    pub springs: [&'a [SpringState]; 2],
+    /// Attached springs as joints, one each.
+    pub joints: &'a [SpringJoint],
+    /// Sum of the joints at the start, with the tips at the end.
     pub sum: &'a SpringSum,
-    /// Whether the springs pushed as explicit forces.
+    /// Whether the springs acted as explicit forces.
     pub is_explicit: bool,
+    /// Friction joints.
     pub friction: &'a [FrictionJoint],
-    /// Force of each friction joint on the load, and its moment about where it acts.
+    /// Force of each friction joint on the load, and its moment about the point where it acts.
     pub wrenches: &'a [Wrench],
 }
 
 impl Step<'_> {
-    /// The motion that the dashpots see.
+    /// Twist that the dashpots act on.
     pub fn damped_twist(&self) -> &Twist {
         if self.is_explicit { &self.start.twist } else { &self.end.twist }
     }

@@ -1,4 +1,5 @@
-//! Bodies and joints of rapier for one precision: read twice, with `Real` and the crate set by the module that includes it.
+//! Bodies and joints of rapier for one precision. The file is included twice; `Real` and the crate
+//! are set by the module that includes it.
 
 use super::engine::prelude::{
     CCDSolver, ColliderSet, DefaultBroadPhase, GenericJoint, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters, IslandManager,
@@ -12,24 +13,27 @@ use crate::backend::rapier::{EngineSettings, FrictionModel, RapierOptions};
 use crate::math::{Vec2, Vec3, Wrench, perpendicular};
 use crate::model::Load;
 
-/// Sweeps over the joints in one step. They start from nothing in every step, so a load that they do not quite stop creeps on.
-///
-/// Largest residual after 8, 16 and 24 with springs of the paper all around its load and aligned friction: 1e-11, 3e-16, 3e-16 for four springs
-/// at 1 ms; 2e-5, 1e-9, 1e-13 for ten at 2.5 ms; 9e-6, 4e-10, 4e-14 for a hundred at 1 ms. Fixed axes share a pull and reach their limits one after
-/// another: at 0.9 of the slip limit a polygon creeps by 1e-10 m/s after 24 and not at all after 48; at 0.98, by 4e-7 m/s.
-fn n_sweeps(friction: FrictionModel) -> usize {
+/// Solver iterations over the joints in one step. They start from zero impulses in every step, so a
+/// load that they do not quite stop creeps on. Largest residual after 8, 16 and 24 iterations, for
+/// springs of the paper all around its load and aligned friction: 1e-11, 3e-16, 3e-16 for four
+/// springs at 1 ms; 2e-5, 1e-9, 1e-13 for ten at 2.5 ms; 9e-6, 4e-10, 4e-14 for a hundred at 1 ms.
+/// Fixed axes share a pull and reach their limits one after another. At 0.9 of the slip limit a
+/// polygon creeps by 1e-10 m/s after 24 iterations, and not at all after 48; at 0.98 it creeps by
+/// 4e-7 m/s.
+fn n_iterations(friction: FrictionModel) -> usize {
     match friction {
         FrictionModel::Aligned => 24,
         FrictionModel::Polygon | FrictionModel::Box => 48,
     }
 }
 
-/// Least h^2 k + h d of a motor (kg, or kg m^2). Rapier takes what is below 1e-20 for zero and the motor for a lock; a mass of 1e-18 kg on
-/// the load is nothing beside its own.
+/// Least h^2 k + h d of a motor (kg, or kg m^2). Rapier treats values below 1e-20 as zero and the
+/// motor as a lock. A mass of 1e-18 kg is negligible beside that of the load.
 const SOFTEST: Real = 1e-18;
 
-/// All that rapier needs to step one load. Without colliders its collision stage finds empty lists: a fiftieth of a step with four springs, and the public
-/// pipeline has no step without it. What can be left out is: continuous collision detection, sleep, handlers and hooks, and looking for islands anew.
+/// One load in rapier. Its collision stage finds empty lists; this takes a fiftieth of a step with
+/// four springs, and the public pipeline has no step without it. Continuous collision detection,
+/// sleep, handlers, hooks and new searches for islands are left out.
 pub struct World {
     mass: Real,
     inertia: Real,
@@ -37,7 +41,7 @@ pub struct World {
     sets: Sets,
 }
 
-/// What [`Engine::rebuild`] makes anew.
+/// Parts that [`Engine::rebuild`] makes anew.
 struct Sets {
     pipeline: PhysicsPipeline,
     islands: IslandManager,
@@ -67,11 +71,11 @@ impl World {
 
 fn parameters(options: &RapierOptions) -> IntegrationParameters {
     match options.settings {
-        EngineSettings::AsShipped => IntegrationParameters::default(),
+        EngineSettings::EngineDefaults => IntegrationParameters::default(),
         EngineSettings::Recommended => IntegrationParameters {
-            // Steps are cut outside: inside a step the direction of friction would go stale.
+            // Steps are divided outside: within a step the direction of friction would not follow.
             num_solver_iterations: 1,
-            num_internal_pgs_iterations: n_sweeps(options.friction),
+            num_internal_pgs_iterations: n_iterations(options.friction),
             num_internal_stabilization_iterations: 0,
             max_ccd_substeps: 0,
             normalized_max_linear_velocity: Real::MAX,
@@ -120,7 +124,8 @@ impl Engine for World {
 }
 
 impl Sets {
-    /// Friction joints come first: rapier solves them last in a sweep, so that friction has the last word.
+    /// Friction joints come first: rapier solves them last in an iteration, so that friction limits
+    /// hold exactly.
     fn new(mass: Real, inertia: Real, body: &BodyState, n_friction: usize, n_springs: usize) -> Self {
         let mut bodies = RigidBodySet::new();
         let ground = bodies.insert(RigidBodyBuilder::fixed());
@@ -131,11 +136,13 @@ impl Sets {
                 .angvel(body.turn_rate as Real)
                 .additional_mass_properties(MassProperties::new(Vector::ZERO, mass, inertia))
                 .allow_fast_rotation(true)
-                // A sleeping load would ignore the pull of its springs; it is a state that no reading of the body shows, too.
+                // A sleeping load would ignore the pull of its springs, and the state of the body
+                // does not show sleep.
                 .can_sleep(false),
         );
         let mut joints = ImpulseJointSet::new();
-        // The engine applies forces at the second body's anchor: the support's. Swapped, friction would act at a point of the ground.
+        // The engine applies forces at the anchor of the second body, which must be the load: else
+        // friction would act at a point of the ground.
         let friction: Vec<_> = (0..n_friction).map(|_| joints.insert(ground, load, GenericJoint::default(), false)).collect();
         let springs: Vec<_> = (0..n_springs).map(|_| joints.insert(load, ground, GenericJoint::default(), false)).collect();
         let is_in_order = friction.iter().chain(&springs).enumerate().all(|(at, handle)| place(*handle) == at);
@@ -157,19 +164,20 @@ impl Sets {
         }
     }
 
-    /// Writes into the joints that the load has. Access by handle would have the engine look for new islands at every joint.
+    /// Writes the data of all joints. Access by handle would make the engine search for new islands
+    /// at every joint.
     fn set_joints(&mut self, friction: &[FrictionJoint], springs: &[SpringJoint], substep: Real) {
         let pose = *self.bodies[self.load].position();
         self.joints.map_attached_joints_mut(self.load, |_, _, handle, joint| {
             let at = place(handle);
             match friction.get(at) {
-                Some(asked) => set_friction(&mut joint.data, asked),
+                Some(friction) => set_friction(&mut joint.data, friction),
                 None => set_spring(&mut joint.data, &springs[at - friction.len()], &pose, substep),
             }
         });
     }
 
-    /// Puts the wrench (N, N, N m) in the place of what pushed the load before.
+    /// Replaces the external wrench on the load (N, N, N m).
     fn push(&mut self, wrench: &Vec3) {
         let load = &mut self.bodies[self.load];
         load.reset_forces(false);
@@ -194,17 +202,17 @@ impl Sets {
             &(),
             &(),
         );
-        // Rapier puts a body with a non-finite state out of action.
+        // Rapier disables a body with a state that is not finite.
         self.bodies[self.load].is_enabled()
     }
 }
 
-/// Where in the order of insertion.
+/// Place of a joint in the order of insertion.
 fn place(handle: ImpulseJointHandle) -> usize {
     handle.into_raw_parts().0 as usize
 }
 
-/// (ground, load): rigid axes with a largest force are Coulomb's.
+/// Friction between ground and load: rigid axes with a largest force are Coulomb's law.
 fn set_friction(data: &mut GenericJoint, joint: &FrictionJoint) {
     data.local_frame1.rotation = unit(&joint.direction);
     data.local_frame2.translation = narrow(&joint.offset);
@@ -220,8 +228,8 @@ fn set_friction(data: &mut GenericJoint, joint: &FrictionJoint) {
     }
 }
 
-/// (load, ground), with both frames put where and as the joint is: the engine's own distances are zero up to rounding, and the force of the
-/// law is posed as a speed that the motor strives for.
+/// Spring between load and ground. Both frames are those of the joint, so that the engine's own
+/// distances are zero up to rounding. The force of the law is set as a target speed of the motor.
 fn set_spring(data: &mut GenericJoint, joint: &SpringJoint, load: &Pose, substep: Real) {
     let frame = Pose::from_parts(load.translation + narrow(&joint.arm), unit(&joint.direction));
     data.local_frame1 = load.inv_mul(&frame);

@@ -109,7 +109,7 @@ pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Fi
     match built {
         Some(scenario) if findings.0.is_empty() => Ok(scenario),
         _ => {
-            assert!(!findings.0.is_empty(), "a section is missing and nobody said so");
+            assert!(!findings.0.is_empty(), "a section is missing without a finding");
             Err(findings.0)
         }
     }

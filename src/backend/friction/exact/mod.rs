@@ -68,7 +68,7 @@ fn pin(cones: &Cones, h: &Mat3, w: &Vec3, last: &mut WarmStart) -> Option<Candid
     None
 }
 
-/// Answer for a load that neither glides, nor surely rests, nor turns about one support.
+/// Answer for a load that neither slips fast, nor rests with a margin, nor turns about one support.
 fn search_near_the_edge(cones: &Cones, h: &Mat3, w: &Vec3, last: &mut WarmStart, far: Option<Vec3>, n_iterations: &mut u32) -> Candidate {
     let forces = &mut last.forces;
     let near = match cones.pressed_forces(w, forces) {

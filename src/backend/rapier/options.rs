@@ -1,0 +1,94 @@
+//! Options of the rapier backend.
+
+use serde::{Deserialize, Serialize};
+
+/// Options of the rapier backend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RapierOptions {
+    /// Representation of friction with the ground.
+    pub friction: FrictionModel,
+    /// Representation of the springs.
+    pub springs: SpringModel,
+    /// Floating-point precision of the engine.
+    pub precision: Precision,
+    /// Solver iterations and substeps of the engine.
+    pub settings: EngineSettings,
+}
+
+/// Representation of friction with the ground by joints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrictionModel {
+    /// One axis per support along the force of the exact friction problem.
+    Aligned,
+    /// Eight fixed axes per support: a polygon in place of the cone.
+    Polygon,
+    /// Two fixed axes per support: a box in place of the cone.
+    Box,
+}
+
+/// Representation of the springs by joints or forces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpringModel {
+    /// One joint per attached spring.
+    Joint,
+    /// One joint at the centre of stiffness for all attached springs.
+    Aggregate,
+    /// No joint: the forces of the attached springs at the start of a step act through the step, as
+    /// in the simplest program. This is symplectic Euler, which gains energy where omega h >= 2.
+    Force,
+}
+
+/// Floating-point precision of the engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// Double precision.
+    F64,
+    /// Single precision.
+    F32,
+}
+
+/// Solver iterations and substeps of the engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum EngineSettings {
+    /// One substep per step, with enough solver iterations to converge.
+    Recommended,
+    /// The defaults of rapier: four substeps with one solver iteration each. With box friction this
+    /// is what most users would write.
+    #[serde(alias = "as-shipped")]
+    #[value(alias = "as-shipped")]
+    EngineDefaults,
+}
+
+impl EngineSettings {
+    /// Former name of [`EngineSettings::EngineDefaults`].
+    #[allow(non_upper_case_globals)]
+    pub const AsShipped: Self = Self::EngineDefaults;
+}
+
+impl Default for RapierOptions {
+    fn default() -> Self {
+        Self {
+            friction: FrictionModel::Aligned,
+            springs: SpringModel::Joint,
+            precision: Precision::F64,
+            settings: EngineSettings::Recommended,
+        }
+    }
+}
+
+impl RapierOptions {
+    /// The engine's own defaults with the simplest friction joints.
+    pub fn engine_defaults() -> Self {
+        Self { friction: FrictionModel::Box, settings: EngineSettings::EngineDefaults, ..Self::default() }
+    }
+
+    /// Former name of [`RapierOptions::engine_defaults`].
+    pub fn as_shipped() -> Self {
+        Self::engine_defaults()
+    }
+}
