@@ -233,7 +233,8 @@ fn a_silent_slow_down_shows() {
     let baseline = stored_anew(&stored("busy-tips-rapier"));
     for (share, verdict) in [(0.95, Verdict::Agrees), (0.85, Verdict::Differs), (1.2, Verdict::Differs)] {
         let mut before = baseline.clone();
-        before.record.ending.steps.n_solves = (share * baseline.record.ending.steps.n_solves as f64) as u64;
+        let n_solves = baseline.record.ending.number("n_solves").unwrap();
+        before.record.ending.steps.numbers.insert("n_solves".into(), check::Number::Count((share * n_solves) as u64));
         let check = check_one(&before);
         assert_eq!(check.verdict, verdict, "{share}");
         assert!(check.difference.first_divergence.is_none() && !check.is_exact);

@@ -22,6 +22,7 @@ use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
 use crate::output::trace_csv::TraceColumns;
 use crate::scenario::Scenario;
+use crate::simulation::run_facts::Run;
 use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
 use crate::studies::journal;
 use crate::studies::run::files::{RunFiles, RunWriter};
@@ -132,10 +133,11 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     if let Some(writer) = &mut writer {
         writer.add(&trace.rows)?;
     }
-    let mut summary = RunSummary::new(&scenario.name, &options, scenario.seed, &outcome, clock.elapsed().as_secs_f64())?;
-    if let Some(estimator) = estimator {
-        summary = summary.with_estimate(estimator.borrow().estimate(AGREEMENT))?;
-    }
+    let wall_time = Some(clock.elapsed().as_secs_f64());
+    let summary = RunSummary {
+        run: Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time },
+        inertia_estimate: estimator.map(|estimator| estimator.borrow().estimate(AGREEMENT)),
+    };
     if let Some(writer) = writer {
         let manifest = Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, &options, command_line(), started);
         let (scene, report) = (&Scene::of(&scenario), args.report.then_some(&scenario));
@@ -155,8 +157,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     if let Some(estimate) = summary.inertia_estimate.filter(|estimate| !estimate.is_negligible) {
         say!("warning: {}", inertia_warning(&estimate));
     }
-    let is_within = summary.accuracy.as_ref().is_none_or(|accuracy| accuracy.is_met);
-    Ok(if outcome.steps.status == Status::Failed || !is_within { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(if outcome.steps.status == Status::Failed || !summary.run.is_accurate() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
 fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {

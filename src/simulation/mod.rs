@@ -5,6 +5,7 @@ mod clock;
 mod periods;
 mod releases;
 mod replay;
+pub mod run_facts;
 mod saved;
 mod sensing;
 mod tips;

@@ -21,7 +21,7 @@ fn a_row_holds_what_a_single_run_says() {
         for (column, path) in [
             ("step_s", "/step_s"),
             ("time_to_nest_s", "/time_to_nest_s"),
-            ("end_s", "/final/time_s"),
+            ("time_s", "/final/time_s"),
             ("x_m", "/final/position_m/0"),
             ("y_m", "/final/position_m/1"),
             ("heading_rad", "/final/heading_rad"),
@@ -35,7 +35,7 @@ fn a_row_holds_what_a_single_run_says() {
             ("residual", "/steps/residual"),
             ("n_steps", "/steps/n_steps"),
             ("n_skipped", "/steps/n_skipped"),
-            ("n_onset", "/transitions/n_onset"),
+            ("n_slip_onset", "/transitions/n_slip_onset"),
         ] {
             let (found, expected) = (row[column].parse::<f64>().ok(), run.pointer(path).and_then(Value::as_f64));
             // No pull, no mean: there a summary has zeros.
@@ -46,7 +46,7 @@ fn a_row_holds_what_a_single_run_says() {
         }
         assert!(n_compared > 10, "{n_compared}");
         assert_eq!(row["arrived"], run["arrived"].to_string());
-        let shares: f64 = (0..=4).map(|n| row[&format!("time_share_{n}_held")].parse::<f64>().unwrap()).sum();
+        let shares: f64 = (0..=4).map(|n| row[&format!("time_share_{n}_attached")].parse::<f64>().unwrap()).sum();
         // Five shares of a sum of some thousand periods.
         assert!((shares - 1.0).abs() < 1e-10, "{shares}");
     }

@@ -9,7 +9,8 @@ use super::{Settings, Tier, Verdict};
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::{Interval, Summary, mean_interval, proportion_interval, share_difference_interval};
 use crate::scenario::{AntDrive, Drive, Scenario};
-use crate::simulation::{Keep, Make, Outcome, Simulation, Trace, built, driver_of};
+use crate::simulation::run_facts::{self as facts, fact};
+use crate::simulation::{Keep, Make, Simulation, Trace, built, driver_of};
 
 /// What paired closed-loop runs found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -88,17 +89,11 @@ struct Run {
     status: Status,
 }
 
-/// What measures are taken from.
-struct Facts<'a> {
-    outcome: &'a Outcome,
-    trace: &'a Trace,
-    scenario: &'a Scenario,
-}
-
 /// What runs are compared by. SI units stand in the names.
 struct Quantity {
     name: &'static str,
-    of: fn(&Facts) -> Option<f64>,
+    /// The value in a run; that of a number of [`run_facts`](crate::simulation::run_facts) by its column.
+    of: fn(&facts::Run, &Trace) -> Option<f64>,
     /// What it is made of, by order of magnitude: differences are those of numbers of this size.
     size: fn(&AntDrive, &Scenario) -> f64,
     /// Whether every run has it or not: its mean is a share.
@@ -108,43 +103,35 @@ struct Quantity {
 const MEASURES: [Quantity; 6] = [
     Quantity {
         name: "time_to_nest_s",
-        of: |run| (run.outcome.arrived == Some(true)).then_some(run.outcome.time),
+        of: |run, _| fact("time_to_nest_s").in_table(run).as_number(),
         size: |_, scenario| scenario.duration,
         is_share: false,
     },
     // Of all runs: those that do not arrive have no time.
-    Quantity {
-        name: "arrived_share",
-        of: |run| run.outcome.arrived.map(|arrived| f64::from(u8::from(arrived))),
-        size: |_, _| 1.0,
-        is_share: true,
-    },
+    Quantity { name: "arrived_share", of: |run, _| fact("arrived").in_table(run).as_number(), size: |_, _| 1.0, is_share: true },
     Quantity {
         name: "mean_speed_m_per_s",
-        of: |run| {
-            let travelled = (run.outcome.motion.pose.position - run.scenario.start.pose.position).norm();
-            (run.outcome.time > 0.0).then(|| travelled / run.outcome.time)
-        },
+        of: |run, _| fact("mean_speed_m_per_s").in_table(run).as_number(),
         size: |drive, _| drive.pull_speed,
         is_share: false,
     },
     Quantity {
         name: "pull_mean_n",
-        of: |run| (run.outcome.pulls.n() > 0).then(|| run.outcome.pulls.mean()),
+        of: |run, _| fact("pull_mean_n").in_table(run).as_number(),
         size: |drive, _| drive.release.strong_pull,
         is_share: false,
     },
     Quantity {
         name: "pull_sd_n",
-        of: |run| (run.outcome.pulls.n() > 1).then(|| run.outcome.pulls.sd()),
+        of: |run, _| fact("pull_sd_n").in_table(run).as_number(),
         size: |drive, _| drive.release.strong_pull,
         is_share: false,
     },
     Quantity {
         name: "n_transporting",
-        of: |run| {
+        of: |_, trace| {
             let mut holders = Summary::default();
-            holders.extend(run.trace.rows.iter().map(|row| row.tips.len() as f64));
+            holders.extend(trace.rows.iter().map(|row| row.tips.len() as f64));
             (holders.n() > 0).then(|| holders.mean())
         },
         size: |_, _| 1.0,
@@ -201,8 +188,8 @@ fn run_of(scenario: &Scenario, options: &BackendOptions, make: &Make, watch: imp
         return None;
     }
     let (trace, outcome) = run.into_results();
-    let facts = Facts { outcome: &outcome, trace: &trace, scenario };
-    let values = MEASURES.iter().map(|measure| (measure.of)(&facts)).collect();
+    let facts = facts::Run { scenario, options, outcome: &outcome, path_length: None, wall_time: None };
+    let values = MEASURES.iter().map(|measure| (measure.of)(&facts, &trace)).collect();
     Some(Run { values, trace, status: outcome.steps.status })
 }
 

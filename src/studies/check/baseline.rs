@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::{Record, Tolerances};
 use crate::backend::{BackendOptions, default_step};
 use crate::scenario::Scenario;
+use crate::simulation::run_facts::Run;
 use crate::simulation::{Outcome, Trace};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,7 @@ impl Baseline {
     /// Of a run, with the default tolerances and at most `n_rows` rows.
     pub fn of(name: &str, scenario: &Scenario, options: &BackendOptions, build: &Build, run: (&Trace, &Outcome), n_rows: usize) -> Self {
         let (trace, outcome) = run;
-        let record = Record::of(trace, outcome, n_rows);
+        let record = Record::of(trace, &Run { scenario, options, outcome, path_length: None, wall_time: None }, n_rows);
         Self {
             name: name.to_owned(),
             scenario: scenario.clone(),

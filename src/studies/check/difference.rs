@@ -3,10 +3,11 @@
 use serde::Serialize;
 
 use super::measure::row_at;
-use super::record::{Ending, Event};
+use super::record::{Ending, Event, stored_facts};
 use super::{MEASURES, Measure, Quantity, Record, Row, Tolerances};
 use crate::backend::Status;
-use crate::simulation::{Outcome, Trace};
+use crate::simulation::Trace;
+use crate::simulation::run_facts::{Kind, Run};
 
 /// What a run of now and a stored one differ in.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -84,8 +85,8 @@ pub struct Change<T> {
 
 impl Difference {
     /// Between what is stored of a run and a run of now.
-    pub fn between(stored: &Record, trace: &Trace, outcome: &Outcome, tolerances: &Tolerances) -> Self {
-        let ending = Ending::of(trace, outcome);
+    pub fn between(stored: &Record, trace: &Trace, run: &Run, tolerances: &Tolerances) -> Self {
+        let ending = Ending::of(trace, run);
         let pairs: Vec<_> = stored.rows.iter().map_while(|row| Some((*row, row_at(&trace.rows, row[0])?))).collect();
         let decisions_part = decision(stored, trace, tolerances.time_s);
         let on_path = MEASURES.iter().filter_map(|measure| on_path(measure, &pairs, tolerances));
@@ -149,32 +150,7 @@ fn on_path(measure: &Measure, pairs: &[(Row, Row)], tolerances: &Tolerances) -> 
     })
 }
 
-type Take = fn(&Ending) -> f64;
-
-/// What a run has once.
-const ENDINGS: [(&str, Quantity, Take); 8] = [
-    ("time_s", Quantity::Time, |end| end.time_s),
-    ("friction_j", Quantity::Energy, |end| end.friction_j),
-    ("damping_j", Quantity::Energy, |end| end.damping_j),
-    ("released_j", Quantity::Energy, |end| end.released_j),
-    ("initial_j", Quantity::Energy, |end| end.initial_j),
-    ("pull_mean_n", Quantity::Pull, |end| end.pull_mean_n),
-    ("pull_sd_n", Quantity::Pull, |end| end.pull_sd_n),
-    ("pull_max_n", Quantity::Pull, |end| end.pull_max_n),
-];
-
-type Count = fn(&Ending) -> u64;
-
-/// Counts, and what their tolerance is a share of. Last digits decide which steps need solving: the few that do are no measure for that.
-const COUNTS: [(&str, Count, Count); 6] = [
-    ("n_pulls", |end| end.n_pulls, |end| end.n_pulls),
-    ("n_events", |end| end.n_events, |end| end.n_events),
-    ("n_steps", |end| end.steps.n_steps, |end| end.steps.n_steps),
-    ("n_solves", |end| end.steps.n_solves, |end| end.steps.n_solves.max(end.steps.n_steps)),
-    ("n_skipped", |end| end.steps.n_skipped, |end| end.steps.n_steps),
-    ("n_not_converged", |end| end.steps.n_not_converged, |end| end.steps.n_steps),
-];
-
+/// The stored numbers that a run has once. A number that the stored run did not have is not compared.
 fn at_end<'a>(stored: &'a Ending, now: &'a Ending, tolerances: &'a Tolerances) -> impl Iterator<Item = Deviation> + 'a {
     let once = |measure, quantity, expected: f64, found: f64, tolerance| Deviation {
         measure,
@@ -185,13 +161,22 @@ fn at_end<'a>(stored: &'a Ending, now: &'a Ending, tolerances: &'a Tolerances) -
         expected: vec![expected],
         found: vec![found],
     };
-    let numbers =
-        ENDINGS.iter().map(move |&(name, quantity, take)| once(name, quantity, take(stored), take(now), tolerances.for_quantity(quantity)));
-    let counts = COUNTS.iter().map(move |&(name, take, whole)| {
-        let tolerance = tolerances.count_share * whole(stored) as f64;
-        once(name, Quantity::Count, take(stored) as f64, take(now) as f64, tolerance)
+    let count = move |measure, expected: f64, found: f64, whole: f64| {
+        once(measure, Quantity::Count, expected, found, tolerances.count_share * whole)
+    };
+    let end = once("time_s", Quantity::Time, stored.time_s, now.time_s, tolerances.time_s);
+    let events = count("n_events", stored.n_events as f64, now.n_events as f64, stored.n_events as f64);
+    let numbers = stored_facts().filter_map(move |fact| {
+        let (expected, found) = (stored.number(fact.column)?, now.number(fact.column).unwrap_or(0.0));
+        if fact.kind == Kind::Number {
+            let quantity = Quantity::of_unit(fact.unit());
+            return Some(once(fact.column, quantity, expected, found, tolerances.for_quantity(quantity)));
+        }
+        // Last digits decide which steps need a solve: few of them are no measure of how many may do.
+        let n_steps = if fact.name.starts_with("pull_force_n.") { 0.0 } else { stored.number("n_steps").unwrap_or(0.0) };
+        Some(count(fact.column, expected, found, expected.max(n_steps)))
     });
-    numbers.chain(counts)
+    [end, events].into_iter().chain(numbers)
 }
 
 /// The first stored row that is beyond a tolerance, told by what is furthest beyond.

@@ -36,6 +36,7 @@ use serde::Serialize;
 
 use crate::backend::{BackendOptions, Status};
 use crate::scenario::Scenario;
+use crate::simulation::run_facts::Run;
 use crate::simulation::{Keep, Outcome, Simulation, Trace};
 
 pub use baseline::{Baseline, Build, usual_name};
@@ -43,7 +44,7 @@ pub use changes::{BuildChange, ScenarioChange};
 pub use difference::{Change, Decision, Deviation, Difference, Divergence, Told};
 pub use file::{FORMAT, VERSION, read_folder, write_file};
 pub use measure::{COLUMNS, MEASURES, Measure, Row};
-pub use record::{Ending, Event, MOST_EVENTS, Record, Steps};
+pub use record::{Ending, Event, MOST_EVENTS, Number, Record, Steps};
 pub use tolerance::{Quantity, Tolerances};
 
 /// What a check amounts to.
@@ -136,11 +137,12 @@ fn scenario_of<'a>(baseline: &'a Baseline, settings: &'a Settings) -> &'a Scenar
 
 fn judged(baseline: &Baseline, scenario: &Scenario, settings: &Settings, now: &Build, found: (&Trace, &Outcome)) -> Check {
     let (trace, outcome) = found;
+    let run = Run { scenario, options: &baseline.options, outcome, path_length: None, wall_time: None };
     let tolerances = if settings.exact { Tolerances::EXACT } else { baseline.tolerances };
     let (verdict, difference) = if outcome.steps.status == Status::Failed {
         (Verdict::NotComputed, Difference::default())
     } else {
-        let difference = Difference::between(&baseline.record, trace, outcome, &tolerances);
+        let difference = Difference::between(&baseline.record, trace, &run, &tolerances);
         (if difference.is_any() { Verdict::Differs } else { Verdict::Agrees }, difference)
     };
     Check {
@@ -158,7 +160,7 @@ fn judged(baseline: &Baseline, scenario: &Scenario, settings: &Settings, now: &B
         found: Baseline {
             scenario: scenario.clone(),
             build: now.clone(),
-            record: Record::of(trace, outcome, baseline.record.rows.len()),
+            record: Record::of(trace, &run, baseline.record.rows.len()),
             ..baseline.clone()
         },
     }

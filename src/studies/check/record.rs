@@ -1,11 +1,13 @@
 //! What is kept of a run: rows chosen evenly over its time, its decisions, and how it ended.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::Row;
-use super::measure::row_of;
+use super::measure::{COLUMNS, Row, row_of};
 use crate::backend::Status;
-use crate::simulation::{EventKind, Outcome, Trace};
+use crate::simulation::run_facts::{FACTS, Fact, Kind, Run, Value};
+use crate::simulation::{EventKind, Trace};
 
 /// The first so many grasps and releases are kept: after the first that falls differently none needs to be compared.
 pub const MOST_EVENTS: usize = 1000;
@@ -30,44 +32,61 @@ pub struct Event {
 }
 
 /// How a run ended, besides the state in its last row.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ending {
-    /// Of a load that arrived the time to the nest (s).
+    /// Time of the end, which is the time to the nest of a load that arrived (s).
     pub time_s: f64,
     /// `null` without ants.
     pub arrived: Option<bool>,
-    pub friction_j: f64,
-    pub damping_j: f64,
-    pub released_j: f64,
-    pub initial_j: f64,
-    /// Pulls at the ants' decisions.
-    pub n_pulls: u64,
-    pub pull_mean_n: f64,
-    pub pull_sd_n: f64,
-    pub pull_max_n: f64,
-    /// Of all grasps and releases, kept or not.
+    /// Number of all grasps and releases, stored or not.
     pub n_events: u64,
     pub steps: Steps,
+    #[serde(flatten)]
+    pub numbers: Numbers,
 }
 
-/// What the run cost and the worst ending of its steps. Newton iterations are left out: how many it takes to the last digit is chance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Worst status of the steps, and their counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Steps {
     pub status: Status,
-    pub n_steps: u64,
-    pub n_solves: u64,
-    pub n_skipped: u64,
-    pub n_not_converged: u64,
+    #[serde(flatten)]
+    pub numbers: Numbers,
+}
+
+/// Numbers of a run by the columns of [`FACTS`].
+pub type Numbers = BTreeMap<String, Number>;
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Number {
+    Count(u64),
+    Number(f64),
+}
+
+impl Number {
+    pub fn as_f64(self) -> f64 {
+        match self {
+            Number::Count(value) => value as f64,
+            Number::Number(value) => value,
+        }
+    }
+}
+
+/// The numbers of a run that a baseline stores beside its rows.
+pub fn stored_facts() -> impl Iterator<Item = &'static Fact> {
+    FACTS
+        .iter()
+        .filter(|fact| fact.is_reproducible && fact.kind != Kind::Flag && !fact.column.is_empty() && !COLUMNS.contains(&fact.column))
 }
 
 impl Record {
     /// At most `n_rows` rows of a run, two at least where it has them: the start, the end, and ticks between as evenly as ticks allow.
-    pub fn of(trace: &Trace, outcome: &Outcome, n_rows: usize) -> Self {
+    pub fn of(trace: &Trace, run: &Run, n_rows: usize) -> Self {
         let rows = chosen(trace.rows.len(), n_rows).map(|at| row_of(&trace.rows[at]));
         Self {
             rows: rows.collect(),
             events: trace.events.iter().take(MOST_EVENTS).map(Event::of).collect(),
-            ending: Ending::of(trace, outcome),
+            ending: Ending::of(trace, run),
         }
     }
 }
@@ -99,28 +118,25 @@ impl Event {
 }
 
 impl Ending {
-    pub fn of(trace: &Trace, outcome: &Outcome) -> Self {
-        let (energy, steps, pulls) = (&outcome.energy, &outcome.steps, &outcome.pulls);
+    pub fn of(trace: &Trace, run: &Run) -> Self {
+        let of_steps = |fact: &&Fact| fact.name.starts_with("steps.");
+        let entry = |fact: &Fact| match fact.value(run) {
+            Value::Number(value) => Some((fact.column.to_owned(), Number::Number(value))),
+            Value::Count(value) => Some((fact.column.to_owned(), Number::Count(value))),
+            _ => None,
+        };
         Self {
-            time_s: outcome.time,
-            arrived: outcome.arrived,
-            friction_j: energy.friction,
-            damping_j: energy.damping,
-            released_j: energy.released,
-            initial_j: energy.initial,
-            n_pulls: pulls.n(),
-            pull_mean_n: pulls.mean(),
-            pull_sd_n: pulls.sd(),
-            pull_max_n: pulls.max(),
+            time_s: run.outcome.time,
+            arrived: run.outcome.arrived,
             n_events: trace.events.len() as u64,
-            steps: Steps {
-                status: steps.status,
-                n_steps: steps.n_steps,
-                n_solves: steps.n_solves,
-                n_skipped: steps.n_skipped,
-                n_not_converged: steps.n_not_converged,
-            },
+            steps: Steps { status: run.outcome.steps.status, numbers: stored_facts().filter(of_steps).filter_map(entry).collect() },
+            numbers: stored_facts().filter(|fact| !of_steps(fact)).filter_map(entry).collect(),
         }
+    }
+
+    /// The number with this column, if it is there.
+    pub fn number(&self, column: &str) -> Option<f64> {
+        self.numbers.get(column).or_else(|| self.steps.numbers.get(column)).map(|number| number.as_f64())
     }
 }
 

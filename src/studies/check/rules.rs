@@ -1,6 +1,7 @@
 //! What must hold in a baseline's file beyond its shape: numbers in their ranges, times in order, and parts that do not contradict each other.
 
 use super::reader::PathEntry;
+use super::record::stored_facts;
 use super::{COLUMNS, Ending, Event, MOST_EVENTS, Tolerances};
 use crate::backend::{BackendOptions, Status};
 use crate::scenario::{Drive, Finding, Scenario};
@@ -91,6 +92,11 @@ fn names(at: usize, event: &Event, scenario: &Scenario, faults: &mut Faults) {
 }
 
 pub fn ending(ending: &Ending, scenario: Option<&Scenario>, faults: &mut Faults) {
+    for (place, numbers) in [("ending", &ending.numbers), ("ending.steps", &ending.steps.numbers)] {
+        for (key, value) in numbers.iter().filter(|(key, _)| stored_facts().all(|fact| fact.column != *key)) {
+            faults.report(&format!("{place}.{key}"), "is an unknown key", value.as_f64().to_string());
+        }
+    }
     if ending.steps.status == Status::Failed {
         faults.report("ending.steps.status", "must be that of a run that was computed", "\"failed\"");
     }

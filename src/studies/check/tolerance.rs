@@ -42,6 +42,22 @@ pub enum Quantity {
     Count,
 }
 
+impl Quantity {
+    /// The quantity that has this unit in print.
+    pub fn of_unit(unit: &str) -> Self {
+        match unit {
+            "m" => Self::Position,
+            "rad" => Self::Heading,
+            "m/s" => Self::Velocity,
+            "rad/s" => Self::TurnRate,
+            "J" => Self::Energy,
+            "N" => Self::Pull,
+            "s" => Self::Time,
+            _ => Self::Count,
+        }
+    }
+}
+
 /// Differences up to these agree; zero asks for the same number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerances {

@@ -10,6 +10,7 @@ use crate::output::page::*;
 use crate::output::synthetic;
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
+use crate::simulation::run_facts::Run;
 use crate::studies::run::page::run_page;
 use crate::studies::run::summary::RunSummary;
 
@@ -21,9 +22,9 @@ fn four_ants() -> Scenario {
 }
 
 fn page_of(scenario: &Scenario, trace: &Trace) -> String {
-    let summary =
-        RunSummary::new(&scenario.name, &synthetic::options(BackendKind::Rapier), 7, &synthetic::outcome(Some(true)), 0.1).unwrap();
-    run_page(&summary, trace, scenario, &manifest()).to_html()
+    let (options, outcome) = (synthetic::options(BackendKind::Rapier), synthetic::outcome(Some(true)));
+    let run = Run { scenario, options: &options, outcome: &outcome, path_length: None, wall_time: Some(0.1) };
+    run_page(&RunSummary { run, inertia_estimate: None }, trace, scenario, &manifest()).to_html()
 }
 
 fn replay_of(scenario: &Scenario, traces: &[&Trace]) -> Value {

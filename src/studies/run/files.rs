@@ -18,7 +18,7 @@ use crate::studies::run::summary::RunSummary;
 /// What is written of a run, besides its rows.
 #[derive(Clone, Copy, Debug)]
 pub struct RunFiles<'a> {
-    pub summary: &'a RunSummary,
+    pub summary: &'a RunSummary<'a>,
     /// With its rows only where tips or a report need them.
     pub trace: &'a Trace,
     /// Whether `tips.csv` is written too.
@@ -70,7 +70,7 @@ impl RunWriter {
     /// When a number is not finite, or the disk fails.
     pub fn finish(self, files: &RunFiles) -> Result<(), FolderError> {
         let Self { folder, table, seen } = self;
-        let mut folder = if files.summary.wall_s < WORTH_WAITING { folder.unsynced() } else { folder };
+        let mut folder = if files.summary.run.wall_time.is_some_and(|time| time < WORTH_WAITING) { folder.unsynced() } else { folder };
         let table = table.finish().map_err(|error| folder.in_content(TRACE, error))?;
         folder.close(table)?;
         folder.write_json("summary.json", files.summary)?;
@@ -79,7 +79,7 @@ impl RunWriter {
         }
         folder.write("events.csv", |out| trace_csv::write_events(files.trace, out))?;
         folder.write("transitions.csv", |out| trace_csv::write_transitions(files.trace, out))?;
-        let labelled = Labelled { label: files.summary.backend.name(), trace: files.trace };
+        let labelled = Labelled { label: files.summary.run.options.kind.name(), trace: files.trace };
         folder.write("overview.svg", |out| out.write_all(chart::overview_of_rows(&labelled, &seen, files.scene).as_bytes()))?;
         if let Some(scenario) = files.report {
             let page = run_page(files.summary, files.trace, scenario, files.manifest);
@@ -95,13 +95,17 @@ mod tests {
     use crate::backend::BackendKind;
     use crate::output::manifest::tests::manifest;
     use crate::output::synthetic;
+    use crate::simulation::run_facts::Run;
 
     #[test]
     fn a_broken_trace_leaves_no_folder_and_names_file_and_column() {
         let room = tempfile::tempdir().unwrap();
         let target = room.path().join("out");
         let options = synthetic::options(BackendKind::Rapier);
-        let summary = RunSummary::new("four ants", &options, 7, &synthetic::outcome(None), 0.1).unwrap();
+        let scenario = Scenario::parse(include_str!("../../../scenarios/paper/four-ants-four-springs.json"), "four ants").unwrap();
+        let outcome = synthetic::outcome(None);
+        let run = Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time: Some(0.1) };
+        let summary = RunSummary { run, inertia_estimate: None };
         let (mut trace, scene, manifest) = (synthetic::trace(200, 1.0), Scene::default(), manifest());
         trace.rows[150].motion.twist.angular = f64::INFINITY;
         let write = |trace: &Trace| {

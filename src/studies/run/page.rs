@@ -10,17 +10,18 @@ use crate::output::page::{Answer, Block, Headline, Number, Page, Table};
 use crate::output::quantity::quantity;
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
+use crate::simulation::run_facts::Run;
 use crate::studies::compare::sentence::short;
 use crate::studies::run::summary::RunSummary;
 use crate::studies::run::text::{LOST, cause, run_text};
 
 pub fn run_page(summary: &RunSummary, trace: &Trace, scenario: &Scenario, manifest: &Manifest) -> Page {
-    let label = summary.backend.name();
+    let label = summary.run.options.kind.name();
     let end = trace.rows.last().map_or(0.0, |row| row.time);
     let opens_at = summary.inertia_estimate.and_then(|estimate| estimate.largest).map_or(0.4 * end, |largest| largest.time_s);
     let replay = Replay::new(format!("The run on {label}"), scenario, &[Shown { label, trace }], opens_at);
     let overview = chart::overview(&[Labelled { label, trace }], &Scene::of(scenario));
-    Page::new(&summary.scenario, headline(summary))
+    Page::new(&scenario.name, headline(summary))
         .from(manifest)
         .section("The run", vec![Block::Replay(Box::new(replay))])
         .section("Over time", vec![Block::figure(overview, "Path, pulls, energy, heading, speed, net pull and held springs over time.")])
@@ -39,18 +40,18 @@ fn headline(summary: &RunSummary) -> Headline {
         Some(estimate) => (if estimate.is_negligible { Answer::Yes } else { Answer::No }, inertia_sentence(estimate)),
         None => (Answer::None, String::new()),
     };
-    let answer = if summary.steps.status == Status::Failed { Answer::Open } else { answer };
+    let answer = if summary.run.outcome.steps.status == Status::Failed { Answer::Open } else { answer };
     Headline::new(answer, format!("{} {inertia}", what_happened(summary)).trim_end()).with(Block::Numbers(numbers(summary)))
 }
 
 fn what_happened(summary: &RunSummary) -> String {
-    let time = quantity(summary.end.time_s, "s");
-    if summary.steps.status == Status::Failed {
+    let time = quantity(summary.run.outcome.time, "s");
+    if summary.run.outcome.steps.status == Status::Failed {
         return format!("A step failed: what is shown up to {time} is not to be trusted.");
     }
-    match summary.ants.as_ref().map(|ants| ants.time_to_nest_s) {
-        Some(Some(home)) => format!("The load reached the nest after {}.", quantity(home, "s")),
-        Some(None) => format!("The load did not reach the nest within {time}."),
+    match summary.run.outcome.arrived {
+        Some(true) => format!("The load reached the nest after {time}."),
+        Some(false) => format!("The load did not reach the nest within {time}."),
         None => format!("The tips drove the load for {time}."),
     }
 }
@@ -68,41 +69,44 @@ fn inertia_sentence(estimate: &InertiaEstimate) -> String {
 }
 
 fn numbers(summary: &RunSummary) -> Vec<Number> {
-    let end = &summary.end;
-    let [x, y] = end.position_m.map(|value| quantity(value, "m"));
-    let steps = summary.step_s.map_or("under error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
+    let Run { options, outcome, .. } = &summary.run;
+    let pose = &outcome.motion.pose;
+    let [x, y] = [pose.position.x, pose.position.y].map(|value| quantity(value, "m"));
+    let step = Some(options.step_s).filter(|step| step.is_finite());
+    let steps = step.map_or("under error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
     let mut numbers = vec![
-        Number::new("backend", summary.backend.name(), steps),
-        Number::new("end", format!("({x}, {y})"), format!("heading {}", quantity(end.heading_rad, "rad"))),
+        Number::new("backend", options.kind.name(), steps),
+        Number::new("end", format!("({x}, {y})"), format!("heading {}", quantity(pose.heading, "rad"))),
     ];
-    if let Some(pull) = summary.ants.as_ref().map(|ants| &ants.pull_force_n).filter(|pull| pull.n > 0) {
-        let note = format!("± {}, at most {}, at {} grasps (0) and decisions", quantity(pull.sd, "N"), quantity(pull.max, "N"), pull.n);
-        numbers.push(Number::new("pull", quantity(pull.mean, "N"), note));
+    let pull = &outcome.pulls;
+    if pull.n() > 0 {
+        let [mean, sd, max] = [pull.mean(), pull.sd(), pull.max()].map(|value| quantity(value, "N"));
+        numbers.push(Number::new("pull", mean, format!("± {sd}, at most {max}, at {} grasps (0) and decisions", pull.n())));
     }
-    if let Some(accuracy) = &summary.accuracy {
-        let note = format!("asked for {}", quantity(accuracy.asked_m, "m"));
-        numbers.push(Number::new("error of the position", quantity(accuracy.estimated_m, "m"), note));
+    if let Some((asked, error)) = options.tolerance.zip(outcome.error) {
+        let note = format!("asked for {}", quantity(asked.position_m, "m"));
+        numbers.push(Number::new("error of the position", quantity(error.position, "m"), note));
     }
-    if let Some((n, largest)) = summary.transitions.as_ref().and_then(|it| it.largest_jump_m.map(|largest| (it.n_jumps, largest))) {
-        numbers.push(Number::new("jumps", n.to_string(), format!("the largest by {}", quantity(largest, "m"))));
+    if let Some(largest) = outcome.transitions.largest_jump {
+        numbers.push(Number::new("jumps", outcome.transitions.n_jumps.to_string(), format!("the largest by {}", quantity(largest, "m"))));
     }
-    let solves = format!("{} solves, {} not converged", summary.steps.n_solves, summary.steps.n_not_converged);
-    numbers.push(Number::new("computed in", quantity(summary.wall_s, "s"), solves));
+    let solves = format!("{} solves, {} not converged", summary.run.outcome.steps.n_solves, summary.run.outcome.steps.n_not_converged);
+    numbers.extend(summary.run.wall_time.map(|time| Number::new("computed in", quantity(time, "s"), solves)));
     numbers
 }
 
 fn energy(summary: &RunSummary) -> Table {
-    let energy = &summary.energy;
+    let energy = &summary.run.outcome.energy;
     let lines = [
-        ("done by the tips", energy.tip_work_j),
-        ("dissipated", energy.dissipated_j),
-        ("by friction", energy.friction_j),
-        ("by damping", energy.damping_j),
-        ("released with tips", energy.released_j),
-        ("elastic", energy.elastic_j),
-        ("kinetic", energy.kinetic_j),
-        ("at the start", energy.initial_j),
-        ("defect", energy.defect_j),
+        ("done by the tips", energy.tip_work),
+        ("dissipated", energy.dissipated()),
+        ("by friction", energy.friction),
+        ("by damping", energy.damping),
+        ("released with tips", energy.released),
+        ("elastic", energy.elastic),
+        ("kinetic", energy.kinetic),
+        ("at the start", energy.initial),
+        ("defect", energy.defect()),
     ];
     lines.into_iter().fold(Table::new("Where the energy went", ["", "energy"]), |table, (name, value)| {
         table.row([name.to_owned(), quantity(value, "J")])

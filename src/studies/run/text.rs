@@ -3,73 +3,73 @@
 use std::fmt::Write;
 
 use crate::analysis::estimate::{Cause, InertiaEstimate, Largest};
-use crate::backend::{SkipCounts, Status};
+use crate::backend::{PoseError, SkipCounts, Status, StepReport, Tolerance};
+use crate::math::{Summary, Vec2};
 use crate::output::quantity::{number, quantity};
-use crate::studies::run::summary::{Accuracy, AntSummary, RunSummary, StepSummary, TransitionSummary};
+use crate::simulation::run_facts::Run;
+use crate::studies::run::summary::RunSummary;
 
 /// The summary over aligned lines, with a line end.
 pub fn run_text(summary: &RunSummary) -> String {
     let mut lines = Lines::default();
     lines.section("run");
-    lines.row("scenario", &summary.scenario);
-    let steps = summary.step_s.map_or("steps under error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
-    lines.row("backend", &format!("{}, {steps}", summary.backend.name()));
-    lines.row("seed", &summary.seed.to_string());
+    let Run { scenario, options, outcome, .. } = &summary.run;
+    lines.row("scenario", &scenario.name);
+    let step = Some(options.step_s).filter(|step| step.is_finite());
+    let steps = step.map_or("steps under error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
+    lines.row("backend", &format!("{}, {steps}", options.kind.name()));
+    lines.row("seed", &scenario.seed.to_string());
     end(summary, &mut lines);
-    if let Some(accuracy) = &summary.accuracy {
-        of_accuracy(accuracy, &mut lines);
+    if let Some((asked, found)) = options.tolerance.zip(outcome.error) {
+        of_accuracy(&asked, &found, outcome.steps.status, &mut lines);
     }
-    if let Some(ants) = &summary.ants {
-        of_ants(ants, &mut lines);
+    if let Some(arrived) = outcome.arrived {
+        of_ants(arrived.then_some(outcome.time), &outcome.pulls, &mut lines);
     }
     if let Some(estimate) = &summary.inertia_estimate {
         inertia(estimate, &mut lines);
     }
-    if let Some(transitions) = &summary.transitions {
-        of_jumps(transitions, &mut lines);
-    }
+    of_jumps(summary, &mut lines);
     energy(summary, &mut lines);
     cost(summary, &mut lines);
     lines.text
 }
 
 fn end(summary: &RunSummary, lines: &mut Lines) {
-    let end = &summary.end;
-    let pair = |[x, y]: [f64; 2], unit| format!("({}, {})", quantity(x, unit), quantity(y, unit));
+    let (outcome, motion) = (summary.run.outcome, &summary.run.outcome.motion);
+    let pair = |of: Vec2, unit| format!("({}, {})", quantity(of.x, unit), quantity(of.y, unit));
     lines.section("end");
-    lines.row("time", &quantity(end.time_s, "s"));
-    lines.row("position", &pair(end.position_m, "m"));
-    lines.row("heading", &quantity(end.heading_rad, "rad"));
-    lines.row("velocity", &pair(end.velocity_m_per_s, "m/s"));
-    lines.row("turn rate", &quantity(end.turn_rate_rad_per_s, "rad/s"));
+    lines.row("time", &quantity(outcome.time, "s"));
+    lines.row("position", &pair(motion.pose.position, "m"));
+    lines.row("heading", &quantity(motion.pose.heading, "rad"));
+    lines.row("velocity", &pair(motion.twist.linear, "m/s"));
+    lines.row("turn rate", &quantity(motion.twist.angular, "rad/s"));
 }
 
-fn of_accuracy(accuracy: &Accuracy, lines: &mut Lines) {
+fn of_accuracy(asked: &Tolerance, found: &PoseError, status: Status, lines: &mut Lines) {
     let pair = |position, heading| format!("{} and {}", quantity(position, "m"), quantity(heading, "rad"));
     lines.section("error of the pose at any instant");
-    lines.row("asked for", &pair(accuracy.asked_m, accuracy.asked_rad));
-    let is_more = accuracy.estimated_m > accuracy.asked_m || accuracy.estimated_rad > accuracy.asked_rad;
-    let verdict = match (accuracy.is_met, is_more) {
-        (true, _) => "",
-        (_, true) => ": more than was asked for",
+    lines.row("asked for", &pair(asked.position_m, asked.heading_rad));
+    let verdict = match (asked.allows(found), status) {
+        (true, Status::Converged) => "",
+        (false, _) => ": more than was asked for",
         _ => ", but some strides did not converge: it may be more",
     };
-    lines.row("estimated", &format!("{}{verdict}", pair(accuracy.estimated_m, accuracy.estimated_rad)));
+    lines.row("estimated", &format!("{}{verdict}", pair(found.position, found.heading)));
 }
 
-fn of_ants(ants: &AntSummary, lines: &mut Lines) {
-    let pull = &ants.pull_force_n;
+fn of_ants(time_to_nest: Option<f64>, pull: &Summary, lines: &mut Lines) {
     lines.section("ants");
-    match ants.time_to_nest_s {
+    match time_to_nest {
         Some(time) => lines.row("nest", &format!("reached after {}", quantity(time, "s"))),
         None => lines.row("nest", "not reached"),
     }
-    if pull.n == 0 {
+    if pull.n() == 0 {
         lines.row("pull", "no decisions");
         return;
     }
-    let (mean, sd, max) = (quantity(pull.mean, "N"), quantity(pull.sd, "N"), quantity(pull.max, "N"));
-    lines.row("pull", &format!("{mean} mean, {sd} standard deviation, {max} largest of {} at grasps (0) and decisions", pull.n));
+    let (mean, sd, max) = (quantity(pull.mean(), "N"), quantity(pull.sd(), "N"), quantity(pull.max(), "N"));
+    lines.row("pull", &format!("{mean} mean, {sd} standard deviation, {max} largest of {} at grasps (0) and decisions", pull.n()));
 }
 
 fn inertia(estimate: &InertiaEstimate, lines: &mut Lines) {
@@ -103,8 +103,8 @@ pub(crate) fn cause(largest: &Largest) -> String {
 
 /// What to tell of a run whose steps did not all find their balance; `None` of one whose did.
 pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
-    let steps = &summary.steps;
-    let worst = steps.residual.map_or(String::new(), |residual| format!(", {} of the forces at most", number(residual)));
+    let steps = &summary.run.outcome.steps;
+    let worst = finite_residual(steps).map_or(String::new(), |residual| format!(", {} of the forces at most", number(residual)));
     let what = match steps.status {
         Status::Converged => return None,
         Status::NotConverged => format!("{} steps did not converge", steps.n_not_converged),
@@ -129,33 +129,34 @@ pub fn inertia_warning(estimate: &InertiaEstimate) -> String {
 pub(crate) const LOST: &str = "with it the load turns away from where it would be without by more than the estimate can follow";
 
 /// Without any there is nothing to say.
-fn of_jumps(transitions: &TransitionSummary, lines: &mut Lines) {
-    if let Some(largest) = transitions.largest_jump_m {
+fn of_jumps(summary: &RunSummary, lines: &mut Lines) {
+    let transitions = &summary.run.outcome.transitions;
+    if let Some(largest) = transitions.largest_jump {
         lines.section("motion");
         lines.row("jumps", &format!("{}, the largest by {}", transitions.n_jumps, quantity(largest, "m")));
     }
 }
 
 fn energy(summary: &RunSummary, lines: &mut Lines) {
-    let energy = &summary.energy;
+    let energy = &summary.run.outcome.energy;
     lines.section("energy");
-    lines.row("tip work", &quantity(energy.tip_work_j, "J"));
-    lines.row("dissipated", &quantity(energy.dissipated_j, "J"));
-    lines.row("  friction", &quantity(energy.friction_j, "J"));
-    lines.row("  damping", &quantity(energy.damping_j, "J"));
-    lines.row("  released", &quantity(energy.released_j, "J"));
-    lines.row("elastic", &quantity(energy.elastic_j, "J"));
-    lines.row("kinetic", &quantity(energy.kinetic_j, "J"));
-    lines.row("initial", &quantity(energy.initial_j, "J"));
-    lines.row("defect", &quantity(energy.defect_j, "J"));
-    let parts = &energy.defect_parts;
-    lines.row("  jumps", &quantity(parts.jumps_j, "J"));
-    lines.row("  step damping", &quantity(parts.numerical_damping_j, "J"));
-    lines.row("  quadrature", &quantity(parts.quadrature_j, "J"));
+    lines.row("tip work", &quantity(energy.tip_work, "J"));
+    lines.row("dissipated", &quantity(energy.dissipated(), "J"));
+    lines.row("  friction", &quantity(energy.friction, "J"));
+    lines.row("  damping", &quantity(energy.damping, "J"));
+    lines.row("  released", &quantity(energy.released, "J"));
+    lines.row("elastic", &quantity(energy.elastic, "J"));
+    lines.row("kinetic", &quantity(energy.kinetic, "J"));
+    lines.row("initial", &quantity(energy.initial, "J"));
+    lines.row("defect", &quantity(energy.defect(), "J"));
+    let parts = energy.defect_parts();
+    lines.row("  jumps", &quantity(parts.jumps, "J"));
+    lines.row("  step damping", &quantity(parts.numerical_damping, "J"));
+    lines.row("  quadrature", &quantity(parts.quadrature, "J"));
 }
 
 fn cost(summary: &RunSummary, lines: &mut Lines) {
-    let steps = &summary.steps;
+    let steps = &summary.run.outcome.steps;
     let status = match steps.status {
         Status::Converged => "all converged",
         Status::NotConverged => "some did not converge",
@@ -163,19 +164,25 @@ fn cost(summary: &RunSummary, lines: &mut Lines) {
     };
     lines.section("steps");
     lines.row("status", status);
-    lines.row("residual", &steps.residual.map_or("none".to_owned(), number));
+    lines.row("residual", &finite_residual(steps).map_or("none".to_owned(), number));
     lines.row("steps", &format!("{}, {} known without solving", steps.n_steps, steps.n_skipped));
     lines.row("skipped", &skipped_steps(steps));
-    if summary.ants.is_some() {
+    if summary.run.outcome.arrived.is_some() {
         lines.row("sensing", &format!("{} ants at ticks too far from the load to sense a tip", steps.skipped.distant_ants));
     }
     lines.row("not converged", &steps.n_not_converged.to_string());
     lines.row("solves", &format!("{} in {} iterations", steps.n_solves, steps.n_iterations));
-    lines.row("wall time", &quantity(summary.wall_s, "s"));
+    if let Some(wall_time) = summary.run.wall_time {
+        lines.row("wall time", &quantity(wall_time, "s"));
+    }
+}
+
+fn finite_residual(steps: &StepReport) -> Option<f64> {
+    Some(steps.residual).filter(|residual| residual.is_finite())
 }
 
 /// Share of the steps that were not computed, and why. A backend need not say why of all.
-fn skipped_steps(steps: &StepSummary) -> String {
+fn skipped_steps(steps: &StepReport) -> String {
     let percent = |n: u64| format!("{} %", number(100.0 * n as f64 / steps.n_steps.max(1) as f64));
     let SkipCounts { free_load, still_tips, stick_bound, .. } = steps.skipped;
     let reasons = [(free_load, "no spring held"), (still_tips, "no tip moved"), (stick_bound, "tips too near to make the load slip")];
@@ -208,10 +215,14 @@ mod tests {
     use super::*;
     use crate::backend::BackendKind;
     use crate::output::synthetic;
+    use crate::scenario::Scenario;
 
     fn text(arrived: Option<bool>) -> String {
         let outcome = synthetic::outcome(arrived);
-        run_text(&RunSummary::new("four ants", &synthetic::options(BackendKind::QuasiStatic), 7, &outcome, 0.25).unwrap())
+        let scenario = Scenario::parse(include_str!("../../../scenarios/paper/four-ants-four-springs.json"), "four ants").unwrap();
+        let options = synthetic::options(BackendKind::QuasiStatic);
+        let run = Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time: Some(0.25) };
+        run_text(&RunSummary { run, inertia_estimate: None })
     }
 
     #[test]

@@ -274,8 +274,8 @@ pub(super) mod tests {
         assert_eq!(plan.values(3), [Value::from(0.002), Value::from(4)]);
         assert_eq!(plan.identity.point_of(59), 5);
         // Holders depend on a parameter: the last column is for ten and more.
-        assert_eq!(plan.identity.columns.last().unwrap().name, "time_share_10_or_more_held");
-        assert_eq!(identity().columns.last().unwrap().name, "time_share_4_held");
+        assert_eq!(plan.identity.columns.last().unwrap().name, "time_share_10_or_more_attached");
+        assert_eq!(identity().columns.last().unwrap().name, "time_share_4_attached");
     }
 
     /// The key is that of what is run: the same physics written otherwise keeps it; every number, option and seed changes it.
