@@ -5,7 +5,7 @@ mod random_scenes;
 
 use std::f64::consts::PI;
 
-use cohaul::analysis::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
+use cohaul::analysis::estimate::{Cause, InertiaEstimate, TOLERANCE_SHARE, Watched};
 use cohaul::backend::{Backend, BackendKind, BackendOptions, build};
 use cohaul::math::{Twist, Vec2, rotation};
 use cohaul::scenario::{Drive, Scenario, Waypoint};
@@ -26,7 +26,7 @@ fn estimate(scenario: &Scenario) -> InertiaEstimate {
     let (backend, estimator) = Watched::new(&scenario.system, scenario.start, &options(scenario));
     let mut run = Simulation::on(scenario, &options(scenario), Keep::Outcome, driver_of(scenario), backend);
     run.run(|_| true);
-    estimator.borrow().estimate(AGREEMENT)
+    estimator.borrow().estimate(TOLERANCE_SHARE)
 }
 
 /// Rate of the oscillation on one spring (rad/s).
@@ -201,7 +201,7 @@ fn a_watched_run_goes_as_an_unwatched_one_and_its_trace_tells_the_same() {
         let (trace, outcome) = run(watched);
         let (plain, plain_outcome) = run(build(&scenario.system, scenario.start, &options(&scenario)));
         assert_eq!((&trace, &outcome), (&plain, &plain_outcome));
-        let (as_run, of_trace) = (estimator.borrow().estimate(AGREEMENT), InertiaEstimate::of(&scenario, &trace, AGREEMENT));
+        let (as_run, of_trace) = (estimator.borrow().estimate(TOLERANCE_SHARE), InertiaEstimate::of(&scenario, &trace, TOLERANCE_SHARE));
         // Grasps, releases and turns between rows are seen at the rows, a small part of a swing later.
         let apart = (as_run.displacement_max_m - of_trace.displacement_max_m).abs();
         assert!(apart <= 0.1 * as_run.displacement_max_m, "{seed}: {apart} {as_run:?} {of_trace:?}");
@@ -219,7 +219,7 @@ fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
     let (backend, estimator) = Watched::new(&scenario.system, scenario.start, &options(&scenario));
     let mut resumed = Simulation::resume_on(&scenario, &saved, Keep::Outcome, backend).unwrap();
     resumed.run(|_| true);
-    assert_eq!(estimator.borrow().estimate(AGREEMENT), whole);
+    assert_eq!(estimator.borrow().estimate(TOLERANCE_SHARE), whole);
     // A state without an estimate cannot give one; a plain run goes on from either.
     let mut plain = Simulation::new(&scenario, &options(&scenario), Keep::Outcome);
     plain.run(|time| time < 0.5 * scenario.duration);
@@ -249,7 +249,8 @@ fn a_shadow_that_is_far_off_stays_within_reason() {
 fn the_warning_stands_on_either_side_of_its_threshold() {
     let scenario = scene("analytic/centre-pull");
     let way = estimate(&scenario).path_length_m;
-    let mass_at_threshold = (AGREEMENT * way / 0.005).powi(2) * scenario.system.springs[0].radial_stiffness / scenario.system.load.mass;
+    let mass_at_threshold =
+        (TOLERANCE_SHARE * way / 0.005).powi(2) * scenario.system.springs[0].radial_stiffness / scenario.system.load.mass;
     // Crests are met to 5e-5 of the swing, and the way includes the swing's own last part.
     assert!(estimate(&with_mass(&scenario, 0.9 * mass_at_threshold)).is_negligible);
     assert!(!estimate(&with_mass(&scenario, 1.1 * mass_at_threshold)).is_negligible);

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cohaul::analysis::estimate::{AGREEMENT, Watched};
+use cohaul::analysis::estimate::{TOLERANCE_SHARE, Watched};
 use cohaul::backend::friction::FrictionSolver;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Status, Tolerance, build};
 use cohaul::math::{Mat3, Vec2, Vec3};
@@ -92,7 +92,7 @@ fn what_is_refused_leaves_engine_and_estimate_as_they_were() {
             }
             load.advance(&target, 0.01);
         }
-        let estimated = estimator.borrow().estimate(AGREEMENT);
+        let estimated = estimator.borrow().estimate(TOLERANCE_SHARE);
         assert!(estimated.displacement_max_m > 1e-4, "{estimated:?}");
         estimated
     };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cohaul::analysis::compare::{Difference, Numbers, Settings, Solution};
-use cohaul::analysis::estimate::{AGREEMENT, Cause, InertiaEstimate, Watched};
+use cohaul::analysis::estimate::{Cause, InertiaEstimate, TOLERANCE_SHARE, Watched};
 use cohaul::backend::{BackendKind, BackendOptions, Status};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Driver, EventKind, Keep, Replay, Simulation, Trace, built, driver_of};
@@ -57,7 +57,7 @@ impl Found {
 
 pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
     let settings = Settings::default();
-    let options = settings.options(scenario, BackendKind::QuasiStatic);
+    let options = settings.at_fixed_step(scenario, BackendKind::QuasiStatic);
     let (estimate, recorded, duration) = estimated(scenario, &options);
     let has_ants = matches!(scenario.drive, Drive::Ants(_));
     let replayed = Scenario { duration, ..scenario.clone() };
@@ -67,10 +67,10 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
         true => Box::new(Replay::new(Arc::clone(&recorded), scenario.system.springs.len())) as Box<dyn Driver>,
         false => driver_of(scenario),
     };
-    let [quasi_static, inertial] =
-        [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| solve(&replayed, &settings.within(scenario, kind), driver));
+    let [quasi_static, inertial] = [BackendKind::QuasiStatic, BackendKind::Inertial]
+        .map(|kind| solve(&replayed, &settings.under_error_control(scenario, kind), driver));
     let radius = scenario.system.load.radius;
-    let own = [&quasi_static, &inertial].map(|solution| Difference::own(&solution.limit, radius).rim_max_m);
+    let own = [&quasi_static, &inertial].map(|solution| Difference::error_of(&solution.limit, radius).edge_displacement_max_m);
     Found {
         name: name.to_owned(),
         class,
@@ -79,7 +79,7 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
         n_releases,
         mass: scenario.system.load.mass,
         numbers: Numbers::of(&replayed, &inertial.trace),
-        measured: Difference::between(&inertial.limit, &quasi_static.limit, radius).rim_max_m,
+        measured: Difference::between(&inertial.limit, &quasi_static.limit, radius).edge_displacement_max_m,
         own_error: own[0].max(own[1]),
         way: quasi_static.path_length(radius).max(inertial.reach(radius)),
         estimate,
@@ -93,7 +93,7 @@ fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate,
     let mut run = Simulation::on(scenario, options, Keep::Trace, driver_of(scenario), backend);
     run.run(|_| true);
     let (trace, outcome) = run.into_results();
-    let estimate = estimator.borrow().estimate(AGREEMENT);
+    let estimate = estimator.borrow().estimate(TOLERANCE_SHARE);
     (estimate, trace, outcome.time)
 }
 
@@ -126,7 +126,7 @@ pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {
             format!("{:.5e}", estimate.path_length_m),
             if scene.measured > 0.0 { format!("{:.4}", scene.ratio()) } else { String::new() },
             scene.kind().to_owned(),
-            (scene.measured_share() <= AGREEMENT).to_string(),
+            (scene.measured_share() <= TOLERANCE_SHARE).to_string(),
             estimate.is_negligible.to_string(),
             scene.is_certain().to_string(),
             format!("{:?}", scene.status),

@@ -1,4 +1,7 @@
-//! What runs say about inertia: an estimate beside one run, and the comparison of several.
+//! What inertia and the engine change: comparisons of runs, and an estimate from one run alone.
 
 pub mod compare;
 pub mod estimate;
+mod trigger;
+
+pub use trigger::{ByTrigger, Trigger, TriggerKind};

@@ -10,13 +10,15 @@ use clap::{Args, ValueEnum};
 use super::{
     CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, step, warn_idle,
 };
-use crate::analysis::compare::{Settings, Tier, closed_loop, prescribed, replayed};
+use crate::analysis::compare::{Settings, ThreeWay, Tier};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
+use crate::output::text::Detail;
 use crate::scenario::{Drive, Scenario};
-use crate::studies::compare::report::{Comparison, compare_text, write_comparison};
+use crate::studies::compare::report::{Comparison, Tiers, write_comparison};
+use crate::studies::compare::text::text;
 
 #[derive(Args)]
 pub struct CompareArgs {
@@ -40,9 +42,9 @@ pub struct CompareArgs {
     /// Backend whose run is replayed into the others; without it quasi-static
     #[arg(long, value_name = "BACKEND")]
     recorded_from: Option<BackendKind>,
-    /// Difference that counts as agreement, over the way of the load's rim (1); without it 0.01
-    #[arg(long, value_name = "SHARE", value_parser = positive)]
-    agreement: Option<f64>,
+    /// Largest edge displacement that counts as agreement, divided by the path length (1); without it 0.01
+    #[arg(long, alias = "agreement", value_name = "SHARE", value_parser = positive)]
+    tolerance_share: Option<f64>,
     /// Folder for the report, traces, figures, summary and manifest
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -74,24 +76,24 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let unasked = Settings::default();
     let settings = Settings {
         step_s: args.step_s,
-        tolerance_m: args.tolerance,
+        reference_tolerance_m: args.tolerance,
         rapier: args.engine.options(),
         recorded_from: args.recorded_from.unwrap_or(unasked.recorded_from),
-        agreement: args.agreement.unwrap_or(unasked.agreement),
+        tolerance_share: args.tolerance_share.unwrap_or(unasked.tolerance_share),
         skips: Skips::ALL.without_all(&args.no_skip),
     };
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let mut comparison = Comparison::new(&scenario, &settings);
+    let mut found = Tiers::default();
     for tier in tiers {
-        add(&mut comparison, tier, &scenario, &settings, n_seeds)?;
+        add(&mut found, tier, &scenario, &settings, n_seeds)?;
     }
-    comparison.wall_s = clock.elapsed().as_secs_f64();
+    let comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
     json::check(&comparison)?;
     if let Some(out) = &args.out {
         let manifest = Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, &settings, command_line(), started);
         write_comparison(out, &comparison, &scenario, &manifest)?;
     }
-    print(&if args.json { json::pretty(&comparison)? } else { compare_text(&comparison) })?;
+    print(&if args.json { json::pretty(&comparison)? } else { text(&comparison, Detail::Brief) })?;
     if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
         print_report(out)?;
     }
@@ -105,7 +107,7 @@ fn warn_of_idle_tiers(args: &CompareArgs, tiers: &[Tier]) {
         ("--seeds", &[Tier::ClosedLoop][..], args.seeds.is_some()),
         ("--recorded-from", &[Tier::Replayed][..], args.recorded_from.is_some()),
         ("--tolerance", pathwise, args.tolerance.is_some()),
-        ("--agreement", pathwise, args.agreement.is_some()),
+        ("--tolerance-share", pathwise, args.tolerance_share.is_some()),
     ];
     for (option, of, _) in options.iter().filter(|(_, of, is_given)| *is_given && !tiers.iter().any(|tier| of.contains(tier))) {
         warn_idle(option, &names(of), &names(tiers));
@@ -130,7 +132,7 @@ fn tiers_of(scenario: &Scenario, asked: &[Tier]) -> Result<Vec<Tier>, CliError> 
     Ok(if asked.is_empty() { possible.to_vec() } else { asked.to_vec() })
 }
 
-fn add(comparison: &mut Comparison, tier: Tier, scenario: &Scenario, settings: &Settings, n_seeds: usize) -> Result<(), CliError> {
+fn add(found: &mut Tiers, tier: Tier, scenario: &Scenario, settings: &Settings, n_seeds: usize) -> Result<(), CliError> {
     let label = match tier {
         Tier::Prescribed => "prescribed",
         Tier::Replayed => "replayed",
@@ -144,11 +146,12 @@ fn add(comparison: &mut Comparison, tier: Tier, scenario: &Scenario, settings: &
         }
         !interrupt::asked()
     };
+    let runs = ThreeWay::new(scenario, settings);
     match tier {
-        Tier::Prescribed => comparison.tiers.prescribed = Some(prescribed(scenario, settings, watch).ok_or(CliError::Interrupted)?),
-        Tier::Replayed => comparison.tiers.replayed = Some(replayed(scenario, settings, watch).ok_or(CliError::Interrupted)?),
+        Tier::Prescribed => found.prescribed = Some(runs.prescribed(watch).ok_or(CliError::Interrupted)?),
+        Tier::Replayed => found.replayed = Some(runs.replayed(watch).ok_or(CliError::Interrupted)?),
         Tier::ClosedLoop => {
-            comparison.tiers.closed_loop = Some(closed_loop(scenario, settings, n_seeds, watch).ok_or(CliError::Interrupted)?);
+            found.closed_loop = Some(runs.closed_loop(n_seeds, watch).ok_or(CliError::Interrupted)?);
         }
     }
     progress.into_inner().expect("no thread panicked while it drew").finish();

@@ -14,12 +14,13 @@ use super::{
     CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, resumable, step,
     warn_idle, warn_of_idle,
 };
-use crate::analysis::estimate::{AGREEMENT, Estimator, Watched};
+use crate::analysis::estimate::{TOLERANCE_SHARE, Estimator, Watched};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, step_of};
 use crate::output::chart::Scene;
 use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
+use crate::output::text::Detail;
 use crate::output::trace_csv::TraceColumns;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
@@ -136,7 +137,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let wall_time = Some(clock.elapsed().as_secs_f64());
     let summary = RunSummary {
         run: Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time },
-        inertia_estimate: estimator.map(|estimator| estimator.borrow().estimate(AGREEMENT)),
+        inertia_estimate: estimator.map(|estimator| estimator.borrow().estimate()),
     };
     if let Some(writer) = writer {
         let manifest = Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, &options, command_line(), started);
@@ -147,15 +148,16 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
         std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
     }
-    print(&if args.json { json::pretty(&summary)? } else { run_text(&summary) })?;
+    print(&if args.json { json::pretty(&summary)? } else { run_text(&summary, Detail::Brief) })?;
     if let Some(out) = args.out.as_deref().filter(|_| args.report && !args.json) {
         print_report(out)?;
     }
     if let Some(warning) = convergence_warning(&summary) {
         say!("warning: {warning}");
     }
-    if let Some(estimate) = summary.inertia_estimate.filter(|estimate| !estimate.is_negligible) {
-        say!("warning: {}", inertia_warning(&estimate));
+    // The text says it as its answer.
+    if let Some(warning) = summary.inertia_estimate.filter(|_| args.json).and_then(|estimate| inertia_warning(&estimate)) {
+        say!("warning: {warning}");
     }
     Ok(if outcome.steps.status == Status::Failed || !summary.run.is_accurate() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

@@ -11,5 +11,6 @@ pub mod quantity;
 mod sibling;
 #[cfg(test)]
 pub(crate) mod synthetic;
+pub mod text;
 pub mod tips_csv;
 pub mod trace_csv;

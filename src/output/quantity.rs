@@ -1,17 +1,43 @@
-//! A number with its unit, for people: four significant digits and an SI prefix.
+//! Numbers with units, for people: three or four significant digits and an SI prefix.
 
 /// `value` in `unit` with four significant digits and the prefix that puts one to three digits before the point: `12.35 mm`.
 ///
 /// Values of 1000 and above keep the plain unit, as `3600 s`. Kilograms count in grams. A unit that begins with a power, as `m^2`, has no
 /// prefix, for the prefix would be raised with it.
 pub fn quantity(value: f64, unit: &str) -> String {
+    quantity_of(4, value, unit)
+}
+
+/// `value` in `unit` with three significant digits and no trailing zeros, as in `6.72 mm`.
+pub fn short_quantity(value: f64, unit: &str) -> String {
+    if unit.is_empty() {
+        return short(value);
+    }
+    let text = quantity_of(3, value, unit);
+    text.split_once(' ').map_or(text.clone(), |(number, unit)| format!("{} {unit}", without_zeros(number)))
+}
+
+/// `value` with three significant digits and no trailing zeros.
+pub fn short(value: f64) -> String {
+    if !(1e-3..1e4).contains(&value.abs()) {
+        return number(value);
+    }
+    let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
+    without_zeros(&format!("{value:.decimals$}")).to_owned()
+}
+
+fn without_zeros(number: &str) -> &str {
+    if number.contains('.') && !number.contains('e') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
+}
+
+fn quantity_of(n_digits: usize, value: f64, unit: &str) -> String {
     if unit.is_empty() {
         return number(value);
     }
     if let Some(rest) = unit.strip_prefix("kg") {
-        return quantity(1e3 * value, &format!("g{rest}"));
+        return quantity_of(n_digits, 1e3 * value, &format!("g{rest}"));
     }
-    let Some(digits) = Digits::of(value) else { return format!("{} {unit}", number(value)) };
+    let Some(digits) = Digits::of(n_digits, value) else { return format!("{} {unit}", number(value)) };
     let head = unit.split([' ', '/']).next().unwrap_or_default();
     let thousands = digits.exponent.div_euclid(3);
     let prefix = match thousands {
@@ -30,7 +56,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
 
 /// `value` with four significant digits; in powers of ten below 1e-3 and from 1e7. Whole numbers between keep all their digits.
 pub fn number(value: f64) -> String {
-    match Digits::of(value) {
+    match Digits::of(4, value) {
         None if value == 0.0 => "0".to_owned(),
         None => format!("{value}"),
         Some(digits) if (-3..3).contains(&digits.exponent) => digits.times_ten_to(0),
@@ -39,7 +65,7 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// A number rounded to four significant digits: `significand` in [1, 10) times a power of ten. Rounding comes first, so that 0.99996 mm is
+/// A number rounded to some significant digits: `significand` in [1, 10) times a power of ten. Rounding comes first, so that 0.99996 mm is
 /// 1.000 mm and not 1000.0 µm.
 struct Digits {
     significand: String,
@@ -48,11 +74,11 @@ struct Digits {
 
 impl Digits {
     /// `None` for zero and what is not finite.
-    fn of(value: f64) -> Option<Self> {
+    fn of(n_digits: usize, value: f64) -> Option<Self> {
         if value == 0.0 || !value.is_finite() {
             return None;
         }
-        let text = format!("{value:.3e}");
+        let text = format!("{value:.*e}", n_digits - 1);
         let (significand, exponent) = text.split_once('e')?;
         Some(Self { significand: significand.to_owned(), exponent: exponent.parse().ok()? })
     }
@@ -120,6 +146,19 @@ mod tests {
         assert_eq!(quantity(2e-5, "m^2"), "2.000e-5 m^2");
         assert_eq!(quantity(0.03, "m/s"), "30.00 mm/s");
         assert_eq!(quantity(2.25e-3, "m/s^2"), "2.250 mm/s^2");
+    }
+
+    #[test]
+    fn short_numbers_have_three_digits_and_no_trailing_zeros() {
+        for (value, text) in
+            [(1.0, "1"), (1.3533, "1.35"), (0.0996, "0.0996"), (10.0, "10"), (123.4, "123"), (0.5, "0.5"), (1e-5, "1.000e-5")]
+        {
+            assert_eq!(short(value), text);
+        }
+        for (value, text) in [(0.01045, "10.4 mm"), (0.0025, "2.5 ms"), (0.6721, "672 mm"), (-0.01, "-10 mm"), (0.0, "0 m")] {
+            let unit = text.chars().last().unwrap().to_string();
+            assert_eq!(short_quantity(value, &unit), text);
+        }
     }
 
     #[test]

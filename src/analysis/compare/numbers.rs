@@ -1,54 +1,57 @@
-//! The dimensionless numbers of a run and what theory predicts from them.
+//! Dimensionless numbers of a run, and what theory predicts from them.
 //!
 //! ```text
 //! epsilon = v sqrt(k m) / f    Phi = omega_n T_e    zeta    with omega_n = sqrt(k / m), f = mu m g
 //! ```
 //!
-//! v is the root mean square speed of the held tips, k the mean radial stiffness, T_e the mean time between events. Under continuous driving inertia
-//! moves the path by epsilon f / k while the tips go and twice that where they stop. After a release the load goes on as a damped oscillator answers a
-//! step, to the end of its first swing or to the next event: undamped, `1 - cos(omega_n T_e)` times the way without inertia, and 2 at most.
+//! v is the root mean square speed of the attached tips, k the mean radial stiffness and T_e the
+//! mean time between events. Under continuous driving, inertia moves the path by epsilon f / k
+//! while the tips move, and by twice that where they stop. After a release the load moves as the
+//! step response of a damped oscillator, to the end of its first swing or to the next event.
+//! Without damping it moves `1 - cos(omega_n T_e)` times as far as without inertia, at most twice.
 
 use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::Solution;
-use crate::analysis::estimate::{AGREEMENT, InertiaEstimate};
+use super::solution::Solution;
+use crate::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE};
 use crate::math::Summary;
 use crate::scenario::Scenario;
 use crate::simulation::{EventKind, Trace};
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Numbers {
-    /// Inertia of the driven load against friction; `null` without friction, where nothing ever sticks.
+    /// Inertia of the driven load compared with friction (1); `null` without friction.
     pub epsilon: Option<f64>,
-    /// Time between events against that of an oscillation; `null` when there are none.
+    /// Time between events in radians of the load's oscillation (rad); `null` without events.
     pub phi: Option<f64>,
-    /// Damping over critical damping.
+    /// Mean damping ratio of the springs (1).
     pub zeta: f64,
 }
 
-/// What theory expects of inertia.
+/// Theoretical prediction of the inertia effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Predicted {
-    /// Path error while tips move on (m): epsilon f / k; `null` without friction.
+    /// Inertia effect while the tips move, epsilon f / k (m); `null` without friction.
     pub while_driven_m: Option<f64>,
-    /// Path error where tips stop (m): at most twice that.
+    /// Largest inertia effect where the tips stop, twice that (m); `null` without friction.
     pub where_tips_stop_m: Option<f64>,
-    /// Way on which friction takes up the energy that the load starts with (m), which a load without inertia does not go; `null` without
+    /// Distance over which friction dissipates the initial kinetic energy (m); `null` without
     /// friction.
     pub coasting_m: Option<f64>,
-    /// Displacement of the load's rim that the quasi-static run alone lets expect (m); `null` where no such run was looked at.
+    /// Inertia effect estimated from the quasi-static run alone (m); `null` if not estimated.
     pub estimated_m: Option<f64>,
-    /// Distance that the load goes after a release, over what it would go without inertia (1); `null` without releases.
+    /// Displacement after a release divided by that without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,
-    /// Whether neglecting inertia should stay within the tolerance: the load never moves, or the path errors above add up to less, and there are no grasps and
-    /// releases of stretched springs or such that are far apart and damped (Phi above 2 pi, zeta above 0.5).
-    pub quasi_static_is_sound: bool,
+    /// Whether theory predicts an inertia effect below the tolerance. The load never moves, or the
+    /// effects above add up to less; and grasps and releases of stretched springs do not occur, or
+    /// are far apart and damped (Phi above 2 pi, zeta above 0.5).
+    pub quasi_static_is_valid: bool,
 }
 
 impl Numbers {
-    /// Of the run in `trace`.
+    /// Numbers of the run in `trace`.
     pub fn of(scenario: &Scenario, trace: &Trace) -> Self {
         let (stiffness, zeta) = mean_spring(scenario);
         let mass = scenario.system.load.mass;
@@ -57,7 +60,8 @@ impl Numbers {
         Self { epsilon, phi: time_between_events(trace).map(|time| (stiffness / mass).sqrt() * time), zeta }
     }
 
-    /// What theory expects of an inertial run, `n_sudden` of whose grasps and releases are of stretched springs, with `tolerance` being what counts as agreement (m).
+    /// Prediction for an inertial run with `n_sudden` grasps and releases of stretched springs and
+    /// a `tolerance` (m).
     pub fn predict(&self, scenario: &Scenario, run: &Solution, n_sudden: usize, tolerance: f64) -> Predicted {
         let trace = &run.trace;
         let (stiffness, _) = mean_spring(scenario);
@@ -75,12 +79,12 @@ impl Numbers {
             coasting_m,
             estimated_m: None,
             release_factor: (n_releases > 0).then(|| self.release_factor()),
-            quasi_static_is_sound: run.path_length(scenario.system.load.radius) == 0.0 || driven_well && (n_sudden == 0 || damped_out),
+            quasi_static_is_valid: run.path_length(scenario.system.load.radius) == 0.0 || driven_well && (n_sudden == 0 || damped_out),
         }
     }
 
-    /// Way of a load after its force has stepped up, over the way without inertia: a first swing, cut short by the next event where Phi leaves no time
-    /// for it. Friction then holds it.
+    /// Displacement after a step of the force, divided by that without inertia (1): the first
+    /// swing, or the part of it until the next event. Friction then stops the load.
     fn release_factor(&self) -> f64 {
         let (zeta, damped) = (self.zeta, (1.0 - self.zeta * self.zeta).abs().sqrt());
         let half_swing = if zeta < 1.0 { PI / damped } else { f64::INFINITY };
@@ -98,13 +102,13 @@ impl Numbers {
 }
 
 impl Predicted {
-    /// The same with what the trace of the quasi-static run lets expect.
+    /// This prediction with the estimate from the trace of the quasi-static run.
     pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace) -> Self {
-        Self { estimated_m: Some(InertiaEstimate::of(scenario, quasi_static, AGREEMENT).displacement_max_m), ..self }
+        Self { estimated_m: Some(InertiaEstimate::of(scenario, quasi_static, TOLERANCE_SHARE).displacement_max_m), ..self }
     }
 }
 
-/// omega_n of the load on a mean spring (rad/s).
+/// Natural frequency omega_n of the load on a mean spring (rad/s).
 pub(super) fn natural_rate(scenario: &Scenario) -> f64 {
     (mean_spring(scenario).0 / scenario.system.load.mass).sqrt()
 }
@@ -118,14 +122,14 @@ fn mean_spring(scenario: &Scenario) -> (f64, f64) {
     (sum(|spring| spring.radial_stiffness) / n + 0.0, sum(|spring| spring.damping_ratio) / n + 0.0)
 }
 
-/// Root mean square speed of held tips (m/s).
+/// Root mean square speed of the attached tips (m/s).
 fn tip_speed(trace: &Trace) -> f64 {
     let mut squares = Summary::default();
     for pair in trace.rows.windows(2) {
         let duration = pair[1].time - pair[0].time;
         for tip in &pair[1].tips {
-            let held_before = pair[0].tips.iter().find(|before| before.spring == tip.spring);
-            if let Some(before) = held_before.filter(|_| duration > 0.0) {
+            let attached_before = pair[0].tips.iter().find(|before| before.spring == tip.spring);
+            if let Some(before) = attached_before.filter(|_| duration > 0.0) {
                 squares.add(((tip.position - before.position) / duration).norm_squared());
             }
         }
@@ -133,7 +137,7 @@ fn tip_speed(trace: &Trace) -> f64 {
     squares.mean().sqrt()
 }
 
-/// Mean time between one grasp or release and the next, or the end (s); events at one instant count once.
+/// Mean time between one event and the next, or the end (s); events at one instant count once.
 fn time_between_events(trace: &Trace) -> Option<f64> {
     let mut times: Vec<f64> = trace.events.iter().map(|event| event.time).collect();
     times.extend(trace.rows.last().map(|row| row.time));
@@ -150,7 +154,8 @@ mod tests {
         Numbers { epsilon: Some(0.1), phi: Some(phi), zeta }.release_factor()
     }
 
-    /// Closed forms of the step response; the printed factor 1 + exp(-pi zeta / sqrt(1 - zeta^2)) of a whole swing, and 1 - cos Phi undamped.
+    /// Closed forms of the step response: 1 + exp(-pi zeta / sqrt(1 - zeta^2)) for a whole swing,
+    /// and 1 - cos Phi without damping.
     #[test]
     fn releases_overshoot_with_time_and_fall_short_without() {
         // Rounding of order one throughout.

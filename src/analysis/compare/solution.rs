@@ -1,54 +1,55 @@
-//! A backend's path with its own error.
+//! Path of one backend with its numerical error.
 //!
-//! The exact methods run under error control, and their error is what that estimates. An engine has none; with p(h) its path at the step h,
-//! `2 p(h/2) - p(h)` is second order as long as nothing happens between nodes; the same at h/4 is its limit. Grasps and releases fall on nodes here, onsets,
-//! stops and captures do not, and leave errors that are no series in the step: the limit may then be as wrong as the finest path is without extrapolation. The larger
-//! one of both distances, between the two extrapolations and between the two finest paths, bounds its error from then on. An engine is shown at the step that its user asked for as well: its distance from its own limit is the error of that step, the
-//! limit's distance from the reference an error that no step removes.
+//! Quasi-static and inertial runs estimate their error themselves (error control). An engine does
+//! not. With p(h) its path at the step h, `2 p(h/2) - p(h)` is second order while nothing happens
+//! between nodes; the same at h/4 is taken as the limit. Grasps and releases fall on nodes. Slip
+//! onsets, stops and pinnings do not, and spoil the expansion in the step: the limit may then be
+//! as wrong as the finest path. The error bound is therefore the larger one of two distances,
+//! between the two extrapolations and between the two finest paths, and never falls again.
+//!
+//! The engine's path at the step that was asked for is kept too. Its distance from the limit is
+//! the time-step error; the distance of the limit from the inertial path is the model error.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use crate::backend::{BackendKind, BackendOptions, StepReport};
-use crate::math::Vec2;
+use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
+use crate::math::Pose;
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Keep, Make, Row, Simulation, Trace};
 
-/// Path of a load with its own error.
+/// Path of a load with its numerical error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     pub kind: BackendKind,
-    /// The path in the limit of small steps, and how far that may be wrong.
+    /// Path in the limit of small steps, with its error.
     pub limit: Vec<Point>,
-    /// The path at the step asked for, for an engine, whose user sees no other; the same as `limit` for the exact methods.
+    /// Path at the step that was asked for, for an engine; equal to `limit` for other backends.
     pub points: Vec<Point>,
-    /// The run of the exact methods, with an engine that at the step asked for: forces, events and figures come from it.
+    /// Run from which forces, events and figures come; an engine's at the step asked for.
     pub trace: Trace,
     /// Step of that run (s); `None` under error control.
     pub step_s: Option<f64>,
-    /// Counts and endings of all runs that the path was made from.
+    /// Counts and worst status of all runs behind this path.
     pub steps: StepReport,
 }
 
-/// Where the load is at one instant, and how far that may be wrong.
+/// Pose of the load at one instant, with its numerical error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// (s)
+    /// Time from the start of the run (s).
     pub time: f64,
-    /// (m, world)
-    pub position: Vec2,
-    /// (rad)
-    pub heading: f64,
-    /// (m)
-    pub position_error: f64,
-    /// (rad)
-    pub heading_error: f64,
+    pub pose: Pose,
+    pub error: PoseError,
 }
 
 impl Solution {
-    /// Runs `scenario` on the backends that `make` makes, with the drivers that `driver` makes, under error control if `options` ask for it, else at their step and at halves of it, with points at
-    /// the ends of `n_parts` equal parts of each control period; `watch` as in [`Simulation::run`], with the share done (1). `None` when it said to stop.
+    /// Path of `scenario` on the backends from `make`, under the controllers from `driver`.
+    ///
+    /// Runs under error control if `options` ask for it, else at the given step and at a half and
+    /// a quarter of it. There is a point at the end of each of `n_parts` equal parts of a control
+    /// period. `watch` gets the share done (1) and answers whether to go on; `None` if it said no.
     pub fn find(
         scenario: &Scenario,
         options: &BackendOptions,
@@ -60,12 +61,12 @@ impl Solution {
         let start =
             |options: &BackendOptions| Simulation::on(scenario, options, Keep::Trace, driver(), make(scenario, options)).in_parts(n_parts);
         match options.tolerance {
-            Some(_) => Self::within(scenario, options, start, watch),
+            Some(_) => Self::under_error_control(scenario, options, start, watch),
             None => Self::extrapolated(scenario, options, start, watch),
         }
     }
 
-    fn within<'a>(
+    fn under_error_control<'a>(
         scenario: &Scenario,
         options: &BackendOptions,
         start: impl Fn(&BackendOptions) -> Simulation<'a>,
@@ -77,7 +78,7 @@ impl Solution {
             return None;
         }
         let (trace, outcome) = run.into_results();
-        let limit: Vec<Point> = trace.rows.iter().map(as_run).collect();
+        let limit: Vec<Point> = trace.rows.iter().map(Point::of).collect();
         Some(Self { kind: options.kind, points: limit.clone(), limit, trace, step_s: None, steps: outcome.steps })
     }
 
@@ -105,48 +106,57 @@ impl Solution {
         levels.reverse();
         let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
         let is_engine = !options.kind.is_exact();
-        let mut limit: Vec<Point> = (0..rows[0].len()).map(|i| extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
+        let mut limit: Vec<Point> = (0..rows[0].len()).map(|i| Point::extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
         for i in 1..limit.len() {
-            limit[i].position_error = limit[i].position_error.max(limit[i - 1].position_error);
-            limit[i].heading_error = limit[i].heading_error.max(limit[i - 1].heading_error);
+            limit[i].error = limit[i].error.max(&limit[i - 1].error);
         }
-        let points = if is_engine { rows[0].iter().map(as_run).collect() } else { limit.clone() };
+        let points = if is_engine { rows[0].iter().map(Point::of).collect() } else { limit.clone() };
         let mut steps = StepReport::default();
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
         let (step_s, (trace, _)) = levels.swap_remove(if is_engine { 0 } else { 2 });
         Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps })
     }
 
-    /// How far a point of the load at `radius` (m) from its origin gets from where it started (m), at most.
+    /// Largest edge displacement from the start, for a load of this `radius` (m).
     pub fn reach(&self, radius: f64) -> f64 {
-        let from = &self.points[0];
-        let far = |point: &Point| (point.position - from.position).norm() + radius * (point.heading - from.heading).abs();
-        self.points.iter().map(far).fold(0.0, f64::max)
+        self.points.iter().map(|point| self.points[0].edge_displacement(point, radius)).fold(0.0, f64::max)
     }
 
-    /// Length of the way of a point of the load at `radius` (m) from its origin (m), at most.
+    /// Path length: sum of all edge displacements from point to point, for a load of this `radius`
+    /// (m).
     pub fn path_length(&self, radius: f64) -> f64 {
-        let way = |pair: &[Point]| (pair[1].position - pair[0].position).norm() + radius * (pair[1].heading - pair[0].heading).abs();
-        self.points.windows(2).map(way).fold(0.0, |sum, way| sum + way)
+        let increments = self.points.windows(2).map(|pair| pair[0].edge_displacement(&pair[1], radius));
+        increments.fold(0.0, |sum, increment| sum + increment)
     }
 }
 
-/// A path as one run gives it. The error of a fixed step belongs to what is shown, so that the path is certain as it stands.
-fn as_run(row: &Row) -> Point {
-    let (pose, error) = (row.motion.pose, row.error.unwrap_or_default());
-    Point { time: row.time, position: pose.position, heading: pose.heading, position_error: error.position, heading_error: error.heading }
-}
+impl Point {
+    /// A row of a run as it is. The error of a fixed step is not known and counts as zero.
+    fn of(row: &Row) -> Self {
+        Self { time: row.time, pose: row.motion.pose, error: row.error.unwrap_or_default() }
+    }
 
-/// The path in the limit of small steps. Its error is no more than its distance from the same out of one level less, or than that of the two finest paths.
-fn extrapolated(coarse: &Row, middle: &Row, fine: &Row) -> Point {
-    let [a, b, c] = [coarse, middle, fine].map(|row| row.motion.pose);
-    let (before, position) = (2.0 * b.position - a.position, 2.0 * c.position - b.position);
-    let (heading_before, heading) = (2.0 * b.heading - a.heading, 2.0 * c.heading - b.heading);
-    Point {
-        time: coarse.time,
-        position,
-        heading,
-        position_error: (position - before).norm().max((c.position - b.position).norm()),
-        heading_error: (heading - heading_before).abs().max((c.heading - b.heading).abs()),
+    /// The limit of small steps from rows at the steps h, h/2 and h/4.
+    fn extrapolated(coarse: &Row, middle: &Row, fine: &Row) -> Self {
+        let [a, b, c] = [coarse, middle, fine].map(|row| row.motion.pose);
+        let limit = |a: &Pose, b: &Pose| Pose { position: 2.0 * b.position - a.position, heading: 2.0 * b.heading - a.heading };
+        let (before, pose) = (limit(&a, &b), limit(&b, &c));
+        let error = PoseError {
+            position: (pose.position - before.position).norm().max((c.position - b.position).norm()),
+            heading: (pose.heading - before.heading).abs().max((c.heading - b.heading).abs()),
+        };
+        Self { time: coarse.time, pose, error }
+    }
+
+    /// Position (m) and heading (rad) differences to another point.
+    pub fn difference(&self, other: &Self) -> (f64, f64) {
+        ((self.pose.position - other.pose.position).norm(), (self.pose.heading - other.pose.heading).abs())
+    }
+
+    /// Upper bound of the displacement of any point of a load of this `radius` (m) between two
+    /// points of its path (m).
+    pub fn edge_displacement(&self, other: &Self, radius: f64) -> f64 {
+        let (shift, turn) = self.difference(other);
+        shift + radius * turn
     }
 }

@@ -31,5 +31,5 @@ pub use apart::{Cause, Largest};
 pub use estimator::{Estimator, InertiaEstimate};
 pub use watched::Watched;
 
-/// Displacement that counts as negligible, over [`InertiaEstimate::path_length_m`] (1): as `compare` has it.
-pub const AGREEMENT: f64 = 0.01;
+/// Largest edge displacement that counts as agreement, divided by the path length (1).
+pub const TOLERANCE_SHARE: f64 = 0.01;

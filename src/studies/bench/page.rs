@@ -2,12 +2,12 @@
 
 use crate::output::manifest::Manifest;
 use crate::output::page::{Answer, Block, Headline, Number, Page, Table};
+use crate::output::quantity::short;
 use crate::output::quantity::{number, quantity};
 use crate::studies::bench::figure;
 use crate::studies::bench::report::Benchmark;
 use crate::studies::bench::text::bench_text;
 use crate::studies::bench::{EqualError, METHODS, SceneFacts};
-use crate::studies::compare::sentence::short;
 
 /// The error at which the headline compares methods, over the length of the way (1).
 const COMPARED: f64 = 1e-3;

@@ -9,12 +9,12 @@ use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::{Libraries, Machine, Manifest};
 use crate::output::quantity::quantity;
+use crate::output::text::Lines;
 use crate::output::trace_csv;
 use crate::simulation::EventKind;
 use crate::studies::check::{
     Build, BuildChange, Check, Decision, Deviation, Difference, Divergence, Event, Quantity, ScenarioChange, Told, Verdict,
 };
-use crate::studies::run::text::Lines;
 
 /// What `check --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]

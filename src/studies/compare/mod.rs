@@ -1,8 +1,6 @@
 //! The report of a comparison: its answer, JSON, text, files and page.
 
-pub mod ensemble_page;
+pub mod answer;
 pub mod page;
-#[cfg(test)]
-mod page_tests;
 pub mod report;
-pub mod sentence;
+pub mod text;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::fit::{self, Found};
 use super::trial::{Case, Trial};
 use super::{RunFacts, facts};
-use crate::analysis::compare::{self, Cause, Settings};
+use crate::analysis::compare::{Cause, Settings, ThreeWay};
 use crate::backend::BackendKind;
 use crate::scenario::presets::Preset;
 use crate::studies::runner::Tasks;
@@ -122,7 +122,7 @@ impl Plan {
     fn replay(&self, trial: Trial, watch: &(impl Fn() -> bool + Sync)) -> Option<Replayed> {
         let mut scenario = trial.scenario(&Case::new(self.preset, BackendKind::QuasiStatic), self.first_seed);
         scenario.duration = scenario.duration.min(self.replayed_s);
-        let found = compare::replayed(&scenario, &Settings::default(), |_| watch())?;
+        let found = ThreeWay::new(&scenario, &Settings::default()).replayed(|_| watch())?;
         let name = |cause: &Cause| match cause {
             Cause::Inertia => "inertia".to_owned(),
             Cause::Engine => "engine".to_owned(),
@@ -133,13 +133,13 @@ impl Plan {
             seed: self.first_seed,
             duration_s: duration,
             verdict: found.verdict.text().to_owned(),
-            inertia_m: found.rim.inertia_m,
-            engine_m: found.rim.engine_m,
-            own_m: found.rim.own_m,
+            inertia_m: found.edge_displacement.inertia_effect_m,
+            engine_m: found.edge_displacement.engine_error_m,
+            own_m: found.edge_displacement.reference_error_m,
             path_length_m: found.path_length_m,
             tolerance_m: found.tolerance_m,
             causes: found.causes.iter().map(name).collect(),
-            parts_at_s: found.first_parting.by_inertia.map(|parting| parting.time_s),
+            parts_at_s: found.first_divergence.inertia_effect.map(|divergence| divergence.time_s),
         })
     }
 }

@@ -42,9 +42,10 @@ impl Cell {
         let (still, moving) = (solve(BackendKind::QuasiStatic)?, solve(BackendKind::Inertial)?);
         let radius = staged.scenario.system.load.radius;
         let apart = Difference::between(&moving.points, &still.points, radius);
-        let distance_m = apart.rim_max_m;
-        let own = [&still, &moving].map(|solution| Difference::own(&solution.limit, radius).rim_max_m);
-        let shift = |solution: &Solution| solution.points.last().map_or(0.0, |end| end.position.x - solution.points[0].position.x);
+        let distance_m = apart.edge_displacement_max_m;
+        let own = [&still, &moving].map(|solution| Difference::error_of(&solution.limit, radius).edge_displacement_max_m);
+        let shift =
+            |solution: &Solution| solution.points.last().map_or(0.0, |end| end.pose.position.x - solution.points[0].pose.position.x);
         let jump =
             |kind: &TransitionKind| if let TransitionKind::Jump { shift, turn, .. } = kind { shift + radius * turn.abs() } else { 0.0 };
         let end = moving.trace.rows.last().map(|row| row.motion.twist);

@@ -1,6 +1,9 @@
 //! One run of one scenario: its summary as JSON and text, its files and its page.
 
+pub mod answer;
 pub mod files;
 pub mod page;
+#[cfg(test)]
+mod page_tests;
 pub mod summary;
 pub mod text;

@@ -6,6 +6,7 @@ use serde::{Serialize, Serializer};
 use crate::analysis::estimate::InertiaEstimate;
 use crate::backend::{BackendKind, Integrator, RapierOptions, Setting, Status};
 use crate::simulation::run_facts::{FACTS, Run, Value};
+use crate::studies::run::answer::sentence;
 
 /// A run and what is reported of it.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,7 @@ pub struct RunSummary<'a> {
 /// What was run and how, beside the numbers.
 #[derive(Serialize)]
 struct Object<'a> {
+    answer: String,
     scenario: &'a str,
     backend: BackendKind,
     /// `null` under error control.
@@ -45,6 +47,7 @@ impl Serialize for RunSummary<'_> {
         }
         insert(&mut numbers, "steps.status", Node::Status(outcome.steps.status));
         let object = Object {
+            answer: sentence(&self.run, self.inertia_estimate.as_ref()),
             scenario: &scenario.name,
             backend: options.kind,
             step_s: options.step_s.is_finite().then_some(options.step_s),

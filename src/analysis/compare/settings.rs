@@ -1,0 +1,83 @@
+//! Tiers, steps and tolerances of a comparison.
+
+use serde::{Deserialize, Serialize};
+
+use crate::analysis::estimate::TOLERANCE_SHARE;
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, n_steps_in, step_of};
+use crate::scenario::Scenario;
+use crate::simulation::Driver;
+
+/// Level of a comparison: how all backends get the same question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Tier {
+    Prescribed,
+    Replayed,
+    ClosedLoop,
+}
+
+/// Steps and settings of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Settings {
+    /// Longest step of runs at a fixed step (s): rapier's, and all of the closed loop. `None` is
+    /// the default of each backend.
+    pub step_s: Option<f64>,
+    /// Tolerance of error control in the quasi-static and inertial runs (m). `None` is as small as
+    /// the verdict needs.
+    pub reference_tolerance_m: Option<f64>,
+    pub rapier: RapierOptions,
+    /// Backend whose run is recorded for the replayed tier.
+    pub recorded_from: BackendKind,
+    /// Largest edge displacement that counts as agreement, divided by the path length (1).
+    pub tolerance_share: f64,
+    /// Work that may be skipped.
+    pub skips: Skips,
+}
+
+/// Makes a controller for a scenario; each run gets one of its own.
+pub type MakeController<'a> = dyn Fn(&Scenario) -> Box<dyn Driver> + Sync + 'a;
+
+/// First tolerance of the quasi-static and inertial runs, divided by the load's radius (1). What
+/// the verdict needs is known only after a first run.
+const FIRST_TOLERANCE: f64 = 1e-3;
+/// Largest phase of the load's fastest oscillation between two instants of a comparison (rad). At
+/// most 1 - cos of half of it, 3 % of an amplitude, is then missed.
+const LARGEST_PHASE: f64 = 0.5;
+/// Number of instants that is enough for any comparison (1). With more ticks than that, paths are
+/// compared at ticks only.
+const ENOUGH_INSTANTS: f64 = 2e5;
+
+impl Default for Settings {
+    /// Settings of `cohaul compare` without options.
+    fn default() -> Self {
+        let (recorded_from, rapier, skips) = (BackendKind::QuasiStatic, RapierOptions::default(), Skips::ALL);
+        Self { step_s: None, reference_tolerance_m: None, rapier, recorded_from, tolerance_share: TOLERANCE_SHARE, skips }
+    }
+}
+
+impl Settings {
+    /// Options of a quasi-static or inertial run under error control.
+    pub fn under_error_control(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
+        let load = &scenario.system.load;
+        let tolerance = Tolerance::on_rim(self.reference_tolerance_m.unwrap_or(FIRST_TOLERANCE * load.radius), load);
+        BackendOptions { skips: self.skips, ..BackendOptions::within(kind, tolerance) }
+    }
+
+    /// Options of a run at a fixed step.
+    pub fn at_fixed_step(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
+        let step_s = step_of(self.step_s, kind, &scenario.system, scenario.control_period);
+        BackendOptions { rapier: self.rapier, skips: self.skips, ..BackendOptions::new(kind, step_s) }
+    }
+
+    /// Number of equal parts of a control period at the ends of which paths are compared (1):
+    /// enough to resolve the load's oscillation, a divisor of rapier's number of steps, and not
+    /// more than [`ENOUGH_INSTANTS`] allows.
+    pub(super) fn parts_of_period(&self, scenario: &Scenario) -> u64 {
+        let period = scenario.control_period;
+        let n_steps = n_steps_in(period, self.at_fixed_step(scenario, BackendKind::Rapier).step_s);
+        let n_needed = period * scenario.system.fastest_rate() / LARGEST_PHASE;
+        let n_most = (ENOUGH_INSTANTS * period / scenario.duration).min(n_steps as f64).max(1.0) as u64;
+        let mut choices = (1..=n_most).filter(|n| n_steps.is_multiple_of(*n));
+        choices.clone().find(|n| *n as f64 >= n_needed).or(choices.next_back()).unwrap_or(1)
+    }
+}

@@ -1,0 +1,166 @@
+//! Suggested changes: what makes a difference smaller than the tolerance.
+
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+use super::numbers::{Numbers, Predicted};
+use crate::analysis::trigger::ByTrigger;
+
+/// One change of the scene or the engine that reduces one cause, by the law of that cause.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "change", rename_all = "snake_case")]
+pub enum SuggestedChange {
+    /// Smaller time step of the engine: its time-step error is of first order.
+    SmallerStep { step_s: f64 },
+    /// Other friction or spring model in the engine: its model error does not depend on the step.
+    OtherModel,
+    /// Tip speeds times this factor: the load lags by speed over omega_n.
+    SlowerTips { factor: f64 },
+    /// Start speed times this factor: the coasting distance grows with the square of the speed.
+    SlowerStart { factor: f64 },
+    /// Springs with at least this damping ratio: the overshoot after a release becomes smaller.
+    SpringDamping { damping_ratio: f64 },
+    /// Mass and moment of inertia times this factor, with the same normal loads: the load then
+    /// settles within one control period after a release.
+    ReducedInertia { factor: f64 },
+    /// Smaller tolerance of the quasi-static and inertial runs: the verdict is inconclusive.
+    TighterTolerance { tolerance_m: f64 },
+}
+
+/// Largest edge displacements between the paths, and the tolerance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Differences {
+    /// Engine error at its step (m).
+    pub engine: f64,
+    /// Model error of the engine, less its uncertainty (m).
+    pub model: f64,
+    /// Largest edge displacement that counts as agreement (m).
+    pub tolerance: f64,
+    /// Tolerance from the quasi-static path length alone, which applies after the change (m).
+    pub tolerance_without_inertia: f64,
+}
+
+/// Aim of a suggested change, divided by the tolerance (1). The laws hold for small effects only,
+/// and the paths must agree after the change.
+const AIM: f64 = 2.0 / 3.0;
+
+impl Differences {
+    /// Change against the engine error, at its step (s).
+    pub fn against_engine(&self, step_s: f64) -> SuggestedChange {
+        if self.model >= self.tolerance {
+            return SuggestedChange::OtherModel;
+        }
+        SuggestedChange::SmallerStep { step_s: step_s * (AIM * (self.tolerance - self.model) / (self.engine - self.model)).min(1.0) }
+    }
+
+    /// Changes against those parts of the inertia effect that exceed the tolerance, the largest
+    /// first.
+    pub fn against_inertia(&self, effect: &ByTrigger, numbers: &Numbers, predicted: &Predicted, tick_angle: f64) -> Vec<SuggestedChange> {
+        let aim = AIM * self.tolerance_without_inertia;
+        let ByTrigger { start_m: start, jumps_m: jumps, driving_m: driving } = *effect;
+        // Tips may stop before the lag is largest. Slower tips, or a start at rest, show all of it.
+        let lag = predicted.where_tips_stop_m.filter(|_| start.max(driving) > self.tolerance);
+        let driving = lag.map_or(driving, |lag| lag.max(driving));
+        let mut parts = [
+            (start, vec![SuggestedChange::SlowerStart { factor: (aim / start).sqrt() }]),
+            (jumps, against_jumps(aim / jumps, numbers.zeta, tick_angle)),
+            (driving, vec![SuggestedChange::SlowerTips { factor: aim / driving }]),
+        ];
+        parts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        parts.into_iter().filter(|(part, _)| *part > self.tolerance).flat_map(|(_, changes)| changes).collect()
+    }
+}
+
+/// Changes that leave this `share` (1) of the inertia effect after a jump, for a damping ratio
+/// `zeta` and a control period of `tick_angle` (rad) of the load's oscillation.
+fn against_jumps(share: f64, zeta: f64, tick_angle: f64) -> Vec<SuggestedChange> {
+    let log = share.ln();
+    // Overshoot of a damped load: exp(-pi zeta / sqrt(1 - zeta^2)).
+    let damping_ratio = -log / (PI * PI + log * log).sqrt();
+    let damping_ratio = (damping_ratio > zeta).then_some(damping_ratio);
+    // With more damping, half a swing must fit into a control period; with enough damping, the
+    // decay must be stronger by the share.
+    let swing = |zeta: f64| PI / (1.0 - zeta * zeta).sqrt();
+    let angle = damping_ratio.map_or_else(|| decayed(zeta, tick_angle, share), swing);
+    let factor = (tick_angle / angle).powi(2);
+    let damping = damping_ratio.map(|damping_ratio| SuggestedChange::SpringDamping { damping_ratio });
+    damping.into_iter().chain((factor < 1.0).then_some(SuggestedChange::ReducedInertia { factor })).collect()
+}
+
+/// Phase (rad) at which the remaining displacement is this `share` (1) of that at the phase
+/// `angle`. It decays as `(1 + y) exp(-y)`, with y the slowest decay rate times the phase, which is
+/// exact for critical damping.
+fn decayed(zeta: f64, angle: f64, share: f64) -> f64 {
+    let rate = if zeta > 1.0 { zeta - (zeta * zeta - 1.0).sqrt() } else { zeta };
+    let y = rate * angle;
+    let left = share * (1.0 + y) * (-y).exp();
+    // A contraction by 1 / (1 + y).
+    (0..64).fold(y, |y, _| ((1.0 + y) / left).ln()) / rate
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DIFFERENCES: Differences = Differences { engine: 2e-3, model: 0.0, tolerance: 1e-3, tolerance_without_inertia: 1e-3 };
+
+    #[test]
+    fn a_time_step_error_needs_a_smaller_step_and_a_model_error_another_model() {
+        let step = |model: f64| match (Differences { model, ..DIFFERENCES }).against_engine(1e-3) {
+            SuggestedChange::SmallerStep { step_s } => step_s,
+            other => panic!("{other:?}"),
+        };
+        // Half of the error is the tolerance. With half of that as model error, the step must
+        // remove two thirds of the rest.
+        assert!((step(0.0) - AIM * 1e-3 / 2.0).abs() < 1e-18 && (step(5e-4) - AIM * 1e-3 / 3.0).abs() < 1e-18);
+        assert_eq!(Differences { model: 1e-3, ..DIFFERENCES }.against_engine(1e-3), SuggestedChange::OtherModel);
+    }
+
+    #[test]
+    fn changes_against_inertia_follow_its_triggers() {
+        let numbers = Numbers { epsilon: Some(0.1), phi: None, zeta: 0.0 };
+        let predicted = Predicted {
+            while_driven_m: None,
+            where_tips_stop_m: None,
+            coasting_m: None,
+            release_factor: None,
+            quasi_static_is_valid: false,
+            estimated_m: None,
+        };
+        let changes = |[start_m, jumps_m, driving_m]: [f64; 3], numbers: &Numbers, predicted: &Predicted, tick_angle: f64| {
+            DIFFERENCES.against_inertia(&ByTrigger { start_m, jumps_m, driving_m }, numbers, predicted, tick_angle)
+        };
+        // Two thirds of the tolerance, which is a quarter of the effect.
+        let share = AIM / 4.0;
+        let small = 0.9e-3;
+        assert_eq!(changes([small, small, 4e-3], &numbers, &predicted, 0.1), [SuggestedChange::SlowerTips { factor: share }]);
+        assert_eq!(changes([4e-3, 0.0, small], &numbers, &predicted, 0.1), [SuggestedChange::SlowerStart { factor: share.sqrt() }]);
+        // Tips stop before the lag is largest; a slower start leaves the lag as it is.
+        let longer = Predicted { where_tips_stop_m: Some(8e-3), ..predicted };
+        let tips = SuggestedChange::SlowerTips { factor: share / 2.0 };
+        assert_eq!(changes([0.0, 0.0, 4e-3], &numbers, &longer, 0.1), [tips]);
+        assert_eq!(changes([4e-3, 0.0, small], &numbers, &longer, 0.1), [tips, SuggestedChange::SlowerStart { factor: share.sqrt() }]);
+        assert_eq!(changes([0.0, 4e-3, small], &numbers, &longer, 0.1).len(), 2, "tips are not the cause");
+
+        let jumps = |zeta: f64, tick_angle: f64| changes([0.0, 4e-3, 0.0], &Numbers { zeta, ..numbers }, &predicted, tick_angle);
+        let [SuggestedChange::SpringDamping { damping_ratio }, SuggestedChange::ReducedInertia { factor }] = jumps(0.0, PI / 10.0)[..]
+        else {
+            panic!("damping and reduced inertia expected")
+        };
+        // The overshoot of the step response gives the share back.
+        assert!(((-PI * damping_ratio / (1.0 - damping_ratio * damping_ratio).sqrt()).exp() - share).abs() < 1e-14);
+        // Half a swing takes longer by 1 / sqrt(1 - zeta^2) with damping.
+        assert!((factor - 0.01 * (1.0 - damping_ratio * damping_ratio)).abs() < 1e-15);
+        // At critical damping the control period is too short for the decay.
+        let [SuggestedChange::ReducedInertia { factor }] = jumps(1.0, 2.0)[..] else { panic!("reduced inertia alone expected") };
+        let left = |angle: f64| (1.0 + angle) * (-angle).exp();
+        assert!((left(2.0 / factor.sqrt()) / left(2.0) - share).abs() < 1e-12);
+        // All triggers at once, the largest first.
+        let kinds = |changes: &[SuggestedChange]| changes.iter().map(std::mem::discriminant).collect::<Vec<_>>();
+        let all = changes([2e-3, 4e-3, 3e-3], &numbers, &predicted, PI / 10.0);
+        assert_eq!(kinds(&all[..2]), kinds(&jumps(0.0, PI / 10.0)));
+        let tips = SuggestedChange::SlowerTips { factor: AIM / 3.0 };
+        assert_eq!(all[2..], [tips, SuggestedChange::SlowerStart { factor: (AIM / 2.0f64).sqrt() }]);
+    }
+}

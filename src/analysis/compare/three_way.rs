@@ -1,0 +1,98 @@
+//! The entry to a comparison: one question to three backends.
+
+use std::sync::Arc;
+
+use super::ensemble::{self, ClosedLoop};
+use super::pathwise::{self, Pathwise};
+use super::settings::{MakeController, Settings, Tier};
+use crate::scenario::{Drive, Scenario};
+use crate::simulation::{Driver, Keep, Make, Replay, Simulation, built, driver_of};
+
+/// A comparison of the quasi-static and inertial backends with rapier, or with an engine of your
+/// own.
+///
+/// All methods call `watch` with the share done (1). If it answers `false`, the comparison stops
+/// and returns `None`.
+///
+/// This example takes the inertial backend at a fixed step as the engine. An engine of your own
+/// implements [`Backend`](crate::backend::Backend).
+///
+/// ```
+/// use cohaul::backend::{Backend, BackendKind, BackendOptions};
+/// use cohaul::analysis::compare::{Cause, Settings, ThreeWay};
+/// use cohaul::scenario::Scenario;
+/// use cohaul::simulation::built;
+///
+/// let engine = |scenario: &Scenario, options: &BackendOptions| -> Box<dyn Backend> {
+///     built(scenario, &BackendOptions::new(BackendKind::Inertial, options.step_s))
+/// };
+/// let scenario = Scenario::read("scenarios/analytic/ramp-and-hold.json".as_ref())?;
+/// let settings = Settings { step_s: Some(1e-3), ..Settings::default() };
+/// let found = ThreeWay::new(&scenario, &settings).engine(&engine).prescribed(|_share| true).unwrap();
+/// assert_eq!(found.causes, [Cause::Inertia]);
+/// assert!(found.edge_displacement.engine_error_m < 0.01 * found.tolerance_m);
+/// # Ok::<(), cohaul::scenario::ScenarioError>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct ThreeWay<'a> {
+    scenario: &'a Scenario,
+    settings: &'a Settings,
+    engine: &'a Make<'a>,
+    controller: &'a MakeController<'a>,
+}
+
+/// Share of the time of a replayed comparison that the recorded run takes (1).
+const RECORDING: f64 = 0.05;
+
+impl<'a> ThreeWay<'a> {
+    pub fn new(scenario: &'a Scenario, settings: &'a Settings) -> Self {
+        Self { scenario, settings, engine: &built, controller: &driver_of }
+    }
+
+    /// Replaces rapier by an engine of your own. Each comparison of paths makes three: at the step
+    /// of the settings, at a half and at a quarter of it.
+    pub fn engine(self, engine: &'a Make<'a>) -> Self {
+        Self { engine, ..self }
+    }
+
+    /// Replaces the controller of the scenario by one of your own.
+    pub fn controller(self, controller: &'a MakeController<'a>) -> Self {
+        Self { controller, ..self }
+    }
+
+    /// Compares paths under prescribed tip motions.
+    ///
+    /// # Panics
+    /// If the scenario has ants: they would decide differently on each path.
+    pub fn prescribed(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+        assert!(matches!(self.scenario.drive, Drive::Tips(_)), "a scenario with ants has no prescribed tips");
+        let Self { scenario, settings, engine, controller } = *self;
+        pathwise::compare(Tier::Prescribed, scenario, settings, engine, || controller(scenario), watch)
+    }
+
+    /// Records a run of a backend of this library, replays its grasps, releases and tip motions on
+    /// all backends, and compares paths.
+    pub fn replayed(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+        let Self { scenario, settings, engine, controller } = *self;
+        let options = settings.at_fixed_step(scenario, settings.recorded_from);
+        let mut run = Simulation::on(scenario, &options, Keep::Trace, controller(scenario), built(scenario, &options));
+        run.run(|time| watch(RECORDING * time / scenario.duration));
+        if !run.is_finished() {
+            return None;
+        }
+        let (recorded, outcome) = run.into_results();
+        let (recorded, n_springs) = (Arc::new(recorded), scenario.system.springs.len());
+        let replayed = Scenario { duration: outcome.time, ..scenario.clone() };
+        let replay = || Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Driver>;
+        pathwise::compare(Tier::Replayed, &replayed, settings, engine, replay, |share| watch(RECORDING + (1.0 - RECORDING) * share))
+    }
+
+    /// Runs `n_seeds` consecutive seeds from the scenario's seed on all backends, and compares
+    /// distributions.
+    ///
+    /// # Panics
+    /// Without a seed.
+    pub fn closed_loop(&self, n_seeds: usize, watch: impl Fn(f64) -> bool + Sync) -> Option<ClosedLoop> {
+        ensemble::closed_loop(self.scenario, self.settings, n_seeds, self.engine, self.controller, watch)
+    }
+}

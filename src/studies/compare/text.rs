@@ -1,0 +1,203 @@
+//! A comparison as text: the answer, the evidence, and all details on request.
+
+use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference};
+use crate::analysis::compare::{Pathwise, SuggestedChange, Tier};
+use crate::backend::Status;
+use crate::output::quantity::{quantity, short, short_quantity};
+use crate::output::text::{Detail, Lines};
+use crate::studies::compare::answer::{name_and_unit, tolerance};
+use crate::studies::compare::report::Comparison;
+
+/// Most lines of suggested changes in brief text; one is said to be left out.
+const MOST_CHANGES: usize = 2;
+
+/// The answer, then the evidence, in lines of at most 80 columns.
+pub fn text(comparison: &Comparison, detail: Detail) -> String {
+    let mut lines = Lines::default();
+    lines.answer(&comparison.answer);
+    if detail == Detail::Full {
+        lines.row("scenario", &format!("{} (seed {})", comparison.scenario, comparison.seed));
+        lines.row("wall time", &quantity(comparison.wall_s, "s"));
+    }
+    for found in comparison.tiers.pathwise() {
+        lines.section(&format!("{}: largest edge displacements (verdict: {})", tier_name(found.tier), found.verdict.text()));
+        evidence(found, detail).iter().for_each(|(label, value)| lines.row(label, value));
+        if detail == Detail::Full {
+            details(found).iter().for_each(|(label, value)| lines.row(label, value));
+        }
+    }
+    match (&comparison.tiers.closed_loop, detail) {
+        (Some(found), Detail::Brief) => lines.text += &measures(found),
+        (Some(found), Detail::Full) => closed_loop(found, &mut lines),
+        _ => {}
+    }
+    lines.text
+}
+
+pub fn tier_name(tier: Tier) -> &'static str {
+    match tier {
+        Tier::Prescribed => "Prescribed tips",
+        Tier::Replayed => "Replayed tips",
+        Tier::ClosedLoop => "Closed loop",
+    }
+}
+
+/// What the verdict on paths rests on.
+fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
+    let largest = &found.edge_displacement;
+    let metres = |value: f64| short_quantity(value, "m");
+    let triggers = &largest.by_trigger;
+    let parts = [("start", triggers.start_m), ("jumps", triggers.jumps_m), ("driving", triggers.driving_m)];
+    let parts = parts.iter().filter(|(_, part)| *part > 0.0).map(|(name, part)| format!("{name} {}", metres(*part))).collect::<Vec<_>>();
+    let by_trigger = if parts.is_empty() { String::new() } else { format!(" (by trigger: {})", parts.join(", ")) };
+    let [step, model] = [&found.time_step_error, &found.model_error].map(|error| metres(error.edge_displacement_max_m));
+    let mut rows = vec![
+        ("inertia effect", format!("{}{by_trigger}", metres(largest.inertia_effect_m))),
+        ("engine error", format!("{} (time step {step}, model {model})", metres(largest.engine_error_m))),
+        ("reference error", metres(largest.reference_error_m)),
+        ("tolerance", tolerance(found)),
+    ];
+    rows.extend(found.first_divergence.inertia_effect.map(|first| ("first divergence", divergence(&first))));
+    let n_shown = if detail == Detail::Full { usize::MAX } else { MOST_CHANGES };
+    for (at, change) in found.suggested_changes.iter().take(n_shown).enumerate() {
+        let (what, why) = suggested(change);
+        let text = if detail == Detail::Full { format!("{what}: {why}") } else { what };
+        rows.push((if at == 0 { "suggested change" } else { "  and" }, text));
+    }
+    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+/// Everything else that a comparison of paths found.
+pub fn details(found: &Pathwise) -> Vec<(String, String)> {
+    let predicted = &found.predicted;
+    let mut rows = Vec::new();
+    let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
+    row("sampled every", quantity(found.sampled_every_s, "s"));
+    row("attribution", "measured: what the paths did at and after each trigger".to_owned());
+    row("inertia effect", difference(&found.inertia_effect));
+    row("engine error", difference(&found.engine_error));
+    row("time-step error", difference(&found.time_step_error));
+    row("model error", difference(&found.model_error));
+    row("  its error", difference(&found.reference_error.rapier));
+    row("reference error", difference(&found.reference_error.all));
+    for (label, first) in [("inertia effect", found.first_divergence.inertia_effect), ("engine error", found.first_divergence.engine_error)]
+    {
+        let when = first.map_or("stays below the tolerance".to_owned(), |first| format!("first divergence at {}", divergence(&first)));
+        row(label, when);
+    }
+    let (epsilon, phi) = (or_none(found.numbers.epsilon, ""), or_none(found.numbers.phi, "rad"));
+    row("numbers", format!("epsilon {epsilon}, Phi {phi}, zeta {}", short(found.numbers.zeta)));
+    let (driven, stop) = (or_none(predicted.while_driven_m, "m"), or_none(predicted.where_tips_stop_m, "m"));
+    row("predicted", format!("{driven} while driven, {stop} where the tips stop"));
+    row("", format!("{} of coasting from the start", or_none(predicted.coasting_m, "m")));
+    row("", format!("release factor {}", or_none(predicted.release_factor, "")));
+    row("", format!("{} estimated from the quasi-static run", or_none(predicted.estimated_m, "m")));
+    row("", format!("quasi-static {}", if predicted.quasi_static_is_valid { "valid" } else { "not valid" }));
+    for solution in &found.solutions {
+        let failed = if solution.steps.status == Status::Failed { ", FAILED" } else { "" };
+        let steps = solution.step_s.map_or("error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
+        let counts = format!("{} solves, {} not converged{failed}", solution.steps.n_solves, solution.steps.n_not_converged);
+        row(solution.kind.name(), format!("{steps}, {counts}"));
+    }
+    rows
+}
+
+/// A change, and what it does.
+pub fn suggested(change: &SuggestedChange) -> (String, &'static str) {
+    match change {
+        SuggestedChange::SmallerStep { step_s } => {
+            (format!("use rapier with --step-s {step_s:.2e}"), "the time-step error falls in proportion to the step")
+        }
+        SuggestedChange::OtherModel => {
+            ("use another friction or spring model in rapier".to_owned(), "the model error does not depend on the step")
+        }
+        SuggestedChange::SlowerTips { factor } => {
+            (format!("move the tips at {} % of their speed", short(100.0 * factor)), "the lag of the load grows with the speed")
+        }
+        SuggestedChange::SlowerStart { factor } => {
+            (format!("start at {} % of the speed", short(100.0 * factor)), "the load coasts by the square of the start speed")
+        }
+        SuggestedChange::SpringDamping { damping_ratio } => {
+            (format!("add spring damping: damping_ratio >= {}", short(*damping_ratio)), "it suppresses the overshoot after a release")
+        }
+        SuggestedChange::ReducedInertia { factor } => (
+            format!("reduce the inertia to {} % (same normal loads)", short(100.0 * factor)),
+            "the load then settles within one control period after a release",
+        ),
+        SuggestedChange::TighterTolerance { tolerance_m } => {
+            (format!("use --tolerance {tolerance_m:.1e}"), "the reference error then becomes small enough")
+        }
+    }
+}
+
+pub fn or_none(value: Option<f64>, unit: &str) -> String {
+    value.map_or("none".to_owned(), |value| short_quantity(value, unit))
+}
+
+fn difference(found: &Difference) -> String {
+    let metres = |value| quantity(value, "m");
+    let (position, position_end) = (metres(found.position_max_m), metres(found.position_final_m));
+    let (heading, heading_end) = (quantity(found.heading_max_rad, "rad"), quantity(found.heading_final_rad, "rad"));
+    format!("{position} and {heading} max., {position_end} and {heading_end} at the end")
+}
+
+pub fn divergence(first: &Divergence) -> String {
+    let trigger = first.trigger.map(|trigger| format!(", after the {} at {}", trigger.name(), short_quantity(trigger.time_s, "s")));
+    format!("{}{}", short_quantity(first.time_s, "s"), trigger.unwrap_or_default())
+}
+
+/// The means of all measures, and whether they differ.
+fn measures(found: &ClosedLoop) -> String {
+    let row = |cells: [&str; 6]| {
+        let [name, a, b, c, inertia, engine] = cells;
+        format!("{}\n", format!("{name:<21}{a:>12}{b:>9}{c:>9}  {inertia:<14} {engine}").trim_end())
+    };
+    let title = format!("{}, {} seeds", tier_name(found.tier), found.n_seeds);
+    let mut text = row([&title, "quasi-static", "inertial", "rapier", "inertia effect", "engine error"]);
+    for measure in &found.measures {
+        let (name, unit) = name_and_unit(measure.name);
+        let mean = |of: &Distribution| if of.n > 0 { short_quantity(of.mean, unit) } else { "none".to_owned() };
+        let [a, b, c] = [&measure.quasi_static, &measure.inertial, &measure.rapier].map(mean);
+        text += &row([&format!("  {name}"), &a, &b, &c, says(&measure.inertia_effect), says(&measure.engine_error)]);
+    }
+    text
+}
+
+fn closed_loop(found: &ClosedLoop, lines: &mut Lines) {
+    let seeds = format!("{} paired seeds from {}", found.n_seeds, found.first_seed);
+    lines.section(&format!("{}, {seeds} (verdict: {})", tier_name(found.tier), found.verdict.text()));
+    let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| quantity(time, "s"));
+    let first = &found.first_different_decision;
+    let (quasi_static, rapier) = (time(first.quasi_static_s), time(first.rapier_s));
+    lines.row("decisions", &format!("differ from inertial at {quasi_static} (quasi-static), {rapier} (rapier)"));
+    for Measure { name, quasi_static, inertial, rapier, inertia_effect, engine_error, .. } in &found.measures {
+        let (name, unit) = name_and_unit(name);
+        lines.row(&name, &format!("quasi-static {}", distribution(quasi_static, unit)));
+        lines.row("", &format!("inertial {}", distribution(inertial, unit)));
+        lines.row("", &format!("rapier {}", distribution(rapier, unit)));
+        lines.row("", &format!("inertia effect {}", paired(inertia_effect, unit)));
+        lines.row("", &format!("engine error {}", paired(engine_error, unit)));
+    }
+}
+
+fn distribution(found: &Distribution, unit: &str) -> String {
+    if found.n == 0 {
+        return "none".to_owned();
+    }
+    let spread = if found.n > 1 { format!(", sd {}", quantity(found.sd, unit)) } else { String::new() };
+    format!("{}{spread} ({} runs)", quantity(found.mean, unit), found.n)
+}
+
+pub fn paired(found: &PairedDifference, unit: &str) -> String {
+    let Some(interval) = found.interval else { return "too few pairs".to_owned() };
+    let range = format!("{} to {}", quantity(interval.low, unit), quantity(interval.high, unit));
+    format!("{} ({} % interval {range}): {}", quantity(found.mean, unit), short(100.0 * found.level), says(found))
+}
+
+fn says(found: &PairedDifference) -> &'static str {
+    match (found.excludes_zero, found.is_equal) {
+        (_, true) => "equal",
+        (true, false) => "differs",
+        _ => "inconclusive",
+    }
+}
