@@ -3,7 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System as Memory};
 use std::cell::Cell;
 
-use cohaul::analysis::estimate::Watched;
+use cohaul::analysis::estimate::with_estimate;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Motion, StepReport};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::scenario::Scenario;
@@ -104,7 +104,7 @@ fn the_loop_asks_for_no_memory_once_it_runs() {
 fn no_memory_is_held_for_what_is_over() {
     let scenario = ten_ants(6.0);
     let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
-    let (watched, _estimator) = Watched::new(&scenario.system, scenario.start, &options);
+    let (watched, _estimator) = with_estimate(&scenario.system, scenario.start, &options);
     let (_, bytes, run) = second_half(Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), watched), scenario.duration);
     assert_eq!((run.outcome().time, run.outcome().arrived), (6.0, Some(false)));
     // Lists of what happens in one step may reach their longest late. A trace of this half would be 400 kB.

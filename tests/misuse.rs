@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cohaul::analysis::estimate::{TOLERANCE_SHARE, Watched};
+use cohaul::analysis::estimate::with_estimate;
 use cohaul::backend::friction::FrictionSolver;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Status, Tolerance, build};
 use cohaul::math::{Mat3, Vec2, Vec3};
@@ -82,7 +82,7 @@ fn what_is_refused_leaves_engine_and_estimate_as_they_were() {
         assert_eq!(load.advance(&there, 0.01).status, Status::Converged);
     }
     let estimate = |with_refused: bool| {
-        let (mut load, estimator) = Watched::new(&scenario.system, scenario.start, &BackendOptions::new(BackendKind::QuasiStatic, 1e-3));
+        let (mut load, estimator) = with_estimate(&scenario.system, scenario.start, &BackendOptions::new(BackendKind::QuasiStatic, 1e-3));
         load.attach(0, Vec2::zeros());
         for tick in 1..=100 {
             let target = [Vec2::new(1e-3 * f64::from(tick), 0.0)];
@@ -92,8 +92,8 @@ fn what_is_refused_leaves_engine_and_estimate_as_they_were() {
             }
             load.advance(&target, 0.01);
         }
-        let estimated = estimator.borrow().estimate(TOLERANCE_SHARE);
-        assert!(estimated.displacement_max_m > 1e-4, "{estimated:?}");
+        let estimated = estimator.borrow().estimate();
+        assert!(estimated.edge_displacement_max_m > 1e-4, "{estimated:?}");
         estimated
     };
     assert_eq!(estimate(true), estimate(false));

@@ -392,7 +392,7 @@ fn nonsense_on_the_command_line_is_usage() {
     refused(&["run", &file, "--backend", "inertial", "--second-order"], &["--second-order", "must be of quasi-static", "inertial"]);
     refused(&["run", &file, "--second-order", "--tolerance", "1e-6"], &["--second-order", "--tolerance"]);
     refused(&["compare", &file, "--seeds", "0"], &["--seeds", "at least 1"]);
-    refused(&["compare", &file, "--agreement", "0"], &["--agreement", "must be positive"]);
+    refused(&["compare", &file, "--agreement", "0"], &["--tolerance-share", "must be positive"]);
     refused(&[], &["Usage"]);
     refused(&["fly"], &["fly"]);
     assert_eq!(room.names(), ["tips.json"]);
@@ -760,7 +760,7 @@ fn a_tolerance_is_kept_and_told_or_the_exit_code_says_so() {
         // Below the rounding of places of 0.1 m.
         let output = call(&["run", &file, "--backend", backend, "--tolerance", "1e-20"]);
         assert_eq!(output.status.code(), Some(1), "{backend}");
-        assert!(text(&output.stdout).contains("more than was asked for"));
+        assert!(text(&output.stdout).contains("the error exceeds the tolerance"));
     }
     refused(&["run", &file, "--backend", "rapier", "--tolerance", "1e-6"], &["--tolerance", "rapier"]);
     refused(&["run", &file, "--tolerance", "1e-6", "--step-s", "1e-3"], &["--tolerance", "--step-s"]);

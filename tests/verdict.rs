@@ -10,7 +10,7 @@ use std::sync::Mutex;
 
 use cohaul::analysis::TriggerKind;
 use cohaul::analysis::compare::{Cause, Pathwise, Settings, SuggestedChange, ThreeWay, Verdict};
-use cohaul::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE};
+use cohaul::analysis::estimate::InertiaEstimate;
 use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, build, default_step};
 use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
@@ -319,7 +319,7 @@ fn a_load_that_rings_for_long_is_not_excused_by_its_way() {
         found.path_length_m,
         found.verdict
     );
-    let estimated = InertiaEstimate::of(&scenario, &found.solutions[0].trace, TOLERANCE_SHARE);
+    let estimated = InertiaEstimate::of(&scenario, &found.solutions[0].trace);
     assert!((estimated.path_length_m / found.path_length_m - 1.0).abs() < 0.05 && !estimated.is_negligible, "{estimated:?}");
 }
 

@@ -20,8 +20,8 @@ pub fn scatter(found: &[Found]) -> String {
         plots.push(diagonal(1.0 / factor, dash, "", "#777777"));
     }
     for (label, color, keep) in classes() {
-        let shown = found.iter().filter(|scene| scene.is_certain() && scene.estimate.displacement_max_m > 0.0 && keep(scene));
-        let points = shown.map(|scene| (scene.measured.log10(), scene.estimate.displacement_max_m.log10()));
+        let shown = found.iter().filter(|scene| scene.is_certain() && scene.estimate.edge_displacement_max_m > 0.0 && keep(scene));
+        let points = shown.map(|scene| (scene.measured.log10(), scene.estimate.edge_displacement_max_m.log10()));
         plots.push(ScatterPlot::new().with_data(points).with_color(color).with_size(2.6).with_legend(label).into());
     }
     let ticks = TickFormat::Custom(Arc::new(|value: f64| format!("1e{value:.0}")));

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use cohaul::analysis::TriggerKind;
 use cohaul::analysis::compare::{Difference, Numbers, Settings, Solution};
-use cohaul::analysis::estimate::{Cause, InertiaEstimate, TOLERANCE_SHARE, Watched};
+use cohaul::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE, with_estimate};
 use cohaul::backend::{BackendKind, BackendOptions, Status};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Driver, EventKind, Keep, Replay, Simulation, Trace, built, driver_of};
@@ -33,7 +34,7 @@ pub struct Found {
 
 impl Found {
     pub fn ratio(&self) -> f64 {
-        self.estimate.displacement_max_m / self.measured
+        self.estimate.edge_displacement_max_m / self.measured
     }
 
     pub fn measured_share(&self) -> f64 {
@@ -46,11 +47,11 @@ impl Found {
     }
 
     pub fn kind(&self) -> &'static str {
-        match self.estimate.largest.map(|largest| largest.cause) {
+        match self.estimate.largest.map(|largest| largest.trigger.kind) {
             None => "none",
-            Some(Cause::Start) => "start",
-            Some(Cause::Grasp | Cause::Release) => "jump",
-            Some(Cause::Driving) => "driving",
+            Some(TriggerKind::Start) => "start",
+            Some(TriggerKind::Grasp | TriggerKind::Release) => "jump",
+            Some(_) => "driving",
         }
     }
 }
@@ -89,11 +90,11 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
 
 /// As `cohaul run` estimates it, beside the run's trace and its length (s).
 fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate, Trace, f64) {
-    let (backend, estimator) = Watched::new(&scenario.system, scenario.start, options);
+    let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);
     let mut run = Simulation::on(scenario, options, Keep::Trace, driver_of(scenario), backend);
     run.run(|_| true);
     let (trace, outcome) = run.into_results();
-    let estimate = estimator.borrow().estimate(TOLERANCE_SHARE);
+    let estimate = estimator.borrow().estimate();
     (estimate, trace, outcome.time)
 }
 
@@ -122,7 +123,7 @@ pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {
             format!("{:.5e}", scene.measured),
             format!("{:.2e}", scene.own_error),
             format!("{:.5e}", scene.way),
-            format!("{:.5e}", estimate.displacement_max_m),
+            format!("{:.5e}", estimate.edge_displacement_max_m),
             format!("{:.5e}", estimate.path_length_m),
             if scene.measured > 0.0 { format!("{:.4}", scene.ratio()) } else { String::new() },
             scene.kind().to_owned(),

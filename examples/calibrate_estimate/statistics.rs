@@ -23,10 +23,10 @@ pub fn report(found: &[Found]) -> String {
     row(&mut text, "random, damped", &of(&|scene| random(scene) && scene.numbers.zeta > 0.0));
     row(&mut text, "stored", &of(&|scene| !random(scene)));
     let still = found.iter().filter(|scene| scene.measured == 0.0);
-    let told = still.clone().filter(|scene| scene.estimate.displacement_max_m == 0.0).count();
+    let told = still.clone().filter(|scene| scene.estimate.edge_displacement_max_m == 0.0).count();
     line(&mut text, &format!("\nscenes in which inertia changes nothing: {}, of which the estimate is zero too: {told}", still.count()));
     for scene in found.iter().filter(|scene| scene.measured > 0.0 && !scene.is_certain()) {
-        let (measured, own, estimated) = (scene.measured, scene.own_error, scene.estimate.displacement_max_m);
+        let (measured, own, estimated) = (scene.measured, scene.own_error, scene.estimate.edge_displacement_max_m);
         line(
             &mut text,
             &format!(
@@ -76,7 +76,7 @@ fn row(text: &mut String, name: &str, scenes: &[&Found]) {
     if scenes.len() < 3 {
         return;
     }
-    let pairs: Vec<(f64, f64)> = scenes.iter().map(|scene| (scene.estimate.displacement_max_m, scene.measured)).collect();
+    let pairs: Vec<(f64, f64)> = scenes.iter().map(|scene| (scene.estimate.edge_displacement_max_m, scene.measured)).collect();
     let within = |factor: f64| {
         let n = scenes.iter().filter(|scene| (1.0 / factor..=factor).contains(&scene.ratio())).count();
         format!("{:.0} %", 100.0 * n as f64 / scenes.len() as f64)

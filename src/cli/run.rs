@@ -14,7 +14,7 @@ use super::{
     CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, resumable, step,
     warn_idle, warn_of_idle,
 };
-use crate::analysis::estimate::{TOLERANCE_SHARE, Estimator, Watched};
+use crate::analysis::estimate::{Estimator, with_estimate};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, step_of};
 use crate::output::chart::Scene;
 use crate::output::json;
@@ -191,8 +191,8 @@ fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> 
     if options.kind != BackendKind::QuasiStatic || no_estimate {
         return (build(&scenario.system, scenario.start, options), None);
     }
-    let (watched, estimator) = Watched::new(&scenario.system, scenario.start, options);
-    (watched, Some(estimator))
+    let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);
+    (backend, Some(estimator))
 }
 
 /// The run whose state is there, if it is one of these options.

@@ -40,7 +40,7 @@ pub(super) struct PathPair<'a> {
     long_jumps: Vec<f64>,
 }
 
-/// Interval in which two paths lie apart, up to the present instant.
+/// Interval in which two paths differ by more than the tolerance, up to the present instant.
 #[derive(Clone, Copy)]
 struct Separation {
     kind: TriggerKind,
@@ -122,7 +122,7 @@ impl<'a> PathPair<'a> {
         let both = self.a.points.iter().zip(&self.b.points).filter(|(a, _)| self.jumps.allow(a.time));
         both.map(|(a, b)| {
             let error = a.error.position + b.error.position + self.radius * (a.error.heading + b.error.heading);
-            let distance = a.edge_displacement(b, self.radius);
+            let distance = a.pose.edge_displacement(&b.pose, self.radius);
             (a.time, distance, distance > self.tolerance + error)
         })
     }

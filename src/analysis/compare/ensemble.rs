@@ -116,11 +116,7 @@ const MEASURES: [Quantity; 6] = [
     mean("n_transporting", |_, trace| mean_attached(trace), |_, _| 1.0),
 ];
 
-const fn mean(
-    name: &'static str,
-    of: fn(&run_facts::Run, &Trace) -> Option<f64>,
-    size: fn(&AntDrive, &Scenario) -> f64,
-) -> Quantity {
+const fn mean(name: &'static str, of: fn(&run_facts::Run, &Trace) -> Option<f64>, size: fn(&AntDrive, &Scenario) -> f64) -> Quantity {
     Quantity { name, of, size, is_fraction: false }
 }
 

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 use serde::Serialize;
 
 use super::solution::Solution;
-use crate::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE};
+use crate::analysis::estimate::InertiaEstimate;
 use crate::math::Summary;
 use crate::scenario::Scenario;
 use crate::simulation::{EventKind, Trace};
@@ -104,7 +104,7 @@ impl Numbers {
 impl Predicted {
     /// This prediction with the estimate from the trace of the quasi-static run.
     pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace) -> Self {
-        Self { estimated_m: Some(InertiaEstimate::of(scenario, quasi_static, TOLERANCE_SHARE).displacement_max_m), ..self }
+        Self { estimated_m: Some(InertiaEstimate::of(scenario, quasi_static).edge_displacement_max_m), ..self }
     }
 }
 

@@ -119,13 +119,13 @@ impl Solution {
 
     /// Largest edge displacement from the start, for a load of this `radius` (m).
     pub fn reach(&self, radius: f64) -> f64 {
-        self.points.iter().map(|point| self.points[0].edge_displacement(point, radius)).fold(0.0, f64::max)
+        self.points.iter().map(|point| point.pose.edge_displacement(&self.points[0].pose, radius)).fold(0.0, f64::max)
     }
 
     /// Path length: sum of all edge displacements from point to point, for a load of this `radius`
     /// (m).
     pub fn path_length(&self, radius: f64) -> f64 {
-        let increments = self.points.windows(2).map(|pair| pair[0].edge_displacement(&pair[1], radius));
+        let increments = self.points.windows(2).map(|pair| pair[1].pose.edge_displacement(&pair[0].pose, radius));
         increments.fold(0.0, |sum, increment| sum + increment)
     }
 }
@@ -151,12 +151,5 @@ impl Point {
     /// Position (m) and heading (rad) differences to another point.
     pub fn difference(&self, other: &Self) -> (f64, f64) {
         ((self.pose.position - other.pose.position).norm(), (self.pose.heading - other.pose.heading).abs())
-    }
-
-    /// Upper bound of the displacement of any point of a load of this `radius` (m) between two
-    /// points of its path (m).
-    pub fn edge_displacement(&self, other: &Self, radius: f64) -> f64 {
-        let (shift, turn) = self.difference(other);
-        shift + radius * turn
     }
 }

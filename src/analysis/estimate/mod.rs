@@ -1,35 +1,32 @@
-//! Floor 4: what inertia would have done to a quasi-static run, from that run alone.
+//! An a-posteriori estimate of the inertia effect, from a quasi-static run alone.
 //!
-//! Beside the load without inertia goes a shadow of it with its mass: along the way, one oscillator that is stepped exactly over strides of a few control periods.
-//! It is a reduced model of the dynamics, not a solution: it costs a fifth of what the run does without it, keeps no trace, and takes its course from the
-//! quasi-static load. How well it tells the inertia effect that a comparison measures, `examples/calibrate_estimate` shows over all scenes and many
-//! random ones.
+//! A reduced inertial model of the load runs beside the quasi-static load: one oscillator along the
+//! direction of slip, stepped exactly over intervals of a few control periods. It costs a fifth of
+//! the run and keeps no trace. `examples/calibrate_estimate` compares the estimate with the
+//! measured inertia effect over all scenes and many random ones.
 //!
 //! ```text
-//! slider.rs    a mass on a spring and a dashpot with Coulomb friction, in one direction
-//! bearing.rs   forces that hold the shadow at rest
-//! slip.rs      directions of slip, and how friction turns them
-//! pulls.rs     held springs and dashpots as the shadow feels them
-//! shadow.rs    the load with its mass beside the load without
-//! stride.rs    ticks that are gone through at once
-//! apart.rs     how far the two lie apart, and what that comes from
-//! estimator.rs follows a run call by call
-//! watched.rs   a quasi-static backend with an estimator beside it
+//! friction_oscillator.rs  a mass on a spring and a dashpot with Coulomb friction, in one direction
+//! static_friction.rs      friction forces that hold the model at rest
+//! slip.rs                 directions of slip, and the friction against them
+//! springs.rs              springs and dashpots on the model
+//! interval.rs             consecutive ticks that make one step of the model
+//! reduced_model.rs        the reduced inertial model
+//! displacement.rs         its displacement from the quasi-static load, by trigger
+//! estimator.rs            follows a run call by call
+//! hook.rs                 a quasi-static backend with an estimator beside it
 //! ```
 
-mod apart;
-mod bearing;
+mod displacement;
 mod estimator;
-mod pulls;
-mod shadow;
-mod slider;
+mod friction_oscillator;
+mod hook;
+mod interval;
+mod reduced_model;
 mod slip;
-mod stride;
-mod watched;
+mod springs;
+mod static_friction;
 
-pub use apart::{Cause, Largest};
-pub use estimator::{Estimator, InertiaEstimate};
-pub use watched::Watched;
-
-/// Largest edge displacement that counts as agreement, divided by the path length (1).
-pub const TOLERANCE_SHARE: f64 = 0.01;
+pub use displacement::Largest;
+pub use estimator::{Estimator, InertiaEstimate, TOLERANCE_SHARE};
+pub use hook::with_estimate;

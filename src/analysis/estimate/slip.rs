@@ -1,45 +1,40 @@
-//! Directions of slip as body twists: how long they are, how two poses lie apart, and how friction answers them.
+//! Directions of slip as body twists, and the friction against them.
 
 use crate::backend::springs::Place;
 use crate::math::{Arc, Mat3, Pose, Vec3, perpendicular};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
 
-/// Shift plus radius times turn of a body twist (m): as far as a point of the rim goes at most.
-pub fn rim(twist: &Vec3, radius: f64) -> f64 {
+/// Edge displacement of a load of this `radius` (m) by a body twist (m).
+pub fn edge_length(twist: &Vec3, radius: f64) -> f64 {
     twist.xy().norm() + radius * twist.z.abs()
 }
 
-/// Distance of two poses in shift plus radius times turn (m).
-pub fn apart(a: &Pose, b: &Pose, radius: f64) -> f64 {
-    (b.position - a.position).norm() + radius * (b.heading - a.heading).abs()
-}
-
-/// The body twist that takes a load from one place to another pose.
+/// Body twist that moves a load from one place to another pose.
 pub fn increment(from: &Place, to: &Pose) -> Vec3 {
     let turn = to.heading - from.pose.heading;
     let shift = from.turn.tr_mul(&(to.position - from.pose.position));
-    // After a whole turn no shift of the twist remains; a chord stands in.
+    // A whole turn has no shift in its twist: the displacement is used instead.
     let straight = Arc::of(turn).mean_rotation().try_inverse().map_or(shift, |inverse| inverse * shift);
     straight.push(turn)
 }
 
-/// The friction loss `sum_i c_i |B_i n|` of a body twist n, with its first and second derivative.
+/// Friction loss `sum_i c_i |B_i n|` of a body twist n, with its first and second derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resistance {
-    /// (N m) for n of unit length (m) on the rim.
+    /// Loss for n of unit edge displacement (N).
     pub loss: f64,
-    /// What friction pulls back with (N, N, N m).
+    /// Friction wrench against the slip (N, N, N m).
     pub wrench: Vec3,
-    /// How that turns with the slip: h'' (N, N m, N m^2); zero along the slip itself.
+    /// Second derivative h'' (N, N m, N m^2), which is zero along the slip.
     pub turning: Mat3,
 }
 
-/// Slip of a support over that of the rim at which it counts as the pin of a turn (1).
+/// Slip of a support below which it is pinned, divided by the edge displacement (1).
 const PINNED: f64 = 1e-3;
 
 impl Resistance {
-    /// Against slip in the direction `n` of unit length on the rim.
+    /// Resistance against slip in the direction `n` of unit edge displacement.
     pub fn of(ground: &Ground, n: &Vec3) -> Self {
         let mut sum = Self { loss: 0.0, wrench: Vec3::zeros(), turning: Mat3::zeros() };
         for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
@@ -50,7 +45,7 @@ impl Resistance {
             let course = velocity / speed;
             sum.loss += limit * length;
             sum.wrench += wrench_of(offset, &(limit * course));
-            // B' (1 - u u') B, which is that of a quarter turn of u where u has unit length.
+            // B' (1 - u u') B, by the perpendicular of u.
             let across = wrench_of(offset, &perpendicular(&course));
             sum.turning += (limit / speed * across) * across.transpose();
             if length < PINNED {
@@ -79,7 +74,8 @@ mod tests {
         let step = 1e-5;
         for i in 0..3 {
             let e = Vec3::ith(i, step);
-            // Central differences: step^2 times a third derivative of order 10, and rounding 1e-16 / step.
+            // Central differences: step^2 times a third derivative of order 10, and rounding 1e-16
+            // / step.
             let slope = (friction_loss(&ground, &(n + e)) - friction_loss(&ground, &(n - e))) / (2.0 * step);
             assert!((slope - at.wrench[i]).abs() < 1e-8, "{i}: {slope}");
             let turn = (Resistance::of(&ground, &(n + e)).wrench - Resistance::of(&ground, &(n - e)).wrench) / (2.0 * step);
@@ -90,14 +86,14 @@ mod tests {
         assert!((at.loss - friction_loss(&ground, &n)).abs() < 1e-15);
     }
 
-    /// About a support that all but stands, friction is as if that slipped at the least speed: a stiffness against its slip, the same in all directions.
+    /// The friction of a pinned support is a stiffness against its slip, equal in all directions.
     #[test]
-    fn a_pin_resists_its_slip_evenly() {
+    fn a_pinned_support_resists_slip_equally_in_all_directions() {
         let offset = Vec2::new(0.4, -0.3);
         let ground = Ground { friction_coefficient: 0.5, supports: vec![SupportPoint { offset, normal_load: 2.0 }] };
         let turning = Resistance::of(&ground, &Vec3::new(offset.y, -offset.x, 1.0)).turning;
         for n in [Vec3::new(0.3, 0.7, 0.0), Vec3::new(-0.2, 0.1, 0.9)] {
-            // Roundings of 1e3 N/m.
+            // Rounding of 1e3 N/m.
             assert!((n.dot(&(turning * n)) - slip_velocity(&offset, &n).norm_squared() / PINNED).abs() < 1e-12, "{n}");
         }
     }

@@ -1,16 +1,17 @@
-//! A mass on a spring and a dashpot that slides with Coulomb friction in one direction, stepped exactly while its force grows evenly.
+//! A mass on a spring and a dashpot with Coulomb friction, in one direction.
 //!
 //! ```text
 //! m x'' = A + a t - k x - c x' - f sign(x')        |A + a t - k x| <= f holds it at rest
 //! ```
 //!
-//! Between the instants at which it stops and starts the equation is linear with a known solution, so the length of a step is no source of error.
+//! Between stops and starts the equation is linear and its solution known, so that the length of a
+//! step causes no error.
 
 use crate::math::Arc;
 
-/// What slides. Nothing here changes within a step.
+/// Parameters of the oscillator, which are constant within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slider {
+pub struct FrictionOscillator {
     /// (kg)
     pub mass: f64,
     /// (N s/m)
@@ -21,37 +22,38 @@ pub struct Slider {
     pub friction: f64,
 }
 
-/// Where a slider is at the end of a step.
+/// Motion of the oscillator in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Slid {
-    /// From where the step began (m).
+pub struct Slide {
+    /// Displacement from the start of the step (m).
     pub shift: f64,
-    /// Length of the way there (m).
-    pub way: f64,
-    /// (m/s)
+    /// Path length (m).
+    pub length: f64,
+    /// Speed at the end (m/s).
     pub speed: f64,
 }
 
-/// Longest piece between two looks at the sign of the speed, in radians of the oscillation.
+/// Longest time between two checks of the sign of the speed (rad of the oscillation).
 const PIECE: f64 = 0.5;
-/// A slider that oscillates faster than this many pieces a step is looked at more seldom.
+/// Largest number of such checks in a step (1); pieces become longer beyond it.
 const MOST_PIECES: f64 = 64.0;
-/// Stops and starts within one step: beyond, it is left at rest.
+/// Largest number of stops and starts in a step (1); beyond it the oscillator rests.
 const MOST_TURNS: u32 = 200;
 
-impl Slider {
-    /// A step of `duration` (s) with the speed at its start (m/s) under a `force` (N) that grows by `rate` (N/s) on a slider that stays where it is.
-    pub fn slide(&self, speed: f64, force: f64, rate: f64, duration: f64) -> Slid {
+impl FrictionOscillator {
+    /// A step of `duration` (s) from the given speed (m/s). The `force` (N) on a fixed mass grows
+    /// by `rate` (N/s).
+    pub fn step(&self, speed: f64, force: f64, rate: f64, duration: f64) -> Slide {
         let piece = (PIECE / self.frequency()).max(duration / MOST_PIECES);
-        let (mut slid, mut time) = (Slid { speed, ..Slid::default() }, 0.0);
+        let (mut slide, mut time) = (Slide { speed, ..Slide::default() }, 0.0);
         for _ in 0..MOST_TURNS {
             let left = duration - time;
             if left <= 1e-12 * duration {
                 break;
             }
-            let mut net = force + rate * time - self.stiffness * slid.shift;
-            let mut sign = slid.speed.signum();
-            if slid.speed == 0.0 {
+            let mut net = force + rate * time - self.stiffness * slide.shift;
+            let mut sign = slide.speed.signum();
+            if slide.speed == 0.0 {
                 let wait = self.wait(net, rate);
                 if wait >= left {
                     break;
@@ -61,7 +63,7 @@ impl Slider {
                 sign = if net.abs() > self.friction { net.signum() } else { rate.signum() };
             }
             let (length, net) = (piece.min(duration - time), net - sign * self.friction);
-            let flow = |time: f64| self.flow(slid.speed, net, rate, time);
+            let flow = |time: f64| self.flow(slide.speed, net, rate, time);
             let (shift, speed) = flow(length);
             let (taken, shift, speed) = if speed * sign > 0.0 {
                 (length, shift, speed)
@@ -70,17 +72,18 @@ impl Slider {
                 stop(|time| (flow(time).0, sign * flow(time).1), thrust, length)
             };
             time += taken;
-            slid = Slid { shift: slid.shift + shift, way: slid.way + shift.abs(), speed };
+            slide = Slide { shift: slide.shift + shift, length: slide.length + shift.abs(), speed };
         }
-        slid
+        slide
     }
 
-    /// (rad/s)
+    /// Natural frequency (rad/s).
     pub fn frequency(&self) -> f64 {
         (self.stiffness.max(0.0) / self.mass).sqrt()
     }
 
-    /// Time until a slider at rest under the force `net` (N), growing by `rate` (N/s), begins to slide (s).
+    /// Time until a mass at rest under the force `net` (N), growing by `rate` (N/s), begins to move
+    /// (s).
     fn wait(&self, net: f64, rate: f64) -> f64 {
         if net.abs() > self.friction {
             0.0
@@ -91,9 +94,9 @@ impl Slider {
         }
     }
 
-    /// Shift (m) and speed (m/s) after `time` (s) from rest or with `speed`, friction counted in `net` (N).
+    /// Shift (m) and speed (m/s) after `time` (s) without a stop; `net` (N) includes friction.
     fn flow(&self, speed: f64, net: f64, rate: f64, time: f64) -> (f64, f64) {
-        let Slider { mass, damping, stiffness, .. } = *self;
+        let FrictionOscillator { mass, damping, stiffness, .. } = *self;
         if stiffness == 0.0 {
             let shift = time * (speed + time / mass * (0.5 * net + time * rate / 6.0));
             return (shift, speed + time / mass * (net + 0.5 * time * rate));
@@ -118,7 +121,6 @@ fn oscillation(decay: f64, square: f64, time: f64) -> (f64, f64) {
         return (fade, fade * time);
     }
     if square > 0.0 {
-        // Small angles are mostly asked for, and have short series.
         let (turn, fade) = (Arc::of(rate * time).rotation(), fade());
         return (fade * turn.m11, fade * turn.m21 / rate);
     }
@@ -126,8 +128,9 @@ fn oscillation(decay: f64, square: f64, time: f64) -> (f64, f64) {
     (0.5 * (slow + fast), 0.5 * (slow - fast) / rate)
 }
 
-/// The instant within `length` (s) at which a speed ends, the shift there, and no speed: by Newton's method between an instant before and one after. `flow`
-/// gives shift and speed at an instant, the latter positive at first, and `thrust` what the speed would grow by there without a dashpot, over time.
+/// Time of the stop within `length` (s), the shift there, and zero speed, by Newton's method within
+/// a bracket. `flow` gives shift and speed at a time, with a positive speed at first. `thrust`
+/// gives the acceleration there without a dashpot.
 fn stop(flow: impl Fn(f64) -> (f64, f64), thrust: impl Fn(f64, f64) -> f64, length: f64) -> (f64, f64, f64) {
     let (mut moving, mut stopped, mut time) = (0.0, length, length);
     for _ in 0..60 {
@@ -142,7 +145,7 @@ fn stop(flow: impl Fn(f64) -> (f64, f64), thrust: impl Fn(f64, f64) -> f64, leng
         let next = if is_between { next } else { 0.5 * (moving + stopped) };
         let step = next - time;
         time = next;
-        // What is left is of the order of its square.
+        // The remaining error is of the order of its square.
         if step.abs() <= 1e-9 * length {
             break;
         }
@@ -154,64 +157,66 @@ fn stop(flow: impl Fn(f64) -> (f64, f64), thrust: impl Fn(f64, f64) -> f64, leng
 mod tests {
     use super::*;
 
-    const SLIDER: Slider = Slider { mass: 0.0016, damping: 0.0, stiffness: 0.664, friction: 0.022 };
+    const OSCILLATOR: FrictionOscillator = FrictionOscillator { mass: 0.0016, damping: 0.0, stiffness: 0.664, friction: 0.022 };
 
-    fn in_steps(slider: &Slider, force: f64, rate: f64, n: u32, duration: f64) -> (f64, f64) {
+    fn in_steps(oscillator: &FrictionOscillator, force: f64, rate: f64, n: u32, duration: f64) -> (f64, f64) {
         let step = duration / f64::from(n);
         let (mut shift, mut speed) = (0.0, 0.0);
         for i in 0..n {
-            let slid = slider.slide(speed, force + rate * step * f64::from(i) - slider.stiffness * shift, rate, step);
-            (shift, speed) = (shift + slid.shift, slid.speed);
+            let slide = oscillator.step(speed, force + rate * step * f64::from(i) - oscillator.stiffness * shift, rate, step);
+            (shift, speed) = (shift + slide.shift, slide.speed);
         }
         (shift, speed)
     }
 
-    /// A spring pulled at v: rest until it carries the friction, then x = v t - (v / omega) sin(omega t).
+    /// A spring pulled at v: rest until it carries the friction, then x = v t - (v / omega)
+    /// sin(omega t).
     #[test]
-    fn a_pulled_slider_starts_within_a_step_and_swings() {
-        let (speed, omega) = (0.03, SLIDER.frequency());
-        let onset = SLIDER.friction / SLIDER.stiffness / speed;
+    fn a_pulled_mass_starts_within_a_step_and_oscillates() {
+        let (speed, omega) = (0.03, OSCILLATOR.frequency());
+        let onset = OSCILLATOR.friction / OSCILLATOR.stiffness / speed;
         let after: f64 = 0.777;
         let expected = speed * after - speed / omega * (omega * after).sin();
         for n in [1, 7, 400] {
-            let (shift, _) = in_steps(&SLIDER, 0.0, SLIDER.stiffness * speed, n, onset + after);
-            // Rounding of order one sums of n steps.
+            let (shift, _) = in_steps(&OSCILLATOR, 0.0, OSCILLATOR.stiffness * speed, n, onset + after);
+            // Rounding of sums of n steps of order one.
             assert!((shift - expected).abs() < 1e-12, "{n}: {shift} {expected}");
         }
     }
 
-    /// Half-swings of 2 (F - (2 j + 1) f) / k to and fro until the spring holds less than friction.
+    /// Half-swings of 2 (F - (2 j + 1) f) / k until the spring force is below friction.
     #[test]
-    fn a_released_slider_swings_to_and_fro_until_friction_holds_it() {
+    fn a_released_mass_oscillates_until_friction_stops_it() {
         for (force, expected) in [(1.2, 0.4), (1.66, 1.32), (2.5, 3.0), (3.5, 4.0), (6.0, 6.0), (0.9, 0.0)] {
-            let slid = SLIDER.slide(0.0, force * SLIDER.friction, 0.0, 3.0);
-            // Instants of stops are found to rounding.
-            assert!((slid.shift * SLIDER.stiffness / SLIDER.friction - expected).abs() < 1e-9, "{force}: {slid:?}");
-            assert_eq!(slid.speed, 0.0);
+            let slide = OSCILLATOR.step(0.0, force * OSCILLATOR.friction, 0.0, 3.0);
+            // Stops are found to rounding.
+            assert!((slide.shift * OSCILLATOR.stiffness / OSCILLATOR.friction - expected).abs() < 1e-9, "{force}: {slide:?}");
+            assert_eq!(slide.speed, 0.0);
         }
     }
 
     #[test]
     fn damping_shortens_the_first_swing_and_is_continuous_through_critical() {
-        let critical = 2.0 * (SLIDER.stiffness * SLIDER.mass).sqrt();
-        let first = |zeta: f64| Slider { damping: zeta * critical, ..SLIDER }.slide(0.0, 2.0 * SLIDER.friction, 0.0, 4.0).shift;
-        let way = SLIDER.friction / SLIDER.stiffness;
+        let critical = 2.0 * (OSCILLATOR.stiffness * OSCILLATOR.mass).sqrt();
+        let first =
+            |zeta: f64| FrictionOscillator { damping: zeta * critical, ..OSCILLATOR }.step(0.0, 2.0 * OSCILLATOR.friction, 0.0, 4.0).shift;
+        let jump = OSCILLATOR.friction / OSCILLATOR.stiffness;
         let factor = 1.0 + (-std::f64::consts::PI * 0.3 / 0.91f64.sqrt()).exp();
-        assert!((first(0.3) / way - factor).abs() < 1e-9);
+        assert!((first(0.3) / jump - factor).abs() < 1e-9);
         // Continuous to first order in the difference.
-        assert!((first(1.0 - 1e-7) - first(1.0 + 1e-7)).abs() < 1e-6 * way);
-        // 81 radians of the slow mode, 0.13 of them a decade: 2e-5 is left.
-        assert!((first(2.0) / way - 1.0).abs() < 1e-4);
+        assert!((first(1.0 - 1e-7) - first(1.0 + 1e-7)).abs() < 1e-6 * jump);
+        // The slow mode decays over 81 rad, which leaves 2e-5.
+        assert!((first(2.0) / jump - 1.0).abs() < 1e-4);
     }
 
-    /// Without a spring: v^2 / (2 mu g), and nothing while a force stays within friction.
+    /// Without a spring: v^2 / (2 mu g), and rest while the force is below friction.
     #[test]
-    fn a_slider_without_spring_coasts() {
-        let free = Slider { stiffness: 0.0, ..SLIDER };
-        let slid = free.slide(0.2, 0.0, 0.0, 1.0);
-        assert!((slid.shift - 0.2 * 0.2 * free.mass / (2.0 * free.friction)).abs() < 1e-15, "{slid:?}");
-        assert_eq!(free.slide(0.0, 0.99 * free.friction, 0.0, 1.0), Slid::default());
-        let frictionless = Slider { friction: 0.0, ..free };
-        assert!((frictionless.slide(0.1, 0.0, 0.0, 2.0).shift - 0.2).abs() < 1e-15);
+    fn a_mass_without_spring_coasts() {
+        let free = FrictionOscillator { stiffness: 0.0, ..OSCILLATOR };
+        let slide = free.step(0.2, 0.0, 0.0, 1.0);
+        assert!((slide.shift - 0.2 * 0.2 * free.mass / (2.0 * free.friction)).abs() < 1e-15, "{slide:?}");
+        assert_eq!(free.step(0.0, 0.99 * free.friction, 0.0, 1.0), Slide::default());
+        let frictionless = FrictionOscillator { friction: 0.0, ..free };
+        assert!((frictionless.step(0.1, 0.0, 0.0, 2.0).shift - 0.2).abs() < 1e-15);
     }
 }

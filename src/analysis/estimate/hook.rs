@@ -1,0 +1,60 @@
+//! A quasi-static backend with an estimator beside it.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::estimator::Estimator;
+use crate::backend::{Backend, BackendOptions, Hook, Motion, RestoreError, SaveError, SavedState, StepReport, Wrapped, build};
+use crate::math::Vec2;
+use crate::model::System;
+
+/// Key of the estimator's state beside that of the backend.
+const KEY: &str = "inertia_estimate";
+
+/// Passes what happens to the load on to an estimator.
+struct Follow(Rc<RefCell<Estimator>>);
+
+/// A quasi-static backend for `system`, and an estimator that follows it. The backend moves the
+/// load as it would alone.
+///
+/// # Panics
+/// If the options are those of a backend with inertia.
+pub fn with_estimate(system: &System, start: Motion, options: &BackendOptions) -> (Box<dyn Backend>, Rc<RefCell<Estimator>>) {
+    assert!(!options.kind.has_inertia(), "{} has inertia: there is nothing to estimate", options.kind.name());
+    let estimator = Rc::new(RefCell::new(Estimator::new(system, &start)));
+    let (inside, hook) = (build(system, start, options), Follow(Rc::clone(&estimator)));
+    (Box::new(Wrapped { inside, hook }), estimator)
+}
+
+impl Hook for Follow {
+    fn attach(&mut self, inside: &mut dyn Backend, spring: usize, tip: Vec2) {
+        self.0.borrow_mut().attach(spring, tip, &inside.motion().pose);
+        inside.attach(spring, tip);
+    }
+
+    fn release(&mut self, inside: &mut dyn Backend, spring: usize) {
+        self.0.borrow_mut().release(spring, &inside.motion().pose);
+        inside.release(spring);
+    }
+
+    fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        let before = inside.motion().pose;
+        let report = inside.advance(tip_targets, duration);
+        if !report.is_refused() {
+            self.0.borrow_mut().advance(&before, &inside.motion().pose, tip_targets, duration);
+        }
+        report
+    }
+
+    fn save(&self, inside: &dyn Backend) -> Result<SavedState, SaveError> {
+        let SavedState(mut state) = inside.save()?;
+        state[KEY] = self.0.borrow().save();
+        Ok(SavedState(state))
+    }
+
+    fn restore(&mut self, inside: &mut dyn Backend, state: &SavedState) -> Result<(), RestoreError> {
+        let estimator = state.0.get(KEY).ok_or_else(|| RestoreError("it was saved without an inertia estimate".into()))?;
+        self.0.borrow_mut().restore(estimator)?;
+        inside.restore(state)
+    }
+}
