@@ -57,8 +57,7 @@ impl System {
     pub fn fastest_rate_on<'a>(&self, springs: impl Iterator<Item = &'a PolarSpring>) -> f64 {
         let (mut linear, mut angular) = (0.0, 0.0);
         for spring in springs {
-            let across = if spring.rest_length > 0.0 { spring.torsional_stiffness / spring.rest_length.powi(2) } else { 0.0 };
-            let stiffness = spring.radial_stiffness.max(across);
+            let stiffness = spring.largest_stiffness();
             linear += stiffness;
             angular += stiffness * spring.rest_tip().norm_squared();
         }

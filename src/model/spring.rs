@@ -102,6 +102,17 @@ impl PolarSpring {
         self.radial_stiffness.max(across)
     }
 
+    /// Stiffness or damping along and across a spring of this length (m), from its radial and
+    /// torsional coefficient (N/m, N m/rad; N s/m, N m s/rad).
+    pub fn along_and_across(&self, length: f64, (radial, torsional): (f64, f64)) -> [f64; 2] {
+        if self.is_isotropic() {
+            return [radial, radial];
+        }
+        let length = length.max(SHORTEST_LENGTH * self.rest_length).max(f64::MIN_POSITIVE);
+        let square = 1.0 / length / length;
+        [radial, torsional * square]
+    }
+
     /// A spring with the same root and these stiffnesses (N/m, N m/rad) that is undeformed in
     /// `shape`.
     pub fn about(&self, shape: &SpringShape, radial_stiffness: f64, torsional_stiffness: f64) -> PolarSpring {
@@ -188,7 +199,7 @@ impl PolarSpring {
     }
 
     /// Length, kept away from zero (m), and unit vector from root to tip.
-    fn polar_axis(&self, shape: &SpringShape) -> (f64, Vec2) {
+    pub fn polar_axis(&self, shape: &SpringShape) -> (f64, Vec2) {
         let shortest = SHORTEST_LENGTH * self.rest_length;
         if shape.length > shortest {
             (shape.length, shape.tip_in_root / shape.length)

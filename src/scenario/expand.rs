@@ -9,9 +9,10 @@ use super::format::{
     AntsEntry, AntsKind, DriveEntry, GraspPace, GroundEntry, LoadEntry, PathEntry, ReleasePace, ScenarioFile, SpringEntry, SpringsEntry,
     SupportEntry, SupportsEntry, TipsEntry, TipsKind,
 };
+use super::json::plain;
 use super::{AntDrive, Drive, Scenario, TipPath};
 use crate::math::Vec2;
-use crate::model::{Ground, PolarSpring};
+use crate::model::Ground;
 
 impl Scenario {
     /// The file that states the whole scenario without defaults. It reads as an equal scenario. It
@@ -25,7 +26,7 @@ impl Scenario {
             seed: self.seed,
             load: self.load_entry(),
             ground: ground_entry(&self.system.ground),
-            springs: self.system.springs.iter().map(spring_entry).collect(),
+            springs: self.system.springs.iter().map(|spring| SpringsEntry::One(SpringEntry::of(spring))).collect(),
             drive: match &self.drive {
                 Drive::Tips(paths) => DriveEntry::Tips(TipsEntry { kind: TipsKind::Tips, paths: paths.iter().map(path_entry).collect() }),
                 Drive::Ants(ants) => DriveEntry::Ants(Box::new(ants_entry(ants))),
@@ -69,17 +70,6 @@ fn ground_entry(ground: &Ground) -> GroundEntry {
     }
 }
 
-fn spring_entry(spring: &PolarSpring) -> SpringsEntry {
-    SpringsEntry::One(SpringEntry {
-        root_m: pair(&spring.root),
-        bearing_rad: plain(spring.bearing),
-        rest_length_m: plain(spring.rest_length),
-        radial_stiffness_n_per_m: plain(spring.radial_stiffness),
-        torsional_stiffness_nm_per_rad: plain(spring.torsional_stiffness),
-        damping_ratio: plain(spring.damping_ratio),
-    })
-}
-
 fn path_entry(path: &TipPath) -> PathEntry {
     let waypoints = path.waypoints.iter().map(|point| [point.time, point.position.x, point.position.y].map(plain));
     PathEntry { spring: path.spring, waypoints: waypoints.collect(), release_s: path.release.map(plain) }
@@ -114,9 +104,4 @@ fn ants_entry(ants: &AntDrive) -> AntsEntry {
 
 fn pair(vector: &Vec2) -> [f64; 2] {
     [plain(vector.x), plain(vector.y)]
-}
-
-/// The number, with zero in place of minus zero: the two are equal but print differently.
-fn plain(value: f64) -> f64 {
-    value + 0.0
 }

@@ -10,7 +10,6 @@
 use super::joints::{AxisLaw, SpringJoint};
 use crate::backend::springs::Attachment;
 use crate::math::{Mat3, Twist, Vec2, Vec3, direction, perpendicular, unwrap_near};
-use crate::model::spring::SHORTEST_LENGTH;
 use crate::model::support::wrench_of;
 use crate::model::{PolarSpring, SpringShape, System};
 
@@ -59,18 +58,19 @@ impl PreparedSpring {
     pub fn joint(&self, attachment: &Attachment, tip_velocity: &Vec2, position: &Vec2, facing: &Vec2) -> SpringJoint {
         let turn = turned(facing, &self.bearing);
         let shape = self.shape(attachment, position, &turn);
-        let is_short = shape.length <= SHORTEST_LENGTH * self.spring.rest_length;
-        let radial = turned(&turn, &if is_short { direction(shape.swing) } else { shape.tip_in_root / shape.length });
+        let radial = turned(&turn, &self.spring.polar_axis(&shape).1);
         let pull = turned(&turn, &self.spring.pull_in_root(&shape));
-        let [along, across] = self.axis_rates(shape.length);
-        let law = |(stiffness, damping): (f64, f64), axis: &Vec2| {
+        let stiffness = self.spring.along_and_across(shape.length, (self.spring.radial_stiffness, self.spring.torsional_stiffness));
+        let damping = self.spring.along_and_across(shape.length, self.damping);
+        let law = |at: usize, axis: &Vec2| {
+            let (stiffness, damping) = (stiffness[at], damping[at]);
             let force = pull.dot(axis) + damping * tip_velocity.dot(axis);
             (stiffness > 0.0).then_some(AxisLaw { stiffness, damping, force })
         };
         SpringJoint {
             arm: attachment.tip - position,
             direction: radial,
-            axes: [law(along, &radial), law(across, &perpendicular(&radial))],
+            axes: [law(0, &radial), law(1, &perpendicular(&radial))],
             turning: None,
         }
     }
@@ -81,18 +81,6 @@ impl PreparedSpring {
         let length = tip_in_root.norm();
         let swing = if length > 0.0 { unwrap_near(tip_in_root.y.atan2(tip_in_root.x), attachment.swing) } else { attachment.swing };
         SpringShape { tip_in_root, length, swing }
-    }
-
-    /// Stiffness (N/m) and damping (N s/m), along and across a spring of this length (m).
-    fn axis_rates(&self, length: f64) -> [(f64, f64); 2] {
-        let (radial_damping, torsional_damping) = self.damping;
-        let along = (self.spring.radial_stiffness, radial_damping);
-        if self.spring.is_isotropic() {
-            return [along, along];
-        }
-        let length = length.max(SHORTEST_LENGTH * self.spring.rest_length).max(f64::MIN_POSITIVE);
-        let square = 1.0 / length / length;
-        [along, (self.spring.torsional_stiffness * square, torsional_damping * square)]
     }
 }
 

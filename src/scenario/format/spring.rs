@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::model::PolarSpring;
+use crate::scenario::json::plain;
+
 /// A spring, or a group of equal springs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -63,4 +66,44 @@ pub struct RingOfSprings {
     /// damping. The quasi-static method ignores it.
     #[serde(default)]
     pub damping_ratio: f64,
+}
+
+impl SpringEntry {
+    /// Entry of a spring of the model.
+    pub fn of(spring: &PolarSpring) -> Self {
+        Self {
+            root_m: [plain(spring.root.x), plain(spring.root.y)],
+            bearing_rad: plain(spring.bearing),
+            rest_length_m: plain(spring.rest_length),
+            radial_stiffness_n_per_m: plain(spring.radial_stiffness),
+            torsional_stiffness_nm_per_rad: plain(spring.torsional_stiffness),
+            damping_ratio: plain(spring.damping_ratio),
+        }
+    }
+
+    /// Spring of the model.
+    pub fn spring(&self) -> PolarSpring {
+        PolarSpring {
+            root: self.root_m.into(),
+            bearing: self.bearing_rad,
+            rest_length: self.rest_length_m,
+            radial_stiffness: self.radial_stiffness_n_per_m,
+            torsional_stiffness: self.torsional_stiffness_nm_per_rad,
+            damping_ratio: self.damping_ratio,
+        }
+    }
+}
+
+impl RingOfSprings {
+    /// Entry of the spring at `bearing` (rad), whose root is at `root` (m).
+    pub fn entry(&self, root: [f64; 2], bearing: f64) -> SpringEntry {
+        SpringEntry {
+            root_m: root,
+            bearing_rad: bearing,
+            rest_length_m: self.rest_length_m,
+            radial_stiffness_n_per_m: self.radial_stiffness_n_per_m,
+            torsional_stiffness_nm_per_rad: self.torsional_stiffness_nm_per_rad,
+            damping_ratio: self.damping_ratio,
+        }
+    }
 }
