@@ -23,7 +23,7 @@ pub mod scenario;
 pub mod simulation;
 pub mod studies;
 
-/// The README's example runs as a test.
+/// The examples of the book run as tests.
 #[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+#[doc = include_str!("../docs/src/library.md")]
+struct Book;
