@@ -13,9 +13,10 @@ use cohaul::simulation::{Keep, Simulation};
 use cohaul::studies::bench::report::Benchmark;
 use cohaul::studies::bench::text::bench_text;
 use cohaul::studies::bench::{
-    BenchError, Effort, Ending, Host, LEVELS, Level, METHODS, Measured, Plan, Problem, Reference, Row, Scene, Sequence, Solver, bench,
-    equal_errors, four_ants, kkt_residual, named, problems_of, standard_scenes,
+    BenchError, Effort, Ending, Host, LEVELS, Level, Measured, Plan, Problem, Reference, Row, Scene, Sequence, Solver, bench, equal_errors,
+    four_ants, kkt_residual, problems_of, standard_scenes,
 };
+use cohaul::studies::methods::{METHODS, Method};
 use cohaul::studies::runner::Records;
 use serde_json::Value;
 use tempfile::tempdir;
@@ -30,9 +31,9 @@ fn reference(scene: &Scene, kind: BackendKind) -> Reference {
 
 /// Largest errors on the rim (m) of a method at its levels.
 fn errors(scene: &Scene, method: &str, levels: &[Level]) -> Vec<f64> {
-    let method = named(method).unwrap();
-    let reference = reference(scene, if method.kind() == BackendKind::QuasiStatic { method.kind() } else { BackendKind::Inertial });
-    let row = |level: &Level| Row::measure(scene, method, *level, (&reference, 1.0), f64::INFINITY, |_| true).unwrap();
+    let method = method.parse::<Method>().unwrap();
+    let reference = reference(scene, if method.kind == BackendKind::QuasiStatic { method.kind } else { BackendKind::Inertial });
+    let row = |level: &Level| Row::measure(scene, &method, *level, (&reference, 1.0), f64::INFINITY, |_| true).unwrap();
     levels.iter().map(|level| row(level).errors_m.unwrap()[0]).collect()
 }
 
@@ -139,7 +140,7 @@ fn plan(scene: Scene, budget_s: f64) -> Plan {
 fn settings_that_take_too_long_are_rows_and_nothing_finer_is_tried() {
     let plan = plan(scene("slide"), 1e-9);
     let found = measured(&plan);
-    let n_methods = METHODS.iter().filter(|method| method.kind() != BackendKind::QuasiStatic).count();
+    let n_methods = METHODS.iter().filter(|method| method.kind != BackendKind::QuasiStatic).count();
     assert_eq!(found.rows.iter().filter(|row| row.ending == Ending::TooLong(1e-9)).count(), n_methods);
     assert!(found.rows.len() > 2 * n_methods && found.rows.iter().all(|row| !row.is_answered() && row.cause().is_some()));
     let benchmark = Benchmark::new(Host::here(), plan.effort, &found, 0.1);
@@ -186,7 +187,7 @@ fn error_control_reaches_levels_that_no_engine_does_and_costs_are_monotone() {
     let table = equal_errors(&found.rows);
     for method in METHODS {
         let costs: Vec<Option<f64>> = table.iter().filter(|line| line.method == method.name).map(|line| line.cpu_s).collect();
-        assert!(costs.is_empty() == (method.kind() == BackendKind::QuasiStatic));
+        assert!(costs.is_empty() == (method.kind == BackendKind::QuasiStatic));
         assert!(costs.is_empty() || costs.len() == LEVELS.len());
         // A level that is not reached ends the list, and no finer one costs less.
         assert!(costs.windows(2).all(|pair| pair[1].is_none() || pair[0].is_some_and(|cost| cost <= pair[1].unwrap())), "{costs:?}");

@@ -8,8 +8,9 @@ use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, Status, Ste
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::built;
+use cohaul::studies::methods::Method;
 use cohaul::studies::runner::Records;
-use cohaul::studies::stress::{Axis, Effort, Map, Outcome, Row, Variant, all, n_cells, tasks};
+use cohaul::studies::stress::{Axis, Effort, Map, Outcome, Row, all, n_cells, tasks};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -17,8 +18,12 @@ fn quick(name: &str) -> Map {
     Effort::Quick.of(all().iter().find(|map| map.name == name).unwrap())
 }
 
-fn rows(maps: &[Map], variants: &[Variant]) -> Vec<Row> {
-    tasks(maps, variants, &built).finished(&|_| true).unwrap().concat()
+fn all_methods() -> Vec<Method> {
+    Method::all_stressed().collect()
+}
+
+fn rows(maps: &[Map], methods: &[Method]) -> Vec<Row> {
+    tasks(maps, methods, &built).finished(&|_| true).unwrap().concat()
 }
 
 #[test]
@@ -48,32 +53,33 @@ fn quick_maps_have_no_panic_no_nan_and_nothing_unexplained() {
             map.y.values.truncate(1);
         }
     }
-    let rows = rows(&maps, &Variant::ALL);
-    assert_eq!(rows.len(), Variant::ALL.len() * n_cells(&maps));
+    let rows = rows(&maps, &all_methods());
+    assert_eq!(rows.len(), all_methods().len() * n_cells(&maps));
     let defects: Vec<&Row> = rows.iter().filter(|row| row.outcome.is_defect()).collect();
     assert!(defects.is_empty(), "{} {defects:#?}", defects.len());
     for row in &rows {
         assert_eq!(row.cause.is_empty(), row.outcome == Outcome::Finished, "{row:?}");
     }
     // A stress that nothing fails under is none, and one that all fails under tells nothing.
-    let share = |variant, outcome| {
-        let of_variant = || rows.iter().filter(move |row| row.variant == variant);
-        of_variant().filter(|row| row.outcome == outcome).count() as f64 / of_variant().count() as f64
+    let share = |method, outcome| {
+        let of_method = || rows.iter().filter(move |row| row.method == method);
+        of_method().filter(|row| row.outcome == outcome).count() as f64 / of_method().count() as f64
     };
-    assert!(share(Variant::QuasiStatic, Outcome::Finished) > 0.5 && share(Variant::QuasiStatic, Outcome::NotConverged) > 0.0);
-    assert!(share(Variant::Rapier, Outcome::Finished) > 0.2 && share(Variant::RapierAsShipped, Outcome::NotConverged) > 0.3);
+    assert!(share(Method::QUASI_STATIC, Outcome::Finished) > 0.5 && share(Method::QUASI_STATIC, Outcome::NotConverged) > 0.0);
+    assert!(share(Method::RAPIER, Outcome::Finished) > 0.2 && share(Method::RAPIER_ENGINE_DEFAULTS, Outcome::NotConverged) > 0.3);
 }
 
 #[test]
 fn a_table_is_the_same_on_one_thread_and_two_and_in_two_parts() {
     let maps = [quick("grasp"), quick("friction-margin")];
-    let on = |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| rows(&maps, &Variant::ALL));
+    let on = |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| rows(&maps, &all_methods()));
     let whole = on(1);
     assert_eq!(whole, on(2));
     let left = AtomicUsize::new(7);
     let room = tempdir().unwrap();
     let open = || Records::open(&room.path().join("journal"), "stress", &"here").unwrap();
-    let tasks = tasks(&maps, &Variant::ALL, &built);
+    let methods = all_methods();
+    let tasks = tasks(&maps, &methods, &built);
     let mut part = open();
     tasks.run(&mut part, &|_| left.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_ok()).unwrap();
     assert_eq!(part.n_done(), 7);
@@ -88,10 +94,10 @@ fn a_table_is_the_same_on_one_thread_and_two_and_in_two_parts() {
 /// of 60 steps loses some more; f32 begins with seven.
 #[test]
 fn a_scene_in_other_units_has_the_same_answer() {
-    let exact = [Variant::QuasiStatic, Variant::InertialMidpoint, Variant::InertialEuler, Variant::Rapier];
-    for row in rows(&[quick("scales")], &Variant::ALL) {
+    let exact = [Method::QUASI_STATIC, Method::INERTIAL_MIDPOINT, Method::INERTIAL_EULER, Method::RAPIER];
+    for row in rows(&[quick("scales")], &all_methods()) {
         let Some(error) = row.numbers.error_share else { panic!("{row:?}") };
-        let bound = if exact.contains(&row.variant) { 1e-9 } else { 1e-3 };
+        let bound = if exact.contains(&row.method) { 1e-9 } else { 1e-3 };
         assert!(error < bound, "{row:?}");
     }
 }
@@ -186,7 +192,7 @@ fn judged(map: &str, fault: Option<Fault>) -> Row {
         let inside = built(scenario, options);
         fault.map_or_else(|| built(scenario, options), |fault| Box::new(Broken { inside, fault, n_steps: 0 }))
     };
-    let rows = tasks(&[map], &[Variant::QuasiStatic], &make).finished(&|_| true).unwrap();
+    let rows = tasks(&[map], &[Method::QUASI_STATIC], &make).finished(&|_| true).unwrap();
     rows[0][0].clone()
 }
 
@@ -215,7 +221,7 @@ fn every_fault_of_a_backend_is_called_by_its_name() {
 #[test]
 fn a_scene_against_the_rules_is_refused_with_their_words() {
     let map = Map { x: Axis { values: vec![-1.0], ..quick("friction-speed").x }, ..quick("friction-speed") };
-    for row in rows(&[map], &[Variant::QuasiStatic]) {
+    for row in rows(&[map], &[Method::QUASI_STATIC]) {
         assert_eq!(row.outcome, Outcome::Refused);
         assert!(row.cause.contains("ground.friction_coefficient") && row.cause.contains("found -1"), "{row:?}");
     }

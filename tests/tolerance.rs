@@ -14,8 +14,9 @@ use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::{Load, PolarSpring};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Driver, Keep, Replay, Simulation, Trace, driver_of};
+use cohaul::studies::methods::Method;
 use cohaul::studies::verify::tripod::STARTS;
-use cohaul::studies::verify::{Case, Family, Variant, all};
+use cohaul::studies::verify::{Case, Family, all};
 use rayon::prelude::*;
 
 use crate::common::*;
@@ -30,9 +31,9 @@ const REFERENCE: f64 = 1e-10;
 /// Cases with poses that are known, and whether the backend has an answer.
 fn known_poses(family: Family) -> impl Iterator<Item = (Case, BackendKind)> {
     let of_family = move || all().into_iter().filter(move |case| case.family == family && !case.name.ends_with("-stays"));
-    let variants = [(Variant::QuasiStatic, BackendKind::QuasiStatic), (Variant::InertialEuler, BackendKind::Inertial)];
-    variants.into_iter().flat_map(move |(variant, kind)| {
-        let answers = move |case: &Case| case.plans.iter().any(|plan| plan.variant == variant);
+    let methods = [(Method::QUASI_STATIC, BackendKind::QuasiStatic), (Method::INERTIAL_EULER, BackendKind::Inertial)];
+    methods.into_iter().flat_map(move |(method, kind)| {
+        let answers = move |case: &Case| case.plans.iter().any(|plan| plan.method == method);
         of_family().filter(answers).map(move |case| (case, kind))
     })
 }

@@ -6,8 +6,9 @@ use std::process::Output;
 use assert_cmd::Command;
 use cohaul::backend::{BackendOptions, Status};
 use cohaul::output::json;
+use cohaul::studies::methods::Method;
 use cohaul::studies::verify::report::{Verification, verify_text};
-use cohaul::studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, Variant, all, tasks};
+use cohaul::studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, all, tasks};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -19,8 +20,8 @@ fn verify(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> Vec
     tasks(cases, wanted, effort).finished(&|_| true).unwrap().concat()
 }
 
-fn rows(case: Case, variant: Variant) -> Vec<Row> {
-    verify(&[case], |plan| plan.variant == variant, Effort::Full)
+fn rows(case: Case, method: Method) -> Vec<Row> {
+    verify(&[case], |plan| plan.method == method, Effort::Full)
 }
 
 /// The case with another known answer: `wrong` of the right one.
@@ -45,7 +46,7 @@ fn every_known_answer_is_met() {
     let rows = verify(&cases, |_| true, Effort::Quick);
     for row in &rows {
         assert!(!matches!(row.outcome, Outcome::Misses(_)), "{row:?}");
-        assert_eq!(row.outcome == Outcome::Shown, row.variant == Variant::RapierAsShipped, "{row:?}");
+        assert_eq!(row.outcome == Outcome::Shown, row.method == Method::RAPIER_ENGINE_DEFAULTS, "{row:?}");
     }
     for case in &cases {
         let n_plans = case.plans.len();
@@ -53,7 +54,7 @@ fn every_known_answer_is_met() {
         assert_eq!(cases.iter().filter(|other| other.name == case.name).count(), 1, "{}", case.name);
     }
     assert!(Family::ALL.iter().all(|family| cases.iter().any(|case| case.family == *family)));
-    assert!(Variant::ALL.iter().all(|variant| rows.iter().any(|row| row.variant == *variant)));
+    assert!(Method::all_verified().all(|method| rows.iter().any(|row| row.method == method)));
     let first_order = rows.iter().filter(|row| row.expected == Expected::Order(1.0) && row.order.is_some()).count();
     // Two orders for each plan with three steps: a plan that drops out would fail nothing else.
     assert!(first_order > 90, "{first_order}");
@@ -62,8 +63,8 @@ fn every_known_answer_is_met() {
 /// Extrapolation meets the ten digits that are known of the reference scenes.
 #[test]
 fn the_reference_scenes_are_met_to_a_nanometre() {
-    for (name, variant) in [("reference-quasi-static", Variant::QuasiStatic), ("reference-inertial", Variant::InertialEuler)] {
-        let rows = rows(named(name), variant);
+    for (name, method) in [("reference-quasi-static", Method::QUASI_STATIC), ("reference-inertial", Method::INERTIAL_EULER)] {
+        let rows = rows(named(name), method);
         let limit = rows.last().unwrap();
         // Half a unit of the tenth digit is 5e-12 m without inertia and 5e-11 m with it; changes of regime within steps leave more.
         assert_eq!(limit.kind, RowKind::Extrapolated);
@@ -74,26 +75,26 @@ fn the_reference_scenes_are_met_to_a_nanometre() {
 /// A ten-thousandth is a fiftieth of the error at the shortest step but far above what is left in the limit: a floor under the error shows there.
 #[test]
 fn a_slightly_wrong_answer_is_a_miss() {
-    let found = misses(&rows(with_known(named("peers-slide"), |known| 1.0001 * known), Variant::Rapier));
+    let found = misses(&rows(with_known(named("peers-slide"), |known| 1.0001 * known), Method::RAPIER));
     assert!(found.iter().any(|(kind, why)| *kind == RowKind::Extrapolated && why.contains("above its bound")), "{found:?}");
-    for (name, variant) in
-        [("limit-force", Variant::QuasiStatic), ("mass-onset", Variant::InertialEuler), ("towing-38.5-mm", Variant::QuasiStatic)]
+    for (name, method) in
+        [("limit-force", Method::QUASI_STATIC), ("mass-onset", Method::INERTIAL_EULER), ("towing-38.5-mm", Method::QUASI_STATIC)]
     {
-        let found = misses(&rows(with_known(named(name), |known| 1.2 * known), variant));
+        let found = misses(&rows(with_known(named(name), |known| 1.2 * known), method));
         assert!(!found.is_empty(), "{name}");
     }
     // Rest that is none: a picometre is above rounding, two nanometres above what may creep.
     for (name, way) in [("symmetry-moved", 1e-12), ("rate-same-nodes", 1e-300), ("peers-creep", 2e-9)] {
-        assert!(!misses(&rows(with_known(named(name), move |known| known + way), Variant::QuasiStatic)).is_empty(), "{name}");
+        assert!(!misses(&rows(with_known(named(name), move |known| known + way), Method::QUASI_STATIC)).is_empty(), "{name}");
     }
 }
 
 #[test]
 fn another_order_than_the_expected_one_is_a_miss() {
-    for (name, variant, wrong) in [
-        ("pull-and-hold", Variant::InertialEuler, 2.0),
-        ("pull-ripple-0.02-m-s", Variant::InertialMidpoint, 1.0),
-        ("towing-38.5-mm", Variant::QuasiStatic, 0.8),
+    for (name, method, wrong) in [
+        ("pull-and-hold", Method::INERTIAL_EULER, 2.0),
+        ("pull-ripple-0.02-m-s", Method::INERTIAL_MIDPOINT, 1.0),
+        ("towing-38.5-mm", Method::QUASI_STATIC, 0.8),
     ] {
         let mut case = named(name);
         for plan in &mut case.plans {
@@ -101,7 +102,7 @@ fn another_order_than_the_expected_one_is_a_miss() {
             plan.expected = Expected::Order(wrong);
             plan.bound.errors = plan.bound.errors.map(|bound| 1e3 * bound);
         }
-        let found = misses(&rows(case, variant));
+        let found = misses(&rows(case, method));
         assert!(found.len() >= 3 && found.iter().all(|(_, why)| why.contains("the order is")), "{name}: {found:?}");
     }
 }
@@ -109,7 +110,7 @@ fn another_order_than_the_expected_one_is_a_miss() {
 #[test]
 fn a_broken_answer_is_a_miss_and_no_number() {
     let broken = with_known(named("peers-slide"), |_| f64::NAN);
-    let rows = verify(&[broken], |plan| plan.variant != Variant::InertialMidpoint, Effort::Quick);
+    let rows = verify(&[broken], |plan| plan.method != Method::INERTIAL_MIDPOINT, Effort::Quick);
     assert!(misses(&rows).iter().all(|(_, why)| why.contains("not finite")) && misses(&rows).len() == 13, "{rows:?}");
     let found = Verification::new(&[named("peers-slide")], &rows, Effort::Quick, 0.1);
     assert_eq!((found.holds, found.n_held, found.n_judged, found.n_shown), (false, 0, 13, 3));
@@ -123,7 +124,7 @@ fn a_broken_answer_is_a_miss_and_no_number() {
         answer.report.status = Status::NotConverged;
         answer
     };
-    let rows = self::rows(Case { run: Box::new(unconverged), ..case }, Variant::InertialEuler);
+    let rows = self::rows(Case { run: Box::new(unconverged), ..case }, Method::INERTIAL_EULER);
     assert!(misses(&rows).len() == rows.len() && misses(&rows)[0].1.contains("did not converge"), "{rows:?}");
 }
 
@@ -138,7 +139,7 @@ fn an_error_without_a_bound_is_a_miss_and_nothing_is_within_any() {
 #[test]
 fn a_case_measures_its_error_at_options_of_ones_own() {
     let case = named("tripod-free");
-    let error = |step_s| case.run(&Variant::InertialEuler.options(step_s)).errors();
+    let error = |step_s| case.run(&Method::INERTIAL_EULER.options(step_s)).errors();
     let (coarse, fine) = (error(1e-4), error(1e-5));
     // First order; where the stop falls within its step adds little.
     assert!((coarse.metres.unwrap() / fine.metres.unwrap() - 10.0).abs() < 0.5, "{coarse:?} {fine:?}");

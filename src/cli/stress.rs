@@ -5,14 +5,16 @@ use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
 use super::{CliError, check_out, command_line, print, print_report, resumable};
 use crate::output::json;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::simulation::built;
+use crate::studies::methods::Method;
 use crate::studies::stress::report::{Stress, stress_list, stress_text, write_stress};
-use crate::studies::stress::{self, Effort, Map, Variant};
+use crate::studies::stress::{self, Effort, Map};
 
 #[derive(Args)]
 pub struct StressArgs {
@@ -20,8 +22,8 @@ pub struct StressArgs {
     #[arg(long, value_name = "NAME", num_args = 1..)]
     map: Vec<String>,
     /// Only these backends; without it all
-    #[arg(long, value_name = "BACKEND", num_args = 1..)]
-    backend: Vec<Variant>,
+    #[arg(long, value_name = "BACKEND", num_args = 1.., value_parser = method_parser())]
+    backend: Vec<Method>,
     /// Four values an axis in place of tens
     #[arg(long)]
     quick: bool,
@@ -47,7 +49,7 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let maps: Vec<Map> = maps.iter().map(|map| effort.of(map)).collect();
-    let backends: Vec<Variant> = Variant::ALL.into_iter().filter(|it| args.backend.is_empty() || args.backend.contains(it)).collect();
+    let backends: Vec<Method> = Method::all_stressed().filter(|it| args.backend.is_empty() || args.backend.contains(it)).collect();
     let names: Vec<&str> = maps.iter().map(|map| map.name).collect();
     let asked = json!({ "maps": names, "backends": backends, "effort": effort });
     let started = SystemTime::now();
@@ -80,4 +82,14 @@ fn manifest(asked: &Value, started: SystemTime) -> Manifest {
     let options = json!({ "backends": asked["backends"], "effort": asked["effort"] });
     let hash = sha256_hex(scenario.to_string().as_bytes());
     Manifest::new(&scenario, hash, 0, &options, command_line(), started)
+}
+
+/// The backends under stress by their names.
+fn method_parser() -> impl TypedValueParser<Value = Method> {
+    let value = |method: Method| {
+        let value = PossibleValue::new(method.key);
+        if method == Method::RAPIER_ENGINE_DEFAULTS { value.alias("rapier-as-shipped") } else { value }
+    };
+    let names = Method::all_stressed().map(value);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Method>())
 }

@@ -46,7 +46,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         check_out(out)?;
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
-    let wanted = |plan: &Plan| args.backend.is_none_or(|kind| kind == plan.variant.kind());
+    let wanted = |plan: &Plan| args.backend.is_none_or(|kind| kind == plan.method.kind);
     if let Some(kind) = args.backend.filter(|_| !cases.iter().flat_map(|case| &case.plans).any(wanted)) {
         return Err(CliError::Usage(format!("--backend: none of these cases has a known answer for {}", kind.name())));
     }

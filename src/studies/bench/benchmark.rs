@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::growth::{Growth, GrowthPoint};
-use super::method::METHODS;
 use super::problems::problems_of;
 use super::scene::{Level, References, Scene, SceneFacts};
 use super::solvers::{Sequence, Solver, SolverRow, sequences};
 use super::work::Row;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::journal::JournalError;
+use crate::studies::methods::{METHODS, Method};
 use crate::studies::runner::Records;
 
 /// What to measure.
@@ -171,7 +171,7 @@ impl Session<'_, '_> {
                     references = find(watch)?;
                 }
                 let Some(references) = &references else { return Ok(None) };
-                let reference = (references.of(method.kind()), facts.path_length_m);
+                let reference = (references.of(method.kind), facts.path_length_m);
                 Ok(Row::measure(scene, method, *level, reference, budget, watch))
             })?;
             rows.push(row);
@@ -212,9 +212,9 @@ impl Session<'_, '_> {
     }
 }
 
-fn settings(scene: &Scene, effort: &Effort, path_length: f64) -> Vec<(&'static super::Method, Level)> {
-    let asked = METHODS.iter().filter(|method| scene.asks(method));
-    asked.flat_map(|method| scene.levels(method, path_length, effort.quick).into_iter().map(move |level| (method, level))).collect()
+fn settings(scene: &Scene, effort: &Effort, path_length: f64) -> Vec<(Method, Level)> {
+    let asked = METHODS.into_iter().filter(|method| scene.asks(method));
+    asked.flat_map(|method| scene.levels(&method, path_length, effort.quick).into_iter().map(move |level| (method, level))).collect()
 }
 
 impl Plan {

@@ -5,9 +5,9 @@
 
 use serde::Serialize;
 
-use super::method::METHODS;
 use super::scene::Level;
 use super::work::Row;
+use crate::studies::methods::{METHODS, Method};
 
 /// Levels of error over the length of the path (1).
 pub const LEVELS: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
@@ -49,9 +49,9 @@ fn at_level(scene: &str, error: f64, rows: &[Row]) -> Vec<EqualError> {
     let time = |row: &Row| row.timing().map(|timing| timing.min_s);
     let tried = METHODS.iter().map(|method| (method, of(method.name))).filter(|(_, rows)| !rows.is_empty());
     let found: Vec<_> = tried.map(|(method, rows)| (method, cheapest(&rows, error))).collect();
-    let rapier = found.iter().filter(|(method, _)| !method.kind().is_exact()).filter_map(|(_, row)| time((*row)?));
+    let rapier = found.iter().filter(|(method, _)| !method.kind.is_exact()).filter_map(|(_, row)| time((*row)?));
     let rapier = rapier.min_by(f64::total_cmp);
-    let line = |(method, row): &(&super::Method, Option<&Row>)| {
+    let line = |(method, row): &(&Method, Option<&Row>)| {
         let cpu_s = row.and_then(time);
         let level = row.map(|row| row.level);
         EqualError {

@@ -2,9 +2,9 @@
 
 use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, WORK_HEIGHT, grid};
-use crate::studies::bench::METHODS;
 use crate::studies::bench::SceneFacts;
 use crate::studies::bench::report::{BenchLine, GrowthLine};
+use crate::studies::methods::METHODS;
 
 /// Errors below this share of the way are rounding, and drawn there (1).
 const LEAST_ERROR: f64 = 1e-16;
@@ -73,8 +73,8 @@ fn style(method: &str) -> Style {
         "rapier aligned f32" => ("#000000", "2 2.5", 1.5),
         "rapier aligned aggregate" => ("#777777", "7 3", 1.5),
         "rapier aligned force" => ("#777777", "2 2.5", 1.5),
-        "rapier as shipped" => ("#CC79A7", "7 3", 1.5),
-        "rapier as shipped f32" => ("#CC79A7", "2 2.5", 1.5),
+        "rapier engine defaults" => ("#CC79A7", "7 3", 1.5),
+        "rapier engine defaults f32" => ("#CC79A7", "2 2.5", 1.5),
         _ => ("#999999", "9 3 2 3", 1.5),
     };
     Style { color, dash, width }

@@ -6,7 +6,6 @@
 //! rounds counts, and how far the median lies above it says what the machine was like.
 //!
 //! ```text
-//! method.rs       the ways to move the load that are compared
 //! known.rs        closed-form paths of some scenes
 //! reference.rs    what errors are measured against
 //! standard.rs     the scenes of a benchmark that is asked for no others
@@ -31,7 +30,6 @@ mod fit;
 mod growth;
 mod host;
 mod known;
-mod method;
 pub mod page;
 mod problems;
 mod reference;
@@ -49,7 +47,6 @@ pub use fit::{Line, PowerLaw, line, power_law};
 pub use growth::{Fit, Growth, GrowthPoint, Quantity, fits};
 pub use host::Host;
 pub use known::{Known, known};
-pub use method::{METHODS, Method, named};
 pub use problems::{Problem, kkt_residual, problems_of};
 pub use reference::Reference;
 pub use scene::{Level, Scene, SceneFacts};

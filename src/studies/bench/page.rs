@@ -7,7 +7,8 @@ use crate::output::quantity::{number, quantity};
 use crate::studies::bench::figure;
 use crate::studies::bench::report::Benchmark;
 use crate::studies::bench::text::bench_text;
-use crate::studies::bench::{EqualError, METHODS, SceneFacts};
+use crate::studies::bench::{EqualError, SceneFacts};
+use crate::studies::methods::METHODS;
 
 /// The error at which the headline compares methods, over the length of the way (1).
 const COMPARED: f64 = 1e-3;

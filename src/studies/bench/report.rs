@@ -161,7 +161,7 @@ impl BenchLine {
     fn of(row: &Row, facts: Option<&SceneFacts>) -> Self {
         let timing = row.timing();
         let path_length_m = facts.map(|facts| facts.path_length_m);
-        let has_inertia = row.method().kind().has_inertia();
+        let has_inertia = row.method().kind.has_inertia();
         let share = |error: f64| path_length_m.map(|length| error / length);
         let (reference, reference_error_m) = match facts {
             Some(facts) if !has_inertia => (facts.quasi_static_reference.clone(), facts.quasi_static_reference_error_m),

@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::method::Method;
 use super::reference::{Reference, rim_distance};
-use crate::backend::{BackendKind, default_step};
+use crate::backend::{BackendKind, BackendOptions, Tolerance, default_step};
 use crate::math::Twist;
+use crate::model::Load;
 use crate::scenario::Scenario;
+use crate::studies::methods::Method;
 
 /// A step or a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +17,16 @@ pub enum Level {
     Step(f64),
     /// On the load's rim (m).
     Tolerance(f64),
+}
+
+impl Level {
+    /// Options of `method` at this step, or this tolerance on the edge of `load`.
+    pub fn options(self, method: &Method, load: &Load) -> BackendOptions {
+        match self {
+            Level::Step(step) => method.options(step),
+            Level::Tolerance(tolerance) => method.within(Tolerance::on_rim(tolerance, load)),
+        }
+    }
 }
 
 /// A scenario whose ticks are as long as the longest step that is tried: prescribed tips do not read them, but rows and steps end there.
@@ -68,7 +79,7 @@ impl Scene {
 
     /// Whether `method` can answer: without inertia a load that starts with a speed has none, and one without springs no path.
     pub fn asks(&self, method: &Method) -> bool {
-        method.kind().has_inertia() || self.moves_without_inertia()
+        method.kind.has_inertia() || self.moves_without_inertia()
     }
 
     fn moves_without_inertia(&self) -> bool {
@@ -78,12 +89,12 @@ impl Scene {
     /// What `method` is tried at, the coarsest first; every second of it if it is to be quick.
     pub fn levels(&self, method: &Method, path_length: f64, is_quick: bool) -> Vec<Level> {
         let row = self.scenario.control_period;
-        let all: Vec<Level> = if method.is_controlled() {
+        let all: Vec<Level> = if method.is_controlled {
             TOLERANCES.iter().map(|share| Level::Tolerance(share * path_length)).collect()
-        } else if !method.kind().has_inertia() {
+        } else if !method.kind.has_inertia() {
             (0..N_QUASI_STATIC).map(|i| Level::Step(row * 0.5f64.powi(i))).collect()
         } else {
-            let longest = LONGEST * default_step(method.kind(), &self.scenario.system, row);
+            let longest = LONGEST * default_step(method.kind, &self.scenario.system, row);
             let halvings = (row / longest - 1e-9).max(1.0).log2().ceil() as i32;
             (0..N_INERTIAL).map(|i| Level::Step(row * 0.5f64.powi(halvings + i))).collect()
         };

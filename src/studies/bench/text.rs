@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use crate::output::quantity::{number, quantity};
 use crate::studies::bench::report::{Benchmark, FitLine};
-use crate::studies::bench::{EqualError, METHODS, SceneFacts};
+use crate::studies::bench::{EqualError, SceneFacts};
+use crate::studies::methods::METHODS;
 
 /// Everything that people read; all settings are in the tables.
 pub fn bench_text(found: &Benchmark) -> String {

@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Timing, time_of};
-use super::method::{Method, named};
 use super::reference::Reference;
 use super::scene::{Level, Scene};
 use crate::backend::{BackendOptions, Status};
 use crate::simulation::{Keep, Simulation};
+use crate::studies::methods::Method;
 
 /// What came of a setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,8 +44,8 @@ pub enum Ending {
 }
 
 impl Row {
-    pub fn method(&self) -> &'static Method {
-        named(&self.method).expect("rows are of known methods")
+    pub fn method(&self) -> Method {
+        self.method.parse().expect("rows are of known methods")
     }
 
     pub fn timing(&self) -> Option<Timing> {
@@ -100,7 +100,7 @@ impl Row {
     ) -> Option<Self> {
         let scenario = &scene.scenario;
         let (clock, mut is_asked_to_stop) = (Clock::start(), false);
-        let run = finished(scene, &method.options(level, &scenario.system.load), Keep::Trace, |time| {
+        let run = finished(scene, &level.options(method, &scenario.system.load), Keep::Trace, |time| {
             is_asked_to_stop = !watch(time / scenario.duration);
             !is_asked_to_stop && clock.seconds() < budget
         });
@@ -136,7 +136,7 @@ impl Row {
     /// CPU time of one more run, or of several that are too short alone (s). Nothing watches the
     /// run, because that would take time too.
     pub fn time(&self, scene: &Scene) -> f64 {
-        let options = self.method().options(self.level, &scene.scenario.system.load);
+        let options = self.level.options(&self.method(), &scene.scenario.system.load);
         time_of(|| drop(finished(scene, &options, Keep::Outcome, |_| true)))
     }
 }

@@ -7,9 +7,9 @@ use std::fmt::Write;
 
 use super::judge::{Outcome, step_radians};
 use super::run::Run;
-use super::variant::Variant;
 use crate::model::SupportPoint;
 use crate::scenario::Scenario;
+use crate::studies::methods::Method;
 
 /// Share of the rest length within which the torsional force, which goes with its inverse, is ten times that at rest.
 const NEAR_ROOT: f64 = 0.1;
@@ -31,7 +31,7 @@ const LOST_DIGITS: f64 = 1e3;
 /// What is known of a run that did not finish.
 pub struct Facts<'a> {
     pub scenario: &'a Scenario,
-    pub variant: Variant,
+    pub method: Method,
     pub run: &'a Run,
     pub error: Option<f64>,
     /// The error at an eighth of the step, worked out when it is asked for.
@@ -53,10 +53,10 @@ impl Facts<'_> {
             .or_else(|| self.unlike_inertia(outcome))
             .or_else(|| self.few_digits())
             .or_else(|| self.not_convex(outcome))
-            .or_else(|| self.as_shipped())
+            .or_else(|| self.engine_defaults())
             .or_else(|| self.step())?;
         let residual = self.run.seen.report.residual;
-        let has_residual = outcome == Outcome::NotConverged || self.variant == Variant::RapierAsShipped;
+        let has_residual = outcome == Outcome::NotConverged || self.method.has_engine_defaults();
         Some(if has_residual { format!("{cause}; residual {residual:.1e}") } else { cause })
     }
 
@@ -82,11 +82,11 @@ impl Facts<'_> {
 
     /// `radians` of an oscillation in one step; `whose` says of which springs.
     fn unresolved(&self, radians: f64, whose: &str) -> Option<String> {
-        if radians <= UNRESOLVED || self.variant == Variant::QuasiStatic {
+        if radians <= UNRESOLVED || !self.method.kind.has_inertia() {
             return None;
         }
         let mut cause = format!("the step does not resolve the oscillation {whose}: {radians:.1e} rad");
-        if !self.variant.kind().is_exact() {
+        if !self.method.kind.is_exact() {
             write!(cause, ", h^2 k is {:.1e} of the mass", radians * radians).expect("a string takes all");
         }
         Some(cause)
@@ -97,7 +97,7 @@ impl Facts<'_> {
         let system = &self.scenario.system;
         let damping: f64 = system.springs.iter().map(|spring| system.dashpot(spring).0).sum();
         let ratio = damping * self.scenario.control_period / system.load.mass;
-        let is_stiff = ratio > UNRESOLVED && self.variant != Variant::QuasiStatic;
+        let is_stiff = ratio > UNRESOLVED && self.method.kind.has_inertia();
         is_stiff.then(|| format!("the step does not resolve the dashpots: h d is {ratio:.1e} of the mass"))
     }
 
@@ -121,7 +121,7 @@ impl Facts<'_> {
     }
 
     fn unlike_inertia(&self, outcome: Outcome) -> Option<String> {
-        let is_about_sweeps = matches!(outcome, Outcome::NotConverged | Outcome::EnergyFromNowhere) && !self.variant.kind().is_exact();
+        let is_about_sweeps = matches!(outcome, Outcome::NotConverged | Outcome::EnergyFromNowhere) && !self.method.kind.is_exact();
         let (load, supports) = (&self.scenario.system.load, &self.scenario.system.ground.supports);
         let reach = supports.iter().map(|support| support.offset.norm()).fold(load.radius, f64::max);
         let share = load.inertia / (load.mass * reach * reach);
@@ -132,7 +132,7 @@ impl Facts<'_> {
 
     /// f32 holds speeds and places to a ten-millionth of themselves, and a step has to be seen above that.
     fn few_digits(&self) -> Option<String> {
-        if self.variant != Variant::RapierF32 {
+        if !self.method.options(1.0).is_single_precision() {
             return None;
         }
         let (system, seen) = (&self.scenario.system, &self.run.seen);
@@ -155,9 +155,9 @@ impl Facts<'_> {
             .then(|| format!("a spring left its convex range: swing {:.1} rad, {:.1} rest lengths", seen.swing, seen.shortest))
     }
 
-    fn as_shipped(&self) -> Option<String> {
-        let is_rough = self.variant == Variant::RapierAsShipped && self.run.seen.report.residual > 0.0;
-        is_rough.then(|| "as shipped: a sweep in each of four substeps, friction as a box".to_owned())
+    fn engine_defaults(&self) -> Option<String> {
+        let is_rough = self.method.has_engine_defaults() && self.run.seen.report.residual > 0.0;
+        is_rough.then(|| "engine defaults: a sweep in each of four substeps, friction as a box".to_owned())
     }
 
     /// Evidence: the error falls with the step.

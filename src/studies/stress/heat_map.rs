@@ -6,7 +6,8 @@
 use std::fmt::Write;
 
 use crate::output::chart::axis::power_label;
-use crate::studies::stress::{Axis, Map, Outcome, Row, Variant};
+use crate::studies::methods::Method;
+use crate::studies::stress::{Axis, Map, Outcome, Row};
 
 /// Size of the cells' area of a panel, and space around it (px).
 const WIDTH: f64 = 260.0;
@@ -26,17 +27,17 @@ const HIGHEST: f64 = 2.0;
 const NOTHING: &str = "#eeeeee";
 
 pub fn heat_map(map: &Map, rows: &[&Row]) -> String {
-    let variants: Vec<Variant> = Variant::ALL.into_iter().filter(|variant| rows.iter().any(|row| row.variant == *variant)).collect();
+    let methods: Vec<Method> = Method::all_stressed().filter(|method| rows.iter().any(|row| row.method == *method)).collect();
     let has_errors = rows.iter().any(|row| row.numbers.error_share.is_some());
-    let sheet = Sheet::of(map, variants.len(), has_errors);
+    let sheet = Sheet::of(map, methods.len(), has_errors);
     let mut svg = sheet.head(map);
-    for (at, variant) in variants.iter().enumerate() {
-        let of_variant: Vec<&Row> = rows.iter().filter(|row| row.variant == *variant).copied().collect();
-        let outcomes: Vec<String> = of_variant.iter().map(|row| outcome_color(row.outcome).to_owned()).collect();
-        sheet.panel(&mut svg, map, at, variant.name(), &outcomes);
+    for (at, method) in methods.iter().enumerate() {
+        let of_method: Vec<&Row> = rows.iter().filter(|row| row.method == *method).copied().collect();
+        let outcomes: Vec<String> = of_method.iter().map(|row| outcome_color(row.outcome).to_owned()).collect();
+        sheet.panel(&mut svg, map, at, method.key, &outcomes);
         if has_errors {
-            let errors: Vec<String> = of_variant.iter().map(|row| error_color(row.numbers.error_share)).collect();
-            sheet.panel(&mut svg, map, at + sheet.n_slots, &format!("{}, error", variant.name()), &errors);
+            let errors: Vec<String> = of_method.iter().map(|row| error_color(row.numbers.error_share)).collect();
+            sheet.panel(&mut svg, map, at + sheet.n_slots, &format!("{}, error", method.key), &errors);
         }
     }
     sheet.legends(&mut svg, rows, has_errors);
@@ -55,10 +56,10 @@ struct Sheet {
 }
 
 impl Sheet {
-    fn of(map: &Map, n_variants: usize, has_errors: bool) -> Self {
+    fn of(map: &Map, n_methods: usize, has_errors: bool) -> Self {
         let is_named = !map.y.names.is_empty();
-        let n_columns = n_variants.clamp(1, COLUMNS);
-        let n_rows = n_variants.div_ceil(n_columns).max(1);
+        let n_columns = n_methods.clamp(1, COLUMNS);
+        let n_rows = n_methods.div_ceil(n_columns).max(1);
         Self {
             left: if is_named { NAMED_LEFT } else { LEFT },
             area_height: if is_named { NAMED_HEIGHT } else { HEIGHT },

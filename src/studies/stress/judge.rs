@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 
 use super::map::Asked;
 use super::run::{Numbers, Run};
-use super::variant::Variant;
 use crate::backend::Status;
 use crate::scenario::Scenario;
+use crate::studies::methods::Method;
 
 /// How a cell ended. The order is that of severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -90,7 +90,7 @@ pub const MOST_ERROR: f64 = 0.1;
 const MOST_QUADRATURE: f64 = 0.01;
 
 /// Numbers and outcome of a run whose error is known or not.
-pub fn judge(scenario: &Scenario, asked: &Asked, variant: Variant, run: &Run, error: Option<f64>) -> (Outcome, Numbers) {
+pub fn judge(scenario: &Scenario, asked: &Asked, method: Method, run: &Run, error: Option<f64>) -> (Outcome, Numbers) {
     let (seen, report) = (&run.seen, &run.seen.report);
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
     let defect = run.ledger.defect();
@@ -118,7 +118,7 @@ pub fn judge(scenario: &Scenario, asked: &Asked, variant: Variant, run: &Run, er
         _ if report.status == Status::Failed => Outcome::Failed,
         _ if run.lost.is_some() => Outcome::Unexplained,
         _ if run.is_cut => Outcome::TooLong,
-        _ if defect > allowed_defect(scenario, variant, run) => Outcome::EnergyFromNowhere,
+        _ if defect > allowed_defect(scenario, method, run) => Outcome::EnergyFromNowhere,
         _ if report.status == Status::NotConverged => Outcome::NotConverged,
         _ if above(creep, MOST_CREEP) => Outcome::Creep,
         _ if above(drift, MOST_DRIFT) => Outcome::Drift,
@@ -144,20 +144,20 @@ fn turnover(run: &Run) -> f64 {
 /// * rounding: every step adds to sums as large as the turnover, and its forces know places to a last digit of the load's and the tips';
 /// * work of the tips, a trapezoid: at most the change of the pull times the way, step by step;
 /// * work on the load, a trapezoid along an oscillation: (omega h)^2 / 12 of what is turned over, and no more than a hundredth where omega h is not small.
-///   Without inertia there is none. Rapier as shipped cuts a step in four, of which its forces are those of the last: omega h in place of its square;
+///   Without inertia there is none. Rapier with its engine defaults cuts a step in four, of which its forces are those of the last: omega h in place of its square;
 /// * friction of the midpoint rule, which takes the direction at the end of a step for the way of all of it: a hundredth of its loss, for a slip that turns by
 ///   0.35 rad in a step.
-pub fn allowed_defect(scenario: &Scenario, variant: Variant, run: &Run) -> f64 {
-    let digit = if variant == Variant::RapierF32 { f64::from(f32::EPSILON) } else { f64::EPSILON };
+pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
+    let digit = if method.options(1.0).is_single_precision() { f64::from(f32::EPSILON) } else { f64::EPSILON };
     let reach = run.seen.farthest + scenario.system.load.radius;
     let turned = turnover(run);
     let rounding = run.seen.report.n_steps.max(1) as f64 * digit * (turned + run.seen.peak_force * reach);
     let radians = step_radians(scenario);
-    let oscillation = match variant {
-        Variant::QuasiStatic => 0.0,
-        Variant::RapierAsShipped => radians,
+    let oscillation = match method {
+        _ if !method.kind.has_inertia() => 0.0,
+        _ if method.has_engine_defaults() => radians,
         _ => radians * radians / 12.0,
     };
-    let turning = if variant == Variant::InertialMidpoint { MOST_QUADRATURE * run.ledger.friction } else { 0.0 };
+    let turning = if method == Method::INERTIAL_MIDPOINT { MOST_QUADRATURE * run.ledger.friction } else { 0.0 };
     rounding + run.seen.quadrature + oscillation.min(MOST_QUADRATURE) * turned + turning
 }

@@ -1,6 +1,6 @@
 //! Floor 4: where numbers break. Maps over two parameters of a scene, far beyond what it is made for, and what each backend makes of every cell.
 //!
-//! A [`Map`] is a grid of two parameters over a base scene and what is known of its answer. Each cell is run on every [`Variant`] of the backends, watched at
+//! A [`Map`] is a grid of two parameters over a base scene and what is known of its answer. Each cell is run on every [`Method`] of the backends, watched at
 //! every step, and ends as one [`Row`]: an [`Outcome`], the cause in words of every one but `finished`, and the numbers that the two rest on. Panics are caught
 //! cell by cell, numbers that are not finite are looked for in all that a backend tells, and whatever has no cause counts as unexplained.
 //!
@@ -10,7 +10,6 @@
 //! map.rs       axes, grids, a cell and what is asked of it
 //! scene.rs     base scenes as scenario files
 //! maps/        the maps, one file a family
-//! variant.rs   the ways to move a load that are put under stress
 //! guard.rs     panics as results
 //! observer.rs  a backend that is watched at every step
 //! run.rs       one cell on one backend: numbers
@@ -31,7 +30,6 @@ pub mod report;
 mod run;
 mod scene;
 mod suite;
-mod variant;
 
 pub use judge::Outcome;
 pub use map::{Answer, Asked, Axis, Cell, Map};
@@ -39,4 +37,3 @@ pub use maps::all;
 pub use run::Numbers;
 pub use scene::Scene;
 pub use suite::{Effort, Row, n_cells, tasks};
-pub use variant::Variant;

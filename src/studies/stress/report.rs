@@ -10,9 +10,10 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::quantity::quantity;
+use crate::studies::methods::Method;
 use crate::studies::stress::heat_map::heat_map;
 use crate::studies::stress::page::stress_page;
-use crate::studies::stress::{Map, Outcome, Row, Variant};
+use crate::studies::stress::{Map, Outcome, Row};
 
 /// What `stress --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -119,7 +120,7 @@ impl Stress {
 
 impl Defect {
     fn of(row: &Row) -> Self {
-        let (backend, outcome) = (row.variant.name(), row.outcome.name());
+        let (backend, outcome) = (row.method.key, row.outcome.name());
         Self { map: row.map.clone(), x: row.x, y: row.y, backend, outcome, cause: row.cause.clone() }
     }
 }
@@ -127,7 +128,7 @@ impl Defect {
 fn counts<'a>(rows: impl Iterator<Item = &'a Row>) -> Counts {
     let mut counts = Counts::new();
     for row in rows {
-        *counts.entry(row.variant.name()).or_default().entry(row.outcome.name()).or_default() += 1;
+        *counts.entry(row.method.key).or_default().entry(row.outcome.name()).or_default() += 1;
     }
     counts
 }
@@ -160,10 +161,10 @@ fn table(counts: &Counts) -> String {
     let mut text = format!("  {:<18}", "");
     columns.iter().for_each(|name| write!(text, "  {name:>8}").expect("a string takes all"));
     text.push('\n');
-    for variant in Variant::ALL.iter().filter(|variant| counts.contains_key(variant.name())) {
-        write!(text, "  {:<18}", variant.name()).expect("a string takes all");
+    for method in Method::all_stressed().filter(|method| counts.contains_key(method.key)) {
+        write!(text, "  {:<18}", method.key).expect("a string takes all");
         for name in &columns {
-            let n = counts[variant.name()].get(name).copied().unwrap_or(0);
+            let n = counts[method.key].get(name).copied().unwrap_or(0);
             write!(text, "  {n:>width$}", width = name.len().max(8)).expect("a string takes all");
         }
         text.push('\n');
@@ -215,7 +216,7 @@ fn line<'a>(map: &'a Map, row: &'a Row) -> Line<'a> {
         y_name: map.y.name,
         y: row.y,
         y_label: at.and_then(|at| map.y.names.get(at)).copied().unwrap_or_default(),
-        backend: row.variant.name(),
+        backend: row.method.key,
         outcome: row.outcome.name(),
         cause: &row.cause,
         residual: numbers.residual,

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::guard::guarded;
 use super::map::Answer;
 use super::observer::{Observer, Seen};
-use super::variant::Variant;
 use crate::backend::{Motion, Status};
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, Make, Simulation, driver_of};
+use crate::studies::methods::Method;
 
 /// Steps times joints that a run may cost: seconds. Counted before it starts, so that the same cells are too long everywhere.
 const MOST_WORK: f64 = 2e5;
@@ -76,24 +76,24 @@ pub fn too_long(scenario: &Scenario) -> Option<String> {
 ///
 /// # Errors
 /// The message of a panic.
-pub fn run(scenario: &Scenario, variant: Variant, make: &Make) -> Result<Run, String> {
-    run_at(scenario, variant, scenario.control_period, make)
+pub fn run(scenario: &Scenario, method: Method, make: &Make) -> Result<Run, String> {
+    run_at(scenario, method, scenario.control_period, make)
 }
 
 /// The same at an eighth of the step; `None` where that is beyond the budget or has no whole answer.
-pub fn finer(scenario: &Scenario, variant: Variant, make: &Make) -> Option<Run> {
+pub fn finer(scenario: &Scenario, method: Method, make: &Make) -> Option<Run> {
     if FINER * work(scenario) > MOST_FINER_WORK {
         return None;
     }
     let step = scenario.control_period / FINER;
-    let run = run_at(scenario, variant, step, make).ok()?;
+    let run = run_at(scenario, method, step, make).ok()?;
     let is_whole = run.seen.not_finite.is_none() && run.seen.report.status != Status::Failed && !run.is_cut;
     is_whole.then_some(run)
 }
 
-fn run_at(scenario: &Scenario, variant: Variant, step: f64, make: &Make) -> Result<Run, String> {
+fn run_at(scenario: &Scenario, method: Method, step: f64, make: &Make) -> Result<Run, String> {
     guarded(|| {
-        let options = variant.options(step);
+        let options = method.options(step);
         let (observer, seen) = Observer::new(make(scenario, &options), &scenario.system);
         let mut simulation = Simulation::on(scenario, &options, Keep::Outcome, driver_of(scenario), observer);
         let spent = |seen: &Rc<RefCell<Seen>>| seen.borrow().report.n_iterations + seen.borrow().report.n_solves;
@@ -109,24 +109,24 @@ fn run_at(scenario: &Scenario, variant: Variant, step: f64, make: &Make) -> Resu
 }
 
 /// What the answer of a cell is measured against: a reference run, if it needs one and that can be trusted.
-pub fn reference(scenario: &Scenario, answer: &Answer, variant: Variant, make: &Make) -> Option<Run> {
+pub fn reference(scenario: &Scenario, answer: &Answer, method: Method, make: &Make) -> Option<Run> {
     // The same scene in other units has the same sweeps, whether they converge or not.
     let (found, worst) = match answer {
         Answer::Unknown | Answer::Shift { .. } => return None,
-        Answer::Finer => (finer(scenario, variant.exact(), make)?, Status::Converged),
-        Answer::Scaled { base, .. } => (run(base, variant, make).ok()?, Status::NotConverged),
+        Answer::Finer => (finer(scenario, method.exact(), make)?, Status::Converged),
+        Answer::Scaled { base, .. } => (run(base, method, make).ok()?, Status::NotConverged),
     };
     (found.seen.report.status <= worst && found.seen.not_finite.is_none()).then_some(found)
 }
 
 /// Distance of the rim from the known answer over its way (1); `None` where nothing is known.
-pub fn error(scenario: &Scenario, answer: &Answer, variant: Variant, run: &Run, reference: Option<&Run>) -> Option<f64> {
+pub fn error(scenario: &Scenario, answer: &Answer, method: Method, run: &Run, reference: Option<&Run>) -> Option<f64> {
     let radius = scenario.system.load.radius;
     let pose = &run.end.pose;
     let error = match answer {
         Answer::Unknown => return None,
         Answer::Shift { quasi_static, inertial, scale } => {
-            let known = if variant == Variant::QuasiStatic { quasi_static } else { inertial };
+            let known = if method.kind.has_inertia() { inertial } else { quasi_static };
             (pose.position.x - known).abs() / scale
         }
         Answer::Finer | Answer::Scaled { .. } => {

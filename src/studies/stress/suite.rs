@@ -7,9 +7,9 @@ use super::guard::guarded;
 use super::judge::{Outcome, judge};
 use super::map::{Answer, Cell, Map};
 use super::run::{self, Numbers, Run};
-use super::variant::Variant;
 use crate::scenario::Scenario;
 use crate::simulation::{Make, built};
+use crate::studies::methods::Method;
 use crate::studies::runner::Tasks;
 
 /// How fine maps are.
@@ -36,7 +36,7 @@ pub struct Row {
     pub map: String,
     pub x: f64,
     pub y: f64,
-    pub variant: Variant,
+    pub method: Method,
     pub outcome: Outcome,
     /// Empty for a cell that finished.
     pub cause: String,
@@ -48,19 +48,19 @@ pub fn n_cells(maps: &[Map]) -> usize {
     maps.iter().map(Map::n_cells).sum()
 }
 
-/// One task a cell of `maps`, in their order: the rows of the cell on each of `variants`.
+/// One task a cell of `maps`, in their order: the rows of the cell on each of `methods`.
 ///
 /// Backends under stress are made by `make`; reference runs use the normal backends.
-pub fn tasks<'a>(maps: &'a [Map], variants: &'a [Variant], make: &'a Make) -> Tasks<'a, Vec<Row>> {
+pub fn tasks<'a>(maps: &'a [Map], methods: &'a [Method], make: &'a Make) -> Tasks<'a, Vec<Row>> {
     let cells: Vec<(&Map, usize)> = maps.iter().flat_map(|map| (0..map.n_cells()).map(move |index| (map, index))).collect();
-    Tasks::equal(cells.len(), move |task, _| Some(rows(cells[task].0, cells[task].1, variants, make)))
+    Tasks::equal(cells.len(), move |task, _| Some(rows(cells[task].0, cells[task].1, methods, make)))
 }
 
-fn rows(map: &Map, index: usize, variants: &[Variant], make: &Make) -> Vec<Row> {
+fn rows(map: &Map, index: usize, methods: &[Method], make: &Make) -> Vec<Row> {
     let [x, y] = map.parameters(index);
-    let row = |variant: Variant, (outcome, cause, numbers)| Row { map: map.name.to_owned(), x, y, variant, outcome, cause, numbers };
+    let row = |method: Method, (outcome, cause, numbers)| Row { map: map.name.to_owned(), x, y, method, outcome, cause, numbers };
     let all = |outcome: Outcome, cause: &str| {
-        variants.iter().map(|variant| row(*variant, (outcome, cause.to_owned(), Numbers::default()))).collect()
+        methods.iter().map(|method| row(*method, (outcome, cause.to_owned(), Numbers::default()))).collect()
     };
     let cell = match guarded(|| (map.cell)(x, y)) {
         Ok(cell) => cell,
@@ -73,29 +73,29 @@ fn rows(map: &Map, index: usize, variants: &[Variant], make: &Make) -> Vec<Row> 
     if let Some(why) = run::too_long(scenario) {
         return all(Outcome::TooLong, &why);
     }
-    let mut references: Vec<(Variant, Option<Run>)> = Vec::new();
-    let found = variants.iter().map(|variant| {
-        let of = if matches!(cell.asked.answer, Answer::Scaled { .. }) { *variant } else { variant.exact() };
+    let mut references: Vec<(Method, Option<Run>)> = Vec::new();
+    let found = methods.iter().map(|method| {
+        let of = if matches!(cell.asked.answer, Answer::Scaled { .. }) { *method } else { method.exact() };
         if !references.iter().any(|(known, _)| *known == of) {
             references.push((of, run::reference(scenario, &cell.asked.answer, of, &built)));
         }
         let reference = references.iter().find(|(known, _)| *known == of).and_then(|(_, run)| run.as_ref());
-        row(*variant, ended(&cell, scenario, *variant, reference, make))
+        row(*method, ended(&cell, scenario, *method, reference, make))
     });
     found.collect()
 }
 
 /// Outcome, cause and numbers of one cell on one backend.
-fn ended(cell: &Cell, scenario: &Scenario, variant: Variant, reference: Option<&Run>, make: &Make) -> (Outcome, String, Numbers) {
-    let run = match run::run(scenario, variant, make) {
+fn ended(cell: &Cell, scenario: &Scenario, method: Method, reference: Option<&Run>, make: &Make) -> (Outcome, String, Numbers) {
+    let run = match run::run(scenario, method, make) {
         Ok(run) => run,
         Err(message) => return (Outcome::Panicked, message, Numbers::default()),
     };
-    let error_of = |run: &Run| run::error(scenario, &cell.asked.answer, variant, run, reference);
+    let error_of = |run: &Run| run::error(scenario, &cell.asked.answer, method, run, reference);
     let error = error_of(&run);
-    let (outcome, numbers) = judge(scenario, &cell.asked, variant, &run, error);
-    let finer_error = || error_of(&run::finer(scenario, variant, make)?);
-    let facts = Facts { scenario, variant, run: &run, error, finer_error: &finer_error };
+    let (outcome, numbers) = judge(scenario, &cell.asked, method, &run, error);
+    let finer_error = || error_of(&run::finer(scenario, method, make)?);
+    let facts = Facts { scenario, method, run: &run, error, finer_error: &finer_error };
     let (outcome, cause) = match outcome {
         Outcome::Finished => (outcome, String::new()),
         Outcome::NotFinite => (outcome, run.seen.not_finite.clone().unwrap_or_default()),

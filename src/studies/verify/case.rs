@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::measured::{Errors, Measured};
-use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Tolerance};
+use crate::backend::{BackendOptions, Tolerance};
 use crate::model::Load;
+use crate::studies::methods::Method;
 
 /// A scene, what is measured in it, and the known answer.
 pub struct Case {
@@ -37,25 +38,10 @@ pub enum Family {
     Peers,
 }
 
-/// A way to move the load.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Variant {
-    QuasiStatic,
-    InertialEuler,
-    InertialMidpoint,
-    Rapier,
-    /// The engine by its own defaults. What it gets wrong is its own: shown, and never a miss.
-    RapierAsShipped,
-    /// Error control in place of a step, by extrapolation of the steps of the first two.
-    QuasiStaticControlled,
-    InertialControlled,
-}
-
 /// Steps or tolerances at which a way to move the load is tried, and what its errors should be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    pub variant: Variant,
+    pub method: Method,
     pub levels: Levels,
     /// Number of them.
     pub n_levels: usize,
@@ -130,82 +116,32 @@ impl Family {
     }
 }
 
-impl Variant {
-    pub const ALL: [Variant; 7] = [
-        Variant::QuasiStatic,
-        Variant::InertialEuler,
-        Variant::InertialMidpoint,
-        Variant::Rapier,
-        Variant::RapierAsShipped,
-        Variant::QuasiStaticControlled,
-        Variant::InertialControlled,
-    ];
-    pub const WITH_INERTIA: [Variant; 3] = [Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier];
-    /// All with a step whose errors are this project's own.
-    pub const JUDGED: [Variant; 4] = [Variant::QuasiStatic, Variant::InertialEuler, Variant::InertialMidpoint, Variant::Rapier];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Variant::QuasiStatic => "quasi-static",
-            Variant::InertialEuler => "inertial euler",
-            Variant::InertialMidpoint => "inertial midpoint",
-            Variant::Rapier => "rapier",
-            Variant::RapierAsShipped => "rapier as shipped",
-            Variant::QuasiStaticControlled => "quasi-static controlled",
-            Variant::InertialControlled => "inertial controlled",
-        }
-    }
-
-    pub fn kind(self) -> BackendKind {
-        match self {
-            Variant::QuasiStatic | Variant::QuasiStaticControlled => BackendKind::QuasiStatic,
-            Variant::InertialEuler | Variant::InertialMidpoint | Variant::InertialControlled => BackendKind::Inertial,
-            Variant::Rapier | Variant::RapierAsShipped => BackendKind::Rapier,
-        }
-    }
-
-    pub fn is_judged(self) -> bool {
-        self != Variant::RapierAsShipped
-    }
-
-    /// At this longest step (s), which without error control is the run's own.
-    pub fn options(self, step_s: f64) -> BackendOptions {
-        let usual = BackendOptions::new(self.kind(), step_s);
-        match self {
-            Variant::QuasiStatic | Variant::Rapier | Variant::QuasiStaticControlled | Variant::InertialControlled => usual,
-            Variant::InertialEuler => BackendOptions { integrator: Integrator::Euler, ..usual },
-            Variant::InertialMidpoint => BackendOptions { integrator: Integrator::Midpoint, ..usual },
-            Variant::RapierAsShipped => BackendOptions { rapier: RapierOptions::as_shipped(), ..usual },
-        }
-    }
-}
-
 /// The loosest of the tolerances asked for (m), and their number: down to 10 nm.
 const LOOSEST: f64 = 1e-3;
 const N_TOLERANCES: usize = 6;
 
 impl Plan {
     /// A method of first order, extrapolated: within `bound` at the longest step, and within `limit` in the limit of small ones.
-    pub fn first_order(variant: Variant, step_s: f64, n_levels: usize, bound: Bound, limit: Bound) -> Self {
-        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Order(1.0), bound, limit: Some(limit) }
+    pub fn first_order(method: Method, step_s: f64, n_levels: usize, bound: Bound, limit: Bound) -> Self {
+        Self { method, levels: Levels::Steps(step_s), n_levels, expected: Expected::Order(1.0), bound, limit: Some(limit) }
     }
 
-    pub fn of_order(order: f64, variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
-        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Order(order), bound, limit: None }
+    pub fn of_order(order: f64, method: Method, step_s: f64, n_levels: usize, bound: Bound) -> Self {
+        Self { method, levels: Levels::Steps(step_s), n_levels, expected: Expected::Order(order), bound, limit: None }
     }
 
     /// Within a bound that falls with the step to this power.
-    pub fn within(power: f64, variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
-        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Within(power), bound, limit: None }
+    pub fn within(power: f64, method: Method, step_s: f64, n_levels: usize, bound: Bound) -> Self {
+        Self { method, levels: Levels::Steps(step_s), n_levels, expected: Expected::Within(power), bound, limit: None }
     }
 
-    pub fn exact(variant: Variant, step_s: f64, n_levels: usize, bound: Bound) -> Self {
-        Self { variant, levels: Levels::Steps(step_s), n_levels, expected: Expected::Exact, bound, limit: None }
+    pub fn exact(method: Method, step_s: f64, n_levels: usize, bound: Bound) -> Self {
+        Self { method, levels: Levels::Steps(step_s), n_levels, expected: Expected::Exact, bound, limit: None }
     }
 
     /// Under error control, within what is asked for: a shift of the tolerance, and a turn that moves the rim of `load` as far; ratios as exactly as
     /// turns. Bounds are of the same units as `errors`.
-    pub fn controlled(variant: Variant, load: &Load, errors: &Errors) -> Self {
+    pub fn controlled(method: Method, load: &Load, errors: &Errors) -> Self {
         let turn = LOOSEST / load.radius;
         let errors = Errors {
             metres: errors.metres.and(Some(LOOSEST)),
@@ -214,7 +150,7 @@ impl Plan {
         };
         let bound = Bound { errors, reason: "asked for".to_owned() };
         let levels = Levels::Tolerances(*load);
-        Self { variant, levels, n_levels: N_TOLERANCES, expected: Expected::Within(1.0), bound, limit: None }
+        Self { method, levels, n_levels: N_TOLERANCES, expected: Expected::Within(1.0), bound, limit: None }
     }
 
     /// Options of the runs, the least exact ones first: without the shortest step, or with every second tolerance, if it is to be quick.
@@ -223,12 +159,12 @@ impl Plan {
         match self.levels {
             Levels::Steps(longest) => {
                 let n = if is_quick { (self.n_levels - 1).max(1) } else { self.n_levels };
-                levels.take(n).map(|level| self.variant.options(longest * 0.5f64.powi(level))).collect()
+                levels.take(n).map(|level| self.method.options(longest * 0.5f64.powi(level))).collect()
             }
             Levels::Tolerances(load) => {
                 let tolerance = |level| Tolerance::on_rim(LOOSEST * 0.1f64.powi(level), &load);
                 let stride = if is_quick { 2 } else { 1 };
-                levels.step_by(stride).map(|level| BackendOptions::within(self.variant.kind(), tolerance(level))).collect()
+                levels.step_by(stride).map(|level| self.method.within(tolerance(level))).collect()
             }
         }
     }
@@ -242,8 +178,8 @@ impl Plan {
     }
 
     /// Shown without a bound.
-    pub fn shown(variant: Variant, step_s: f64, n_levels: usize) -> Self {
-        Self::within(0.0, variant, step_s, n_levels, Bound { errors: Errors::NONE, reason: "information only".to_owned() })
+    pub fn shown(method: Method, step_s: f64, n_levels: usize) -> Self {
+        Self::within(0.0, method, step_s, n_levels, Bound { errors: Errors::NONE, reason: "information only".to_owned() })
     }
 }
 

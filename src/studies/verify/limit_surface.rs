@@ -5,12 +5,13 @@
 
 use std::f64::consts::TAU;
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{LOAD_RADIUS, RADIAL, REST_LENGTH, SLIP_LIMIT, SUPPORT_RADIUS, distance, isotropic, paper_system};
 use crate::backend::{Backend, BackendOptions, Motion, StepReport, build};
 use crate::math::{Pose, Twist, Vec2, direction, rotation};
 use crate::model::PolarSpring;
+use crate::studies::methods::Method;
 
 /// Arm b / a of a spring of the paper at its tip.
 pub const TIP_ARM: f64 = (LOAD_RADIUS + REST_LENGTH) / SUPPORT_RADIUS;
@@ -62,7 +63,7 @@ fn critical(name: &str, what: &str, source: &str, wrenches: Vec<Wrench>) -> Case
             let values = wrenches.iter().map(|wrench| Value::ratio(critical_share(wrench, options, &mut report), 1.0)).collect();
             Measured { values, arm: SUPPORT_RADIUS, report }
         }),
-        plans: Variant::JUDGED.map(|variant| Plan::exact(variant, 1e-3, 1, bound.clone())).to_vec(),
+        plans: Method::all_judged().map(|method| Plan::exact(method, 1e-3, 1, bound.clone())).collect(),
     }
 }
 
@@ -161,6 +162,6 @@ fn centre() -> Case {
             let values = known.iter().map(at_onset).collect();
             Measured { values, arm: SUPPORT_RADIUS, report }
         }),
-        plans: Variant::JUDGED.map(|variant| Plan::exact(variant, 1e-3, 1, bound.clone())).to_vec(),
+        plans: Method::all_judged().map(|method| Plan::exact(method, 1e-3, 1, bound.clone())).collect(),
     }
 }

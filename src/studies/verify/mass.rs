@@ -1,11 +1,12 @@
 //! As the mass goes to zero at fixed friction, the dynamics becomes the method without inertia: as the square root of the mass where the load starts to slip,
 //! with the mass itself at the end.
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{LOAD_RADIUS, MASS, SUPPORT_RADIUS, at_rest, paper_springs, paper_system, path, reference_tips};
 use crate::backend::{BackendOptions, StepReport};
 use crate::math::Pose;
+use crate::studies::methods::Method;
 
 pub fn cases() -> Vec<Case> {
     vec![at_the_end(), at_the_onset()]
@@ -22,7 +23,7 @@ fn at_the_end() -> Case {
         run: Box::new(run),
         // The midpoint rule keeps the swings of the onset, which hide the gap at the end.
         plans: plans(
-            &[Variant::InertialEuler],
+            &[Method::INERTIAL_EULER],
             1.0 / 8_000.0,
             0.02,
             "swings of the onset are damped away; the second power is 1e-3 of the first",
@@ -39,17 +40,17 @@ fn at_the_onset() -> Case {
         what: "power of the mass with which the largest gap just after the onset closes, from 4 to 1 mg".to_owned(),
         source: "a swing of amplitude v / omega: the square root".to_owned(),
         run: Box::new(run),
-        plans: plans(&[Variant::InertialEuler, Variant::InertialMidpoint], 0.09 / 20_000.0, 0.05, "the tips' paths bend within a swing"),
+        plans: plans(&[Method::INERTIAL_EULER, Method::INERTIAL_MIDPOINT], 0.09 / 20_000.0, 0.05, "the tips' paths bend within a swing"),
     }
 }
 
-fn plans(variants: &[Variant], step_s: f64, bound: f64, reason: &str) -> Vec<Plan> {
-    variants.iter().map(|variant| Plan::within(0.0, *variant, step_s, 1, Bound::ratio(bound, reason))).collect()
+fn plans(methods: &[Method], step_s: f64, bound: f64, reason: &str) -> Vec<Plan> {
+    methods.iter().map(|method| Plan::within(0.0, *method, step_s, 1, Bound::ratio(bound, reason))).collect()
 }
 
 /// Power of the mass between two masses, with which `size` of the gaps on the way shrinks; both methods at the same step.
 fn power(options: &BackendOptions, masses: [f64; 2], duration: f64, known: f64, size: impl Fn(&[f64]) -> f64) -> Measured {
-    let (still, mut report) = path_of(MASS, &Variant::QuasiStatic.options(options.step_s), duration);
+    let (still, mut report) = path_of(MASS, &Method::QUASI_STATIC.options(options.step_s), duration);
     let [heavy, light] = masses.map(|mass| {
         let (moving, of_moving) = path_of(mass, options, duration);
         report.add(&of_moving);

@@ -33,7 +33,9 @@ pub mod symmetry;
 pub mod towing;
 pub mod tripod;
 
-pub use case::{Bound, Case, Expected, Family, Levels, Plan, Run, Variant};
+use crate::studies::methods::Method;
+
+pub use case::{Bound, Case, Expected, Family, Levels, Plan, Run};
 pub use measured::{Errors, Measured, Unit, Value, extrapolated};
 pub use row::{Outcome, Row, RowKind};
 pub use suite::{Effort, tasks};
@@ -69,9 +71,9 @@ fn add_controlled(case: &mut Case) {
         return;
     }
     for (at_steps, controlled) in
-        [(Variant::QuasiStatic, Variant::QuasiStaticControlled), (Variant::InertialEuler, Variant::InertialControlled)]
+        [(Method::QUASI_STATIC, Method::QUASI_STATIC_CONTROLLED), (Method::INERTIAL_EULER, Method::INERTIAL_CONTROLLED)]
     {
-        if let Some(plan) = case.plans.iter().find(|plan| plan.variant == at_steps) {
+        if let Some(plan) = case.plans.iter().find(|plan| plan.method == at_steps) {
             let plan = Plan::controlled(controlled, &load, &plan.bound.errors);
             case.plans.push(plan);
         }

@@ -3,13 +3,14 @@
 //! An engine without a model error is off by its step over the stopping time in a slide, 6.75 % at 1 ms, and that vanishes with the step. What does not is
 //! the engine's own.
 
-use super::case::{Bound, Case, Expected, Family, Plan, Variant};
+use super::case::{Bound, Case, Expected, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{
     GRAVITY, MASS, MU, RADIAL, SLIP_LIMIT, SLIP_STRETCH, at_rest, isotropic, moving, natural_rate, paper_system, peers_system,
 };
 use crate::backend::{Backend, BackendKind, BackendOptions, Motion, StepReport, build};
 use crate::math::{Pose, Twist, Vec2};
+use crate::studies::methods::Method;
 
 /// Supports from the centre (m).
 const ARM: f64 = 0.02;
@@ -99,12 +100,12 @@ fn slide_and_spin() -> Case {
 
 /// Euler and the engine are first order without a floor; midpoint is within what an exact cone step is known for.
 fn stop_plans(first: Bound, limit: Bound, expected: Expected, midpoint: Bound) -> Vec<Plan> {
-    let first_order = |variant| Plan::first_order(variant, 1e-3, 5, first.clone(), limit.clone());
+    let first_order = |method| Plan::first_order(method, 1e-3, 5, first.clone(), limit.clone());
     vec![
-        first_order(Variant::InertialEuler),
-        Plan { expected, ..Plan::within(0.0, Variant::InertialMidpoint, 1e-3, 4, midpoint) },
-        first_order(Variant::Rapier),
-        Plan::shown(Variant::RapierAsShipped, 1e-3, 4),
+        first_order(Method::INERTIAL_EULER),
+        Plan { expected, ..Plan::within(0.0, Method::INERTIAL_MIDPOINT, 1e-3, 4, midpoint) },
+        first_order(Method::RAPIER),
+        Plan::shown(Method::RAPIER_ENGINE_DEFAULTS, 1e-3, 4),
     ]
 }
 
@@ -133,11 +134,11 @@ fn pull() -> Case {
     let damped =
         Bound::metres(1.1 * PULL / natural_rate(), "13 s of ripple are damped away: v / omega; a tenth for the onset within its step");
     let plans = vec![
-        Plan::exact(Variant::QuasiStatic, 8.0, 4, Bound::metres(1e-9, "exact at any step")),
-        Plan::within(0.0, Variant::InertialEuler, 1e-3, 3, damped.clone()),
-        Plan::of_order(2.0, Variant::InertialMidpoint, 1e-3, 3, Bound::metres(2e-5 * way, "0.002 %: the onset within its step")),
-        Plan::within(0.0, Variant::Rapier, 1e-3, 3, damped),
-        Plan::shown(Variant::RapierAsShipped, 1e-3, 3),
+        Plan::exact(Method::QUASI_STATIC, 8.0, 4, Bound::metres(1e-9, "exact at any step")),
+        Plan::within(0.0, Method::INERTIAL_EULER, 1e-3, 3, damped.clone()),
+        Plan::of_order(2.0, Method::INERTIAL_MIDPOINT, 1e-3, 3, Bound::metres(2e-5 * way, "0.002 %: the onset within its step")),
+        Plan::within(0.0, Method::RAPIER, 1e-3, 3, damped),
+        Plan::shown(Method::RAPIER_ENGINE_DEFAULTS, 1e-3, 3),
     ];
     let source = "v t - (v / omega) sin omega t from the onset; v t without inertia";
     peer("peers-pull", "place after 20 s of pull at 5 mm/s", source, run, plans)
@@ -166,10 +167,10 @@ fn ripple() -> Case {
     };
     let damped = Bound::ratio(0.95, "damping by omega h / 2 over 13 s leaves 6 % at 1 ms, and more at shorter steps");
     let plans = vec![
-        Plan::within(0.0, Variant::InertialEuler, 1e-3, 3, damped.clone()),
-        Plan::within(0.0, Variant::InertialMidpoint, 1e-3, 3, Bound::ratio(1e-3, "the midpoint rule damps nothing")),
-        Plan::within(0.0, Variant::Rapier, 1e-3, 3, damped),
-        Plan::shown(Variant::RapierAsShipped, 1e-3, 3),
+        Plan::within(0.0, Method::INERTIAL_EULER, 1e-3, 3, damped.clone()),
+        Plan::within(0.0, Method::INERTIAL_MIDPOINT, 1e-3, 3, Bound::ratio(1e-3, "the midpoint rule damps nothing")),
+        Plan::within(0.0, Method::RAPIER, 1e-3, 3, damped),
+        Plan::shown(Method::RAPIER_ENGINE_DEFAULTS, 1e-3, 3),
     ];
     peer("peers-ripple", "amplitude of the ripple in the last period of that pull, over v / omega", "1: nothing damps it", run, plans)
 }
@@ -189,8 +190,8 @@ fn creep() -> Case {
         Measured { values: ways.to_vec(), arm: ARM, report }
     };
     let rest = Bound::metres(1e-9, "1 nm: friction that sticks does not creep");
-    let plan = |variant| Plan::exact(variant, 1e-3, 1, rest.clone());
-    let plans = Variant::JUDGED.map(plan).into_iter().chain([Plan::shown(Variant::RapierAsShipped, 1e-3, 1)]);
+    let plan = |method| Plan::exact(method, 1e-3, 1, rest.clone());
+    let plans = Method::all_judged().map(plan).chain([Plan::shown(Method::RAPIER_ENGINE_DEFAULTS, 1e-3, 1)]);
     peer("peers-creep", "way in 60 s at 0.9 of the limit", "0: below the limit nothing moves", run, plans.collect())
 }
 

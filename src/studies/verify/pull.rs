@@ -3,11 +3,12 @@
 //! Without inertia x = v t - f / k from t = f / (k v) on, the play operator, exact at its nodes however coarse. With inertia x = v tau - (v / omega) sin omega tau from
 //! the onset on: the load touches rest every period but does not stay.
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{MASS, RADIAL, SLIP_LIMIT, SLIP_STRETCH, SUPPORT_RADIUS, at_rest, isotropic, natural_rate, paper_system};
 use crate::backend::{Backend, BackendOptions, StepReport, build};
 use crate::math::Vec2;
+use crate::studies::methods::Method;
 
 /// Speed of the tip (m/s), onset of slip (s) and v / omega (m), printed with nine and eleven digits.
 pub const PULLS: [(f64, f64, f64); 3] =
@@ -45,7 +46,7 @@ fn play(speed: f64, onset: f64) -> Case {
             let values = vec![Value::metres(before, 0.0), Value::metres(after, 2.5 * speed * onset - SLIP_STRETCH)];
             Measured { values, arm: SUPPORT_RADIUS, report }
         }),
-        plans: vec![Plan::exact(Variant::QuasiStatic, 0.7 * onset, 4, bound)],
+        plans: vec![Plan::exact(Method::QUASI_STATIC, 0.7 * onset, 4, bound)],
     }
 }
 
@@ -91,11 +92,11 @@ fn ripple_plans(tau: f64, amplitude: f64) -> Vec<Plan> {
         Bound::metres(amplitude * angle * (1.0 + 0.5 * phase), "omega h of the ripple a radian: damping by omega h / 2, and half a step");
     let limit = Bound::metres(1e-6 * amplitude, "(omega h)^3 of the ripple is 1e-6 and less");
     let second = Bound::metres(amplitude * angle * angle * (1.0 + phase) / 6.0, "(omega h)^2 / 6 of the ripple a radian");
-    let first_order = |variant| Plan::first_order(variant, step_s, 4, first.clone(), limit.clone());
+    let first_order = |method| Plan::first_order(method, step_s, 4, first.clone(), limit.clone());
     vec![
-        first_order(Variant::InertialEuler),
-        first_order(Variant::Rapier),
-        Plan::of_order(2.0, Variant::InertialMidpoint, step_s, 4, second),
+        first_order(Method::INERTIAL_EULER),
+        first_order(Method::RAPIER),
+        Plan::of_order(2.0, Method::INERTIAL_MIDPOINT, step_s, 4, second),
     ]
 }
 
@@ -122,7 +123,7 @@ fn hold() -> Case {
         Bound::metres(2.1e-4, "0.19 mm short at 1 ms, as an independent implicit Euler; a tenth for the place of events within steps");
     let limit = Bound::metres(1e-6, "onset and hold lie within steps: some (omega h)^2 of the ripple of 4 mm");
     let second = Bound::metres(2e-6, "(omega h)^2 / 200 of the ripple of 4 mm");
-    let first_order = |variant| Plan::first_order(variant, 1e-3, 4, first.clone(), limit.clone());
+    let first_order = |method| Plan::first_order(method, 1e-3, 4, first.clone(), limit.clone());
     Case {
         name: "pull-and-hold".to_owned(),
         family: Family::Pull,
@@ -140,10 +141,10 @@ fn hold() -> Case {
             Measured { values: vec![Value::metres(at_hold, known.0), Value::metres(at_end, known.1)], arm: SUPPORT_RADIUS, report }
         }),
         plans: vec![
-            Plan::exact(Variant::QuasiStatic, 0.5, 3, Bound::metres(1e-14, "exact at its nodes: digits of the known answer")),
-            first_order(Variant::InertialEuler),
-            first_order(Variant::Rapier),
-            Plan::within(2.0, Variant::InertialMidpoint, 1e-3, 4, second),
+            Plan::exact(Method::QUASI_STATIC, 0.5, 3, Bound::metres(1e-14, "exact at its nodes: digits of the known answer")),
+            first_order(Method::INERTIAL_EULER),
+            first_order(Method::RAPIER),
+            Plan::within(2.0, Method::INERTIAL_MIDPOINT, 1e-3, 4, second),
         ],
     }
 }

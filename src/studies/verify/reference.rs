@@ -3,10 +3,11 @@
 //! The known poses are those of an independent program, extrapolated over halved steps; it parametrises the step in world increments, too, with the
 //! same limit.
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{SUPPORT_RADIUS, at_rest, drive, n_pieces, paper_springs, paper_system, reference_tips};
 use crate::backend::{BackendOptions, build};
+use crate::studies::methods::Method;
 
 /// x, y (m) and heading (rad) at half way and at the end.
 pub type Poses = [[f64; 3]; 2];
@@ -40,7 +41,7 @@ fn quasi_static_plans() -> Vec<Plan> {
     let first = Bound::pose(4e-5, 6e-4, "a step of the way of 31 mm, of its turn and of its loss");
     let limit = Bound::pose(2e-10, 1e-9, "changes of regime within steps leave a part of h^2; ten digits of the known answer");
     let with_loss = |bound: Bound, ratio| Bound { errors: super::Errors { ratio: Some(ratio), ..bound.errors }, ..bound };
-    vec![Plan::first_order(Variant::QuasiStatic, 1.0 / 800.0, 5, with_loss(first, 1.25e-3), with_loss(limit, 1e-8))]
+    vec![Plan::first_order(Method::QUASI_STATIC, 1.0 / 800.0, 5, with_loss(first, 1.25e-3), with_loss(limit, 1e-8))]
 }
 
 /// Swings of the load about its path must be resolved before errors fall as they should.
@@ -48,11 +49,11 @@ fn inertial_plans() -> Vec<Plan> {
     let first = Bound::pose(3e-5, 1e-4, "damping by omega h / 2 of swings that the change of regime begins");
     let limit = Bound::pose(2e-9, 2e-8, "changes of regime within steps leave a part of h^2; ten digits of the known answer");
     let midpoint = Bound::pose(1e-7, 3e-7, "changes of regime lie within steps: h^2 with no steady constant");
-    let first_order = |variant| Plan::first_order(variant, 1.0 / 6400.0, 4, first.clone(), limit.clone());
+    let first_order = |method| Plan::first_order(method, 1.0 / 6400.0, 4, first.clone(), limit.clone());
     vec![
-        first_order(Variant::InertialEuler),
-        first_order(Variant::Rapier),
-        Plan::within(2.0, Variant::InertialMidpoint, 1.0 / 3200.0, 4, midpoint),
+        first_order(Method::INERTIAL_EULER),
+        first_order(Method::RAPIER),
+        Plan::within(2.0, Method::INERTIAL_MIDPOINT, 1.0 / 3200.0, 4, midpoint),
     ]
 }
 

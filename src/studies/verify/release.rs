@@ -5,11 +5,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{MASS, RADIAL, SLIP_STRETCH, SUPPORT_RADIUS, at_rest, isotropic, paper_system};
 use crate::backend::{BackendOptions, build};
 use crate::math::Vec2;
+use crate::studies::methods::Method;
 
 /// F0 / f; where a method without inertia and the undamped load stop (f / k).
 pub const JUMPS: [(f64, f64, f64); 5] = [(1.2, 0.2, 0.4), (1.66, 0.66, 1.32), (2.5, 1.5, 3.0), (3.5, 2.5, 4.0), (6.0, 5.0, 6.0)];
@@ -68,18 +69,18 @@ fn plans(jump: &Jump) -> Vec<Plan> {
     if jump.damping_ratio >= 1.0 {
         // The load only creeps up to the balance, and no error of the way there is left.
         let exact = Bound::metres(1e-13, "rounding of 0.1 m over some ten thousand steps, after a decay to 1e-15");
-        return Variant::WITH_INERTIA.map(|variant| Plan::exact(variant, period / 1_000.0, 2, exact.clone())).to_vec();
+        return Method::all_judged_with_inertia().map(|method| Plan::exact(method, period / 1_000.0, 2, exact.clone())).collect();
     }
-    let first_order = |variant| Plan::first_order(variant, period / 1_000.0, 4, first.clone(), limit.clone());
+    let first_order = |method| Plan::first_order(method, period / 1_000.0, 4, first.clone(), limit.clone());
     let mut plans = vec![
-        first_order(Variant::InertialEuler),
-        first_order(Variant::Rapier),
+        first_order(Method::INERTIAL_EULER),
+        first_order(Method::RAPIER),
         // Half a period is no whole number of steps: the load stops within one.
-        Plan::within(2.0, Variant::InertialMidpoint, period / 997.3, 4, second),
+        Plan::within(2.0, Method::INERTIAL_MIDPOINT, period / 997.3, 4, second),
     ];
     if jump.damping_ratio == 0.0 && jump.mass_factor == 1.0 {
         let exact = Bound::metres(1e-15 * (1.0 + jump.ratio), "rounding of stretches of F0 / k");
-        plans.insert(0, Plan::exact(Variant::QuasiStatic, period, 2, exact));
+        plans.insert(0, Plan::exact(Method::QUASI_STATIC, period, 2, exact));
     }
     plans
 }

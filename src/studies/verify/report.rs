@@ -114,7 +114,7 @@ impl Line {
         Self {
             case: row.case.clone(),
             family: row.family.name(),
-            backend: row.variant.name(),
+            backend: row.method.short_name,
             extrapolated: row.kind == RowKind::Extrapolated,
             step_s: row.step_s,
             error_m,

@@ -2,16 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::case::{Bound, Case, Expected, Family, Levels, Plan, Variant};
+use super::case::{Bound, Case, Expected, Family, Levels, Plan};
 use super::measured::{Errors, Measured, limit_of};
 use crate::backend::{BackendOptions, Status};
+use crate::studies::methods::Method;
 
 /// What came out at one step or tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     pub case: String,
     pub family: Family,
-    pub variant: Variant,
+    pub method: Method,
     pub kind: RowKind,
     /// The step (s); of an extrapolated answer the shortest of those it was made from. `None` under error control.
     pub step_s: Option<f64>,
@@ -87,7 +88,7 @@ fn row(case: &Case, plan: &Plan, kind: RowKind, answer: &Measured, options: &Bac
     Row {
         case: case.name.clone(),
         family: case.family,
-        variant: plan.variant,
+        method: plan.method,
         kind,
         step_s: (kind != RowKind::WithinTolerance).then_some(options.step_s),
         tolerance_m: options.tolerance.map(|tolerance| tolerance.position_m),
@@ -109,7 +110,7 @@ fn order(coarse: f64, fine: f64) -> Option<f64> {
 }
 
 fn judge(row: &mut Row, plan: &Plan, answer: &Measured) {
-    if !plan.variant.is_judged() {
+    if plan.method.has_engine_defaults() {
         return;
     }
     let missed = if !row.errors.is_finite() {

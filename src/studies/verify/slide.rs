@@ -3,10 +3,11 @@
 //! Implicit Euler brakes at the end of each step, so each falls short by a h^2 / 2: v0 h / 2 in all. The midpoint step is exact but for the step in which
 //! the load stops from less than a h, at most (a h)^2 / (8 a).
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{GRAVITY, MU, SUPPORT_RADIUS, moving, paper_system};
 use crate::backend::{BackendOptions, Motion, build};
+use crate::studies::methods::Method;
 
 /// Start speed (m/s) and v0^2 / (2 mu g) (m), worked out in decimal arithmetic.
 pub const SLIDES: [(f64, f64); 4] = [(0.01, 3.6405999709e-6), (0.08, 2.3299839814e-4), (0.5, 9.1014999272e-3), (1.0, 3.6405999709e-2)];
@@ -60,19 +61,19 @@ fn stopped(options: &BackendOptions, start: Motion, time_to_stop: f64, answer: i
 fn plans(bound: fn(f64, &str) -> Bound, known: f64, start: f64, time_to_stop: f64, lag: impl Fn(f64) -> f64) -> Vec<Plan> {
     let (step_s, n_levels) = (time_to_stop / 100.0, 4);
     let rounding = 4.0 * PRINTED * known;
-    let first_order = |variant, lag: f64, reason: &str| {
+    let first_order = |method, lag: f64, reason: &str| {
         // A millionth for the known answer's own digits beside an offset that is exact.
         let offset = bound((1.0 + 1e-6) * (0.5 * start * step_s + lag), reason);
         // The lag of a hundred steps is a fiftieth smaller in the third order, which the table takes as well; of that an eighth may be left.
         let digits = bound(rounding + lag / 3_000.0, "digits of the known answer; the engine's arctan in the third order");
-        Plan::first_order(variant, step_s, n_levels, offset, digits)
+        Plan::first_order(method, step_s, n_levels, offset, digits)
     };
     // The load stops within a step.
     let uneven = time_to_stop / 40.3;
     let last_step = bound(start / time_to_stop * uneven * uneven / 8.0 + rounding, "a h^2 / 8: the step in which it stops");
     vec![
-        first_order(Variant::InertialEuler, 0.0, "v0 h / 2: steps brake at their end"),
-        first_order(Variant::Rapier, lag(step_s), "v0 h / 2: steps brake at their end; the engine turns by arctan(omega h)"),
-        Plan::within(2.0, Variant::InertialMidpoint, uneven, 4, last_step),
+        first_order(Method::INERTIAL_EULER, 0.0, "v0 h / 2: steps brake at their end"),
+        first_order(Method::RAPIER, lag(step_s), "v0 h / 2: steps brake at their end; the engine turns by arctan(omega h)"),
+        Plan::within(2.0, Method::INERTIAL_MIDPOINT, uneven, 4, last_step),
     ]
 }

@@ -2,12 +2,13 @@
 //!
 //! The paths compared are those of the reference scene with dashpots and uneven supports, which no symmetry of the tips hides.
 
-use super::case::{Bound, Case, Family, Plan, Run, Variant};
+use super::case::{Bound, Case, Family, Plan, Run};
 use super::measured::{Measured, Value};
 use super::scenes::{SUPPORT_RADIUS, Tips, at_rest, distance, n_pieces, paper_springs, paper_system, path, reference_tips};
 use crate::backend::{Backend, BackendOptions, Motion, StepReport, build};
 use crate::math::{Pose, Twist, Vec2, rotation};
 use crate::model::{PolarSpring, System};
+use crate::studies::methods::Method;
 
 pub fn cases() -> Vec<Case> {
     let moved = Box::new(|options: &BackendOptions| same_path(options, moved()));
@@ -38,9 +39,9 @@ struct Other {
 fn case(name: &str, what: &str, run: Run) -> Case {
     let rounding = Bound::metres(1e-14, "rounding of places of 0.1 m, magnified near changes of regime");
     let sweeps = Bound::metres(1e-11, "the engine linearises in world axes and ends its sweeps at a residual");
-    let plan = |variant| {
-        let bound = if variant == Variant::Rapier { sweeps.clone() } else { rounding.clone() };
-        Plan::exact(variant, 1.0 / 300.0, 1, bound)
+    let plan = |method: Method| {
+        let bound = if !method.kind.is_exact() { sweeps.clone() } else { rounding.clone() };
+        Plan::exact(method, 1.0 / 300.0, 1, bound)
     };
     Case {
         name: name.to_owned(),
@@ -48,7 +49,7 @@ fn case(name: &str, what: &str, run: Run) -> Case {
         what: format!("largest distance of the path from that of {what}"),
         source: "the laws know no place, side, unit or name".to_owned(),
         run,
-        plans: Variant::JUDGED.map(plan).to_vec(),
+        plans: Method::all_judged().map(plan).collect(),
     }
 }
 
@@ -179,7 +180,7 @@ fn same_nodes() -> Case {
         what: "largest distance of the path from those with the same nodes at other times".to_owned(),
         source: "rate independence".to_owned(),
         run: Box::new(run),
-        plans: vec![Plan::exact(Variant::QuasiStatic, 1.0 / 300.0, 1, Bound::metres(0.0, "time enters nowhere: the same bits"))],
+        plans: vec![Plan::exact(Method::QUASI_STATIC, 1.0 / 300.0, 1, Bound::metres(0.0, "time enters nowhere: the same bits"))],
     }
 }
 
@@ -203,6 +204,6 @@ fn other_nodes() -> Case {
         what: "distance of the end from that on the same tip paths with a warped clock".to_owned(),
         source: "rate independence".to_owned(),
         run: Box::new(run),
-        plans: vec![Plan::first_order(Variant::QuasiStatic, 1.0 / 500.0, 5, first, limit)],
+        plans: vec![Plan::first_order(Method::QUASI_STATIC, 1.0 / 500.0, 5, first, limit)],
     }
 }

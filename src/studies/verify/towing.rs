@@ -2,12 +2,13 @@
 //!
 //! Least power: heading' = -b heading / (b^2 + a^2 / 2) over the way, for an arm b and supports at a.
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{RADIAL, SUPPORT_RADIUS, isotropic, paper_system};
 use crate::backend::{Backend, BackendOptions, Motion, build};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::PolarSpring;
+use crate::studies::methods::Method;
 
 /// Arm from the load's centre to the point of towing (m) and the length over which the heading decays (m), printed with five and nine digits.
 pub const ARMS: [(f64, f64); 2] = [(0.071594, 0.072056), (0.0385, 0.0393591053)];
@@ -28,7 +29,7 @@ fn case(arm: f64) -> Case {
         what: "length over which the heading of a towed load decays".to_owned(),
         source: "(b^2 + a^2 / 2) / b".to_owned(),
         run: Box::new(move |options| decay_length(arm, known, options)),
-        plans: vec![Plan::first_order(Variant::QuasiStatic, step_s, 4, first, limit)],
+        plans: vec![Plan::first_order(Method::QUASI_STATIC, step_s, 4, first, limit)],
     }
 }
 

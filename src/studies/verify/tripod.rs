@@ -1,11 +1,12 @@
 //! Sliding and spinning at once: which support is captured, and where the load ends.
 
-use super::case::{Bound, Case, Family, Plan, Variant};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{GRAVITY, MASS, MU, SUPPORT_RADIUS, moving, paper_system};
 use crate::backend::{Backend, BackendOptions, StepReport, build};
 use crate::math::Vec2;
 use crate::model::System;
+use crate::studies::methods::Method;
 
 /// A start at speed one with `turn_rate` and I = `chi`, and what follows, in units in which the supports' distance, the mass and mu g are one.
 #[derive(Clone, Copy, Debug)]
@@ -74,9 +75,11 @@ fn end(start: Start) -> Case {
     let limit = Bound::pose(left * SUPPORT_RADIUS, left, "the capture lies within a step, which leaves some h^2 of the way");
     let share = 1e-6 * turn * turn;
     let second = Bound::pose(share * SUPPORT_RADIUS, share, "the square of a step's share of the slide, times that of the turn");
-    let plan = |variant| match variant {
-        Variant::InertialMidpoint => Plan::of_order(2.0, variant, step_s, 4, second.clone()),
-        _ => Plan::first_order(variant, step_s, 4, first.clone(), limit.clone()),
+    let plan = |method| {
+        if method == Method::INERTIAL_MIDPOINT {
+            return Plan::of_order(2.0, method, step_s, 4, second.clone());
+        }
+        Plan::first_order(method, step_s, 4, first.clone(), limit.clone())
     };
     Case {
         name: format!("tripod-{}", start.name),
@@ -93,7 +96,7 @@ fn end(start: Start) -> Case {
             let values = Value::pose([pose.position.x, pose.position.y, pose.heading], known);
             Measured { values: values.to_vec(), arm: SUPPORT_RADIUS, report }
         }),
-        plans: Variant::WITH_INERTIA.map(plan).to_vec(),
+        plans: Method::all_judged_with_inertia().map(plan).collect(),
     }
 }
 
@@ -123,7 +126,7 @@ fn capture(start: Start, Capture { support, time, turn_rate }: Capture) -> Case 
             }
             Measured { values: vec![Value::metres(way, 0.0)], arm: SUPPORT_RADIUS, report }
         }),
-        plans: vec![Plan::exact(Variant::InertialEuler, step_s, 3, rest), Plan::within(2.0, Variant::InertialMidpoint, step_s, 3, middle)],
+        plans: vec![Plan::exact(Method::INERTIAL_EULER, step_s, 3, rest), Plan::within(2.0, Method::INERTIAL_MIDPOINT, step_s, 3, middle)],
     }
 }
 
