@@ -69,7 +69,7 @@ fn stored_runs_cover_every_backend_and_stay_small() {
         assert!(has(&|options| options.kind == kind));
     }
     let is_rapier = |options: &BackendOptions| options.kind == BackendKind::Rapier;
-    assert!(has(&|options| is_rapier(options) && options.rapier.settings == EngineSettings::AsShipped));
+    assert!(has(&|options| is_rapier(options) && options.rapier.settings == EngineSettings::EngineDefaults));
     assert!(has(&|options| is_rapier(options) && options.rapier.precision == Precision::F32));
     assert!(has(&|options| options.kind == BackendKind::Inertial && options.integrator == Integrator::Midpoint));
     assert!(baselines.iter().any(|baseline| matches!(baseline.scenario.drive, Drive::Ants(_)) && baseline.record.events.len() > 20));
@@ -141,7 +141,7 @@ fn a_perturbed_option_is_caught() {
     };
     for name in ["slide-spin", "busy-tips", "release-jump"] {
         perturbed(&format!("{name}-rapier"), &|options| options.step_s *= 0.5);
-        perturbed(&format!("{name}-rapier"), &|options| options.rapier.settings = EngineSettings::AsShipped);
+        perturbed(&format!("{name}-rapier"), &|options| options.rapier.settings = EngineSettings::EngineDefaults);
         perturbed(&format!("{name}-rapier"), &|options| options.rapier.precision = Precision::F32);
         perturbed(&format!("{name}-inertial"), &|options| options.integrator = Integrator::Midpoint);
     }

@@ -74,7 +74,7 @@ fn compared(scenario: &Scenario, settings: &Settings) -> Pathwise {
 fn the_verdict_is_right_over_four_decades_of_inertia_with_a_good_and_a_bad_engine() {
     let mut seen = Vec::new();
     for mass_factor in [1e-3, 3e-3, 1e-2, 1e-1, 1.0, 10.0] {
-        for rapier in [RapierOptions::default(), RapierOptions::as_shipped()] {
+        for rapier in [RapierOptions::default(), RapierOptions::engine_defaults()] {
             let scenario = scene(mass_factor);
             let [inertia, engine] = truth(&scenario, rapier);
             let found = compared(&scenario, &settings(rapier));
@@ -208,7 +208,7 @@ fn what_would_help_is_what_the_cause_calls_for() {
     let slow = compared(&scene(1e-3), &settings(RapierOptions::default()));
     assert_eq!((slow.verdict, &slow.suggested_changes[..]), (Verdict::Agree, &[][..]));
 
-    let shipped = compared(&scene(1e-3), &settings(RapierOptions::as_shipped()));
+    let shipped = compared(&scene(1e-3), &settings(RapierOptions::engine_defaults()));
     assert_eq!((shipped.verdict, &shipped.suggested_changes[..]), (Verdict::Engine, &[SuggestedChange::OtherModel][..]));
 
     let heavy_scene = scene(10.0);

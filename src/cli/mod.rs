@@ -103,7 +103,7 @@ impl EngineArgs {
     fn options(&self) -> RapierOptions {
         let usual = match self.settings {
             None | Some(EngineSettings::Recommended) => RapierOptions::default(),
-            Some(EngineSettings::AsShipped) => RapierOptions::as_shipped(),
+            Some(EngineSettings::EngineDefaults) => RapierOptions::engine_defaults(),
         };
         RapierOptions {
             friction: self.friction.unwrap_or(usual.friction),

@@ -40,7 +40,7 @@ const ENGINE: RapierOptions = RapierOptions {
     precision: Precision::F64,
     settings: EngineSettings::Recommended,
 };
-const ENGINE_DEFAULTS: RapierOptions = RapierOptions { friction: FrictionModel::Box, settings: EngineSettings::AsShipped, ..ENGINE };
+const ENGINE_DEFAULTS: RapierOptions = RapierOptions { friction: FrictionModel::Box, settings: EngineSettings::EngineDefaults, ..ENGINE };
 
 /// All methods, in the order of tables.
 pub const METHODS: [Method; 15] = [
@@ -156,7 +156,7 @@ impl Method {
 
     /// Whether the engine runs with its own defaults, which this project does not answer for.
     pub fn has_engine_defaults(&self) -> bool {
-        self.rapier.settings == EngineSettings::AsShipped
+        self.rapier.settings == EngineSettings::EngineDefaults
     }
 
     /// The exact method that knows the same answer better.
@@ -210,6 +210,6 @@ mod tests {
         for (method, kind) in [(Method::INERTIAL_MIDPOINT, BackendKind::Inertial), (Method::RAPIER, BackendKind::Rapier)] {
             assert_eq!(method.options(1e-3), BackendOptions::new(kind, 1e-3));
         }
-        assert_eq!(Method::RAPIER_ENGINE_DEFAULTS.options(1e-3).rapier, RapierOptions::as_shipped());
+        assert_eq!(Method::RAPIER_ENGINE_DEFAULTS.options(1e-3).rapier, RapierOptions::engine_defaults());
     }
 }

@@ -64,12 +64,6 @@ pub enum EngineSettings {
     EngineDefaults,
 }
 
-impl EngineSettings {
-    /// Former name of [`EngineSettings::EngineDefaults`].
-    #[allow(non_upper_case_globals)]
-    pub const AsShipped: Self = Self::EngineDefaults;
-}
-
 impl Default for RapierOptions {
     fn default() -> Self {
         Self {
@@ -85,10 +79,5 @@ impl RapierOptions {
     /// The engine's own defaults with the simplest friction joints.
     pub fn engine_defaults() -> Self {
         Self { friction: FrictionModel::Box, settings: EngineSettings::EngineDefaults, ..Self::default() }
-    }
-
-    /// Former name of [`RapierOptions::engine_defaults`].
-    pub fn as_shipped() -> Self {
-        Self::engine_defaults()
     }
 }
