@@ -11,6 +11,7 @@ pub mod quantity;
 mod sibling;
 #[cfg(test)]
 pub(crate) mod synthetic;
+pub mod table;
 pub mod text;
 pub mod tips_csv;
 pub mod trace_csv;

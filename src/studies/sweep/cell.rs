@@ -1,9 +1,10 @@
 //! One cell -> its row. Nothing in it depends on when, where or beside what it ran.
 
-use super::column::{Column, Field, Kind, line_of};
+use super::column::{Column, line_of};
 use super::error::SweepError;
 use super::plan::{Place, Plan, content_key, point_hash};
 use crate::backend::{BackendOptions, Status};
+use crate::output::table::{Field, Kind};
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::{self, FACTS, Fact, Run, Value};
 use crate::simulation::{Keep, Outcome, Simulation};

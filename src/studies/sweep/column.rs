@@ -1,7 +1,8 @@
 //! Columns, fields and lines of the table. A line is made once, where its run ends, and never again: all that follows copies it.
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+
+use crate::output::table::{Field, Kind};
 
 /// A column of the table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -11,87 +12,9 @@ pub struct Column {
     pub kind: Kind,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// From 0 to 2^64 - 1.
-    Whole,
-    Number,
-    Word,
-    /// `true` or `false`.
-    Truth,
-}
-
-/// What stands in one column of one row.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Field {
-    /// There is none.
-    Empty,
-    Whole(u64),
-    /// Finite.
-    Number(f64),
-    Word(String),
-    Truth(bool),
-}
-
 impl Column {
     pub fn new(name: impl Into<String>, kind: Kind) -> Self {
         Self { name: name.into(), kind }
-    }
-}
-
-impl Field {
-    /// A parameter's value in a column of this kind.
-    pub fn of_value(value: &Value, kind: Kind) -> Self {
-        match (kind, value) {
-            (Kind::Whole, _) => value.as_u64().map_or(Field::Empty, Field::Whole),
-            (Kind::Number, _) => value.as_f64().map_or(Field::Empty, Field::Number),
-            (_, Value::String(word)) => Field::Word(word.clone()),
-            _ => Field::Word(value.to_string()),
-        }
-    }
-
-    /// The field whose text this is in a column of this kind; `None` where it cannot be.
-    pub fn parse(text: &str, kind: Kind) -> Option<Self> {
-        if text.is_empty() {
-            return Some(Field::Empty);
-        }
-        match kind {
-            Kind::Whole => text.parse().ok().map(Field::Whole),
-            Kind::Number => text.parse().ok().filter(|value: &f64| value.is_finite()).map(Field::Number),
-            Kind::Word => Some(Field::Word(text.to_owned())),
-            Kind::Truth => text.parse().ok().map(Field::Truth),
-        }
-    }
-
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            Field::Number(value) => Some(*value),
-            Field::Whole(value) => Some(*value as f64),
-            _ => None,
-        }
-    }
-
-    pub fn write(&self, line: &mut String) {
-        match self {
-            Field::Empty => {}
-            Field::Whole(value) => line.push_str(&value.to_string()),
-            Field::Number(value) => line.push_str(zmij::Buffer::new().format_finite(*value)),
-            Field::Word(word) => write_word(word, line),
-            Field::Truth(value) => line.push_str(if *value { "true" } else { "false" }),
-        }
-    }
-}
-
-/// In quotes where a table would take it for several fields. A row stays on one line.
-fn write_word(word: &str, line: &mut String) {
-    let word = word.replace(['\n', '\r'], " ");
-    if word.contains([',', '"']) {
-        line.push('"');
-        line.push_str(&word.replace('"', "\"\""));
-        line.push('"');
-    } else {
-        line.push_str(&word);
     }
 }
 

@@ -7,11 +7,12 @@ use crate::math::Interval;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
+use crate::output::table::Field;
 use crate::studies::sweep::figure::Times;
 use crate::studies::sweep::figure::sweep as draw;
 use crate::studies::sweep::page::sweep_page;
 use crate::studies::sweep::report::{FAILED, Failure, MOST_FAILURES, SweepSummary};
-use crate::studies::sweep::{Field, Group, Grouper, Identity, MEASURES, SweepError, Table, fields_of, head_of};
+use crate::studies::sweep::{Group, Grouper, Identity, MEASURES, SweepError, Table, fields_of, head_of};
 
 /// Writes the folder `target`, all or nothing, completes `summary` with what the rows say, and returns it.
 ///
@@ -29,7 +30,7 @@ pub fn write_sweep(
     folder.write("runs.csv", |out| write_runs(identity, table, &mut summary, &mut times, out))?;
     folder.write("groups.csv", |out| write_groups(identity, table, &mut summary, out))?;
     #[cfg(feature = "parquet")]
-    folder.write("runs.parquet", |out| crate::studies::sweep::parquet::write_parquet(&identity.columns, table, out))?;
+    folder.write("runs.parquet", |out| write_parquet(identity, table, out))?;
     let figure = draw(identity, summary.groups.as_deref().unwrap_or_default(), &times);
     if let Some(svg) = &figure {
         folder.write("figure.svg", |out| out.write_all(svg.as_bytes()))?;
@@ -38,6 +39,20 @@ pub fn write_sweep(
     folder.write_json("summary.json", &summary)?;
     folder.finish(manifest)?;
     Ok(summary)
+}
+
+/// The same rows as Parquet.
+#[cfg(feature = "parquet")]
+fn write_parquet(identity: &Identity, table: &dyn Table, out: &mut dyn Write) -> Result<(), SweepError> {
+    let failed = |error: crate::output::lines::TableError| SweepError::Output(error.to_string());
+    let columns = identity.columns.iter().map(|column| (column.name.clone(), column.kind)).collect();
+    let mut writer = crate::output::table::ParquetWriter::new(columns, out).map_err(|error| failed(error.into()))?;
+    table.visit(&mut |line| {
+        let fields = fields_of(line, &identity.columns);
+        let fields = fields.ok_or_else(|| SweepError::Output(format!("a row does not fit the table's columns: {line}")))?;
+        writer.add(fields).map_err(failed)
+    })?;
+    writer.finish().map_err(|error| failed(error.into()))
 }
 
 /// The lines as they are, counted on the way.

@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::column::{Field, fields_of};
+use super::column::fields_of;
 use super::error::SweepError;
 use super::plan::Identity;
 use crate::math::{Interval, Summary, proportion_interval};
+use crate::output::table::Field;
 
 /// Measures of a run that groups have means of: those of `compare` and some more.
 pub const MEASURES: [&str; 7] =

@@ -28,8 +28,6 @@ pub mod files;
 mod group;
 mod hypercube;
 pub mod page;
-#[cfg(feature = "parquet")]
-pub mod parquet;
 mod path;
 mod plan;
 pub mod report;
@@ -39,7 +37,7 @@ mod template;
 mod work;
 
 pub use axis::{Axis, INERTIA, Values};
-pub use column::{Column, Field, Kind, fields_of, head_of};
+pub use column::{Column, fields_of, head_of};
 pub use design::{Design, Method, Sample};
 pub use error::SweepError;
 pub use group::{Distribution, Group, Grouper, MEASURES};

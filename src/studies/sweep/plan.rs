@@ -8,11 +8,12 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::cell;
-use super::column::{Column, Kind};
+use super::column::Column;
 use super::design::Design;
 use super::error::SweepError;
 use super::template::Template;
 use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance, step_of};
+use crate::output::table::Kind;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::journal::{self, Header, JournalError};
 

@@ -6,9 +6,10 @@
 use serde_json::Value;
 
 use super::axis::{Axis, INERTIA};
-use super::column::{Column, Kind};
+use super::column::Column;
 use super::error::SweepError;
 use super::path::Path;
+use crate::output::table::Kind;
 use crate::scenario::Scenario;
 use crate::scenario::json::without_mark;
 
