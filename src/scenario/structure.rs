@@ -13,8 +13,8 @@ use super::json::join;
 /// rest can still be read. Returns the paths whose value cannot be read.
 pub fn compare(value: &mut Value, findings: &mut Findings) -> Vec<String> {
     let schema = format::schema();
-    let mut comparison = Comparison { schema: &schema, findings, misfits: Vec::new() };
-    comparison.visit(&schema, value, "");
+    let mut comparison = Comparison { schema, findings, misfits: Vec::new() };
+    comparison.visit(schema, value, "");
     comparison.misfits
 }
 

@@ -23,14 +23,12 @@ pub enum DriveEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TipsKind {
-    /// The tips follow prescribed paths.
     Tips,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AntsKind {
-    /// Ants move the tips.
     Ants,
 }
 

@@ -11,8 +11,11 @@ pub use drive::{AntsEntry, AntsKind, DriveEntry, GraspPace, PathEntry, ReleasePa
 pub use ground::{GroundEntry, RingOfSupports, RingOfSupportsForm, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod, TripodForm};
 pub use spring::{RingOfSprings, RingOfSpringsForm, SpringEntry, SpringsEntry};
 
+use std::sync::LazyLock;
+
 use schemars::{JsonSchema, schema_for};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// One run of collective transport. All units are SI units. Angles are in radians and
 /// counter-clockwise.
@@ -73,8 +76,27 @@ pub struct LoadEntry {
 }
 
 /// The JSON Schema (2020-12) of [`ScenarioFile`].
-pub fn schema() -> serde_json::Value {
-    schema_for!(ScenarioFile).to_value()
+pub fn schema() -> &'static Value {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
+        let mut schema = schema_for!(ScenarioFile).to_value();
+        join_lines(&mut schema);
+        schema
+    });
+    &SCHEMA
+}
+
+/// Joins the lines of every description, which are wrapped in the source.
+fn join_lines(schema: &mut Value) {
+    match schema {
+        Value::Object(map) => {
+            if let Some(Value::String(text)) = map.get_mut("description") {
+                *text = text.replace('\n', " ");
+            }
+            map.values_mut().for_each(join_lines);
+        }
+        Value::Array(list) => list.iter_mut().for_each(join_lines),
+        _ => {}
+    }
 }
 
 fn first_seed() -> u64 {

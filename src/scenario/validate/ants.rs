@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::MOST_ANTS;
+use super::shared::MOST_ANTS;
 use crate::model::behaviour::{Pace, ReleaseLaw};
 use crate::scenario::AntDrive;
 use crate::scenario::error::{Findings, number};

@@ -1,6 +1,6 @@
 //! Rules of the ground: friction, supports and normal loads.
 
-use super::{MOST_IN_RING, bearings, polar};
+use super::shared::{MOST_IN_RING, bearings, polar};
 use crate::math::Vec2;
 use crate::model::support::normal_loads_of_three;
 use crate::model::{Ground, SupportPoint};

@@ -4,6 +4,7 @@
 
 mod ants;
 mod ground;
+mod shared;
 mod springs;
 mod tips;
 
@@ -14,16 +15,11 @@ use super::error::{Finding, Findings, ScenarioError};
 use super::format::{DriveEntry, GroundEntry, LoadEntry, ScenarioFile, SpringsEntry};
 use super::json::join;
 use super::{Drive, Scenario};
-use crate::math::{Pose, Twist, Vec2};
+use crate::math::{Pose, Twist};
 use crate::model::{Load, Motion, System};
 
 /// Largest number of ticks (1): more would neither end nor fit into memory.
 const MOST_TICKS: f64 = 1e9;
-/// Largest number of springs or supports, in one ring and in all (1).
-const MOST_IN_RING: usize = 100_000;
-/// Largest number of ants (1).
-const MOST_ANTS: usize = 1_000_000;
-
 /// A scenario file in which some sections may be missing or unreadable.
 pub struct Draft {
     name: Option<String>,
@@ -190,14 +186,4 @@ fn inertia(entry: &LoadEntry, findings: &mut Findings) -> f64 {
         None => {}
     }
     entry.inertia_kg_m2.unwrap_or(disc)
-}
-
-/// Point at `bearing` (rad) and `radius` (m).
-fn polar(radius: f64, bearing: f64) -> Vec2 {
-    radius * crate::math::direction(bearing)
-}
-
-/// Directions of `n` equal angles from `first` on (rad).
-fn bearings(n: usize, first: f64) -> impl Iterator<Item = f64> {
-    (0..n).map(move |index| first + std::f64::consts::TAU * index as f64 / n as f64)
 }

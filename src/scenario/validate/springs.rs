@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::{MOST_IN_RING, bearings, polar};
+use super::shared::{MOST_IN_RING, bearings, polar};
 use crate::model::PolarSpring;
 use crate::scenario::error::{Findings, number};
 use crate::scenario::format::{RingOfSprings, SpringEntry, SpringsEntry};

@@ -69,7 +69,7 @@ impl Reference {
 
 /// How far a point of the load at `radius` (m) from its origin can be apart in two poses (m).
 pub fn rim_distance(one: &Pose, other: &Pose, radius: f64) -> f64 {
-    (one.position - other.position).norm() + radius * (one.heading - other.heading).abs()
+    one.edge_displacement(other, radius)
 }
 
 /// A load that stays where it is has no path: a millionth of its radius stands in.

@@ -61,7 +61,7 @@ impl Cell {
             jump_m: still.trace.transitions.iter().map(|transition| jump(&transition.kind)).fold(0.0, f64::max),
             shift_quasi_static_m: shift(&still),
             shift_inertial_m: shift(&moving),
-            end_speed_m_per_s: end.map_or(0.0, |twist| twist.linear.norm() + radius * twist.angular.abs()),
+            end_speed_m_per_s: end.map_or(0.0, |twist| twist.edge_speed(radius)),
             is_converged: [&still, &moving].iter().all(|solution| solution.steps.status == Status::Converged),
         })
     }

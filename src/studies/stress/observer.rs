@@ -104,7 +104,7 @@ impl Observer {
         let radius = self.system.load.radius;
         seen.step_way = seen.step_way.max((position - before.position).norm() / radius);
         seen.step_turn = seen.step_turn.max((heading - before.heading).abs());
-        seen.speed = seen.speed.max(twist.linear.norm() + radius * twist.angular.abs());
+        seen.speed = seen.speed.max(twist.edge_speed(radius));
         let (shift, turn) = (position - self.start.position, self.system.load.radius * (heading - self.start.heading).abs());
         seen.along = seen.along.max(shift.x.abs());
         seen.across = seen.across.max(shift.y.abs() + turn);

@@ -1,0 +1,48 @@
+//! From a file to a scenario.
+
+use std::fs;
+use std::path::Path;
+
+use super::data::Scenario;
+use super::error::ScenarioError;
+use super::{json, structure, validate};
+
+impl Scenario {
+    /// The scenario in the JSON file at `path`.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is not JSON, or breaks rules of the format. The error lists
+    /// every broken rule.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let name = path.display().to_string();
+        match fs::read_to_string(path) {
+            Ok(text) => Self::parse(&text, &name),
+            Err(source) => Err(ScenarioError::Unreadable { file: name, source }),
+        }
+    }
+
+    /// The scenario in the JSON `text`. Errors name the file `name_for_errors`.
+    ///
+    /// ```
+    /// use cohaul::scenario::Scenario;
+    ///
+    /// let text = r#"{
+    ///     "name": "a slide", "duration_s": 1, "control_period_s": 0.001,
+    ///     "load": { "mass_kg": -0.0016, "radius_m": 0.0122, "velocity_m_per_s": [0.2, 0] },
+    ///     "ground": { "friction_coefficient": 1.4, "supports": { "tripod": { "radius_m": 0.008 } } },
+    ///     "springs": [],
+    ///     "drive": { "kind": "tips", "paths": [] }
+    /// }"#;
+    /// let error = Scenario::parse(text, "slide.json").unwrap_err();
+    /// assert_eq!(error.to_string(), "slide.json: load.mass_kg: must be positive, found -0.0016");
+    /// ```
+    ///
+    /// # Errors
+    /// When the text is not JSON or breaks rules of the format, as for [`Scenario::read`].
+    pub fn parse(text: &str, name_for_errors: &str) -> Result<Self, ScenarioError> {
+        let (mut value, mut findings) = json::read(text).map_err(|error| error.of_file(name_for_errors))?;
+        let misfits = structure::compare(&mut value, &mut findings);
+        let draft = validate::Draft::read(value, &misfits, &mut findings);
+        validate::scenario(draft, findings).map_err(|findings| ScenarioError::Invalid { file: name_for_errors.to_string(), findings })
+    }
+}
