@@ -283,7 +283,7 @@ fn nonsense_is_usage() {
     for (args, word) in [
         (&["no-such-file.json"][..], "no-such-file"),
         (&[ANTS], "prescribed tips"),
-        (&[SLIDE, SLIDE], "again"),
+        (&[SLIDE, SLIDE], "twice"),
         (&[SLIDE, "--repeats", "0"], "--repeats"),
         (&[SLIDE, "--repeats", "-1"], "-1"),
         (&[SLIDE, "--budget-s", "0"], "--budget-s"),

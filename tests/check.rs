@@ -149,7 +149,7 @@ fn stored_baselines_are_replaced_only_when_asked() {
     let file = room.tips("tips.json", 0.2);
     let before = room.read("stored/tips-rapier.json");
     let store = ["check", "store", &file, "--baselines", &folder, "--backend", "rapier"];
-    refused(&store, &["tips-rapier.json", "is there already", "--replace"]);
+    refused(&store, &["tips-rapier.json", "already exists", "--replace"]);
     assert_eq!(room.read("stored/tips-rapier.json"), before);
     said(&[&store[..], &["--replace", "--rows", "5"]].concat(), 0);
     let after = room.read("stored/tips-rapier.json");

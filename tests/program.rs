@@ -389,7 +389,7 @@ fn nonsense_on_the_command_line_is_usage() {
     }
     refused(&["run", &file, "--backend", "bullet"], &["--backend", "quasi-static", "inertial", "rapier"]);
     refused(&["run", &file, "--stop-s", "0.1"], &["--state"]);
-    refused(&["run", &file, "--backend", "inertial", "--second-order"], &["--second-order", "must be of quasi-static", "inertial"]);
+    refused(&["run", &file, "--backend", "inertial", "--second-order"], &["--second-order", "applies to quasi-static only", "inertial"]);
     refused(&["run", &file, "--second-order", "--tolerance", "1e-6"], &["--second-order", "--tolerance"]);
     refused(&["compare", &file, "--seeds", "0"], &["--seeds", "at least 1"]);
     refused(&["compare", &file, "--agreement", "0"], &["--tolerance-share", "must be positive"]);
@@ -416,16 +416,19 @@ fn an_option_without_effect_is_told() {
     let expected = [("--integrator", "inertial"), ("--friction", "rapier")];
     assert_eq!(
         idle.1,
-        expected.map(|(option, backend)| format!("warning: {option}: changes nothing, as it is of {backend}, found quasi-static"))
+        expected.map(|(option, backend)| format!("warning: {option}: changes nothing; it applies to {backend} only, found quasi-static"))
     );
     assert!(of(&["--backend", "rapier", "--friction", "box"]).1.is_empty());
     let tips = room.tips();
     for (args, expected) in [
-        (&["compare", tips.as_str(), "--seeds", "2"][..], "--seeds: changes nothing, as it is of closed-loop, found prescribed"),
-        (&["compare", &tips, "--recorded-from", "rapier"], "--recorded-from: changes nothing, as it is of replayed, found prescribed"),
+        (&["compare", tips.as_str(), "--seeds", "2"][..], "--seeds: changes nothing; it applies to closed-loop only, found prescribed"),
+        (
+            &["compare", &tips, "--recorded-from", "rapier"],
+            "--recorded-from: changes nothing; it applies to replayed only, found prescribed",
+        ),
         (
             &["compare", &scenario, "--tier", "closed-loop", "--seeds", "1", "--tolerance", "1e-6", "--agreement", "0.1"],
-            "--tolerance: changes nothing, as it is of prescribed, replayed, found closed-loop",
+            "--tolerance: changes nothing; it applies to prescribed, replayed only, found closed-loop",
         ),
     ] {
         let output = call(args);
@@ -503,7 +506,7 @@ fn an_interrupted_run_goes_on_to_the_same_result() {
             for stop in stops {
                 let output = call(&[&plain[..], &["--state", &state, "--stop-s", stop]].concat());
                 assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
-                assert!(output.stdout.is_empty() && text(&output.stderr).contains("goes on from"));
+                assert!(output.stdout.is_empty() && text(&output.stderr).contains("continues from"));
                 assert!(Path::new(&state).exists());
             }
             let resumed = json_of(&[&plain[..], &["--state", &state]].concat());

@@ -7,7 +7,7 @@ use super::rapier::Precision;
 use super::{Integrator, RapierOptions, Skips, Tolerance};
 
 /// The ways to move a load.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BackendKind {
     /// The paper's max-min step, without inertia.

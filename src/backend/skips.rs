@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 /// A kind of work that may be left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Skip {
     /// Steps of a load at rest of which no spring is held.

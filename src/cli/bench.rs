@@ -5,68 +5,69 @@ use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{CliError, check_out, command_line, interrupt, positive, print, print_report, resumable};
+use super::choice::positive;
+use super::console::{self, Tone};
+use super::error::CliError;
+use super::input::{read_scenario, stem_of};
+use super::output::{OutputArgs, study_manifest};
+use super::resumable;
+use super::watch::watched;
 use crate::output::json;
-use crate::output::manifest::{Manifest, sha256_hex};
-use crate::scenario::Scenario;
 use crate::studies::bench::files::write_benchmark;
 use crate::studies::bench::report::Benchmark;
 use crate::studies::bench::text::bench_text;
 use crate::studies::bench::{self, BenchError, Effort, Growth, Host, Plan, Scene, crowd, four_ants, standard_scenes};
-use crate::studies::runner::with_progress;
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul bench --quick
+  cohaul bench --solvers --growth
+  cohaul bench scenarios/analytic/slide-spin.json --repeats 9 --out out/bench
+
+Without SCENARIO, --solvers and --growth, everything is measured. Files in DIR:
+tables (CSV), figures (SVG), report, summary.json and manifest.json.")]
 pub struct BenchArgs {
-    /// Scenario files with prescribed tips; without any, and without --solvers and --growth, all analytic scenes, the paper's load with prescribed
-    /// tips, solvers and growth
+    /// Scenario files with prescribed tips; - for standard input
     #[arg(value_name = "SCENARIO")]
     scenarios: Vec<PathBuf>,
     /// Time the exact friction solver and clarabel on the problems of four ants
     #[arg(long)]
     solvers: bool,
-    /// Time steps over the number of springs, supports and ants
+    /// Time steps against the number of springs, supports and ants
     #[arg(long)]
     growth: bool,
-    /// Rounds of times; without it 5, or 2 with --quick
+    /// Number of timed rounds [default: 5; with --quick 2]
     #[arg(long, value_name = "N")]
     repeats: Option<usize>,
-    /// CPU time that one run may take (s); without it 0.5, or 0.1 with --quick
+    /// Longest CPU time of one run (s) [default: 0.5; with --quick 0.1]
     #[arg(long, value_name = "T", value_parser = positive)]
     budget_s: Option<f64>,
-    /// Every second setting, less of all else
+    /// Measure every second setting, and less of everything else
     #[arg(long)]
     quick: bool,
-    /// Folder for tables, figures, summary and manifest
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// What was measured so far: resumed from if the file is there, removed when the benchmark is done; without
-    /// it DIR.journal beside the folder
+    /// State file: read if it exists, continued and removed at the end
+    /// [default: DIR.journal]
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Print one JSON object instead of tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
-    let (plan, hashes) = plan(args)?;
-    if let Some(out) = &args.out {
-        check_out(out)?;
-    }
+    let plan = plan(args)?;
+    args.output.check()?;
     let host = Host::here();
-    let asked = json!({
-        "cpu": host.cpu,
-        "scenes": hashes,
-        "solvers": plan.solvers.is_some(),
-        "growth": plan.growth.is_some(),
-        "effort": plan.effort,
-    });
-    let path = args.state.clone().or_else(|| args.out.as_deref().map(resumable::journal_beside));
+    let options = json!({ "effort": plan.effort, "solvers": plan.solvers.is_some(), "growth": plan.growth.is_some() });
+    let scenes: Vec<(&str, String)> = plan.scenes.iter().map(|scene| (scene.name.as_str(), scene.scenario.hash())).collect();
+    // Times of different machines do not go together.
+    let asked = json!({ "cpu": host.cpu, "scenes": scenes, "options": options });
+    let path = args.state.clone().or_else(|| args.output.out.as_deref().map(resumable::journal_beside));
     let mut records = resumable::open("bench", &asked, path.as_deref())?;
     let started = SystemTime::now();
-    let measured = with_progress("bench", interrupt::asked, |watch| bench::bench(&plan, &mut records, &mut |share| watch(share)));
+    let measured = watched("bench", |watch| bench::bench(&plan, &mut records, &mut |share| watch(share)));
     let found = measured.map_err(|error| match error {
         BenchError::Stopped => resumable::stopped(&format!("{} measurements", records.n_done()), path.as_deref()),
         BenchError::NoReference(cause) => CliError::Usage(cause),
@@ -74,20 +75,20 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
     })?;
     let finished = resumable::finished(records, 0)?;
     let benchmark = Benchmark::new(host, plan.effort, &found, finished.wall_s);
-    if let Some(out) = &args.out {
-        write_benchmark(out, &benchmark, &manifest(&plan, &asked, started))?;
+    if let Some(out) = &args.output.out {
+        let expanded = |scene: &Scene| (scene.name.clone(), json::plain(&scene.scenario.expanded()));
+        let scenarios = json!(plan.scenes.iter().map(expanded).collect::<serde_json::Map<_, _>>());
+        write_benchmark(out, &benchmark, &study_manifest(&scenarios, &options, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { json::pretty(&benchmark)? } else { bench_text(&benchmark) })?;
-    if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
-        print_report(out)?;
-    }
-    benchmark.warnings.iter().for_each(|warning| say!("warning: {warning}"));
+    args.output.print(&benchmark, || bench_text(&benchmark), Tone::Good)?;
+    args.output.print_report()?;
+    console::warn_all(&benchmark.warnings);
     Ok(ExitCode::SUCCESS)
 }
 
-/// What to measure, with names and hashes of its scenes.
-fn plan(args: &BenchArgs) -> Result<(Plan, Vec<(String, String)>), CliError> {
+/// What to measure.
+fn plan(args: &BenchArgs) -> Result<Plan, CliError> {
     if args.repeats == Some(0) {
         return Err(CliError::Usage("--repeats: must be at least 1, found 0".into()));
     }
@@ -98,7 +99,6 @@ fn plan(args: &BenchArgs) -> Result<(Plan, Vec<(String, String)>), CliError> {
         budget_s: args.budget_s.unwrap_or(if args.quick { 0.1 } else { 0.5 }),
         quick: args.quick,
     };
-    let hashes = scenes.iter().map(|scene| (scene.name.clone(), scene.scenario.hash())).collect();
     let plan = Plan {
         scenes,
         effort,
@@ -106,27 +106,19 @@ fn plan(args: &BenchArgs) -> Result<(Plan, Vec<(String, String)>), CliError> {
         growth: (is_all || args.growth).then(|| Growth { ants: crowd(), is_quick: args.quick }),
     };
     plan.check().map_err(CliError::Usage)?;
-    Ok((plan, hashes))
+    Ok(plan)
 }
 
-/// Scenes by the names of their files, which name figures too.
+/// Scenes by the names of their files, which are in the names of figures too.
 fn scenes(paths: &[PathBuf]) -> Result<Vec<Scene>, CliError> {
     let mut scenes: Vec<Scene> = Vec::new();
     for path in paths {
-        let scenario = Scenario::read(path)?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let scenario = read_scenario(path, None)?;
+        let name = stem_of(path);
         if scenes.iter().any(|scene| scene.name == name) {
-            return Err(CliError::Usage(format!("SCENARIO: must have file names of their own, found {name} again")));
+            return Err(CliError::Usage(format!("SCENARIO: must have different file names, found {name} twice")));
         }
         scenes.push(Scene::new(name, &scenario));
     }
     Ok(scenes)
-}
-
-fn manifest(plan: &Plan, asked: &Value, started: SystemTime) -> Manifest {
-    let expanded = |scene: &Scene| (scene.name.clone(), json::plain(&scene.scenario.expanded()));
-    let scenarios = json!(plan.scenes.iter().map(expanded).collect::<serde_json::Map<_, _>>());
-    let options = json!({ "effort": asked["effort"], "solvers": asked["solvers"], "growth": asked["growth"] });
-    let hash = sha256_hex(scenarios.to_string().as_bytes());
-    Manifest::new(&scenarios, hash, None, &options, command_line(), started)
 }

@@ -3,82 +3,97 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
 use std::time::{Instant, SystemTime};
 
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 
-use super::{CliError, EngineArgs, check_out, check_step, command_line, interrupt, print, read_scenario, step, warn_of_idle};
+use super::choice::{choice, seconds};
+use super::console::{self, Tone, print};
+use super::engine::{EngineArgs, warn_of_idle};
+use super::error::CliError;
+use super::error::at_file;
+use super::input::{check_step, read_scenario, stem_of};
+use super::output::{OutputArgs, study_manifest};
+use super::watch::watched_to_end;
 use crate::backend::{BackendKind, BackendOptions, Integrator, Status, step_of};
 use crate::output::json;
-use crate::output::manifest::{Manifest, sha256_hex};
-use crate::output::progress::Progress;
+use crate::output::manifest::Manifest;
 use crate::scenario::Scenario;
 use crate::studies::check::report::{CheckReport, check_text, this_build, write_check};
 use crate::studies::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
 
 #[derive(Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = "\
+Examples:
+  cohaul check tests/baselines
+  cohaul check baselines four-ants --scenario changed.json --out out/check
+  cohaul check store scene.json --baselines baselines --backend inertial
+
+Folders with the names of subcommands: write ./store or ./help."
+)]
 pub struct CheckArgs {
     #[command(subcommand)]
     command: Option<CheckCommand>,
-    /// Folder with baselines (./store and ./help for folders of these names)
+    /// Folder of baselines
     #[arg(required = true, value_name = "DIR")]
     baselines: Option<PathBuf>,
-    /// Baselines to check, by the names of their files; without any all of the folder
+    /// Baselines to check, by file name; without any, all in the folder
     #[arg(value_name = "NAME")]
     names: Vec<String>,
-    /// Scenario file to run in place of the stored scenario of the named baselines
+    /// Scenario to run in place of the stored one; - for standard input
     #[arg(long, value_name = "FILE", requires = "names")]
     scenario: Option<PathBuf>,
-    /// Count every difference, down to the last digit: all tolerances are zero
+    /// Set all tolerances to zero, so that every digit counts
     #[arg(long)]
     exact: bool,
-    /// Store what is found in place of each baseline that differs; tolerances stay
+    /// Store the new result in place of each baseline that differs; keep its tolerances
     #[arg(long)]
     accept: bool,
-    /// Folder for tables and figures of the differences, summary and manifest
-    #[arg(long, value_name = "OUT")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of a table
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 #[derive(Subcommand)]
 enum CheckCommand {
-    /// Run scenarios and store them as baselines
+    /// Run scenarios and store the results as baselines
     Store(StoreArgs),
 }
 
 #[derive(Args)]
+#[command(after_help = "\
+Example:
+  cohaul check store scenes/*.json --baselines baselines --backend quasi-static \\
+    --backend rapier")]
 struct StoreArgs {
-    /// Scenario files
+    /// Scenario files; - for standard input
     #[arg(required = true, value_name = "SCENARIO")]
     scenarios: Vec<PathBuf>,
-    /// Folder for the baselines, a file for each scenario and backend
+    /// Folder for the baselines, one file for each scenario and backend
     #[arg(long, value_name = "DIR")]
     baselines: PathBuf,
-    /// What moves the load; may be given several times
-    #[arg(long, default_value = "quasi-static")]
+    /// Backend that moves the load; may be repeated
+    #[arg(long, default_value = "quasi-static", value_parser = choice::<BackendKind>())]
     backend: Vec<BackendKind>,
-    /// Longest step of the backend (s); without it each backend's default
-    #[arg(long, value_name = "H", value_parser = step)]
+    /// Longest time step of the backend (s) [default: as in `cohaul run`]
+    #[arg(long, value_name = "H", value_parser = seconds)]
     step_s: Option<f64>,
-    /// How the inertial backend cuts a step; without it midpoint
-    #[arg(long, value_name = "METHOD")]
+    /// Time integration of the inertial backend [default: midpoint]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>())]
     integrator: Option<Integrator>,
-    /// Seed of all chance, in place of the scenario's
+    /// Seed of all random streams, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Name of the only baseline; without it that of the scenario's file, of the backend and of all unusual options
-    #[arg(long, value_name = "NAME")]
+    /// Name of the only baseline [default: names of scenario, backend and options]
+    #[arg(long)]
     name: Option<String>,
-    /// Most rows of the path to keep
+    /// Largest number of stored rows of the path
     #[arg(long, value_name = "N", default_value_t = 200)]
     rows: usize,
-    /// Replace baselines that are there
+    /// Replace existing baselines
     #[arg(long)]
     replace: bool,
     #[command(flatten)]
@@ -88,29 +103,28 @@ struct StoreArgs {
 pub fn check(args: &CheckArgs) -> Result<ExitCode, CliError> {
     match (&args.command, &args.baselines) {
         (Some(CheckCommand::Store(args)), _) => store(args),
-        (None, Some(folder)) => hold_against(folder, args),
+        (None, Some(folder)) => compare_with(folder, args),
         (None, None) => Err(CliError::Usage("DIR: is required".into())),
     }
 }
 
-fn hold_against(folder: &Path, args: &CheckArgs) -> Result<ExitCode, CliError> {
+fn compare_with(folder: &Path, args: &CheckArgs) -> Result<ExitCode, CliError> {
     let baselines = chosen(folder, &args.names)?;
-    let scenario = args.scenario.as_deref().map(Scenario::read).transpose()?;
-    if let Some(out) = &args.out {
-        check_out(out)?;
-    }
+    let scenario = args.scenario.as_deref().map(|path| read_scenario(path, None)).transpose()?;
+    args.output.check()?;
     let (started, clock) = (SystemTime::now(), Instant::now());
     let settings = Settings { scenario, exact: args.exact };
-    let checks = watched("check", |watch| check::check(&baselines, &settings, &this_build(), watch))?;
+    let checks = watched_to_end("check", |watch| check::check(&baselines, &settings, &this_build(), watch))?;
     let mut report = CheckReport::new(checks, args.exact, clock.elapsed().as_secs_f64());
     if args.accept {
         accept(folder, &mut report)?;
     }
-    if let Some(out) = &args.out {
+    if let Some(out) = &args.output.out {
         write_check(out, &report, &manifest(&report.baselines, args.exact, started))?;
     }
-    print(&if args.json { json::pretty(&report)? } else { check_text(&report) })?;
-    Ok(if report.is_good() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    let is_good = report.is_good();
+    args.output.print(&report, || check_text(&report), if is_good { Tone::Good } else { Tone::Bad })?;
+    Ok(if is_good { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 /// The baselines of these names, or all of the folder.
@@ -120,7 +134,7 @@ fn chosen(folder: &Path, names: &[String]) -> Result<Vec<Baseline>, CliError> {
     }
     let (mut baselines, mut faults) = (Vec::new(), Vec::new());
     for (at, name) in names.iter().enumerate() {
-        // A file's name does as well, so that a shell can complete it.
+        // A file name is accepted too, so that a shell can complete it.
         let plain = name.strip_suffix(".json").unwrap_or(name);
         if names[..at].iter().any(|before| before.strip_suffix(".json").unwrap_or(before) == plain) {
             faults.push(format!("NAME: must be given once, found {plain} again"));
@@ -134,7 +148,7 @@ fn chosen(folder: &Path, names: &[String]) -> Result<Vec<Baseline>, CliError> {
     if faults.is_empty() { Ok(baselines) } else { Err(CliError::Usage(faults.join("\n"))) }
 }
 
-/// Keeps what was found wherever it differs or answers another scenario, if it was computed.
+/// Stores each new result that differs from its baseline or belongs to another scenario.
 fn accept(folder: &Path, report: &mut CheckReport) -> Result<(), CliError> {
     let is_new = |check: &&Check| match check.verdict {
         Verdict::Agrees => !check.scenario_changes.is_empty(),
@@ -154,15 +168,14 @@ fn manifest(checks: &[Check], exact: bool, started: SystemTime) -> Manifest {
     let scenarios = json!(of(|check| json::plain(&check.found.scenario.expanded())));
     let options =
         json!({ "exact": exact, "baselines": of(|check| json!(check.options)), "tolerances": of(|check| json!(check.found.tolerances)) });
-    let hash = sha256_hex(scenarios.to_string().as_bytes());
-    Manifest::new(&scenarios, hash, None, &options, command_line(), started)
+    study_manifest(&scenarios, &options, started)
 }
 
 fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
     let questions = questions(args)?;
     warn_of_idle(&args.backend, args.integrator, &args.engine);
     let total: f64 = questions.iter().map(|(_, scenario, _)| scenario.duration).sum();
-    let baselines = watched("store", |watch| {
+    let baselines = watched_to_end("store", |watch| {
         let mut done = 0.0;
         let mut baselines = Vec::new();
         for (name, scenario, options) in &questions {
@@ -176,7 +189,7 @@ fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
     for (baseline, status) in &baselines {
         let path = args.baselines.join(baseline.file_name());
         if *status == Status::Failed {
-            say!("error: {}: not stored: a step of the run had no finite answer", path.display());
+            console::error(format_args!("{}: not stored: a step of the run had no finite solution", path.display()));
             code = ExitCode::from(1);
             continue;
         }
@@ -199,8 +212,8 @@ fn questions(args: &StoreArgs) -> Result<Vec<(String, Scenario, BackendOptions)>
                 rapier: args.engine.options(),
                 ..BackendOptions::new(*kind, step_s)
             };
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            let seeded = args.seed.map_or(stem.to_string(), |seed| format!("{stem}-seed-{seed}"));
+            let stem = stem_of(path);
+            let seeded = args.seed.map_or(stem.clone(), |seed| format!("{stem}-seed-{seed}"));
             let name = args.name.clone().unwrap_or_else(|| usual_name(&seeded, &scenario, &options));
             check_name(&name)?;
             if questions.iter().any(|(other, ..)| *other == name) {
@@ -211,7 +224,7 @@ fn questions(args: &StoreArgs) -> Result<Vec<(String, Scenario, BackendOptions)>
     }
     for path in questions.iter().map(|(name, ..)| args.baselines.join(format!("{name}.json"))).filter(|path| path.exists()) {
         if !args.replace {
-            return Err(CliError::Usage(format!("{}: is there already; --replace stores it anew, tolerances too", path.display())));
+            return Err(CliError::Usage(format!("{}: already exists; --replace stores it anew, with new tolerances", path.display())));
         }
     }
     Ok(questions)
@@ -224,20 +237,5 @@ fn check_name(name: &str) -> Result<(), CliError> {
 }
 
 fn write(folder: &Path, baseline: &Baseline) -> Result<(), CliError> {
-    write_file(folder, baseline).map_err(|source| CliError::File { path: folder.join(baseline.file_name()), source })
-}
-
-/// Runs `work` under a progress bar, until it is done or the user asks to stop.
-fn watched<T>(label: &str, work: impl FnOnce(&(dyn Fn(f64) -> bool + Sync)) -> Option<T>) -> Result<T, CliError> {
-    let progress = Mutex::new(Progress::of_share(label));
-    let watch = |share: f64| {
-        // Only one thread draws; the others need not wait for it.
-        if let Ok(mut progress) = progress.try_lock() {
-            progress.at(share);
-        }
-        !interrupt::asked()
-    };
-    let done = work(&watch);
-    progress.into_inner().expect("no thread panicked while it drew").finish();
-    done.ok_or(CliError::Interrupted)
+    write_file(folder, baseline).map_err(at_file(&folder.join(baseline.file_name())))
 }

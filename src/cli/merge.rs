@@ -6,21 +6,25 @@ use std::time::SystemTime;
 
 use clap::Args;
 
-use super::sweep::{finished, said, written};
-use super::{CliError, interrupt};
+use super::error::CliError;
+use super::sweep::{finished, print_summary, write_table};
+use super::watch::is_interrupted;
 use crate::output::folder::check_target;
 use crate::studies::sweep::Shards;
 
 #[derive(Args)]
+#[command(after_help = "\
+Example:
+  cohaul merge out/sweep-a out/sweep-b --out out/sweep")]
 pub struct MergeArgs {
-    /// Finished shards: files, or folders that `cohaul sweep --shard` wrote to
+    /// Finished shards: files, or folders of `cohaul sweep --shard`
     #[arg(required = true, value_name = "DIR|FILE")]
     sources: Vec<PathBuf>,
     /// Folder for tables, figure, summary and manifest
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: PathBuf,
-    /// Print one JSON object instead of a table
-    #[arg(long)]
+    /// Print one JSON object instead of text
+    #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
@@ -29,9 +33,9 @@ pub fn merge(args: &MergeArgs) -> Result<ExitCode, CliError> {
     check_target(&args.out)?;
     let shards = Shards::gather(&args.sources)?;
     finished(&args.out, &shards.identity)?;
-    // Nothing is there before all of it is: a stop loses no work but this.
-    if interrupt::asked() {
+    // The folder appears only when it is complete, so that nothing else is lost.
+    if is_interrupted() {
         return Err(CliError::Interrupted);
     }
-    said(&written(&args.out, &shards.identity, &shards, None, started)?, args.json)
+    print_summary(&write_table(&args.out, &shards.identity, &shards, None, started)?, args.json)
 }

@@ -1,16 +1,18 @@
 //! `cohaul paper`.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::Args;
 use serde_json::json;
 
-use super::{CliError, check_out, command_line, print, resumable};
+use super::choice::choice;
+use super::console::Tone;
+use super::error::CliError;
+use super::output::{OutputArgs, study_manifest};
+use super::resumable;
 use crate::backend::{BackendKind, Status};
-use crate::output::json;
-use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::manifest::Manifest;
 use crate::scenario::presets::Preset;
 use crate::studies::paper::figure;
 use crate::studies::paper::files::write_paper;
@@ -19,50 +21,54 @@ use crate::studies::paper::text::paper_text;
 use crate::studies::paper::{self, Case, Plan, Set, Trial};
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul paper --quick
+  cohaul paper --seeds 200 --out out/paper
+  cohaul paper --backend quasi-static inertial --preset aged
+
+Files in DIR: tables (CSV), figures (SVG), README.md, summary.json and
+manifest.json. The state of an interrupted run is kept in DIR.journal.")]
 pub struct PaperArgs {
-    /// Seeds of the main set; rapier, other masses and other presets get fewer. Below 8 seeds other presets and the fit are left out
+    /// Number of seeds of the main set [default: 200; with --quick 12]
+    ///
+    /// Rapier, other masses and other presets get fewer seeds. Below 8 seeds, other presets and the
+    /// fit are left out.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100_000))]
     seeds: Option<u64>,
     /// First seed
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Only these backends; the first of them, in the order of the help, is what others are held against
-    #[arg(long, value_name = "BACKEND", num_args = 1..)]
+    /// Only these backends; the others are compared with the first of the list below
+    #[arg(long, num_args = 1.., value_parser = choice::<BackendKind>())]
     backend: Vec<BackendKind>,
-    /// The ants' parameters
-    #[arg(long, value_name = "NAME", default_value = "default")]
+    /// Parameters of the ants
+    #[arg(long, value_name = "NAME", default_value = "default", value_parser = choice::<Preset>())]
     preset: Preset,
-    /// A few seeds, one other mass, no replays and no fit: half a minute in place of a quarter of an hour
+    /// A few seeds, one other mass, no replays and no fit: half a minute instead of 15
     #[arg(long)]
     quick: bool,
-    /// Folder for tables, figures, summary and manifest; what an interrupted run has done is kept beside it, as DIR.journal
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-/// Seeds unasked: as many as give the printed size of the sample of pulls.
+/// Default number of seeds: it gives the printed size of the sample of pulls.
 const SEEDS: u64 = 200;
 const QUICK_SEEDS: u64 = 12;
-/// Sets of parameters of each kind, and seeds of each: fewer seeds could not tell sets apart.
+/// Number of parameter sets of each kind, and of seeds of each: fewer seeds do not separate sets.
 const FIT_POINTS: usize = 80;
 const FIT_SEEDS: u64 = 8;
-/// Who asks for fewer does not ask for the fit and other presets.
+/// Below this number of seeds, other presets and the fit are left out.
 const FEWEST_FOR_OTHERS: u64 = 8;
 
 pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
-    if let Some(out) = &args.out {
-        check_out(out)?;
-    }
+    args.output.check()?;
     let plan = plan(args);
     let started = SystemTime::now();
-    let finished = resumable::run("paper", &json!({ "plan": plan }), &paper::tasks(&plan), args.out.as_deref())?;
+    let finished = resumable::run("paper", &json!({ "plan": plan }), &paper::tasks(&plan), args.output.out.as_deref())?;
     let answers = &finished.records;
     let found = Paper::new(&plan, answers, args.quick, finished.wall_s);
-    json::check(&found)?;
-    if let Some(out) = &args.out {
+    if let Some(out) = &args.output.out {
         let runs = Runs::new(&plan, answers);
         let units = runs.units(0);
         let shown = paper::shown(Trial::FourFour, &plan.sets[0].case, plan.first_seed);
@@ -70,8 +76,9 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
         write_paper(out, &found, &runs.flat(), &figures, &manifest(&plan, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { json::pretty(&found)? } else { paper_text(&found) })?;
-    Ok(if found.status == Status::Failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    let has_failed = found.status == Status::Failed;
+    args.output.print(&found, || paper_text(&found), if has_failed { Tone::Bad } else { Tone::Good })?;
+    Ok(if has_failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
 fn plan(args: &PaperArgs) -> Plan {
@@ -79,7 +86,7 @@ fn plan(args: &PaperArgs) -> Plan {
     let is_asked = |backend: &BackendKind| args.backend.is_empty() || args.backend.contains(backend);
     let fewer = |by: u64, least: u64| (n_seeds / by).max(least).min(n_seeds);
     let set = |case: Case, n_seeds: u64| {
-        // The dear engine and other models leave the law of numbers to the rest.
+        // Rapier is slow, and other models need no large teams.
         let has_crowd = case.preset == args.preset && case.backend != BackendKind::Rapier;
         let of_crowd = if args.quick { 4 } else { n_seeds.div_ceil(4) };
         Set { case, n_seeds, n_crowd_seeds: if has_crowd { of_crowd.min(n_seeds) } else { 0 } }
@@ -111,11 +118,9 @@ fn plan(args: &PaperArgs) -> Plan {
     }
 }
 
-/// In place of a scenario stand the trials, as run at the first seed.
+/// The manifest names the trials as run at the first seed.
 fn manifest(plan: &Plan, started: SystemTime) -> Manifest {
     let case = Case::new(plan.preset, BackendKind::QuasiStatic);
     let trials: Vec<_> = Trial::ALL.into_iter().map(|trial| trial.scenario(&case, plan.first_seed).expanded()).collect();
-    let scenario = json!({ "name": "the paper's trials", "trials": trials });
-    let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(&scenario, hash, None, plan, command_line(), started)
+    study_manifest(&json!({ "name": "the paper's trials", "trials": trials }), &json!(plan), started)
 }

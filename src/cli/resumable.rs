@@ -7,10 +7,12 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{CliError, interrupt};
+use super::console;
+use super::error::CliError;
+use super::watch::watched;
 use crate::output::manifest::build_of_program;
 use crate::studies::journal::{Journal, JournalError};
-use crate::studies::runner::{Records, Tasks, with_progress};
+use crate::studies::runner::{Records, Tasks};
 
 /// All records of a study, in the order of their tasks.
 pub struct Finished<R> {
@@ -44,7 +46,7 @@ pub fn open<R: Serialize + DeserializeOwned>(study: &str, asked: &Value, path: O
     identity["commit"] = commit.into();
     let records = Records::open(path, study, &identity)?;
     if records.n_done() > 0 {
-        say!("{}: continues after {} tasks", path.display(), records.n_done());
+        console::note(format_args!("{}: continues after {} tasks", path.display(), records.n_done()));
     }
     Ok(records)
 }
@@ -58,7 +60,7 @@ where
     R: Serialize + DeserializeOwned + Send,
 {
     let mut records = open(study, asked, out.map(journal_beside).as_deref())?;
-    with_progress(study, interrupt::asked, |watch| tasks.run(&mut records, watch))?;
+    watched(study, |watch| tasks.run(&mut records, watch))?;
     finished(records, tasks.costs.len())
 }
 

@@ -10,17 +10,19 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use serde_json::Value;
 
-use super::{
-    CliError, EngineArgs, check_out, check_step, command_line, interrupt, positive, print, print_report, read_scenario, resumable, step,
-    warn_idle, warn_of_idle,
-};
+use super::choice::{choice, positive, seconds};
+use super::console::{self, Tone};
+use super::engine::{EngineArgs, warn_idle, warn_of_idle};
+use super::error::{CliError, at_file};
+use super::input::{check_step, read_scenario};
+use super::output::{OutputArgs, manifest_of};
+use super::resumable::stopped;
+use super::watch::watched_by;
 use crate::analysis::estimate::{Estimator, with_estimate};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, step_of};
 use crate::output::chart::Scene;
 use crate::output::json;
-use crate::output::manifest::Manifest;
 use crate::output::progress::Progress;
-use crate::output::text::Detail;
 use crate::output::trace_csv::TraceColumns;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
@@ -31,60 +33,69 @@ use crate::studies::run::summary::RunSummary;
 use crate::studies::run::text::{convergence_warning, inertia_warning, run_text};
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul run scenarios/paper/four-ants-four-springs.json
+  cohaul run scene.json --backend inertial --out out/run --report
+  cohaul run scene.json --tolerance 1e-6 --json
+
+Files in DIR: trace.csv, events.csv, transitions.csv, overview.svg, summary.json
+and manifest.json.")]
 pub struct RunArgs {
-    /// Scenario file
+    /// Scenario file; - for standard input
     scenario: PathBuf,
-    /// What moves the load
-    #[arg(long, default_value = "quasi-static")]
+    /// Backend that moves the load
+    #[arg(long, default_value = "quasi-static", value_parser = choice::<BackendKind>())]
     backend: BackendKind,
-    /// Longest step of the backend (s); without it the control period for quasi-static, but no more than 2.5 ms, and else a tenth of a radian of the fastest oscillation, but no
-    /// less than 10 us and no more than 1 ms or the control period
-    #[arg(long, value_name = "H", value_parser = step)]
+    /// Longest time step of the backend (s) [default: see --help]
+    ///
+    /// Default of quasi-static: the control period, at most 2.5 ms. Default of the others: a tenth
+    /// of a radian of the fastest oscillation, from 10 us to 1 ms, at most the control period.
+    #[arg(long, value_name = "H", value_parser = seconds)]
     step_s: Option<f64>,
-    /// Error that the load's position may have at any instant, in place of a step (m): quasi-static and inertial
+    /// Error control instead of a fixed step: largest error of the load's position (m)
+    ///
+    /// Steps are then chosen so that the error stays below this at every instant. Only
+    /// quasi-static and inertial have error control.
     #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"])]
     tolerance: Option<f64>,
-    /// Error that its heading may have (rad); without it what moves the load's rim by the tolerance
+    /// Largest error of the heading (rad) [default: --tolerance over the load's radius]
     #[arg(long, value_name = "RAD", value_parser = positive, requires = "tolerance")]
     tolerance_rad: Option<f64>,
-    /// Take quasi-static steps of second order where the load goes on slipping
+    /// Use second-order steps while the load slips (quasi-static)
     #[arg(long, conflicts_with = "tolerance")]
     second_order: bool,
-    /// How the inertial backend cuts a step; without it midpoint
-    #[arg(long, value_name = "METHOD")]
+    /// Time integration of the inertial backend [default: midpoint]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>())]
     integrator: Option<Integrator>,
-    /// Seed of all chance, in place of the scenario's
+    /// Seed of all random streams, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Folder for trace, events, figures, summary and manifest
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Also write energies, the interaction of holders and the pull on each spring to trace.csv, which makes it four times as long
-    #[arg(long, requires = "out")]
-    full_trace: bool,
-    /// Also write tips.csv, the held tips as `cohaul calibrate forces` reads them
-    #[arg(long, requires = "out")]
-    tips: bool,
-    /// Write a report with a replay, report.html, to that folder too
-    #[arg(long, requires = "out")]
-    report: bool,
-    /// Print one JSON object instead of a table
+    /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
+    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
+    no_skip: Vec<Skip>,
+    /// Leave out the estimate of the inertia effect of a quasi-static run
     #[arg(long)]
-    json: bool,
-    /// State of the run: resumed from if the file is there, written when the run is interrupted, removed when it is done
+    no_estimate: bool,
+    /// State file: read if it exists, written on an interrupt, removed at the end
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Interrupt the run at this simulated time (s)
-    #[arg(long, value_name = "T", requires = "state", value_parser = step)]
+    #[arg(long, value_name = "T", requires = "state", value_parser = seconds)]
     stop_s: Option<f64>,
-    /// Leave out the estimate of what inertia would have done to a quasi-static run
-    #[arg(long)]
-    no_estimate: bool,
-    /// Kind of work that is done although its outcome is known; may be repeated
-    #[arg(long, value_name = "KIND")]
-    no_skip: Vec<Skip>,
     #[command(flatten)]
     engine: EngineArgs,
+    #[command(flatten)]
+    output: OutputArgs,
+    /// Write the report with a replay of the run too, report.html
+    #[arg(long, requires = "out", help_heading = "Output")]
+    report: bool,
+    /// Write the energies, the interaction force and the pull on each spring to trace.csv too
+    #[arg(long, requires = "out", help_heading = "Output")]
+    full_trace: bool,
+    /// Write the attached tips too, tips.csv, as `cohaul calibrate forces` reads them
+    #[arg(long, requires = "out", help_heading = "Output")]
+    tips: bool,
 }
 
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
@@ -96,37 +107,10 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     }
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
-    args.out.as_deref().map_or(Ok(()), check_out)?;
-    let mut writer = args.out.as_deref().map(|out| RunWriter::create(out, columns)).transpose()?;
-    let keep = if writer.is_some() { Keep::Trace } else { Keep::Outcome };
+    args.output.check()?;
+    let mut writer = args.output.out.as_deref().map(|out| RunWriter::create(out, columns)).transpose()?;
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let saved = saved(&options, args.state.as_deref())?;
-    let (backend, mut estimator) = backend(&scenario, saved.as_ref().map_or(&options, |saved| &saved.options), args.no_estimate);
-    let mut run = match (&saved, &args.state) {
-        (Some(saved), Some(path)) => {
-            Simulation::resume_on(&scenario, saved, keep, backend).map_err(|source| CliError::Restore { path: path.clone(), source })?
-        }
-        _ => Simulation::on(&scenario, &options, keep, driver_of(&scenario), backend),
-    };
-    let mut progress = Progress::start(scenario.duration, args.backend.name());
-    let watch = |time| {
-        progress.at(time);
-        !interrupt::asked() && args.stop_s.is_none_or(|stop| time < stop)
-    };
-    // Rows that nobody asks for again are not kept.
-    let passes_on = args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
-    match &mut writer {
-        Some(writer) if passes_on => run.run_past(watch, |rows| writer.add(rows))?,
-        _ => {
-            let afresh = |options: &BackendOptions| {
-                let (backend, follower) = self::backend(&scenario, options, args.no_estimate);
-                estimator = follower;
-                Simulation::on(&scenario, options, keep, driver_of(&scenario), backend)
-            };
-            run.run_within(afresh, watch);
-        }
-    }
-    progress.finish();
+    let (run, estimator) = computed(args, &scenario, &options, &mut writer)?;
     if !run.is_finished() {
         return Err(interrupted(&run, args.state.as_deref())?);
     }
@@ -140,33 +124,75 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         inertia_estimate: estimator.map(|estimator| estimator.borrow().estimate()),
     };
     if let Some(writer) = writer {
-        let manifest = Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, &options, command_line(), started);
+        let manifest = manifest_of(&scenario, &options, started);
         let (scene, report) = (&Scene::of(&scenario), args.report.then_some(&scenario));
-        let (summary, trace, manifest, with_tips) = (&summary, &trace, &manifest, args.tips);
-        writer.finish(&RunFiles { summary, trace, with_tips, scene, manifest, report })?;
+        writer.finish(&RunFiles { summary: &summary, trace: &trace, with_tips: args.tips, scene, manifest: &manifest, report })?;
     }
     if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
-        std::fs::remove_file(path).map_err(|source| CliError::File { path: path.to_owned(), source })?;
+        std::fs::remove_file(path).map_err(at_file(path))?;
     }
-    print(&if args.json { json::pretty(&summary)? } else { run_text(&summary, Detail::Brief) })?;
-    if let Some(out) = args.out.as_deref().filter(|_| args.report && !args.json) {
-        print_report(out)?;
-    }
-    if let Some(warning) = convergence_warning(&summary) {
-        say!("warning: {warning}");
-    }
-    // The text says it as its answer.
-    if let Some(warning) = summary.inertia_estimate.filter(|_| args.json).and_then(|estimate| inertia_warning(&estimate)) {
-        say!("warning: {warning}");
-    }
+    print(args, &summary)?;
     Ok(if outcome.steps.status == Status::Failed || !summary.run.is_accurate() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+/// The run, as far as it got, and what follows it to estimate the inertia effect.
+fn computed<'a>(
+    args: &RunArgs,
+    scenario: &'a Scenario,
+    options: &BackendOptions,
+    writer: &mut Option<RunWriter>,
+) -> Result<(Simulation<'a>, Option<Rc<RefCell<Estimator>>>), CliError> {
+    let keep = if writer.is_some() { Keep::Trace } else { Keep::Outcome };
+    let saved = saved(options, args.state.as_deref())?;
+    let (backend, mut estimator) = backend(scenario, saved.as_ref().map_or(options, |saved| &saved.options), args.no_estimate);
+    let mut run = match (&saved, &args.state) {
+        (Some(saved), Some(path)) => {
+            Simulation::resume_on(scenario, saved, keep, backend).map_err(|source| CliError::Restore { path: path.clone(), source })?
+        }
+        _ => Simulation::on(scenario, options, keep, driver_of(scenario), backend),
+    };
+    // Rows that nothing needs again are written as they come.
+    let passes_on = args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
+    watched_by(Progress::start(scenario.duration, args.backend.name()), |watch| {
+        let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
+        if let (Some(writer), true) = (writer, passes_on) {
+            return run.run_past(watch, |rows| writer.add(rows));
+        }
+        let afresh = |options: &BackendOptions| {
+            let (backend, follower) = self::backend(scenario, options, args.no_estimate);
+            estimator = follower;
+            Simulation::on(scenario, options, keep, driver_of(scenario), backend)
+        };
+        run.run_within(afresh, watch);
+        Ok(())
+    })?;
+    Ok((run, estimator))
+}
+
+fn print(args: &RunArgs, summary: &RunSummary) -> Result<(), CliError> {
+    let convergence = convergence_warning(summary);
+    let inertia = summary.inertia_estimate.as_ref().and_then(inertia_warning);
+    let tone = match (&convergence, &inertia) {
+        _ if !summary.run.is_accurate() => Tone::Bad,
+        (Some(_), _) => Tone::Bad,
+        (None, Some(_)) => Tone::Caution,
+        (None, None) => Tone::Good,
+    };
+    args.output.print(summary, || run_text(summary, console::detail()), tone)?;
+    if args.report {
+        args.output.print_report()?;
+    }
+    convergence.iter().for_each(console::warn);
+    // The text has this warning as its answer.
+    inertia.iter().filter(|_| args.output.json).for_each(console::warn);
+    Ok(())
 }
 
 fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {
     check_step(args.step_s, scenario)?;
     let skips = Skips::ALL.without_all(&args.no_skip);
     if args.second_order && args.backend != BackendKind::QuasiStatic {
-        return Err(CliError::Usage(format!("--second-order: must be of quasi-static, found {}", args.backend.name())));
+        return Err(CliError::Usage(format!("--second-order: applies to quasi-static only, found {}", args.backend.name())));
     }
     let Some(position_m) = args.tolerance else {
         let step_s = step_of(args.step_s, args.backend, &scenario.system, scenario.control_period);
@@ -179,14 +205,15 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
         });
     };
     if args.backend == BackendKind::Rapier {
-        return Err(CliError::Usage("--tolerance: must be of quasi-static or inertial, found rapier: an engine's steps are fixed".into()));
+        let rule = "applies to quasi-static and inertial only; the steps of rapier are fixed";
+        return Err(CliError::Usage(format!("--tolerance: {rule}, found rapier")));
     }
     let tolerance = Tolerance::on_rim(position_m, &scenario.system.load);
     let heading_rad = args.tolerance_rad.unwrap_or(tolerance.heading_rad);
     Ok(BackendOptions { skips, ..BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }) })
 }
 
-/// What moves the load, and what follows it to estimate the inertia that a quasi-static run neglects.
+/// The backend, and what follows a quasi-static one to estimate the inertia effect.
 fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> (Box<dyn Backend>, Option<Rc<RefCell<Estimator>>>) {
     if options.kind != BackendKind::QuasiStatic || no_estimate {
         return (build(&scenario.system, scenario.start, options), None);
@@ -195,7 +222,10 @@ fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> 
     (backend, Some(estimator))
 }
 
-/// The run whose state is there, if it is one of these options.
+/// The saved run in the state file, if there is one.
+///
+/// # Errors
+/// When it was saved with other options.
 fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRun>, CliError> {
     let Some(path) = path else { return Ok(None) };
     let Some(saved) = journal::load_single::<SavedRun>(path, "run")? else { return Ok(None) };
@@ -208,7 +238,7 @@ fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRu
     Ok(Some(saved))
 }
 
-/// What differs between the options of a saved run and those asked for.
+/// Differences between the options of a saved run and those asked for.
 fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
     let [saved, asked] = [saved, asked].map(|options| json::plain(options));
     let names = saved.as_object().into_iter().chain(asked.as_object()).flat_map(|object| object.keys()).collect::<BTreeSet<_>>();
@@ -217,10 +247,10 @@ fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
     differing.map(|name| format!("{name} {} for {}", of(&saved, name), of(&asked, name))).collect::<Vec<_>>().join(", ")
 }
 
-/// Keeps the state for the next call, if there is a file for it.
+/// Keeps the state for the next call, if there is a file for it, and returns how the command ends.
 fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<CliError, CliError> {
     if let Some(path) = path {
         journal::save_single(path, "run", &run.save()?)?;
     }
-    Ok(resumable::stopped(&format!("{} s", run.time()), path))
+    Ok(stopped(&format!("{} s", run.time()), path))
 }

@@ -5,30 +5,35 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::{CliError, print};
+use super::console::{self, print};
+use super::error::CliError;
+use super::input::{name_of, read_scenario};
 use crate::output::json;
-use crate::scenario::{Scenario, format};
+use crate::scenario::format;
 
 #[derive(Subcommand)]
 pub enum ScenarioCommand {
-    /// Print a scenario with all short forms and defaults expanded
+    /// Print a scenario with all short forms and defaults written out
+    #[command(after_help = "Example:\n  cohaul scenario show scenarios/paper/four-ants-four-springs.json")]
     Show {
-        /// Scenario file
+        /// Scenario file; - for standard input
         scenario: PathBuf,
     },
-    /// Check scenario files and name every fault
+    /// Check scenario files and list every fault
+    #[command(after_help = "Example:\n  cohaul scenario check scenarios/*/*.json")]
     Check {
-        /// Scenario files
-        #[arg(required = true)]
+        /// Scenario files; - for standard input
+        #[arg(required = true, value_name = "SCENARIO")]
         scenarios: Vec<PathBuf>,
     },
     /// Print the JSON Schema of the scenario format
+    #[command(after_help = "Example:\n  cohaul scenario schema > scenario.schema.json")]
     Schema,
 }
 
 pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
     match command {
-        ScenarioCommand::Show { scenario } => print(&json::pretty(&Scenario::read(scenario)?.expanded())?)?,
+        ScenarioCommand::Show { scenario } => print(&json::pretty(&read_scenario(scenario, None)?.expanded())?)?,
         ScenarioCommand::Schema => print(&json::pretty(&format::schema())?)?,
         ScenarioCommand::Check { scenarios } => return check(scenarios),
     }
@@ -38,10 +43,10 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
 fn check(paths: &[PathBuf]) -> Result<ExitCode, CliError> {
     let mut code = ExitCode::SUCCESS;
     for path in paths {
-        match Scenario::read(path) {
-            Ok(scenario) => print(&format!("{}: ok, \"{}\", hash {}\n", path.display(), scenario.name, scenario.hash()))?,
+        match read_scenario(path, None) {
+            Ok(scenario) => print(&format!("{}: ok, \"{}\", hash {}\n", name_of(path), scenario.name, scenario.hash()))?,
             Err(error) => {
-                say!("error: {error}");
+                console::error(error);
                 code = ExitCode::from(2);
             }
         }

@@ -1,41 +1,45 @@
 //! `cohaul stress`.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{CliError, check_out, command_line, print, print_report, resumable};
-use crate::output::json;
-use crate::output::manifest::{Manifest, sha256_hex};
+use super::console::{Tone, print};
+use super::error::CliError;
+use super::output::{OutputArgs, study_manifest};
+use super::resumable;
 use crate::simulation::built;
 use crate::studies::methods::Method;
 use crate::studies::stress::report::{Stress, stress_list, stress_text, write_stress};
 use crate::studies::stress::{self, Effort, Map};
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul stress --list
+  cohaul stress --quick
+  cohaul stress --map stiffness --backend rapier --out out/stress
+
+Files in DIR: cells.csv, heat maps (SVG), report, summary and manifest. The
+state of an interrupted run is kept in DIR.journal.")]
 pub struct StressArgs {
-    /// Only these maps; without it all
+    /// Only these maps; without it, all
     #[arg(long, value_name = "NAME", num_args = 1..)]
     map: Vec<String>,
-    /// Only these backends; without it all
-    #[arg(long, value_name = "BACKEND", num_args = 1.., value_parser = method_parser())]
+    /// Only these backends; without it, all
+    #[arg(long, num_args = 1.., value_parser = method())]
     backend: Vec<Method>,
-    /// Four values an axis in place of tens
+    /// Four values on each axis in place of tens
     #[arg(long)]
     quick: bool,
-    /// Say which maps there are
+    /// List the maps
     #[arg(long, conflicts_with_all = ["json", "out", "backend", "quick"])]
     list: bool,
-    /// Folder for cells, heat maps, summary and manifest; what an interrupted run has done is kept beside it, as DIR.journal
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
@@ -44,26 +48,25 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
         print(&stress_list(&maps))?;
         return Ok(ExitCode::SUCCESS);
     }
-    if let Some(out) = &args.out {
-        check_out(out)?;
-    }
+    args.output.check()?;
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let maps: Vec<Map> = maps.iter().map(|map| effort.of(map)).collect();
-    let backends: Vec<Method> = Method::all_stressed().filter(|it| args.backend.is_empty() || args.backend.contains(it)).collect();
     let names: Vec<&str> = maps.iter().map(|map| map.name).collect();
+    let backends: Vec<Method> = Method::all_stressed().filter(|it| args.backend.is_empty() || args.backend.contains(it)).collect();
     let asked = json!({ "maps": names, "backends": backends, "effort": effort });
     let started = SystemTime::now();
-    let finished = resumable::run("stress", &asked, &stress::tasks(&maps, &backends, &built), args.out.as_deref())?;
+    let finished = resumable::run("stress", &asked, &stress::tasks(&maps, &backends, &built), args.output.out.as_deref())?;
     let rows = finished.records.concat();
     let found = Stress::new(&maps, &rows, args.quick, finished.wall_s);
-    if let Some(out) = &args.out {
-        write_stress(out, &found, &maps, &rows, &manifest(&asked, started))?;
+    if let Some(out) = &args.output.out {
+        let question = json!({ "name": "stress", "maps": names });
+        let options = json!({ "backends": backends, "effort": effort });
+        write_stress(out, &found, &maps, &rows, &study_manifest(&question, &options, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { json::pretty(&found)? } else { stress_text(&found) })?;
-    if let Some(out) = args.out.as_deref().filter(|_| !args.json) {
-        print_report(out)?;
-    }
+    let tone = if found.holds { Tone::Good } else { Tone::Bad };
+    args.output.print(&found, || stress_text(&found), tone)?;
+    args.output.print_report()?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
@@ -76,20 +79,11 @@ fn chosen(names: &[String]) -> Result<Vec<Map>, CliError> {
     Ok(all.into_iter().filter(|map| names.is_empty() || names.iter().any(|name| name == map.name)).collect())
 }
 
-/// In place of a scenario stand the maps asked for.
-fn manifest(asked: &Value, started: SystemTime) -> Manifest {
-    let scenario = json!({ "name": "stress", "maps": asked["maps"] });
-    let options = json!({ "backends": asked["backends"], "effort": asked["effort"] });
-    let hash = sha256_hex(scenario.to_string().as_bytes());
-    Manifest::new(&scenario, hash, 0, &options, command_line(), started)
-}
-
-/// The backends under stress by their names.
-fn method_parser() -> impl TypedValueParser<Value = Method> {
+/// Parser of the methods under stress.
+fn method() -> impl TypedValueParser<Value = Method> {
     let value = |method: Method| {
         let value = PossibleValue::new(method.key);
         if method == Method::RAPIER_ENGINE_DEFAULTS { value.alias("rapier-as-shipped") } else { value }
     };
-    let names = Method::all_stressed().map(value);
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<Method>())
+    PossibleValuesParser::new(Method::all_stressed().map(value)).try_map(|name| name.parse::<Method>())
 }

@@ -3,18 +3,23 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Instant, SystemTime};
 
 use clap::Args;
 use cpu_time::ProcessTime;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{
-    CliError, EngineArgs, check_step, command_line, interrupt, positive, print, resumable, step, warn_of_idle, warn_of_idle_points,
-};
+use super::choice::{choice, parse, positive, seconds};
+use super::console::{self, Tone, print, print_answer};
+use super::engine::{EngineArgs, warn_of_idle, warn_of_idle_points};
+use super::error::CliError;
+use super::error::at_file;
+use super::input::{check_step, name_of, read_text};
+use super::output::{command_line, identity_in};
+use super::resumable;
+use super::watch::{is_interrupted, watched_by};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
 use crate::output::folder::{MANIFEST, check_files, check_target};
 use crate::output::json;
@@ -25,12 +30,23 @@ use crate::studies::journal::{Header, Journal, JournalError};
 use crate::studies::sweep::files::write_sweep;
 use crate::studies::sweep::report::{Cost, FAILED, NOT_WITHIN_TOLERANCE, SweepSummary, sweep_text};
 use crate::studies::sweep::{
-    Ask, Axis, Design, INERTIA, Identity, Method, Part, Plan, Sample, SweepError, Table, Variant, finish_shard, validate, verified, work,
+    Ask, Axis, Design, INERTIA, Identity, Method, Part, Plan, Sample, Table, Variant, finish_shard, validate, verified, work,
 };
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul sweep ants.json --seeds 100 --out out/seeds
+  cohaul sweep ants.json --vary drive.n_ants=2,4,8 --backend quasi-static \\
+    --backend inertial --seeds 20 --out out/ants
+  cohaul sweep ants.json --vary load.mass_kg=log:1e-4..1e-2 \\
+    --sample latin-hypercube 64 --out out/mass
+  cohaul sweep ants.json --seeds 1000 --shard 3/8 --out out/part
+
+Files in DIR: tables of runs and groups (CSV, Parquet), figure, summary.json and
+manifest.json. A stopped sweep continues from DIR.journal.")]
 pub struct SweepArgs {
-    /// Scenario file
+    /// Scenario file; - for standard input
     scenario: PathBuf,
     /// Number of seeds at each point
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -38,47 +54,50 @@ pub struct SweepArgs {
     /// First seed, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Parameter and its values: a,b,c or FIRST:LAST:N or log:FIRST:LAST:N, or with --sample LOW..HIGH or log:LOW..HIGH; several make a grid
+    /// Parameter and its values; several make a grid
+    ///
+    /// PATH is a key of the scenario, as load.mass_kg. VALUES are a,b,c or FIRST:LAST:N or
+    /// log:FIRST:LAST:N; with --sample, LOW..HIGH or log:LOW..HIGH.
     #[arg(long, value_name = "PATH=VALUES")]
     vary: Vec<Axis>,
-    /// Factors of mass and moment of inertia at the same normal loads, and so the same friction; values as with --vary
+    /// Factors of the load's inertia at the same normal loads; values as in --vary
     #[arg(long, value_name = "VALUES")]
     scale_inertia: Option<String>,
-    /// How the ranges are sampled, latin-hypercube or sobol, and by how many points
+    /// Sample the ranges at N points; METHOD is latin-hypercube or sobol
     #[arg(long, num_args = 2, value_names = ["METHOD", "N"])]
     sample: Option<Vec<String>>,
-    /// Key of the sample's chance; without it 1 for latin-hypercube, and the plain sequence for sobol
+    /// Seed of the sample [default: 1 for latin-hypercube; sobol is not shifted]
     #[arg(long, value_name = "N", requires = "sample")]
     sample_seed: Option<u64>,
-    /// What moves the load; may be repeated
-    #[arg(long, value_name = "BACKEND", default_value = "quasi-static")]
+    /// Backend that moves the load; may be repeated
+    #[arg(long, default_value = "quasi-static", value_parser = choice::<BackendKind>())]
     backend: Vec<BackendKind>,
-    /// Longest step of the backend (s); may be repeated
-    #[arg(long, value_name = "H", value_parser = step)]
+    /// Longest time step of the backend (s); may be repeated
+    #[arg(long, value_name = "H", value_parser = seconds)]
     step_s: Vec<f64>,
-    /// Error that the load's position may have at any instant, in place of a step (m): quasi-static and inertial
+    /// Error control instead of a fixed step: largest error of the load's position (m)
     #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"])]
     tolerance: Option<f64>,
-    /// How the inertial backend cuts a step; without it midpoint
-    #[arg(long, value_name = "METHOD")]
+    /// Time integration of the inertial backend [default: midpoint]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>())]
     integrator: Option<Integrator>,
-    /// Kind of work that is done although its outcome is known; may be repeated
-    #[arg(long, value_name = "KIND")]
+    /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
+    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
     no_skip: Vec<Skip>,
-    /// Threads; without it one a processor
+    /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
-    /// Only part I of N, from 1/N to N/N, into DIR/shards; `cohaul merge` makes one table of all
+    /// Compute only part I of N, into DIR/shards; `cohaul merge` joins all parts
     #[arg(long, value_name = "I/N")]
     shard: Option<Part>,
-    /// Folder for tables, figure, summary and manifest; what a stopped sweep has done is kept beside it, as DIR.journal
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// Print one JSON object instead of a table
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
     engine: EngineArgs,
+    /// Folder for the output files
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    out: PathBuf,
+    /// Print one JSON object instead of text
+    #[arg(long, help_heading = "Output")]
+    json: bool,
 }
 
 pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
@@ -95,11 +114,11 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, CliError> {
-    let text = fs::read_to_string(&args.scenario).map_err(|source| CliError::File { path: args.scenario.clone(), source })?;
+    let text = read_text(&args.scenario)?;
     let inertia = args.scale_inertia.as_deref().map(|values| Axis::new(INERTIA, values)).transpose()?;
     let axes = args.vary.iter().cloned().chain(inertia).collect();
     Ok(Plan::new(Ask {
-        file: args.scenario.display().to_string(),
+        file: name_of(&args.scenario),
         text,
         design: Design::new(axes, sample(args)?)?,
         variants: variants(args)?,
@@ -111,7 +130,7 @@ fn plan(args: &SweepArgs) -> Result<Plan, CliError> {
 fn sample(args: &SweepArgs) -> Result<Option<Sample>, CliError> {
     let Some([method, n]) = args.sample.as_deref() else { return Ok(None) };
     let usage = |what: &str, found: &str| CliError::Usage(format!("--sample: must be {what}, found {found}"));
-    let method = <Method as clap::ValueEnum>::from_str(method, false).map_err(|_| usage("latin-hypercube or sobol", method))?;
+    let method = parse::<Method>(method).ok_or_else(|| usage("latin-hypercube or sobol", method))?;
     let n = n.parse().map_err(|_| usage("a method and a number of points", n))?;
     Ok(Some(Sample { method, n, seed: args.sample_seed }))
 }
@@ -119,7 +138,8 @@ fn sample(args: &SweepArgs) -> Result<Option<Sample>, CliError> {
 /// Every backend at every step.
 fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
     if args.tolerance.is_some() && args.backend.contains(&BackendKind::Rapier) {
-        return Err(CliError::Usage("--tolerance: must be of quasi-static or inertial, found rapier: an engine's steps are fixed".into()));
+        let rule = "applies to quasi-static and inertial only; the steps of rapier are fixed";
+        return Err(CliError::Usage(format!("--tolerance: {rule}, found rapier")));
     }
     let steps: Vec<Option<f64>> = if args.step_s.is_empty() { vec![None] } else { args.step_s.iter().copied().map(Some).collect() };
     let of = |backend: BackendKind, step_s: Option<f64>| Variant {
@@ -134,7 +154,7 @@ fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
 }
 
 /// # Errors
-/// When two of the variants are one: steps end with the control period.
+/// When two variants are equal, because steps end with the control period.
 fn check_variants(plan: &Plan) -> Result<(), CliError> {
     let options: Vec<BackendOptions> = plan.identity.variants.iter().map(|variant| variant.options(plan.base())).collect();
     match (1..options.len()).find(|at| options[..*at].contains(&options[*at])) {
@@ -143,7 +163,7 @@ fn check_variants(plan: &Plan) -> Result<(), CliError> {
     }
 }
 
-/// Far more than processors, and few enough to start.
+/// More than any machine has processors, and few enough to start.
 const MOST_THREADS: usize = 1024;
 
 /// No more threads than runs.
@@ -162,21 +182,21 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
     check_target(out)?;
     let path = resumable::journal_beside(out);
     if let Some(summary) = finished(out, &plan.identity)? {
-        // Killed between the last two steps, a sweep leaves both.
+        // A sweep that was killed between the last two steps leaves both.
         if path.exists() {
-            fs::remove_file(&path).map_err(|source| CliError::File { path, source })?;
+            fs::remove_file(&path).map_err(at_file(&path))?;
         }
-        say!("{}: is finished", out.display());
-        return said(&summary, args.json);
+        console::note(format_args!("{}: is finished", out.display()));
+        return print_summary(&summary, args.json);
     }
     let (started, wall, cpu) = (SystemTime::now(), Instant::now(), ProcessTime::now());
     let header = plan.identity.header(0..plan.identity.n_cells)?;
     let (journal, n_runs) = filled(plan, pool, &path, &header)?;
     let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
     let cost = Cost { wall_s, cpu_s, n_threads: pool.current_num_threads(), n_runs };
-    let summary = written(out, &plan.identity, &journal, Some(cost), started)?;
+    let summary = write_table(out, &plan.identity, &journal, Some(cost), started)?;
     journal.remove()?;
-    said(&summary, args.json)
+    print_summary(&summary, args.json)
 }
 
 /// One part, into the folder of shards.
@@ -186,14 +206,14 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
         let what = "holds a finished output; shards go to a folder of their own";
         return Err(CliError::Usage(format!("{}: {what}", args.out.display())));
     }
-    fs::create_dir_all(&folder).map_err(|source| CliError::File { path: folder.clone(), source })?;
+    fs::create_dir_all(&folder).map_err(at_file(&folder))?;
     let cells = part.cells(plan.identity.n_cells);
     let header = plan.identity.header(cells.clone())?;
     let (path, journal_path) = (folder.join(format!("{}.rows", part.name())), folder.join(format!("{}.journal", part.name())));
     check_neighbours(&folder, &plan.identity, part.n)?;
     let is_skipped = verified(&path, &header)?;
     if is_skipped {
-        // Killed between the last two steps, a shard leaves both.
+        // A shard that was killed between the last two steps leaves both.
         let _ = fs::remove_file(&journal_path);
     } else {
         let (journal, _) = filled(plan, pool, &journal_path, &header)?;
@@ -203,7 +223,10 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
     }
     let n_runs = cells.end - cells.start;
     if args.json {
-        let found = json!({ "shard": part.index, "n_shards": part.n, "first_cell": cells.start, "n_runs": n_runs, "file": path.display().to_string(), "was_finished": is_skipped });
+        let found = json!({
+            "shard": part.index, "n_shards": part.n, "first_cell": cells.start, "n_runs": n_runs,
+            "file": path.display().to_string(), "was_finished": is_skipped
+        });
         print(&format!("{found:#}\n"))?;
     } else {
         let how = if is_skipped { "was finished" } else { "is finished" };
@@ -212,9 +235,9 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
     Ok(ExitCode::SUCCESS)
 }
 
-/// Shards of another sweep in the same folder, or of one in another number of parts, are a mistake that is better known before the work than after it.
+/// Refuses, before the work, a folder with shards of another sweep or of another number of parts.
 fn check_neighbours(folder: &Path, identity: &Identity, n_parts: u64) -> Result<(), CliError> {
-    let entries = fs::read_dir(folder).map_err(|source| CliError::File { path: folder.to_owned(), source })?;
+    let entries = fs::read_dir(folder).map_err(at_file(folder))?;
     let shards: Vec<PathBuf> = entries
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(|path| path.extension().is_some_and(|extension| extension == "rows"))
@@ -233,29 +256,32 @@ fn check_neighbours(folder: &Path, identity: &Identity, n_parts: u64) -> Result<
 /// # Errors
 /// When there are differences between the sweep asked for and that of the file or folder.
 fn check_same(path: &Path, differences: Vec<String>) -> Result<(), CliError> {
-    let other = || JournalError::Other { path: path.to_owned(), study: "sweep".to_owned(), differences: differences.clone() };
-    if differences.is_empty() { Ok(()) } else { Err(other().into()) }
+    match differences.is_empty() {
+        true => Ok(()),
+        false => Err(JournalError::Other { path: path.to_owned(), study: "sweep".to_owned(), differences }.into()),
+    }
 }
 
-/// The journal with the rows of all its cells, run as far as they were missing, and how many were.
+/// The journal with the rows of all its cells, and the number of cells that were run for it.
 ///
 /// # Errors
 /// When the user stopped the command, a point breaks a rule of the scenario, or the disk fails.
 fn filled(plan: &Plan, pool: &ThreadPool, path: &Path, header: &Header) -> Result<(Journal, u64), CliError> {
     let is_new = !path.exists();
     if is_new {
-        validate(plan, header.begin..header.end, pool, || !interrupt::asked())?;
-        if interrupt::asked() {
+        validate(plan, header.begin..header.end, pool, || !is_interrupted())?;
+        if is_interrupted() {
             return Err(CliError::Interrupted);
         }
     }
     let mut journal = Journal::open(path, header)?;
     let n_left = journal.n_left();
     if journal.n_dropped > 0 {
-        say!("{}: its last {} bytes were cut off or damaged; the runs that they belonged to run again", path.display(), journal.n_dropped);
+        let (path, n_bytes) = (path.display(), journal.n_dropped);
+        console::note(format_args!("{path}: its last {n_bytes} bytes were damaged; their runs are computed again"));
     }
     if !is_new && journal.n_done() > 0 {
-        say!("{}: goes on after {} runs, {n_left} are left", path.display(), journal.n_done());
+        console::note(format_args!("{}: continues after {} runs, {n_left} are left", path.display(), journal.n_done()));
     }
     run_left(plan, pool, header, &mut journal, n_left)?;
     if journal.n_left() == 0 {
@@ -272,24 +298,19 @@ fn run_left(plan: &Plan, pool: &ThreadPool, header: &Header, journal: &mut Journ
     }
     let done: Vec<bool> = (header.begin..header.end).map(|cell| journal.has(cell)).collect();
     let is_done = |cell: u64| done[(cell - header.begin) as usize];
-    let (progress, n_ended) = (Mutex::new(Progress::of_count(n_left, "runs", "sweep")), AtomicU64::new(0));
-    let go_on = || {
-        // Only one thread draws; the others need not wait for it.
-        if let Ok(mut progress) = progress.try_lock() {
-            progress.at(n_ended.load(Relaxed) as f64);
-        }
-        !interrupt::asked()
-    };
-    let ended = work(plan, header.begin..header.end, pool, is_done, go_on, |cell, line| {
-        n_ended.fetch_add(1, Relaxed);
-        Ok(journal.append(cell, line)?)
+    let n_ended = AtomicU64::new(0);
+    let ended = watched_by(Progress::of_count(n_left, "runs", "sweep"), |watch| {
+        let go_on = || watch(n_ended.load(Relaxed) as f64);
+        work(plan, header.begin..header.end, pool, is_done, go_on, |cell, line| {
+            n_ended.fetch_add(1, Relaxed);
+            Ok(journal.append(cell, line)?)
+        })
     });
-    progress.into_inner().expect("no thread panicked while it drew").finish();
     Ok(ended?)
 }
 
 /// Writes the folder of a table that is complete.
-pub(super) fn written(
+pub fn write_table(
     out: &Path,
     identity: &Identity,
     table: &dyn Table,
@@ -297,7 +318,7 @@ pub(super) fn written(
     started: SystemTime,
 ) -> Result<SweepSummary, CliError> {
     if cfg!(not(feature = "parquet")) {
-        say!("runs.parquet is left out: this program was built without the feature parquet");
+        console::note("runs.parquet is left out: this program was built without the feature parquet");
     }
     let base = Scenario::parse(&identity.scenario.to_string(), "scenario")?;
     let summary = SweepSummary::new(identity, &base.name, cost);
@@ -307,51 +328,43 @@ pub(super) fn written(
     Ok(write_sweep(out, identity, table, summary, &manifest)?)
 }
 
-/// Prints the summary; runs that failed or missed their tolerance are what a sweep was not asked for.
-pub(super) fn said(summary: &SweepSummary, json: bool) -> Result<ExitCode, CliError> {
-    print(&if json { json::pretty(summary)? } else { sweep_text(summary) })?;
-    summary.warnings().iter().for_each(|warning| say!("warning: {warning}"));
-    Ok(if summary.n_of(FAILED) + summary.n_of(NOT_WITHIN_TOLERANCE) > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+/// Prints the summary. The exit code is 1 if a run failed or missed its tolerance.
+pub fn print_summary(summary: &SweepSummary, json: bool) -> Result<ExitCode, CliError> {
+    let is_good = summary.n_of(FAILED) + summary.n_of(NOT_WITHIN_TOLERANCE) == 0;
+    match json {
+        true => print(&json::pretty(summary)?)?,
+        false => print_answer(&sweep_text(summary), if is_good { Tone::Good } else { Tone::Bad })?,
+    }
+    console::warn_all(&summary.warnings());
+    Ok(if is_good { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// What tells the sweep whose output a folder holds from others; `None` where it holds none.
-pub(super) fn identity_in(out: &Path) -> Option<Value> {
-    let manifest: Value = serde_json::from_slice(&fs::read(out.join(MANIFEST)).ok()?).ok()?;
-    manifest["options"].get("sweep").cloned()
-}
-
-/// The summary of this very sweep where the folder holds it; `None` where it holds no sweep.
+/// The summary of this sweep if the folder holds it; `None` if it holds no sweep.
 ///
 /// # Errors
 /// When it holds another sweep, or files other than it wrote.
-pub(super) fn finished(out: &Path, identity: &Identity) -> Result<Option<SweepSummary>, CliError> {
+pub fn finished(out: &Path, identity: &Identity) -> Result<Option<SweepSummary>, CliError> {
     let Some(found) = identity_in(out) else { return Ok(None) };
     let differences = match serde_json::from_value::<Identity>(found) {
         Ok(found) => identity.differences(&found),
-        Err(error) => vec![format!("it is of another version of this program: {error}")],
+        Err(error) => vec![format!("another version of this program wrote it: {error}")],
     };
     check_same(out, differences)?;
     check_files(out)?;
     let path = out.join("summary.json");
-    let text = fs::read(&path).map_err(|source| CliError::File { path: path.clone(), source })?;
-    let summary = serde_json::from_slice(&text).map_err(|source| CliError::File { path, source: source.into() })?;
+    let text = fs::read(&path).map_err(at_file(&path))?;
+    let summary = serde_json::from_slice(&text).map_err(|error| at_file(&path)(error.into()))?;
     Ok(Some(summary))
 }
 
-/// Removes what a killed process left half-written of a shard: whoever holds its journal is alone.
+/// Removes half-written files of a killed process. No other process holds the journal.
 fn remove_partials(shard: &Path) {
     let start = format!("{}.partial-", shard.file_stem().unwrap_or_default().to_string_lossy());
     let folder = shard.parent().unwrap_or(Path::new("."));
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_name().to_string_lossy().starts_with(&start) {
-            // What cannot be removed does no harm.
+            // A file that stays does no harm.
             drop(fs::remove_file(entry.path()));
         }
-    }
-}
-
-impl From<SweepError> for CliError {
-    fn from(error: SweepError) -> Self {
-        CliError::Sweep(error)
     }
 }

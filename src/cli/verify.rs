@@ -1,39 +1,44 @@
 //! `cohaul verify`.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::Args;
 use serde_json::json;
 
-use super::{CliError, check_out, command_line, print, resumable};
+use super::choice::choice;
+use super::console::{Tone, print};
+use super::error::CliError;
+use super::output::{OutputArgs, study_manifest};
+use super::resumable;
 use crate::backend::BackendKind;
-use crate::output::json;
-use crate::output::manifest::{Manifest, sha256_hex};
 use crate::studies::verify::report::{Verification, list_text, verify_text, write_verification};
 use crate::studies::verify::{self, Case, Effort, Plan};
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul verify --quick
+  cohaul verify slide --backend rapier --verbose
+  cohaul verify --list
+
+Files in DIR: table of all cases (CSV), figure, summary and manifest. The
+state of an interrupted run is kept in DIR.journal.")]
 pub struct VerifyArgs {
-    /// Cases or families of them; without any, all
+    /// Cases or families of cases; without any, all
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
     /// Only this backend
-    #[arg(long, value_name = "BACKEND")]
+    #[arg(long, value_parser = choice::<BackendKind>())]
     backend: Option<BackendKind>,
     /// Leave out the shortest step of each case and every second tolerance
     #[arg(long)]
     quick: bool,
-    /// Say which cases there are
+    /// List the cases
     #[arg(long, conflicts_with_all = ["json", "out", "backend", "quick"])]
     list: bool,
-    /// Folder for table, figure, summary and manifest; what an interrupted run has done is kept beside it, as DIR.journal
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of a table
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
@@ -42,25 +47,26 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         print(&list_text(&cases))?;
         return Ok(ExitCode::SUCCESS);
     }
-    if let Some(out) = &args.out {
-        check_out(out)?;
-    }
-    let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let wanted = |plan: &Plan| args.backend.is_none_or(|kind| kind == plan.method.kind);
     if let Some(kind) = args.backend.filter(|_| !cases.iter().flat_map(|case| &case.plans).any(wanted)) {
         return Err(CliError::Usage(format!("--backend: none of these cases has a known answer for {}", kind.name())));
     }
+    args.output.check()?;
+    let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let started = SystemTime::now();
     let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
     let asked = json!({ "cases": names, "backend": args.backend, "quick": args.quick });
-    let finished = resumable::run("verify", &asked, &verify::tasks(&cases, wanted, effort), args.out.as_deref())?;
+    let finished = resumable::run("verify", &asked, &verify::tasks(&cases, wanted, effort), args.output.out.as_deref())?;
     let rows = finished.records.concat();
     let found = Verification::new(&cases, &rows, effort, finished.wall_s);
-    if let Some(out) = &args.out {
-        write_verification(out, &found, &rows, &manifest(args, &found, started))?;
+    if let Some(out) = &args.output.out {
+        let question = json!({ "name": "verify", "cases": found.cases });
+        let options = json!({ "backend": args.backend, "quick": args.quick });
+        write_verification(out, &found, &rows, &study_manifest(&question, &options, started))?;
     }
     finished.remove_journal()?;
-    print(&if args.json { json::pretty(&found)? } else { verify_text(&found) })?;
+    let tone = if found.holds { Tone::Good } else { Tone::Bad };
+    args.output.print(&found, || verify_text(&found), tone)?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
@@ -72,12 +78,4 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, CliError> {
         return Err(CliError::Usage(format!("CASE: must be a case or a family that `cohaul verify --list` names, found {name}")));
     }
     Ok(all.into_iter().filter(|case| names.is_empty() || names.iter().any(|name| is_named(case, name))).collect())
-}
-
-/// In place of a scenario stand the questions asked.
-fn manifest(args: &VerifyArgs, found: &Verification, started: SystemTime) -> Manifest {
-    let asked = json!({ "name": "verify", "cases": found.cases });
-    let options = json!({ "backend": args.backend, "quick": args.quick });
-    let hash = sha256_hex(asked.to_string().as_bytes());
-    Manifest::new(&asked, hash, 0, &options, command_line(), started)
 }

@@ -2,6 +2,7 @@
 
 pub mod chart;
 pub mod folder;
+pub mod glossary;
 pub mod json;
 pub mod lines;
 pub mod manifest;

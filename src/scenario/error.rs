@@ -49,12 +49,14 @@ impl Display for Finding {
 /// Equal faults that are listed one by one. Further ones are counted.
 const MOST_LISTED: usize = 5;
 
-/// One line per finding. Findings with the same rule at the same key of a list count as equal.
-fn lines(file: &str, findings: &[Finding]) -> String {
+/// One line per finding. Findings count as equal if they have the same rule, and paths that are the
+/// same but for digits.
+pub fn lines(file: &str, findings: &[Finding]) -> String {
     let mut lines = Vec::new();
     let mut counts: Vec<(String, &str, usize)> = Vec::new();
     for finding in findings {
-        let (place, rule) = (without_indices(&finding.path), finding.rule.split(',').next().unwrap_or_default());
+        let (place, rule) =
+            (finding.path.replace(|letter: char| letter.is_ascii_digit(), ""), finding.rule.split(',').next().unwrap_or_default());
         let at = counts.iter().position(|(p, r, _)| *p == place && *r == rule).unwrap_or_else(|| {
             counts.push((place, rule, 0));
             counts.len() - 1
@@ -67,17 +69,6 @@ fn lines(file: &str, findings: &[Finding]) -> String {
     let more = counts.iter().filter(|(_, _, n)| *n > MOST_LISTED);
     lines.extend(more.map(|(place, rule, n)| format!("{file}: {place}: {rule}: and {} more", n - MOST_LISTED)));
     lines.join("\n")
-}
-
-/// The path with empty brackets in place of indices.
-fn without_indices(path: &str) -> String {
-    let mut is_index = false;
-    path.chars()
-        .filter(|letter| {
-            is_index = *letter == '[' || is_index && *letter != ']';
-            *letter == '[' || !is_index
-        })
-        .collect()
 }
 
 /// Largest number in a scenario (1): products of a few such numbers are finite.

@@ -13,4 +13,4 @@ pub mod format;
 pub mod presets;
 
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
-pub use error::{Finding, ScenarioError};
+pub use error::{Finding, ScenarioError, lines};

@@ -9,7 +9,7 @@ use crate::model::behaviour::{Pace, ReleaseLaw};
 use crate::model::paper;
 
 /// Named set of the ants' parameters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// The set that comes closest to the printed results of the paper. Ants decide at every tick

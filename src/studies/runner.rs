@@ -18,7 +18,6 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::journal::{Header, Journal, JournalError};
-use crate::output::progress::Progress;
 
 /// Receives the fraction of the work done (1) now and then, and returns whether to continue.
 pub type Watch<'a> = dyn Fn(f64) -> bool + Sync + 'a;
@@ -186,20 +185,6 @@ impl<R: Serialize + DeserializeOwned> Records<R> {
     pub fn complete(self, n: usize) -> Result<(Vec<R>, Option<Journal>), Self> {
         if self.done.len() < n { Err(self) } else { Ok((self.done.into_values().collect(), self.journal)) }
     }
-}
-
-/// Calls `work` with a watch that draws a progress bar named `label` and ends the work on `stop`.
-pub fn with_progress<T>(label: &str, stop: impl Fn() -> bool + Sync, work: impl FnOnce(&Watch) -> T) -> T {
-    let progress = Mutex::new(Progress::of_share(label));
-    let result = work(&|share| {
-        // One thread draws; the others need not wait for it.
-        if let Ok(mut progress) = progress.try_lock() {
-            progress.at(share);
-        }
-        !stop()
-    });
-    progress.into_inner().expect("drawing does not panic").finish();
-    result
 }
 
 #[cfg(test)]

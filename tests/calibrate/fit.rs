@@ -164,7 +164,7 @@ fn the_example_is_what_its_seed_generates() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/spring-calibration.csv");
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.starts_with("# Generated, not measured"));
-    let stored = Measurements::read(&file, &Dimensions::default()).unwrap();
+    let stored = Measurements::parse(&std::fs::read_to_string(&file).unwrap(), "stored", &Dimensions::default()).unwrap();
     let again =
         Measurements::parse(&to_csv(&measurements(&TRUTH, &Plan::EXAMPLE), EXAMPLE_COMMENT), "again", &Dimensions::default()).unwrap();
     assert_eq!(stored.trials.len(), again.trials.len());

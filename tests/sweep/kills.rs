@@ -91,7 +91,7 @@ fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
     let stopped = child.wait_with_output().unwrap();
     assert_eq!(stopped.status.code(), Some(130));
     let told = String::from_utf8(stopped.stderr).unwrap();
-    assert!(told.contains(&format!("of {N_RUNS} runs; the same command goes on from")), "{told}");
+    assert!(told.contains(&format!("of {N_RUNS} runs; the same command continues from")), "{told}");
     let kept = n_lines(&journal) - 1;
     // Another sweep does not go on from it, and says what differs.
     let text = refused(&sweep(&scene, &["--seeds", "201"], &out));
@@ -99,7 +99,7 @@ fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
     let again = sweep(&scene, &ARGS, &out);
     done(&again);
     let text = String::from_utf8(again.stderr).unwrap();
-    assert!(text.contains(&format!("goes on after {kept} runs, {} are left", N_RUNS - kept)), "{text}");
+    assert!(text.contains(&format!("continues after {kept} runs, {} are left", N_RUNS - kept)), "{text}");
     done(&sweep(&scene, &ARGS, &whole));
     assert_eq!(tables(&out), tables(&whole));
 }

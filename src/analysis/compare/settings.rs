@@ -8,7 +8,7 @@ use crate::scenario::Scenario;
 use crate::simulation::Driver;
 
 /// Level of a comparison: how all backends get the same question.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tier {
     Prescribed,

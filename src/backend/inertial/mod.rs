@@ -78,7 +78,7 @@ pub(super) struct State {
 }
 
 /// How a step is cut from the equation of motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
     /// First order; the quasi-static step in the limit of no mass.

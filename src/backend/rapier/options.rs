@@ -17,7 +17,7 @@ pub struct RapierOptions {
 }
 
 /// Representation of friction with the ground by joints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FrictionModel {
     /// One axis per support along the force of the exact friction problem.
@@ -29,7 +29,7 @@ pub enum FrictionModel {
 }
 
 /// Representation of the springs by joints or forces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpringModel {
     /// One joint per attached spring.
@@ -42,7 +42,7 @@ pub enum SpringModel {
 }
 
 /// Floating-point precision of the engine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Precision {
     /// Double precision.
@@ -52,7 +52,7 @@ pub enum Precision {
 }
 
 /// Solver iterations and substeps of the engine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EngineSettings {
     /// One substep per step, with enough solver iterations to converge.
@@ -60,7 +60,6 @@ pub enum EngineSettings {
     /// The defaults of rapier: four substeps with one solver iteration each. With box friction this
     /// is what most users would write.
     #[serde(alias = "as-shipped")]
-    #[value(alias = "as-shipped")]
     EngineDefaults,
 }
 

@@ -8,46 +8,55 @@ use clap::Args;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::super::{CliError, check_out, positive, print};
-use super::{manifest, not_negative, read};
+use super::super::choice::{not_negative, positive};
+use super::super::console::{self, Tone};
+use super::super::error::CliError;
+use super::super::input::{name_of, read_json, read_scenario, read_text};
+use super::super::output::{OutputArgs, measured_manifest};
 use crate::backend::BackendKind;
 use crate::model::paper;
 use crate::output::folder::MANIFEST;
 use crate::output::json;
 use crate::output::quantity::quantity;
 use crate::scenario::Scenario;
-use crate::studies::calibrate::report::{ForcesReport, write_tip_forces};
+use crate::studies::calibrate::files::write_tip_forces;
+use crate::studies::calibrate::report::ForcesReport;
+use crate::studies::calibrate::text::forces_text;
 use crate::studies::calibrate::{Calibration, Recording, Sensor, TipForces, summaries, tip_forces};
 
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul run ants.json --tips --out out/run
+  cohaul calibrate forces out/run --calibration out/spring/calibration.json
+  cohaul calibrate forces camera.csv --scenario ants.json --tip-noise-m 1e-4
+
+Columns of the table: time_s, spring and the tip, either tip_in_root_x_m and
+tip_in_root_y_m, or x_m, y_m, heading_rad of the load with tip_x_m and tip_y_m.
+Files in DIR: forces.csv, figure, summary and manifest.")]
 pub struct ForcesArgs {
-    /// CSV of time_s, spring and the tip: tip_in_root_x_m, tip_in_root_y_m, or x_m, y_m, heading_rad of the load with tip_x_m, tip_y_m. Or a folder that
-    /// `cohaul run --tips --out` wrote
+    /// Table of tip positions (CSV), - for standard input, or the output folder of a run
     recording: PathBuf,
-    /// Scenario with the roots, bearings and stiffnesses of the springs: needed for tips in world axes
+    /// Scenario of the springs; needed for tips in world axes
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// calibration.json that `cohaul calibrate fit` wrote, in place of the scenario's or the paper's stiffnesses
+    /// Calibration of `cohaul calibrate fit`, in place of the scenario's stiffnesses
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// kappa_rho in place of all others (N/m)
+    /// Radial stiffness kappa_rho, in place of all others (N/m)
     #[arg(long, value_name = "K", value_parser = positive)]
     radial_stiffness_n_per_m: Option<f64>,
-    /// kappa_tau in place of all others (N m/rad)
+    /// Torsional stiffness kappa_tau, in place of all others (N m/rad)
     #[arg(long, value_name = "T", value_parser = positive)]
     torsional_stiffness_nm_per_rad: Option<f64>,
-    /// Standard deviation of a tip from its root along either axis (m)
+    /// Standard deviation of a tip position along either axis (m)
     #[arg(long, value_name = "M", default_value = "0", value_parser = not_negative)]
     tip_noise_m: f64,
-    /// Folder for forces, figure, summary and manifest
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of a table
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-/// What is read of a run's manifest.
+/// The parts of a run's manifest that are needed here.
 #[derive(Deserialize)]
 struct Ran {
     scenario: Value,
@@ -56,23 +65,22 @@ struct Ran {
 
 pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
     let started = SystemTime::now();
-    if let Some(out) = &args.out {
-        check_out(out)?;
-    }
+    args.output.check()?;
     let file = if args.recording.is_dir() { args.recording.join("tips.csv") } else { args.recording.clone() };
     if args.recording.is_dir() && !file.exists() {
-        let rule = "must hold tips.csv, which `cohaul run --tips --out` writes";
+        let rule = "must contain tips.csv, which `cohaul run --tips --out` writes";
         return Err(CliError::Usage(format!("{}: {rule}, found none", args.recording.display())));
     }
     let scenario = scenario(args)?;
     let sensor = sensor(args, scenario.as_ref())?;
     let rest_length = sensor.springs.iter().map(|spring| spring.rest_length).fold(0.0, f64::max);
-    // Isotropic springs have no length of their own.
+    // Isotropic springs have no rest length.
     let rest_length = if rest_length > 0.0 { rest_length } else { paper::SPRING.rest_length() };
-    let recording = Recording::read(&file, scenario.as_ref().map(|scenario| scenario.system.springs.len()), rest_length)?;
+    let (table, name) = (read_text(&file)?, name_of(&file));
+    let recording = Recording::parse(&table, &name, scenario.as_ref().map(|scenario| scenario.system.springs.len()), rest_length)?;
     if scenario.is_none() && recording.is_in_world() {
-        let rule = "tips in world axes need the springs' roots: name them by --scenario";
-        return Err(CliError::Usage(format!("{}: {rule}", file.display())));
+        let rule = "tips in world axes need --scenario, which has the roots of the springs";
+        return Err(CliError::Usage(format!("{name}: {rule}")));
     }
     let found = tip_forces(&recording, &sensor);
     let report = ForcesReport {
@@ -81,8 +89,8 @@ pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
         tip_noise_m: args.tip_noise_m,
         warnings: warnings(&sensor, &found, has_dashpots(args)?),
     };
-    let json = json::pretty(&report)?;
-    if let Some(out) = &args.out {
+    json::check(&report)?;
+    if let Some(out) = &args.output.out {
         let first = sensor.spring(0);
         let options = json!({
             "scenario": scenario.as_ref().map(Scenario::expanded),
@@ -91,17 +99,17 @@ pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
             "torsional_stiffness_nm_per_rad": first.torsional_stiffness,
             "tip_noise_m": args.tip_noise_m
         });
-        write_tip_forces(out, &report, &found, &manifest("calibrate forces", Some(&file), options, started)?)?;
+        write_tip_forces(out, &report, &found, &measured_manifest("calibrate forces", (&name, &table), &options, started))?;
     }
-    print(&if args.json { json } else { report.to_text() })?;
-    report.warnings.iter().for_each(|warning| say!("warning: {warning}"));
+    args.output.print(&report, || forces_text(&report), Tone::Good)?;
+    console::warn_all(&report.warnings);
     Ok(ExitCode::SUCCESS)
 }
 
-/// Of the option, or of the run whose folder was recorded.
+/// The scenario of the option, or of the run in the folder.
 fn scenario(args: &ForcesArgs) -> Result<Option<Scenario>, CliError> {
     if let Some(path) = &args.scenario {
-        return Ok(Some(Scenario::read(path)?));
+        return read_scenario(path, None).map(Some);
     }
     if !args.recording.is_dir() {
         return Ok(None);
@@ -112,11 +120,11 @@ fn scenario(args: &ForcesArgs) -> Result<Option<Scenario>, CliError> {
 
 fn ran(folder: &Path) -> Result<(PathBuf, Ran), CliError> {
     let path = folder.join(MANIFEST);
-    let ran = parsed(&path, "must be the manifest of a run")?;
+    let ran = read_json(&path, "must be the manifest of a run")?;
     Ok((path, ran))
 }
 
-/// Whether dashpots had a part in the pulls: a quasi-static run leaves them out.
+/// Whether dashpots contributed to the forces; a quasi-static run leaves them out.
 fn has_dashpots(args: &ForcesArgs) -> Result<bool, CliError> {
     if !args.recording.is_dir() {
         return Ok(true);
@@ -125,14 +133,11 @@ fn has_dashpots(args: &ForcesArgs) -> Result<bool, CliError> {
     Ok(ran.options["kind"] != BackendKind::QuasiStatic.name())
 }
 
-fn parsed<T: for<'de> Deserialize<'de>>(path: &Path, rule: &str) -> Result<T, CliError> {
-    serde_json::from_str(&read(path)?).map_err(|error| CliError::Usage(format!("{}: {rule}: {error}", path.display())))
-}
-
-/// Springs with the stiffnesses that count: options, then the calibration, then the scenario, then the paper.
+/// The springs. Stiffnesses come from the options, else the calibration, else the scenario, else
+/// the paper.
 fn sensor(args: &ForcesArgs, scenario: Option<&Scenario>) -> Result<Sensor, CliError> {
     let rule = "must be what `cohaul calibrate fit --json` prints";
-    let calibration: Option<Calibration> = args.calibration.as_deref().map(|path| parsed(path, rule)).transpose()?;
+    let calibration: Option<Calibration> = args.calibration.as_deref().map(|path| read_json(path, rule)).transpose()?;
     let mut sensor = match scenario {
         Some(scenario) if scenario.system.springs.is_empty() => {
             return Err(CliError::Usage("the scenario must have springs, found none".into()));
@@ -142,7 +147,7 @@ fn sensor(args: &ForcesArgs, scenario: Option<&Scenario>) -> Result<Sensor, CliE
     };
     if let Some(found) = &calibration {
         sensor = sensor.calibrated(found);
-        // Without a scenario the calibration is all that is known of the spring.
+        // Without a scenario, only the calibration gives the rest length.
         if let (None, Some(model)) = (scenario, sensor.model) {
             sensor.springs.iter_mut().for_each(|spring| spring.rest_length = model.rest_length());
         }
@@ -150,25 +155,28 @@ fn sensor(args: &ForcesArgs, scenario: Option<&Scenario>) -> Result<Sensor, CliE
     Ok(Sensor { tip_error: args.tip_noise_m, ..sensor.with_given(args.radial_stiffness_n_per_m, args.torsional_stiffness_nm_per_rad) })
 }
 
-/// `has_dashpots` says whether those of the springs pulled while tips were recorded.
+/// `has_dashpots` says whether the springs had dashpots while the tips were recorded.
 fn warnings(sensor: &Sensor, found: &TipForces, has_dashpots: bool) -> Vec<String> {
-    let foreign = |length: f64| format!("springs {length} m long are read with the calibration of others");
-    let n = found.n_near_root(sensor);
-    let near =
-        || format!("tips within a tenth of the rest length of their root, where Eq. (10) grows without limit: {n}; were they seen there?");
+    let mut warnings = Vec::new();
+    if let Some(length) = sensor.foreign_length() {
+        warnings.push(format!("springs of {length} m rest length are read with the calibration of other springs"));
+    }
     let n_beyond = found.n_beyond_fit(sensor);
-    let beyond = || {
+    if n_beyond > 0 {
         let stretch = sensor.fitted_to.stretch.map(|stretch| quantity(stretch, "m"));
         let swing =
             sensor.fitted_to.swing.map(|[clockwise, counter]| format!("-{} to {}", quantity(clockwise, "rad"), quantity(counter, "rad")));
-        let far = stretch.into_iter().chain(swing).collect::<Vec<_>>().join(" or ");
-        format!(
-            "tips farther than the calibration was fitted to, {far}: {n_beyond} of {}; their forces are the linear law carried on",
-            found.forces.len()
-        )
-    };
-    let has_dashpots = has_dashpots && sensor.springs.iter().any(|spring| spring.damping_ratio > 0.0);
-    let dashpots = || "the springs' dashpots pull too, by speeds that tips alone do not tell: forces are those of the springs".to_owned();
-    let foreign = sensor.foreign_length().map(foreign);
-    foreign.into_iter().chain((n_beyond > 0).then(beyond)).chain((n > 0).then(near)).chain(has_dashpots.then(dashpots)).collect()
+        let range = stretch.into_iter().chain(swing).collect::<Vec<_>>().join(" or ");
+        let n = found.forces.len();
+        warnings.push(format!("{n_beyond} of {n} tips are beyond the range of the fit, {range}: the linear law is extrapolated"));
+    }
+    let n_near = found.n_near_root(sensor);
+    if n_near > 0 {
+        let place = "nearer to their root than a tenth of the rest length, where Eq. (10) diverges";
+        warnings.push(format!("{n_near} tips are {place}; is the recording correct?"));
+    }
+    if has_dashpots && sensor.springs.iter().any(|spring| spring.damping_ratio > 0.0) {
+        warnings.push("the forces of the springs' dashpots are missing: they depend on speeds, which tip positions do not give".to_owned());
+    }
+    warnings
 }

@@ -12,7 +12,8 @@
 
 use serde::Serialize;
 
-use super::{Dimensions, MOST_TURN};
+use super::case::MOST_TURN;
+use super::dimensions::Dimensions;
 use crate::model::SpringDesign;
 
 /// Stiffnesses to be had.

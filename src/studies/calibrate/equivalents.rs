@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Case;
+use super::case::Case;
 use crate::model::SpringDesign;
 
 /// The stretch whose secant is the paper's kappa_rho (m).

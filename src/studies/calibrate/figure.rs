@@ -1,11 +1,15 @@
 //! A calibration -> panels: measured points with error bars, model and linear law; forces on tips over time.
 
+use super::case::Case;
+use super::fit::{Calibration, CaseFit};
+use super::forces::TipForces;
+use super::measurements::{Measurements, Trial};
+use super::report::percent;
+use super::trials::Estimate;
 use crate::output::chart::MILLI;
 use crate::output::chart::canvas::{Cell, Sheet};
 use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{ROW_HEIGHT, TIME_HEIGHT, WIDTH, WORK_HEIGHT, grid};
-use crate::studies::calibrate::text::percent;
-use crate::studies::calibrate::{Calibration, Case, CaseFit, Estimate, Measurements, TipForces, Trial};
 
 const MODEL: Style = Style { color: "#0072B2", dash: "", width: 1.8 };
 const LINEAR: Style = Style { color: "#D55E00", dash: "7 3", width: 1.8 };

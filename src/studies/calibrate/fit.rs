@@ -6,9 +6,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::case::Case;
+use super::dimensions::Dimensions;
+use super::equivalents::{RadialEquivalents, SwingEquivalents};
+use super::law::Law;
+use super::measurements::{Measurements, Trial};
 use super::quality::{Goodness, Misfit};
-use super::trials::{Estimate, Point, TrialSlope, Weighting, agreement, mean_of_cases, pool};
-use super::{Case, Dimensions, Measurements, RadialEquivalents, SwingEquivalents, Trial};
+use super::trials::{Estimate, TrialSlope, Weighting, agreement, mean_of_cases, pool};
 use crate::model::SpringDesign;
 
 /// Where the linear laws are fitted, as sizes of the displacement; all of the readings where not given.
@@ -64,32 +68,6 @@ pub struct LinearFit {
     pub stiffness: Estimate,
     pub goodness: Goodness,
     pub misfit: Misfit,
-}
-
-/// A function of the displacement that is fitted by a factor.
-pub(super) struct Law {
-    case: Case,
-    /// With a Young's modulus of 1 Pa.
-    unit: SpringDesign,
-    is_linear: bool,
-    weighting: Weighting,
-}
-
-impl Law {
-    pub fn points<'a>(&'a self, trial: &'a Trial) -> impl Iterator<Item = Point> + Clone + 'a {
-        trial.points.iter().map(move |point| Point {
-            basis: if self.is_linear { self.case.linear(&self.unit, point.at) } else { self.case.force(&self.unit, point.at) },
-            force: point.force,
-            weight: match (self.weighting, point.sd) {
-                (Weighting::Stated, Some(sd)) => 1.0 / (sd * sd),
-                _ => 1.0,
-            },
-        })
-    }
-
-    fn slopes(&self, trials: &[Trial]) -> Vec<TrialSlope> {
-        trials.iter().filter_map(|trial| TrialSlope::of(self.points(trial))).collect()
-    }
 }
 
 /// Fits measurements of a spring with these dimensions; intervals have the confidence `level`.

@@ -17,8 +17,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::case::MOST_TURN;
-use super::{Case, Recording, Sensor, Tip};
+use super::case::{Case, MOST_TURN};
+use super::recording::{Recording, Tip};
+use super::sensor::Sensor;
 use crate::math::{Pose, Summary, Vec2};
 use crate::model::{PolarSpring, SpringDesign, SpringShape};
 

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{Case, Measurement, Measurements};
+use super::case::Case;
+use super::measurements::{Measurement, Measurements};
 use crate::math::{RandomStreams, Stream};
 use crate::model::SpringDesign;
 

@@ -2,10 +2,9 @@
 //!
 //! A trial is one loading of one spring in one case. The same name in another case is another trial.
 
-use std::path::Path;
-
+use super::case::Case;
+use super::dimensions::Dimensions;
 use super::table::{InputError, Table};
-use super::{Case, Dimensions};
 
 /// Columns of a file of measurements.
 const COLUMNS: [&str; 6] = ["case", "trial", "displacement_m", "swing_rad", "force_n", "force_sd_n"];
@@ -36,21 +35,12 @@ pub struct Measurements {
 }
 
 impl Measurements {
-    /// # Errors
-    /// When the file cannot be read, or any of it cannot be a measurement of a spring of these dimensions.
-    pub fn read(path: &Path, dimensions: &Dimensions) -> Result<Self, InputError> {
-        Self::of_table(Table::read(path, &COLUMNS)?, dimensions)
-    }
-
-    /// The same from text, under the name `file` in errors.
+    /// Reads measurements from the text of a table; `file` is its name in errors.
     ///
     /// # Errors
-    /// As [`Measurements::read`].
+    /// When any row cannot be a measurement of a spring with these dimensions.
     pub fn parse(text: &str, file: &str, dimensions: &Dimensions) -> Result<Self, InputError> {
-        Self::of_table(Table::parse(text, file, &COLUMNS)?, dimensions)
-    }
-
-    fn of_table(mut table: Table, dimensions: &Dimensions) -> Result<Self, InputError> {
+        let mut table = Table::parse(text, file, &COLUMNS)?;
         table.require(&["case", "trial", "force_n"]);
         if !table.has("displacement_m") && !table.has("swing_rad") {
             table.report("header".to_owned(), "must have displacement_m of radial rows, swing_rad of tangential ones", "neither");

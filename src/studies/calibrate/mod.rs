@@ -1,29 +1,27 @@
-//! Floor 4: springs as force sensors (Section III of the paper): fitted to measurements, designed for stiffnesses, and read on recordings.
+//! Springs as force sensors (Section III of the paper): fit to measurements, design for wanted
+//! stiffnesses, and forces from recorded tips.
 //!
 //! ```text
-//! dimensions.rs  the spring's shape without its material
-//! case.rs        the three ways of pulling at a tip, their laws (Eq. 1-3) and the linear ones
-//! table.rs       CSV with named faults
-//! measurements.rs  forces against displacements, trial by trial
-//! trials.rs      one slope of several trials, with its interval
-//! fit.rs         E, kappa_rho and kappa_tau of measurements
-//! quality.rs     how well a law fits, and where it does not
-//! equivalents.rs which stretch a linear stiffness stands for
-//! design.rs      member lengths and width for wanted stiffnesses
-//! recording.rs   tips as a camera saw them
-//! sensor.rs      springs and how well they are known
-//! forces.rs      the ants' forces on them
-//! generated.rs   measurements with a known truth
+//! case          three directions of loading, with the laws of Eq. (1) to (3) and linear laws
+//! measurements  forces against displacements, trial by trial
+//! trials        one slope from several trials, with its interval
+//! fit           Young's modulus, kappa_rho and kappa_tau of measurements
+//! design        dimensions for wanted stiffnesses
+//! recording     tip positions from a camera or a run
+//! sensor        springs and the errors of their stiffnesses
+//! forces        forces on the tips of a recording
 //! ```
 
 mod case;
 mod design;
 mod dimensions;
 mod equivalents;
-pub mod figure;
+mod figure;
+pub mod files;
 mod fit;
 mod forces;
 pub mod generated;
+mod law;
 mod measurements;
 mod quality;
 mod recording;

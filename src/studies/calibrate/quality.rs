@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::fit::Law;
-use super::trials::{Point, TrialSlope, Weighting, chance_of_none, pool};
-use super::{Case, Estimate, Measurement, Trial};
+use super::case::Case;
+use super::law::Law;
+use super::measurements::{Measurement, Trial};
+use super::trials::{Estimate, Point, TrialSlope, Weighting, chance_of_none, pool};
 use crate::model::SpringDesign;
 
 /// What is left of the readings when a law is taken off them.
@@ -46,7 +47,7 @@ pub struct Misfit {
 
 impl Goodness {
     /// Of a slope in the trials of one case.
-    pub(super) fn of(trials: &[Trial], slope: f64, law: &Law, weighting: Weighting, level: f64) -> Self {
+    pub fn of(trials: &[Trial], slope: f64, law: &Law, weighting: Weighting, level: f64) -> Self {
         let points: Vec<Point> = trials.iter().flat_map(|trial| law.points(trial)).collect();
         let residuals = points.iter().map(|point| point.force - slope * point.basis);
         let own = trials.iter().flat_map(|trial| {

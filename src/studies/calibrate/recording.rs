@@ -1,7 +1,5 @@
 //! Tips as a camera saw them: in the root's frame, or in world axes beside the load's pose.
 
-use std::path::Path;
-
 use super::table::{InputError, Table};
 use crate::math::{Pose, Vec2};
 
@@ -46,12 +44,13 @@ impl Recording {
         self.samples.chunk_by(|one, next| one.time == next.time).count()
     }
 
-    /// Reads a recording of `n_springs` springs, or of any number, whose rest length is about `rest_length` (m).
+    /// Reads a recording of `n_springs` springs, or of any number, with about this rest length (m).
+    /// `file` is the name of the text in errors.
     ///
     /// # Errors
-    /// When the file cannot be read, or any of it cannot be where a tip was.
-    pub fn read(path: &Path, n_springs: Option<usize>, rest_length: f64) -> Result<Self, InputError> {
-        let mut table = Table::read(path, &COLUMNS)?;
+    /// When any row cannot be the position of a tip.
+    pub fn parse(text: &str, file: &str, n_springs: Option<usize>, rest_length: f64) -> Result<Self, InputError> {
+        let mut table = Table::parse(text, file, &COLUMNS)?;
         table.require(&COLUMNS[..2]);
         let is_in_root = table.has(COLUMNS[2]) || table.has(COLUMNS[3]);
         table.require(if is_in_root { &COLUMNS[2..4] } else { &COLUMNS[4..] });

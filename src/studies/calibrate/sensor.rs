@@ -1,8 +1,9 @@
 //! What turns tips into forces: springs, and how well they are known.
 
+use super::case::Case;
 use super::equivalents::PAPER_STRETCH;
-use super::fit::EDGE;
-use super::{Calibration, Case};
+use super::fit::{Calibration, EDGE};
+use super::trials::Estimate;
 use crate::math::Vec2;
 use crate::model::{PolarSpring, SpringDesign, paper};
 
@@ -77,7 +78,7 @@ impl Sensor {
         let design = found.dimensions.of_material(modulus.value);
         let of_modulus = |stiffness: f64| [stiffness, stiffness * modulus.standard_error / modulus.value];
         let stretch = PAPER_STRETCH.min(0.5 * Case::Radial.limit(&design));
-        let measured = |estimate: Option<super::Estimate>| estimate.map(|found| [found.value, found.standard_error]);
+        let measured = |estimate: Option<Estimate>| estimate.map(|found| [found.value, found.standard_error]);
         let radial = measured(found.radial_stiffness_n_per_m).unwrap_or_else(|| of_modulus(design.secant_radial_stiffness(stretch)));
         let torsional = measured(found.torsional_stiffness_nm_per_rad).unwrap_or_else(|| of_modulus(design.torsional_stiffness()));
         for spring in &mut self.springs {

@@ -1,28 +1,15 @@
-//! CSV tables with units in the names of their columns, and what is wrong with them: file, line, column, rule, and what was found.
-
-use std::path::Path;
+//! CSV tables with units in the names of their columns, and their faults by line and column.
 
 use csv::StringRecord;
 
-use crate::scenario::Finding;
+use crate::scenario::{Finding, lines};
 
-/// Faults that are listed of one file; the rest is counted.
-const MOST_FAULTS: usize = 20;
-
-/// Why a file gives no data.
+/// Every broken rule of a file, one a line.
 #[derive(Debug, thiserror::Error)]
-pub enum InputError {
-    #[error("{file}: cannot be read: {source}")]
-    Unreadable { file: String, source: std::io::Error },
-    /// Every broken rule, one a line.
-    #[error("{}", lines(file, findings))]
-    Invalid { file: String, findings: Vec<Finding> },
-}
-
-fn lines(file: &str, findings: &[Finding]) -> String {
-    let more = findings.len().saturating_sub(MOST_FAULTS);
-    let rest = (more > 0).then(|| format!("{file}: and {more} more"));
-    findings.iter().take(MOST_FAULTS).map(|finding| format!("{file}: {finding}")).chain(rest).collect::<Vec<_>>().join("\n")
+#[error("{}", lines(file, findings))]
+pub struct InputError {
+    pub file: String,
+    pub findings: Vec<Finding>,
 }
 
 /// Rows of a CSV file; lines that begin with `#` are comments.
@@ -34,18 +21,10 @@ pub struct Table {
 }
 
 impl Table {
-    /// # Errors
-    /// When the file cannot be read, is no CSV, or has a column that is not in `known` or a column twice.
-    pub fn read(path: &Path, known: &[&str]) -> Result<Self, InputError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| InputError::Unreadable { file: file.clone(), source })?;
-        Self::parse(&text, &file, known)
-    }
-
-    /// The same from text, under the name `file` in errors.
+    /// Reads a table from the text of a file, which has this name in errors.
     ///
     /// # Errors
-    /// As [`Table::read`].
+    /// When the text is no CSV, or has a column twice or one that is not in `known`.
     pub fn parse(text: &str, file: &str, known: &[&str]) -> Result<Self, InputError> {
         // Spreadsheets put a byte-order mark before the first name.
         let text = text.trim_start_matches('\u{feff}');
@@ -76,7 +55,7 @@ impl Table {
     /// # Errors
     /// Everything reported so far.
     pub fn whole(self) -> Result<Self, InputError> {
-        if self.findings.is_empty() { Ok(self) } else { Err(InputError::Invalid { file: self.file, findings: self.findings }) }
+        if self.findings.is_empty() { Ok(self) } else { Err(InputError { file: self.file, findings: self.findings }) }
     }
 
     pub fn n_rows(&self) -> usize {

@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 
+use super::design::Made;
+use super::fit::{Calibration, LinearFit};
+use super::quality::Goodness;
+use super::report::{DesignReport, ForcesReport, percent};
+use super::trials::Estimate;
 use crate::math::Interval;
 use crate::output::quantity::{number, quantity};
-use crate::studies::calibrate::report::{DesignReport, ForcesReport};
-use crate::studies::calibrate::{Calibration, Estimate, Goodness, LinearFit, Made};
 
 /// Columns before the values.
 const INDENT: usize = 18;
@@ -13,11 +16,6 @@ const INDENT: usize = 18;
 /// A line of a table: a name, and what it is.
 fn line(text: &mut String, name: &str, value: &str) {
     writeln!(text, "{name:<INDENT$}{value}").expect("a string takes all");
-}
-
-/// A share in percent, without the digits that a binary share adds.
-pub(crate) fn percent(share: f64) -> f64 {
-    (1e6 * share).round() / 1e4
 }
 
 /// E, stiffnesses, what each law leaves, what a linear stiffness stands for, then warnings.
@@ -109,7 +107,7 @@ fn goodness(found: &Goodness, unit: &str) -> String {
     text
 }
 
-pub(crate) fn design_text(found: &DesignReport) -> String {
+pub fn design_text(found: &DesignReport) -> String {
     let mut text = made_text(&found.exact);
     if let Some(made) = &found.on_grid {
         text.push_str("on the grid\n");
@@ -146,7 +144,7 @@ fn made_text(made: &Made) -> String {
     text
 }
 
-pub(crate) fn forces_text(found: &ForcesReport) -> String {
+pub fn forces_text(found: &ForcesReport) -> String {
     let mut text = format!("{:<8}{:>9}  {:<26}{:<12}{:<38}{}\n", "spring", "tips", "mean", "sd", "largest", "linear law less Eq. (1)");
     for summary in &found.springs {
         let name = summary.spring.map_or("all".to_owned(), |spring| spring.to_string());

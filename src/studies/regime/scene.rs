@@ -14,7 +14,7 @@ use crate::scenario::{Drive, Scenario};
 use crate::studies::verify::scenes::{LOAD_RADIUS, SLIP_STRETCH, at_rest, isotropic, natural_rate, paper_springs, paper_system};
 
 /// What happens to the load.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scene {
     /// One ant on a spring through the centre pulls for T_e since the onset of slip and lets go.

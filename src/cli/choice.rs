@@ -1,0 +1,139 @@
+//! Parsers of option values.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use serde::de::{DeserializeOwned, Deserializer, Error, Visitor, value};
+use serde::{Serialize, forward_to_deserialize_any};
+use serde_json::Value;
+
+use crate::output::glossary;
+
+/// Parser of a plain enum by its serialized names. The help lists them with the first sentence of
+/// the glossary on each.
+pub fn choice<T: Serialize + DeserializeOwned + Clone + Send + Sync + 'static>() -> impl TypedValueParser<Value = T> {
+    let names = names::<T>();
+    let possible = names.iter().map(|name| {
+        // The help wants static names: a few bytes for each option that is built.
+        let plain: &'static str = name.replace('_', "-").leak();
+        let about = glossary::entry(plain).filter(|entry| !names.iter().any(|other| other != name && entry.has_name(other)));
+        let value = PossibleValue::new(plain).hide(is_alias::<T>(name));
+        about.map_or(value.clone(), |entry| value.help(entry.summary().to_owned()))
+    });
+    PossibleValuesParser::new(possible).map(|name: String| parse::<T>(&name).expect("the name is listed"))
+}
+
+/// The value of this name.
+pub fn parse<T: DeserializeOwned>(name: &str) -> Option<T> {
+    let of = |name: String| serde_json::from_value(Value::String(name)).ok();
+    of(name.to_owned()).or_else(|| of(name.replace('-', "_")))
+}
+
+/// Whether the type reads this name and writes another.
+fn is_alias<T: Serialize + DeserializeOwned>(name: &str) -> bool {
+    parse::<T>(name).and_then(|found| serde_json::to_value(found).ok()) != Some(Value::from(name))
+}
+
+/// The serialized names of an enum's variants, aliases too.
+pub fn names<T: DeserializeOwned>() -> &'static [&'static str] {
+    let mut names = Names(&[]);
+    let _ = T::deserialize(&mut names);
+    names.0
+}
+
+/// Takes the names that a type expects and gives it no value.
+struct Names(&'static [&'static str]);
+
+impl<'de> Deserializer<'de> for &mut Names {
+    type Error = value::Error;
+
+    fn deserialize_enum<V: Visitor<'de>>(self, _: &str, names: &'static [&'static str], _: V) -> Result<V::Value, Self::Error> {
+        self.0 = names;
+        Err(Error::custom("no value"))
+    }
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Self::Error> {
+        Err(Error::custom("no value"))
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
+        unit_struct newtype_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// A number above zero.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("must be a number, found {text}"))?;
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("must be positive and finite, found {text}")) }
+}
+
+/// A step or an instant (s).
+pub fn seconds(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|error| error.replace("a number", "a number of seconds"))
+}
+
+/// A number that is zero or more.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if f64::is_finite(value) && value >= 0.0 => Ok(value),
+        _ => Err(format!("must be a finite number, zero or more, found {text}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::compare::{Tier, Verdict};
+    use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
+    use crate::backend::{BackendKind, Integrator, Skip, Status};
+    use crate::scenario::presets::Preset;
+    use crate::studies::calibrate::Case;
+    use crate::studies::methods::METHODS;
+    use crate::studies::{regime, sweep};
+
+    fn plain<T: Serialize + DeserializeOwned>() -> Vec<&'static str> {
+        names::<T>().iter().copied().filter(|name| !is_alias::<T>(name)).collect()
+    }
+
+    /// Contact modes, transitions and triggers are printed by hand.
+    const PRINTED: [&str; 14] = [
+        "sticking",
+        "pinned",
+        "slipping",
+        "onset",
+        "stop",
+        "pinning",
+        "unpinning",
+        "jump",
+        "start",
+        "release",
+        "grasp",
+        "slip onset",
+        "driving",
+        "engine error",
+    ];
+
+    #[test]
+    fn every_printed_name_is_explained() {
+        let options = [plain::<BackendKind>(), plain::<Integrator>(), plain::<Skip>(), plain::<Tier>(), plain::<Preset>()];
+        let engine = [plain::<EngineSettings>(), plain::<FrictionModel>(), plain::<Precision>(), plain::<SpringModel>()];
+        let studies = [
+            plain::<Case>(),
+            METHODS.iter().filter(|method| method.is_stressed).map(|method| method.key).collect(),
+            plain::<regime::Scene>(),
+            plain::<sweep::Method>(),
+        ];
+        let results = [plain::<Verdict>(), plain::<Status>(), PRINTED.to_vec()];
+        for name in [&options[..], &engine, &studies, &results].concat().concat() {
+            assert!(glossary::entry(name).is_some(), "{name} has no entry in the glossary");
+        }
+    }
+
+    #[test]
+    fn names_of_options_are_those_of_the_types() {
+        assert_eq!(names::<BackendKind>(), BackendKind::ALL.map(BackendKind::name));
+        assert_eq!(parse("inertial"), Some(BackendKind::Inertial));
+        assert_eq!(parse("closed-loop"), Some(Tier::ClosedLoop));
+        assert_eq!(parse::<BackendKind>("bullet"), None);
+        assert!(names::<f64>().is_empty());
+    }
+}

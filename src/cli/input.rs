@@ -1,0 +1,69 @@
+//! Scenario and table files that a command reads; `-` is standard input.
+
+use std::io::Read;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use super::console;
+use super::error::CliError;
+use super::error::at_file;
+use crate::scenario::Scenario;
+
+/// The text of a file, or of standard input.
+pub fn read_text(path: &Path) -> Result<String, CliError> {
+    if !is_stdin(path) {
+        return std::fs::read_to_string(path).map_err(at_file(path));
+    }
+    let mut text = String::new();
+    std::io::stdin().read_to_string(&mut text).map_err(at_file(Path::new("standard input")))?;
+    Ok(text)
+}
+
+/// Reads data from a JSON file; `rule` says what the file must be.
+pub fn read_json<T: DeserializeOwned>(path: &Path, rule: &str) -> Result<T, CliError> {
+    serde_json::from_str(&read_text(path)?).map_err(|error| CliError::Usage(format!("{}: {rule}: {error}", name_of(path))))
+}
+
+/// Reads a scenario, with the seed of the command line if it has one.
+pub fn read_scenario(path: &Path, seed: Option<u64>) -> Result<Scenario, CliError> {
+    let scenario = match is_stdin(path) {
+        true => Scenario::parse(&read_text(path)?, &name_of(path))?,
+        false => Scenario::read(path)?,
+    };
+    Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })
+}
+
+/// How messages name the file.
+pub fn name_of(path: &Path) -> String {
+    if is_stdin(path) { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+/// The file's name without folder and extension, which names outputs.
+pub fn stem_of(path: &Path) -> String {
+    if is_stdin(path) { "stdin".to_owned() } else { path.file_stem().unwrap_or_default().to_string_lossy().into_owned() }
+}
+
+fn is_stdin(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Most steps in a control period (1): interrupts and progress are handled between two periods.
+const MOST_STEPS: f64 = 1e6;
+
+/// Warns of a step that is longer than the control period, at which each step ends.
+///
+/// # Errors
+/// When the step is so short that a control period takes minutes.
+pub fn check_step(step_s: Option<f64>, scenario: &Scenario) -> Result<(), CliError> {
+    let Some(step) = step_s else { return Ok(()) };
+    let period = scenario.control_period;
+    if step > period {
+        console::warn(format_args!("--step-s: steps end with the control period, {period} s, found {step} s"));
+    }
+    let least = period / MOST_STEPS;
+    if step < least {
+        return Err(CliError::Usage(format!("--step-s: must be at least {least:e} s, 1e-6 of the control period, found {step:e}")));
+    }
+    Ok(())
+}

@@ -1,0 +1,77 @@
+//! The glossary: what every printed term means, read from `glossary.md`.
+
+/// One term.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    pub term: &'static str,
+    /// Other names of the term.
+    pub aliases: Vec<String>,
+    /// One to three sentences on one line.
+    pub meaning: String,
+    /// Page of the book that says more, relative to its folder.
+    pub page: Option<&'static str>,
+}
+
+/// All entries in alphabetical order.
+pub fn entries() -> Vec<Entry> {
+    include_str!("glossary.md").split("\n## ").skip(1).map(Entry::parse).collect()
+}
+
+/// The entry of a term or of another name of it.
+pub fn entry(term: &str) -> Option<Entry> {
+    entries().into_iter().find(|entry| entry.has_name(term.trim()))
+}
+
+impl Entry {
+    fn parse(section: &'static str) -> Self {
+        let (term, body) = section.split_once('\n').unwrap_or((section, ""));
+        let mut found = Self { term: term.trim(), aliases: Vec::new(), meaning: String::new(), page: None };
+        for paragraph in body.split("\n\n").map(str::trim).filter(|paragraph| !paragraph.is_empty()) {
+            let line = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+            if let Some(aliases) = line.strip_prefix("Also: ") {
+                found.aliases = aliases.trim_end_matches('.').split(", ").map(str::to_owned).collect();
+            } else if paragraph.starts_with("More: ") {
+                found.page = paragraph.split_once('(').and_then(|(_, rest)| rest.split_once(')')).map(|(page, _)| page);
+            } else {
+                found.meaning = line;
+            }
+        }
+        found
+    }
+
+    /// Whether this is the term or another name of it. Letter case does not matter, and hyphens and
+    /// underscores count as spaces.
+    pub fn has_name(&self, name: &str) -> bool {
+        let plain = |name: &str| name.to_lowercase().replace(['-', '_'], " ");
+        std::iter::once(self.term).chain(self.aliases.iter().map(String::as_str)).any(|own| plain(own) == plain(name))
+    }
+
+    /// The first sentence of the meaning, without its full stop.
+    pub fn summary(&self) -> &str {
+        self.meaning.split(". ").next().unwrap_or_default().trim_end_matches('.')
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_entry_has_a_meaning_and_names_of_its_own() {
+        let entries = entries();
+        assert!(entries.len() > 100);
+        let mut names: Vec<String> = entries
+            .iter()
+            .flat_map(|entry| std::iter::once(entry.term).chain(entry.aliases.iter().map(String::as_str)))
+            .map(str::to_lowercase)
+            .collect();
+        names.sort();
+        assert_eq!(names.windows(2).find(|pair| pair[0] == pair[1]), None);
+        for found in entries {
+            assert!(found.meaning.ends_with('.') && !found.meaning.contains("  "), "{found:?}");
+            assert_eq!(entry(&found.term.to_uppercase()).unwrap().term, found.term);
+        }
+        let mode = entry("Sticking").unwrap();
+        assert_eq!((mode.term, mode.page), ("contact mode", Some("method.md#quasi-static-step")));
+    }
+}
