@@ -17,7 +17,8 @@ use crate::analysis::compare::{Settings, ThreeWay, Tier, Verdict};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
 use crate::scenario::{Drive, Scenario};
-use crate::studies::compare::report::{Comparison, Tiers, write_comparison};
+use crate::studies::compare::comparison::{Comparison, Tiers};
+use crate::studies::compare::files::write_comparison;
 use crate::studies::compare::text::text;
 
 #[derive(Args)]

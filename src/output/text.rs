@@ -40,6 +40,9 @@ impl Lines {
 
     fn wrapped(&mut self, label: &str, text: &str, column: usize) {
         let mut line = format!("{label:<column$}");
+        if column > 0 && !line.ends_with(' ') {
+            line += "  ";
+        }
         let mut width = line.chars().count();
         for (at, word) in text.split(' ').enumerate() {
             let length = word.chars().count();
@@ -70,7 +73,8 @@ mod tests {
         let mut lines = Lines::default();
         lines.row("label", &"word ".repeat(13));
         lines.row("a label that is too long", "value");
-        let expected = format!("  label             {}word\n{}word\n  a label that is too longvalue\n", "word ".repeat(11), " ".repeat(20));
+        let expected =
+            format!("  label             {}word\n{}word\n  a label that is too long  value\n", "word ".repeat(11), " ".repeat(20));
         assert_eq!(lines.text, expected);
     }
 }

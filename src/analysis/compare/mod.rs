@@ -33,7 +33,7 @@ pub use difference::Difference;
 pub use divergence::Divergence;
 pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, PairedDifference};
 pub use numbers::{Numbers, Predicted};
-pub use pathwise::{Cost, Costs, EdgeDisplacement, FirstDivergence, Pathwise, ReferenceError};
+pub use pathwise::{EdgeDisplacement, FirstDivergence, Pathwise, ReferenceError};
 pub use settings::{MakeController, Settings, Tier};
 pub use solution::{Point, Solution};
 pub use suggestion::SuggestedChange;

@@ -1,6 +1,6 @@
 //! Comparison of paths: the prescribed and the replayed tier.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
@@ -10,7 +10,7 @@ use super::solution::Solution;
 use super::suggestion::{Differences, SuggestedChange};
 use super::verdict::{Cause, Verdict};
 use crate::analysis::trigger::ByTrigger;
-use crate::backend::{BackendKind, BackendOptions, Status, StepReport};
+use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Make, built};
 
@@ -46,9 +46,8 @@ pub struct Pathwise {
     /// Longest time between two instants at which the paths are compared (s).
     pub sampled_every_s: f64,
     pub first_divergence: FirstDivergence,
-    pub backends: Costs,
     /// Paths of the quasi-static, inertial and rapier backends.
-    #[serde(skip)]
+    #[serde(rename = "backends", serialize_with = "by_backend")]
     pub solutions: [Solution; 3],
 }
 
@@ -81,24 +80,6 @@ pub struct EdgeDisplacement {
     pub reference_error_m: f64,
 }
 
-/// Work behind the path of each backend.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Costs {
-    pub quasi_static: Cost,
-    pub inertial: Cost,
-    pub rapier: Cost,
-}
-
-/// Work behind one path.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Cost {
-    /// Step of the run that is shown (s); left out under error control.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub step_s: Option<f64>,
-    /// Counts and worst status of all runs behind the path.
-    pub steps: StepReport,
-}
-
 /// First divergences of the paths; `null` where a difference stays below the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FirstDivergence {
@@ -128,16 +109,44 @@ impl EdgeDisplacement {
     }
 }
 
-impl Costs {
-    fn of([quasi_static, inertial, rapier]: &[Solution; 3]) -> Self {
-        let cost = |solution: &Solution| Cost { step_s: solution.step_s, steps: solution.steps };
-        Self { quasi_static: cost(quasi_static), inertial: cost(inertial), rapier: cost(rapier) }
-    }
-
+impl Pathwise {
     /// Whether the reference error is known: all macro-steps of both reference runs converged.
     pub fn references_converged(&self) -> bool {
-        [self.quasi_static, self.inertial].iter().all(|cost| cost.steps.status == Status::Converged)
+        self.solutions[..2].iter().all(|solution| solution.steps.status == Status::Converged)
     }
+
+    fn verdict(&self) -> Verdict {
+        let EdgeDisplacement { inertia_effect_m, engine_error_m, reference_error_m, .. } = self.edge_displacement;
+        if self.solutions.iter().any(|solution| solution.steps.status == Status::Failed) {
+            Verdict::NotComputed
+        } else if !self.references_converged() {
+            Verdict::Inconclusive
+        } else {
+            Verdict::on_paths(inertia_effect_m, engine_error_m, reference_error_m, self.tolerance_m)
+        }
+    }
+
+    /// Changes against the causes; `tolerance_without_inertia` (m) applies after them.
+    fn suggestions(&self, scenario: &Scenario, tolerance_without_inertia: f64) -> Vec<SuggestedChange> {
+        let (largest, tolerance) = (&self.edge_displacement, self.tolerance_m);
+        if self.verdict == Verdict::Inconclusive && self.references_converged() {
+            return vec![SuggestedChange::TighterTolerance { tolerance_m: LARGEST_REFERENCE_ERROR * tolerance }];
+        }
+        let [model, model_uncertainty] = [&self.model_error, &self.reference_error.rapier].map(|error| error.edge_displacement_max_m);
+        let model = (model - model_uncertainty - largest.reference_error_m).max(0.0);
+        let differences = Differences { engine: largest.engine_error_m, model, tolerance, tolerance_without_inertia };
+        let tick_angle = scenario.control_period * numbers::natural_rate(scenario);
+        let against = |cause: &Cause| match cause {
+            Cause::Inertia => differences.against_inertia(&largest.by_trigger, &self.numbers, &self.predicted, tick_angle),
+            Cause::Engine => vec![differences.against_engine(self.solutions[2].step_s.unwrap_or_default())],
+        };
+        self.causes.iter().flat_map(against).collect()
+    }
+}
+
+/// The step and the counts of each path.
+fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(["quasi_static", "inertial", "rapier"].into_iter().zip(solutions))
 }
 
 pub(super) fn compare(
@@ -180,8 +189,6 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
     let (jumps, no_jumps) = (Jumps::of(&quasi_static.trace, scenario.control_period), Jumps::default());
     let inertia_effect = Difference::outside_jumps(&inertial.points, &quasi_static.points, radius, &jumps);
     let engine_error = Difference::between(&rapier.points, &inertial.points, radius);
-    let time_step_error = Difference::between(&rapier.points, &rapier.limit, radius);
-    let model_error = Difference::between(&rapier.limit, &inertial.limit, radius);
     let quasi_static_length = quasi_static.path_length(radius);
     let path_length_m = quasi_static_length.max(inertial.reach(radius));
     // A load at rest has no path: a millionth of its radius stands in.
@@ -192,54 +199,30 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
     let [inertia, engine, reference] =
         [&inertia_effect, &engine_error, &reference_error.all].map(|difference| difference.edge_displacement_max_m);
     let edge_displacement = EdgeDisplacement::new(inertia, by_inertia.by_trigger(), engine, reference);
-    let differences = Differences {
-        engine,
-        model: (model_error.edge_displacement_max_m - reference_error.rapier.edge_displacement_max_m - reference).max(0.0),
-        tolerance: tolerance_m,
-        tolerance_without_inertia: tolerance(quasi_static_length),
-    };
     let numbers = Numbers::of(scenario, &inertial.trace);
-    let predicted = numbers.predict(scenario, inertial, by_inertia.n_sudden(), tolerance_m).with_estimate(scenario, &quasi_static.trace);
-    let backends = Costs::of(&solutions);
-    let failed = solutions.iter().any(|solution| solution.steps.status == Status::Failed);
-    let is_known = backends.references_converged();
-    let verdict = match (failed, is_known) {
-        (true, _) => Verdict::NotComputed,
-        (_, false) => Verdict::Inconclusive,
-        _ => Verdict::on_paths(inertia, engine, reference, tolerance_m),
-    };
-    let causes = if is_known { edge_displacement.causes(tolerance_m) } else { Vec::new() };
-    let suggested_changes = match verdict {
-        Verdict::Inconclusive if is_known => {
-            vec![SuggestedChange::TighterTolerance { tolerance_m: LARGEST_REFERENCE_ERROR * tolerance_m }]
-        }
-        _ => {
-            let tick_angle = scenario.control_period * numbers::natural_rate(scenario);
-            let against = |cause: &Cause| match cause {
-                Cause::Inertia => differences.against_inertia(&edge_displacement.by_trigger, &numbers, &predicted, tick_angle),
-                Cause::Engine => vec![differences.against_engine(rapier.step_s.unwrap_or_default())],
-            };
-            causes.iter().flat_map(against).collect()
-        }
-    };
-    Pathwise {
+    let mut found = Pathwise {
         tier,
         inertia_effect,
         engine_error,
-        time_step_error,
-        model_error,
+        time_step_error: Difference::between(&rapier.points, &rapier.limit, radius),
+        model_error: Difference::between(&rapier.limit, &inertial.limit, radius),
         reference_error,
+        predicted: numbers.predict(scenario, inertial, by_inertia.n_sudden(), tolerance_m).with_estimate(scenario, &quasi_static.trace),
         numbers,
-        predicted,
-        verdict,
-        causes,
-        suggested_changes,
+        verdict: Verdict::NotComputed,
+        causes: Vec::new(),
+        suggested_changes: Vec::new(),
         edge_displacement,
         tolerance_m,
         path_length_m,
         sampled_every_s: scenario.control_period / settings.parts_of_period(scenario) as f64,
         first_divergence: FirstDivergence { inertia_effect: by_inertia.first_divergence(), engine_error: by_engine.first_divergence() },
-        backends,
         solutions,
+    };
+    found.verdict = found.verdict();
+    if found.references_converged() {
+        found.causes = edge_displacement.causes(tolerance_m);
     }
+    found.suggested_changes = found.suggestions(scenario, tolerance(quasi_static_length));
+    found
 }

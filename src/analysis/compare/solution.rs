@@ -13,23 +13,29 @@
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
 use crate::math::Pose;
 use crate::scenario::Scenario;
 use crate::simulation::{Driver, Keep, Make, Row, Simulation, Trace};
 
-/// Path of a load with its numerical error.
-#[derive(Clone, Debug, PartialEq)]
+/// Path of a load with its numerical error; JSON has its step and counts only.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Solution {
+    #[serde(skip)]
     pub kind: BackendKind,
     /// Path in the limit of small steps, with its error.
+    #[serde(skip)]
     pub limit: Vec<Point>,
     /// Path at the step that was asked for, for an engine; equal to `limit` for other backends.
+    #[serde(skip)]
     pub points: Vec<Point>,
     /// Run from which forces, events and figures come; an engine's at the step asked for.
+    #[serde(skip)]
     pub trace: Trace,
     /// Step of that run (s); `None` under error control.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub step_s: Option<f64>,
     /// Counts and worst status of all runs behind this path.
     pub steps: StepReport,

@@ -9,7 +9,7 @@ pub fn of_paths(found: &Pathwise) -> Answer {
     let [least, most] = found.edge_displacement.inertia_effect_range_m;
     match found.verdict {
         Verdict::NotComputed => Answer::Open,
-        _ if !found.backends.references_converged() => Answer::Open,
+        _ if !found.references_converged() => Answer::Open,
         _ if least > found.tolerance_m => Answer::No,
         _ if most <= found.tolerance_m => Answer::Yes,
         _ => Answer::Open,
@@ -31,7 +31,7 @@ pub fn sentence_of_paths(found: &Pathwise) -> String {
             "Quasi-static is valid here: inertia does not move the load.".to_owned()
         }
         Answer::Yes => format!("Quasi-static is valid here: {moves}, less than the tolerance of {tolerance}."),
-        _ if !found.backends.references_converged() => format!("{UNKNOWN}: some macro-steps of the reference runs did not converge."),
+        _ if !found.references_converged() => format!("{UNKNOWN}: some macro-steps of the reference runs did not converge."),
         _ => {
             let error = short_quantity(found.edge_displacement.reference_error_m, "m");
             format!("{UNKNOWN}: {moves}, too close to the tolerance of {tolerance} for the reference error of {error}.")

@@ -11,7 +11,7 @@ use crate::output::page::{Block, Headline, Number, Page, Table};
 use crate::output::quantity::{quantity, short, short_quantity};
 use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance};
-use crate::studies::compare::report::Comparison;
+use crate::studies::compare::comparison::Comparison;
 use crate::studies::compare::text::{details, or_none, paired, suggested, tier_name};
 
 pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &Manifest) -> Page {

@@ -6,7 +6,7 @@ use crate::backend::Status;
 use crate::output::quantity::{quantity, short, short_quantity};
 use crate::output::text::{Detail, Lines};
 use crate::studies::compare::answer::{name_and_unit, tolerance};
-use crate::studies::compare::report::Comparison;
+use crate::studies::compare::comparison::Comparison;
 
 /// Most lines of suggested changes in brief text; one is said to be left out.
 const MOST_CHANGES: usize = 2;

@@ -5,7 +5,7 @@ use crate::output::manifest::Manifest;
 use crate::output::page::replay::{Replay, Shown};
 use crate::output::page::terms::TERMS;
 use crate::output::page::{Block, Headline, Number, Page};
-use crate::output::quantity::{quantity, short_quantity};
+use crate::output::quantity::quantity;
 use crate::output::text::Detail;
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
@@ -38,19 +38,6 @@ fn numbers(summary: &RunSummary) -> Vec<Number> {
         Number::new("backend", run.options.kind.name(), steps(run)),
         Number::new("end", format!("({x}, {y})"), format!("heading {}", quantity(pose.heading, "rad"))),
     ];
-    let pull = &outcome.pulls;
-    if pull.n() > 0 {
-        let [mean, sd, max] = [pull.mean(), pull.sd(), pull.max()].map(|value| quantity(value, "N"));
-        numbers.push(Number::new("pull at decisions", mean, format!("± {sd}, max. {max}, {} samples", pull.n())));
-    }
-    if let Some((asked, error)) = run.options.tolerance.zip(outcome.error) {
-        let note = format!("tolerance {}", quantity(asked.position_m, "m"));
-        numbers.push(Number::new("estimated error", quantity(error.position, "m"), note));
-    }
-    if let Some(largest) = outcome.transitions.largest_jump {
-        let note = format!("the largest {}", short_quantity(largest, "m"));
-        numbers.push(Number::new("jumps", outcome.transitions.n_jumps.to_string(), note));
-    }
     let solves = format!("{} solves, {} not converged", outcome.steps.n_solves, outcome.steps.n_not_converged);
     numbers.extend(run.wall_time.map(|time| Number::new("wall time", quantity(time, "s"), solves)));
     numbers

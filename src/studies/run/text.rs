@@ -1,11 +1,11 @@
 //! A run as text: the answer, the evidence, and all details on request.
 
 use crate::analysis::estimate::InertiaEstimate;
-use crate::backend::{SkipCounts, Status, StepReport};
+use crate::backend::{Status, StepReport};
 use crate::math::Vec2;
 use crate::output::quantity::{number, quantity, short, short_quantity};
 use crate::output::text::{Detail, Lines};
-use crate::simulation::run_facts::Run;
+use crate::simulation::run_facts::{FACTS, Run, Value, unit_of};
 use crate::studies::run::answer::{sentence, tolerance};
 use crate::studies::run::summary::RunSummary;
 
@@ -27,9 +27,6 @@ pub fn run_text(summary: &RunSummary, detail: Detail) -> String {
     match detail {
         Detail::Brief => brief(run, &mut lines),
         Detail::Full => full(run, &mut lines),
-    }
-    if let Some(wall_time) = run.wall_time {
-        lines.row("wall time", &short_quantity(wall_time, "s"));
     }
     lines.text
 }
@@ -85,44 +82,31 @@ fn brief(run: &Run, lines: &mut Lines) {
     let (energy, steps) = (&run.outcome.energy, &run.outcome.steps);
     let [work, dissipated, defect] = [energy.tip_work, energy.dissipated(), energy.defect()].map(|value| short_quantity(value, "J"));
     lines.row("energy", &format!("tip work {work}, dissipated {dissipated}, defect {defect}"));
-    let skipped = percent(steps.n_skipped, steps);
+    let skipped = format!("{} %", short(100.0 * steps.n_skipped as f64 / steps.n_steps.max(1) as f64));
     lines.row("steps", &format!("{}, {skipped} skipped, {} not converged", steps.n_steps, steps.n_not_converged));
+    if let Some(wall_time) = run.wall_time {
+        lines.row("wall time", &short_quantity(wall_time, "s"));
+    }
 }
 
+/// Every number of the run, by the names of its JSON.
 fn full(run: &Run, lines: &mut Lines) {
-    let (energy, parts, steps) = (&run.outcome.energy, run.outcome.energy.defect_parts(), &run.outcome.steps);
-    lines.section("energy");
-    for (name, value) in [
-        ("tip work", energy.tip_work),
-        ("dissipated", energy.dissipated()),
-        ("  friction", energy.friction),
-        ("  damping", energy.damping),
-        ("  released", energy.released),
-        ("elastic", energy.elastic),
-        ("kinetic", energy.kinetic),
-        ("initial", energy.initial),
-        ("defect", energy.defect()),
-        ("  jumps", parts.jumps),
-        ("  num. damping", parts.numerical_damping),
-        ("  quadrature", parts.quadrature),
-    ] {
-        lines.row(name, &quantity(value, "J"));
+    let mut section = "";
+    for fact in FACTS.iter().filter(|fact| !fact.name.starts_with("final.")) {
+        let value = match fact.value(run) {
+            Value::Absent => continue,
+            Value::Undefined => "none".to_owned(),
+            Value::Number(value) => quantity(value, unit_of(fact.name)),
+            Value::Count(n) => n.to_string(),
+            Value::Flag(flag) => flag.to_string(),
+        };
+        let (group, name) = fact.name.split_once('.').unwrap_or(("run", fact.name));
+        if group != section {
+            lines.section(group);
+            section = group;
+        }
+        lines.row(name, &value);
     }
-    lines.section("steps");
-    let status = match steps.status {
-        Status::Converged => "all converged",
-        Status::NotConverged => "some did not converge",
-        Status::Failed => "some failed",
-    };
-    lines.row("status", status);
-    lines.row("residual", &finite_residual(steps).map_or("none".to_owned(), number));
-    lines.row("steps", &format!("{}, {} known without solving", steps.n_steps, steps.n_skipped));
-    lines.row("skipped", &skipped_steps(steps));
-    if run.outcome.arrived.is_some() {
-        lines.row("sensing", &format!("{} ants were too far from the load, over all ticks", steps.skipped.distant_ants));
-    }
-    lines.row("not converged", &steps.n_not_converged.to_string());
-    lines.row("solves", &format!("{} in {} iterations", steps.n_solves, steps.n_iterations));
 }
 
 /// Warning about steps that did not converge; `None` if all did.
@@ -148,19 +132,6 @@ fn finite_residual(steps: &StepReport) -> Option<f64> {
     Some(steps.residual).filter(|residual| residual.is_finite())
 }
 
-fn percent(n: u64, steps: &StepReport) -> String {
-    format!("{} %", short(100.0 * n as f64 / steps.n_steps.max(1) as f64))
-}
-
-/// Share of the steps that were skipped, and why. Reasons need not add up to all of them.
-fn skipped_steps(steps: &StepReport) -> String {
-    let SkipCounts { free_load, still_tips, stick_bound, .. } = steps.skipped;
-    let reasons = [(free_load, "no spring attached"), (still_tips, "tips at rest"), (stick_bound, "stick certificate")];
-    let reasons: Vec<String> = reasons.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{} {why}", percent(*n, steps))).collect();
-    let why = if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) };
-    format!("{} of the steps{why}", percent(steps.n_skipped, steps))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,13 +152,8 @@ mod tests {
         let text = text(Some(true), Detail::Full);
         assert!(text.starts_with("The load reached the nest after 76.1 s at (252 mm, -3.1 mm); "), "{text}");
         assert!(text.contains("\n  position          (252.5 mm, -3.100 mm), heading "), "{text}");
-        assert!(text.contains("\n  skipped           75 % of the steps: 50 % no spring attached, 20 % stick\n"), "{text}");
-        assert!(text.contains("\n  sensing           1234 ants were too far from the load, over all ticks\n"), "{text}");
+        assert!(text.contains("\nenergy\n  elastic_j         ") && text.contains("\n  skipped.distant_ants  1234\n"), "{text}");
         assert!(text.contains("\n  jumps             1, the largest 4 mm\n"), "{text}");
-        for line in text.lines().filter(|line| line.starts_with(' ')) {
-            let mut before = line.chars().skip(Lines::VALUE - 1);
-            assert!(before.next() == Some(' ') && before.next().is_some_and(|c| c != ' '), "{line:?}");
-        }
     }
 
     #[test]

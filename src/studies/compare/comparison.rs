@@ -1,0 +1,60 @@
+//! A comparison as data: the answer, and the results by tier.
+
+use serde::Serialize;
+
+use crate::analysis::compare::{ClosedLoop, Pathwise, Settings, Verdict};
+use crate::output::page::Answer;
+use crate::scenario::Scenario;
+use crate::studies::compare::answer;
+
+/// Result of `cohaul compare`, as `--json` prints it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Whether the quasi-static backend is valid, and the engine error, in words.
+    pub answer: String,
+    pub scenario: String,
+    pub seed: u64,
+    pub settings: Settings,
+    pub tiers: Tiers,
+    /// Real time that the comparison took (s).
+    pub wall_s: f64,
+}
+
+/// Results by tier; a tier that was not asked for is left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Tiers {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prescribed: Option<Pathwise>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replayed: Option<Pathwise>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closed_loop: Option<ClosedLoop>,
+}
+
+impl Comparison {
+    /// `tiers` after `wall_s` (s) of real time. The answer is that of paths, if there are any.
+    pub fn new(scenario: &Scenario, settings: &Settings, tiers: Tiers, wall_s: f64) -> Self {
+        let paths = tiers.pathwise().next().map(answer::sentence_of_paths);
+        let answer = paths.or(tiers.closed_loop.as_ref().map(answer::sentence_of_ensemble)).unwrap_or_default();
+        Self { answer, scenario: scenario.name.clone(), seed: scenario.seed, settings: *settings, tiers, wall_s }
+    }
+
+    /// Whether the answer is that quasi-static is valid.
+    pub fn is_valid(&self) -> Answer {
+        let paths = self.tiers.pathwise().next().map(answer::of_paths);
+        paths.or(self.tiers.closed_loop.as_ref().map(answer::of_ensemble)).unwrap_or(Answer::Open)
+    }
+}
+
+impl Tiers {
+    /// Comparisons of paths: prescribed, then replayed.
+    pub fn pathwise(&self) -> impl Iterator<Item = &Pathwise> {
+        [&self.prescribed, &self.replayed].into_iter().flatten()
+    }
+
+    /// Whether all runs succeeded.
+    pub fn are_computed(&self) -> bool {
+        let verdicts = self.pathwise().map(|found| found.verdict);
+        verdicts.chain(self.closed_loop.iter().map(|found| found.verdict)).all(|verdict| verdict != Verdict::NotComputed)
+    }
+}
