@@ -1,4 +1,5 @@
-//! The inertia estimate of quasi-static runs: known answers of one spring, scaling, invariance, and that watching changes nothing.
+//! The inertia estimate of quasi-static runs: known answers of one spring, scaling, invariance, and
+//! no effect on the run itself.
 
 #[path = "common/random_scenes.rs"]
 mod random_scenes;
@@ -22,7 +23,7 @@ fn options(scenario: &Scenario) -> BackendOptions {
     BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period)
 }
 
-/// As `cohaul run` has it, without a trace.
+/// Estimate of a run without a trace, as in `cohaul run`.
 fn estimate(scenario: &Scenario) -> InertiaEstimate {
     let (backend, estimator) = with_estimate(&scenario.system, scenario.start, &options(scenario));
     let mut run = Simulation::on(scenario, &options(scenario), Keep::Outcome, driver_of(scenario), backend);
@@ -30,7 +31,7 @@ fn estimate(scenario: &Scenario) -> InertiaEstimate {
     estimator.borrow().estimate()
 }
 
-/// Rate of the oscillation on one spring (rad/s).
+/// Natural frequency of the load on one spring (rad/s).
 fn omega(scenario: &Scenario) -> f64 {
     (scenario.system.springs[0].radial_stiffness / scenario.system.load.mass).sqrt()
 }
@@ -46,21 +47,21 @@ fn assert_near(found: f64, expected: f64, relative: f64) {
     assert!((found / expected - 1.0).abs() < relative, "{found} is not {expected}");
 }
 
-/// An onset at the speed v gives x - x_qs = -(v / omega) sin(omega t).
+/// A slip onset at the speed v gives x - x_qs = -(v / omega) sin(omega t).
 #[test]
 fn an_onset_swings_by_speed_over_omega() {
     let scenario = scene("analytic/centre-pull");
     let found = estimate(&scenario);
-    // Rows fall on the crest to omega h / 2 = 0.01 rad, its square halved: 5e-5.
+    // Rows meet the crest to omega h / 2 = 0.01 rad, which makes 5e-5 of the amplitude.
     assert_near(found.edge_displacement_max_m, 0.005 / omega(&scenario), 1e-4);
     assert_eq!((found.largest.unwrap().trigger.kind, found.by_trigger.jumps_m, found.by_trigger.start_m), (TriggerKind::Driving, 0.0, 0.0));
     assert!(found.is_negligible);
 }
 
-/// A tip that goes twice as fast from t_1 on, anywhere within a stride, starts a second swing beside that of the onset at t_0: together up to
-/// 2 (v / omega) |cos(omega (t_1 - t_0) / 2)|.
+/// A tip that moves twice as fast from t_1 on starts a second oscillation beside that of the onset
+/// at t_0: together up to 2 (v / omega) |cos(omega (t_1 - t_0) / 2)|.
 #[test]
-fn a_tip_that_changes_its_pace_starts_a_swing_of_its_own() {
+fn a_tip_that_changes_its_speed_starts_an_oscillation() {
     let scenario = scene("analytic/centre-pull");
     let (speed, omega) = (0.005, omega(&scenario));
     let onset = scenario.system.total_slip_limit() / scenario.system.springs[0].radial_stiffness / speed;
@@ -72,12 +73,13 @@ fn a_tip_that_changes_its_pace_starts_a_swing_of_its_own() {
         last.position = middle + Vec2::new(2.0 * speed * (end - corner), 0.0);
         let turn = Waypoint { time: corner, position: middle };
         paths[0].waypoints.insert(1, turn);
-        // As for the onset alone: crests are found to 0.33^4 / 384 = 3e-5.
+        // Crests are found to 0.33^4 / 384 = 3e-5, as for the onset alone.
         assert_near(estimate(&scenario).edge_displacement_max_m, 2.0 * speed / omega * (0.5 * phase).cos().abs(), 1e-4);
     }
 }
 
-/// A ramp that stops after tau of slipping leaves the load 2 (v / omega) |sin(omega tau / 2)| further than without inertia.
+/// A tip that stops after the load slipped for tau leaves it 2 (v / omega) |sin(omega tau / 2)|
+/// further than without inertia.
 #[test]
 fn a_stop_after_a_ramp_lets_the_load_coast() {
     let scenario = scene("analytic/ramp-and-hold");
@@ -89,7 +91,8 @@ fn a_stop_after_a_ramp_lets_the_load_coast() {
     assert!(!found.is_negligible);
 }
 
-/// A release at 2.5 times the slip limit: 1.5 f / k without inertia and twice that with it, whatever the mass; with damping 1 + exp(-pi zeta / sqrt(1 - zeta^2)).
+/// A release at 2.5 times the slip limit moves the load by 1.5 f / k without inertia, and twice as
+/// far with any mass. With damping the factor is 1 + exp(-pi zeta / sqrt(1 - zeta^2)).
 #[test]
 fn a_jump_overshoots_by_its_own_length_and_less_with_damping() {
     let mut scenario = scene("analytic/release-jump");
@@ -102,17 +105,18 @@ fn a_jump_overshoots_by_its_own_length_and_less_with_damping() {
         scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = zeta);
         let overshoot = (-PI * zeta / (1.0f64 - zeta * zeta).sqrt()).exp();
         assert_near(estimate(&scenario).edge_displacement_final_m, overshoot * jump, 1e-6);
-        // At first it is behind by all of the jump but what it goes in a control period.
+        // At first the load is behind by the whole jump, except for its motion in one control
+        // period.
         assert_near(estimate(&scenario).edge_displacement_max_m, jump, 1e-3);
     }
-    // Overdamped it creeps to the balance: after a second the slow one of its two modes is left.
+    // An overdamped load approaches the balance; after a second only the slow mode is left.
     scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = 2.0);
     let slow = 2.0 - 3f64.sqrt();
     let left = (-omega(&scenario) * slow).exp() * (2.0 + 3f64.sqrt()) / (2.0 * 3f64.sqrt());
     assert_near(estimate(&scenario).edge_displacement_final_m, left * jump, 1e-6);
 }
 
-/// Friction takes the energy of the start on v^2 / (2 mu g), or omega^2 I / (2 f a) for a spin.
+/// Friction dissipates the initial energy over v^2 / (2 mu g), or omega^2 I / (2 f a) for a spin.
 #[test]
 fn a_start_with_speed_coasts() {
     let slide = scene("analytic/slide");
@@ -125,8 +129,9 @@ fn a_start_with_speed_coasts() {
     assert_near(estimate(&spin).edge_displacement_final_m, spin.system.load.radius * turn, 1e-9);
 }
 
-/// A load that starts across a pull just beyond the slip limit jumps by a micrometre without inertia. That takes nothing of the speed it starts with from
-/// the other one, which goes at least as far as with no spring, and further: the pull turns its slip. Without the jump it is much the same.
+/// A load that starts across a pull just above the slip limit jumps by a micrometre without
+/// inertia. The jump does not change the speed of the load with inertia. That load moves further
+/// than without a spring, because the pull turns its slip.
 #[test]
 fn a_short_jump_leaves_a_load_its_speed() {
     let text = r#"{ "name": "across", "duration_s": 0.5, "control_period_s": 0.0025,
@@ -142,12 +147,12 @@ fn a_short_jump_leaves_a_load_its_speed() {
         let Drive::Tips(paths) = &mut scenario.drive else { panic!("a scene with prescribed tips") };
         paths[0].waypoints[0].position.y = stretch + beyond;
         let found = estimate(&scenario);
-        // Measured by the load with inertia: 2.48 mm each.
+        // The inertial backend gives 2.48 mm each.
         assert!(found.edge_displacement_max_m > coasting && found.edge_displacement_max_m < 2.5e-3, "{beyond}: {found:?}");
     }
 }
 
-/// At fixed friction an onset's swing goes with the root of the mass.
+/// At fixed friction the oscillation after a slip onset grows with the square root of the mass.
 #[test]
 fn onsets_scale_with_the_root_of_the_mass_at_fixed_friction() {
     let scenario = scene("analytic/centre-pull");
@@ -163,7 +168,7 @@ fn a_load_that_never_moves_is_estimated_to_stay() {
     assert!(found.is_negligible && found.largest.is_none());
 }
 
-/// A turned and shifted world gives the same estimate.
+/// A rotated and translated scene gives the same estimate.
 #[test]
 fn a_rigid_motion_of_the_scene_changes_nothing() {
     for seed in [8, 28, 82] {
@@ -176,21 +181,21 @@ fn a_rigid_motion_of_the_scene_changes_nothing() {
         let Drive::Tips(paths) = &mut moved.drive else { panic!("a scene with prescribed tips") };
         paths.iter_mut().flat_map(|path| &mut path.waypoints).for_each(|at| at.position = turn * at.position + shift);
         let (here, there) = (estimate(&scenario), estimate(&moved));
-        // Rounding of positions, 1e-17 m, that stick and slip over thousands of steps may amplify.
+        // Rounding of positions, 1e-17 m, may grow over thousands of stick and slip events.
         assert!((there.edge_displacement_max_m / here.edge_displacement_max_m - 1.0).abs() < 1e-6, "{seed}: {here:?} {there:?}");
         assert_ne!(here.edge_displacement_max_m, 0.0);
     }
 }
 
-/// The measured effect of the reference scene, 1.492 mm (`cohaul compare`), and of the heavy one, 5.843 mm: within a quarter, without a run with inertia.
+/// The measured inertia effect is 1.492 mm in the reference scene and 5.843 mm in the heavy one.
 #[test]
-fn scenes_without_a_closed_form_are_told_within_a_quarter() {
+fn scenes_without_a_closed_form_are_estimated_within_a_quarter() {
     assert_near(estimate(&scene("analytic/qs-ref-1")).edge_displacement_max_m, 1.492e-3, 0.25);
     assert_near(estimate(&scene("stress/heavy")).edge_displacement_max_m, 5.843e-3, 0.25);
 }
 
 #[test]
-fn a_watched_run_goes_as_an_unwatched_one_and_its_trace_tells_the_same() {
+fn an_estimate_does_not_change_the_run_and_agrees_with_that_from_the_trace() {
     for seed in [8, 17, 28] {
         let scenario = random_scenario(seed);
         let (watched, estimator) = with_estimate(&scenario.system, scenario.start, &options(&scenario));
@@ -203,7 +208,8 @@ fn a_watched_run_goes_as_an_unwatched_one_and_its_trace_tells_the_same() {
         let (plain, plain_outcome) = run(build(&scenario.system, scenario.start, &options(&scenario)));
         assert_eq!((&trace, &outcome), (&plain, &plain_outcome));
         let (as_run, of_trace) = (estimator.borrow().estimate(), InertiaEstimate::of(&scenario, &trace));
-        // Grasps, releases and turns between rows are seen at the rows, a small part of a swing later.
+        // A trace shows grasps, releases and turns at its rows only, which is a small part of a
+        // period later.
         let apart = (as_run.edge_displacement_max_m - of_trace.edge_displacement_max_m).abs();
         assert!(apart <= 0.1 * as_run.edge_displacement_max_m, "{seed}: {apart} {as_run:?} {of_trace:?}");
     }
@@ -221,7 +227,8 @@ fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
     let mut resumed = Simulation::resume_on(&scenario, &saved, Keep::Outcome, backend).unwrap();
     resumed.run(|_| true);
     assert_eq!(estimator.borrow().estimate(), whole);
-    // A state without an estimate cannot give one; a plain run goes on from either.
+    // A state without an estimate cannot be resumed with one; a plain run resumes from either
+    // state.
     let mut plain = Simulation::new(&scenario, &options(&scenario), Keep::Outcome);
     plain.run(|time| time < 0.5 * scenario.duration);
     let (backend, _) = with_estimate(&scenario.system, scenario.start, &options(&scenario));
@@ -230,29 +237,32 @@ fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
     assert!(Simulation::resume(&scenario, &saved, Keep::Outcome).is_ok());
 }
 
-/// Holds of half a minute wind the load about its tips, with inertia and without, whose ways then part for good. What the shadow is off by stays of the order of the scene,
-/// as the load with inertia is measured to: it gets no energy from where it drifts to.
+/// Attachments of half a minute wind the load about its tips, and the paths with and without
+/// inertia separate for good. The model stays within the size of the scene, as the inertial load
+/// does.
 #[test]
-fn a_shadow_that_is_far_off_stays_within_reason() {
+fn a_model_far_from_the_load_stays_within_the_scene() {
     let file = include_str!("../scenarios/paper/four-ants-four-springs.json");
     let text = file.replace("\"kind\": \"ants\"", "\"kind\": \"ants\", \"release_decision_period_s\": 30");
     for seed in [0, 6] {
         let scenario = Scenario { duration: 60.0, seed, ..Scenario::parse(&text, "long holds").unwrap() };
         let found = estimate(&scenario);
         assert!(!found.is_negligible && found.edge_displacement_max_m > 0.05, "{seed}: {found:?}");
-        // Measured: 0.3 m each. The nest is 0.26 m away, and springs reach some 0.1 m.
+        // Measured: 0.3 m each. The nest is 0.26 m away, and springs reach about 0.1 m.
         assert!(found.edge_displacement_max_m < 1.0, "{seed}: {found:?}");
     }
 }
 
-/// The share of an onset is (v / omega) over the way, so a longer way crosses the threshold.
+/// The share of a slip onset is (v / omega) over the path length: a larger mass crosses the
+/// tolerance.
 #[test]
-fn the_warning_stands_on_either_side_of_its_threshold() {
+fn inertia_is_negligible_on_one_side_of_the_tolerance() {
     let scenario = scene("analytic/centre-pull");
     let way = estimate(&scenario).path_length_m;
     let mass_at_threshold =
         (TOLERANCE_SHARE * way / 0.005).powi(2) * scenario.system.springs[0].radial_stiffness / scenario.system.load.mass;
-    // Crests are met to 5e-5 of the swing, and the way includes the swing's own last part.
+    // Crests are found to 5e-5 of the amplitude, and the path length includes the end of the
+    // oscillation.
     assert!(estimate(&with_mass(&scenario, 0.9 * mass_at_threshold)).is_negligible);
     assert!(!estimate(&with_mass(&scenario, 1.1 * mass_at_threshold)).is_negligible);
 }

@@ -1,9 +1,9 @@
-//! Verdicts on scenes whose truth is known by construction: inertia scaled at fixed friction, the
-//! engine made worse, both, and neither.
+//! Verdicts on scenes whose truth is known: inertia scaled at fixed friction, a worse engine, both,
+//! and neither.
 //!
 //! A tip pulls the load by one spring through its centre at a constant speed and stops. The paths
-//! with and without inertia are known in closed form, so that what the verdict should be follows
-//! without any of the comparison's own runs; the engine is run beside it alone.
+//! with and without inertia are known in closed form, and the engine runs alone beside them. The
+//! expected verdict therefore needs no run of the comparison.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -16,11 +16,11 @@ use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, built};
 
-/// Speed of the tip (m/s) and when it stops (s).
+/// Speed of the tip (m/s), and the time at which it stops (s).
 const SPEED: f64 = 0.08;
 const HOLD: f64 = 0.5;
 
-/// The scene with the mass and the moment of inertia scaled, the friction as it was.
+/// The scene with mass and moment of inertia times a factor, and the same normal loads.
 fn scene(mass_factor: f64) -> Scenario {
     let mut scenario = Scenario::read(Path::new("scenarios/analytic/ramp-and-hold.json")).unwrap();
     scenario.system.load.mass *= mass_factor;
@@ -28,9 +28,9 @@ fn scene(mass_factor: f64) -> Scenario {
     scenario
 }
 
-/// Positions with and without inertia at `time` (s), in closed form: the load starts from rest when
-/// the spring pulls with f, swings about the path without inertia, and sticks where its speed first
-/// falls to nothing after the tip has stopped.
+/// Positions with and without inertia at `time` (s), in closed form. The load starts from rest when
+/// the spring force reaches f, oscillates about the quasi-static path, and sticks where its speed
+/// first becomes zero after the tip has stopped.
 fn positions(scenario: &Scenario, time: f64) -> [f64; 2] {
     let stiffness = scenario.system.springs[0].radial_stiffness;
     let rate = (stiffness / scenario.system.load.mass).sqrt();
@@ -49,7 +49,7 @@ fn positions(scenario: &Scenario, time: f64) -> [f64; 2] {
     [still + offset.hypot(drift) * phase.min(std::f64::consts::FRAC_PI_2).sin(), still]
 }
 
-/// The largest displacements (m) by inertia and by an engine, over all ticks.
+/// Largest edge displacements (m) by inertia and by an engine, over all ticks.
 fn truth(scenario: &Scenario, rapier: RapierOptions) -> [f64; 2] {
     let step = default_step(BackendKind::Rapier, &scenario.system, scenario.control_period);
     let mut run = Simulation::new(scenario, &BackendOptions { rapier, ..BackendOptions::new(BackendKind::Rapier, step) }, Keep::Trace);
@@ -79,7 +79,7 @@ fn the_verdict_is_right_over_four_decades_of_inertia_with_a_good_and_a_bad_engin
             let [inertia, engine] = truth(&scenario, rapier);
             let found = compared(&scenario, &settings(rapier));
             let name = format!("mass times {mass_factor}, {rapier:?}: {inertia:e} {engine:e} {:?}", found.edge_displacement);
-            // Up to the own error of the paths.
+            // Up to the reference error.
             assert!(
                 (found.edge_displacement.inertia_effect_m - inertia).abs() <= found.edge_displacement.reference_error_m + 1e-12,
                 "{name}"
@@ -103,10 +103,10 @@ fn the_verdict_is_right_over_four_decades_of_inertia_with_a_good_and_a_bad_engin
     }
 }
 
-/// An engine of the caller's, in rapier's place, that has the mass wrong by a factor: its path is
-/// that of the heavier load, in closed form.
+/// The path of an engine whose mass is wrong by a factor is that of the heavier load, in closed
+/// form.
 #[test]
-fn an_engine_put_in_place_is_told_by_what_it_gets_wrong() {
+fn the_error_of_an_own_engine_is_found() {
     const FACTOR: f64 = 1.5;
     let scenario = scene(0.1);
     let asked = Mutex::new(Vec::new());
@@ -126,8 +126,8 @@ fn an_engine_put_in_place_is_told_by_what_it_gets_wrong() {
     let apart =
         found.solutions[1].points.iter().map(|point| (positions(&heavier, point.time)[0] - positions(&scenario, point.time)[0]).abs());
     let truth = apart.fold(0.0, f64::max);
-    // The midpoint step of 0.2 ms, 0.03 rad of the swing, is up to 0.03^2 / 12 of the phase off,
-    // over all of it: 1e-3 of the swing.
+    // The midpoint step of 0.2 ms is 0.03 rad of the oscillation. Its phase error is up to 0.03^2 /
+    // 12 of the phase, which makes 1e-3 of the amplitude.
     assert!(
         (found.edge_displacement.engine_error_m - truth).abs() < 2e-3 * truth + found.edge_displacement.reference_error_m,
         "{:e} {truth:e}",
@@ -135,8 +135,8 @@ fn an_engine_put_in_place_is_told_by_what_it_gets_wrong() {
     );
     assert!(found.causes.contains(&Cause::Engine), "{:?}", found.edge_displacement);
 
-    // And under ants' replayed tips: a quasi-static engine errs by the effect of inertia, jumps and
-    // all.
+    // Under replayed tips, a quasi-static engine has the inertia effect as its error, jumps
+    // included.
     let ants = Scenario { duration: 3.0, ..Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap() };
     let without = |given: &Scenario, options: &BackendOptions| built(given, &BackendOptions { kind: BackendKind::QuasiStatic, ..*options });
     let found = ThreeWay::new(&ants, &Settings::default()).engine(&without).replayed(|_| true).unwrap();
@@ -147,7 +147,7 @@ fn an_engine_put_in_place_is_told_by_what_it_gets_wrong() {
         found.edge_displacement
     );
 
-    // And under ants that decide by themselves: the same runs once more, seed by seed.
+    // In the closed loop, it repeats the quasi-static runs, seed by seed.
     let found =
         ThreeWay::new(&ants, &Settings { step_s: Some(1e-3), ..Settings::default() }).engine(&without).closed_loop(2, |_| true).unwrap();
     let [quasi_static, inertial, engine] = &found.traces[..] else { panic!("three backends") };
@@ -156,11 +156,11 @@ fn an_engine_put_in_place_is_told_by_what_it_gets_wrong() {
     assert!(found.measures.iter().flat_map(|measure| &measure.values).all(|[without, _, engine]| without == engine));
 }
 
-/// Ticks are of no moment to prescribed tips: what happens between them is seen. The load swings
-/// about the path without inertia as long as the tip goes on. Half a radian at most goes by from
-/// one instant to the next, and of a swing 1 - cos of half of that, 3.1 %, can be missed.
+/// Paths are compared between ticks as well. The load oscillates about the quasi-static path while
+/// the tip moves. Half a radian at most passes from one instant to the next, so that 1 - cos of
+/// half of that, 3.1 % of an amplitude, can be missed.
 #[test]
-fn what_happens_between_ticks_is_seen() {
+fn differences_between_ticks_are_found() {
     let scenario = Scenario { duration: HOLD, ..scene(0.1) };
     let apart: Vec<(f64, f64)> = (0..=50_000)
         .map(|at| {
@@ -178,16 +178,16 @@ fn what_happens_between_ticks_is_seen() {
         assert!(seen <= largest + own && seen >= 0.969 * largest - own && between * scenario.system.fastest_rate() <= 0.5, "{name}");
         let parted = apart.iter().find(|(_, apart)| *apart > found.tolerance_m).unwrap().0;
         let late = found.first_divergence.inertia_effect.unwrap().time_s - parted;
-        // Up to the grid of the truth.
+        // Up to the time step of the closed form.
         assert!((-1e-5..=between + 1e-5).contains(&late), "{name}: {late} s after it");
     }
 }
 
-/// With friction along what the exact cones find, rapier has the path with inertia for its limit.
-/// Onsets, stops and captures between nodes keep extrapolation from it, by 44 times the distance of
-/// one extrapolation from the next in the first scene and 37 times in the second.
+/// With aligned friction, the limit of rapier is the inertial path. Slip onsets, stops and pinnings
+/// between nodes disturb the extrapolation, by 44 times the distance of two extrapolations in the
+/// first scene and 37 times in the second.
 #[test]
-fn the_limit_of_an_engine_is_no_worse_than_its_own_error() {
+fn the_limit_of_an_engine_is_within_its_error() {
     for file in ["analytic/qs-ref-1", "analytic/release-jump", "analytic/ramp-and-hold", "paper/four-tips-held"] {
         let scenario = Scenario::read(Path::new(&format!("scenarios/{file}.json"))).unwrap();
         let [_, inertial, rapier] = compared(&scenario, &settings(RapierOptions::default())).solutions;
@@ -195,16 +195,16 @@ fn the_limit_of_an_engine_is_no_worse_than_its_own_error() {
             let (shift, turn) = ((limit.pose.position - exact.pose.position).norm(), (limit.pose.heading - exact.pose.heading).abs());
             let (shift_own, turn_own) = (limit.error.position + exact.error.position, limit.error.heading + exact.error.heading);
             let name = format!("{file} at {} s: {shift:e} {shift_own:e} {turn:e} {turn_own:e}", limit.time);
-            // An estimate: twice of it has room for what it leaves out. Rapier holds a load at rest
-            // up to 1e-12 m.
+            // The error is an estimate, and a factor of two covers what it neglects. Rapier keeps a
+            // load at rest to 1e-12 m.
             assert!(shift <= 2.0 * shift_own + 1e-11 && turn <= 2.0 * turn_own + 1e-9, "{name}");
         }
     }
 }
 
-/// A coarse step instead of a bad model: the same engine, and only the step is to blame.
+/// A bad model, a heavy load, and neither: each cause has its own suggested change.
 #[test]
-fn what_would_help_is_what_the_cause_calls_for() {
+fn each_cause_has_its_suggested_change() {
     let slow = compared(&scene(1e-3), &settings(RapierOptions::default()));
     assert_eq!((slow.verdict, &slow.suggested_changes[..]), (Verdict::Agree, &[][..]));
 
@@ -214,8 +214,8 @@ fn what_would_help_is_what_the_cause_calls_for() {
     let heavy_scene = scene(10.0);
     let heavy = compared(&heavy_scene, &settings(RapierOptions::default()));
     let [SuggestedChange::SlowerTips { factor }] = heavy.suggested_changes[..] else { panic!("{:?}", heavy.suggested_changes) };
-    // The lag is the speed over omega_n, up to twice of it where a tip stops: a tip that much
-    // slower comes to two thirds of what is agreement on the way without inertia.
+    // The lag is the speed over omega_n, and up to twice that where a tip stops. The slower tip
+    // reaches two thirds of the tolerance from the quasi-static path length.
     let (largest, way) = (heavy.predicted.where_tips_stop_m.unwrap(), heavy.solutions[0].path_length(heavy_scene.system.load.radius));
     assert!(largest > heavy.edge_displacement.inertia_effect_m && (factor - 0.05 * way / largest / 1.5).abs() < 1e-12, "{factor}");
     let divergence = heavy.first_divergence.inertia_effect.unwrap();
@@ -224,11 +224,10 @@ fn what_would_help_is_what_the_cause_calls_for() {
     assert!((divergence.trigger.unwrap().time_s - 0.41367469880).abs() < 1e-3, "{divergence:?}");
 }
 
-/// Who does what the suggested_changes say finds that the paths agree: with tips slowed, with
-/// springs damped and the load lighter, with a load lighter that was damped already, and with
-/// smaller steps of the engine.
+/// Paths agree after the suggested changes: slower tips, more damping and less inertia, less
+/// inertia with damped springs, and smaller steps of the engine.
 #[test]
-fn suggested_changes_that_are_followed_help() {
+fn suggested_changes_help() {
     let release = |control_period: f64, damping_ratio: f64| {
         let mut scenario = Scenario::read(Path::new("scenarios/analytic/release-jump.json")).unwrap();
         scenario.control_period = control_period;
@@ -277,10 +276,10 @@ fn follow(change: &SuggestedChange, scenario: &mut Scenario, settings: &mut Sett
     }
 }
 
-/// Agreement set a hair below and above the known effect: own errors above that hair leave the
-/// verdict open and say what would close it.
+/// Tolerances just below and just above the known effect: with a larger reference error the verdict
+/// is inconclusive, and the suggestion is a smaller one.
 #[test]
-fn close_to_its_threshold_the_verdict_waits_for_smaller_own_errors() {
+fn close_to_the_tolerance_the_verdict_needs_a_small_reference_error() {
     let scenario = scene(1.0);
     let [inertia, _] = truth(&scenario, RapierOptions::default());
     let way = compared(&scenario, &settings(RapierOptions::default())).path_length_m;
@@ -296,12 +295,12 @@ fn close_to_its_threshold_the_verdict_waits_for_smaller_own_errors() {
     }
 }
 
-/// A spring at fifty times the slip limit pulls alone once the other is let go: without inertia the
-/// load jumps 49 f / k and rests, with it and undamped it swings about there, by 4 f / k less each
-/// time: 98 + 94 + ... + 2 = 1250 f / k in all. The 49 f / k that the paths are apart would be 4 %
-/// of that way; of the load's reach of 98 f / k they are half.
+/// A spring at fifty times the slip limit pulls alone after the other one is released. Without
+/// inertia the load jumps by 49 f / k and rests. With inertia and no damping it oscillates about
+/// that point, by 4 f / k less each time: 98 + 94 + ... + 2 = 1250 f / k in all. The difference of
+/// 49 f / k is 4 % of that path length, and half of the reach of 98 f / k.
 #[test]
-fn a_load_that_rings_for_long_is_not_excused_by_its_way() {
+fn a_long_oscillation_does_not_enlarge_the_tolerance() {
     let mut scenario = Scenario::read(Path::new("scenarios/analytic/release-jump.json")).unwrap();
     let Drive::Tips(paths) = &mut scenario.drive else { panic!("tips") };
     paths.iter_mut().for_each(|path| path.waypoints.last_mut().unwrap().position *= 20.0);
@@ -311,7 +310,7 @@ fn a_load_that_rings_for_long_is_not_excused_by_its_way() {
     let stretch = scenario.system.total_slip_limit() / scenario.system.springs[0].radial_stiffness;
     let jump = 49.0 * stretch;
     let [without, with] = [&found.solutions[0], &found.solutions[1]].map(|solution| solution.path_length(scenario.system.load.radius));
-    // Instants at which paths are compared miss turning points by up to 3 % of a swing.
+    // Turning points between two instants are missed by up to 3 % of an amplitude.
     assert!((without / jump - 1.0).abs() < 1e-3 && (with / (1250.0 * stretch) - 1.0).abs() < 0.03, "{without} {with} {stretch}");
     assert!(
         (found.path_length_m / (2.0 * jump) - 1.0).abs() < 0.03 && found.verdict == Verdict::Inertia,
@@ -323,11 +322,11 @@ fn a_load_that_rings_for_long_is_not_excused_by_its_way() {
     assert!((estimated.path_length_m / found.path_length_m - 1.0).abs() < 0.05 && !estimated.is_negligible, "{estimated:?}");
 }
 
-/// Four ants cannot move a load of forty times the friction. Nothing parts the backends but
-/// roundings, of which those of rapier's speed all have one sign, and that nobody arrives is no
-/// difference: of 56 seeds and more that is known to 5 %, z / (n + 2) with z = 2.865.
+/// Four ants cannot move a load of forty times the friction. Only rounding differs between the
+/// backends, and rapier's speed has rounding of one sign only. With 56 seeds or more, the fraction
+/// arrived is known to 5 %: z / (n + 2) with z = 2.865.
 #[test]
-fn backends_agree_on_a_load_that_nobody_moves() {
+fn backends_agree_on_a_load_that_does_not_move() {
     let mut scenario = Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap();
     scenario.system.ground.friction_coefficient *= 40.0;
     scenario.duration = 2.0;
@@ -341,11 +340,11 @@ fn backends_agree_on_a_load_that_nobody_moves() {
     assert!(found.measures.iter().any(|measure| measure.name == "pull_mean_n" && measure.inertial.mean > 1e-3), "they pull");
 }
 
-/// A hundred thousand times the inertia at the same friction: in the time in which a load without
-/// it is home, one with it has hardly begun to move. That no pair of runs has two times to compare
-/// hides nothing.
+/// With 1e5 times the inertia at the same friction, no inertial run arrives in the time of the
+/// quasi-static runs. No pair of runs has two times to compare, and the verdict still finds the
+/// difference.
 #[test]
-fn a_backend_on_which_nobody_arrives_differs() {
+fn a_backend_on_which_no_run_arrives_differs() {
     let mut scenario = Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap();
     scenario.system.load.mass *= 1e5;
     scenario.system.load.inertia *= 1e5;
@@ -360,11 +359,11 @@ fn a_backend_on_which_nobody_arrives_differs() {
     assert!((engine.mean, engine.excludes_zero, engine.is_equal) == (0.0, false, false), "six seeds do not show that shares are equal");
 }
 
-/// What inertia comes from is told apart: a load that starts with speed coasts v^2 / (2 mu g),
-/// before a release has it overshoot. Each has its change, and both together help. A spring at its
-/// rest shape moves nothing when it is grasped, so that no grasp is named.
+/// Triggers are separated: a load that starts with speed coasts v^2 / (2 mu g) before a release
+/// makes it overshoot. Each trigger has its suggested change. A spring at its rest shape moves
+/// nothing when it is grasped, and is no trigger.
 #[test]
-fn coasting_and_overshooting_are_told_apart() {
+fn coasting_and_overshooting_are_separated() {
     let mut scenario = Scenario::read(Path::new("scenarios/analytic/release-jump.json")).unwrap();
     scenario.control_period = 0.02;
     let settings = Settings { tolerance_share: 0.01, ..settings(RapierOptions::default()) };
@@ -380,13 +379,13 @@ fn coasting_and_overshooting_are_told_apart() {
     let coasts = compared(&alone, &settings);
     let way = 0.5 * alone.system.load.mass * alone.start.twist.linear.norm_squared() / alone.system.total_slip_limit();
     let from = coasts.edge_displacement.by_trigger;
-    // Runs are good for a twentieth of what agreement is, 1 % of the way.
+    // The reference error is at most a twentieth of the tolerance, which is 1 % of the path length.
     assert!((from.start_m - way).abs() <= 5e-4 * way && (from.jumps_m, from.driving_m) == (0.0, 0.0), "{from:?} {way}");
     assert_eq!(coasts.first_divergence.inertia_effect.unwrap().trigger.unwrap().kind, TriggerKind::Start);
     assert!(matches!(coasts.suggested_changes[0], SuggestedChange::SlowerStart { .. }), "{:?}", coasts.suggested_changes);
 
-    // A spring that pulls across with a fiftieth of what friction can hold, from the beginning: it
-    // takes no part in how far the load coasts.
+    // A spring across the motion that pulls with a fiftieth of the slip limit from the beginning
+    // does not change the coasting distance.
     let text = r#"{ "name": "held", "duration_s": 0.1, "control_period_s": 0.0025,
         "load": { "mass_kg": 0.0016, "radius_m": 0.0122, "velocity_m_per_s": [0.1, 0] },
         "ground": { "friction_coefficient": 1.4, "supports": { "tripod": { "radius_m": 0.0081333 } } },
@@ -394,8 +393,7 @@ fn coasting_and_overshooting_are_told_apart() {
         "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0, 0, 0.00066]] }] } }"#;
     let held = compared(&Scenario::parse(text, "held").unwrap(), &settings);
     let from = held.edge_displacement.by_trigger;
-    // The spring along the way takes its share, and that across turns it: k x / f is a hundredth,
-    // the squared share of the pull less.
+    // The spring changes the coasting distance by about k x / f, a hundredth.
     let way = 0.1f64.powi(2) / (2.0 * 1.4 * 9.81);
     assert!((from.start_m / way - 1.0).abs() < 0.01 && (from.jumps_m, from.driving_m) == (0.0, 0.0), "{from:?} {way}");
     assert_eq!(held.first_divergence.inertia_effect.unwrap().trigger.unwrap().kind, TriggerKind::Start);

@@ -1,4 +1,4 @@
-//! The scatter of estimated over measured displacements, in decades.
+//! Scatter plot of estimated over measured inertia effects, in decades.
 
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ pub fn scatter(found: &[Found]) -> String {
         .with_y_tick_step(1.0)
         .with_x_tick_format(ticks.clone())
         .with_y_tick_format(ticks)
-        .with_x_label("measured inertia effect on the rim (m)")
+        .with_x_label("measured inertia effect, max. edge displacement (m)")
         .with_y_label("estimated from the quasi-static run (m)")
         .with_show_grid(false);
     layout.show_legend = true;
@@ -45,7 +45,8 @@ pub fn scatter(found: &[Found]) -> String {
 
 type Keep = fn(&Found) -> bool;
 
-/// Random scenes by what their largest displacement comes after, those of ants, and the stored ones; Okabe and Ito's colours.
+/// Random scenes by the trigger of their largest effect, scenes of ants, and stored scenes; colours
+/// of Okabe and Ito.
 fn classes() -> [(&'static str, &'static str, Keep); 5] {
     fn tips(scene: &Found, kind: &str) -> bool {
         scene.class == Class::Random && !scene.has_ants && scene.kind() == kind

@@ -1,10 +1,12 @@
-//! How well the inertia estimate of a quasi-static run tells the inertia effect that a comparison measures, over all scenes and random ones.
+//! Compares the inertia estimate of quasi-static runs with the measured inertia effect, over all
+//! scenes and many random ones.
 //!
 //! ```sh
 //! cargo run --release --example calibrate_estimate -- results/2026-11-21-inertia-estimate
 //! ```
 //!
-//! writes `calibration.csv`, `calibration.svg` and `figures.txt` to an existing folder, and prints the last.
+//! writes `calibration.csv`, `calibration.svg` and `figures.txt` to an existing folder, and prints
+//! the last.
 
 mod figure;
 #[path = "../../tests/common/random_scenes.rs"]
@@ -21,11 +23,11 @@ use rayon::prelude::*;
 
 use scene::{Class, Found};
 
-/// Seeds of the random scenes. The estimate was worked out on those from 0 to 239 and has never seen these.
+/// Seeds of the random scenes. The estimate was developed on the seeds 0 to 239 only.
 const SEEDS: std::ops::Range<u64> = 1001..1271;
-/// Ants of stored scenes are followed no longer than this (s).
+/// Longest duration of stored scenes with ants (s).
 const LONGEST_ANTS: f64 = 60.0;
-/// Scenes of so many springs or supports are left out: they take longer than all others together.
+/// Largest number of springs; larger scenes take longer than all others together.
 const MOST_SPRINGS: usize = 100;
 
 type AnyError = Box<dyn std::error::Error>;
@@ -52,7 +54,7 @@ fn main() -> Result<(), AnyError> {
     Ok(())
 }
 
-/// All stored scenes that take no longer than the rest together, those of ants shortened.
+/// Stored scenes that are small enough; those with ants are shortened.
 fn stored() -> Result<Vec<(String, Class, Scenario)>, AnyError> {
     let mut scenes = Vec::new();
     for folder in ["analytic", "paper", "stress"] {

@@ -1,4 +1,4 @@
-//! One scene: its inertia effect as measured and as estimated.
+//! The measured and the estimated inertia effect of one scene.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub enum Class {
     Random,
 }
 
-/// Displacements of the load's rim (m), measured and estimated, and what the scene is like.
+/// Largest edge displacements (m), measured and estimated, and properties of the scene.
 pub struct Found {
     pub name: String,
     pub class: Class,
@@ -25,9 +25,9 @@ pub struct Found {
     pub mass: f64,
     pub numbers: Numbers,
     pub measured: f64,
-    pub own_error: f64,
-    /// Of the rim in the measured runs (m).
-    pub way: f64,
+    pub reference_error: f64,
+    /// Path length of the measured runs (m).
+    pub path_length: f64,
     pub estimate: InertiaEstimate,
     pub status: Status,
 }
@@ -38,12 +38,12 @@ impl Found {
     }
 
     pub fn measured_share(&self) -> f64 {
-        if self.way > 0.0 { self.measured / self.way } else { 0.0 }
+        if self.path_length > 0.0 { self.measured / self.path_length } else { 0.0 }
     }
 
-    /// Whether the load moves with inertia or without, and the runs agree on how far well enough to say.
+    /// Whether the load moves, and the reference error is small enough for a comparison.
     pub fn is_certain(&self) -> bool {
-        self.measured > 0.0 && 3.0 * self.own_error <= self.measured && self.status == Status::Converged
+        self.measured > 0.0 && 3.0 * self.reference_error <= self.measured && self.status == Status::Converged
     }
 
     pub fn kind(&self) -> &'static str {
@@ -81,14 +81,14 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
         mass: scenario.system.load.mass,
         numbers: Numbers::of(&replayed, &inertial.trace),
         measured: Difference::between(&inertial.limit, &quasi_static.limit, radius).edge_displacement_max_m,
-        own_error: own[0].max(own[1]),
-        way: quasi_static.path_length(radius).max(inertial.reach(radius)),
+        reference_error: own[0].max(own[1]),
+        path_length: quasi_static.path_length(radius).max(inertial.reach(radius)),
         estimate,
         status: quasi_static.steps.status.max(inertial.steps.status),
     }
 }
 
-/// As `cohaul run` estimates it, beside the run's trace and its length (s).
+/// Estimate of a run, with its trace and its duration (s).
 fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate, Trace, f64) {
     let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);
     let mut run = Simulation::on(scenario, options, Keep::Trace, driver_of(scenario), backend);
@@ -98,14 +98,14 @@ fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate,
     (estimate, trace, outcome.time)
 }
 
-/// The one place that solves.
+/// Solution of one backend under error control.
 fn solve(scenario: &Scenario, options: &BackendOptions, driver: impl Fn() -> Box<dyn Driver> + Sync) -> Solution {
     Solution::find(scenario, options, 1, &built, driver, |_| true).expect("nobody stops it")
 }
 
 pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {
     let mut out = csv::Writer::from_writer(Vec::new());
-    let header = "scene,seed,drive,n_releases,mass_kg,epsilon,phi,zeta,measured_m,own_error_m,measured_way_m,estimated_m,estimated_way_m,\
+    let header = "scene,seed,drive,n_releases,mass_kg,epsilon,phi,zeta,measured_m,reference_error_m,measured_path_length_m,estimated_m,estimated_path_length_m,\
                   estimate_over_measured,cause,measured_is_negligible,estimated_is_negligible,is_certain,status";
     out.write_record(header.split(','))?;
     let optional = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.4e}"));
@@ -121,8 +121,8 @@ pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {
             optional(scene.numbers.phi),
             format!("{:.4}", scene.numbers.zeta),
             format!("{:.5e}", scene.measured),
-            format!("{:.2e}", scene.own_error),
-            format!("{:.5e}", scene.way),
+            format!("{:.2e}", scene.reference_error),
+            format!("{:.5e}", scene.path_length),
             format!("{:.5e}", estimate.edge_displacement_max_m),
             format!("{:.5e}", estimate.path_length_m),
             if scene.measured > 0.0 { format!("{:.4}", scene.ratio()) } else { String::new() },

@@ -1,4 +1,4 @@
-//! Rank correlation, shares within a factor, and how often the warning is right.
+//! Rank correlation, fractions within a factor, and how often the classification is right.
 
 use std::fmt::Write;
 
@@ -23,19 +23,19 @@ pub fn report(found: &[Found]) -> String {
     row(&mut text, "random, damped", &of(&|scene| random(scene) && scene.numbers.zeta > 0.0));
     row(&mut text, "stored", &of(&|scene| !random(scene)));
     let still = found.iter().filter(|scene| scene.measured == 0.0);
-    let told = still.clone().filter(|scene| scene.estimate.edge_displacement_max_m == 0.0).count();
-    line(&mut text, &format!("\nscenes in which inertia changes nothing: {}, of which the estimate is zero too: {told}", still.count()));
+    let n_zero = still.clone().filter(|scene| scene.estimate.edge_displacement_max_m == 0.0).count();
+    line(&mut text, &format!("\nscenes in which inertia changes nothing: {}; the estimate is zero in {n_zero} of them", still.count()));
     for scene in found.iter().filter(|scene| scene.measured > 0.0 && !scene.is_certain()) {
-        let (measured, own, estimated) = (scene.measured, scene.own_error, scene.estimate.edge_displacement_max_m);
+        let (measured, own, estimated) = (scene.measured, scene.reference_error, scene.estimate.edge_displacement_max_m);
         line(
             &mut text,
             &format!(
-                "apart: {}: measured {measured:.2e} m, own error {own:.2e} m, estimated {estimated:.2e} m, {:?}",
+                "left out: {}: measured {measured:.2e} m, reference error {own:.2e} m, estimated {estimated:.2e} m, {:?}",
                 scene.name, scene.status
             ),
         );
     }
-    line(&mut text, "\n| threshold | both negligible | warned in vain | not warned, though it matters | both matter |");
+    line(&mut text, "\n| threshold | both negligible | false alarm | missed | neither negligible |");
     line(&mut text, "|---|---|---|---|---|");
     for threshold in [0.001, 0.003, 0.01, 0.03, 0.1] {
         let mut counts = [0; 4];
@@ -60,7 +60,7 @@ pub fn report(found: &[Found]) -> String {
                 scene.name,
                 scene.ratio(),
                 scene.measured,
-                scene.way,
+                scene.path_length,
                 scene.kind()
             ),
         );
@@ -88,7 +88,7 @@ fn row(text: &mut String, name: &str, scenes: &[&Found]) {
     line(text, &format!("| {name} | {} | {:.3} | {low:.3} to {high:.3} | {cells} |", scenes.len(), spearman(&pairs)));
 }
 
-/// Rank correlation (Spearman 1904): that of the ranks, equal values sharing theirs.
+/// Rank correlation after Spearman (1904), with mean ranks for equal values.
 fn spearman(pairs: &[(f64, f64)]) -> f64 {
     let (a, b) = (ranks(pairs.iter().map(|pair| pair.0).collect()), ranks(pairs.iter().map(|pair| pair.1).collect()));
     let mean = 0.5 * (pairs.len() as f64 - 1.0);
@@ -109,7 +109,7 @@ fn ranks(values: Vec<f64>) -> Vec<f64> {
     ranks
 }
 
-/// Percentile interval over scenes drawn anew, with keyed draws.
+/// Percentile interval of the bootstrap over scenes.
 fn bootstrap(pairs: &[(f64, f64)]) -> (f64, f64) {
     const N: u32 = 2000;
     let streams = RandomStreams::new(1);
