@@ -61,7 +61,12 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     let n_shown = if detail == Detail::Full { usize::MAX } else { MOST_CHANGES };
     for (at, change) in found.suggested_changes.iter().take(n_shown).enumerate() {
         let (what, why) = suggested(change);
-        let text = if detail == Detail::Full { format!("{what}: {why}") } else { what };
+        let n_left = found.suggested_changes.len().saturating_sub(n_shown);
+        let text = match detail {
+            Detail::Full => format!("{what}: {why}"),
+            Detail::Brief if at + 1 == n_shown && n_left > 0 => format!("{what}; {n_left} more with --verbose"),
+            Detail::Brief => what,
+        };
         rows.push((if at == 0 { "suggested change" } else { "  and" }, text));
     }
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
