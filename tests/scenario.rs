@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cohaul::math::Vec2;
-use cohaul::model::behaviour::Pace;
+use cohaul::model::behaviour::{GraspPace, ReleasePace};
 use cohaul::scenario::presets::{self, Preset};
 use cohaul::scenario::{AntDrive, Drive, Scenario, ScenarioError, TipPath, format};
 use serde_json::{Value, json};
@@ -143,13 +143,13 @@ fn a_key_beats_its_preset_and_a_preset_beats_the_default() {
     let ants = |drive| ants_of(drive);
     assert_eq!(ants(json!({ "kind": "ants", "n_ants": 4 })), presets::ants(Preset::Default, 4));
     let speedy = ants(json!({ "kind": "ants", "n_ants": 4, "preset": "paper-speed" }));
-    assert_eq!((speedy.pull_speed, speedy.release.period, speedy.release_pace), (0.08, 0.106, Pace::Hazard));
+    assert_eq!((speedy.pull_speed, speedy.release.period, speedy.release_pace), (0.08, 0.106, ReleasePace::Hazard));
     let own = ants(json!({ "kind": "ants", "n_ants": 4, "preset": "paper-speed", "pull_speed_m_per_s": 0.05 }));
     assert_eq!((own.pull_speed, own.release.period), (0.05, 0.106));
     let aged = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "aged" }));
-    assert_eq!((aged.pull_speed, aged.release.period, aged.release_pace), (0.08, 0.08, Pace::Aged));
+    assert_eq!((aged.pull_speed, aged.release.period, aged.release_pace), (0.08, 0.08, ReleasePace::Aged));
     let newtons = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "literal-newtons" }));
-    assert_eq!((newtons.grasp_pace, newtons.release_pace, newtons.release.steepness), (Pace::PerTick, Pace::PerTick, 100.0));
+    assert_eq!((newtons.grasp_pace, newtons.release_pace, newtons.release.steepness), (GraspPace::PerTick, ReleasePace::PerTick, 100.0));
     let millinewtons = ants(json!({ "kind": "ants", "n_ants": 1, "preset": "literal-millinewtons" }));
     // The millinewton reading is a hard limit at F_m / 2 = 10 mN: a tenth of a millinewton below
     // and above it.

@@ -3,24 +3,38 @@
 //! Deviation: the paper states probabilities per time step, and does not print the step. Here
 //! decisions have rates: a probability p per decision period D is the hazard -ln(1 - p) / D, so
 //! that rates do not depend on the control period. An attachment ends at a tick, on average half a
-//! period late. The literal reading per tick is [`Pace::PerTick`].
+//! period late. The literal reading per tick is [`ReleasePace::PerTick`].
 
 use std::f64::consts::LN_2;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::math::{Numbers, SMALL_TANGENT, Vec2, Vectors, small_arctangent};
 
-/// Times at which an ant makes a decision.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Times at which an ant decides to grasp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Pace {
-    /// Once per decision period after the grasp, with the printed probability.
-    Aged,
-    /// At every tick, with the hazard that gives the printed probability within one decision
-    /// period.
+pub enum GraspPace {
+    /// The ant decides at every tick, with the hazard that gives the probability within one
+    /// decision period.
     Hazard,
-    /// At every tick, with the printed probability. Rates then depend on the control period.
+    /// The ant decides at every tick, with the probability itself. Rates then depend on the control
+    /// period.
+    PerTick,
+}
+
+/// Times at which an ant decides to release.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReleasePace {
+    /// The ant decides once per decision period after its grasp, with the printed probability.
+    Aged,
+    /// The ant decides at every tick, with the hazard that gives the printed probability within one
+    /// decision period.
+    Hazard,
+    /// The ant decides at every tick, with the printed probability. Rates then depend on the
+    /// control period.
     PerTick,
 }
 

@@ -1,7 +1,7 @@
 //! A run as data.
 
 use crate::math::Vec2;
-use crate::model::behaviour::{Pace, ReleaseLaw};
+use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::model::{Motion, System};
 
 /// One run, checked against all rules when it was read. After a change in code,
@@ -88,9 +88,9 @@ pub struct AntDrive {
     /// Time between two grasp decisions, D_a (s).
     pub grasp_decision_period: f64,
     /// Times of the grasp decisions.
-    pub grasp_pace: Pace,
+    pub grasp_pace: GraspPace,
     /// Dependence of releases on the pull.
     pub release: ReleaseLaw,
     /// Times of the release decisions.
-    pub release_pace: Pace,
+    pub release_pace: ReleasePace,
 }

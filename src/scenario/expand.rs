@@ -6,8 +6,8 @@ use std::fmt::Write;
 use sha2::{Digest, Sha256};
 
 use super::format::{
-    AntsEntry, AntsKind, DriveEntry, GraspPace, GroundEntry, LoadEntry, PathEntry, ReleasePace, ScenarioFile, SpringEntry, SpringsEntry,
-    SupportEntry, SupportsEntry, TipsEntry, TipsKind,
+    AntsEntry, AntsKind, DriveEntry, GroundEntry, LoadEntry, PathEntry, ScenarioFile, SpringEntry, SpringsEntry, SupportEntry,
+    SupportsEntry, TipsEntry, TipsKind,
 };
 use super::json::plain;
 use super::{AntDrive, Drive, Scenario, TipPath};
@@ -94,11 +94,11 @@ fn ants_entry(ants: &AntDrive) -> AntsEntry {
         control_offset_m: some(ants.control_offset),
         grasp_probability: some(ants.grasp_probability),
         grasp_decision_period_s: some(ants.grasp_decision_period),
-        grasp_pace: Some(GraspPace::of(ants.grasp_pace)),
+        grasp_pace: Some(ants.grasp_pace),
         strong_pull_n: some(ants.release.strong_pull),
         release_steepness_per_n: some(ants.release.steepness),
         release_decision_period_s: some(ants.release.period),
-        release_pace: Some(ReleasePace::of(ants.release_pace)),
+        release_pace: Some(ants.release_pace),
     }
 }
 

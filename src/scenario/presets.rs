@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::AntDrive;
-use crate::model::behaviour::{Pace, ReleaseLaw};
+use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::model::paper;
 
 /// Named set of the ants' parameters.
@@ -53,9 +53,9 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
     match preset {
         Preset::Default => standard,
         Preset::PaperSpeed => AntDrive { sensing_range: 0.0215, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.106) },
-        Preset::Aged => AntDrive { release_pace: Pace::Aged, sensing_range: 0.0205, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) },
+        Preset::Aged => AntDrive { release_pace: ReleasePace::Aged, sensing_range: 0.0205, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) },
         Preset::LiteralNewtons => {
-            AntDrive { grasp_pace: Pace::PerTick, release_pace: Pace::PerTick, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) }
+            AntDrive { grasp_pace: GraspPace::PerTick, release_pace: ReleasePace::PerTick, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) }
         }
         Preset::LiteralMillinewtons => {
             let literal = ants(Preset::LiteralNewtons, n_ants);
@@ -84,8 +84,8 @@ fn standard(n_ants: usize) -> AntDrive {
         control_offset: 0.0,
         grasp_probability: paper::GRASP_PROBABILITY,
         grasp_decision_period: 0.0025,
-        grasp_pace: Pace::Hazard,
+        grasp_pace: GraspPace::Hazard,
         release: ReleaseLaw { strong_pull: paper::STRONG_PULL_N, steepness: paper::RELEASE_STEEPNESS_PER_N, period: 0.175 },
-        release_pace: Pace::Hazard,
+        release_pace: ReleasePace::Hazard,
     }
 }

@@ -15,7 +15,7 @@ use crate::backend::{AttachedTip, Motion, RestoreError};
 use crate::math::{LANES, RandomStreams, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Mode, Steering};
-use crate::model::behaviour::{HalfAngle, Pace, hazard_of, probability_within, turn_towards};
+use crate::model::behaviour::{GraspPace, HalfAngle, hazard_of, probability_within, turn_towards};
 use crate::model::team::Haul;
 use crate::scenario::{AntDrive, Drive, Scenario};
 
@@ -53,8 +53,8 @@ impl Ants {
         let streams = RandomStreams::new(scenario.seed);
         let period = scenario.control_period;
         let grasp_probability = match drive.grasp_pace {
-            Pace::PerTick => drive.grasp_probability,
-            Pace::Hazard | Pace::Aged => probability_within(hazard_of(drive.grasp_probability, drive.grasp_decision_period), period),
+            GraspPace::PerTick => drive.grasp_probability,
+            GraspPace::Hazard => probability_within(hazard_of(drive.grasp_probability, drive.grasp_decision_period), period),
         };
         let start = |ant: usize| start_of(ant as u32, &streams, drive, &scenario.start);
         let springs = &scenario.system.springs;

@@ -5,13 +5,13 @@
 
 use super::periods::Periods;
 use crate::math::{RandomStreams, Stream, Summary, Vec2};
-use crate::model::behaviour::{Pace, ReleaseLaw, probability_within};
+use crate::model::behaviour::{ReleaseLaw, ReleasePace, probability_within};
 use crate::scenario::AntDrive;
 
 /// Decisions to let go of all ants of a run.
 pub struct Releases {
     law: ReleaseLaw,
-    pace: Pace,
+    pace: ReleasePace,
     streams: RandomStreams,
     /// (s)
     control_period: f64,
@@ -50,7 +50,7 @@ impl Releases {
             pace,
             streams,
             control_period,
-            decisions: Periods::new(control_period, if pace == Pace::PerTick { control_period } else { law.period }),
+            decisions: Periods::new(control_period, if pace == ReleasePace::PerTick { control_period } else { law.period }),
             // By far more than what roundings of a square can make of it.
             strong_squared: (strong * (1.0 - 1e-12)).powi(2),
             low: law.most_hazard(strong) * control_period,
@@ -75,7 +75,7 @@ impl Releases {
             self.ants[ant].decision = tick.saturating_add(self.decisions.quiet_after(age));
             self.decisions.ends_with(age)
         };
-        if age == 0 || self.pace == Pace::Aged && !is_decision {
+        if age == 0 || self.pace == ReleasePace::Aged && !is_decision {
             return false;
         }
         let pull = pull();
@@ -83,8 +83,8 @@ impl Releases {
             pulls.add(pull.norm());
         }
         match self.pace {
-            Pace::Aged | Pace::PerTick => self.draw(ant, tick) < self.law.probability(pull.norm()),
-            Pace::Hazard => {
+            ReleasePace::Aged | ReleasePace::PerTick => self.draw(ant, tick) < self.law.probability(pull.norm()),
+            ReleasePace::Hazard => {
                 let is_common = pull.norm_squared() <= self.strong_squared;
                 (!is_common || self.is_low(ant, tick)) && self.ends(self.draw(ant, tick), pull.norm())
             }

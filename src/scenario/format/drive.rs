@@ -6,7 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::model::behaviour::Pace;
+use crate::model::behaviour::{GraspPace, ReleasePace};
 use crate::scenario::AntDrive;
 use crate::scenario::presets::{self, Preset};
 
@@ -158,74 +158,6 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "ReleasePace", extend("default" = "hazard"))]
     pub release_pace: Option<ReleasePace>,
-}
-
-/// Times at which an ant decides to grasp.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum GraspPace {
-    /// The ant decides at every tick, with the hazard that gives the probability within one
-    /// decision period.
-    Hazard,
-    /// The ant decides at every tick, with the probability itself. Rates then depend on the control
-    /// period.
-    PerTick,
-}
-
-/// Times at which an ant decides to release.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum ReleasePace {
-    /// The ant decides once per decision period after its grasp, with the printed probability.
-    Aged,
-    /// The ant decides at every tick, with the hazard that gives the printed probability within one
-    /// decision period.
-    Hazard,
-    /// The ant decides at every tick, with the printed probability. Rates then depend on the
-    /// control period.
-    PerTick,
-}
-
-impl GraspPace {
-    /// Pace in the model.
-    pub fn pace(self) -> Pace {
-        match self {
-            GraspPace::Hazard => Pace::Hazard,
-            GraspPace::PerTick => Pace::PerTick,
-        }
-    }
-
-    /// Entry for a pace of the model.
-    ///
-    /// # Panics
-    /// For [`Pace::Aged`]: a grasp has no attachment before it from which time could count.
-    pub fn of(pace: Pace) -> Self {
-        match pace {
-            Pace::Hazard => GraspPace::Hazard,
-            Pace::PerTick => GraspPace::PerTick,
-            Pace::Aged => panic!("a grasp has no age"),
-        }
-    }
-}
-
-impl ReleasePace {
-    /// Pace in the model.
-    pub fn pace(self) -> Pace {
-        match self {
-            ReleasePace::Aged => Pace::Aged,
-            ReleasePace::Hazard => Pace::Hazard,
-            ReleasePace::PerTick => Pace::PerTick,
-        }
-    }
-
-    /// Entry for a pace of the model.
-    pub fn of(pace: Pace) -> Self {
-        match pace {
-            Pace::Aged => ReleasePace::Aged,
-            Pace::Hazard => ReleasePace::Hazard,
-            Pace::PerTick => ReleasePace::PerTick,
-        }
-    }
 }
 
 fn standard() -> AntDrive {

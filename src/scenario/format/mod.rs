@@ -7,7 +7,7 @@ mod drive;
 mod ground;
 mod spring;
 
-pub use drive::{AntsEntry, AntsKind, DriveEntry, GraspPace, PathEntry, ReleasePace, TipsEntry, TipsKind};
+pub use drive::{AntsEntry, AntsKind, DriveEntry, PathEntry, TipsEntry, TipsKind};
 pub use ground::{GroundEntry, RingOfSupports, RingOfSupportsForm, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod, TripodForm};
 pub use spring::{RingOfSprings, RingOfSpringsForm, SpringEntry, SpringsEntry};
 

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use super::shared::MOST_ANTS;
-use crate::model::behaviour::{Pace, ReleaseLaw};
+use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::scenario::AntDrive;
 use crate::scenario::error::{Findings, number};
-use crate::scenario::format::{AntsEntry, GraspPace, ReleasePace};
+use crate::scenario::format::AntsEntry;
 use crate::scenario::presets;
 
 /// Ants on `n_springs` springs with this control period (s), where those are known.
@@ -39,13 +39,13 @@ fn with_defaults(entry: &AntsEntry) -> AntDrive {
         control_offset: entry.control_offset_m.unwrap_or(preset.control_offset),
         grasp_probability: entry.grasp_probability.unwrap_or(preset.grasp_probability),
         grasp_decision_period: entry.grasp_decision_period_s.unwrap_or(preset.grasp_decision_period),
-        grasp_pace: entry.grasp_pace.map_or(preset.grasp_pace, GraspPace::pace),
+        grasp_pace: entry.grasp_pace.unwrap_or(preset.grasp_pace),
         release: ReleaseLaw {
             strong_pull: entry.strong_pull_n.unwrap_or(preset.release.strong_pull),
             steepness: entry.release_steepness_per_n.unwrap_or(preset.release.steepness),
             period: entry.release_decision_period_s.unwrap_or(preset.release.period),
         },
-        release_pace: entry.release_pace.map_or(preset.release_pace, ReleasePace::pace),
+        release_pace: entry.release_pace.unwrap_or(preset.release_pace),
     }
 }
 
@@ -68,8 +68,8 @@ fn check_grasp(ants: &AntDrive, findings: &mut Findings) {
     let probability = ants.grasp_probability;
     let (holds, rule) = match ants.grasp_pace {
         // A certain event has no finite hazard.
-        Pace::Hazard => ((0.0..1.0).contains(&probability), "must be at least 0 and below 1 for the pace \"hazard\""),
-        _ => ((0.0..=1.0).contains(&probability), "must be from 0 to 1"),
+        GraspPace::Hazard => ((0.0..1.0).contains(&probability), "must be at least 0 and below 1 for the pace \"hazard\""),
+        GraspPace::PerTick => ((0.0..=1.0).contains(&probability), "must be from 0 to 1"),
     };
     findings.require(holds, "drive.grasp_probability", rule, probability);
     findings.positive("drive.grasp_decision_period_s", ants.grasp_decision_period);
@@ -82,7 +82,7 @@ fn check_release(ants: &AntDrive, control_period: Option<f64>, findings: &mut Fi
     findings.positive("drive.release_decision_period_s", period);
     // An ant decides at ticks: with more than one decision a tick the printed odds would be those
     // of another period.
-    if ants.release_pace == Pace::Aged && period > 0.0 && control_period.is_some_and(|tick| period < tick) {
+    if ants.release_pace == ReleasePace::Aged && period > 0.0 && control_period.is_some_and(|tick| period < tick) {
         let rule = "must not be shorter than the control period for the release pace \"aged\"";
         findings.report("drive.release_decision_period_s", rule, number(period));
     }

@@ -1,7 +1,7 @@
 //! The paper's results -> panels: pulls, group sizes, backends, inertia and the fit, with what the paper prints as marked points and lines.
 
 use crate::math::Interval;
-use crate::model::behaviour::Pace;
+use crate::model::behaviour::ReleasePace;
 use crate::model::paper as printed;
 use crate::output::chart::MILLI;
 use crate::output::chart::canvas::natural_height;
@@ -222,9 +222,9 @@ fn scatter(panel: &mut Panel, rows: &[FitRow], of: impl Fn(&FitRow) -> [f64; 2])
     let room = 0.03 * (high - low);
     panel.curves.push(curve(vec![[low - room, of(&rows[0])[1]], [high + room, of(&rows[0])[1]]], FAINT, Shape::Unseen));
     let points = |is: &dyn Fn(&FitRow) -> bool| rows.iter().filter(|row| is(row)).map(&of).collect::<Vec<_>>();
-    let pace = |pace: Pace| move |row: &FitRow| row.point.preset.is_none() && row.point.release_pace == pace;
-    panel.curves.push(curve(points(&pace(Pace::Hazard)), OURS, Shape::Dots));
-    panel.curves.push(curve(points(&pace(Pace::Aged)), OTHER, Shape::Dots));
+    let pace = |pace: ReleasePace| move |row: &FitRow| row.point.preset.is_none() && row.point.release_pace == pace;
+    panel.curves.push(curve(points(&pace(ReleasePace::Hazard)), OURS, Shape::Dots));
+    panel.curves.push(curve(points(&pace(ReleasePace::Aged)), OTHER, Shape::Dots));
     panel.curves.push(curve(points(&|row| row.point.preset.is_some()), Style { color: "#000000", ..OURS }, Shape::Dots));
 }
 

@@ -240,7 +240,7 @@ fn replayed_lines(found: &Paper) -> impl Iterator<Item = ReplayedLine<'_>> {
 #[derive(Serialize)]
 struct FitLine {
     preset: &'static str,
-    release_pace: crate::model::behaviour::Pace,
+    release_pace: crate::model::behaviour::ReleasePace,
     pull_speed_m_per_s: f64,
     release_decision_period_s: f64,
     steering_half_angle_rad: f64,

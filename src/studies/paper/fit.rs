@@ -12,7 +12,7 @@ use super::trial::{Case, Trial};
 use super::units::{Unit, units};
 use crate::backend::BackendKind;
 use crate::math::{RandomStreams, Stream};
-use crate::model::behaviour::{Pace, ReleaseLaw};
+use crate::model::behaviour::{ReleaseLaw, ReleasePace};
 use crate::model::paper as printed;
 use crate::scenario::AntDrive;
 use crate::scenario::presets::{Preset, ants};
@@ -20,7 +20,7 @@ use crate::scenario::presets::{Preset, ants};
 /// One set of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
-    pub release_pace: Pace,
+    pub release_pace: ReleasePace,
     pub pull_speed_m_per_s: f64,
     pub release_decision_period_s: f64,
     pub steering_half_angle_rad: f64,
@@ -52,7 +52,7 @@ const RANGES: [(f64, f64); 4] = [(0.03, 0.08), (0.0055, 0.0095), (0.4, 1.2), (0.
 /// The sets: those of the presets, then `n_points` for each pace.
 pub fn points(n_points: usize) -> Vec<Point> {
     let mut found: Vec<Point> = [Preset::Default, Preset::PaperSpeed, Preset::Aged].into_iter().map(of_preset).collect();
-    for (at, pace) in [Pace::Hazard, Pace::Aged].into_iter().enumerate() {
+    for (at, pace) in [ReleasePace::Hazard, ReleasePace::Aged].into_iter().enumerate() {
         let columns: Vec<Vec<f64>> = (0..RANGES.len()).map(|axis| column(n_points, (at * RANGES.len() + axis) as u32)).collect();
         found.extend((0..n_points).map(|i| {
             let value = |axis: usize| RANGES[axis].0 + (RANGES[axis].1 - RANGES[axis].0) * columns[axis][i];
@@ -177,6 +177,6 @@ mod tests {
         let each: Vec<usize> = (0..n).collect();
         assert_eq!(parts(|point| point.pull_speed_m_per_s, RANGES[0]), each);
         assert_eq!(parts(|point| point.sensing_range_m, RANGES[3]), each);
-        assert!(all.len() == 3 + 2 * n && all[3 + n..].iter().all(|point| point.release_pace == Pace::Aged));
+        assert!(all.len() == 3 + 2 * n && all[3 + n..].iter().all(|point| point.release_pace == ReleasePace::Aged));
     }
 }
