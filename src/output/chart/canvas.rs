@@ -37,6 +37,8 @@ pub struct Sheet {
     letters: Option<RangeInclusive<char>>,
 }
 
+pub(super) const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
+
 /// Space for labels around the axes of a panel (px).
 const LEFT: f64 = 72.0;
 const RIGHT: f64 = 16.0;
@@ -47,7 +49,7 @@ const TEXT: u32 = 12;
 impl Sheet {
     pub fn new(width: f64, height: f64) -> Self {
         let mut scene = Scene::new(width, height);
-        scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".to_owned());
+        scene.font_family = Some(FONTS.to_owned());
         scene.text_color = Some("black".to_owned());
         Self { scene, letters: None }
     }
@@ -349,6 +351,6 @@ fn add_text(scene: &mut Scene, x: f64, y: f64, text: String, anchor: TextAnchor,
 }
 
 /// kuva reads `$` as the start of a formula.
-fn plain(text: &str) -> String {
+pub(super) fn plain(text: &str) -> String {
     text.replace('$', "\\$")
 }

@@ -16,6 +16,7 @@
 
 pub mod axis;
 pub mod canvas;
+pub mod cells;
 pub mod difference;
 pub mod panel;
 pub mod panels;

@@ -15,23 +15,19 @@
 //! cell.rs     one point, measured
 //! map.rs      all points on all processors, resumable
 //! law.rs      measurement over theory, and why they part
-//! contour.rs  lines of equal value on a grid
 //! ```
 
 mod cell;
-mod contour;
 pub mod figure;
 mod law;
 mod map;
 pub mod page;
-pub mod plane;
 pub mod report;
 mod scene;
 mod script;
 pub mod theory;
 
 pub use cell::Cell;
-pub use contour::{contour, lines};
 pub use law::{Cause, Law, Standing};
 pub use map::{Effort, Grid, PAPER_PHIS, PAPER_SPEEDS, cells, epsilon_of, tasks};
 pub use scene::{Scene, Setting, Staged};
