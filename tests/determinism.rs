@@ -1,5 +1,5 @@
-//! A run is a function of its scenario and seed: twice the same is bit-identical, a saved run goes on as if it had never stopped, and neither
-//! backend nor step touches any draw.
+//! A run is a function of its scenario and seed: twice the same is bit-identical, a saved run goes
+//! on as if it had never stopped, and neither backend nor step touches any draw.
 
 use cohaul::backend::rapier::{Precision, SpringModel};
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Tolerance, default_step};
@@ -14,7 +14,8 @@ fn four_ants(duration_s: f64, seed: u64) -> Scenario {
     Scenario { duration: duration_s, seed, ..scenario }
 }
 
-/// Three tips that are grasped, turn and are let go at ticks and between them, on a load that slides and spins at the start.
+/// Three tips that are grasped, turn and are let go at ticks and between them, on a load that
+/// slides and spins at the start.
 fn busy_tips() -> Scenario {
     let file = json!({
         "name": "busy tips", "duration_s": 0.4033, "control_period_s": 0.005,
@@ -34,7 +35,8 @@ fn scenes() -> [Scenario; 2] {
     [four_ants(4.0, 1), busy_tips()]
 }
 
-/// Every backend, quasi-static in both orders, inertial with both integrators, both exact ones under error control, and rapier also with aggregated springs and in single precision.
+/// Every backend, quasi-static in both orders, inertial with both integrators, both exact ones
+/// under error control, and rapier also with aggregated springs and in single precision.
 fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     let usual = RapierOptions::default();
     let aggregate = RapierOptions { springs: SpringModel::Aggregate, ..usual };
@@ -52,7 +54,8 @@ fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     [quasi_static, second_order, euler, midpoint].into_iter().chain(controlled).chain(engines).collect()
 }
 
-/// All digits of a run's rows, events and outcome: the text of a float in JSON is exact, and tells -0 from 0.
+/// All digits of a run's rows, events and outcome: the text of a float in JSON is exact, and tells
+/// -0 from 0.
 fn digits(run: Simulation) -> String {
     let text = serde_json::to_string(&run.into_results()).unwrap();
     // A number that is not finite would be a null like any other and hide a difference.
@@ -96,7 +99,8 @@ fn another_seed_is_another_run_of_ants_and_the_same_run_of_tips() {
     }
 }
 
-/// States on the way: at the start, right after the first grasp and the first release, in the middle of a hold, and at the end.
+/// States on the way: at the start, right after the first grasp and the first release, in the
+/// middle of a hold, and at the end.
 fn saved_on_the_way(scenario: &Scenario, options: &BackendOptions) -> Vec<String> {
     let mut run = Simulation::new(scenario, options, Keep::Trace);
     let mut texts = vec![serde_json::to_string(&run.save().unwrap()).unwrap()];
@@ -151,21 +155,24 @@ fn a_run_that_is_saved_at_every_step_is_the_same_run() {
     }
 }
 
-/// Ants that notice every tip from anywhere and let go regardless of forces. Which spring is the nearest still follows from where the load is, but who
-/// grasps and who lets go when is then chance alone: an ant grasps whenever any spring is free and its draw says so.
+/// Ants that notice every tip from anywhere and let go regardless of forces. Which spring is the
+/// nearest still follows from where the load is, but who grasps and who lets go when is then chance
+/// alone: an ant grasps whenever any spring is free and its draw says so.
 fn careless_ants() -> Scenario {
     let mut scenario = four_ants(8.0, 5);
     let Drive::Ants(drive) = &mut scenario.drive else { panic!("ants expected") };
     drive.n_ants = 6;
     drive.sensing_range = 10.0;
     drive.release.steepness = 0.0;
-    // Slow enough that many ticks pass between decisions; a nest out of reach, lest one backend arrive earlier.
+    // Slow enough that many ticks pass between decisions; a nest out of reach, lest one backend
+    // arrive earlier.
     drive.grasp_decision_period = 0.1;
     drive.nest_position *= 10.0;
     scenario
 }
 
-/// Each backend at its own step or tolerance and at a third of it, which no power of two would turn into the same nodes.
+/// Each backend at its own step or tolerance and at a third of it, which no power of two would turn
+/// into the same nodes.
 fn backends_and_steps(scenario: &Scenario) -> Vec<BackendOptions> {
     let within = |tolerance: Tolerance, share: f64| Tolerance {
         position_m: share * tolerance.position_m,
@@ -214,7 +221,8 @@ fn forces_make_decisions_part() {
     assert_eq!(quasi_static[0], inertial[0], "until the first grasp there is no force");
 }
 
-/// Start places, headings, walks and beliefs of all ants, tick by tick, up to the first grasp: the load rests, so that all of it is chance.
+/// Start places, headings, walks and beliefs of all ants, tick by tick, up to the first grasp: the
+/// load rests, so that all of it is chance.
 #[test]
 fn ants_walk_and_believe_the_same_on_every_backend_until_the_first_grasp() {
     let scenario = four_ants(3.0, 1);
@@ -241,7 +249,8 @@ fn ants_until_first_grasp(scenario: &Scenario, options: &BackendOptions) -> Vec<
     walk
 }
 
-/// Beliefs go on to be the same when the loads are elsewhere: whoever decides alike has the same error in mind at the end.
+/// Beliefs go on to be the same when the loads are elsewhere: whoever decides alike has the same
+/// error in mind at the end.
 #[test]
 fn beliefs_are_the_same_wherever_the_load_is() {
     let scenario = careless_ants();
@@ -254,7 +263,8 @@ fn beliefs_are_the_same_wherever_the_load_is() {
     assert!(all.iter().all(|beliefs| *beliefs == all[0]));
 }
 
-/// Both instants are one to the clock: nothing is held, nothing panics, and the other tips go their ways.
+/// Both instants are one to the clock: nothing is held, nothing panics, and the other tips go their
+/// ways.
 #[test]
 fn a_tip_let_go_at_its_grasp_is_never_held() {
     let mut scenario = busy_tips();
@@ -312,7 +322,8 @@ fn a_state_of_another_run_is_refused_and_says_why() {
     }
 }
 
-/// Ants and springs that do not go together, or a rotation that is none, would otherwise go on as if nothing were wrong, or end in the middle.
+/// Ants and springs that do not go together, or a rotation that is none, would otherwise go on as
+/// if nothing were wrong, or end in the middle.
 #[test]
 fn a_damaged_state_is_refused_and_says_why() {
     let scenario = four_ants(12.0, 1);
@@ -328,8 +339,8 @@ fn a_damaged_state_is_refused_and_says_why() {
         (at(one, "spring"), spring_of(other), "two ants at spring"),
         (at(one, "grasp_tick"), json!(1_000_000), "an ant that grasped at tick 1000000"),
         (format!("/driver/ants/{one}/mode"), json!({ "mode": "search" }), "springs held by"),
-        ("/backend/held".to_owned(), json!([]), "which is free"),
-        ("/backend/turn".to_owned(), json!([0.0, 0.0, 0.0, 0.0]), "a rotation that is not by the heading"),
+        ("/backend/springs/attachments".to_owned(), json!([]), "which is free"),
+        ("/backend/springs/turn".to_owned(), json!([0.0, 0.0, 0.0, 0.0]), "a rotation that is not by the heading"),
     ] {
         let mut damaged = saved.clone();
         *damaged.pointer_mut(&part).unwrap_or_else(|| panic!("{part} in {saved}")) = value;
@@ -339,8 +350,9 @@ fn a_damaged_state_is_refused_and_says_why() {
     }
 }
 
-/// Steps carry the rotation by the heading on, in either order: through some thousands of them, three turns of a load that four tips take around, its columns stay unit vectors
-/// to rounding. Their angle is that of the heading but for the roundings of headings up to 20 rad, 2e-15 each.
+/// Steps carry the rotation by the heading on, in either order: through some thousands of them,
+/// three turns of a load that four tips take around, its columns stay unit vectors to rounding.
+/// Their angle is that of the heading but for the roundings of headings up to 20 rad, 2e-15 each.
 #[test]
 fn a_rotation_that_is_carried_on_stays_one() {
     let n = 900;
@@ -358,7 +370,7 @@ fn a_rotation_that_is_carried_on_stays_one() {
         let mut run = Simulation::new(&scenario, &options, Keep::Outcome);
         run.run(|_| true);
         let saved = serde_json::to_value(run.save().unwrap()).unwrap();
-        let turn: Vec<f64> = serde_json::from_value(saved["backend"]["turn"].clone()).unwrap();
+        let turn: Vec<f64> = serde_json::from_value(saved["backend"]["springs"]["turn"].clone()).unwrap();
         let heading = run.motion().pose.heading;
         assert!(heading > 15.0 && run.outcome().steps.n_solves > 5000, "{heading}");
         assert!((turn[0].hypot(turn[1]) - 1.0).abs() <= 2.0 * f64::EPSILON, "{second_order}: {:e}", turn[0].hypot(turn[1]) - 1.0);

@@ -1,4 +1,5 @@
-//! Work that the exact backends leave out: nobody would have noticed it, and the counts say how often it was.
+//! Work that the exact backends leave out: nobody would have noticed it, and the counts say how
+//! often it was.
 
 #[path = "common/random_scenes.rs"]
 mod random_scenes;
@@ -26,7 +27,8 @@ fn shipped(name: &str) -> Scenario {
     Scenario::read(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name).as_path()).unwrap()
 }
 
-/// Largest distance of two traces over the load's radius, in pose and in the books over the energy turned over.
+/// Largest distance of two traces over the load's radius, in pose and in the books over the energy
+/// turned over.
 fn distance(a: &(Trace, Outcome), b: &(Trace, Outcome), radius: f64) -> f64 {
     assert_eq!(a.0.rows.len(), b.0.rows.len());
     let turnover = (a.1.energy.tip_work.abs() + a.1.energy.initial + a.1.energy.released).max(f64::MIN_POSITIVE);
@@ -42,8 +44,9 @@ fn distance(a: &(Trace, Outcome), b: &(Trace, Outcome), radius: f64) -> f64 {
     rows.fold(0.0, f64::max)
 }
 
-/// Where it is certain that the load sticks nothing moves either way; friction forces found in one step or in many differ by rounding, and with them the start
-/// of the next solution, which is exact to 1e-13 and adds up over some thousand steps.
+/// Where it is certain that the load sticks nothing moves either way; friction forces found in one
+/// step or in many differ by rounding, and with them the start of the next solution, which is exact
+/// to 1e-13 and adds up over some thousand steps.
 #[test]
 fn a_load_that_surely_sticks_is_where_it_would_have_been() {
     let mut scenes =
@@ -67,8 +70,8 @@ fn a_load_that_surely_sticks_is_where_it_would_have_been() {
     assert!(n_skipped > 1000, "{n_skipped}");
 }
 
-/// One spring of the paper's load whose tip slowly goes a `way` (m, world) from where it rests, in `n` advances of so many steps each: what each took, and whether
-/// the load has moved by then.
+/// One spring of the paper's load whose tip slowly goes a `way` (m, world) from where it rests, in
+/// `n` advances of so many steps each: what each took, and whether the load has moved by then.
 fn slow_pull(way: Vec2, skips: Skips, n: u64, n_each: u64) -> (Vec<(StepReport, bool)>, System) {
     let system = paper_system(paper_springs(1));
     let start = Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO };
@@ -81,7 +84,8 @@ fn slow_pull(way: Vec2, skips: Skips, n: u64, n_each: u64) -> (Vec<(StepReport, 
             let target = tip + way * (i as f64 / n as f64);
             let report = run.advance(&[target], 1.0);
             assert_eq!(report.n_steps, n_each);
-            // A spring on a load that stands keeps all the work; whoever asks gets the books and the forces of this instant.
+            // A spring on a load that stands keeps all the work; whoever asks gets the books and
+            // the forces of this instant.
             let (energy, friction) = (run.energy(), run.friction_forces().iter().sum::<Vec2>());
             let stands = run.motion().pose == start.pose;
             if stands {
@@ -97,16 +101,18 @@ fn slow_pull(way: Vec2, skips: Skips, n: u64, n_each: u64) -> (Vec<(StepReport, 
     (reports, system)
 }
 
-/// Number of the advance in which the load begins to slip, and how many of the steps before it were left out (1).
+/// Number of the advance in which the load begins to slip, and how many of the steps before it were
+/// left out (1).
 fn onset(reports: &[(StepReport, bool)]) -> (usize, f64) {
     let first = reports.iter().position(|(_, slips)| *slips).unwrap();
     let sum = |count: fn(&StepReport) -> u64| reports[..first].iter().map(|(report, _)| count(report)).sum::<u64>() as f64;
     (first, sum(|report| report.skipped.stick_bound) / sum(|report| report.n_steps))
 }
 
-/// Hardly a step before the slip is solved, and the slip begins in the very step where it does when all are, one by one or many in an advance. Outward, 22 mN at
-/// 0.664 N/m are reached after 33 mm. Across, the spring turns the load while it pulls: the least forces that hold that reach the limit of one support long before the
-/// load slips, and others share the load out.
+/// Hardly a step before the slip is solved, and the slip begins in the very step where it does when
+/// all are, one by one or many in an advance. Outward, 22 mN at 0.664 N/m are reached after 33 mm.
+/// Across, the spring turns the load while it pulls: the least forces that hold that reach the
+/// limit of one support long before the load slips, and others share the load out.
 #[test]
 fn a_load_waits_until_just_before_it_slips() {
     for (way, n, n_each) in [([36e-3, 0.0], 3000, 1), ([12e-3, 36e-3], 3000, 1), ([36e-3, 0.0], 120, 25), ([12e-3, 36e-3], 120, 25)] {
@@ -122,8 +128,8 @@ fn a_load_waits_until_just_before_it_slips() {
     }
 }
 
-/// A tip that goes around its root one and a half times, on a spring too weak to move the load: a certificate ends before the swing could be taken for one on another
-/// branch.
+/// A tip that goes around its root one and a half times, on a spring too weak to move the load: a
+/// certificate ends before the swing could be taken for one on another branch.
 #[test]
 fn a_load_that_waits_knows_how_often_a_spring_was_swung_around() {
     let mut system = paper_system(paper_springs(1));
@@ -145,7 +151,8 @@ fn a_load_that_waits_knows_how_often_a_spring_was_swung_around() {
     assert!((500..600).contains(&n_skipped), "{n_skipped}");
 }
 
-/// A load at rest without springs, or with tips that stand, has nowhere to go: what is left out is what would have been found.
+/// A load at rest without springs, or with tips that stand, has nowhere to go: what is left out is
+/// what would have been found.
 #[test]
 fn a_load_at_rest_stays_whether_or_not_it_is_computed() {
     for kind in EXACT {
@@ -154,7 +161,8 @@ fn a_load_at_rest_stays_whether_or_not_it_is_computed() {
             let quick = run(&scenario, kind, Skips::ALL.without(Skip::StickBound));
             let slow = run(&scenario, kind, Skips::NONE);
             let count = |steps: &StepReport| if skip == Skip::FreeLoad { steps.skipped.free_load } else { steps.skipped.still_tips };
-            // Quasi-statically the load is at rest from the start; what the solution finds there is rest to rounding.
+            // Quasi-statically the load is at rest from the start; what the solution finds there is
+            // rest to rounding.
             assert!(count(&quick.1.steps) >= 50, "{name} {kind:?}: {:?}", quick.1.steps);
             assert_eq!((count(&slow.1.steps), slow.1.steps.n_skipped), (0, 0), "{name} {kind:?}");
             let distance = distance(&quick, &slow, scenario.system.load.radius);
@@ -163,7 +171,8 @@ fn a_load_at_rest_stays_whether_or_not_it_is_computed() {
     }
 }
 
-/// A certificate belongs to the state: a run that goes on from a saved one leaves out the same steps and finds the same bits.
+/// A certificate belongs to the state: a run that goes on from a saved one leaves out the same
+/// steps and finds the same bits.
 #[test]
 fn a_certificate_is_saved_with_the_run() {
     let system = paper_system(paper_springs(2));
@@ -187,8 +196,10 @@ fn a_certificate_is_saved_with_the_run() {
     assert!((20..180).contains(&n_skipped), "{n_skipped}");
 }
 
-/// A spring pushes almost as hard as friction holds; its tip goes round to where the push is as hard, in one step, and back along the chord, on which the spring is shorter and
-/// pushes harder: balanced at both ends of the chord and not between. That the tip ends where the certificate was made for does not make the way there sure.
+/// A spring pushes almost as hard as friction holds; its tip goes round to where the push is as
+/// hard, in one step, and back along the chord, on which the spring is shorter and pushes harder:
+/// balanced at both ends of the chord and not between. That the tip ends where the certificate was
+/// made for does not make the way there sure.
 #[test]
 fn a_way_is_sure_only_where_it_begins_so() {
     let (stiffness, rest_length, angle) = (4.0, 0.0263, 0.1225f64);

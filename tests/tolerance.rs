@@ -1,4 +1,5 @@
-//! Runs under error control keep to their tolerance, against known answers and against far tighter runs, and know their own error.
+//! Runs under error control keep to their tolerance, against known answers and against far tighter
+//! runs, and know their own error.
 
 mod common;
 #[path = "common/random_scenes.rs"]
@@ -25,7 +26,8 @@ use crate::random_scenes::random_scenario;
 const EXACT: [BackendKind; 2] = [BackendKind::QuasiStatic, BackendKind::Inertial];
 /// (m)
 const TOLERANCES: [f64; 6] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
-/// Of the runs that others are measured against (m): the largest of their own estimates is below a hundredth of the tightest tolerance above.
+/// Of the runs that others are measured against (m): the largest of their own estimates is below a
+/// hundredth of the tightest tolerance above.
 const REFERENCE: f64 = 1e-10;
 
 /// Cases with poses that are known, and whether the backend has an answer.
@@ -166,7 +168,8 @@ fn scenes() -> Vec<Scene> {
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
         let longest = match (name.as_str(), &scenario.drive) {
             ("thousand-springs", _) => 0.02,
-            // Its load of a milligram swings a hundred times a millisecond, and each swing takes strides of its own.
+            // Its load of a milligram swings a hundred times a millisecond, and each swing takes
+            // strides of its own.
             ("stiff-light", _) => 0.001,
             ("hundred-supports", _) => 0.1,
             ("ten-ants-ten-springs", _) => 1.2,
@@ -210,7 +213,8 @@ fn scenes_keep_to_their_tolerance_and_know_their_error() {
                 n_honest += u32::from(estimate >= error);
             }
         }
-        // What is off at the loosest tolerance is less so at the tightest: neither run is the other.
+        // What is off at the loosest tolerance is less so at the tightest: neither run is the
+        // other.
         let [loose, tight] = [pairs[0].0, pairs[5].0];
         assert!(loose <= 1e-6 || tight < 0.01 * loose, "{name}: {loose:e} {tight:e}");
     }
@@ -219,8 +223,9 @@ fn scenes_keep_to_their_tolerance_and_know_their_error() {
     assert!(n_loose > 20, "{n_loose}");
 }
 
-/// A load pushed from behind by a spring (N/m) turns round. Till then what is wrong with its heading grows by a factor e every 15 mm, (b^2 + a^2 / 2) / b
-/// of a tow backwards, while errors of strides are only bounded one by one.
+/// A load pushed from behind by a spring (N/m) turns round. Till then what is wrong with its
+/// heading grows by a factor e every 15 mm, (b^2 + a^2 / 2) / b of a tow backwards, while errors of
+/// strides are only bounded one by one.
 fn pushed(stiffness: f64, heading: f64) -> Scene {
     let spring = PolarSpring { radial_stiffness: stiffness, ..isotropic(Vec2::new(LOAD_RADIUS, 0.0), 0.0) };
     let start = Motion { pose: Pose::new(0.0, 0.0, heading), twist: Twist::ZERO };
@@ -252,8 +257,9 @@ fn a_run_that_strays_is_repeated_until_it_is_within() {
     assert!(error > 0.0 && error <= tolerance, "{error:e}");
 }
 
-/// A tip passes the load on a straight line whose ends, and whose middle, are too far off to move it, and on the way presses it 0.3 mm aside: to one stride over the whole way, as to its
-/// two halves, nothing happens at all.
+/// A tip passes the load on a straight line whose ends, and whose middle, are too far off to move
+/// it, and on the way presses it 0.3 mm aside: to one stride over the whole way, as to its two
+/// halves, nothing happens at all.
 #[test]
 fn a_slip_in_the_midst_of_a_long_control_period_is_seen() {
     // Pressed by this much less than its rest length, the spring moves the load.
@@ -282,8 +288,9 @@ fn a_slip_in_the_midst_of_a_long_control_period_is_seen() {
     assert!((long.position - short.position).norm() <= 2e-6, "{long:?} {short:?}");
 }
 
-/// Implicit Euler stops a load within one step wherever the step begins, so that one step and two agree on a place that is not the right one: what they may both have lost is part of the
-/// run's own error. The way to rest is v^2 / (2 mu g).
+/// Implicit Euler stops a load within one step wherever the step begins, so that one step and two
+/// agree on a place that is not the right one: what they may both have lost is part of the run's
+/// own error. The way to rest is v^2 / (2 mu g).
 #[test]
 fn a_run_knows_what_a_stop_hides() {
     for speed in [1e-4, 1e-3, 1e-2, 0.1] {
@@ -303,8 +310,10 @@ fn a_run_knows_what_a_stop_hides() {
     }
 }
 
-/// A load that starts to turn about a support at once: the change lies at the start, and the strides behind it are as short as they get. They too have as many rows as they need. Known: the midpoint step, another method,
-/// extrapolated from 10 us and 5 us, which agrees with looser tolerances in 11 digits.
+/// A load that starts to turn about a support at once: the change lies at the start, and the
+/// strides behind it are as short as they get. They too have as many rows as they need. Known: the
+/// midpoint step, another method, extrapolated from 10 us and 5 us, which agrees with looser
+/// tolerances in 11 digits.
 #[test]
 fn the_tightest_tolerances_are_kept_too() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/analytic/slide-spin.json");
@@ -319,9 +328,11 @@ fn the_tightest_tolerances_are_kept_too() {
     }
 }
 
-/// A load on a single support out of its middle, held by one spring, swings about that support like a pendulum, out of its hold and into it again. At the
-/// instant where the support is about to slip, steps have to see all of the force that holds the load on its circle. Known: the midpoint step, another
-/// method, extrapolated from 3 us and 1.5 us, which agrees with twice these steps in 1e-10 m.
+/// A load on a single support out of its middle, held by one spring, swings about that support like
+/// a pendulum, out of its hold and into it again. At the instant where the support is about to
+/// slip, steps have to see all of the force that holds the load on its circle. Known: the midpoint
+/// step, another method, extrapolated from 3 us and 1.5 us, which agrees with twice these steps in
+/// 1e-10 m.
 #[test]
 fn a_support_that_swings_out_of_its_hold_is_known_to_slip() {
     let text = r#"{ "name": "pendulum", "duration_s": 0.5, "control_period_s": 0.0025,
@@ -341,8 +352,8 @@ fn a_support_that_swings_out_of_its_hold_is_known_to_slip() {
     }
 }
 
-/// A soft spring turns a load that it pushes round all at once. Descent to the balance is slow there, some steps do not converge and say so, and the run
-/// ends all the same.
+/// A soft spring turns a load that it pushes round all at once. Descent to the balance is slow
+/// there, some steps do not converge and say so, and the run ends all the same.
 #[test]
 fn a_load_that_snaps_while_tips_move_arrives() {
     let scene = pushed(RADIAL, 1e-6);
@@ -364,7 +375,8 @@ fn tripod_unit() -> f64 {
     (SUPPORT_RADIUS / (MU * GRAVITY)).sqrt()
 }
 
-/// Time (s) in which an acceleration of mu g makes up a hundredth of the tolerance, ten times what the stride with an event may err.
+/// Time (s) in which an acceleration of mu g makes up a hundredth of the tolerance, ten times what
+/// the stride with an event may err.
 fn event_bound(tolerance: f64) -> f64 {
     (2.0 * 0.01 * tolerance / (MU * GRAVITY)).sqrt()
 }
@@ -390,7 +402,8 @@ fn captures_and_stops_of_tripods_are_located() {
     }
 }
 
-/// The tip leaves at 5 mm/s from the centre: the load starts at f / (k v), in the midst of a control period, and without inertia goes on as fast as the tip.
+/// The tip leaves at 5 mm/s from the centre: the load starts at f / (k v), in the midst of a
+/// control period, and without inertia goes on as fast as the tip.
 #[test]
 fn the_onset_of_a_pull_is_located() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/analytic/centre-pull.json");
@@ -408,15 +421,17 @@ fn the_onset_of_a_pull_is_located() {
         let moving = scene.run(BackendKind::Inertial, tolerance);
         let [first] = &moving.trace.transitions[..] else { panic!("{:?}", moving.trace.transitions) };
         assert_eq!(first.kind, TransitionKind::Onset);
-        // The pull above the limit, k v t, moves the load by k v t^3 / (6 m): by a hundredth of the tolerance within this time.
+        // The pull above the limit, k v t, moves the load by k v t^3 / (6 m): by a hundredth of the
+        // tolerance within this time.
         let bound = (6.0 * MASS * 0.01 * tolerance / (RADIAL * speed)).cbrt();
         let late = first.time - onset;
         assert!((0.0..bound).contains(&late), "{tolerance:e}: {late:e} s");
     }
 }
 
-/// Without friction a load on one spring has a motion that no force resists, and where it goes depends on the last bit of every stride. The run ends nevertheless, in
-/// hundreds of strides a tick and not in millions, and says that it is not within what was asked for.
+/// Without friction a load on one spring has a motion that no force resists, and where it goes
+/// depends on the last bit of every stride. The run ends nevertheless, in hundreds of strides a
+/// tick and not in millions, and says that it is not within what was asked for.
 #[test]
 fn a_motion_that_nothing_resists_ends_and_is_told() {
     let text = r#"{ "name": "free", "duration_s": 0.02, "control_period_s": 0.01,

@@ -13,10 +13,11 @@ use serde::{Deserialize, Serialize};
 pub struct Ceilings {
     /// What counts depend on altogether: counts of another build are not compared.
     pub build: String,
-    /// What they depend on by some per cent: counts of another compiler are compared, and a failure names it.
+    /// What they depend on by some per cent: counts of another compiler are compared, and a failure
+    /// names it.
     pub compiler: String,
-    /// How far above its stored count a path may be (1). The same build repeats its counts exactly, so what this forgives is the allocator, sines and copies of
-    /// another libc.
+    /// How far above its stored count a path may be (1). The same build repeats its counts exactly,
+    /// so what this forgives is the allocator, sines and copies of another libc.
     pub margin: f64,
     /// By hot path, as counted when it was accepted.
     pub instructions_per_call: BTreeMap<String, u64>,
@@ -24,7 +25,8 @@ pub struct Ceilings {
 
 /// Margin of a file that is written for the first time (1).
 pub const USUAL_MARGIN: f64 = 0.05;
-/// Below this share of the stored count (1), a path has got so much faster that its ceiling would let half of that go again unseen.
+/// Below this share of the stored count (1), a path has got so much faster that its ceiling would
+/// let half of that go again unseen.
 const WELL_BELOW: f64 = 0.9;
 
 /// How a count compares with the stored one.
@@ -51,7 +53,8 @@ impl Finding {
         }
     }
 
-    /// Whether it fails the check. A path without a ceiling does: renaming one must not drop its ceiling unseen.
+    /// Whether it fails the check. A path without a ceiling does: renaming one must not drop its
+    /// ceiling unseen.
     pub fn fails(self) -> bool {
         matches!(self, Finding::Above | Finding::NoCeiling)
     }
@@ -105,7 +108,8 @@ impl Ceilings {
         })
     }
 
-    /// Takes over counts of the build and compiler that these ceilings are of. The others stay, unless `counts` are of all paths there are.
+    /// Takes over counts of the build and compiler that these ceilings are of. The others stay,
+    /// unless `counts` are of all paths there are.
     pub fn accept(&mut self, counts: &BTreeMap<String, u64>, are_all: bool) {
         if are_all {
             self.instructions_per_call.clear();

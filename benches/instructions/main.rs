@@ -1,14 +1,17 @@
-//! Instruction counts of the hot paths, held against stored ceilings: a slow-down fails, however noisy the machine.
+//! Instruction counts of the hot paths, held against stored ceilings: a slow-down fails, however
+//! noisy the machine.
 //!
 //! ```text
 //! cargo instructions [NAME...] [--json]    count and compare
 //! cargo instructions --accept              make what is counted the stored counts
 //! ```
 //!
-//! A step, not a clock, is what repeats: `stepper.rs` says how. A count is no time, but a path that takes more instructions for the same work is very rarely faster.
+//! A step, not a clock, is what repeats: `stepper.rs` says how. A count is no time, but a path that
+//! takes more instructions for the same work is very rarely faster.
 //!
-//! Exit codes: 0 all within their ceilings, 1 some above or without one, 2 usage or input, 3 internal, 4 nothing counted or nothing to compare with. The last
-//! is neither a pass nor a failure, and it is said aloud.
+//! Exit codes: 0 all within their ceilings, 1 some above or without one, 2 usage or input, 3
+//! internal, 4 nothing counted or nothing to compare with. The last is neither a pass nor a
+//! failure, and it is said aloud.
 
 mod ceilings;
 mod paths;

@@ -1,4 +1,5 @@
-//! Stands in for `stepper.rs` where there is no Linux on x86-64 to step a process: nothing is counted, and that is said.
+//! Stands in for `stepper.rs` where there is no Linux on x86-64 to step a process: nothing is
+//! counted, and that is said.
 
 use std::process::ExitCode;
 

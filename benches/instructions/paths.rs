@@ -1,5 +1,5 @@
-//! The hot paths: what runs once a step, a tick or a row. Each is a function of the library's public interface, so that whatever stands behind it may
-//! be rewritten.
+//! The hot paths: what runs once a step, a tick or a row. Each is a function of the library's
+//! public interface, so that whatever stands behind it may be rewritten.
 
 use std::hint::black_box;
 
@@ -45,7 +45,8 @@ const CONTROL_PERIOD: f64 = 2.5e-3;
 const DYNAMIC_STEP: f64 = 1e-3;
 /// Of pulling ants (m/s).
 const PULL_SPEED: f64 = 0.03;
-/// Simulated time after which a load slides steadily (s): the springs are stretched in a third of it.
+/// Simulated time after which a load slides steadily (s): the springs are stretched in a third of
+/// it.
 const UNTIL_SLIDING: f64 = 1.5;
 
 fn quasi_static() -> BackendOptions {
@@ -56,7 +57,8 @@ fn dynamic(kind: BackendKind) -> BackendOptions {
     BackendOptions::new(kind, DYNAMIC_STEP)
 }
 
-/// One step of the paper's load, dragged by the tips of `n` springs in directions up to 0.3 rad apart.
+/// One step of the paper's load, dragged by the tips of `n` springs in directions up to 0.3 rad
+/// apart.
 fn dragging(n: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
     let system = paper_system(paper_springs(n));
     let step = options.step_s;
@@ -80,7 +82,8 @@ fn dragging(n: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
     })
 }
 
-/// The cone problem of a load on the paper's tripod whose drive turns a little from call to call, as from step to step.
+/// The cone problem of a load on the paper's tripod whose drive turns a little from call to call,
+/// as from step to step.
 fn cone_solve() -> Box<dyn FnMut()> {
     let system = paper_system(Vec::new());
     let mut solver = FrictionSolver::new(&system.ground, system.load.radius);
@@ -113,7 +116,8 @@ fn tick_of_four_ants() -> Box<dyn FnMut()> {
     Box::new(move || run.step())
 }
 
-/// A control period of 200 ants that are nowhere near the load; four of them are the period of their beliefs.
+/// A control period of 200 ants that are nowhere near the load; four of them are the period of
+/// their beliefs.
 fn tick_of_far_ants() -> Box<dyn FnMut()> {
     let mut scene = paper_scene();
     let Drive::Ants(drive) = &mut scene.drive else { panic!("the paper's scene is driven by ants") };
@@ -124,7 +128,8 @@ fn tick_of_far_ants() -> Box<dyn FnMut()> {
     Box::new(move || run.step())
 }
 
-/// A control period of a load that rests between four held tips, which leaves little to do but keeping the row.
+/// A control period of a load that rests between four held tips, which leaves little to do but
+/// keeping the row.
 fn trace_row() -> Box<dyn FnMut()> {
     let mut run = simulation(resting_scene(), Keep::Trace);
     // Between 256 and 512 rows the vector does not grow.

@@ -1,8 +1,11 @@
-//! Counts the instructions of a hot path: a child runs it, and is taken through it one machine instruction at a time.
+//! Counts the instructions of a hot path: a child runs it, and is taken through it one machine
+//! instruction at a time.
 //!
-//! The child warms up, stops itself before and after the counted calls, and all between is stepped by ptrace. That counts what the processor was told to do, not
-//! how long it took: the same program repeats its count exactly, on a loaded machine too. For it to be the same, the child gets nothing that differs
-//! from run to run or from place to place: no environment, one name, addresses in fixed places, and libc's variants for the oldest processors.
+//! The child warms up, stops itself before and after the counted calls, and all between is stepped
+//! by ptrace. That counts what the processor was told to do, not how long it took: the same program
+//! repeats its count exactly, on a loaded machine too. For it to be the same, the child gets
+//! nothing that differs from run to run or from place to place: no environment, one name, addresses
+//! in fixed places, and libc's variants for the oldest processors.
 
 use std::io;
 use std::process::{Child, Command, ExitCode, Stdio};
@@ -21,7 +24,8 @@ use crate::paths::{self, HotPath};
 const NOT_PERMITTED: u8 = 4;
 /// The first argument of a child.
 pub const CHILD: &str = "--stepped-child";
-/// libc chooses copies and sines by the processor that it finds. Without these features it takes those of every x86-64; elsewhere nothing has these names.
+/// libc chooses copies and sines by the processor that it finds. Without these features it takes
+/// those of every x86-64; elsewhere nothing has these names.
 const OLDEST_PROCESSOR: &str = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX2,-AVX,-FMA,-FMA4,-ERMS,-FSRM";
 
 /// Why there is no count.
@@ -75,7 +79,8 @@ pub fn count(path: &HotPath) -> Result<u64, StepError> {
 
 const THIS_THREAD: Pid = Pid::from_raw(0);
 
-/// Stepper and child take turns: on one processor they need not wake each other across two. The set of before, where that succeeded.
+/// Stepper and child take turns: on one processor they need not wake each other across two. The set
+/// of before, where that succeeded.
 fn stay_on_one_processor() -> Option<CpuSet> {
     let all = sched_getaffinity(THIS_THREAD).ok()?;
     let own = rayon::current_thread_index().unwrap_or(0);

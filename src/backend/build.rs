@@ -1,8 +1,6 @@
 //! From options to a backend, and the steps that are taken by default.
 
-use super::controlled::{Column, Control};
-use super::inertial::{Inertial, Integrator};
-use super::quasi_static::QuasiStatic;
+use super::exact::{Column, Control, Exact, Integrator};
 use super::tandem::tandem;
 use super::tolerance::CHECK_SHARE;
 use super::{Backend, BackendKind, BackendOptions, Motion, Stepping, Tolerance, rapier};
@@ -60,13 +58,12 @@ fn with(system: &System, start: Motion, options: &BackendOptions, stepping: Step
     let is_fixed = matches!(stepping, Stepping::Fixed(_));
     match options.kind {
         BackendKind::QuasiStatic => {
-            let backend = QuasiStatic::new(system.clone(), start, stepping, options.skips);
-            let backend = if is_fixed { backend.through(options.cone_solver) } else { backend };
-            Box::new(if is_fixed && options.second_order { backend.of_second_order() } else { backend })
+            let backend = Exact::quasi_static(system, start, stepping, options.skips);
+            Box::new(if is_fixed { backend.with_options(options.cone_solver, options.second_order) } else { backend })
         }
         BackendKind::Inertial => {
             let integrator = if is_fixed { options.integrator } else { Integrator::Euler };
-            Box::new(Inertial::new(system.clone(), start, stepping, integrator, options.skips))
+            Box::new(Exact::inertial(system, start, stepping, integrator, options.skips))
         }
         BackendKind::Rapier => rapier::build(system.clone(), start, options),
     }

@@ -6,8 +6,8 @@ use crate::math::Vec2;
 
 /// A method that moves the load.
 ///
-/// A spring is named by its index in [`crate::model::System::springs`]. Attaching an attached spring
-/// or releasing a free one is an error of the caller and panics.
+/// A spring is named by its index in [`crate::model::System::springs`]. Attaching an attached
+/// spring or releasing a free one is an error of the caller and panics.
 ///
 /// In this example a tip is drawn 40 mm along the spring. The load follows as soon as the spring
 /// pulls with the slip limit f, and stays f / k behind the tip.
@@ -42,10 +42,10 @@ pub trait Backend {
     /// `tip_targets` (m, world, one entry a spring; entries of free springs are not read) within
     /// `duration` (s), and moves the load with them.
     ///
-    /// The tips are given as targets, not velocities: their path then has no rounding that depends on
-    /// how time is divided. Tips or targets that are not finite or beyond 1e60 m, and a duration that
-    /// is not positive, are answered by [`super::Status::Failed`], and nothing moves. After such tips
-    /// rapier does not move again.
+    /// The tips are given as targets, not velocities: their path then has no rounding that depends
+    /// on how time is divided. Tips or targets that are not finite or beyond 1e60 m, and a duration
+    /// that is not positive, are answered by [`super::Status::Failed`], and nothing moves. After
+    /// such tips rapier does not move again.
     fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport;
 
     /// Pose and twist of the load. A method without inertia reports the last displacement over its
@@ -55,8 +55,8 @@ pub trait Backend {
     /// Tip of an attached spring (m, world); `None` for a free spring.
     fn tip(&self, spring: usize) -> Option<Vec2>;
 
-    /// Force of the holder on the tip (N, world): dU/d(tip) and the dashpot's share, the negative of
-    /// Eq. (10). It is zero for a free spring.
+    /// Force of the holder on the tip (N, world): dU/d(tip) and the dashpot's share, the negative
+    /// of Eq. (10). It is zero for a free spring.
     fn pull(&self, spring: usize) -> Vec2;
 
     /// Energy of the run so far, by where it is and where it went (J).

@@ -1,29 +1,25 @@
 //! What moves the load. Every backend answers the same calls in the same way.
 //!
 //! A backend owns the load, its springs and the friction under it. It is told which springs are
-//! attached and where their tips go, and knows neither ants nor scenario files. Nothing moves between
-//! two calls of [`Backend::advance`].
+//! attached and where their tips go, and knows neither ants nor scenario files. Nothing moves
+//! between two calls of [`Backend::advance`].
 //!
 //! A backend that observes another one, or adds to what it does, is a [`Wrapped`] with a [`Hook`].
 
 mod build;
-mod controlled;
-mod forecast;
+pub(crate) mod exact;
 pub mod friction;
 pub mod increment;
-pub mod inertial;
 mod interface;
 mod ledger;
 mod options;
 mod pose_error;
-pub mod quasi_static;
 pub mod rapier;
 mod saved_state;
-mod skips;
+mod shortcuts;
 pub mod springs;
 mod step_report;
 mod stepping;
-mod stick_bound;
 mod tandem;
 mod tolerance;
 mod transition;
@@ -31,15 +27,15 @@ mod wrapped;
 
 pub use crate::model::Motion;
 pub use build::{build, default_step, step_of};
+pub use exact::Integrator;
 pub use friction::ConeSolver;
-pub use inertial::Integrator;
 pub use interface::Backend;
 pub use ledger::{DefectParts, EnergyLedger};
 pub use options::{BackendKind, BackendOptions, Setting};
 pub use pose_error::PoseError;
 pub use rapier::RapierOptions;
 pub use saved_state::{RestoreError, SaveError, SavedState};
-pub use skips::{Skip, SkipCounts, Skips};
+pub use shortcuts::{Skip, SkipCounts, Skips};
 pub use springs::{AttachedTip, AttachedTips};
 pub use step_report::{Status, StepReport};
 pub use stepping::{Stepping, n_steps_in};

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct SavedState(pub serde_json::Value);
 
 impl SavedState {
-    /// State with the fields of `state`. A number that is not finite becomes `null`, which cannot be
-    /// restored.
+    /// State with the fields of `state`. A number that is not finite becomes `null`, which cannot
+    /// be restored.
     ///
     /// # Panics
     /// When JSON cannot hold `state`.

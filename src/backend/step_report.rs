@@ -1,8 +1,8 @@
-//! What an advance says of itself.
+//! Status and cost of an advance.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Skip, SkipCounts};
+use super::shortcuts::{Skip, SkipCounts};
 
 /// How an advance ended. The order is that of severity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -23,19 +23,19 @@ pub struct StepReport {
     pub status: Status,
     /// Largest residual of a step, relative to the forces in it (1).
     pub residual: f64,
-    /// Steps of the backend's own; under error control strides.
+    /// Steps of the backend; macro-steps under error control.
     pub n_steps: u64,
     /// Solutions of the friction problem.
     pub n_solves: u64,
-    /// Newton iterations over all of them.
+    /// Newton iterations in all of these solutions.
     pub n_iterations: u64,
     /// Steps that were known without solving.
     pub n_skipped: u64,
     /// Steps that did not converge.
     pub n_not_converged: u64,
-    /// Strides that error control found too long.
+    /// Macro-steps that error control rejected as too long.
     pub n_rejected: u64,
-    /// What was left out, by kind.
+    /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
 }
@@ -46,13 +46,13 @@ impl StepReport {
         self.status == Status::Failed && self.n_solves == 0
     }
 
-    /// Of an advance that has no answer, and in which nothing moved.
+    /// Report of an advance that has no answer, and in which nothing moved.
     #[cold]
     pub(super) fn refused() -> Self {
         Self { status: Status::Failed, n_steps: 1, n_not_converged: 1, ..Self::default() }
     }
 
-    /// Adds `n_steps` that were left out.
+    /// Adds `n_steps` that were skipped.
     pub fn leave_out(&mut self, why: Skip, n_steps: u64) {
         self.n_steps += n_steps;
         self.n_skipped += n_steps;

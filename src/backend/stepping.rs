@@ -1,6 +1,6 @@
 //! How a duration is divided into steps.
 
-use super::controlled::Control;
+use super::exact::Control;
 
 /// How an exact backend divides an advance into steps.
 #[derive(Clone, Copy, Debug, PartialEq)]

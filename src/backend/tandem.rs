@@ -1,9 +1,9 @@
 //! Error estimate of a run under error control: two backends of the same kind side by side.
 //!
-//! Both take macro-steps under error control, the second with four times the tolerance of the first.
-//! It keeps the answers whose errors the control estimates, in place of the better ones. Its distance
-//! from the first shows how those errors have added up, and bounds the error of the first with a
-//! margin.
+//! Both take macro-steps under error control, the second with four times the tolerance of the
+//! first. It keeps the answers whose errors the control estimates, in place of the better ones. Its
+//! distance from the first shows how those errors have added up, and bounds the error of the first
+//! with a margin.
 
 use serde::{Deserialize, Serialize};
 

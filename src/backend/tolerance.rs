@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::PoseError;
-use super::controlled::{Column, Control};
+use super::exact::{Column, Control};
 use crate::model::{Load, System};
 
 /// Error that the pose of a run may have at any time, for given attachments, releases and tip

@@ -1,41 +1,44 @@
-//! Instants at which the load's motion stops being smooth: it starts, stops, is caught on a support or comes free of it, or jumps.
+//! Instants at which the motion of the load is not smooth: slip onset, stop, pinning to a support,
+//! unpinning, and jump.
 
 use serde::{Deserialize, Serialize};
 
-use super::friction::Regime;
+use super::friction::ContactMode;
 
-/// One such instant.
+/// An instant at which the motion of the load is not smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transition {
-    /// In a backend since the start of the advance, in a trace since the start of the run (s). Fixed steps name their end.
+    /// Time since the start of the advance in a backend, and since the start of the run in a trace
+    /// (s). Fixed steps report their end.
     pub time: f64,
     #[serde(flatten)]
     pub kind: TransitionKind,
 }
 
+/// Kind of a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "transition", rename_all = "snake_case")]
 pub enum TransitionKind {
     /// The load begins to move, with all its supports or about one of them.
     Onset,
-    /// It comes to rest.
+    /// The load comes to rest.
     Stop,
     /// A support stops slipping, and the load turns about it.
     Capture { support: usize },
-    /// The support that the load turned about, since its capture or since the onset, slips again.
+    /// The support that the load turned about slips.
     Freed { support: usize },
-    /// A load without inertia moves a finite way in no time.
+    /// A load without inertia moves by a finite displacement in no time.
     Jump {
         /// Shift of the load's origin (m).
         shift: f64,
         /// (rad)
         turn: f64,
-        /// Energy that a load with inertia would have got into motion (J).
+        /// Energy that would have set a load with inertia in motion (J).
         energy: f64,
     },
 }
 
-/// How many there were of each kind.
+/// Number of transitions of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TransitionCounts {
     pub n_onset: u64,
@@ -64,18 +67,19 @@ impl TransitionCounts {
 }
 
 impl TransitionKind {
-    /// What happens where one regime follows another; `None` where nothing does.
-    pub(super) fn between(before: Regime, after: Regime) -> Option<Self> {
+    /// Transition from one contact mode to another; `None` where nothing happens.
+    pub(super) fn between(before: ContactMode, after: ContactMode) -> Option<Self> {
         match (before, after) {
             (before, after) if before == after => None,
-            (_, Regime::Stick) => Some(TransitionKind::Stop),
-            (Regime::Stick, _) => Some(TransitionKind::Onset),
-            (_, Regime::Pinned(support)) => Some(TransitionKind::Capture { support }),
-            (Regime::Pinned(support), Regime::Slip) => Some(TransitionKind::Freed { support }),
-            (Regime::Slip, Regime::Slip) => None,
+            (_, ContactMode::Stick) => Some(TransitionKind::Stop),
+            (ContactMode::Stick, _) => Some(TransitionKind::Onset),
+            (_, ContactMode::Pinned(support)) => Some(TransitionKind::Capture { support }),
+            (ContactMode::Pinned(support), ContactMode::Slip) => Some(TransitionKind::Freed { support }),
+            (ContactMode::Slip, ContactMode::Slip) => None,
         }
     }
 
+    /// Name of the kind in plain words.
     pub fn name(&self) -> &'static str {
         match self {
             TransitionKind::Onset => "onset",

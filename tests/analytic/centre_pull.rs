@@ -30,7 +30,8 @@ fn pulled(kind: BackendKind, damping_ratio: f64, speed: f64, step: f64, n: u32) 
     run.motion()
 }
 
-/// Stick until t* = f / (k v), then x = v t - f / k: the play operator, exact at its nodes however coarse.
+/// Stick until t* = f / (k v), then x = v t - f / k: the play operator, exact at its nodes however
+/// coarse.
 #[test]
 fn without_inertia_the_load_lags_by_the_slip_stretch_at_any_step() {
     for (speed, onset) in [(0.005, 6.61879518), (0.02, 1.65469880), (0.08, 0.41367469880)] {
@@ -48,7 +49,8 @@ fn without_inertia_the_load_lags_by_the_slip_stretch_at_any_step() {
     }
 }
 
-/// x = v tau - (v / omega) sin omega tau after the onset: the load touches rest every period but does not stay.
+/// x = v tau - (v / omega) sin omega tau after the onset: the load touches rest every period but
+/// does not stay.
 #[test]
 fn with_inertia_it_swings_about_that() {
     for kind in WITH_INERTIA {
@@ -65,7 +67,8 @@ fn with_inertia_it_swings_about_that() {
                 });
                 let ratio = error_ratio(values[1], values[2], exact);
                 assert!(ratio > 1.9 && ratio < 2.1, "{kind:?} {speed} {phase}: {ratio}");
-                // (omega h)^3 is 1e-6 at phase 5. Beyond 2 pi the load has touched rest, where the step's own damping acts unevenly.
+                // (omega h)^3 is 1e-6 at phase 5. Beyond 2 pi the load has touched rest, where the
+                // step's own damping acts unevenly.
                 let tolerance = if phase < TAU { 1e-5 } else { 1e-3 };
                 assert!((extrapolated(&values) - exact).abs() < tolerance * amplitude, "{kind:?} {speed} {phase}");
             }
@@ -121,7 +124,8 @@ fn ramp_and_hold() {
     assert!((held - 6.90602409639e-3).abs() < 1e-14);
 }
 
-/// A dashpot beside the spring slips at k s + c v = f; from there on the stretch less f / k is a damped oscillation from -c v / k at rate v.
+/// A dashpot beside the spring slips at k s + c v = f; from there on the stretch less f / k is a
+/// damped oscillation from -c v / k at rate v.
 #[test]
 fn a_damped_spring_slips_earlier_and_swings_less() {
     let (speed, damping_ratio) = (0.08, 0.3);

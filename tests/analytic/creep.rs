@@ -5,7 +5,8 @@ use cohaul::math::{Pose, Twist, Vec2};
 
 use crate::common::*;
 
-/// Way (m) of the load in a minute, turned and away from the origin, pulled across its first support at `arm` by 0.9 of the critical force.
+/// Way (m) of the load in a minute, turned and away from the origin, pulled across its first
+/// support at `arm` by 0.9 of the critical force.
 fn way_in_a_minute(kind: BackendKind, arm: f64) -> f64 {
     let start = Motion { pose: Pose::new(0.11, -0.07, 0.83), twist: Twist::ZERO };
     let (a, b) = (SUPPORT_RADIUS, arm);
@@ -24,7 +25,8 @@ fn way_in_a_minute(kind: BackendKind, arm: f64) -> f64 {
 fn a_load_below_its_limit_stays_for_a_minute() {
     for kind in BackendKind::ALL {
         for arm in [0.0, SUPPORT_RADIUS, LOAD_RADIUS + REST_LENGTH] {
-            // Asked for is 1 nm. Rest is exact in the exact methods; in the engine some steps may leave rounding, which does not add up.
+            // Asked for is 1 nm. Rest is exact in the exact methods; in the engine some steps may
+            // leave rounding, which does not add up.
             let way = way_in_a_minute(kind, arm);
             assert!(way < if kind == BackendKind::Rapier { 1e-14 } else { f64::MIN_POSITIVE }, "{kind:?} {arm}: {way:e}");
         }

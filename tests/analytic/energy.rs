@@ -9,35 +9,39 @@ use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, driver_of};
 
-use crate::bounded::{Audited, Findings};
+use crate::bounded::{Findings, audited};
 use crate::common::*;
 
 fn check(name: &str, found: &Findings) {
     assert!(found.n_steps > 0, "{name}");
-    // The cone problem is solved to 1e-13 of the forces, and the energies are sums that cancel: some tens of roundings.
+    // The cone problem is solved to 1e-13 of the forces, and the energies are sums that cancel:
+    // some tens of roundings.
     assert!(found.above < 1e-13 && found.below < 1e-13, "{name}: {found:?}");
-    // The loss worked back from two poses has the digits that their distance from the origin leaves.
+    // The loss worked back from two poses has the digits that their distance from the origin
+    // leaves.
     assert!(found.misbooked < 1e-11 && found.least_loss >= 0.0, "{name}: {found:?}");
 }
 
 #[test]
 fn each_step_of_the_reference_scene_keeps_within_the_two_bounds() {
     for n in [20, 100, 2000] {
-        let (mut run, found) = Audited::new(&paper_system(paper_springs(4)), at_rest());
+        let (mut run, found) = audited(&paper_system(paper_springs(4)), at_rest());
         drive(&mut run, reference_tips, 1.0, n, |_, _| ());
         check("reference", &found.borrow());
         assert!(found.borrow().n_moving > n * 9 / 10);
     }
 }
 
-/// Where the energy of one spring is no longer convex, the old pose may be a local minimum only, and a snap from it breaks the lower bound.
-/// At 0.8 and 1.0 of the rest length that begins at swings of 0.74 and 1.01 rad.
+/// Where the energy of one spring is no longer convex, the old pose may be a local minimum only,
+/// and a snap from it breaks the lower bound. At 0.8 and 1.0 of the rest length that begins at
+/// swings of 0.74 and 1.01 rad.
 fn is_near_buckling(spring: &PolarSpring, run: &dyn Backend, tip: &Vec2) -> bool {
     let shape = spring.shape(&run.motion().pose, tip, 0.0);
     !(0.8..2.5).contains(&(shape.length / spring.rest_length)) || shape.swing.abs() > 0.7
 }
 
-/// Tips of `n` springs that walk at random: straight for some steps of `stride` (m), now and then let go and grasped elsewhere.
+/// Tips of `n` springs that walk at random: straight for some steps of `stride` (m), now and then
+/// let go and grasped elsewhere.
 fn walk(run: &mut dyn Backend, n: usize, stride: f64, seed: u64, n_steps: u64, mut watch: impl FnMut(&dyn Backend)) {
     let streams = RandomStreams::new(seed);
     let springs = paper_springs(n);
@@ -66,7 +70,7 @@ fn walk(run: &mut dyn Backend, n: usize, stride: f64, seed: u64, n_steps: u64, m
 fn each_step_of_random_walks_keeps_within_the_two_bounds() {
     for seed in 0..6 {
         for (n, stride) in [(1, 3e-5), (4, 1e-4), (4, 4e-4), (10, 2e-4)] {
-            let (mut run, found) = Audited::new(&paper_system(paper_springs(n)), at_rest());
+            let (mut run, found) = audited(&paper_system(paper_springs(n)), at_rest());
             walk(&mut run, n, stride, seed, 1500, |_| ());
             check(&format!("walk of {n} by {stride}, seed {seed}"), &found.borrow());
         }
@@ -80,7 +84,7 @@ fn each_step_of_the_scenarios_keeps_within_the_two_bounds() {
         for entry in Path::new("scenarios").join(folder).read_dir().unwrap() {
             let path = entry.unwrap().path();
             let scenario = Scenario::read(&path).unwrap();
-            let (run, found) = Audited::new(&scenario.system, scenario.start);
+            let (run, found) = audited(&scenario.system, scenario.start);
             let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
             let mut simulation = Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), Box::new(run));
             simulation.run(|_| true);
@@ -129,7 +133,8 @@ fn friction_and_dashpots_never_give_energy_back() {
                 least = least.min(energy.friction - last.friction).min(energy.damping - last.damping);
                 last = energy;
             });
-            // A load that stands in the engine has speeds of rounding, of any sign: 22 mN over less than a femtometre.
+            // A load that stands in the engine has speeds of rounding, of any sign: 22 mN over less
+            // than a femtometre.
             assert!(least >= if kind == BackendKind::Rapier { -1e-17 } else { 0.0 }, "{kind:?}: {least:e}");
             assert!(last.friction > 1e-5 && last.released > 0.0, "{kind:?} {last:?}");
             assert_eq!(last.damping > 0.0, damping_ratio > 0.0 && kind != BackendKind::QuasiStatic);
@@ -137,8 +142,9 @@ fn friction_and_dashpots_never_give_energy_back() {
     }
 }
 
-/// A load that ripples behind a tip at speed v loses k v^2 h / 2 a second to implicit Euler: half of it by inertia, 1/2 m (a h)^2 a step, half by the spring,
-/// 1/2 k (x' h) (x' - v) h, with x' = v (1 - cos omega t).
+/// A load that ripples behind a tip at speed v loses k v^2 h / 2 a second to implicit Euler: half
+/// of it by inertia, 1/2 m (a h)^2 a step, half by the spring, 1/2 k (x' h) (x' - v) h, with x' = v
+/// (1 - cos omega t).
 #[test]
 fn the_damping_of_the_implicit_step_is_what_the_ripple_loses() {
     let (speed, rate) = (0.02, (RADIAL / MASS).sqrt());
@@ -152,7 +158,8 @@ fn the_damping_of_the_implicit_step_is_what_the_ripple_loses() {
             run.advance(&[Vec2::new(speed * (onset + period), 0.0)], period);
             let (ledger, parts) = (run.energy(), run.energy().defect_parts());
             let expected = -0.5 * RADIAL * speed * speed * step * period;
-            // The ripple itself is damped by omega h / 2 a radian: 2 pi omega h of it at the end, half of that on the way.
+            // The ripple itself is damped by omega h / 2 a radian: 2 pi omega h of it at the end,
+            // half of that on the way.
             assert!((parts.numerical_damping / expected - 1.0).abs() < TAU * rate * step, "{kind:?} {n}: {parts:?} {expected:e}");
             // Forces are linear, and trapezoids of them exact.
             assert!((parts.quadrature / ledger.defect()).abs() < 1e-6, "{kind:?} {n}: {parts:?}");
@@ -166,8 +173,8 @@ fn check_sum(ledger: &EnergyLedger) {
     assert!((parts.jumps + parts.numerical_damping + parts.quadrature - ledger.defect()).abs() < 1e-15 * scale, "{ledger:?}");
 }
 
-/// Springs' energies depend on poses alone, so what the load's balance leaves is a trapezoid's error: second order beside a damping of first order. Jumps are
-/// of a load without inertia only.
+/// Springs' energies depend on poses alone, so what the load's balance leaves is a trapezoid's
+/// error: second order beside a damping of first order. Jumps are of a load without inertia only.
 #[test]
 fn on_random_walks_the_parts_are_the_defect_and_quadrature_is_of_second_order() {
     for kind in BackendKind::ALL {
@@ -183,7 +190,8 @@ fn on_random_walks_the_parts_are_the_defect_and_quadrature_is_of_second_order() 
                 assert!(fine.jumps < -1e-7 && fine.numerical_damping == 0.0);
             } else {
                 assert_eq!(fine.jumps, 0.0);
-                // A quarter of the step: a sixteenth of the second order, and events that fall elsewhere in their steps.
+                // A quarter of the step: a sixteenth of the second order, and events that fall
+                // elsewhere in their steps.
                 assert!(coarse.quadrature.abs() > 8.0 * fine.quadrature.abs(), "{kind:?} {coarse:?} {fine:?}");
                 assert!(fine.numerical_damping < 0.0 && fine.quadrature.abs() < 0.02 * fine.numerical_damping.abs(), "{kind:?} {fine:?}");
             }
@@ -204,8 +212,8 @@ fn the_midpoint_step_damps_far_less() {
     assert!(damping[1].abs() < 0.05 * damping[0].abs(), "{damping:?}");
 }
 
-/// Tips between nodes go straight, so a controlled run knows no error but its own; at rest and about a captured support, too, where poses alone are exact
-/// at any stride.
+/// Tips between nodes go straight, so a controlled run knows no error but its own; at rest and
+/// about a captured support, too, where poses alone are exact at any stride.
 #[test]
 fn under_error_control_the_books_close_to_the_tolerance() {
     for kind in [BackendKind::QuasiStatic, BackendKind::Inertial] {
@@ -219,7 +227,8 @@ fn under_error_control_the_books_close_to_the_tolerance() {
             });
             check_sum(&run.energy());
             let parts = run.energy().defect_parts();
-            // Strides err by a ten thousandth each, and thousands of them add up; a part is left of errors of one sign.
+            // Strides err by a ten thousandth each, and thousands of them add up; a part is left of
+            // errors of one sign.
             assert!(run.energy().defect().abs() < 1e-2 * tolerance * SLIP_LIMIT, "{kind:?} {tolerance}: {parts:?}");
             assert_eq!((n_jumps, parts.jumps), (0, 0.0), "the reference scene is smooth");
         }

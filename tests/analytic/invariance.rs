@@ -1,4 +1,5 @@
-//! What must not matter: place and heading of the scene, its mirror image, the units, the names of springs and supports, and, without inertia, time.
+//! What must not matter: place and heading of the scene, its mirror image, the units, the names of
+//! springs and supports, and, without inertia, time.
 
 use cohaul::backend::{BackendKind, Motion};
 use cohaul::math::{Pose, Twist, Vec2, rotation};
@@ -30,7 +31,8 @@ fn system() -> System {
     system
 }
 
-/// The system's path and that of `other`, taken back by `undo`, are one up to `tolerance` (m) at every step, and not for being the same run.
+/// The system's path and that of `other`, taken back by `undo`, are one up to `tolerance` (m) at
+/// every step, and not for being the same run.
 fn check_same(name: &str, kind: BackendKind, other: &[Pose], undo: impl Fn(&Pose) -> Pose, tolerance: f64) {
     let reference = path(kind, &system(), home(), &reference_tips);
     let largest = reference.iter().zip(other).map(|(one, two)| distance(one, &undo(two))).fold(0.0, f64::max);
@@ -40,8 +42,9 @@ fn check_same(name: &str, kind: BackendKind, other: &[Pose], undo: impl Fn(&Pose
     assert!(reference.last().unwrap().position.norm() > 0.02);
 }
 
-/// Rounding of positions of 0.1 m, which the load's springs turn into forces and steps near a change of regime magnify. The engine
-/// linearises in world axes and stops its sweeps at a residual.
+/// Rounding of positions of 0.1 m, which the load's springs turn into forces and steps near a
+/// change of regime magnify. The engine linearises in world axes and stops its sweeps at a
+/// residual.
 fn tolerance(kind: BackendKind) -> f64 {
     match kind {
         BackendKind::QuasiStatic | BackendKind::Inertial => 1e-14,
@@ -84,7 +87,8 @@ fn the_mirror_image_takes_the_mirrored_path() {
     }
 }
 
-/// Stiffness, friction and mass times one number: the same path. Lengths times another, with the torsion to match: the path times it.
+/// Stiffness, friction and mass times one number: the same path. Lengths times another, with the
+/// torsion to match: the path times it.
 #[test]
 fn units_do_not_matter() {
     for (force, length) in [(3.7, 1.0), (1e3, 1e3), (1e-3, 0.37), (1.0, 25.4)] {
@@ -149,7 +153,8 @@ fn without_inertia_only_the_nodes_matter_not_their_times() {
     }
 }
 
-/// Other nodes on the same paths give another path, which differs by the first order of the method and no more.
+/// Other nodes on the same paths give another path, which differs by the first order of the method
+/// and no more.
 #[test]
 fn without_inertia_a_warped_clock_converges_to_the_same_path() {
     let end = |n: u32, warp: fn(f64) -> f64| {

@@ -1,4 +1,5 @@
-//! Which wrenches three supports hold: at a hair below the limit the load sticks, at a hair above it moves.
+//! Which wrenches three supports hold: at a hair below the limit the load sticks, at a hair above
+//! it moves.
 
 use std::f64::consts::{PI, TAU};
 
@@ -52,8 +53,9 @@ fn a_torque_is_held_up_to_one() {
     }
 }
 
-/// Each support is the centre of rotation for a disc of wrenches: its own force is free up to 1/3, the others' is tangential. Six flat discs, for three
-/// supports and two senses, all in planes F.t + torque = 2 / sqrt 3.
+/// Each support is the centre of rotation for a disc of wrenches: its own force is free up to 1/3,
+/// the others' is tangential. Six flat discs, for three supports and two senses, all in planes F.t
+/// + torque = 2 / sqrt 3.
 #[test]
 fn on_each_of_six_facets_the_load_turns_about_one_support() {
     let third = 1.0 / 3f64.sqrt();
@@ -61,7 +63,8 @@ fn on_each_of_six_facets_the_load_turns_about_one_support() {
         for sense in [1.0, -1.0] {
             for (share, angle) in [(0.0, 0.0), (0.5, 1.0), (0.99, 2.5), (0.99, 4.0), (0.999_999, 5.5)] {
                 let own = share / 3.0 * direction(angle);
-                // Support 0 at (0, 1), counter-clockwise; the mirror at x = 0 turns the sense, a third of a turn names the next support.
+                // Support 0 at (0, 1), counter-clockwise; the mirror at x = 0 turns the sense, a
+                // third of a turn names the next support.
                 let force = Vec2::new(third + own.x, own.y);
                 let turned = rotation(TAU * f64::from(support) / 3.0) * Vec2::new(sense * force.x, force.y);
                 let torque = third - own.x;
@@ -81,7 +84,8 @@ fn on_each_of_six_facets_the_load_turns_about_one_support() {
     }
 }
 
-/// The load of the paper at some pose under a force through its centre, or a torque from two opposite forces.
+/// The load of the paper at some pose under a force through its centre, or a torque from two
+/// opposite forces.
 fn moved_by(kind: BackendKind, share: f64, is_torque: bool, heading: f64) -> f64 {
     let start = Motion { pose: Pose::new(0.05, -0.02, heading), twist: Twist::ZERO };
     let arms = if is_torque { vec![Vec2::new(0.01, 0.0), Vec2::new(-0.01, 0.0)] } else { vec![Vec2::zeros()] };
@@ -104,7 +108,8 @@ fn every_backend_sticks_a_hair_below_and_moves_a_hair_above() {
                 // Rest is exact but in the engine, whose hold leaves rounding of a step.
                 let below = moved_by(kind, 1.0 - HAIR, is_torque, heading);
                 assert!(below <= if kind == BackendKind::Rapier { 1e-16 } else { 0.0 }, "{kind:?} {is_torque} {heading}: {below:e}");
-                // (F - f) / k without inertia, twice that with it; for the torque, whose springs turn with the load, of that order.
+                // (F - f) / k without inertia, twice that with it; for the torque, whose springs
+                // turn with the load, of that order.
                 let above = moved_by(kind, 1.0 + 1e-6, is_torque, heading);
                 let way = 1e-6 * SLIP_LIMIT / RADIAL;
                 assert!(above > 0.05 * way && above < 3.0 * way, "{kind:?} {is_torque} {heading}: {}", above / way);

@@ -1,6 +1,7 @@
 //! Known answers, backend by backend, and what must hold without knowing the answer.
 //!
-//! Known answers are closed forms derived on paper, or numbers of programs that share no code with this one; each says which.
+//! Known answers are closed forms derived on paper, or numbers of programs that share no code with
+//! this one; each says which.
 
 #[path = "../common/mod.rs"]
 mod common;

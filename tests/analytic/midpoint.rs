@@ -1,4 +1,5 @@
-//! The second-order step of the reference dynamics, on the scenes on which engines are compared, at their step of 1 ms.
+//! The second-order step of the reference dynamics, on the scenes on which engines are compared, at
+//! their step of 1 ms.
 
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Motion, Status, build};
 use cohaul::math::Vec2;
@@ -35,8 +36,9 @@ fn pulled_exactly(duration: f64) -> f64 {
     speed * time - speed / rate * (rate * time).sin()
 }
 
-/// Deceleration is constant, so every full step is exact; the last one, in which the load stops from less than mu g h, is off by (mu g h)^2 / (8 mu g)
-/// at most: 0.12 % here. Implicit Euler is 6.75 % off.
+/// Deceleration is constant, so every full step is exact; the last one, in which the load stops
+/// from less than mu g h, is off by (mu g h)^2 / (8 mu g) at most: 0.12 % here. Implicit Euler is
+/// 6.75 % off.
 #[test]
 fn a_slide_is_exact_but_for_its_last_step() {
     for step in [1e-3, 3e-4, 1e-4] {
@@ -62,15 +64,16 @@ fn a_spin_is_exact_but_for_its_last_step() {
 #[test]
 fn slide_and_spin_together_come_within_a_ten_thousandth() {
     let distance = coasted(moving(0.2, 0.0, 10.0), 1e-3).0.norm();
-    // The step in which it stops: 0.006 % measured, where friction at the end velocity alone is 0.05 % off.
+    // The step in which it stops: 0.006 % measured, where friction at the end velocity alone is
+    // 0.05 % off.
     assert!((distance / 3.592949e-3 - 1.0).abs() < 1e-4, "{distance}");
     let fine = coasted(moving(0.2, 0.0, 10.0), 5e-5).0.norm();
     // Seven digits of the known value.
     assert!((fine - 3.592949e-3).abs() < 2e-9, "{fine}");
 }
 
-/// Slips that turn while the load slides, is caught on a support and turns about it, down to rest: known poses of 13 digits. Friction at the end velocity alone would make all of
-/// it first order.
+/// Slips that turn while the load slides, is caught on a support and turns about it, down to rest:
+/// known poses of 13 digits. Friction at the end velocity alone would make all of it first order.
 #[test]
 fn a_slip_that_turns_is_second_order() {
     let unit = (SUPPORT_RADIUS / (MU * GRAVITY)).sqrt();
@@ -89,13 +92,15 @@ fn a_slip_that_turns_is_second_order() {
     }
 }
 
-/// Thirteen seconds of ripple. With frequencies right to fourth order what is left is the onset within a step: second order, 8e-8 of the path at 1 ms.
+/// Thirteen seconds of ripple. With frequencies right to fourth order what is left is the onset
+/// within a step: second order, 8e-8 of the path at 1 ms.
 #[test]
 fn the_ripple_of_a_pulled_load_keeps_its_phase_and_size() {
     let errors = [1e-3, 5e-4].map(|step| pulled(step, 20.0) - pulled_exactly(20.0));
     assert!(errors[0].abs() < 2e-7 * pulled_exactly(20.0), "{errors:?}");
     assert!((errors[0] / errors[1] - 4.0).abs() < 0.2, "{errors:?}");
-    // Over the last period the ripple is v / w within a thousandth; implicit Euler at this step has damped it to 8 %.
+    // Over the last period the ripple is v / w within a thousandth; implicit Euler at this step has
+    // damped it to 8 %.
     let lag = |time: f64| (pulled(1e-3, time) - 5e-3 * (time - SLIP_LIMIT / (RADIAL * 5e-3))) / (5e-3 / (RADIAL / MASS).sqrt());
     let lags: Vec<f64> = (0..20).map(|i| lag(19.6 + 0.016 * f64::from(i))).collect();
     let ripple = lags.iter().fold(0.0f64, |most, lag| most.max(lag.abs()));
@@ -103,7 +108,8 @@ fn the_ripple_of_a_pulled_load_keeps_its_phase_and_size() {
     assert!(ripple < 1.001 && ripple > 0.985, "{ripple}");
 }
 
-/// QS-REF-1 with the paper's mass: pose after 1 s, extrapolated to ten digits by an independent program.
+/// QS-REF-1 with the paper's mass: pose after 1 s, extrapolated to ten digits by an independent
+/// program.
 #[test]
 fn the_reference_scene_comes_within_a_micrometre_at_a_millisecond() {
     let error = |step: f64| {
@@ -131,12 +137,14 @@ fn it_sticks_exactly_and_stays_bounded_at_long_steps() {
     swinging.attach(0, Vec2::new(0.01, 0.0));
     for _ in 0..200 {
         swinging.advance(&[Vec2::new(0.01, 0.0)], 0.5);
-        // The implicit midpoint rule keeps the energy of a linear oscillation: no further out than it started.
+        // The implicit midpoint rule keeps the energy of a linear oscillation: no further out than
+        // it started.
         assert!((swinging.motion().pose.position.x - 0.01).abs() < 0.01 * (1.0 + 1e-9));
     }
 }
 
-/// x'' + 2 zeta w x' + w^2 x = 0 without friction, from rest at 1: second order in the step, and what the dashpot takes is what is lost.
+/// x'' + 2 zeta w x' + w^2 x = 0 without friction, from rest at 1: second order in the step, and
+/// what the dashpot takes is what is lost.
 #[test]
 fn dashpots_are_second_order_and_the_books_close() {
     let zeta = 0.3;
@@ -149,7 +157,8 @@ fn dashpots_are_second_order_and_the_books_close() {
         let (rate, damped) = ((RADIAL / MASS).sqrt(), (1.0f64 - zeta * zeta).sqrt());
         let phase = rate * damped * 0.2;
         let exact = 0.01 * (1.0 - (-zeta * rate * 0.2).exp() * (phase.cos() + zeta / damped * phase.sin()));
-        // Loss at the stage and loss of energy agree to rounding: midpoint conserves quadratic energies.
+        // Loss at the stage and loss of energy agree to rounding: midpoint conserves quadratic
+        // energies.
         assert!(load.energy().defect().abs() < 1e-12 * load.energy().tip_work, "{:e}", load.energy().defect());
         load.motion().pose.position.x - exact
     };
@@ -157,7 +166,8 @@ fn dashpots_are_second_order_and_the_books_close() {
     assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
 }
 
-/// The paper's load without friction on one isotropic spring at `root`, whose tip is held at (0.03, 0.01).
+/// The paper's load without friction on one isotropic spring at `root`, whose tip is held at (0.03,
+/// 0.01).
 fn swinging(root: Vec2, velocity: [f64; 2], step: f64) -> Box<dyn Backend> {
     let mut system = paper_system(vec![isotropic(root, 0.0)]);
     system.ground.friction_coefficient = 0.0;
@@ -166,8 +176,10 @@ fn swinging(root: Vec2, velocity: [f64; 2], step: f64) -> Box<dyn Backend> {
     load
 }
 
-/// A spring through the centre has no torque: however its force lies to the way, the load does not turn, and goes round an ellipse for ever. A torque of half a step
-/// times force times speed, which springs and inertia at two places of one arc would leave, turned it by 1.3 rad in the first second at 1 ms and had it gain energy.
+/// A spring through the centre has no torque: however its force lies to the way, the load does not
+/// turn, and goes round an ellipse for ever. A torque of half a step times force times speed, which
+/// springs and inertia at two places of one arc would leave, turned it by 1.3 rad in the first
+/// second at 1 ms and had it gain energy.
 #[test]
 fn a_force_across_the_way_does_not_turn_the_load() {
     let mut load = swinging(Vec2::zeros(), [0.0, 0.3], 1e-3);
@@ -176,14 +188,16 @@ fn a_force_across_the_way_does_not_turn_the_load() {
         assert_eq!(load.advance(&[Vec2::new(0.03, 0.01)], 1.0).status, Status::Converged);
         // Rounding of a hundred thousand steps.
         assert!(load.motion().pose.heading.abs() < 1e-10, "{:e}", load.motion().pose.heading);
-        // Fox and Goodwin's rule keeps an energy that is off by (omega h)^2 / 6 of the true one at most.
+        // Fox and Goodwin's rule keeps an energy that is off by (omega h)^2 / 6 of the true one at
+        // most.
         let energy = load.energy();
         let brought = energy.initial + energy.tip_work;
         assert!(energy.defect().abs() < (rate * 1e-3).powi(2) / 6.0 * brought, "{:e} of {brought:e}", energy.defect());
     }
 }
 
-/// An off-centre spring makes the load turn and shift at once. Known: two integrators of other kinds (Dormand and Prince, Radau), which agree in 12 digits.
+/// An off-centre spring makes the load turn and shift at once. Known: two integrators of other
+/// kinds (Dormand and Prince, Radau), which agree in 12 digits.
 #[test]
 fn shifts_and_turns_together_are_second_order() {
     let known = (Vec2::new(0.009647823926134, -0.001929328146567), -7.351829534382);
@@ -198,6 +212,7 @@ fn shifts_and_turns_together_are_second_order() {
         // 4 + O(h^2).
         assert!(ratios.iter().all(|ratio| (ratio - 4.0).abs() < 0.1), "{ratios:?} of {errors:?}");
     }
-    // A fifth of a radian of the turning oscillation a step, of which the leading error is a tenth of its square.
+    // A fifth of a radian of the turning oscillation a step, of which the leading error is a tenth
+    // of its square.
     assert!(errors[0].1 < 1e-3 * known.1.abs(), "{errors:?}");
 }

@@ -1,4 +1,5 @@
-//! A force along y at (b, 0): the force at which the load slips, and about which point (-h, 0). Supports at distance one, sum of limits one.
+//! A force along y at (b, 0): the force at which the load slips, and about which point (-h, 0).
+//! Supports at distance one, sum of limits one.
 
 use cohaul::backend::friction::{ContactMode, FrictionSolution, FrictionSolver};
 use cohaul::math::{Mat3, Vec3, direction};
@@ -29,7 +30,8 @@ fn centre_at_onset(ground: &Ground, arm: f64, force: f64) -> (f64, ContactMode) 
 /// The excess of a billionth turns the direction by about as much; rounding over it by 1e-6.
 const CENTRE_TOLERANCE: f64 = 1e-6;
 
-/// A support toward the pull. F* / f = a (b + a) / (b^2 + a b + a^2), h = a^2 (2 b + a) / (b (b + 2 a)), found by search and proved on paper.
+/// A support toward the pull. F* / f = a (b + a) / (b^2 + a b + a^2), h = a^2 (2 b + a) / (b (b + 2
+/// a)), found by search and proved on paper.
 #[test]
 fn toward_a_support() {
     let ground = supports(0.0);
@@ -45,7 +47,8 @@ fn toward_a_support() {
     }
 }
 
-/// A support on the far side is itself the centre while b / a lies between 2 - sqrt 3 and 2 + sqrt 3: F* / f = (2 / sqrt 3) / (1 + b / a).
+/// A support on the far side is itself the centre while b / a lies between 2 - sqrt 3 and 2 + sqrt
+/// 3: F* / f = (2 / sqrt 3) / (1 + b / a).
 #[test]
 fn away_from_a_support() {
     let ground = supports(std::f64::consts::PI);

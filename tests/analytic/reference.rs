@@ -1,7 +1,8 @@
-//! The reference scene: three of four springs on curved paths, through rest, rotation about a support and free slip.
+//! The reference scene: three of four springs on curved paths, through rest, rotation about a
+//! support and free slip.
 //!
-//! The known poses are those of an independent program, extrapolated over halved steps; it parametrises the step in world increments, too, with the
-//! same limit.
+//! The known poses are those of an independent program, extrapolated over halved steps; it
+//! parametrises the step in world increments, too, with the same limit.
 
 use cohaul::backend::{BackendKind, Status};
 use cohaul::math::{Pose, Vec3};
@@ -26,7 +27,8 @@ fn run(kind: BackendKind, n: u32) -> Findings {
         }
     });
     assert_eq!(report.status, Status::Converged);
-    // The tips start at rest up to rounding, which the method without inertia may take for a grasp to balance first.
+    // The tips start at rest up to rounding, which the method without inertia may take for a grasp
+    // to balance first.
     assert!(report.n_steps - u64::from(n) <= u64::from(kind == BackendKind::QuasiStatic));
     // Three Newton steps at most, four with changes of regime: a silent slow-down fails here.
     assert!(report.n_solves <= 4 * report.n_steps, "{kind:?} {report:?}");
@@ -49,7 +51,8 @@ fn without_inertia_extrapolation_meets_the_known_poses() {
             assert!(ratio > 1.9 && ratio < 2.1, "{ratio}");
         }
     }
-    // Changes of regime lie within steps and leave a part of h^2 that no table takes: the three finest meet ten digits.
+    // Changes of regime lie within steps and leave a part of h^2 that no table takes: the three
+    // finest meet ten digits.
     let finest = &runs[3..];
     let half_ways: Vec<Vec3> = finest.iter().map(|run| run.half_way).collect();
     let ends: Vec<Vec3> = finest.iter().map(|run| run.end).collect();
@@ -60,7 +63,8 @@ fn without_inertia_extrapolation_meets_the_known_poses() {
     assert!((extrapolated(&losses) - LOSS).abs() < 1e-11);
 }
 
-/// Swings of the load about its path must be resolved before the table works: 1 / 12800 s. The engine converges to the same dynamics.
+/// Swings of the load about its path must be resolved before the table works: 1 / 12800 s. The
+/// engine converges to the same dynamics.
 #[test]
 fn with_inertia_extrapolation_meets_the_known_poses() {
     let [known_half_way, known_end] = INERTIAL.map(Vec3::from);

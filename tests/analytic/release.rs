@@ -1,4 +1,5 @@
-//! A load at rest between two springs, of which one is let go: the net force is suddenly above the slip limit.
+//! A load at rest between two springs, of which one is let go: the net force is suddenly above the
+//! slip limit.
 
 use std::f64::consts::{PI, TAU};
 
@@ -35,7 +36,8 @@ fn logged_jump(
     // Two pulls that cancel: rest, in the engine up to rounding of rounding.
     assert!(run.motion().pose.position.norm() < 1e-20);
     run.release(1);
-    // Three half swings at most; what a dashpot of twice the critical one leaves falls as exp(-0.27 omega t): 1e-9 after 12 periods.
+    // Three half swings at most; what a dashpot of twice the critical one leaves falls as exp(-0.27
+    // omega t): 1e-9 after 12 periods.
     let n_periods = if damping_ratio >= 1.0 { 16.0 } else { 3.0 };
     assert_eq!(run.advance(&tips, n_periods * period).status, Status::Converged);
     let jump = |kind: &TransitionKind| match *kind {
@@ -73,13 +75,15 @@ fn with_inertia_it_overshoots_as_far_again() {
             let ways = [1_000, 2_000, 4_000].map(|n| jump(kind, ratio, 1.0, 0.0, n).0);
             let order = error_ratio(ways[1], ways[2], swung);
             assert!(order > 1.9 && order < 2.1, "{kind:?} {ratio}: {order}");
-            // Stops between two steps leave some (omega h)^2 / 8 of six f / k: 1e-6 to 3e-5 over the table.
+            // Stops between two steps leave some (omega h)^2 / 8 of six f / k: 1e-6 to 3e-5 over
+            // the table.
             assert!((extrapolated(&ways) - swung).abs() < 1e-5 * swung, "{kind:?} {ratio}: {ways:?}");
         }
     }
 }
 
-/// Up to three times the limit the overshoot is the same for every mass: mass to zero alone does not lead to the method without inertia.
+/// Up to three times the limit the overshoot is the same for every mass: mass to zero alone does
+/// not lead to the method without inertia.
 #[test]
 fn the_overshoot_does_not_depend_on_the_mass() {
     for kind in WITH_INERTIA {
@@ -93,7 +97,8 @@ fn the_overshoot_does_not_depend_on_the_mass() {
     }
 }
 
-/// One swing of a damped load overshoots by exp(-pi zeta / sqrt(1 - zeta^2)), and a load damped critically or more does not.
+/// One swing of a damped load overshoots by exp(-pi zeta / sqrt(1 - zeta^2)), and a load damped
+/// critically or more does not.
 #[test]
 fn a_dashpot_takes_the_overshoot() {
     for kind in WITH_INERTIA {
@@ -110,8 +115,8 @@ fn a_dashpot_takes_the_overshoot() {
     }
 }
 
-/// While a load slips and turns, a second spring is grasped: where its tip rests, or off it by a micrometre. Whether it jumps, and how many friction problems the next
-/// step takes.
+/// While a load slips and turns, a second spring is grasped: where its tip rests, or off it by a
+/// micrometre. Whether it jumps, and how many friction problems the next step takes.
 fn grasp_on_the_way(off: f64) -> (usize, u64) {
     let system = paper_system(paper_springs(2));
     let mut run = backend(BackendKind::QuasiStatic, &system, at_rest(), 0.0025);
@@ -132,7 +137,8 @@ fn grasp_on_the_way(off: f64) -> (usize, u64) {
     (n_jumps, report.n_steps)
 }
 
-/// A spring that does not pull leaves the load in its balance, and the balance of a step is not sought again for tips that stand.
+/// A spring that does not pull leaves the load in its balance, and the balance of a step is not
+/// sought again for tips that stand.
 #[test]
 fn a_grasp_of_a_tip_at_rest_is_no_jump() {
     assert_eq!(grasp_on_the_way(0.0), (0, 1));

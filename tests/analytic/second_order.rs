@@ -13,15 +13,17 @@ fn second_order(system: &System, start: Motion) -> Box<dyn Backend> {
     build(system, start, &BackendOptions { second_order: true, ..BackendOptions::new(BackendKind::QuasiStatic, f64::INFINITY) })
 }
 
-/// Error of the reference scene's end in n steps of one second, over the extent of its way (1): 0.05 m and half a radian.
+/// Error of the reference scene's end in n steps of one second, over the extent of its way (1):
+/// 0.05 m and half a radian.
 fn end_error(n: u32, mut run: Box<dyn Backend>) -> f64 {
     let report = drive(run.as_mut(), reference_tips, 1.0, n, |_, _| ());
     assert_eq!(report.status, Status::Converged, "{n}");
     (entries(&run.motion().pose) - Vec3::from(QUASI_STATIC[1])).component_div(&Vec3::new(0.05, 0.05, 0.5)).amax()
 }
 
-/// The reference scene rests, turns about a support and slips: changes of regime within steps cost both methods an error of second order that jumps from step to
-/// step, by up to itself. Over three halvings Euler's falls by 8, that of second order by 64.
+/// The reference scene rests, turns about a support and slips: changes of regime within steps cost
+/// both methods an error of second order that jumps from step to step, by up to itself. Over three
+/// halvings Euler's falls by 8, that of second order by 64.
 #[test]
 fn errors_fall_with_the_square_of_the_step() {
     let system = paper_system(paper_springs(4));
@@ -34,7 +36,8 @@ fn errors_fall_with_the_square_of_the_step() {
     assert!(error(800) < 0.02 * euler, "{} {euler}", error(800));
 }
 
-/// A slip whose tips go on by steps of two lengths in turn is of second order too: the past counts by its time.
+/// A slip whose tips go on by steps of two lengths in turn is of second order too: the past counts
+/// by its time.
 #[test]
 fn steps_of_two_lengths_keep_the_order() {
     let system = paper_system(paper_springs(4));
@@ -60,8 +63,9 @@ fn steps_of_two_lengths_keep_the_order() {
     assert!((32.0..128.0).contains(&gain), "{gain}");
 }
 
-/// Before 1.596 s the springs of this scene are not convex, as some are pushed together: friction along the slip makes up for it, and the path is of second order all
-/// the same. What a plain step is off by there, 60 nm at 0.6 ms, is far above the exact run's tolerance.
+/// Before 1.596 s the springs of this scene are not convex, as some are pushed together: friction
+/// along the slip makes up for it, and the path is of second order all the same. What a plain step
+/// is off by there, 60 nm at 0.6 ms, is far above the exact run's tolerance.
 #[test]
 fn springs_that_are_not_convex_are_followed_too() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/paper/four-tips-held.json");
@@ -80,7 +84,8 @@ fn springs_that_are_not_convex_are_followed_too() {
     assert!(plain > 1e-8 && second < 0.1 * plain, "{second} {plain}");
 }
 
-/// The energy that the steps lose or gain falls at least as fast as the error, where Euler's is of first order.
+/// The energy that the steps lose or gain falls at least as fast as the error, where Euler's is of
+/// first order.
 #[test]
 fn books_close_to_second_order() {
     let defect = |n| {
@@ -92,7 +97,8 @@ fn books_close_to_second_order() {
     assert!(coarse < 1e-3 && fine < coarse / 32.0, "{coarse} {fine}");
 }
 
-/// A load is dragged one way, rests while its tip does, and is dragged another way: what it did before says nothing of how it goes on.
+/// A load is dragged one way, rests while its tip does, and is dragged another way: what it did
+/// before says nothing of how it goes on.
 #[test]
 fn a_pause_does_not_cost_the_order() {
     let system = paper_system(vec![paper_springs(1)[0]]);
@@ -115,7 +121,8 @@ fn a_pause_does_not_cost_the_order() {
     assert!(distance(&gone_through, &end(&of_second_order, 900)) < 1e-13);
 }
 
-/// Far from the world's origin places have fewer digits, which no tolerance may ask for: steps take no more solutions, and are still of second order.
+/// Far from the world's origin places have fewer digits, which no tolerance may ask for: steps take
+/// no more solutions, and are still of second order.
 #[test]
 fn far_from_the_origin_only_digits_are_lost() {
     let system = paper_system(paper_springs(4));
@@ -138,7 +145,8 @@ fn far_from_the_origin_only_digits_are_lost() {
     }
 }
 
-/// Neither where the scene stands nor how fast it happens matters: the former to rounding of places of 0.3 m, the latter, by powers of two, to the last bit.
+/// Neither where the scene stands nor how fast it happens matters: the former to rounding of places
+/// of 0.3 m, the latter, by powers of two, to the last bit.
 #[test]
 fn place_and_pace_do_not_matter() {
     let system = paper_system(paper_springs(4));

@@ -1,11 +1,13 @@
-//! A load let go with a speed or a turn rate alone: constant deceleration, so all errors are known in closed form.
+//! A load let go with a speed or a turn rate alone: constant deceleration, so all errors are known
+//! in closed form.
 
 use cohaul::backend::{BackendKind, Motion, Status};
 use cohaul::studies::verify::slide::{PRINTED, SLIDES, SPIN_DECELERATION, SPINS};
 
 use crate::common::*;
 
-/// The load at rest after a start like `start` that lasts `time_to_stop` (s), in steps of an n-th of it.
+/// The load at rest after a start like `start` that lasts `time_to_stop` (s), in steps of an n-th
+/// of it.
 fn end_of(kind: BackendKind, mass_factor: f64, start: Motion, time_to_stop: f64, n: u32) -> Motion {
     let mut system = paper_system(Vec::new());
     system.load.mass *= mass_factor;
@@ -21,8 +23,9 @@ fn end_of(kind: BackendKind, mass_factor: f64, start: Motion, time_to_stop: f64,
     end
 }
 
-/// The implicit step brakes at its end, so each step falls short by a h^2 / 2: v0 h / 2 in all. Without the first order nothing is left.
-/// `lag` is what is known to be missing in the second order, at n steps.
+/// The implicit step brakes at its end, so each step falls short by a h^2 / 2: v0 h / 2 in all.
+/// Without the first order nothing is left. `lag` is what is known to be missing in the second
+/// order, at n steps.
 fn check_first_order(name: &str, exact: f64, start: f64, time_to_stop: f64, lag: impl Fn(f64) -> f64, reached: impl Fn(u32) -> f64) {
     let values = [100, 200, 400].map(&reached);
     for (n, value) in [100.0, 200.0, 400.0].into_iter().zip(values) {
@@ -68,7 +71,8 @@ fn a_spin_turns_its_angle_less_half_a_step_of_its_rate() {
     for kind in WITH_INERTIA {
         for (rate, angle) in SPINS {
             let time_to_stop = rate / SPIN_DECELERATION;
-            // The engine turns by arctan(omega h) a step: short by (omega h)^3 / 3, summed over a linear decay.
+            // The engine turns by arctan(omega h) a step: short by (omega h)^3 / 3, summed over a
+            // linear decay.
             let lag = |n: f64| {
                 if kind == BackendKind::Rapier { (rate * time_to_stop / n).powi(3) / 3.0 * (n - 1.0).powi(2) / (4.0 * n) } else { 0.0 }
             };
@@ -82,7 +86,8 @@ fn a_spin_turns_its_angle_less_half_a_step_of_its_rate() {
     }
 }
 
-/// Rapier's solution comes from sweeps, the reference's from Newton's method: the same to rounding, and not the same bits.
+/// Rapier's solution comes from sweeps, the reference's from Newton's method: the same to rounding,
+/// and not the same bits.
 #[test]
 fn the_two_backends_with_inertia_agree_but_are_not_one() {
     let start = moving(0.3, 0.1, 5.0);
@@ -91,6 +96,7 @@ fn the_two_backends_with_inertia_agree_but_are_not_one() {
         run.advance(&[], 0.01);
         run.motion().pose
     });
-    // The two differ by how they bind a support's arm to the heading within a step: exact here at its start, both of first order.
+    // The two differ by how they bind a support's arm to the heading within a step: exact here at
+    // its start, both of first order.
     assert!(distance(&one, &other) < 1e-6 && one != other, "{}", distance(&one, &other));
 }

@@ -1,8 +1,11 @@
-//! A load on one spring whose tip swings so far round the root that the spring's energy is no longer convex: when it slips, it snaps.
+//! A load on one spring whose tip swings so far round the root that the spring's energy is no
+//! longer convex: when it slips, it snaps.
 //!
-//! The supports stand so far out that the load shifts only. At twice its rest length the spring pulls with f_r = k_r l_0 along itself and f_t = k_t psi / l
-//! across. Along that pull n the stiffness n' H n = k_r n_r^2 + (k_r / 2 + k_t / l^2) n_t^2 - 2 (k_t psi / l^2) n_r n_t is negative from swings of 4.01 rad on: a
-//! load that starts to slip there is pulled the more the further it goes, until the spring is shorter.
+//! The supports stand so far out that the load shifts only. At twice its rest length the spring
+//! pulls with f_r = k_r l_0 along itself and f_t = k_t psi / l across. Along that pull n the
+//! stiffness n' H n = k_r n_r^2 + (k_r / 2 + k_t / l^2) n_t^2 - 2 (k_t psi / l^2) n_r n_t is
+//! negative from swings of 4.01 rad on: a load that starts to slip there is pulled the more the
+//! further it goes, until the spring is shorter.
 
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Status, Tolerance, TransitionKind, build};
 use cohaul::math::{Vec2, direction};
@@ -39,7 +42,8 @@ struct Snap {
     elastic: f64,
 }
 
-/// The jumps while the tip goes round in `n` pieces, and the energy that the ledger has for them (J).
+/// The jumps while the tip goes round in `n` pieces, and the energy that the ledger has for them
+/// (J).
 fn snaps(system: &System, options: &BackendOptions, n: u32) -> (Vec<Snap>, f64) {
     let mut run = build(system, at_rest(), options);
     let mut jumps = Vec::new();
@@ -66,9 +70,11 @@ fn a_snap_is_logged_with_its_time_and_size_at_any_step() {
         let (jumps, booked) = snaps(&system(limit), options, n);
         assert_eq!(jumps.len(), 1, "{n}: {jumps:?}");
         let Snap { time, shift, energy, elastic } = jumps[0];
-        // Fixed steps name their end; chords of the tip's circle pull less by their sag, 1e-6 of the length.
+        // Fixed steps name their end; chords of the tip's circle pull less by their sag, 1e-6 of
+        // the length.
         assert!(time - SNAP > -1e-5 && time - SNAP < 1.01 * SWEPT / f64::from(n), "{n}: {time}");
-        // What the spring gave less what friction took on the way, which is a little longer than the shift: it bends once.
+        // What the spring gave less what friction took on the way, which is a little longer than
+        // the shift: it bends once.
         let most = before - elastic - limit * shift;
         assert!(energy < most && energy > 0.8 * most, "{n}: {energy} {most}");
         assert_eq!(booked, energy);
@@ -81,7 +87,8 @@ fn a_snap_is_logged_with_its_time_and_size_at_any_step() {
     }
 }
 
-/// A little friction less, and the load slips while the energy along its way is still convex: it creeps after the tip.
+/// A little friction less, and the load slips while the energy along its way is still convex: it
+/// creeps after the tip.
 #[test]
 fn a_load_that_slips_earlier_does_not_snap() {
     for swing in [1.0, 2.0] {
@@ -92,7 +99,8 @@ fn a_load_that_slips_earlier_does_not_snap() {
     }
 }
 
-/// Steps of second order follow the balance as far as it goes, and snap from there as the plain ones do: up to the way of the tip in a step, 26 um.
+/// Steps of second order follow the balance as far as it goes, and snap from there as the plain
+/// ones do: up to the way of the tip in a step, 26 um.
 #[test]
 fn a_snap_is_the_same_in_second_order() {
     let [plain, second] = [false, true].map(|second_order| {
@@ -105,11 +113,14 @@ fn a_snap_is_the_same_in_second_order() {
     assert!((plain[0].shift - second[0].shift).abs() < 2.0 * LENGTH * step, "{plain:?} {second:?}");
 }
 
-/// A tip that is pushed across the load from where its spring is rooted turns it over as soon as it slips. How far past that the first step ends is the error control's
-/// to find, down to 1e-9 of the way, where the load sets off with next to no force: as far as the descent is followed, it leads to one place.
+/// A tip that is pushed across the load from where its spring is rooted turns it over as soon as it
+/// slips. How far past that the first step ends is the error control's to find, down to 1e-9 of the
+/// way, where the load sets off with next to no force: as far as the descent is followed, it leads
+/// to one place.
 ///
-/// Known answer of a program that shares no code with this one: the instant at which no friction balances the pull any more, by the moments about all points, and
-/// where the gradient flow of energy and friction leads from rest then, in three legs.
+/// Known answer of a program that shares no code with this one: the instant at which no friction
+/// balances the pull any more, by the moments about all points, and where the gradient flow of
+/// energy and friction leads from rest then, in three legs.
 #[test]
 fn a_load_that_sets_off_with_next_to_no_force_turns_over_to_its_balance() {
     const ONSET: f64 = 0.559_866_67;

@@ -9,7 +9,8 @@ use crate::common::*;
 /// Arm from the load's centre to the point of towing (m).
 const ARM: f64 = 0.071594;
 
-/// Heading left of a small one when the end of the arm went `way` (m) along x, over that at `from` (m).
+/// Heading left of a small one when the end of the arm went `way` (m) along x, over that at `from`
+/// (m).
 fn heading_left(from: f64, way: f64, n_per_mm: f64) -> f64 {
     let start = Motion { pose: Pose::new(0.0, 0.0, 1e-3), twist: Twist::ZERO };
     // So stiff that it lengthens the arm by 33 nm.
@@ -32,7 +33,8 @@ fn the_heading_decays_over_its_length() {
     assert!(((0.0385f64.powi(2) + 0.5 * SUPPORT_RADIUS.powi(2)) / 0.0385 - 0.0393591053).abs() < 1e-10);
     let (from, way) = (0.01, 0.1);
     let lengths = [5.0, 10.0, 20.0].map(|n_per_mm| -way / heading_left(from, way, n_per_mm).ln());
-    // First order in the step of 0.05 mm: 72.067 mm was measured elsewhere at some step and heading.
+    // First order in the step of 0.05 mm: 72.067 mm was measured elsewhere at some step and
+    // heading.
     assert!((lengths[2] - exact).abs() < 1.1e-5 * 5.0);
     // What is left is of second order in the heading, 1e-6, and the spring's stretch, 5e-7.
     assert!((extrapolated(&lengths) / exact - 1.0).abs() < 1e-5);

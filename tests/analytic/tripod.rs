@@ -1,4 +1,5 @@
-//! Sliding and spinning at once: which support is captured, and where the load ends. Units in which a = m = mu g = 1.
+//! Sliding and spinning at once: which support is captured, and where the load ends. Units in which
+//! a = m = mu g = 1.
 
 use cohaul::backend::BackendKind;
 use cohaul::math::{Pose, Vec2, Vec3};
@@ -34,7 +35,8 @@ fn it_ends_where_the_extrapolation_says() {
             let ends = [1_000, 2_000, 4_000, 8_000].map(|n| entries(path(kind, case, n).last().unwrap()));
             let ratio = (ends[2] - end).norm() / (ends[3] - end).norm();
             assert!((ratio - 2.0).abs() < 0.02, "{kind:?}: {ratio}");
-            // The capture lies within a step, which leaves a part of h^2 = 8e-7 that no table takes; turned by 5.3 rad it weighs most.
+            // The capture lies within a step, which leaves a part of h^2 = 8e-7 that no table
+            // takes; turned by 5.3 rad it weighs most.
             assert!((extrapolated(&ends) - end).norm() < 1e-6, "{kind:?} {}", extrapolated(&ends));
         }
     }
@@ -57,7 +59,8 @@ fn a_captured_support_stays_where_it_was_captured() {
         let poses = path(BackendKind::Inertial, case, n);
         let step = case.stop / f64::from(n);
         let Some(Capture { support: captured, time, .. }) = case.capture else {
-            // All slip to the end: the last twenty steps, at decelerations near one, are (20 h)^2 / 2 long.
+            // All slip to the end: the last twenty steps, at decelerations near one, are (20 h)^2 /
+            // 2 long.
             let least = 0.1 * (20.0 * step) * (20.0 * step);
             assert!(ways_after(case, &poses, case.stop - 20.0 * step, n).iter().all(|way| *way > least));
             continue;
@@ -69,7 +72,8 @@ fn a_captured_support_stays_where_it_was_captured() {
                 // Rounding of places of order two over a thousand steps.
                 assert!(after[k] < 1e-12 && before[k] > 1e-7, "{k}: {before:?} {after:?}");
             } else {
-                // The load still turns about it, by omega^2 / (2 of about one) for the turn rate of the event.
+                // The load still turns about it, by omega^2 / (2 of about one) for the turn rate of
+                // the event.
                 assert!(after[k] > 5e-5, "{k}: {after:?}");
             }
         }

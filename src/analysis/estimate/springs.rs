@@ -82,7 +82,7 @@ impl ModelSprings {
 
     fn gather(&mut self, system: &System, attachments: &Attachments) {
         if std::mem::take(&mut self.is_stale) {
-            self.blocks.gather(&system.springs, attachments);
+            self.blocks.fill(&system.springs, attachments);
             self.blocks.aim();
             self.radial = attachments.iter().map(|attachment| system.springs[attachment.spring].radial_stiffness).sum();
         }

@@ -1,40 +1,43 @@
-//! Descent from rest: proximal Newton's method, for whatever start there is.
+//! Descent from rest: proximal Newton's method, from any start.
 
-use super::{ABSOLUTE_TOLERANCE, Glided, Increment, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE, Step, Wanted, friction_loss, glide};
-use crate::backend::friction::{FrictionSolver, Regime};
+use super::corrector::{Corrected, Wanted, correct};
+use super::objective::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE};
+use super::potential::{Increment, Step, friction_loss};
+use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::{Status, StepReport};
 use crate::math::{Mat3, Pose, PositiveDefinite, Vec3};
 use crate::model::Reaction;
 
-/// Converging steps take two to six; where the energy has a kink none will do.
+/// Largest number of iterations. Converging steps take two to six; where the energy has a kink no
+/// number suffices.
 const MOST_ITERATIONS: u64 = 60;
-/// Length of a step over that of the increment from which on it is short (1).
+/// Size of a step over that of the increment up to which it is short (1).
 const SHORT: f64 = 0.1;
-/// Length of a step over that of the one before up to which the next ones are likely to follow (1): slips of springs that are not convex shrink to 0.9 and more, and how far
-/// they may lead is known from that.
+/// Size of a step over that of the one before up to which the next ones are likely to follow (1).
+/// Steps of springs that are not convex shrink to 0.9 and more, which tells how far they may lead.
 const STEADY: f64 = 0.98;
-/// So often it is looked where they lead.
-const MOST_GLIDES: u32 = 4;
-/// Longest turn in one Newton step (rad), and longest that one is gone on with, its shift over the extent of the load added (1): the quadratic model says little
-/// beyond.
+/// Largest number of corrections from there.
+const MOST_CORRECTIONS: u32 = 4;
+/// Longest turn in one Newton step (rad), and largest size that one is extended to (1). The
+/// quadratic model says little beyond.
 const LONGEST_TURN: f64 = 0.5;
 
-/// How a descent gets on.
+/// Progress of a descent.
 struct Pace {
     /// Size of the last full step.
     last: Option<f64>,
-    /// Number of looks at where it leads.
-    n_glides: u32,
+    /// Number of corrections tried.
+    n_corrections: u32,
 }
 
 impl Step<'_> {
-    /// No increment, for a load that was at rest and can go on to be.
+    /// Zero increment, for a load that was at rest and can stay so.
     pub(super) fn rest(&mut self, solver: &mut FrictionSolver) -> Option<Increment> {
         if !solver.was_at_rest() {
             return None;
         }
         let residual = solver.rest(&self.gradient(&Vec3::zeros()))?;
-        Some(self.found(&Vec3::zeros(), Regime::Stick, StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() }))
+        Some(self.found(&Vec3::zeros(), ContactMode::Stick, StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() }))
     }
 
     /// Proximal Newton's method from no increment.
@@ -44,12 +47,12 @@ impl Step<'_> {
         let mut at = Vec3::zeros();
         let mut report = StepReport { n_steps: 1, ..StepReport::default() };
         let mut residual = f64::INFINITY;
-        let mut regime = Regime::Stick;
-        let mut pace = Pace { last: None, n_glides: 0 };
+        let mut mode = ContactMode::Stick;
+        let mut pace = Pace { last: None, n_corrections: 0 };
         for _ in 0..MOST_ITERATIONS {
             let hessian = positive_definite(&local.hessian, length);
             let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
-            regime = solution.mode;
+            mode = solution.mode;
             report.n_solves += 1;
             report.n_iterations += u64::from(solution.n_iterations);
             let full_step = solution.increment - at;
@@ -66,7 +69,8 @@ impl Step<'_> {
                 break;
             }
             let Some((next, there)) = self.descend(&local, &at, &step) else { break };
-            // At the end of a full step the friction is that of the solution, so that only the change of the springs' forces is left out of balance.
+            // At the end of a full step the friction is that of the solution, so that only the
+            // change of the springs' forces is left out of balance.
             let is_full = self.size(&(next - solution.increment)) <= f64::EPSILON * self.size(&next);
             let is_exact = is_full && {
                 let left = there.gradient - local.gradient - hessian * full_step;
@@ -77,41 +81,44 @@ impl Step<'_> {
                 residual = if is_exact { solution.residual } else { residual };
                 break;
             }
-            let may_glide = is_full && regime != Regime::Stick && solver.accuracy() == 0.0;
-            if let Some(found) = may_glide.then(|| self.glide_on(solver, (at, local), &mut pace, self.size(&full_step))).flatten() {
+            let may_correct = is_full && mode != ContactMode::Stick && solver.accuracy() == 0.0;
+            if let Some(found) = may_correct.then(|| self.correct_on(solver, (at, local), &mut pace, self.size(&full_step))).flatten() {
                 report.n_solves += found.report.n_solves;
                 report.n_iterations += found.report.n_iterations;
-                return self.found(&found.at, found.regime, StepReport { residual: found.report.residual, ..report });
+                return self.found(&found.at, found.mode, StepReport { residual: found.report.residual, ..report });
             }
         }
         report.residual = if residual.is_finite() { residual } else { 1.0 };
         report.status = if residual <= LARGEST_RESIDUAL.max(solver.accuracy()) { Status::Converged } else { Status::NotConverged };
         report.n_not_converged = u64::from(report.status != Status::Converged);
-        self.found(&at, regime, report)
+        self.found(&at, mode, report)
     }
 
-    /// The minimum that the descent is about to reach, by Newton's method on springs and friction at once, from where a full `step` of this size has led. From the
-    /// first step on where the springs' energy is convex; elsewhere the descent, which makes it so, gets on by a share in each step, and once steps are short, what
-    /// lies no further than they sum up to is where it goes.
-    fn glide_on(&mut self, solver: &mut FrictionSolver, (at, there): (Vec3, Reaction), pace: &mut Pace, step: f64) -> Option<Glided> {
+    /// Minimum that the descent is about to reach, by the corrector, from where a full `step` of
+    /// this size has led. It is tried from the first step on where the energy of the springs is
+    /// convex. Elsewhere the descent makes it so and gets on by a share in each step. Once steps
+    /// are short, it goes to a minimum that lies no farther than the sum of the steps to come.
+    fn correct_on(&mut self, solver: &mut FrictionSolver, (at, there): (Vec3, Reaction), pace: &mut Pace, step: f64) -> Option<Corrected> {
         let length = self.length;
-        let Some(last) = pace.last.replace(step) else { return glide(self, solver, length, at, Some(there), Wanted::Only) };
+        let Some(last) = pace.last.replace(step) else { return correct(self, solver, length, at, Some(there), Wanted::Only) };
         let share = step / last;
-        if step > SHORT * self.size(&at) || share > STEADY || pace.n_glides == MOST_GLIDES {
+        if step > SHORT * self.size(&at) || share > STEADY || pace.n_corrections == MOST_CORRECTIONS {
             return None;
         }
-        pace.n_glides += 1;
+        pace.n_corrections += 1;
         let left = step * share / (1.0 - share);
-        glide(self, solver, length, at, Some(there), Wanted::Nearest).filter(|found| self.size(&(found.at - at)) <= 2.0 * left)
+        correct(self, solver, length, at, Some(there), Wanted::Nearest).filter(|found| self.size(&(found.at - at)) <= 2.0 * left)
     }
 
-    /// The first of the points at 1, 1/2, 1/4 ... of the `step` from an increment where the objective has fallen by Armijo's rule, or by nothing but
-    /// rounding, and what the potential is there; `None` when there is none.
+    /// First of the points at 1, 1/2, 1/4 ... of the `step` from an increment where the objective
+    /// has fallen by Armijo's rule, or by nothing but rounding, with the potential there. `None`
+    /// when there is none.
     fn descend(&mut self, local: &Reaction, at: &Vec3, step: &Vec3) -> Option<(Vec3, Reaction)> {
         let (friction, friction_there) = (friction_loss(self.ground, at), friction_loss(self.ground, &(at + step)));
         let before = local.energy + friction;
         let predicted = local.gradient.dot(step) + friction_there - friction;
-        // Rounding of the sum, and of the lengths that a stiff spring sees: its force times that of the load's position.
+        // Rounding of the sum, and of the lengths that a stiff spring sees: its force times that of
+        // the load's position.
         let force = (2.0 * local.energy * local.hessian.m11.max(local.hessian.m22)).max(0.0).sqrt();
         let rounding = 1e-14 * (before.abs() + local.gradient.dot(step).abs() + friction_there)
             + 4.0 * f64::EPSILON * force * (self.potential.start.pose.position.norm() + self.length);
@@ -129,11 +136,14 @@ impl Step<'_> {
         None
     }
 
-    /// The last of the points at 1, 2, 4 ... of the `step` from an increment up to which the objective has fallen ever faster, and what the potential is there. The
-    /// objective is `before` there, and `after` at the first of them, which is `reached` (J).
+    /// Last of the points at 1, 2, 4 ... of the `step` from an increment up to which the objective
+    /// has fallen ever faster, with the potential there. The objective is `before` at the
+    /// increment, and `after` at the first point, which is `reached` (J).
     ///
-    /// Where a balance has just ended, the load sets off with next to no force, and along a way that mixes stiff and unstable motions the model, which has made
-    /// those stiff as well, takes a share of what has been gone at each step. Where the fall slows down is not gone over: the minimum is beyond that.
+    /// Where a balance has just ended, the load starts with next to no force. Along a path that
+    /// mixes stiff and unstable motions the model has made the unstable ones stiff, and takes only
+    /// a share of the path so far at each step. The search stops where the fall slows down: the
+    /// minimum lies beyond.
     #[inline(never)]
     fn go_on(&mut self, at: &Vec3, step: &Vec3, mut reached: (Vec3, Reaction), (before, mut after): (f64, f64)) -> (Vec3, Reaction) {
         let mut share = 2.0;
@@ -153,8 +163,9 @@ impl Step<'_> {
 }
 
 impl Reaction {
-    /// Whether a Newton `step` without friction corrects nothing but rounding of the forces, for which the largest stiffness times the largest coordinate
-    /// stands. Without friction a load on one spring has a motion that no force resists, so that the step itself need not be small.
+    /// Whether a Newton `step` without friction corrects only rounding of the forces, estimated by
+    /// the largest stiffness times the largest coordinate. Without friction a load on one spring
+    /// has a motion that no force resists, so that the step itself need not be small.
     fn is_balanced(&self, hessian: &Mat3, step: &Vec3, pose: &Pose, length: f64) -> bool {
         let units = Vec3::new(length, length, 1.0);
         let stiffness = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]).amax();
@@ -164,11 +175,12 @@ impl Reaction {
     }
 }
 
-/// `hessian` itself where it is positive definite, in units where lengths count in `length`.
+/// The `hessian` itself where it is positive definite, with lengths in units of `length`.
 ///
-/// Where it is not, mostly because turning a load while it shifts turns its way, the pivot of the turn is replaced by its absolute value: friction resists
-/// turning far more, and the stiffness against shifts, which sets the way, stays exact. Where shifts are unstable too, absolute values of all eigenvalues
-/// take their place. Pivots are kept above 1e-12 of the largest entry.
+/// Elsewhere, mostly because a turn also turns the shift, the pivot of the turn is replaced by its
+/// absolute value. Friction resists turning far more, and the stiffness against shifts, which sets
+/// the path, stays exact. Where shifts are unstable too, the eigenvalues are replaced by their
+/// absolute values. Pivots are kept above 1e-12 of the largest entry.
 pub fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
     let units = Vec3::new(length, length, 1.0);
     let mut scaled = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]);
@@ -196,16 +208,19 @@ fn shortened(step: Vec3) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{ground, spring};
-    use super::super::{Potential, minimise};
+    use super::super::minimise::minimise;
+    use super::super::minimise::tests::{ground, spring};
+    use super::super::potential::Potential;
     use super::*;
     use crate::backend::springs::Attachments;
     use crate::backend::springs::{Place, SpringBlocks};
     use crate::math::{RandomStreams, Stream, Vec2, rotation};
     use crate::model::PolarSpring;
 
-    /// Tips pushed towards the load make it unstable against turns, which friction alone holds back. There the descent makes the springs' energy convex and gets on by
-    /// a share in each step; hundreds of them lead, to rounding of some hundred solutions, where looking beyond the first few does.
+    /// Tips pushed towards the load make it unstable against turns, which friction alone holds
+    /// back. The descent then makes the energy of the springs convex and gets on by a share in each
+    /// step. Hundreds of steps lead, to the rounding of some hundred solutions, where the corrector
+    /// does.
     #[test]
     fn a_descent_is_left_for_where_it_leads() {
         let (ground, start) = (ground(), Pose::new(0.1, -0.05, 0.7));
@@ -216,18 +231,18 @@ mod tests {
             let springs: Vec<PolarSpring> = (0..3).map(|k| spring(0.4 + 2.0 * f64::from(k))).collect();
             let mut held = Attachments::default();
             for (k, spring) in springs.iter().enumerate() {
-                let way = Vec2::new(-0.01 * (1.0 + draw(2 * k as u64)), 0.02 * draw(2 * k as u64 + 1));
-                held.attach(&springs, k, start.to_world(&(spring.rest_tip() + rotation(spring.bearing) * way)), &start);
+                let shift = Vec2::new(-0.01 * (1.0 + draw(2 * k as u64)), 0.02 * draw(2 * k as u64 + 1));
+                held.attach(&springs, k, start.to_world(&(spring.rest_tip() + rotation(spring.bearing) * shift)), &start);
             }
             let mut blocks = SpringBlocks::default();
-            blocks.gather(&springs, &held);
+            blocks.fill(&springs, &held);
             blocks.start(&Place::of(&start));
             let mut solver = FrictionSolver::new(&ground, 0.0122);
             let found = minimise(Potential::of(&mut blocks, Place::of(&start)), &ground, &mut solver, 0.0122, None);
             let mut step = Step { potential: Potential::of(&mut blocks, Place::of(&start)), ground: &ground, length: 0.0122 };
             let is_convex = PositiveDefinite::new(&step.at(&found.twist).hessian).is_some();
             let is_found = found.report.status == Status::Converged && found.report.n_solves < 12;
-            if is_convex || found.regime == Regime::Stick || !is_found {
+            if is_convex || found.mode == ContactMode::Stick || !is_found {
                 continue;
             }
             let (mut at, mut last) = (Vec3::zeros(), f64::INFINITY);

@@ -123,8 +123,8 @@ impl Attachments {
         self.place(spring).map_or(Vec2::zeros(), |at| springs[spring].pull(pose, &self.list[at].shape(springs, pose)))
     }
 
-    /// Puts every tip at a `share` of the line from `from` to its entry of `targets`. A share of one
-    /// lands exactly on the target.
+    /// Puts every tip at a `share` of the line from `from` to its entry of `targets`. A share of
+    /// one lands exactly on the target.
     pub fn place_tips(&mut self, from: &[Attachment], targets: &[Vec2], share: f64) {
         for (attachment, start) in self.list.iter_mut().zip(from) {
             let target = targets[attachment.spring];
@@ -147,7 +147,8 @@ impl Attachments {
     /// Whether tips and targets have finite energies and the duration (s) is positive and finite.
     /// No step has an answer otherwise.
     pub fn can_move(&self, targets: &[Vec2], duration: f64) -> bool {
-        // A sum that is not a number fails the comparison. Two sums, so that neither waits for the other.
+        // A sum that is not a number fails the comparison. Two sums, so that neither waits for the
+        // other.
         let targets = self.iter().map(|attachment| &targets[attachment.spring]);
         let [x, y] = targets.fold([0.0f64; 2], |[x, y], tip| [x + tip.x.abs(), y + tip.y.abs()]);
         x + y < FARTHEST && self.n_nowhere == 0 && duration > 0.0 && duration.is_finite()

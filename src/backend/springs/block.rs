@@ -1,4 +1,4 @@
-//! Springs side by side: their law, lane by lane.
+//! The spring law lane by lane.
 
 use super::attachments::Attachment;
 use super::place::Place;
@@ -9,38 +9,42 @@ use crate::model::{PolarSpring, Reaction};
 /// Where swings come from.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Swings {
-    /// From where the tips are.
+    /// Computed from the tips.
     Found,
-    /// As the attachments have them.
+    /// Taken from the attachments.
     Given,
 }
 
+/// A few springs, one a lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Block {
     root: Vectors,
     /// Unit vector along the undeformed spring (load axes).
     bearing: Vectors,
     rest_length: Numbers,
-    /// Length at and below which a spring has no direction (m); negative in lanes beyond the last spring.
+    /// Length at and below which a spring has no direction (m). It is negative in lanes beyond the
+    /// last spring.
     shortest: Numbers,
     radial: Numbers,
     torsional: Numbers,
-    /// Now (m, world).
+    /// Tip now (m, world).
     pub tip: Vectors,
     /// Swing at the accepted pose (rad), and its whole turns.
     pub swing: Numbers,
     turns: Numbers,
-    /// Tip at the accepted pose (m, world), and the pull of its holder there (N, world).
+    /// Tip (m, world) and pull of its holder (N, world) at the accepted pose.
     pub accepted_tip: Vectors,
     pub accepted_pull: Vectors,
-    /// Unit vector from root to tip there (load axes).
+    /// Unit vector from root to tip at the accepted pose (load axes).
     accepted_direction: Vectors,
-    /// Square of the change of the pulls on the way there times the way of the tips (J^2).
+    /// Squared product of the change of the pulls and the displacement of the tips, from the
+    /// accepted pose before to this one (J^2).
     squared_error: Numbers,
-    /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes) at the last pose evaluated.
-    swing_there: Numbers,
-    pub pull_there: Vectors,
-    direction_there: Vectors,
+    /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes)
+    /// at the pose that was evaluated last.
+    last_swing: Numbers,
+    pub last_pull: Vectors,
+    last_direction: Vectors,
 }
 
 /// Sums over springs in load axes: the parts of a [`Reaction`].
@@ -55,7 +59,8 @@ pub(super) struct Sums {
 }
 
 impl Block {
-    /// `bearing` is the direction of the undeformed spring.
+    /// Puts a spring into lane `k`, without stiffness if it does not act. `bearing` is the unit
+    /// vector along the undeformed spring (load axes).
     pub fn set_spring(&mut self, k: usize, spring: &PolarSpring, bearing: Vec2, acts: bool) {
         self.root.set_lane(k, spring.root);
         self.bearing.set_lane(k, bearing);
@@ -66,24 +71,26 @@ impl Block {
         self.torsional.as_mut_array()[k] = stiffness(spring.torsional_stiffness);
     }
 
-    pub fn set_grip(&mut self, k: usize, attachment: &Attachment) {
+    /// Puts tip and swing of an attachment into lane `k`.
+    pub fn set_attachment(&mut self, k: usize, attachment: &Attachment) {
         self.tip.set_lane(k, attachment.tip);
         self.swing.as_mut_array()[k] = attachment.swing;
         self.turns.as_mut_array()[k] = whole_turns(attachment.swing);
     }
 
-    /// Takes the direction that belongs to the accepted swing for that of the accepted pose.
+    /// Sets the accepted direction to that of the accepted swing.
     pub fn aim(&mut self) {
         let directions = self.swing.to_array().map(direction);
         let [cos, sin] = [directions.map(|turn| turn.x), directions.map(|turn| turn.y)].map(Numbers::new);
         self.accepted_direction = self.bearing.turned(cos, sin);
     }
 
-    /// Adds the reactions at a place, second derivatives only if asked for, and keeps swings and pulls there; says no, and adds nothing, when a spring is too short to
-    /// have a direction.
+    /// Adds the reactions at a place, with second derivatives where it is `CURVED`, and keeps
+    /// swings and pulls. Returns `false`, and adds nothing, when a spring is too short to have a
+    /// direction.
     #[inline]
     pub fn add_to<const CURVED: bool>(&mut self, sums: &mut Sums, at: &Place, swings: Swings) -> bool {
-        // Back from the world's axes.
+        // From world axes to load axes.
         let (cos, sin) = (Numbers::splat(at.turn.m11), Numbers::splat(-at.turn.m21));
         let arm = self.tip.less(Vectors::splat(at.pose.position)).turned(cos, sin);
         let d = arm.less(self.root);
@@ -98,7 +105,7 @@ impl Block {
         let (radial_pull, torsion) = (self.radial * stretch, self.torsional * inverse);
         let torsional_pull = torsion * swing;
         let pull = Vectors { x: radial_pull * e_x - torsional_pull * e_y, y: radial_pull * e_y + torsional_pull * e_x };
-        (self.swing_there, self.pull_there, self.direction_there) = (swing, pull, Vectors { x: e_x, y: e_y });
+        (self.last_swing, self.last_pull, self.last_direction) = (swing, pull, Vectors { x: e_x, y: e_y });
         // How the tip moves in load axes when the load turns: minus a quarter turn of its arm.
         let by_turn = Vectors { x: arm.y, y: -arm.x };
         sums.energy += self.radial * stretch * stretch + self.torsional * swing * swing;
@@ -140,7 +147,7 @@ impl Block {
         self.far_swing_of(d)
     }
 
-    /// The same however far it is from the accepted one.
+    /// Swing at any distance from the accepted one (rad).
     #[cold]
     fn far_swing_of(&self, d: Vectors) -> Numbers {
         let principal = self.bearing.perp(d).atan2(self.bearing.dot(d));
@@ -151,50 +158,52 @@ impl Block {
         swing - turns
     }
 
-    /// The same by [`PolarSpring`], spring by spring, with derivatives in world axes.
+    /// Reaction by [`PolarSpring`], spring by spring, with derivatives in world axes.
     pub fn reaction_apart(&mut self, lanes: &[(PolarSpring, Attachment)], Place { pose, turn }: &Place) -> Reaction {
         let mut sum = Reaction::ZERO;
         for (k, (spring, _)) in lanes.iter().enumerate() {
             let shape = spring.shape(pose, &self.tip.lane(k), self.swing.to_array()[k]);
             sum.add(&spring.reaction(pose, &shape));
-            self.swing_there.as_mut_array()[k] = shape.swing;
-            self.direction_there.set_lane(k, direction(spring.bearing + shape.swing));
-            self.pull_there.set_lane(k, turn.tr_mul(&spring.pull(pose, &shape)));
+            self.last_swing.as_mut_array()[k] = shape.swing;
+            self.last_direction.set_lane(k, direction(spring.bearing + shape.swing));
+            self.last_pull.set_lane(k, turn.tr_mul(&spring.pull(pose, &shape)));
         }
         for k in lanes.len()..LANES {
-            self.swing_there.as_mut_array()[k] = self.swing_there.to_array()[0];
-            self.direction_there.set_lane(k, self.direction_there.lane(0));
-            self.pull_there.set_lane(k, Vec2::zeros());
+            self.last_swing.as_mut_array()[k] = self.last_swing.to_array()[0];
+            self.last_direction.set_lane(k, self.last_direction.lane(0));
+            self.last_pull.set_lane(k, Vec2::zeros());
         }
         sum
     }
 
-    /// Twice the work of the holders by the trapezoid rule (J), and the squared way of the tips (m^2).
+    /// Accepts tips and swings, and returns twice the work of the holders by the trapezoid rule (J)
+    /// and the squared displacement of the tips (m^2).
     pub fn accept(&mut self, cos: Numbers, sin: Numbers) -> [Numbers; 2] {
-        let pull = self.pull_there.turned(cos, sin);
-        let way = self.tip.less(self.accepted_tip);
+        let pull = self.last_pull.turned(cos, sin);
+        let displacement = self.tip.less(self.accepted_tip);
         let change = pull.less(self.accepted_pull);
         let sum = Vectors { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
-        let squared_way = way.dot(way);
-        self.squared_error = change.dot(change) * squared_way;
-        (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.direction_there);
-        self.swing = self.swing_there;
+        let squared = displacement.dot(displacement);
+        self.squared_error = change.dot(change) * squared;
+        (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.last_direction);
+        self.swing = self.last_swing;
         let turned = Numbers::splat(std::f64::consts::PI);
         if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
             self.turns = Numbers::new(self.swing.to_array().map(whole_turns));
         }
         let acts = self.shortest.simd_gt(Numbers::ZERO);
-        [sum.dot(way), acts & squared_way]
+        [sum.dot(displacement), acts & squared]
     }
 
-    /// The change of the pulls times the way of the tips to the accepted pose (J).
+    /// Change of the pulls times displacement of the tips on the way to the accepted pose (J).
     pub fn error(&self) -> Numbers {
         self.squared_error.sqrt()
     }
 }
 
 impl Sums {
-    /// Energy and its derivatives by shifts along the load's axes and by the heading, the second ones only where they were summed.
+    /// Energy with its derivatives by shifts along the axes of the load and by the heading. Second
+    /// derivatives are zero where it is not `CURVED`.
     pub fn in_load<const CURVED: bool>(&self) -> Reaction {
         let pull = self.pull.sum();
         let first = Reaction {
@@ -222,7 +231,7 @@ impl Sums {
     }
 }
 
-/// The multiple of a whole turn in `swing` (rad) whose rest lies within half a turn.
+/// Multiple of a whole turn from which `swing` differs by at most half a turn (rad).
 fn whole_turns(swing: f64) -> f64 {
     if swing.abs() < std::f64::consts::PI {
         return 0.0;

@@ -1,16 +1,20 @@
-//! The held springs as blocks of a few lanes: what the exact backends evaluate in their inner loop.
+//! Attached springs side by side in SIMD lanes: what the exact backends evaluate in their inner
+//! loop.
 //!
-//! The law is that of [`PolarSpring`], written out in the load's axes so that the load's heading costs one rotation for all springs. With d from root to
-//! tip, e = d / l and t a quarter turn further,
+//! The law is that of [`PolarSpring`], written in the axes of the load, so that the heading costs
+//! one rotation for all springs. With d from root to tip, e = d / l and t a quarter turn further,
 //!
 //! ```text
 //! f = k_r (l - l_0) e + (k_t psi / l) t
 //! H = k_r ee' + (k_r (1 - l_0 / l) + k_t / l^2) tt' - (k_t psi / l^2) (et' + te')
 //! ```
 //!
-//! The swing psi is the polar angle of d less the bearing, on the branch nearest to that of the last accepted pose. Mostly it is that one's swing and a small angle
-//! more, for which five or nine terms of the arctangent's series do; their roundings add up like a random walk of 1e-16 a step. A block with a spring too short to have a
-//! direction is left to [`PolarSpring`] itself. Lanes beyond the last spring repeat the first of their block without stiffness.
+//! The swing psi is the polar angle of d less the bearing, on the branch nearest to the swing at
+//! the last accepted pose. Mostly it differs from that one by a small angle, for which five or nine
+//! terms of the series of the arctangent suffice. Their roundings add up like a random walk of
+//! 1e-16 a step. [`PolarSpring`] itself evaluates a block with a spring too short to have a
+//! direction. Lanes beyond the last spring repeat the first spring of their block without
+//! stiffness.
 
 use super::attachments::Attachment;
 use super::block::{Block, Sums, Swings};
@@ -18,20 +22,21 @@ use super::place::Place;
 use crate::math::{LANES, Mat2, Numbers, Pose, Vec2, Vec3, direction};
 use crate::model::{PolarSpring, Reaction};
 
-/// All held springs, in the order of their attachments.
+/// All attached springs, in the order of their attachments.
 #[derive(Clone, Debug, Default)]
 pub struct SpringBlocks {
     n: usize,
     blocks: Vec<Block>,
-    /// Springs themselves and their attachments, one a lane.
+    /// Spring and attachment of each lane.
     lanes: Vec<(PolarSpring, Attachment)>,
-    /// Bearing of each spring that was ever gathered (rad), and the unit vector there: springs come and go, their bearings mostly stay.
+    /// Bearing of each spring that was ever attached (rad), and the unit vector there. Springs come
+    /// and go, their bearings mostly stay.
     bearings: Vec<(f64, Vec2)>,
     evaluated: Evaluated,
     accepted: Evaluated,
 }
 
-/// Energy (J) of all springs at a place and its gradient, in world axes.
+/// Energy (J) of all springs at a place, and its gradient in world axes.
 #[derive(Clone, Copy, Debug)]
 struct Evaluated {
     at: Place,
@@ -39,14 +44,15 @@ struct Evaluated {
     gradient: Vec3,
 }
 
-/// What the tips' holders did since the last accepted pose.
+/// Energies of the way from the last accepted pose to a new one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Accepted {
     /// Elastic energy now (J).
     pub elastic: f64,
-    /// Work of the holders on the springs (J): by the trapezoid rule, or of a load that stood what the springs have gained.
+    /// Work of the holders on the springs (J): the energy gained by the springs where the load
+    /// stood still, by the trapezoid rule elsewhere.
     pub of_tips: f64,
-    /// Work of the springs on the load by the same rule (J).
+    /// Work of the springs on the load by the trapezoid rule (J).
     pub on_load: f64,
     /// Whether no tip has moved.
     pub tips_stood: bool,
@@ -60,8 +66,8 @@ impl Default for Evaluated {
 }
 
 impl SpringBlocks {
-    /// Takes over the springs that `attachments` hold; what works from an accepted pose on needs one. Nothing is allocated that was not needed before.
-    pub fn gather(&mut self, springs: &[PolarSpring], attachments: &[Attachment]) {
+    /// Takes over the attached springs. Nothing is accepted yet. Memory is reused.
+    pub fn fill(&mut self, springs: &[PolarSpring], attachments: &[Attachment]) {
         self.n = attachments.len();
         self.lanes.clear();
         self.blocks.clear();
@@ -70,8 +76,9 @@ impl SpringBlocks {
             let mut block = Block::default();
             for k in 0..LANES {
                 let (attachment, spring) = (*lane(k), springs[lane(k).spring]);
-                block.set_spring(k, &spring, bearing_of(&mut self.bearings, attachment.spring, spring.bearing), k < chunk.len());
-                block.set_grip(k, &attachment);
+                let bearing = bearing_of(&mut self.bearings, attachment.spring, spring.bearing);
+                block.set_spring(k, &spring, bearing, k < chunk.len());
+                block.set_attachment(k, &attachment);
                 self.lanes.push((spring, attachment));
             }
             self.blocks.push(block);
@@ -79,7 +86,8 @@ impl SpringBlocks {
         (self.evaluated, self.accepted) = (Evaluated::default(), Evaluated::default());
     }
 
-    /// Takes the directions that belong to the swings as gathered for those that swings change from: without an accepted pose, too, small changes are then told as such.
+    /// Sets the accepted directions to those of the swings, so that small changes of swing are
+    /// recognised without an accepted pose.
     pub fn aim(&mut self) {
         self.blocks.iter_mut().for_each(Block::aim);
     }
@@ -88,7 +96,8 @@ impl SpringBlocks {
         self.n == 0
     }
 
-    /// Puts every tip a `share` of the way from `from`, the attachments in their order, to its entry of `targets`; a share of one lands exactly there.
+    /// Puts every tip at a `share` of the line from its attachment to its entry of `targets`. A
+    /// share of one lands exactly on the target.
     pub fn place_tips(&mut self, from: &[Attachment], targets: &[Vec2], share: f64) {
         for (block, from) in self.blocks.iter_mut().zip(from.chunks(LANES)) {
             for k in 0..LANES {
@@ -100,37 +109,38 @@ impl SpringBlocks {
         self.evaluated = Evaluated::default();
     }
 
-    /// Puts every tip where the attachments, in their order, have it.
+    /// Puts every tip where its attachment is.
     pub fn set_tips(&mut self, attachments: &[Attachment]) {
-        for (block, attachments) in self.blocks.iter_mut().zip(attachments.chunks(LANES)) {
-            (0..LANES).for_each(|k| block.tip.set_lane(k, attachments.get(k).unwrap_or(&attachments[0]).tip));
+        for (block, chunk) in self.blocks.iter_mut().zip(attachments.chunks(LANES)) {
+            (0..LANES).for_each(|k| block.tip.set_lane(k, chunk.get(k).unwrap_or(&chunk[0]).tip));
         }
         self.evaluated = Evaluated::default();
     }
 
-    /// The gradient at the accepted place, for a load that stands while its tips move.
-    pub fn look(&mut self) -> Vec3 {
+    /// Gradient at the accepted place, for a load that stands still while its tips move.
+    pub fn gradient_at_rest(&mut self) -> Vec3 {
         let place = self.accepted.at;
         self.gradient(&place)
     }
 
-    /// Takes a place as the accepted one, with the swings as gathered.
+    /// Accepts a place, with the swings of the attachments.
     pub fn start(&mut self, at: &Place) {
         self.evaluate::<false>(at, Swings::Given);
         self.accept(&at.pose);
     }
 
-    /// Sum of the reactions of all springs, with derivatives by shifts along the load's axes and by its heading.
+    /// Sum of the reactions of all springs, with derivatives by shifts along the axes of the load
+    /// and by its heading.
     pub fn reaction(&mut self, at: &Place) -> Reaction {
         self.evaluate::<true>(at, Swings::Found)
     }
 
-    /// First derivatives of the same alone, at less cost.
+    /// First derivatives of the energy alone, at less cost.
     pub fn gradient(&mut self, at: &Place) -> Vec3 {
         self.evaluate::<false>(at, Swings::Found).gradient
     }
 
-    /// Without second derivatives where it is not `CURVED`.
+    /// Reaction at a place, without second derivatives where it is not `CURVED`.
     fn evaluate<const CURVED: bool>(&mut self, at: &Place, swings: Swings) -> Reaction {
         let mut sums = Sums::default();
         for block in &mut self.blocks {
@@ -141,7 +151,8 @@ impl SpringBlocks {
         self.keep(at, sums.in_load::<CURVED>())
     }
 
-    /// The same where some springs are too short to have a direction. What this keeps between blocks leaves no registers for anything else.
+    /// Reaction where some springs are too short to have a direction. It is a function of its own,
+    /// because what it keeps between blocks needs all registers.
     #[cold]
     fn evaluate_short<const CURVED: bool>(&mut self, at: &Place, swings: Swings) -> Reaction {
         let (mut sums, mut apart) = (Sums::default(), Reaction::ZERO);
@@ -156,23 +167,28 @@ impl SpringBlocks {
         self.keep(at, reaction)
     }
 
-    /// Takes note of what the springs' reaction is at a place.
+    /// Stores the reaction at a place as the last one evaluated.
     fn keep(&mut self, at: &Place, reaction: Reaction) -> Reaction {
         let force = at.turn * reaction.gradient.xy();
         self.evaluated = Evaluated { at: *at, energy: reaction.energy, gradient: force.push(reaction.gradient.z) };
         reaction
     }
 
-    /// Evaluates at `pose` unless that is where it was done last.
+    /// Evaluates at `pose` unless that was the last one evaluated.
     fn evaluate_at(&mut self, pose: &Pose) {
         if self.evaluated.at.pose != *pose {
             self.gradient(&Place::of(pose));
         }
     }
 
-    /// Tips now, in the order of the attachments (m, world).
+    /// Tips in the order of the attachments (m, world).
     pub fn tips(&self) -> impl Iterator<Item = Vec2> + '_ {
         self.blocks.iter().flat_map(|block| (0..LANES).map(|k| block.tip.lane(k))).take(self.n)
+    }
+
+    /// Tips at the accepted pose in the order of the attachments (m, world).
+    pub fn accepted_tips(&self) -> impl Iterator<Item = Vec2> + '_ {
+        self.blocks.iter().flat_map(|block| (0..LANES).map(|k| block.accepted_tip.lane(k))).take(self.n)
     }
 
     /// Elastic energy at `pose` (J).
@@ -181,16 +197,21 @@ impl SpringBlocks {
         self.evaluated.energy
     }
 
-    /// Takes `pose` and the tips as they are as the new start.
+    /// Elastic energy where the springs were evaluated last (J).
+    pub fn last_energy(&self) -> f64 {
+        self.evaluated.energy
+    }
+
+    /// Accepts `pose` and the tips as they are as the new start.
     pub fn accept(&mut self, pose: &Pose) -> Accepted {
         self.evaluate_at(pose);
         let turn = &self.evaluated.at.turn;
         let (cos, sin) = (Numbers::splat(turn.m11), Numbers::splat(turn.m21));
-        let (mut work, mut way) = (Numbers::ZERO, Numbers::ZERO);
+        let (mut work, mut displacement) = (Numbers::ZERO, Numbers::ZERO);
         for block in &mut self.blocks {
             let [of_tips, moved] = block.accept(cos, sin);
             work += of_tips;
-            way += moved;
+            displacement += moved;
         }
         let (last, now) = (self.accepted, self.evaluated);
         let from = &last.at.pose;
@@ -200,11 +221,12 @@ impl SpringBlocks {
             elastic: now.energy,
             of_tips: if *pose == *from { now.energy - last.energy } else { 0.5 * work.reduce_add() },
             on_load: -0.5 * (last.gradient + now.gradient).dot(&moved),
-            tips_stood: way.reduce_add() == 0.0,
+            tips_stood: displacement.reduce_add() == 0.0,
         }
     }
 
-    /// What bounds the error of the work of the tips' holders that was accepted last on a smooth path (J): half the change of the pulls times the way of the tips.
+    /// Bound of the error of the work of the holders that was accepted last, on a smooth path (J):
+    /// half the change of the pulls times the displacement of the tips.
     pub fn work_error(&self) -> f64 {
         0.5 * self.blocks.iter().map(|block| block.error().reduce_add()).sum::<f64>()
     }
@@ -214,43 +236,40 @@ impl SpringBlocks {
         &self.accepted.at
     }
 
-    /// Pull of the holder on the tip of the attachment in this place at the accepted pose (N, world).
+    /// Pull of the holder of the attachment in this place at the accepted pose (N, world).
     pub fn pull(&self, at: usize) -> Vec2 {
         self.blocks[at / LANES].accepted_pull.lane(at % LANES)
     }
 
-    /// The same where the springs were evaluated last.
-    pub fn pull_there(&self, at: usize) -> Vec2 {
-        self.evaluated.at.turn * self.blocks[at / LANES].pull_there.lane(at % LANES)
+    /// Pull of the holder of the attachment in this place where the springs were evaluated last
+    /// (N, world).
+    pub fn last_pull(&self, at: usize) -> Vec2 {
+        self.evaluated.at.turn * self.blocks[at / LANES].last_pull.lane(at % LANES)
     }
 
-    /// Pulls of the holders (N, world), in the order of the attachments: at the accepted pose, or where the springs were evaluated last.
-    pub fn see_pulls(&self, there: bool, mut see: impl FnMut(usize, Vec2)) {
+    /// Passes the pulls of the holders (N, world) to `see`, in the order of the attachments: those
+    /// at the accepted pose, or the `last` ones evaluated.
+    pub fn see_pulls(&self, last: bool, mut see: impl FnMut(usize, Vec2)) {
         let turn = &self.evaluated.at.turn;
         let (cos, sin) = (Numbers::splat(turn.m11), Numbers::splat(turn.m21));
         for (i, block) in self.blocks.iter().enumerate() {
-            let pulls = if there { block.pull_there.turned(cos, sin) } else { block.accepted_pull };
+            let pulls = if last { block.last_pull.turned(cos, sin) } else { block.accepted_pull };
             (i * LANES..self.n).zip(pulls.lanes()).for_each(|(at, pull)| see(at, pull));
         }
     }
 
-    /// Elastic energy there (J).
-    pub fn energy_there(&self) -> f64 {
-        self.evaluated.energy
-    }
-
-    /// Writes tips and swings of the accepted pose to the attachments that were gathered.
-    pub fn scatter(&self, attachments: &mut [Attachment]) {
-        for (block, attachments) in self.blocks.iter().zip(attachments.chunks_mut(LANES)) {
+    /// Writes tips and swings of the accepted pose to the attachments.
+    pub fn write_accepted(&self, attachments: &mut [Attachment]) {
+        for (block, chunk) in self.blocks.iter().zip(attachments.chunks_mut(LANES)) {
             let swing = block.swing.to_array();
-            for (k, attachment) in attachments.iter_mut().enumerate() {
+            for (k, attachment) in chunk.iter_mut().enumerate() {
                 (attachment.tip, attachment.swing) = (block.accepted_tip.lane(k), swing[k]);
             }
         }
     }
 }
 
-/// The unit vector at the `bearing` (rad) of a spring, worked out where it is not the one that is known.
+/// Unit vector at the `bearing` (rad) of a spring, computed only where it is not the known one.
 fn bearing_of(known: &mut Vec<(f64, Vec2)>, spring: usize, bearing: f64) -> Vec2 {
     if known.len() <= spring {
         known.resize(spring + 1, (0.0, Vec2::new(1.0, 0.0)));
@@ -270,8 +289,9 @@ mod tests {
 
     const STIFFNESS: f64 = 0.664;
 
-    /// Springs of all kinds: the paper's, stiff and soft ones, isotropic ones, none of them at rest, some held after turns about their roots.
-    fn held(n: u32, seed: u64) -> (Vec<PolarSpring>, Attachments) {
+    /// Springs of all kinds: those of the paper, stiff and soft ones, isotropic ones, none of them
+    /// at rest, some attached after turns about their roots.
+    fn attached(n: u32, seed: u64) -> (Vec<PolarSpring>, Attachments) {
         let streams = RandomStreams::new(seed);
         let draw = |i: u32, k: u64| 2.0 * streams.uniform(Stream::Start, i, k) - 1.0;
         let spring = |i: u32| PolarSpring {
@@ -297,7 +317,8 @@ mod tests {
     }
 
     fn assert_equal(blocks: &Reaction, springs: &Reaction, n: u32) {
-        // Some ten roundings of each of n terms, of the size that springs of 2 cm give them; turns count over the extent of load and spring, 4 cm.
+        // Some ten roundings of each of n terms, of the size that springs of 2 cm give them. Turns
+        // count over the extent of load and spring, 4 cm.
         let tolerance = 4e-15 * f64::from(n);
         let units = Vec3::new(1.0, 1.0, 0.04);
         assert!((blocks.energy - springs.energy).abs() < tolerance * springs.energy.max(1e-4), "{} {}", blocks.energy, springs.energy);
@@ -312,25 +333,26 @@ mod tests {
         );
     }
 
-    /// Any number of lanes, through small motions, which the series follows, and large ones, which it does not.
+    /// Any number of lanes, through small motions, which the series follows, and large ones, which
+    /// it does not.
     #[test]
     fn blocks_react_as_the_springs_one_by_one() {
         for n in [1, 2, 3, 4, 5, 11] {
-            let (springs, mut held) = held(n, 7 + u64::from(n));
+            let (springs, mut held) = attached(n, 7 + u64::from(n));
             let mut blocks = SpringBlocks::default();
-            blocks.gather(&springs, &held);
+            blocks.fill(&springs, &held);
             blocks.start(&Place::of(&Pose::new(0.0, 0.0, 0.0)));
             for step in 1..40 {
                 let t = f64::from(step);
-                let stride = if step % 5 == 0 { 0.3 } else { 2e-3 };
-                let pose = Pose::new(3e-3 * (0.7 * t).sin(), 2e-3 * t.cos(), stride * t.sin());
+                let turn = if step % 5 == 0 { 0.3 } else { 2e-3 };
+                let pose = Pose::new(3e-3 * (0.7 * t).sin(), 2e-3 * t.cos(), turn * t.sin());
                 let gradient = blocks.gradient(&Place::of(&pose));
                 assert!((gradient - in_load(&mut blocks, &pose).gradient).amax() <= 1e-17, "{n} {step}");
                 assert_equal(&in_load(&mut blocks, &pose), &held.reaction(&springs, &pose).in_axes(&rotation(pose.heading)), n);
                 blocks.accept(&pose);
                 held.accept(&springs, &pose);
                 let mut attachments = held.to_vec();
-                blocks.scatter(&mut attachments);
+                blocks.write_accepted(&mut attachments);
                 for (attachment, own) in attachments.iter().zip(held.iter()) {
                     // A walk of roundings of one.
                     assert!(
@@ -347,10 +369,10 @@ mod tests {
     /// Swings of several turns, and a tip on its root, which has no direction, beside one that has.
     #[test]
     fn turns_are_counted_and_roots_are_passed() {
-        let (springs, mut held) = held(5, 3);
+        let (springs, mut held) = attached(5, 3);
         let mut blocks = SpringBlocks::default();
         let still = Pose::new(0.0, 0.0, 0.0);
-        blocks.gather(&springs, &held);
+        blocks.fill(&springs, &held);
         blocks.start(&Place::of(&still));
         let from = held.to_vec();
         for step in 0..=60 {
@@ -373,13 +395,14 @@ mod tests {
         assert!((block.hessian - apart.hessian).amax() <= 1e-12 * apart.hessian.amax());
     }
 
-    /// Work of tips on a load that stands is what the springs gain, and by trapezoids it is that to second order.
+    /// The work of tips on a load that stands is the energy that the springs gain. By trapezoids it
+    /// is that to second order.
     #[test]
     fn accepted_work_is_that_of_the_pulls() {
-        let (springs, held) = held(6, 9);
+        let (springs, held) = attached(6, 9);
         let mut blocks = SpringBlocks::default();
         let still = Pose::new(0.0, 0.0, 0.0);
-        blocks.gather(&springs, &held);
+        blocks.fill(&springs, &held);
         blocks.start(&Place::of(&still));
         let before = blocks.energy(&still);
         let targets: Vec<Vec2> = held.iter().map(|attachment| attachment.tip + Vec2::new(1e-3, -2e-3)).collect();
@@ -390,7 +413,8 @@ mod tests {
         let moved = Pose::new(1e-5, 2e-5, 1e-4);
         let went = blocks.accept(&moved);
         assert!(went.tips_stood && went.of_tips == 0.0);
-        // Tips that stand and a load that moves: the springs lose what they do, but for the trapezoid's cube of the way, 1e-3 of a length.
+        // Tips stand and the load moves: the springs lose the work that they do, up to the cube of
+        // the displacement over a length, 1e-3, by the trapezoid rule.
         assert!((went.on_load + went.elastic - stood.elastic).abs() < 1e-5 * went.on_load.abs(), "{went:?} {stood:?}");
     }
 }

@@ -1,11 +1,12 @@
-//! The attached springs: who holds which tip where, and what the springs answer.
+//! The attached springs: which tips are held where, and how the springs respond.
 
+mod attached;
 mod attachments;
 mod block;
 mod blocks;
 mod place;
 
+pub(in crate::backend) use attached::{AttachedSprings, SavedSprings, TipPaths};
 pub use attachments::{AttachedTip, AttachedTips, Attachment, Attachments, pulls_with};
-pub(in crate::backend) use blocks::Accepted;
 pub use blocks::SpringBlocks;
 pub use place::Place;

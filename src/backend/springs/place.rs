@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::{Arc, Mat2, Pose, Vec2, Vec3, perpendicular, rotation};
 
-/// Pose of the load and the rotation by its heading. Two places with the same pose may differ in the
-/// last bits of the rotation, which depend on how it was found.
+/// Pose of the load and the rotation by its heading. Two places with the same pose may differ in
+/// the last bits of the rotation, which depend on how it was found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     pub pose: Pose,

@@ -1,25 +1,27 @@
-//! Work that a run leaves out because its outcome is known, and how often it did.
+//! Work that a run skips because its outcome is known, and how often it was skipped.
 //!
-//! Each kind can be switched off; results then differ by no more than the kind says.
+//! Each kind can be switched off. Results then differ by no more than the kind says.
 
 use serde::{Deserialize, Serialize};
 
-/// A kind of work that may be left out.
+/// A kind of work that may be skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Skip {
-    /// Steps of a load at rest of which no spring is held.
+    /// Steps of a load at rest without attached springs.
     FreeLoad,
-    /// Steps of a load at rest of which no held tip moves. After a single step that takes a load far round, a further one with tips that stand would still
-    /// correct what the constant twist of the first has left.
+    /// Steps of a load at rest whose tips do not move. After a single step in which the load turns
+    /// far, a further one with tips at rest would still correct what the constant twist of the
+    /// first left.
     StillTips,
-    /// Solutions of the friction problem while the held tips have not gone far enough to make the load slip (quasi-static, at fixed steps).
+    /// Solutions of the friction problem while the tips have not moved far enough to make the load
+    /// slip (quasi-static, at fixed steps).
     StickBound,
-    /// Springs that an ant is too far from to sense.
+    /// Springs that are too far from an ant to be sensed.
     DistantAnts,
 }
 
-/// The kinds that are left out: all, unless switched off.
+/// The kinds of work that are skipped: all, unless switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Skips {
@@ -33,7 +35,7 @@ impl Skips {
     pub const ALL: Skips = Skips { free_load: true, still_tips: true, stick_bound: true, distant_ants: true };
     pub const NONE: Skips = Skips { free_load: false, still_tips: false, stick_bound: false, distant_ants: false };
 
-    /// Whether work of this kind is left out.
+    /// Whether work of this kind is skipped.
     pub fn has(&self, skip: Skip) -> bool {
         match skip {
             Skip::FreeLoad => self.free_load,
@@ -43,7 +45,7 @@ impl Skips {
         }
     }
 
-    /// All of these but one kind.
+    /// These kinds without one.
     pub fn without(self, skip: Skip) -> Self {
         match skip {
             Skip::FreeLoad => Skips { free_load: false, ..self },
@@ -53,7 +55,7 @@ impl Skips {
         }
     }
 
-    /// All of these but some kinds.
+    /// These kinds without some.
     pub fn without_all(self, skips: &[Skip]) -> Self {
         skips.iter().fold(self, |kept, skip| kept.without(*skip))
     }
@@ -65,7 +67,7 @@ impl Default for Skips {
     }
 }
 
-/// How often work was left out.
+/// How often work was skipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SkipCounts {
     /// Steps.

@@ -1,49 +1,41 @@
-//! Newton's method on springs and friction at once, from a guess: for a load that goes on turning about one support, or all of whose supports go on slipping.
+//! Newton's method on springs and friction at once, from a guess, for a load that goes on turning
+//! about one support or slipping on all of them.
 
-use super::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, RELATIVE_TOLERANCE};
+use super::objective::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE};
 use crate::backend::StepReport;
-use crate::backend::friction::{EXACT, FrictionSolver, Regime, Tangent};
+use crate::backend::friction::{ContactMode, EXACT, FrictionSolver, Tangent};
 use crate::math::{PositiveDefinite, Vec3};
 use crate::model::Reaction;
 
-/// What an increment is to minimise, besides friction.
-pub(in crate::backend) trait Objective {
-    /// Energy (J), gradient and Hessian by the increment, at the increment `at` (m, m, rad).
-    fn at(&mut self, at: &Vec3) -> Reaction;
-
-    /// The gradient alone.
-    fn gradient(&mut self, at: &Vec3) -> Vec3;
-
-    /// Rounding of places over the extent of the load (1).
-    fn rounding(&self) -> f64;
-}
-
-/// Which of the minima counts.
+/// Minimum that is accepted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::backend) enum Wanted {
+pub enum Wanted {
     /// The only one: the springs' energy is convex.
     Only,
-    /// The nearest one, also where friction has to make up for springs whose energy is not convex.
+    /// The nearest one, also where only friction makes up for springs whose energy is not convex.
     Nearest,
 }
 
-/// Where it led.
-pub(in crate::backend) struct Glided {
+/// Minimum that the corrector found.
+pub struct Corrected {
     /// (m, m, rad)
     pub at: Vec3,
-    pub regime: Regime,
+    pub mode: ContactMode,
     pub report: StepReport,
 }
 
-/// Where a guess takes more, the descent from rest is the better way.
-const MOST_GLIDING: u64 = 6;
-/// Second correction, over the size of the increment, after which a third one can still be far smaller (1).
+/// Largest number of iterations. Descent from rest is better where a guess takes more.
+const MOST_ITERATIONS: u64 = 6;
+/// Size of the second correction, over that of the increment, after which a third one can still be
+/// far smaller (1).
 const STRETCHED: f64 = 0.05;
-/// Correction, over the size of the increment, that is none (1).
+/// Size of a correction, over that of the increment, that is rounding (1).
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Correction, over the size of the increment, up to which the next ones need no derivative of their own: what that leaves of an increment is its third power (1).
+/// Size of a correction, over that of the increment, up to which the next ones need no derivative
+/// of their own (1). The error left is its third power.
 const CLOSE: f64 = 3e-5;
-/// How Newton's method gets on from a guess.
+
+/// Progress of Newton's method from a guess.
 struct Approach {
     n_iterations: u64,
     /// Size of the last correction.
@@ -51,32 +43,35 @@ struct Approach {
 }
 
 enum Next {
-    /// Where it is, it is exact to rounding.
+    /// The increment is exact to rounding.
     Done,
     Correct,
-    /// It leads elsewhere, if anywhere.
+    /// The method leads elsewhere, if anywhere.
     GiveUp,
 }
 
 impl Approach {
     const NEW: Approach = Approach { n_iterations: 0, last: f64::INFINITY };
 
-    /// Whether the last correction was that small at an increment of size `extent`.
+    /// Whether the last correction was small at an increment of size `extent`.
     fn is_close(&self, extent: f64) -> bool {
         self.last <= CLOSE * extent
     }
 
-    /// What to do about a `correction` of this size, at an increment of size `extent` with this residual and with this `rounding` of places (1).
+    /// Judges a `correction` of this size, at an increment of size `extent` with this residual and
+    /// this `rounding` of places (1).
     fn judge(&mut self, correction: f64, extent: f64, residual: f64, rounding: f64) -> Next {
         let tolerance = RELATIVE_TOLERANCE * extent + ABSOLUTE_TOLERANCE + rounding;
-        // One more iteration costs little and takes the last digits; what a forecast is off by would grow from one to the next.
+        // One more iteration costs little and takes the last digits. The error of a forecast would
+        // grow from one to the next.
         let tolerance_here = if self.n_iterations == 0 { ROUNDING * extent } else { tolerance };
         if correction <= tolerance_here && (residual <= EXACT || self.last <= tolerance) {
             return if residual <= LARGEST_RESIDUAL { Next::Done } else { Next::GiveUp };
         }
         self.n_iterations += 1;
-        // Newton's method that converges does so fast; a guess that is off by half of itself is none. The first correction turns the slip along a tangent, and the
-        // second may have more to do with taking the length back that this has added.
+        // Newton's method converges fast or not at all, and a guess with an error of half its size
+        // is none. The first correction turns the slip along a tangent. The second may mainly take
+        // back the length that this has added.
         let most = match self.n_iterations {
             1 => 0.5 * extent,
             2 => (0.5 * self.last).max(STRETCHED * extent),
@@ -84,20 +79,21 @@ impl Approach {
         };
         let is_near = correction <= most.max(tolerance);
         self.last = correction;
-        if is_near && self.n_iterations < MOST_GLIDING { Next::Correct } else { Next::GiveUp }
+        if is_near && self.n_iterations < MOST_ITERATIONS { Next::Correct } else { Next::GiveUp }
     }
 }
 
-/// `None` when it does not lead from `guess`, where the objective is `there` if that is known, to a minimum as `wanted` in a few iterations. `length` (m) is the extent
-/// of the load.
-pub(in crate::backend) fn glide<O: Objective>(
+/// Minimum of the objective plus friction near `guess`, where the objective is `there` if that is
+/// known. `None` when a few iterations do not lead to a minimum as `wanted`. `length` (m) is the
+/// extent of the load.
+pub fn correct<O: Objective>(
     objective: &mut O,
     solver: &mut FrictionSolver,
     length: f64,
     guess: Vec3,
     there: Option<Reaction>,
     wanted: Wanted,
-) -> Option<Glided> {
+) -> Option<Corrected> {
     let pin = solver.unit_turn();
     let mut at = pin.map_or(guess, |(unit_turn, _)| guess.z * unit_turn);
     let per_length = 1.0 / length;
@@ -131,14 +127,14 @@ pub(in crate::backend) fn glide<O: Objective>(
             Next::GiveUp => return None,
             Next::Correct => at = pin.map_or(at + step, |(unit_turn, _)| (at.z + step.z) * unit_turn),
             Next::Done => {
-                let regime = match pin {
-                    Some((_, support)) => solver.keep_pivoting(at.z, gradient).then_some(Regime::Pinned(support))?,
+                let mode = match pin {
+                    Some((_, support)) => solver.keep_pivoting(at.z, gradient).then_some(ContactMode::Pinned(support))?,
                     None => solver.keep_gliding(&at),
                 };
                 let n_iterations = approach.n_iterations;
-                return Some(Glided {
+                return Some(Corrected {
                     at,
-                    regime,
+                    mode,
                     report: StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() },
                 });
             }

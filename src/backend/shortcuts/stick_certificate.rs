@@ -1,9 +1,11 @@
-//! How far the held tips may go before a load at rest can begin to slip.
+//! Stick certificate: how far attached tips may move before a load at rest can begin to slip.
 //!
-//! As long as the load stands, its wrench w depends on nothing but where the tips are: a spring pulls with F(p) at its tip p, and turns with the moment of that. What
-//! was balanced where the certificate was made by forces f_i with room to their limits is balanced by them and the least forces for what w has changed by. At the end
-//! of one step w is simply evaluated. Over many, it is known to first order in the ways d of the tips, and what the second order adds is bounded: with
-//! a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
+//! While the load stands, the wrench w of the springs on it depends only on the tips. A spring
+//! pulls with F(p) at its tip p, and turns the load with the moment of that. The certificate is
+//! made where friction forces f_i with room to their limits balance w. Those forces and the least
+//! forces for the change of w balance it elsewhere. At the end of one step w is simply evaluated.
+//! Over many steps it is known to first order in the displacements d of the tips, and the second
+//! order is bounded: with a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
 //!
 //! ```text
 //! K = dF/dp = k_r ee' + (a / l + k_t / l^2) tt' - (b / l) (et' + te')
@@ -11,65 +13,69 @@
 //! |F - F_0 - K d| <= L |d|^2 / 2,   L = (2 / sqrt 3) |A| + |B|           |tau - tau_0 - d x F_0 - p x K d| <= (|K| + |p| L / 2) |d|^2
 //! ```
 //!
-//! A, B and p at their largest in a ball about the tip. A change of w that is no more than that changes each f_i by at most `c_i^2 |B_i M|` times as much, M as in the
-//! certificate of rest. Ways for which forces stay within their limits by this bound are a convex set: a straight way of the tips that begins and ends in it lies in it.
+//! A, B and p are taken at their largest in a ball about the tip. A change of w by no more than
+//! that changes each f_i by at most `c_i^2 |B_i M|` times as much, with M of the friction solver.
+//! The displacements for which all forces stay within their limits by this bound are a convex set:
+//! a straight path of the tips that begins and ends in it lies in it.
 
 use serde::{Deserialize, Serialize};
 
-use super::friction::FrictionSolver;
-use super::springs::Place;
-use super::springs::{Attachment, Attachments};
+use crate::backend::RestoreError;
+use crate::backend::friction::FrictionSolver;
+use crate::backend::springs::{AttachedSprings, Attachment, Place, SpringBlocks, TipPaths};
 use crate::math::{Mat2, Mat3x2, Vec2, Vec3, perpendicular};
 use crate::model::PolarSpring;
 use crate::model::spring::SHORTEST_LENGTH;
 
-/// Radius of the ball over the length of the spring (1): the law changes little in it.
+/// Radius of the ball over the length of the spring (1). The law changes little in it.
 const BALL: f64 = 0.125;
-/// What the direction of a spring can change by in it (rad): arcsin(1/8), rounded up.
+/// Largest change of the direction of a spring in the ball (rad): arcsin(1/8), rounded up.
 const LARGEST_TURN: f64 = 0.1254;
 
-/// A certificate of rest for tips near the ones that it was made for.
+/// Proof that the load sticks for tips near those that it was made for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StickBound {
+pub struct StickCertificate {
     is_made: bool,
-    /// Of the springs on the load at the time (N, N, N m; load axes).
+    /// Wrench of the springs on the load when it was made (N, N, N m; load axes).
     wrench: Vec3,
-    /// What that was balanced by (see [`FrictionSolver::roomy_forces`]).
+    /// Friction forces that balanced it (see [`FrictionSolver::roomy_forces`]).
     forces: Vec<Vec2>,
-    /// Where the load was.
+    /// Place of the load.
     at: Option<Place>,
-    /// One a attachment, in their order.
+    /// One for each attachment, in their order.
     balls: Vec<Ball>,
-    /// Of the same; none before many steps are asked for.
+    /// One for each ball; none before many steps are asked for.
     growths: Vec<Growth>,
 }
 
-/// Where a tip is known.
+/// Region of a tip in which the bounds hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Ball {
-    /// As it was when the certificate was made.
+    /// Attachment when the certificate was made.
     attachment: Attachment,
     /// (m)
     radius: f64,
 }
 
-/// How the wrench of a spring changes with the way of its tip from there.
+/// Growth of the wrench of a spring with the displacement of its tip.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Growth {
-    /// What balances the wrench of a small way of the tip, by that way (1/m).
+    /// Friction forces that balance a small displacement of the tip, over the displacement (1/m).
     response: Mat3x2,
-    /// Largest wrench of the second order by the squared way (scaled, 1/m^2).
+    /// Largest wrench of the second order over the squared displacement (scaled, 1/m^2).
     bend: f64,
 }
 
-impl StickBound {
-    /// Takes the rest of a load at a place that `solver` has just found for the tips of `held`, whose swings are those there.
-    pub fn renew(&mut self, springs: &[PolarSpring], held: &Attachments, at: &Place, solver: &FrictionSolver) {
+impl StickCertificate {
+    /// Makes the certificate for a load that `solver` has just found at rest, with these springs at
+    /// their accepted place.
+    pub fn renew(&mut self, springs: &[PolarSpring], attached: &AttachedSprings, solver: &FrictionSolver) {
         self.forget();
         self.balls.clear();
         self.growths.clear();
+        let at = attached.place();
         let mut wrench = Vec3::zeros();
-        for attachment in held.iter() {
+        for attachment in attached.iter() {
             let Some((ball, pull)) = Ball::about(attachment, &springs[attachment.spring], at) else { return };
             wrench += pull;
             self.balls.push(ball);
@@ -78,35 +84,66 @@ impl StickBound {
         self.is_made = solver.roomy_forces(&wrench, &mut self.forces) && solver.bears(&self.forces, &Vec3::zeros(), 0.0);
     }
 
-    pub fn is_made(&self) -> bool {
-        self.is_made
-    }
-
-    /// What the wrench was balanced by when the certificate was made (scaled, one a cone).
-    pub fn forces(&self) -> &[Vec2] {
-        &self.forces
-    }
-
     pub fn forget(&mut self) {
         self.is_made = false;
     }
 
-    /// Puts the tips of attachments where the certificate was made for them.
-    pub fn put_back(&self, attachments: &mut [Attachment]) {
-        attachments.iter_mut().zip(&self.balls).for_each(|(attachment, ball)| attachment.tip = ball.attachment.tip);
+    /// Friction forces that balanced the load when it was made (scaled, one a cone).
+    pub fn forces(&self) -> &[Vec2] {
+        &self.forces
     }
 
-    /// Whether the load surely sticks under this wrench of the springs (N, N, N m; load axes), with their tips here (m, world, in the order of the attachments).
-    pub fn holds(&self, wrench: &Vec3, tips: impl Iterator<Item = Vec2>, solver: &FrictionSolver) -> bool {
+    /// # Errors
+    /// When a restored certificate is one for another number of supports.
+    pub fn check(&self, solver: &FrictionSolver) -> Result<(), RestoreError> {
+        let (n_forces, n_supports) = (self.forces.len(), solver.warm_start().forces.len());
+        if n_forces == n_supports || n_forces == 0 && !self.is_made {
+            return Ok(());
+        }
+        Err(RestoreError(format!("a stick certificate with forces on {n_forces} supports, not on {n_supports}")))
+    }
+
+    /// Moves the tips through as many of the remaining ones of `n_steps` equal steps, of which some
+    /// are `done`, as the load surely sticks for. Returns their number.
+    pub fn advance_tips(
+        &mut self,
+        springs: &[PolarSpring],
+        attached: &mut AttachedSprings,
+        (paths, [done, n_steps]): (&TipPaths, [u64; 2]),
+        solver: &FrictionSolver,
+    ) -> u64 {
+        if !self.is_made {
+            return 0;
+        }
+        // One step is known from its end, which costs less than a bound for all of it and reaches
+        // farther.
+        let n_left = n_steps - done;
+        let n_bound = if n_left > 1 { self.n_sure(springs, attached, paths.targets, n_left, solver) } else { 0 };
+        let n_sure = n_bound.max(1);
+        let share = (done + n_sure) as f64 / n_steps as f64;
+        let sticks = |gradient: Vec3, blocks: &SpringBlocks| n_bound > 0 || self.holds(&-gradient, blocks.tips(), solver);
+        if attached.move_ahead(paths, share, sticks) { n_sure } else { 0 }
+    }
+
+    /// Whether the load surely sticks under this wrench of the springs (N, N, N m; load axes), with
+    /// these tips (m, world, in the order of the attachments).
+    fn holds(&self, wrench: &Vec3, tips: impl Iterator<Item = Vec2>, solver: &FrictionSolver) -> bool {
         let is_near = |(ball, tip): (&Ball, Vec2)| ball.contains(&(tip - ball.attachment.tip));
         let change = solver.balanced(&(wrench - self.wrench));
-        self.is_made && change.is_some_and(|change| solver.bears(&self.forces, &change, 0.0)) && self.balls.iter().zip(tips).all(is_near)
+        change.is_some_and(|change| solver.bears(&self.forces, &change, 0.0)) && self.balls.iter().zip(tips).all(is_near)
     }
 
-    /// On how many of `n_steps` equal steps of the tips' straight way from where they are to their entries of `targets` (m, world), from the first one on, the load
-    /// surely sticks.
-    pub fn n_sure(&mut self, springs: &[PolarSpring], held: &Attachments, targets: &[Vec2], n_steps: u64, solver: &FrictionSolver) -> u64 {
-        let Some(at) = self.at.filter(|_| self.is_made) else { return 0 };
+    /// Number of equal steps of the straight paths of the tips to their entries of `targets` (m,
+    /// world), from the first of `n_steps` on, for which the load surely sticks.
+    fn n_sure(
+        &mut self,
+        springs: &[PolarSpring],
+        attached: &AttachedSprings,
+        targets: &[Vec2],
+        n_steps: u64,
+        solver: &FrictionSolver,
+    ) -> u64 {
+        let Some(at) = self.at else { return 0 };
         if self.growths.is_empty() {
             let growth = |ball: &Ball| Growth::in_ball(ball, &springs[ball.attachment.spring], &at, solver);
             self.growths = self.balls.iter().map_while(growth).collect();
@@ -117,14 +154,15 @@ impl StickBound {
         let is_sure = |n: u64| {
             let share = n as f64 / n_steps as f64;
             let (mut change, mut bend) = (Vec3::zeros(), 0.0);
-            self.balls.iter().zip(&self.growths).zip(held.iter()).all(|((ball, growth), attachment)| {
-                let way = attachment.tip + share * (targets[attachment.spring] - attachment.tip) - ball.attachment.tip;
-                change += growth.response * way;
-                bend += growth.bend * way.norm_squared();
-                ball.contains(&way)
+            self.balls.iter().zip(&self.growths).zip(attached.iter()).all(|((ball, growth), attachment)| {
+                let shift = attachment.tip + share * (targets[attachment.spring] - attachment.tip) - ball.attachment.tip;
+                change += growth.response * shift;
+                bend += growth.bend * shift.norm_squared();
+                ball.contains(&shift)
             }) && solver.bears(&self.forces, &change, bend)
         };
-        // A load balanced by other forces than those of the certificate sticks here, and by this bound is not known to.
+        // A load may stick here by other forces than those of the certificate; the bound does not
+        // know.
         if n_steps > 1 && !is_sure(0) {
             return 0;
         }
@@ -141,30 +179,31 @@ impl StickBound {
 }
 
 impl Ball {
-    /// With the pull of the spring on the load (N, N, N m; load axes). `None` for a spring too short to have a direction.
+    /// Ball about the tip of an attachment, and the wrench of its spring on the load (N, N, N m;
+    /// load axes). `None` for a spring too short to have a direction.
     fn about(attachment: &Attachment, spring: &PolarSpring, at: &Place) -> Option<(Self, Vec3)> {
         let Reach { arm, length, pull, .. } = Reach::of(attachment, spring, at)?;
         let radius = if spring.is_isotropic() { f64::MAX } else { BALL * length };
         Some((Self { attachment: *attachment, radius }, pull.push(arm.perp(&pull))))
     }
 
-    /// Whether it reaches as far as this way (m) from its centre.
-    fn contains(&self, way: &Vec2) -> bool {
-        way.norm_squared() <= self.radius * self.radius
+    /// Whether the ball contains the point at this `shift` (m) from its centre.
+    fn contains(&self, shift: &Vec2) -> bool {
+        shift.norm_squared() <= self.radius * self.radius
     }
 }
 
-/// A tip from the origin of the load and from the root of its spring (m, load axes), and how it is pulled on.
+/// Tip from the origin of the load and from the root of its spring (m, load axes), and its pull.
 struct Reach {
     arm: Vec2,
     along: Vec2,
     length: f64,
-    /// Of the spring on the load (N, load axes).
+    /// Pull on the tip, which is the force of the spring on the load (N, load axes).
     pull: Vec2,
 }
 
 impl Reach {
-    /// `None` for a spring too short to have a direction, which it needs.
+    /// Reach of an attachment; `None` for a spring that needs a direction and is too short for one.
     fn of(attachment: &Attachment, spring: &PolarSpring, at: &Place) -> Option<Self> {
         let arm = at.turn.tr_mul(&(attachment.tip - at.pose.position));
         let along = arm - spring.root;
@@ -179,7 +218,8 @@ impl Reach {
 }
 
 impl Growth {
-    /// Within a ball about the tip of a spring. `None` for one too short to have a direction, and where nothing is known of the supports.
+    /// Growth within a ball about the tip of a spring. `None` for a spring too short to have a
+    /// direction, and where nothing is known of the supports.
     fn in_ball(Ball { attachment, radius }: &Ball, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<Self> {
         let Reach { arm, along, length, pull } = Reach::of(attachment, spring, at)?;
         let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
@@ -200,9 +240,9 @@ impl Growth {
             let bend = solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature);
             (bend, stiffness)
         };
-        let column = |way: Vec2| {
-            let force = stiffness * way;
-            solver.balanced(&force.push(way.perp(&pull) + arm.perp(&force)))
+        let column = |shift: Vec2| {
+            let force = stiffness * shift;
+            solver.balanced(&force.push(shift.perp(&pull) + arm.perp(&force)))
         };
         let to_load = at.turn.transpose();
         let response = Mat3x2::from_columns(&[column(to_load.column(0).into_owned())?, column(to_load.column(1).into_owned())?]);
@@ -216,7 +256,8 @@ mod tests {
     use crate::math::{Pose, RandomStreams, Stream, direction};
     use crate::model::{Ground, SupportPoint};
 
-    /// What a spring does beyond first order stays within the bound wherever the tip goes in its ball, and comes close to it somewhere: otherwise it would be loose.
+    /// The second order of a spring stays within its bound wherever the tip goes in its ball, and
+    /// comes close to it somewhere: the bound is not loose.
     #[test]
     fn the_second_order_of_a_spring_is_bounded() {
         let supports = [0.3, 2.1, 4.0].map(|angle| SupportPoint { offset: 0.008 * direction(angle), normal_load: 0.005 });
@@ -250,17 +291,18 @@ mod tests {
             assert!((pull - wrench(&tip)).norm() < 1e-15, "{case}: {pull} {}", wrench(&tip));
             let radius = ball.radius.min(0.003);
             for k in 0..24 {
-                let way = radius * direction(f64::from(k)) * (1.0 - 0.3 * f64::from(k % 3));
-                // Central differences: their error, some 1e-9 of it all, is far below what is of second order at millimetres.
+                let shift = radius * direction(f64::from(k)) * (1.0 - 0.3 * f64::from(k % 3));
+                // The error of central differences, some 1e-9 of it all, is far below the second
+                // order at millimetres.
                 let h = 1e-4;
-                let slope = (wrench(&(tip + h * way)) - wrench(&(tip - h * way))) / (2.0 * h);
-                let rest = wrench(&(tip + way)) - wrench(&tip) - slope;
+                let slope = (wrench(&(tip + h * shift)) - wrench(&(tip - h * shift))) / (2.0 * h);
+                let rest = wrench(&(tip + shift)) - wrench(&tip) - slope;
                 let size = solver.scaled_wrench(rest.xy().norm(), rest.z.abs());
-                let bound = growth.bend * way.norm_squared();
+                let bound = growth.bend * shift.norm_squared();
                 assert!(size <= bound * (1.0 + 1e-6) + 1e-9 * solver.scaled_wrench(0.1, 0.004), "{case} {k}: {size} {bound}");
                 closest = closest.max(size / bound.max(1e-300));
-                let first = growth.response * way - solver.balanced(&slope).unwrap();
-                assert!(first.norm() < 1e-6 * (growth.response * way).norm() + 1e-9, "{case} {k}: {first}");
+                let first = growth.response * shift - solver.balanced(&slope).unwrap();
+                assert!(first.norm() < 1e-6 * (growth.response * shift).norm() + 1e-9, "{case} {k}: {first}");
             }
         }
         assert!(closest > 0.5, "{closest}");

@@ -1,0 +1,130 @@
+//! The calls of a backend, for all exact methods.
+
+use serde::{Deserialize, Serialize};
+
+use super::control::Pace;
+use super::extrapolation::{self, Task};
+use super::load::{Exact, Method, State};
+use crate::backend::friction::WarmStart;
+use crate::backend::springs::{AttachedSprings, AttachedTip, SavedSprings, TipPaths, pulls_with};
+use crate::backend::stepping::{Stepping, n_steps_in};
+use crate::backend::{Backend, EnergyLedger, Motion, RestoreError, SaveError, SavedState, StepReport, Transition};
+use crate::math::{Vec2, Vec3, rotation};
+
+#[derive(Serialize, Deserialize)]
+struct Saved<H> {
+    state: State<H>,
+    springs: SavedSprings,
+    pace: Pace,
+    warm_start: WarmStart,
+}
+
+impl<M: Method> Backend for Exact<M> {
+    fn attach(&mut self, spring: usize, tip: Vec2) {
+        self.catch_up();
+        let Self { springs, system, state, .. } = self;
+        let brought = springs.attach(&system.springs, spring, tip, &state.motion.pose);
+        state.energy.attach(brought);
+        state.disturb::<M>(spring, pulls_with(system, spring, brought));
+    }
+
+    fn release(&mut self, spring: usize) {
+        self.catch_up();
+        let Self { springs, system, state, .. } = self;
+        let lost = springs.release(&system.springs, spring, &state.motion.pose);
+        state.energy.release(lost, springs.energy(&system.springs, &state.motion.pose));
+        state.disturb::<M>(spring, true);
+    }
+
+    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        self.transitions.clear();
+        if !self.springs.can_move(tip_targets, duration) {
+            return StepReport::refused();
+        }
+        let mut report = StepReport::default();
+        M::restore_balance(self, &mut report);
+        if self.skip_rest(tip_targets, duration, &mut report) {
+            return report;
+        }
+        let mut from = std::mem::take(&mut self.from);
+        from.clear();
+        from.extend_from_slice(&self.springs);
+        let paths = TipPaths { from: &from, targets: tip_targets, duration };
+        match self.stepping {
+            Stepping::Fixed(longest) => self.take_steps(&paths, n_steps_in(duration, longest), &mut report),
+            Stepping::Controlled(control) => {
+                let longest = M::longest_macro_step(self, &paths);
+                report.add(&extrapolation::advance(self, &Task { paths, longest, control }));
+            }
+        }
+        self.from = from;
+        report
+    }
+
+    fn motion(&self) -> Motion {
+        self.state.motion
+    }
+
+    fn tip(&self, spring: usize) -> Option<Vec2> {
+        self.springs.tip(spring)
+    }
+
+    fn pull(&self, spring: usize) -> Vec2 {
+        M::pull_with_dashpot(&self.state, spring, self.springs.pull(&self.system.springs, spring, &self.state.motion.pose))
+    }
+
+    fn read_tips(&self, tips: &mut [AttachedTip]) {
+        self.springs.read_tips(&self.system.springs, &self.state.motion.pose, tips);
+        tips.iter_mut().for_each(|tip| tip.pull = M::pull_with_dashpot(&self.state, tip.spring, tip.pull));
+    }
+
+    fn friction_forces(&self) -> Vec<Vec2> {
+        let Self { state, springs, solver, system, .. } = self;
+        let pose = &state.motion.pose;
+        if !springs.are_ahead() {
+            return solver.forces_in_world(pose.heading);
+        }
+        let pulls = -springs.reaction(&system.springs, pose).gradient;
+        let in_load = rotation(pose.heading).tr_mul(&pulls.xy());
+        let drive = Vec3::new(in_load.x, in_load.y, pulls.z);
+        solver.bearing(&drive, state.certificate.forces()).forces_in_world(pose.heading)
+    }
+
+    fn energy(&self) -> EnergyLedger {
+        let energy = self.state.energy;
+        if !self.springs.are_ahead() {
+            return energy;
+        }
+        let elastic = self.springs.energy_ahead();
+        EnergyLedger { elastic, tip_work: energy.tip_work + (elastic - energy.elastic), ..energy }
+    }
+
+    fn transitions(&self) -> &[Transition] {
+        &self.transitions
+    }
+
+    fn save(&self) -> Result<SavedState, SaveError> {
+        let (state, springs, pace) = (self.state.clone(), self.springs.save(), self.pace.clone());
+        Ok(SavedState::of(&Saved { state, springs, pace, warm_start: self.solver.warm_start().clone() }))
+    }
+
+    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
+        let Saved::<M::Memory> { state, springs, pace, warm_start } = state.read()?;
+        M::check(&state.memory, &self.system)?;
+        state.certificate.check(&self.solver)?;
+        let springs = AttachedSprings::restored(springs, &self.system.springs, &state.motion.pose)?;
+        self.solver.set_warm_start(warm_start)?;
+        (self.state, self.springs, self.pace) = (state, springs, pace);
+        Ok(())
+    }
+}
+
+impl<H> State<H> {
+    /// Forgets what an attached or released spring makes invalid. It changes the forces if it
+    /// `pulls`.
+    fn disturb<M: Method<Memory = H>>(&mut self, spring: usize, pulls: bool) {
+        self.contact.disturb(pulls);
+        self.certificate.forget();
+        M::disturb(self, spring);
+    }
+}

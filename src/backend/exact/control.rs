@@ -1,0 +1,136 @@
+//! Tolerances of a macro-step and the errors that are held against them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::backend::Motion;
+use crate::math::Twist;
+use crate::model::System;
+
+/// What an advance hands on to the next one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pace {
+    /// Macro-step to start with (s).
+    pub(super) macro_step: f64,
+    /// Shortest macro-step over the advance (1).
+    pub(super) shortest: f64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self { macro_step: f64::MAX, shortest: SHORTEST }
+    }
+}
+
+impl Pace {
+    /// Raises the shortest macro-step after an advance without an answer in places, such as a path
+    /// through the root of a spring, and lowers it after one with answers.
+    pub(super) fn hand_on(&mut self, had_answers: bool) {
+        let shortest = if had_answers { self.shortest * self.shortest } else { self.shortest.sqrt() };
+        self.shortest = shortest.clamp(SHORTEST, SHORTEST_WHERE_NONE_CONVERGES);
+    }
+}
+
+/// Tolerances of a macro-step, and the answer that is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Control {
+    /// Error of the position in a macro-step (m).
+    pub position: f64,
+    /// Error of the heading in a macro-step (rad).
+    pub heading: f64,
+    /// Error of friction loss and work of the tips in a macro-step (J). Where only one motion is
+    /// possible, as about a pinned support, poses may be exact at any length while the work is not.
+    pub energy: f64,
+    /// Time over which a wrong speed makes the position wrong (s); `None` for a method that carries
+    /// no speed on.
+    pub settling_time: Option<f64>,
+    pub keeps: Column,
+}
+
+/// Column of the table that is kept as the answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// The last one, the best answer.
+    Last,
+    /// The one before, whose error is what the control estimates. A run that keeps it shows how
+    /// such errors add up.
+    LastButOne,
+}
+
+/// Shortest macro-step over the advance (1). What still differs there is a jump.
+pub(super) const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
+/// Shortest macro-step over the advance (1) in the long run where they neither converge nor agree
+/// at any length. Shorter ones are no better there, and much slower.
+pub(super) const SHORTEST_WHERE_NONE_CONVERGES: f64 = 1.0 / 16.0;
+/// Error of a macro-step with a change in it, over the tolerance of a smooth one (1): there are few
+/// of them.
+const CHANGE_SHARE: f64 = 10.0;
+/// Rounding of energies that have added up over a run and been extrapolated (1).
+const ENERGY_ROUNDING: f64 = 1e-14;
+
+impl Control {
+    /// Error of a macro-step of `duration` (s) from the flow `before`, over the tolerance (1):
+    /// `row` is its last row of the table and `last_row` the one before.
+    pub(super) fn error(
+        &self,
+        moving: (&System, &Motion),
+        changed_in: Option<usize>,
+        before: &[f64],
+        [row, last_row]: [&[Vec<f64>]; 2],
+        duration: f64,
+    ) -> f64 {
+        let (n, plain) = (row.len(), self.distance(&row[0], &last_row[0]));
+        match changed_in {
+            None => self.distance(&row[n - 1], &row[n - 2]).min(plain),
+            // What happens in the first step of all rows hides from their difference, and so does
+            // what stops a load.
+            Some(step) if step == 1 || self.settling_time.is_some() => {
+                let lost = plain.max(self.lost_displacement(before, &row[0], duration));
+                lost.max(self.before_stop(moving, duration)) / CHANGE_SHARE
+            }
+            Some(_) => plain / CHANGE_SHARE,
+        }
+    }
+
+    /// Distance of two flows over the tolerance (1).
+    fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let poses = self.size(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+        let speeds = self.settling_time.map_or(0.0, |time| time * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5]));
+        let energy = |at: usize| (a[at] - b[at]).abs() / (self.energy + ENERGY_ROUNDING * a[at].abs());
+        poses.max(speeds).max(energy(6)).max(energy(7))
+    }
+
+    /// Possible error of the displacement in an implicit step of `duration` (s) between two flows,
+    /// over the tolerance (1). Where its speed has dropped to nothing, one step and two find the
+    /// same pose, which is not the right one.
+    fn lost_displacement(&self, a: &[f64], b: &[f64], duration: f64) -> f64 {
+        0.5 * duration * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5])
+    }
+
+    /// Farthest displacement of a load that stops within `duration` (s) by friction, over the
+    /// tolerance (1); zero for a load that goes on. A load that is about to stop as a macro-step
+    /// begins loses no displacement by a long one, yet the time of its stop is to be located.
+    fn before_stop(&self, (system, motion): (&System, &Motion), duration: f64) -> f64 {
+        if self.settling_time.is_none() || motion.twist != Twist::ZERO {
+            return 0.0;
+        }
+        self.size(0.5 * system.total_slip_limit() / system.load.mass * duration * duration, 0.0, 0.0)
+    }
+
+    /// The flow `b` with the displacement that it may have lost since `a`. Where a load stops, one
+    /// step and two find the same pose, and a run that shows how errors add up would not show that
+    /// error.
+    pub(super) fn strayed(&self, a: &[f64], b: &[f64], duration: f64) -> Vec<f64> {
+        let mut strayed = b.to_vec();
+        if self.settling_time.is_some() {
+            (0..3).for_each(|i| strayed[i] += 0.5 * duration * (a[i + 3] - b[i + 3]));
+        }
+        strayed
+    }
+
+    /// Size of a shift (m) and a turn (rad) over the tolerance (1).
+    fn size(&self, x: f64, y: f64, turn: f64) -> f64 {
+        let (shift, turn) = (x.hypot(y) / self.position, turn.abs() / self.heading);
+        // `max` drops what is not a number.
+        if (shift + turn).is_nan() { f64::INFINITY } else { shift.max(turn) }
+    }
+}

@@ -1,0 +1,336 @@
+//! Macro-steps under error control: a first-order step, extrapolated, and restarted where the
+//! contact mode changes.
+//!
+//! A macro-step of length H is taken by 1, 2, 3 ... equal steps of the method. Their errors are a
+//! series in whole powers of the step as long as no support starts or stops slipping on the way.
+//! Neville's table over the step (Aitken, 1932; Neville, 1934; for implicit Euler Deuflhard, 1983)
+//! removes one power a column:
+//!
+//! ```text
+//! T(n, 1) = n steps    T(n, k + 1) = T(n, k) + (T(n, k) - T(n - 1, k)) (n - k) / k
+//! ```
+//!
+//! Columns are added until the last two agree within the tolerance. A load that sticks in all rows
+//! sticks exactly, and nothing is left to extrapolate.
+//!
+//! The series breaks off where the contact mode changes on the way, or a support reverses. The
+//! table need not show it: a change in the first step of all rows leaves a series, toward the
+//! answer with the change at the start. Such a macro-step is cut at the change, by halves, until
+//! the plain answers of one and two steps agree within the tolerance. That macro-step is taken as
+//! it stands, so that the change is located to its length, and the order starts anew behind it.
+//! Attachments, releases and corners of tip paths fall between advances and are instants of their
+//! own already.
+
+use super::control::{Column, Control};
+use super::load::{Exact, Method, Snapshot};
+use crate::backend::friction::ContactMode;
+use crate::backend::springs::TipPaths;
+use crate::backend::{Motion, Status, StepReport, Transition, TransitionKind};
+use crate::math::{Vec2, rotation};
+use crate::model::System;
+
+/// An advance under error control.
+pub struct Task<'a> {
+    pub paths: TipPaths<'a>,
+    /// Longest macro-step (s). Implicit steps much longer than an oscillation agree with each other
+    /// on what is left when it has died out, so that the table cannot tell that it has not.
+    pub longest: f64,
+    pub control: Control,
+}
+
+/// Largest number of rows of the table. Errors fall with the power of the row, roundings grow by
+/// about four a row.
+const MOST_ROWS: usize = 8;
+/// Length over the advance (1) down to which a macro-step is shortened because its steps did not
+/// converge. Where shorter ones do not converge either, their answers are compared like any other,
+/// and their status reports it.
+const SHORTENED_TO_SOLVE: f64 = 1.0 / 1024.0;
+/// Number of attempts in an advance, and for each of the longest macro-steps that fit into it,
+/// after which macro-steps have met what they do not resolve, such as a motion that no force
+/// resists.
+const MANY_ATTEMPTS: f64 = 256.0;
+const MANY_A_MACRO_STEP: f64 = 64.0;
+/// Growth of the shortest macro-step after each time as many (1).
+const GROWTH_AFTER_MANY: f64 = 32.0;
+/// Growth of the shortest macro-step, for the rest of an advance, after each one that had to be
+/// taken as it was (1). Where nothing converges the load still arrives, and the statuses of the
+/// steps and the run beside show what that is worth.
+const FORCED_GROWTH: f64 = 2.0;
+/// Number of rows below which a macro-step may be longer at less cost in all.
+const FAVOURED_ROWS: usize = 5;
+/// Share of the tolerance that a macro-step aims at, so that few fail (1).
+const AIM: f64 = 0.5;
+/// Largest growth from one macro-step to the next (1). Behind a located change it has to grow from
+/// nearly nothing.
+const FASTEST_GROWTH: f64 = 64.0;
+
+/// Moves the load along the whole paths, at the pace that the last advance left.
+pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
+    let (mut report, mut had_answers) = (StepReport::default(), true);
+    let duration = task.paths.duration;
+    let longest = task.longest / duration;
+    let (mut at, mut macro_step, mut shortest) = (0.0, load.pace.macro_step / duration, load.pace.shortest.min(longest));
+    // Share by which the contact mode changes, once that is known.
+    let mut change_by = None;
+    let (mut n_attempts, many) = (0.0, MANY_ATTEMPTS + MANY_A_MACRO_STEP * longest.recip());
+    while at < 1.0 {
+        n_attempts += 1.0;
+        if n_attempts > many {
+            (n_attempts, shortest) = (0.0, (shortest * GROWTH_AFTER_MANY).min(1.0));
+        }
+        let limit = change_by.unwrap_or(1.0);
+        macro_step = macro_step.min(longest).max(shortest);
+        let to = if limit - at <= 1.01 * macro_step { limit } else { at + macro_step };
+        let (start, before, n_not_converged) = (load.snapshot(), load.state.contact.last(), report.n_not_converged);
+        match attempt(load, task, &start, [at, to], shortest, &mut report) {
+            Attempt::Taken { growth, error } => {
+                if error > 1.0 {
+                    shortest *= FORCED_GROWTH;
+                    had_answers &= report.n_not_converged == n_not_converged;
+                }
+                let kind = TransitionKind::between(before, load.state.contact.last());
+                let kinds = complete_snap_through(load, &start, &mut report).into_iter().chain(kind);
+                load.transitions.extend(kinds.map(|kind| Transition { time: to * duration, kind }));
+                change_by = change_by.filter(|change| *change > to);
+                let was_cut = to - at < 0.99 * macro_step;
+                macro_step = match change_by {
+                    Some(change) => change - to,
+                    None => ((to - at) * growth).max(if was_cut { macro_step } else { 0.0 }),
+                };
+                at = to;
+            }
+            Attempt::TooLong { macro_step: shorter, change } => {
+                load.reset(&start);
+                report.n_rejected += 1;
+                macro_step = shorter;
+                change_by = change.or(change_by).filter(|change| *change > at);
+            }
+        }
+    }
+    // Rounded to the advance, a longer macro-step says that nothing limits it.
+    load.pace.macro_step = macro_step.min(1e6) * duration;
+    load.pace.hand_on(had_answers);
+    report
+}
+
+enum Attempt {
+    Taken {
+        /// Factor by which the next macro-step may be longer (1).
+        growth: f64,
+        /// Error over the tolerance (1): above one for a macro-step that could not be shortened.
+        error: f64,
+    },
+    TooLong {
+        /// Share to try instead.
+        macro_step: f64,
+        /// Share of the paths by which the contact mode changes.
+        change: Option<f64>,
+    },
+}
+
+/// One macro-step from `start` between two shares of the paths. One that is taken leaves the load
+/// at its end.
+fn attempt<M: Method>(
+    load: &mut Exact<M>,
+    task: &Task,
+    start: &Snapshot<M::Memory>,
+    [from, to]: [f64; 2],
+    shortest: f64,
+    report: &mut StepReport,
+) -> Attempt {
+    let Task { control, paths, .. } = task;
+    let length = to - from;
+    let is_shortest = length <= 1.5 * shortest;
+    load.reset(start);
+    let before = load.flow();
+    let mut last_row: Vec<Vec<f64>> = Vec::new();
+    let (mut last_error, mut changed_before) = (f64::INFINITY, None);
+    for n in 1..=MOST_ROWS {
+        let Row { flow, cost, changed_in } = row(load, paths, start, [from, to], n);
+        report.add(&StepReport { n_steps: 0, status: Status::Converged, residual: 0.0, n_not_converged: 0, ..cost });
+        let row = extrapolated(flow, &last_row);
+        // A change that only a longer step has seen lies at its end.
+        let changed_in = changed_in.or(changed_before.map(|_| n));
+        changed_before = changed_in;
+        if n == 1 {
+            last_row = row;
+            continue;
+        }
+        let error = control.error((&load.system, &load.state.motion), changed_in, &before, [&row, &last_row], length * paths.duration);
+        let is_solved = cost.status == Status::Converged || length <= SHORTENED_TO_SOLVE;
+        // Further rows do not help where there is no series.
+        let has_all_rows = !is_solved || changed_in.is_some() || n >= 4 && error >= last_error || n == MOST_ROWS;
+        if is_solved && error <= 1.0 || is_shortest && has_all_rows {
+            match (control.keeps, changed_in) {
+                (Column::Last, None) => load.set_flow(&row[n - 1]),
+                (Column::LastButOne, None) => load.set_flow(&row[n - 2]),
+                (Column::Last, Some(_)) => load.set_flow(&row[0]),
+                (Column::LastButOne, Some(_)) => load.set_flow(&control.strayed(&before, &last_row[0], length * paths.duration)),
+            }
+            report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
+            let power = if changed_in.is_none() { n } else { 1 };
+            let least = if n < FAVOURED_ROWS { 2.0 } else { 0.0 };
+            return Attempt::Taken { growth: growth(error, power).max(least), error };
+        }
+        if let Some(changed) = changed_in {
+            let change = changed as f64 / n as f64 * length;
+            // Such an error falls at least in proportion.
+            let is_short_enough = error * change <= AIM * length;
+            return Attempt::TooLong { macro_step: if is_short_enough { change } else { 0.5 * change }, change: Some(from + change) };
+        }
+        if has_all_rows {
+            return Attempt::TooLong { macro_step: length * growth(error, n).clamp(0.1, 0.5), change: None };
+        }
+        (last_row, last_error) = (row, error);
+    }
+    unreachable!("the last row is taken or too long")
+}
+
+/// Completes a snap-through that has begun since the start of a macro-step.
+fn complete_snap_through<M: Method>(load: &mut Exact<M>, before: &Snapshot<M::Memory>, report: &mut StepReport) -> Option<TransitionKind> {
+    let start = before.state.snap_start();
+    let allowed = |load: &Exact<M>| {
+        let end = &load.state.motion.pose;
+        load.springs.work_error(&load.system.springs, &before.attachments, &start.pose, end)
+    };
+    M::complete_snap_through(load, &start, allowed, report)
+}
+
+/// Velocity of each support times its slip limit (W, world): zero without friction or slip.
+fn slips_of<M: Method>(load: &Exact<M>) -> Vec<Vec2> {
+    let (System { ground, .. }, Motion { pose, twist }) = (&load.system, &load.state.motion);
+    let turn = rotation(pose.heading);
+    let slip = |offset: &Vec2| twist.velocity_at(&(turn * offset));
+    let mut slips: Vec<Vec2> =
+        ground.supports.iter().zip(ground.slip_limits()).map(|(support, limit)| limit * slip(&support.offset)).collect();
+    if let Some(ContactMode::Pinned(support)) = load.mode() {
+        slips[support] = Vec2::zeros();
+    }
+    slips
+}
+
+/// One row of the table before extrapolation.
+struct Row {
+    flow: Vec<f64>,
+    cost: StepReport,
+    /// The first of the n steps, counted from one, that changes the contact mode or reverses a
+    /// support.
+    changed_in: Option<usize>,
+}
+
+fn row<M: Method>(load: &mut Exact<M>, paths: &TipPaths, start: &Snapshot<M::Memory>, [from, to]: [f64; 2], n: usize) -> Row {
+    load.reset(start);
+    let share = |i: usize| if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
+    let (mut cost, mut changed_in) = (StepReport::default(), None);
+    let (mut mode, mut slips) = (load.mode(), slips_of(load));
+    let macro_step = (to - from) * paths.duration;
+    let support = M::begin_row(load, macro_step, n);
+    for i in 1..=n {
+        cost.add(&M::step(load, paths, share(i - 1), share(i)));
+        let (mode_now, slips_now) = (load.mode(), slips_of(load));
+        let reverses = || slips.iter().zip(&slips_now).any(|(before, now)| before.dot(now) < 0.0);
+        if mode.is_some_and(|before| mode_now != Some(before) || reverses()) {
+            changed_in = changed_in.or(Some(i));
+        }
+        (mode, slips) = (mode_now, slips_now);
+    }
+    M::end_row(load, support, macro_step / n as f64);
+    Row { flow: load.flow(), cost, changed_in }
+}
+
+/// Row n of Neville's table from its first entry and the row before.
+fn extrapolated(first: Vec<f64>, last_row: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = last_row.len() + 1;
+    let mut row = vec![first];
+    for k in 1..n {
+        let weight = (n - k) as f64 / k as f64;
+        let entries = row[k - 1].iter().zip(&last_row[k - 1]).map(|(now, before)| now + (now - before) * weight);
+        row.push(entries.collect());
+    }
+    row
+}
+
+/// Factor by which a macro-step may be longer, whose error over the tolerance is `error` and grows
+/// with this power of its length (1).
+fn growth(error: f64, power: usize) -> f64 {
+    if error.is_finite() { (AIM / error.max(1e-300)).powf(1.0 / power as f64).min(FASTEST_GROWTH) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::contact::GroundContact;
+    use super::super::control::{SHORTEST, SHORTEST_WHERE_NONE_CONVERGES};
+    use super::super::load::State;
+    use super::*;
+    use crate::backend::shortcuts::Skips;
+    use crate::backend::stepping::Stepping;
+    use crate::math::{Pose, RandomStreams, Stream, Twist};
+    use crate::model::{Ground, Load};
+
+    /// A method with an answer, or with another one at each step and no convergence.
+    struct Drifting {
+        has_answer: bool,
+        n_steps: u64,
+    }
+
+    impl Method for Drifting {
+        type Memory = ();
+
+        fn step(load: &mut Exact<Self>, _: &TipPaths, from: f64, to: f64) -> StepReport {
+            let Drifting { has_answer, n_steps } = &mut load.method;
+            *n_steps += 1;
+            let displacement = if *has_answer { to - from } else { RandomStreams::new(1).uniform(Stream::Start, 0, *n_steps) };
+            load.state.motion.pose.position.x += displacement;
+            let status = if *has_answer { Status::Converged } else { Status::NotConverged };
+            StepReport { status, n_steps: 1, n_not_converged: u64::from(!*has_answer), ..StepReport::default() }
+        }
+
+        fn rest(_: &mut Exact<Self>) -> bool {
+            false
+        }
+
+        fn keeps_mode(_: &Exact<Self>) -> bool {
+            true
+        }
+
+        fn longest_macro_step(_: &Exact<Self>, _: &TipPaths) -> f64 {
+            f64::INFINITY
+        }
+
+        fn disturb(_: &mut State<()>, _: usize) {}
+    }
+
+    /// The first advance without an answer tries macro-steps down to the shortest. The next ones
+    /// try fewer and fewer, in the end with a tenth of the steps. The load arrives, every such
+    /// advance reports it, and macro-steps are soon as short as before behind it.
+    #[test]
+    fn where_nothing_converges_each_advance_tries_fewer_macro_steps() {
+        let system = System {
+            load: Load { mass: 1.0, radius: 1.0, inertia: 0.5 },
+            ground: Ground { friction_coefficient: 0.0, supports: Vec::new() },
+            springs: Vec::new(),
+        };
+        let start = Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO };
+        let control = Control { position: 1e-6, heading: 1e-6, energy: 1e-6, settling_time: None, keeps: Column::Last };
+        let paths = TipPaths { from: &[], targets: &[], duration: 1.0 };
+        let task = Task { paths, longest: f64::INFINITY, control };
+        let method = Drifting { has_answer: true, n_steps: 0 };
+        let mut load = Exact::with(method, (), (system, start), Stepping::Controlled(control), Skips::NONE);
+        load.state.contact = GroundContact::Known(ContactMode::Slip);
+        let mut next = |has_answer| {
+            load.method = Drifting { has_answer, n_steps: 0 };
+            let report = advance(&mut load, &task);
+            assert_eq!(report.n_not_converged == 0, has_answer);
+            (load.method.n_steps, load.pace.shortest)
+        };
+        assert_eq!(next(true).1, SHORTEST);
+        let lost: Vec<_> = (0..6).map(|_| next(false)).collect();
+        assert!(lost[..3].windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 > pair[0].1), "{lost:?}");
+        assert!(
+            lost[3..].iter().all(|(n_steps, shortest)| 10 * n_steps < lost[0].0 && *shortest == SHORTEST_WHERE_NONE_CONVERGES),
+            "{lost:?}"
+        );
+        let found: Vec<_> = (0..3).map(|_| next(true).1).collect();
+        assert_eq!(found[2], SHORTEST, "{found:?}");
+    }
+}

@@ -1,0 +1,213 @@
+//! The reference dynamics: the load's equation of motion with its springs, dashpots and exact
+//! Coulomb friction, by implicit Euler (`euler`, first order) or the midpoint rule (`midpoint`,
+//! second order).
+//!
+//! Both hold a load that sticks exactly where it is. Euler is stable at any step, damps numerically
+//! by the ratio omega h / 2, and becomes the quasi-static step as the mass goes to zero, by the
+//! same code. Midpoint damps nothing and oscillates where a step does not resolve an oscillation.
+//! It is stable at any step too, except with Fox and Goodwin's weights, which are stable up to
+//! sqrt(6) radians of an oscillation. It takes those where a step resolves the oscillations of
+//! springs at their rest shapes; springs stretched many times turn the load faster.
+
+use serde::{Deserialize, Serialize};
+
+use super::contact::GroundContact;
+use super::dashpots::Dashpots;
+use super::load::{Exact, Method, State};
+use super::one_step::{Integrator, PastFriction, Problem, Stepped};
+use super::{euler, midpoint};
+use crate::backend::friction::ContactMode;
+use crate::backend::shortcuts::Skips;
+use crate::backend::springs::TipPaths;
+use crate::backend::stepping::Stepping;
+use crate::backend::{Motion, RestoreError, Status, StepReport};
+use crate::math::{Arc, Twist, Vec2, perpendicular, rotation};
+use crate::model::System;
+
+/// Longest macro-step, in radians of the fastest oscillation.
+const LONGEST_MACRO_STEP: f64 = 2.0;
+
+/// Speed of a support below which it may stop or have stopped within a macro-step, over the change
+/// of the load's speed by its turn about the support in that time (1).
+const SLOW_SUPPORT: f64 = 2.0;
+
+/// The methods with inertia.
+pub struct Inertial {
+    integrator: Integrator,
+    resolving_step: f64,
+    is_damped: bool,
+    dashpots: Dashpots,
+}
+
+/// What a step with inertia leaves for the next one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Force of each spring's dashpot on its tip in the last step (N, world); zero for free
+    /// springs.
+    dashpot_on_tip: Vec<Vec2>,
+    past: Option<PastFriction>,
+}
+
+impl Exact<Inertial> {
+    pub fn inertial(system: &System, start: Motion, stepping: Stepping, integrator: Integrator, skips: Skips) -> Self {
+        let is_damped = system.springs.iter().any(|spring| spring.damping_ratio > 0.0);
+        let resolving_step = if is_damped { 0.0 } else { 1.0 / system.fastest_rate() };
+        let memory = Memory { dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()], past: None };
+        let method = Inertial { integrator, resolving_step, is_damped, dashpots: Dashpots::default() };
+        Self::with(method, memory, (system.clone(), start), stepping, skips)
+    }
+
+    /// Shifts the speed of a load that turns about a support by half of a `step` (s): back from an
+    /// instant to the middle of the step before it, where steps have it, with the sign 1, and
+    /// forward with -1. A step from the speed of an instant sees but half of what holds the load on
+    /// its circle. A support about to slip would be told not to, and one that has begun to slip
+    /// would be told to stop, however short the steps.
+    fn shift_speed(&mut self, support: usize, step: f64, sign: f64) {
+        let State { motion: Motion { pose, twist }, energy, .. } = &mut self.state;
+        let arm = rotation(pose.heading) * self.system.ground.supports[support].offset;
+        let mean_arm = Arc::of(-twist.angular * step).mean_rotation() * arm;
+        twist.linear += sign * twist.angular * perpendicular(&(arm - mean_arm));
+        let kinetic = self.system.load.kinetic_energy(twist);
+        energy.numerical_damping -= kinetic - energy.kinetic;
+        energy.kinetic = kinetic;
+    }
+
+    /// Accepts a step (s) and adds its energies to the ledger.
+    fn accept(&mut self, Stepped { motion, stage, friction, mode, past, .. }: &Stepped, step: f64) {
+        let Self { method: Inertial { dashpots, .. }, state, springs, .. } = self;
+        let damping = dashpots.loss(stage, step);
+        let mut on_dashpots = 0.0;
+        for ((force, tip), last) in dashpots.forces(stage).zip(springs.block_tips()).zip(springs.iter()) {
+            on_dashpots -= force.dot(&(tip - last.tip));
+            state.memory.dashpot_on_tip[last.spring] = force;
+        }
+        let accepted = springs.accept(&motion.pose);
+        let kinetic = self.system.load.kinetic_energy(&motion.twist);
+        let stood_still = accepted.tips_stood && motion.twist == Twist::ZERO && state.motion.twist == Twist::ZERO;
+        state.contact = if stood_still { GroundContact::Settled(*mode) } else { GroundContact::Known(*mode) };
+        (state.motion, state.memory.past) = (*motion, *past);
+        let energy = &mut state.energy;
+        energy.friction += friction;
+        energy.damping += damping;
+        energy.add_tip_work(accepted.of_tips + on_dashpots, accepted.elastic);
+        // A dashpot stores nothing: the work on its tip goes to the load, less what it dissipates.
+        let on_load = accepted.on_load + on_dashpots - damping;
+        energy.numerical_damping += on_load - friction - (kinetic - energy.kinetic);
+        energy.kinetic = kinetic;
+    }
+}
+
+impl Method for Inertial {
+    type Memory = Memory;
+
+    fn step(load: &mut Exact<Self>, paths: &TipPaths, from: f64, to: f64) -> StepReport {
+        let step = (to - from) * paths.duration;
+        let Exact { method, system, springs, state, solver, .. } = load;
+        let stage_at = match method.integrator {
+            Integrator::Euler => to,
+            Integrator::Midpoint => 0.5 * (from + to),
+        };
+        springs.refresh(&system.springs, &state.motion.pose);
+        springs.place_tips(paths, stage_at);
+        if method.is_damped {
+            let time = step * (stage_at - from) / (to - from);
+            method.dashpots.renew(system, springs, &state.motion.pose, time);
+        }
+        let problem = Problem {
+            system,
+            start: state.motion,
+            past: state.memory.past,
+            springs: springs.blocks(),
+            dashpots: method.dashpots.blocks(),
+            forecast: &mut state.forecast,
+            step,
+            resolving_step: method.resolving_step,
+        };
+        let stepped = match method.integrator {
+            Integrator::Euler => euler::step(problem, solver),
+            Integrator::Midpoint => midpoint::step(problem, solver),
+        };
+        if !stepped.motion.pose.is_finite() || !stepped.motion.twist.is_finite() {
+            springs.invalidate();
+            return StepReport { status: Status::Failed, ..stepped.report };
+        }
+        if stage_at != to {
+            springs.place_tips(paths, to);
+        }
+        load.accept(&stepped, step);
+        stepped.report
+    }
+
+    fn rest(load: &mut Exact<Self>) -> bool {
+        matches!(load.state.contact, GroundContact::Settled(_))
+    }
+
+    fn keeps_mode(load: &Exact<Self>) -> bool {
+        // A load at rest may start at once.
+        load.state.motion.twist != Twist::ZERO
+    }
+
+    fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64 {
+        let attached = paths.from.iter().map(|attachment| &load.system.springs[attachment.spring]);
+        LONGEST_MACRO_STEP / load.system.fastest_rate_on(attached)
+    }
+
+    fn disturb(state: &mut State<Memory>, spring: usize) {
+        state.memory.past = None;
+        state.memory.dashpot_on_tip[spring] = Vec2::zeros();
+    }
+
+    fn extra_flow(State { energy, memory, .. }: &State<Memory>) -> Vec<f64> {
+        let dashpots = memory.dashpot_on_tip.iter().flat_map(|force| [force.x, force.y]);
+        [energy.damping, energy.numerical_damping].into_iter().chain(dashpots).collect()
+    }
+
+    fn set_extra_flow(state: &mut State<Memory>, system: &System, flow: &[f64]) {
+        if let GroundContact::Settled(mode) = state.contact
+            && state.motion.twist != Twist::ZERO
+        {
+            state.contact = GroundContact::Known(mode);
+        }
+        [state.energy.damping, state.energy.numerical_damping] = [flow[0], flow[1]];
+        for (force, entries) in state.memory.dashpot_on_tip.iter_mut().zip(flow[2..].chunks_exact(2)) {
+            *force = Vec2::new(entries[0], entries[1]);
+        }
+        state.energy.kinetic = system.load.kinetic_energy(&state.motion.twist);
+    }
+
+    /// The support about which the load turns, or is about to turn or has just ceased to turn as
+    /// far as a macro-step can tell.
+    fn begin_row(load: &mut Exact<Self>, macro_step: f64, n_steps: usize) -> Option<usize> {
+        let Motion { pose, twist } = load.state.motion;
+        let (turn, supports) = (rotation(pose.heading), &load.system.ground.supports);
+        let arm = |support: usize| turn * supports[support].offset;
+        let speed = |support: usize| twist.velocity_at(&arm(support)).norm();
+        let is_slow = |support: &usize| speed(*support) <= SLOW_SUPPORT * twist.angular.powi(2) * arm(*support).norm() * macro_step;
+        let support = match load.mode() {
+            Some(ContactMode::Pinned(support)) => Some(support),
+            Some(ContactMode::Slip) => (0..supports.len()).min_by(|a, b| speed(*a).total_cmp(&speed(*b))).filter(is_slow),
+            _ => None,
+        };
+        if let Some(support) = support {
+            load.shift_speed(support, macro_step / n_steps as f64, 1.0);
+        }
+        support
+    }
+
+    fn end_row(load: &mut Exact<Self>, support: Option<usize>, step: f64) {
+        let support = if let ContactMode::Pinned(support) = load.state.contact.last() { Some(support) } else { support };
+        if let Some(support) = support {
+            load.shift_speed(support, step, -1.0);
+        }
+    }
+
+    fn pull_with_dashpot(state: &State<Memory>, spring: usize, pull: Vec2) -> Vec2 {
+        let on_tip = state.memory.dashpot_on_tip[spring] - pull;
+        -on_tip
+    }
+
+    fn check(memory: &Memory, system: &System) -> Result<(), RestoreError> {
+        let (n_dashpots, n_springs) = (memory.dashpot_on_tip.len(), system.springs.len());
+        if n_dashpots == n_springs { Ok(()) } else { Err(RestoreError(format!("{n_dashpots} dashpots for {n_springs} springs"))) }
+    }
+}

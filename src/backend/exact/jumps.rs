@@ -1,0 +1,147 @@
+//! Jumps of a load without inertia: after an attached or released spring, and snap-throughs while
+//! tips move.
+
+use super::contact::GroundContact;
+use super::load::{Exact, SnapStart};
+use super::quasi_static::QuasiStatic;
+use crate::backend::friction::EXACT;
+use crate::backend::{StepReport, Transition, TransitionKind};
+use crate::math::Pose;
+
+/// Largest number of iterations of one jump. Each is shorter than the last by orders of magnitude,
+/// and three are rarely needed.
+const MOST_ITERATIONS: u32 = 10;
+
+/// Edge displacement over the load's radius (1) below which a jump is the rounding of a load at the
+/// very edge of slipping.
+const SMALLEST_JUMP: f64 = 1e-12;
+
+/// Relative rounding of the energies of a run, of which the defect of a step is a difference (1).
+const SNAP_ROUNDING: f64 = 1e-13;
+
+impl Exact<QuasiStatic> {
+    /// Moves the load from where an attached or released spring has left it to the balance for tips
+    /// that stand still. The friction of a long path depends on the path, here one constant twist.
+    /// The load may have to go on from its end, by far less, before it stays.
+    // A function of its own: steps come far more often and need the registers.
+    #[inline(never)]
+    pub(super) fn jump(&mut self) -> StepReport {
+        let (start, defect, last) = (self.state.motion.pose, self.state.energy.defect(), self.state.contact.last());
+        let report = self.settle();
+        self.state.contact = GroundContact::Unknown { last, jump_is_pending: false };
+        if self.edge_displacement(&start) > SMALLEST_JUMP * self.system.load.radius {
+            let kind = self.book_jump(&SnapStart { pose: start, defect });
+            self.transitions.push(Transition { time: 0.0, kind });
+        }
+        report
+    }
+
+    /// Iterates to a balance with the tips as they are. Each iteration takes friction as constant
+    /// along its path, so that its length goes with the square of the one before. The next one is
+    /// left out where two of them predict that it would be none.
+    fn settle(&mut self) -> StepReport {
+        self.catch_up();
+        self.springs.refresh(&self.system.springs, &self.state.motion.pose);
+        let rounding = self.displacement_rounding();
+        let (mut report, mut last) = (StepReport::default(), None);
+        for _ in 0..MOST_ITERATIONS {
+            let before = self.state.motion.pose;
+            report.add(&self.balance(None));
+            let length = self.edge_displacement(&before);
+            let next = last.map_or(length, |last: f64| length * (length / last).powi(2));
+            if next <= rounding {
+                break;
+            }
+            last = Some(length);
+        }
+        report
+    }
+
+    /// Edge displacement (m) that is rounding of the pose and of the pulls.
+    fn displacement_rounding(&self) -> f64 {
+        let Self { system, springs, .. } = self;
+        let pulls = EXACT * system.total_slip_limit() / springs.largest_stiffness(&system.springs);
+        (SMALLEST_JUMP * system.load.radius).min(pulls)
+    }
+
+    /// Edge displacement since the load was at `start` (m).
+    fn edge_displacement(&self, start: &Pose) -> f64 {
+        let end = &self.state.motion.pose;
+        (end.position - start.position).norm() + self.system.load.radius * (end.heading - start.heading).abs()
+    }
+
+    /// Adds the jump from `start` to the ledger.
+    fn book_jump(&mut self, start: &SnapStart) -> TransitionKind {
+        let (pose, energy) = (&self.state.motion.pose, start.defect - self.state.energy.defect());
+        self.state.energy.jumps += energy;
+        TransitionKind::Jump { shift: (pose.position - start.pose.position).norm(), turn: pose.heading - start.pose.heading, energy }
+    }
+
+    /// Completes a snap-through. The balance ends where the energy of the springs is no longer
+    /// convex, and the load moves to another balance while the tips move. The energy that is
+    /// missing since `start` is then more than the error of the trapezoid rule on a smooth path,
+    /// `allowed` (J).
+    pub(super) fn snap_through(
+        &mut self,
+        start: &SnapStart,
+        allowed: impl FnOnce(&Self) -> f64,
+        report: &mut StepReport,
+    ) -> Option<TransitionKind> {
+        let energy = &self.state.energy;
+        let missing = start.defect - energy.defect();
+        let rounding = SNAP_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic);
+        if missing <= rounding || self.state.motion.pose == start.pose || missing <= allowed(self) + rounding {
+            return None;
+        }
+        let contact = self.state.contact;
+        report.add(&StepReport { n_steps: 0, ..self.settle() });
+        self.state.contact = contact;
+        Some(self.book_jump(start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::{Backend, Skips, Stepping};
+    use crate::math::{RandomStreams, Stream, Vec2};
+    use crate::scenario::Scenario;
+
+    /// Iterations that a jump leaves out lead nowhere: further ones stay within rounding, for soft
+    /// and stiff springs and for short and long jumps.
+    #[test]
+    fn a_jump_ends_where_no_iteration_leads_on() {
+        let text = include_str!("../../../scenarios/paper/four-ants-four-springs.json");
+        let Scenario { system, start, .. } = Scenario::parse(text, "four ants").unwrap();
+        let (mut n_jumps, mut n_cut) = (0, 0);
+        for case in 0..300 {
+            let (streams, mut system) = (RandomStreams::new(case), system.clone());
+            let stiffer = 10f64.powf(4.0 * streams.uniform(Stream::Scene, 0, 0));
+            for spring in &mut system.springs {
+                spring.radial_stiffness *= stiffer;
+                spring.torsional_stiffness *= stiffer;
+            }
+            let reach = 0.5 * 10f64.powf(-2.0 * streams.uniform(Stream::Scene, 0, 1)) * system.springs[0].rest_length;
+            let mut backend = Exact::quasi_static(&system, start, Stepping::Fixed(f64::INFINITY), Skips::ALL);
+            for (spring, polar) in system.springs.iter().enumerate().take(3) {
+                let [u, v] = streams.uniform_pair(Stream::Scene, spring as u32, 2);
+                backend.attach(spring, start.pose.to_world(&polar.rest_tip()) + reach * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0));
+            }
+            backend.jump();
+            let end = backend.state.motion.pose;
+            let length = backend.edge_displacement(&start.pose);
+            let mut last = end;
+            for _ in 0..MOST_ITERATIONS {
+                last = backend.state.motion.pose;
+                backend.balance(None);
+            }
+            // Rounding of where tips are.
+            let (rounding, further) =
+                (4.0 * f64::EPSILON * (system.load.radius + system.springs[0].rest_length), backend.edge_displacement(&end));
+            assert!(further <= 2.0 * backend.displacement_rounding() + rounding, "{case}: {further:e} after {length:e}");
+            n_jumps += u32::from(length > 0.0);
+            n_cut += u32::from(last != end);
+        }
+        assert!(n_jumps > 100 && n_cut > 0, "{n_jumps} {n_cut}");
+    }
+}

@@ -1,0 +1,246 @@
+//! A load that an exact method moves, and what a method may choose.
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::contact::GroundContact;
+use super::control::Pace;
+use crate::backend::friction::{ContactMode, FrictionSolver};
+use crate::backend::shortcuts::{Forecast, Skip, Skips, StickCertificate};
+use crate::backend::springs::{AttachedSprings, Attachment, Attachments, TipPaths};
+use crate::backend::stepping::{Stepping, n_steps_in};
+use crate::backend::{EnergyLedger, Motion, RestoreError, StepReport, Transition, TransitionKind};
+use crate::math::{Pose, Twist, Vec2};
+use crate::model::System;
+
+/// One method: how it takes a step, and what it remembers from step to step.
+pub trait Method: Sized {
+    type Memory: Clone + Serialize + DeserializeOwned;
+
+    /// Takes the tips from one share of their paths to another, and the load with them.
+    fn step(load: &mut Exact<Self>, paths: &TipPaths, from: f64, to: f64) -> StepReport;
+
+    /// Whether the load stays at rest while no tip moves. It is at rest from then on.
+    fn rest(load: &mut Exact<Self>) -> bool;
+
+    /// Whether the load continues in its last contact mode after a spring was attached or released.
+    fn keeps_mode(load: &Exact<Self>) -> bool;
+
+    /// Longest macro-step under error control (s).
+    fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64;
+
+    /// Forgets what an attached or released spring makes invalid.
+    fn disturb(state: &mut State<Self::Memory>, spring: usize);
+
+    /// Takes the load to a balance that an attached or released spring has disturbed.
+    fn restore_balance(_load: &mut Exact<Self>, _report: &mut StepReport) {}
+
+    /// Completes a snap-through that has begun since the `start`. See `jumps`.
+    fn complete_snap_through(
+        _load: &mut Exact<Self>,
+        _start: &SnapStart,
+        _allowed: impl FnOnce(&Exact<Self>) -> f64,
+        _report: &mut StepReport,
+    ) -> Option<TransitionKind> {
+        None
+    }
+
+    /// Prepares for a row of `n_steps` equal steps over a macro-step (s), and returns the support
+    /// that [`Method::end_row`] needs.
+    fn begin_row(_load: &mut Exact<Self>, _macro_step: f64, _n_steps: usize) -> Option<usize> {
+        None
+    }
+
+    /// Takes the result of steps of this length (s) to the instant at which they end.
+    fn end_row(_load: &mut Exact<Self>, _support: Option<usize>, _step: f64) {}
+
+    /// Quantities that change smoothly, besides those of all methods.
+    fn extra_flow(_state: &State<Self::Memory>) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Replaces these quantities.
+    fn set_extra_flow(_state: &mut State<Self::Memory>, _system: &System, _flow: &[f64]) {}
+
+    /// Pull of the holder on a tip, from the pull that the spring alone needs (N, world).
+    fn pull_with_dashpot(_state: &State<Self::Memory>, _spring: usize, pull: Vec2) -> Vec2 {
+        pull
+    }
+
+    /// # Errors
+    /// When a restored memory does not fit the system.
+    fn check(_memory: &Self::Memory, _system: &System) -> Result<(), RestoreError> {
+        Ok(())
+    }
+}
+
+/// A load that an exact method moves.
+pub struct Exact<M: Method> {
+    pub(super) method: M,
+    pub(super) system: System,
+    pub(super) stepping: Stepping,
+    pub(super) skips: Skips,
+    pub(super) solver: FrictionSolver,
+    pub(super) springs: AttachedSprings,
+    pub(super) state: State<M::Memory>,
+    pub(super) pace: Pace,
+    /// Attachments at the start of an advance.
+    pub(super) from: Vec<Attachment>,
+    pub(super) transitions: Vec<Transition>,
+}
+
+/// What changes during a run, besides the attached springs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State<H> {
+    pub motion: Motion,
+    pub energy: EnergyLedger,
+    pub contact: GroundContact,
+    pub forecast: Forecast,
+    pub certificate: StickCertificate,
+    pub memory: H,
+}
+
+/// Where a step began, to recognise a snap-through by the energy that is missing afterwards.
+pub struct SnapStart {
+    pub pose: Pose,
+    /// Defect of the energy ledger (J).
+    pub defect: f64,
+}
+
+/// State and attachments at the start of a macro-step.
+#[derive(Clone)]
+pub struct Snapshot<H> {
+    pub state: State<H>,
+    pub attachments: Attachments,
+}
+
+impl<M: Method> Exact<M> {
+    pub(super) fn with(method: M, memory: M::Memory, (system, motion): (System, Motion), stepping: Stepping, skips: Skips) -> Self {
+        let kinetic = system.load.kinetic_energy(&motion.twist);
+        let last = if motion.twist == Twist::ZERO { ContactMode::Stick } else { ContactMode::Slip };
+        let state = State {
+            motion,
+            energy: EnergyLedger { kinetic, initial: kinetic, ..EnergyLedger::default() },
+            contact: GroundContact::Unknown { last, jump_is_pending: false },
+            forecast: Forecast::default(),
+            certificate: StickCertificate::default(),
+            memory,
+        };
+        Self {
+            method,
+            stepping,
+            skips,
+            solver: FrictionSolver::new(&system.ground, system.load.radius),
+            springs: AttachedSprings::default(),
+            state,
+            pace: Pace::default(),
+            from: Vec::new(),
+            transitions: Vec::new(),
+            system,
+        }
+    }
+
+    /// Skips an advance in which no tip moves and the load stays at rest.
+    pub(super) fn skip_rest(&mut self, tip_targets: &[Vec2], duration: f64, report: &mut StepReport) -> bool {
+        let why = if self.springs.is_empty() { Skip::FreeLoad } else { Skip::StillTips };
+        let rests = self.skips.has(why) && self.springs.tips_are_at(tip_targets) && M::rest(self);
+        if rests {
+            let n_steps = match self.stepping {
+                Stepping::Fixed(longest) => n_steps_in(duration, longest),
+                Stepping::Controlled(_) => 1,
+            };
+            report.leave_out(why, n_steps);
+        }
+        rests
+    }
+
+    /// Takes so many equal steps along the paths of the tips.
+    pub(super) fn take_steps(&mut self, paths: &TipPaths, n_steps: u64, report: &mut StepReport) {
+        let share = |n: u64| n as f64 / n_steps as f64;
+        let mut done = 0;
+        while done < n_steps {
+            done += self.skip_certain_steps(paths, [done, n_steps], report);
+            if done == n_steps {
+                break;
+            }
+            let (start, last) = (self.state.snap_start(), self.state.contact.last());
+            report.add(&M::step(self, paths, share(done), share(done + 1)));
+            done += 1;
+            let time = share(done) * paths.duration;
+            let jump = M::complete_snap_through(self, &start, |load| load.springs.last_work_error(), report);
+            self.transitions.extend(jump.map(|kind| Transition { time, kind }));
+            self.note_mode_change(last, time);
+        }
+    }
+
+    /// Skips the next of `n_steps` steps, of which some are `done`, as far as the stick certificate
+    /// reaches, and returns their number.
+    fn skip_certain_steps(&mut self, paths: &TipPaths, [done, n_steps]: [u64; 2], report: &mut StepReport) -> u64 {
+        if !self.skips.stick_bound {
+            return 0;
+        }
+        let Self { state, springs, system, solver, .. } = self;
+        let n_certain = state.certificate.advance_tips(&system.springs, springs, (paths, [done, n_steps]), solver);
+        if n_certain > 0 {
+            let last = state.contact.last();
+            state.contact = GroundContact::Known(ContactMode::Stick);
+            state.motion.twist = Twist::ZERO;
+            self.note_mode_change(last, (done + 1) as f64 / n_steps as f64 * paths.duration);
+            report.leave_out(Skip::StickBound, n_certain);
+        }
+        n_certain
+    }
+
+    /// Records the transition at `time` (s) if the contact mode is no longer the `last` one.
+    pub(super) fn note_mode_change(&mut self, last: ContactMode, time: f64) {
+        let kind = TransitionKind::between(last, self.state.contact.last());
+        self.transitions.extend(kind.map(|kind| Transition { time, kind }));
+    }
+
+    /// Accepts the work of tips that moved while the load stood still by its stick certificate.
+    pub(super) fn catch_up(&mut self) {
+        if self.springs.are_ahead() {
+            let accepted = self.springs.accept(&self.state.motion.pose);
+            self.state.energy.add_tip_work(accepted.of_tips, accepted.elastic);
+        }
+    }
+
+    /// Contact mode of the last step; `None` when it may be another one by now.
+    pub(super) fn mode(&self) -> Option<ContactMode> {
+        let contact = &self.state.contact;
+        contact.known().or_else(|| M::keeps_mode(self).then_some(contact.last()))
+    }
+
+    pub(super) fn snapshot(&self) -> Snapshot<M::Memory> {
+        Snapshot { state: self.state.clone(), attachments: Attachments::clone(&self.springs) }
+    }
+
+    pub(super) fn reset(&mut self, to: &Snapshot<M::Memory>) {
+        self.state = to.state.clone();
+        self.springs.reset(to.attachments.clone());
+    }
+
+    /// All quantities that change smoothly: pose and twist (m, rad, m/s, rad/s), energy lost to
+    /// friction and work of the tips (J), then those of the method.
+    pub(super) fn flow(&self) -> Vec<f64> {
+        let State { motion, energy, .. } = &self.state;
+        let common = motion.entries().into_iter().chain([energy.friction, energy.tip_work]);
+        common.chain(M::extra_flow(&self.state)).collect()
+    }
+
+    /// Replaces these quantities.
+    pub(super) fn set_flow(&mut self, flow: &[f64]) {
+        let Self { state, springs, system, .. } = self;
+        state.motion = Motion::of_entries(flow);
+        (state.energy.friction, state.energy.tip_work) = (flow[6], flow[7]);
+        springs.accept_outside(&system.springs, &state.motion.pose);
+        state.energy.elastic = springs.energy(&system.springs, &state.motion.pose);
+        M::set_extra_flow(state, system, &flow[8..]);
+    }
+}
+
+impl<H> State<H> {
+    pub fn snap_start(&self) -> SnapStart {
+        SnapStart { pose: self.motion.pose, defect: self.energy.defect() }
+    }
+}

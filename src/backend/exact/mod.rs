@@ -1,0 +1,28 @@
+//! The exact methods: one backend for the quasi-static method and the methods with inertia.
+//!
+//! ```text
+//! backend        the calls of a backend;  load: what all methods share, and what a method may choose
+//! quasi_static   balance at every instant, after the paper;  jumps: where the balance is lost
+//! bdf2           its step of second order
+//! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
+//! contact        what is known of the load's contact with the ground
+//! extrapolation  macro-steps under error control;  control: their tolerances and errors
+//! ```
+
+mod backend;
+mod bdf2;
+mod contact;
+mod control;
+mod dashpots;
+mod euler;
+mod extrapolation;
+mod inertial;
+mod jumps;
+mod load;
+mod midpoint;
+mod one_step;
+mod quasi_static;
+
+pub use control::{Column, Control};
+pub use load::Exact;
+pub use one_step::Integrator;

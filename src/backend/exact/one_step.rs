@@ -1,0 +1,62 @@
+//! One step with inertia: the problem, its solution and the friction that a step leaves behind.
+
+use serde::{Deserialize, Serialize};
+
+use crate::backend::friction::ContactMode;
+use crate::backend::shortcuts::Forecast;
+use crate::backend::springs::SpringBlocks;
+use crate::backend::{Motion, StepReport};
+use crate::math::{Pose, Vec3};
+use crate::model::System;
+
+/// How a step discretises the equation of motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// First order. Without mass this is the quasi-static step.
+    Euler,
+    /// Second order, in turning slips as in straight ones.
+    #[default]
+    Midpoint,
+}
+
+/// A step to take.
+pub struct Problem<'a> {
+    pub system: &'a System,
+    pub start: Motion,
+    pub past: Option<PastFriction>,
+    /// Springs with their tips where the step evaluates them.
+    pub springs: &'a mut SpringBlocks,
+    /// Dashpots as springs of this step.
+    pub dashpots: Option<&'a mut SpringBlocks>,
+    pub forecast: &'a mut Forecast,
+    /// (s)
+    pub step: f64,
+    /// Longest step that takes an undamped load through one radian of its fastest oscillation (s);
+    /// zero with damping.
+    pub resolving_step: f64,
+}
+
+/// A step taken.
+pub struct Stepped {
+    pub motion: Motion,
+    /// Pose at which the springs and dashpots acted.
+    pub stage: Pose,
+    /// Energy lost to friction (J).
+    pub friction: f64,
+    pub mode: ContactMode,
+    /// Friction for the next step.
+    pub past: Option<PastFriction>,
+    pub report: StepReport,
+}
+
+/// Friction of the last midpoint steps, all in one contact mode (N, N, N m; forces in world axes,
+/// torques about the load's origin).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PastFriction {
+    pub mode: ContactMode,
+    pub last: Vec3,
+    pub before: Option<Vec3>,
+    /// Length of the last step (s).
+    pub step: f64,
+}

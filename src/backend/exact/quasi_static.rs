@@ -1,0 +1,169 @@
+//! The method of the paper: springs and friction balance at every instant, and inertia is
+//! neglected.
+//!
+//! The path of the load does not depend on the speed of the tips: the method is rate-independent,
+//! and equal nodes give equal bits. It is of first order in the step, or of second order while the
+//! load goes on slipping (`bdf2`). Where an attached or released spring leaves the load out of
+//! balance, the load jumps to the nearest balance before the tips move on. Where moving tips remove
+//! the balance, it snaps through to another one within the step (`jumps`). Dashpots act through
+//! rates and do nothing here.
+
+use serde::{Deserialize, Serialize};
+
+use super::bdf2::{self, Past};
+use super::contact::GroundContact;
+use super::load::{Exact, Method, SnapStart, State};
+use crate::backend::friction::{ContactMode, FrictionSolver};
+use crate::backend::increment::{Increment, Potential, minimise};
+use crate::backend::shortcuts::{Skip, Skips};
+use crate::backend::springs::TipPaths;
+use crate::backend::stepping::Stepping;
+use crate::backend::{ConeSolver, Motion, Status, StepReport, TransitionKind};
+use crate::math::{Pose, Twist};
+use crate::model::System;
+
+/// Longest displacement of a tip in one macro-step while the load is at rest, over its radius (1).
+/// A load that slips only between the nodes of a macro-step is not seen to slip.
+const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
+
+/// The quasi-static method.
+pub struct QuasiStatic {
+    /// Whether steps are of second order where they can be.
+    second_order: bool,
+}
+
+/// What a quasi-static step leaves for the next one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// The last step, if all supports slipped in it and in the one before, for the second order.
+    past: Option<Past>,
+}
+
+impl Exact<QuasiStatic> {
+    /// A load at rest at the pose of `start`. Without inertia there is no other start.
+    pub fn quasi_static(system: &System, start: Motion, stepping: Stepping, skips: Skips) -> Self {
+        let motion = Motion { twist: Twist::ZERO, ..start };
+        // Macro-steps are long already, and their states are taken back.
+        let skips = if matches!(stepping, Stepping::Fixed(_)) { skips } else { skips.without(Skip::StickBound) };
+        Self::with(QuasiStatic { second_order: false }, Memory::default(), (system.clone(), motion), stepping, skips)
+    }
+
+    /// The same load with another solver of the friction problem and order of the steps.
+    pub fn with_options(mut self, solver: ConeSolver, second_order: bool) -> Self {
+        self.solver = FrictionSolver::by(solver, &self.system.ground, self.system.load.radius);
+        self.method.second_order = second_order;
+        self
+    }
+
+    /// Moves the load to the balance for the tips as the springs have them, or leaves it where it
+    /// is when there is no finite answer. `step` measures the path of the tips; `None` when they
+    /// stand.
+    pub(super) fn balance(&mut self, step: Option<f64>) -> StepReport {
+        let before = self.state.motion.pose;
+        let increment = self.increment(step);
+        let Self { state, springs, .. } = self;
+        match step {
+            Some(step) => state.forecast.learn(&increment, step),
+            None => state.forecast.forget(),
+        }
+        let goes_on = self.method.second_order && increment.mode == ContactMode::Slip && state.forecast.has_two();
+        let past = |duration| Past { shift: increment.shift, turn: increment.twist.z, duration };
+        state.memory.past = step.filter(|_| goes_on).map(past);
+        let Increment { twist, shift, friction, mode, mut report } = increment;
+        let mut pose = Pose { position: before.position + shift, heading: before.heading + twist.z };
+        if pose.is_finite() {
+            state.contact = GroundContact::Known(mode);
+            state.energy.friction += friction;
+        } else {
+            report.status = Status::Failed;
+            pose = before;
+        }
+        let accepted = springs.accept(&pose);
+        state.energy.add_tip_work(accepted.of_tips, accepted.elastic);
+        if state.contact.last() == ContactMode::Stick && self.skips.stick_bound && pose == before && report.status == Status::Converged {
+            state.certificate.renew(&self.system.springs, springs, &self.solver);
+        } else {
+            state.certificate.forget();
+        }
+        state.motion.pose = pose;
+        report
+    }
+
+    /// Increment of the pose, of second order where that is possible.
+    fn increment(&mut self, step: Option<f64>) -> Increment {
+        let start = *self.springs.place();
+        let guess = step.and_then(|step| self.state.forecast.increment(step));
+        let Self { springs, system, solver, .. } = self;
+        if let (Some(past), Some(duration), Some(guess)) = (&self.state.memory.past, step, &guess) {
+            let found = bdf2::step(system, (&start, past), duration, guess, springs.blocks(), solver);
+            if let Some(found) = found {
+                return found;
+            }
+        }
+        minimise(Potential::of(springs.blocks(), start), &system.ground, solver, system.load.radius, guess)
+    }
+}
+
+impl Method for QuasiStatic {
+    type Memory = Memory;
+
+    fn step(load: &mut Exact<Self>, paths: &TipPaths, from: f64, to: f64) -> StepReport {
+        load.catch_up();
+        load.springs.refresh(&load.system.springs, &load.state.motion.pose);
+        load.springs.place_tips(paths, to);
+        let before = load.state.motion.pose;
+        let step = (to - from) * paths.duration;
+        // Shares of the path keep the answer the same to the last bit at another speed of the tips.
+        // The second order needs the time.
+        let report = load.balance(Some(if load.method.second_order { step } else { to - from }));
+        let state = &mut load.state;
+        let after = state.motion.pose;
+        state.motion.twist = Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
+        state.contact = GroundContact::Known(state.contact.last());
+        report
+    }
+
+    fn rest(load: &mut Exact<Self>) -> bool {
+        let last = load.state.contact.last();
+        load.state.contact = GroundContact::Known(ContactMode::Stick);
+        load.note_mode_change(last, 0.0);
+        load.state.motion.twist = Twist::ZERO;
+        // The motion before the rest says nothing of the motion after it.
+        load.state.memory.past = None;
+        load.state.forecast.forget();
+        // The pulls may be read again and again.
+        load.springs.refresh(&load.system.springs, &load.state.motion.pose);
+        true
+    }
+
+    fn keeps_mode(load: &Exact<Self>) -> bool {
+        // A load that slips may go on in another mode at once. One at rest may stay for a while,
+        // and its slip onset is to be located.
+        load.state.contact.last() == ContactMode::Stick
+    }
+
+    fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64 {
+        let n_longest = load.springs.longest_displacement(paths.targets) / (LONGEST_TIP_DISPLACEMENT * load.system.load.radius);
+        if load.state.contact.last() == ContactMode::Stick { paths.duration / n_longest } else { f64::INFINITY }
+    }
+
+    fn disturb(state: &mut State<Memory>, _spring: usize) {
+        state.forecast.forget();
+        state.memory.past = None;
+    }
+
+    fn restore_balance(load: &mut Exact<Self>, report: &mut StepReport) {
+        if load.state.contact.take_jump() {
+            report.add(&load.jump());
+        }
+    }
+
+    fn complete_snap_through(
+        load: &mut Exact<Self>,
+        start: &SnapStart,
+        allowed: impl FnOnce(&Exact<Self>) -> f64,
+        report: &mut StepReport,
+    ) -> Option<TransitionKind> {
+        load.snap_through(start, allowed, report)
+    }
+}
