@@ -15,12 +15,14 @@
 
 pub mod analysis;
 pub mod backend;
+#[cfg(feature = "program")]
 pub mod cli;
 pub mod math;
 pub mod model;
 pub mod output;
 pub mod scenario;
 pub mod simulation;
+#[cfg(feature = "figures")]
 pub mod studies;
 
 /// The examples of the book run as tests.

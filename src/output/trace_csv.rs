@@ -7,10 +7,8 @@
 use std::io::Write;
 
 use crate::backend::{Transition, TransitionKind};
-use crate::output::json::NotFinite;
 use crate::output::lines::{Lines, TableError};
 use crate::simulation::{EventKind, Row, Trace};
-use crate::studies::check;
 
 /// Above this number of springs `trace.csv` has no columns of pulls: they would be most of the file. `n_transporting` stays.
 pub const MOST_SPRINGS_WITH_COLUMNS: usize = 32;
@@ -171,30 +169,6 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
         lines.end();
     }
     lines.finish()?;
-    Ok(())
-}
-
-/// Writes a table of rows of two runs at the same instants: the time, every other column as expected and as found, and how far the two lie apart in
-/// every measure.
-///
-/// # Errors
-/// When a number is not finite, or `out` fails.
-pub fn write_pairs(pairs: &[(check::Row, check::Row)], out: impl Write) -> Result<(), TableError> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-    let sides = check::COLUMNS[1..].iter().flat_map(|name| [format!("expected_{name}"), format!("found_{name}")]);
-    let apart = check::MEASURES.iter().map(|measure| format!("apart_{}", measure.name));
-    let head: Vec<_> = ["time_s".to_owned()].into_iter().chain(sides).chain(apart).collect();
-    writer.write_record(&head)?;
-    for (expected, found) in pairs {
-        let sides = expected[1..].iter().zip(&found[1..]).flat_map(|(expected, found)| [*expected, *found]);
-        let apart = check::MEASURES.iter().map(|measure| measure.apart(expected, found));
-        let row: Vec<_> = [expected[0]].into_iter().chain(sides).chain(apart).collect();
-        if let Some((path, value)) = head.iter().zip(&row).find(|(_, value)| !value.is_finite()) {
-            return Err(NotFinite { path: path.clone(), value: *value }.into());
-        }
-        writer.serialize(row)?;
-    }
-    writer.flush()?;
     Ok(())
 }
 

@@ -23,6 +23,7 @@ mod changes;
 mod difference;
 mod file;
 mod measure;
+mod pairs;
 mod reader;
 mod record;
 pub mod report;

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::pairs::write_pairs;
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::{Libraries, Machine, Manifest};
 use crate::output::quantity::quantity;
 use crate::output::text::Lines;
-use crate::output::trace_csv;
 use crate::simulation::EventKind;
 use crate::studies::check::{
     Build, BuildChange, Check, Decision, Deviation, Difference, Divergence, Event, Quantity, ScenarioChange, Told, Verdict,
@@ -70,7 +70,7 @@ pub fn write_check(target: &Path, report: &CheckReport, manifest: &Manifest) -> 
     let mut folder = OutputFolder::create(target)?;
     folder.write_json("summary.json", report)?;
     for check in &report.baselines {
-        folder.write(&format!("difference-{}.csv", check.name), |out| trace_csv::write_pairs(&check.difference.pairs, out))?;
+        folder.write(&format!("difference-{}.csv", check.name), |out| write_pairs(&check.difference.pairs, out))?;
         if check.verdict != Verdict::Differs {
             continue;
         }
