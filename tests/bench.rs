@@ -147,7 +147,7 @@ fn settings_that_take_too_long_are_rows_and_nothing_finer_is_tried() {
     assert!(benchmark.rows.iter().all(|line| line.cpu_min_s.is_none() && line.cause.as_ref().unwrap().contains("longer than")));
     assert!(benchmark.equal_error.iter().all(|line| line.cpu_s.is_none() && line.step_s.is_none()));
     let text = json::pretty(&benchmark).unwrap() + &bench_text(&benchmark);
-    assert!(!text.contains("NaN") && text.contains("without a plain success"));
+    assert!(!text.contains("NaN") && text.contains("settings failed or took too long"));
 }
 
 /// All but the times, which nobody knows beforehand.
@@ -231,7 +231,7 @@ fn the_program_writes_tables_figures_and_manifest_whole() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let table = text(&output.stdout);
     assert!(
-        table.starts_with("slide: way of 1.456 mm\n") && table.contains("inertial midpoint") && table.contains("exact, warm"),
+        table.starts_with("slide: path length 1.456 mm\n") && table.contains("inertial midpoint") && table.contains("exact, warm"),
         "{table}"
     );
     let mut names: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

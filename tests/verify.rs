@@ -6,6 +6,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use cohaul::backend::{BackendOptions, Status};
 use cohaul::output::json;
+use cohaul::output::text::Detail;
 use cohaul::studies::methods::Method;
 use cohaul::studies::verify::report::{Verification, verify_text};
 use cohaul::studies::verify::{Case, Effort, Errors, Expected, Family, Outcome, Plan, Row, RowKind, all, tasks};
@@ -114,8 +115,8 @@ fn a_broken_answer_is_a_miss_and_no_number() {
     assert!(misses(&rows).iter().all(|(_, why)| why.contains("not finite")) && misses(&rows).len() == 13, "{rows:?}");
     let found = Verification::new(&[named("peers-slide")], &rows, Effort::Quick, 0.1);
     assert_eq!((found.holds, found.n_held, found.n_judged, found.n_shown), (false, 0, 13, 3));
-    let text = verify_text(&found) + &json::pretty(&found).unwrap();
-    assert!(!text.contains("NaN") && text.contains("MISSES") && text.contains("0 of 13 hold"), "{text}");
+    let text = verify_text(&found, Detail::Full) + &json::pretty(&found).unwrap();
+    assert!(!text.contains("NaN") && text.contains("MISSES") && text.contains("missed: 0 of 13 rows"), "{text}");
 
     let case = named("slide-1-m-s");
     let run = case.run;
@@ -162,14 +163,20 @@ fn text(bytes: &[u8]) -> &str {
 
 #[test]
 fn the_program_prints_a_table_or_one_object_and_lists_its_cases() {
-    let table = call(&["slide", "towing", "--quick"]);
-    assert_eq!(table.status.code(), Some(0));
-    assert_eq!(text(&table.stderr), "");
-    assert!(text(&table.stdout).lines().last().unwrap().contains(" hold"), "{}", text(&table.stdout));
-    let lines: Vec<&str> = text(&table.stdout).lines().filter(|line| line.starts_with("  ")).collect();
+    let brief = call(&["slide", "towing", "--quick"]);
+    assert_eq!(brief.status.code(), Some(0));
+    assert_eq!(text(&brief.stderr), "");
+    let lines: Vec<&str> = text(&brief.stdout).lines().collect();
+    assert!(lines[0].starts_with("All known answers hold: "), "{}", text(&brief.stdout));
+    assert!(lines.len() == 4 && lines[2].starts_with("  slide ") && lines[3].starts_with("  towing "), "{lines:?}");
+    assert!(lines.iter().all(|line| line.chars().count() <= 80), "{lines:?}");
+
+    let found = Verification::new(&[named("slide-1-m-s")], &rows(named("slide-1-m-s"), Method::RAPIER), Effort::Full, 0.1);
+    let table = verify_text(&found, Detail::Full);
+    let lines: Vec<&str> = table.lines().filter(|line| line.starts_with("  ")).collect();
     // Columns stand under their heads.
     let column = lines[0].find("bound").unwrap();
-    assert!(lines.len() > 50 && lines[1..].iter().all(|line| line.chars().nth(column - 1) == Some(' ')));
+    assert!(lines.len() == 6 && lines[1..].iter().all(|line| line.chars().nth(column - 1) == Some(' ')), "{table}");
 
     let output = call(&["slide", "--backend", "rapier", "--quick", "--json"]);
     let found: Value = serde_json::from_str(text(&output.stdout)).unwrap();

@@ -13,7 +13,8 @@ use super::output::{OutputArgs, study_manifest};
 use super::resumable;
 use crate::simulation::built;
 use crate::studies::methods::Method;
-use crate::studies::stress::report::{Stress, stress_list, stress_text, write_stress};
+use crate::studies::stress::files::write_stress;
+use crate::studies::stress::report::{Stress, stress_list, stress_text};
 use crate::studies::stress::{self, Effort, Map};
 
 #[derive(Args)]

@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::choice::choice;
-use super::console::{Tone, print};
+use super::console::{Tone, detail, print};
 use super::error::CliError;
 use super::output::{OutputArgs, study_manifest};
 use super::resumable;
@@ -66,7 +66,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
     }
     finished.remove_journal()?;
     let tone = if found.holds { Tone::Good } else { Tone::Bad };
-    args.output.print(&found, || verify_text(&found), tone)?;
+    args.output.print(&found, || verify_text(&found, detail()), tone)?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

@@ -1,6 +1,5 @@
 //! The files of a benchmark.
 
-use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;
@@ -8,6 +7,7 @@ use serde::Serialize;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
+use crate::output::table::write_rows;
 use crate::studies::bench::figure;
 use crate::studies::bench::page::bench_page;
 use crate::studies::bench::report::Benchmark;
@@ -39,9 +39,5 @@ fn write_table<T: Serialize>(folder: &mut OutputFolder, name: &str, lines: &[T])
     if lines.is_empty() {
         return Ok(());
     }
-    folder.write(name, |out: &mut dyn Write| {
-        let mut writer = csv::Writer::from_writer(out);
-        lines.iter().try_for_each(|line| writer.serialize(line))?;
-        writer.flush().map_err(csv::Error::from)
-    })
+    folder.write(name, |out| write_rows(lines, out))
 }

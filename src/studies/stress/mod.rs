@@ -19,6 +19,7 @@
 //! ```
 
 mod cause;
+pub mod files;
 pub(crate) mod guard;
 pub mod heat_map;
 mod judge;

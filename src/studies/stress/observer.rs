@@ -1,9 +1,9 @@
-//! A backend that is watched at every step: it answers as the one inside does, and what is seen of it is kept.
+//! Hook that records what a backend does at every step.
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::backend::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, StepReport, Transition};
+use crate::backend::{Backend, Hook, Motion, Status, StepReport, Wrapped};
 use crate::math::{Pose, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
@@ -45,7 +45,6 @@ pub struct Seen {
 }
 
 pub struct Observer {
-    backend: Box<dyn Backend>,
     system: System,
     start: Pose,
     swings: Vec<f64>,
@@ -53,34 +52,36 @@ pub struct Observer {
 }
 
 impl Observer {
-    pub fn new(backend: Box<dyn Backend>, system: &System) -> (Box<Self>, Rc<RefCell<Seen>>) {
+    /// The backend with an observer around it, and what the observer sees.
+    pub fn around(inside: Box<dyn Backend>, system: &System) -> (Box<dyn Backend>, Rc<RefCell<Seen>>) {
         let seen = Rc::new(RefCell::new(Seen { shortest: f64::INFINITY, ..Seen::default() }));
-        let (start, swings) = (backend.motion().pose, vec![0.0; system.springs.len()]);
-        (Box::new(Self { backend, system: system.clone(), start, swings, seen: Rc::clone(&seen) }), seen)
+        let (start, swings) = (inside.motion().pose, vec![0.0; system.springs.len()]);
+        let hook = Self { system: system.clone(), start, swings, seen: Rc::clone(&seen) };
+        (Box::new(Wrapped { inside, hook }), seen)
     }
 
-    /// Tip from root in the frame that the spring's bearing gives (m), of each held spring.
-    fn shapes(&self) -> Vec<Option<Vec2>> {
-        let pose = self.backend.motion().pose;
+    /// Tip from root in the frame of the spring's bearing (m), for each attached spring.
+    fn shapes(&self, inside: &dyn Backend) -> Vec<Option<Vec2>> {
+        let pose = inside.motion().pose;
         let shape = |(at, spring): (usize, &PolarSpring)| {
-            let tip = self.backend.tip(at)?;
+            let tip = inside.tip(at)?;
             let in_load = rotation(pose.heading).tr_mul(&(tip - pose.position));
             Some(rotation(spring.bearing).tr_mul(&(in_load - spring.root)))
         };
         self.system.springs.iter().enumerate().map(shape).collect()
     }
 
-    fn pulls(&self) -> Vec<Vec2> {
-        (0..self.system.springs.len()).map(|at| self.backend.pull(at)).collect()
+    fn pulls(&self, inside: &dyn Backend) -> Vec<Vec2> {
+        (0..self.system.springs.len()).map(|at| inside.pull(at)).collect()
     }
 
-    fn tips(&self) -> Vec<Option<Vec2>> {
-        (0..self.system.springs.len()).map(|at| self.backend.tip(at)).collect()
+    fn tips(&self, inside: &dyn Backend) -> Vec<Option<Vec2>> {
+        (0..self.system.springs.len()).map(|at| inside.tip(at)).collect()
     }
 
-    fn see_springs(&mut self, seen: &mut Seen, before: &[Option<Vec2>]) {
+    fn see_springs(&mut self, inside: &dyn Backend, seen: &mut Seen, before: &[Option<Vec2>]) {
         let (mut linear, mut angular) = (0.0, 0.0);
-        for (at, (after, before)) in self.shapes().iter().zip(before).enumerate() {
+        for (at, (after, before)) in self.shapes(inside).iter().zip(before).enumerate() {
             let (Some(after), Some(before)) = (after, before) else { continue };
             let spring = &self.system.springs[at];
             let shape = spring.shape(&Pose::new(0.0, 0.0, 0.0), &(spring.root + rotation(spring.bearing) * after), self.swings[at]);
@@ -99,8 +100,8 @@ impl Observer {
         seen.rate = seen.rate.max((linear / load.mass).max(angular / load.inertia).sqrt());
     }
 
-    fn see_load(&self, seen: &mut Seen, before: &Pose) {
-        let Motion { pose: Pose { position, heading }, twist } = self.backend.motion();
+    fn see_load(&self, inside: &dyn Backend, seen: &mut Seen, before: &Pose) {
+        let Motion { pose: Pose { position, heading }, twist } = inside.motion();
         let radius = self.system.load.radius;
         seen.step_way = seen.step_way.max((position - before.position).norm() / radius);
         seen.step_turn = seen.step_turn.max((heading - before.heading).abs());
@@ -110,14 +111,14 @@ impl Observer {
         seen.across = seen.across.max(shift.y.abs() + turn);
         seen.rim = seen.rim.max(shift.norm() + turn);
         seen.farthest = seen.farthest.max(position.norm());
-        let energy = self.backend.energy();
+        let energy = inside.energy();
         seen.peak_energy = seen.peak_energy.max(energy.elastic + energy.kinetic);
     }
 
     /// The first number without a value in all that the backend tells.
-    fn not_finite(&self, report: &StepReport) -> Option<String> {
-        let Motion { pose, twist } = self.backend.motion();
-        let energy = self.backend.energy();
+    fn not_finite(&self, inside: &dyn Backend, report: &StepReport) -> Option<String> {
+        let Motion { pose, twist } = inside.motion();
+        let energy = inside.energy();
         let numbers = [
             ("x", pose.position.x),
             ("y", pose.position.y),
@@ -141,11 +142,11 @@ impl Observer {
             forces.iter().position(|force| !(force.x.is_finite() && force.y.is_finite())).map(|at| format!("{name} {at}"))
         };
         let single = numbers.iter().find(|(_, value)| !value.is_finite()).map(|(name, _)| (*name).to_owned());
-        let error = self.backend.pose_error().filter(|error| !(error.position.is_finite() && error.heading.is_finite()));
+        let error = inside.pose_error().filter(|error| !(error.position.is_finite() && error.heading.is_finite()));
         single
-            .or_else(|| of_tips(self.pulls(), "force on tip"))
-            .or_else(|| of_tips(self.tips().into_iter().flatten().collect(), "place of held tip"))
-            .or_else(|| of_tips(self.backend.friction_forces(), "friction force on support"))
+            .or_else(|| of_tips(self.pulls(inside), "force on tip"))
+            .or_else(|| of_tips(self.tips(inside).into_iter().flatten().collect(), "place of held tip"))
+            .or_else(|| of_tips(inside.friction_forces(), "friction force on support"))
             .or_else(|| error.map(|_| "error of the pose".to_owned()))
     }
 }
@@ -164,23 +165,18 @@ fn is_convex(spring: &PolarSpring, length: f64, swing: f64) -> bool {
     spring.radial_stiffness * across > (torsion * swing).powi(2)
 }
 
-impl Backend for Observer {
-    fn attach(&mut self, spring: usize, tip: Vec2) {
+impl Hook for Observer {
+    fn attach(&mut self, inside: &mut dyn Backend, spring: usize, tip: Vec2) {
         self.swings[spring] = 0.0;
-        self.backend.attach(spring, tip);
-        let shapes = self.shapes();
-        let seen = Rc::clone(&self.seen);
-        self.see_springs(&mut seen.borrow_mut(), &shapes);
+        inside.attach(spring, tip);
+        let (shapes, seen) = (self.shapes(inside), Rc::clone(&self.seen));
+        self.see_springs(inside, &mut seen.borrow_mut(), &shapes);
     }
 
-    fn release(&mut self, spring: usize) {
-        self.backend.release(spring);
-    }
-
-    fn advance(&mut self, tip_targets: &[Vec2], duration: f64) -> StepReport {
-        let (shapes, tips, pulls) = (self.shapes(), self.tips(), self.pulls());
-        let before = self.backend.motion().pose;
-        let report = self.backend.advance(tip_targets, duration);
+    fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
+        let (shapes, tips, pulls) = (self.shapes(inside), self.tips(inside), self.pulls(inside));
+        let before = inside.motion().pose;
+        let report = inside.advance(tip_targets, duration);
         let seen = Rc::clone(&self.seen);
         let seen = &mut *seen.borrow_mut();
         seen.report.add(&report);
@@ -189,57 +185,20 @@ impl Backend for Observer {
         for (at, (tip, pull)) in tips.iter().zip(&pulls).enumerate() {
             let Some(tip) = tip else { continue };
             let (way, spring) = (tip_targets[at] - tip, &self.system.springs[at]);
-            let after = self.backend.pull(at);
+            let after = inside.pull(at);
             let size = if spring.rest_length > 0.0 { spring.rest_length } else { self.system.load.radius };
             seen.quadrature += (after - pull).norm() * way.norm();
             seen.peak_force = seen.peak_force.max(after.norm());
             seen.tip_way = seen.tip_way.max(way.norm() / size);
-            let has_failed = report.status == crate::backend::Status::Failed;
-            if self.backend.tip(at) != Some(tip_targets[at]) && !has_failed && seen.misplaced.is_none() {
+            if inside.tip(at) != Some(tip_targets[at]) && report.status != Status::Failed && seen.misplaced.is_none() {
                 seen.misplaced = Some(format!("tip {at} is not where it was sent at step {step}"));
             }
         }
-        self.see_springs(seen, &shapes);
-        self.see_load(seen, &before);
+        self.see_springs(inside, seen, &shapes);
+        self.see_load(inside, seen, &before);
         if seen.not_finite.is_none() {
-            seen.not_finite = self.not_finite(&report).map(|what| format!("{what} at step {step}"));
+            seen.not_finite = self.not_finite(inside, &report).map(|what| format!("{what} at step {step}"));
         }
         report
-    }
-
-    fn motion(&self) -> Motion {
-        self.backend.motion()
-    }
-
-    fn tip(&self, spring: usize) -> Option<Vec2> {
-        self.backend.tip(spring)
-    }
-
-    fn pull(&self, spring: usize) -> Vec2 {
-        self.backend.pull(spring)
-    }
-
-    fn friction_forces(&self) -> Vec<Vec2> {
-        self.backend.friction_forces()
-    }
-
-    fn energy(&self) -> EnergyLedger {
-        self.backend.energy()
-    }
-
-    fn transitions(&self) -> &[Transition] {
-        self.backend.transitions()
-    }
-
-    fn pose_error(&self) -> Option<PoseError> {
-        self.backend.pose_error()
-    }
-
-    fn save(&self) -> Result<SavedState, SaveError> {
-        self.backend.save()
-    }
-
-    fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
-        self.backend.restore(state)
     }
 }

@@ -94,7 +94,7 @@ pub fn finer(scenario: &Scenario, method: Method, make: &Make) -> Option<Run> {
 fn run_at(scenario: &Scenario, method: Method, step: f64, make: &Make) -> Result<Run, String> {
     guarded(|| {
         let options = method.options(step);
-        let (observer, seen) = Observer::new(make(scenario, &options), &scenario.system);
+        let (observer, seen) = Observer::around(make(scenario, &options), &scenario.system);
         let mut simulation = Simulation::on(scenario, &options, Keep::Outcome, driver_of(scenario), observer);
         let spent = |seen: &Rc<RefCell<Seen>>| seen.borrow().report.n_iterations + seen.borrow().report.n_solves;
         while !simulation.is_finished() && spent(&seen) <= MOST_ITERATIONS {

@@ -8,6 +8,8 @@ use serde::Serialize;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::quantity::quantity;
+use crate::output::table::{Table, write_rows};
+use crate::output::text::Detail;
 use crate::studies::verify::figure;
 use crate::studies::verify::{Case, Effort, Errors, Expected, Outcome, Row, RowKind};
 
@@ -82,12 +84,6 @@ impl Verification {
             rows: lines,
         }
     }
-
-    fn write_csv(&self, out: impl std::io::Write) -> Result<(), csv::Error> {
-        let mut writer = csv::Writer::from_writer(out);
-        self.rows.iter().try_for_each(|line| writer.serialize(line))?;
-        Ok(writer.flush()?)
-    }
 }
 
 impl Question {
@@ -140,7 +136,14 @@ impl Line {
         tolerance.or(self.step_s.map(|step| quantity(step, "s"))).unwrap_or_default()
     }
 
-    /// Cells of the table for people, all but the last of a fixed width.
+    /// Largest error over its bound (1); `None` where no bound is above zero.
+    fn share_of_bound(&self) -> Option<f64> {
+        let pairs = [(self.error_m, self.bound_m), (self.error_rad, self.bound_rad), (self.error_ratio, self.bound_ratio)];
+        let shares = pairs.into_iter().filter_map(|(error, bound)| Some(error? / bound.filter(|bound| *bound > 0.0)?));
+        shares.reduce(f64::max)
+    }
+
+    /// Cells of the table for people.
     fn cells(&self) -> [String; 7] {
         let step = if self.extrapolated { "-> 0".to_owned() } else { self.level() };
         let errors = Errors { metres: self.error_m, radians: self.error_rad, ratio: self.error_ratio };
@@ -170,40 +173,54 @@ fn in_print(errors: &Errors) -> String {
     parts.join(", ")
 }
 
-/// The rows over aligned columns, case by case, then what missed, then how many hold.
-pub fn verify_text(found: &Verification) -> String {
-    let head = ["backend", "step", "error", "bound", "order", "expected", ""].map(str::to_owned);
-    let cells: Vec<[String; 7]> = found.rows.iter().map(Line::cells).collect();
-    let width = |column: usize| cells.iter().chain([&head]).map(|cells| cells[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..6).map(width).collect();
-    let line = |cells: &[String; 7]| {
-        let padded = cells.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}  "));
-        format!("  {}{}\n", padded.collect::<String>(), cells[6]).replace(" \n", "\n")
-    };
-    let mut text = line(&head).trim_end().to_owned() + "\n";
-    for question in &found.cases {
-        writeln!(text, "{}: {}; known: {}", question.name, question.what, question.source).expect("a string takes all");
-        let rows = found.rows.iter().zip(&cells).filter(|(row, _)| row.case == question.name);
-        rows.for_each(|(_, cells)| text.push_str(&line(cells)));
+/// Text for people: whether the answers hold, a line a family, and what missed. Full detail adds a
+/// table of all rows.
+pub fn verify_text(found: &Verification, detail: Detail) -> String {
+    let mut text = summary(found);
+    match detail {
+        Detail::Brief => text += &families(found),
+        Detail::Full => text += &all_rows(found),
     }
     for row in found.rows.iter().filter(|row| row.holds == Some(false)) {
         let (step, why) = (row.level(), row.missed.as_deref().unwrap_or_default());
         writeln!(text, "missed: {} by {} at {step}: {why} (bound: {})", row.case, row.backend, row.reason).expect("a string takes all");
     }
-    text.push_str(&summary(found));
     text
 }
 
+/// A line a family: rows that hold, and how close the largest error comes to its bound.
+fn families(found: &Verification) -> String {
+    let mut table = Table::new("", ["family", "cases", "rows that hold", "largest error / bound"]);
+    for family in found.cases.chunk_by(|one, next| one.family == next.family) {
+        let name = family[0].family;
+        let judged = || found.rows.iter().filter(|row| row.family == name && row.holds.is_some());
+        let n_held = judged().filter(|row| row.holds == Some(true)).count();
+        let share = judged().filter_map(Line::share_of_bound).fold(0.0, f64::max);
+        table.push([name.to_owned(), family.len().to_string(), format!("{n_held} of {}", judged().count()), format!("{share:.2}")]);
+    }
+    table.text()
+}
+
+/// All rows, case by case.
+fn all_rows(found: &Verification) -> String {
+    let mut table = Table::new("", ["case", "method", "step", "error", "bound", "order", "expected", "outcome"]);
+    found.rows.iter().for_each(|row| table.push([row.case.clone()].into_iter().chain(row.cells())));
+    table.text()
+}
+
 fn summary(found: &Verification) -> String {
-    let shown = if found.n_shown > 0 { format!("; {} shown for information, the engine's own", found.n_shown) } else { String::new() };
-    format!("{} of {} hold{shown}; {}\n", found.n_held, found.n_judged, quantity(found.wall_s, "s"))
+    let answer = if found.holds { "All known answers hold" } else { "Some known answers are missed" };
+    let shown = match found.n_shown {
+        0 => String::new(),
+        n => format!("{n} rows of rapier with its engine defaults are shown and not judged.\n"),
+    };
+    format!("{answer}: {} of {} rows ({}).\n{shown}", found.n_held, found.n_judged, quantity(found.wall_s, "s"))
 }
 
 /// Names of the cases and what they ask.
 pub fn list_text(cases: &[Case]) -> String {
-    let width = |text: fn(&Case) -> &str| cases.iter().map(|case| text(case).chars().count()).max().unwrap_or(0);
-    let (family, name) = (width(|case| case.family.name()), width(|case| &case.name));
-    cases.iter().map(|case| format!("{:<family$}  {:<name$}  {}\n", case.family.name(), case.name, case.what)).collect()
+    let cells = |case: &Case| [case.family.name().to_owned(), case.name.clone(), case.what.clone()];
+    cases.iter().fold(Table::list(), |table, case| table.row(cells(case))).text()
 }
 
 /// Writes `verify.json`, `verify.csv`, `convergence.svg` and `manifest.json` to the folder `target`, all or nothing.
@@ -213,7 +230,7 @@ pub fn list_text(cases: &[Case]) -> String {
 pub fn write_verification(target: &Path, found: &Verification, rows: &[Row], manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     folder.write_json("verify.json", found)?;
-    folder.write("verify.csv", |out| found.write_csv(out))?;
+    folder.write("verify.csv", |out| write_rows(&found.rows, out))?;
     folder.write("convergence.svg", |out| out.write_all(figure::convergence(rows).as_bytes()))?;
     folder.finish(manifest)
 }
