@@ -1,4 +1,5 @@
-//! Run time against error: what is claimed of errors and of the tables made from them; no test asserts a time.
+//! Run time against error: what is claimed of errors and of the tables made from them; no test
+//! asserts a time.
 
 use std::fs;
 use std::process::Output;
@@ -64,7 +65,7 @@ fn closed_forms_are_met_under_error_control() {
     let mut n_known = 0;
     for scene in standard_scenes() {
         for (kind, method) in [(BackendKind::QuasiStatic, "quasi-static controlled"), (BackendKind::Inertial, "inertial controlled")] {
-            let Some(_) = cohaul::studies::bench::known(&scene.scenario, kind) else { continue };
+            let Some(_) = cohaul::studies::known_answers::known(&scene.scenario, kind) else { continue };
             let error = errors(&scene, method, &[Level::Tolerance(1e-7)])[0];
             // A shift of the tolerance and a turn that moves the rim as far.
             assert!(error < 2e-7, "{} {}: {error}", scene.name, kind.name());

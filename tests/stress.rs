@@ -1,4 +1,5 @@
-//! Stress maps: nothing breaks unexplained, faults of a backend are called by their names, and a table does not depend on how it was made.
+//! Stress maps: nothing breaks unexplained, faults of a backend are called by their names, and a
+//! table does not depend on how it was made.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -90,8 +91,9 @@ fn a_table_is_the_same_on_one_thread_and_two_and_in_two_parts() {
     assert_eq!(resumed.complete(n_cells(&maps)).ok().unwrap().0.concat(), whole);
 }
 
-/// In units of the scene the answers are the same. Six numbers that pass through a power of the scale keep all digits but the last few, of which a run
-/// of 60 steps loses some more; f32 begins with seven.
+/// In units of the scene the answers are the same. Six numbers that pass through a power of the
+/// scale keep all digits but the last few, of which a run of 60 steps loses some more; f32 begins
+/// with seven.
 #[test]
 fn a_scene_in_other_units_has_the_same_answer() {
     let exact = [Method::QUASI_STATIC, Method::INERTIAL_MIDPOINT, Method::INERTIAL_EULER, Method::RAPIER];

@@ -391,7 +391,7 @@ fn captures_and_stops_of_tripods_are_located() {
         let options = BackendOptions::within(BackendKind::Inertial, Tolerance::on_rim(tolerance, &system.load));
         let mut run = build(&system, motion, &options);
         run.advance(&[], 1.1 * start.stop * unit);
-        let captured = start.capture.map(|capture| (TransitionKind::Capture { support: capture.support }, capture.time));
+        let captured = start.pinning.map(|pinning| (TransitionKind::Capture { support: pinning.support }, pinning.time));
         let known: Vec<_> = captured.into_iter().chain([(TransitionKind::Stop, start.stop)]).collect();
         let kinds = |transitions: &[Transition]| transitions.iter().map(|transition| transition.kind).collect::<Vec<_>>();
         assert_eq!(kinds(run.transitions()), known.iter().map(|(kind, _)| *kind).collect::<Vec<_>>(), "{} at {tolerance:e}", start.name);

@@ -67,13 +67,15 @@ fn the_reference_scenes_are_met_to_a_nanometre() {
     for (name, method) in [("reference-quasi-static", Method::QUASI_STATIC), ("reference-inertial", Method::INERTIAL_EULER)] {
         let rows = rows(named(name), method);
         let limit = rows.last().unwrap();
-        // Half a unit of the tenth digit is 5e-12 m without inertia and 5e-11 m with it; changes of regime within steps leave more.
+        // Half a unit of the tenth digit is 5e-12 m without inertia and 5e-11 m with it; changes of
+        // regime within steps leave more.
         assert_eq!(limit.kind, RowKind::Extrapolated);
         assert!(limit.errors.metres.unwrap() < 1e-9 && limit.errors.metres.unwrap() > 0.0, "{limit:?}");
     }
 }
 
-/// A ten-thousandth is a fiftieth of the error at the shortest step but far above what is left in the limit: a floor under the error shows there.
+/// A ten-thousandth is a fiftieth of the error at the shortest step but far above what is left in
+/// the limit: a floor under the error shows there.
 #[test]
 fn a_slightly_wrong_answer_is_a_miss() {
     let found = misses(&rows(with_known(named("peers-slide"), |known| 1.0001 * known), Method::RAPIER));
@@ -168,7 +170,7 @@ fn the_program_prints_a_table_or_one_object_and_lists_its_cases() {
     assert_eq!(text(&brief.stderr), "");
     let lines: Vec<&str> = text(&brief.stdout).lines().collect();
     assert!(lines[0].starts_with("All known answers hold: "), "{}", text(&brief.stdout));
-    assert!(lines.len() == 4 && lines[2].starts_with("  slide ") && lines[3].starts_with("  towing "), "{lines:?}");
+    assert!(lines.len() == 5 && lines[3].starts_with("  slide ") && lines[4].starts_with("  towing "), "{lines:?}");
     assert!(lines.iter().all(|line| line.chars().count() <= 80), "{lines:?}");
 
     let found = Verification::new(&[named("slide-1-m-s")], &rows(named("slide-1-m-s"), Method::RAPIER), Effort::Full, 0.1);

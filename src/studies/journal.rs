@@ -1,10 +1,10 @@
 //! Journal of a study: one file that keeps every finished record, whatever ends the program.
 //!
 //! A journal is a text file that only grows. Every line begins with eight digits of a hash of the
-//! rest of the line, so that a line that was cut off or damaged on the disk is recognised. The first
-//! line is the [`Header`]: it says which study the records belong to. Every further line is one
-//! record: the number of its task, a comma, and the content, in the order in which tasks ended. What
-//! follows the first damaged line is dropped, and its tasks run again.
+//! rest of the line, so that a line that was cut off or damaged on the disk is recognised. The
+//! first line is the [`Header`]: it says which study the records belong to. Every further line is
+//! one record: the number of its task, a comma, and the content, in the order in which tasks ended.
+//! What follows the first damaged line is dropped, and its tasks run again.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};

@@ -1,8 +1,8 @@
 //! The one list of the ways to move a load that studies compare: name, options, and what each can
 //! answer.
 //!
-//! `bench` measures all of them, `verify` and `stress` those that say so. A new backend becomes part
-//! of all three by a line in [`METHODS`].
+//! `bench` measures all of them, `verify` and `stress` those that say so. A new backend becomes
+//! part of all three by a line in [`METHODS`].
 
 use std::str::FromStr;
 
@@ -168,7 +168,8 @@ impl Method {
 impl FromStr for Method {
     type Err = String;
 
-    /// The method of this name, short name or key. The engine's defaults were once called `as shipped`.
+    /// The method of this name, short name or key. The engine's defaults were once called `as
+    /// shipped`.
     fn from_str(text: &str) -> Result<Self, String> {
         let name = text.replace("as-shipped", "engine-defaults").replace("as shipped", "engine defaults");
         let found = METHODS.into_iter().find(|method| [method.name, method.short_name, method.key].contains(&name.as_str()));

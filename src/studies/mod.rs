@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod check;
 pub mod compare;
 pub mod journal;
+pub mod known_answers;
 pub mod methods;
 pub mod paper;
 pub mod regime;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use cohaul::backend::{BackendKind, Motion, Status};
 use cohaul::math::Vec2;
 use cohaul::model::System;
+use cohaul::studies::verify::pull::PULLS;
 
 use crate::common::*;
 
@@ -34,7 +35,7 @@ fn pulled(kind: BackendKind, damping_ratio: f64, speed: f64, step: f64, n: u32) 
 /// coarse.
 #[test]
 fn without_inertia_the_load_lags_by_the_slip_stretch_at_any_step() {
-    for (speed, onset) in [(0.005, 6.61879518), (0.02, 1.65469880), (0.08, 0.41367469880)] {
+    for (speed, onset, _) in PULLS {
         // Printed with nine digits.
         assert!((SLIP_STRETCH / speed - onset).abs() < 1e-9 * onset.max(5.0));
         for n in [1, 2, 3, 7, 40, 1000] {
@@ -54,7 +55,7 @@ fn without_inertia_the_load_lags_by_the_slip_stretch_at_any_step() {
 #[test]
 fn with_inertia_it_swings_about_that() {
     for kind in WITH_INERTIA {
-        for (speed, amplitude) in [(0.005, 0.24544034684e-3), (0.02, 0.98176138735e-3), (0.08, 3.92704554939e-3)] {
+        for (speed, _, amplitude) in PULLS {
             // v / omega, printed with eleven digits.
             assert!((speed / rate() - amplitude).abs() < 1e-10 * amplitude);
             for phase in [2.0, 5.0, 9.0] {

@@ -3,6 +3,7 @@
 use cohaul::backend::{BackendKind, Motion};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::PolarSpring;
+use cohaul::studies::verify::towing::ARMS;
 
 use crate::common::*;
 
@@ -29,8 +30,10 @@ fn heading_left(from: f64, way: f64, n_per_mm: f64) -> f64 {
 fn the_heading_decays_over_its_length() {
     let exact = (ARM * ARM + 0.5 * SUPPORT_RADIUS * SUPPORT_RADIUS) / ARM;
     // Printed with five digits, and for another arm with nine.
-    assert!((exact - 0.072056).abs() < 5e-7);
-    assert!(((0.0385f64.powi(2) + 0.5 * SUPPORT_RADIUS.powi(2)) / 0.0385 - 0.0393591053).abs() < 1e-10);
+    assert_eq!(ARMS[0].0, ARM);
+    assert!((exact - ARMS[0].1).abs() < 5e-7);
+    let (arm, printed) = ARMS[1];
+    assert!(((arm.powi(2) + 0.5 * SUPPORT_RADIUS.powi(2)) / arm - printed).abs() < 1e-10);
     let (from, way) = (0.01, 0.1);
     let lengths = [5.0, 10.0, 20.0].map(|n_per_mm| -way / heading_left(from, way, n_per_mm).ln());
     // First order in the step of 0.05 mm: 72.067 mm was measured elsewhere at some step and

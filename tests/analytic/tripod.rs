@@ -4,7 +4,7 @@
 use cohaul::backend::BackendKind;
 use cohaul::math::{Pose, Vec2, Vec3};
 use cohaul::model::{Ground, Load, System};
-use cohaul::studies::verify::tripod::{Capture, STARTS, Start};
+use cohaul::studies::verify::tripod::{Pinning, STARTS, Start};
 
 use crate::common::*;
 
@@ -35,7 +35,7 @@ fn it_ends_where_the_extrapolation_says() {
             let ends = [1_000, 2_000, 4_000, 8_000].map(|n| entries(path(kind, case, n).last().unwrap()));
             let ratio = (ends[2] - end).norm() / (ends[3] - end).norm();
             assert!((ratio - 2.0).abs() < 0.02, "{kind:?}: {ratio}");
-            // The capture lies within a step, which leaves a part of h^2 = 8e-7 that no table
+            // The pinning lies within a step, which leaves a part of h^2 = 8e-7 that no table
             // takes; turned by 5.3 rad it weighs most.
             assert!((extrapolated(&ends) - end).norm() < 1e-6, "{kind:?} {}", extrapolated(&ends));
         }
@@ -58,7 +58,7 @@ fn a_captured_support_stays_where_it_was_captured() {
     for case in &STARTS {
         let poses = path(BackendKind::Inertial, case, n);
         let step = case.stop / f64::from(n);
-        let Some(Capture { support: captured, time, .. }) = case.capture else {
+        let Some(Pinning { support: captured, time, .. }) = case.pinning else {
             // All slip to the end: the last twenty steps, at decelerations near one, are (20 h)^2 /
             // 2 long.
             let least = 0.1 * (20.0 * step) * (20.0 * step);

@@ -24,8 +24,9 @@ fn n_lines(journal: &Path) -> usize {
     fs::read(journal).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count())
 }
 
-/// Ten times at moments from before the first row to past the middle: moments are chosen by the number of rows that are there, at most 360 in all, and
-/// then drawn within the time of a few rows, so that slow machines and fast ones do as many.
+/// Ten times at moments from before the first row to past the middle: moments are chosen by the
+/// number of rows that are there, at most 360 in all, and then drawn within the time of a few rows,
+/// so that slow machines and fast ones do as many.
 #[test]
 fn a_sweep_killed_ten_times_has_the_same_table_as_one_that_was_not() {
     let room = tempdir().unwrap();
@@ -55,7 +56,8 @@ fn a_sweep_killed_ten_times_has_the_same_table_as_one_that_was_not() {
     assert_eq!(names(room.path()), ["out", "short.json", "whole"], "nothing is left beside the table");
 }
 
-/// The last moments: all rows are there and no folder, or the folder stands half-written beside, or whole with the journal still there.
+/// The last moments: all rows are there and no folder, or the folder stands half-written beside, or
+/// whole with the journal still there.
 #[test]
 fn a_sweep_killed_while_it_wrote_its_folder_writes_it_again() {
     let room = tempdir().unwrap();

@@ -1,5 +1,6 @@
 //! All measurements in turn: errors of a scene's settings, then rounds of times over them; solvers;
-//! growth. Every measurement is a record, so that a benchmark that was stopped continues where it was.
+//! growth. Every measurement is a record, so that a benchmark that was stopped continues where it
+//! was.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -179,7 +180,8 @@ impl Session<'_, '_> {
         Ok((facts, rows))
     }
 
-    /// Times of all rows in turn, as often as asked for; `time` returns `None` for rows without one.
+    /// Times of all rows in turn, as often as asked for; `time` returns `None` for rows without
+    /// one.
     fn rounds<T>(
         &mut self,
         span: Span,
@@ -221,11 +223,12 @@ impl Plan {
     /// Whether the scenes can be benchmarked: their tips are prescribed.
     ///
     /// # Errors
-    /// When ants drive the load of one: after the first decision that falls differently, a path says nothing of a method.
+    /// When ants drive the load of one: after the first different decision, a path says nothing of
+    /// a method.
     pub fn check(&self) -> Result<(), String> {
         match self.scenes.iter().find(|scene| matches!(scene.scenario.drive, Drive::Ants(_))) {
             Some(scene) => Err(format!(
-                "{}: drive: must be prescribed tips, found ants, whose decisions part the paths of any two methods",
+                "{}: drive: must be prescribed tips, found ants: after the first different decision two paths say nothing of the methods",
                 scene.name
             )),
             None => Ok(()),

@@ -7,7 +7,8 @@ use serde::Serialize;
 pub const MOST_SPREAD: f64 = 1.25;
 /// Share of such times from which on no conclusion should be drawn (1).
 pub const NOISY_SHARE: f64 = 0.1;
-/// Shorter work is repeated until it has taken so long (s): clocks and calls have costs of their own.
+/// Shorter work is repeated until it has taken so long (s): clocks and calls have costs of their
+/// own.
 const LEAST: f64 = 2e-3;
 
 /// Times of one piece of work.
@@ -33,7 +34,8 @@ impl Timing {
     }
 }
 
-/// Whether too many of these times have a median too far above the least to conclude anything from their ratios.
+/// Whether too many of these times have a median too far above the least to conclude anything from
+/// their ratios.
 pub fn is_noisy(timings: &[Timing]) -> bool {
     let n_spread = timings.iter().filter(|timing| timing.spread > MOST_SPREAD).count();
     n_spread as f64 > NOISY_SHARE * timings.len() as f64

@@ -1,7 +1,8 @@
 //! The cheapest setting of each method at an error.
 //!
-//! A coarse setting may be exact by luck: an event falls on a step, two errors cancel. So a level of error counts as reached by a setting only if it holds at
-//! every finer one of the method too, and what a level costs then never falls with the level.
+//! A coarse setting may be exact by coincidence: an event falls on a step, or two errors cancel. So
+//! a level of error counts as reached by a setting only if it holds at every finer one of the
+//! method too, and what a level costs then never falls with the level.
 
 use serde::Serialize;
 
@@ -19,17 +20,20 @@ pub struct EqualError {
     /// Over the length of the path (1).
     pub error: f64,
     pub method: String,
-    /// The cheapest setting that reaches it: a step (s) or a tolerance (m). All of them `null` where none does.
+    /// The cheapest setting that reaches it: a step (s) or a tolerance (m). All of them `null`
+    /// where none does.
     pub step_s: Option<f64>,
     pub tolerance_m: Option<f64>,
     /// Least CPU time (s).
     pub cpu_s: Option<f64>,
-    /// That over the least of all rapier variants (1); `null` where none of those reaches the level.
+    /// That over the least of all rapier variants (1); `null` where none of those reaches the
+    /// level.
     pub over_rapier: Option<f64>,
 }
 
-/// The cheapest of `rows`, those of one method in one scene from coarse to fine, that reaches the level of `error` (1). Settings that were not found out say
-/// nothing; a failed one says that nothing coarser holds.
+/// Cheapest setting that reaches the level of `error` (1). `rows` are those of one method in one
+/// scene, from coarse to fine. Settings without an answer count for nothing; a failed one excludes
+/// all coarser ones.
 pub fn cheapest<'a>(rows: &[&'a Row], error: f64) -> Option<&'a Row> {
     let holds = |row: &&&Row| !row.is_answered() || row.share.is_some_and(|share| share <= error);
     let reached = rows.iter().rev().take_while(holds).filter_map(|row| Some((*row, row.timing()?.min_s)));

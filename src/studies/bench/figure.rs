@@ -6,14 +6,15 @@ use crate::studies::bench::SceneFacts;
 use crate::studies::bench::report::{BenchLine, GrowthLine};
 use crate::studies::methods::METHODS;
 
-/// Errors below this share of the way are rounding, and drawn there (1).
+/// Errors below this fraction of the path length are rounding, and are drawn there (1).
 const LEAST_ERROR: f64 = 1e-16;
 /// Where settings without an error are drawn (1): just below the top of the axis.
 const NO_ERROR: f64 = 0.6;
 /// Methods that both panels show, for orientation.
 const SHARED: [&str; 2] = ["quasi-static", "inertial midpoint"];
 
-/// The exact methods, and the engine's variants beside two of them, over the same axes; and the legend of each.
+/// The exact methods, and the engine's variants beside two of them, over the same axes; and the
+/// legend of each.
 pub fn work_precision(lines: &[&BenchLine], budget: f64) -> ([Panel; 2], [Vec<Entry>; 2]) {
     let is_engine = |method: &str| method.starts_with("rapier");
     let exact = |method: &str| !is_engine(method);
@@ -30,7 +31,7 @@ pub fn work_precision(lines: &[&BenchLine], budget: f64) -> ([Panel; 2], [Vec<En
 }
 
 fn panel(lines: &[&BenchLine], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[f64; 2]]) -> Panel {
-    let mut panel = Panel::new("CPU time (s)", "largest error over the way (1)", Scale::LogLog);
+    let mut panel = Panel::new("CPU time (s)", "largest error / path length (1)", Scale::LogLog);
     panel.curves.push(Curve { columns: Vec::new(), points: room.to_vec(), style: FAILURE, shape: Shape::Unseen });
     for method in METHODS.iter().filter(|method| of(method.name)) {
         let own = || lines.iter().filter(|line| line.method == method.name);
@@ -47,7 +48,8 @@ fn panel(lines: &[&BenchLine], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[
     panel
 }
 
-/// CPU time and error of a setting, the budget and no error where it was too long; `None` of what was never tried.
+/// CPU time and error of a setting, the budget and no error where it was too long; `None` of what
+/// was never tried.
 fn point(line: &BenchLine, budget: f64) -> Option<[f64; 2]> {
     if line.cause.as_ref().is_some_and(|cause| cause.starts_with("left out")) {
         return None;
@@ -107,8 +109,8 @@ fn backend_style(backend: &str) -> Style {
     }
 }
 
-/// Error against CPU time of the settings in one scene (both logarithmic): exact methods, and the engine's variants. What took longer than `budget` (s) is
-/// drawn there.
+/// Error against CPU time of the settings in one scene (both logarithmic): exact methods, and the
+/// engine's variants. What took longer than `budget` (s) is drawn there.
 pub fn work_precision_figure(facts: &SceneFacts, lines: &[BenchLine], budget: f64) -> String {
     let own: Vec<&BenchLine> = lines.iter().filter(|line| line.scene == facts.scene).collect();
     let (panels, legends) = work_precision(&own, budget);

@@ -12,7 +12,8 @@ use crate::studies::bench::figure;
 use crate::studies::bench::page::bench_page;
 use crate::studies::bench::report::Benchmark;
 
-/// Writes `report.html`, the tables, figures, `bench.json` and `manifest.json` to the folder `target`, all or nothing; tables and figures only of what was measured.
+/// Writes `report.html`, the tables, figures, `bench.json` and `manifest.json` to the folder
+/// `target`, all or nothing; tables and figures only of what was measured.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.

@@ -1,4 +1,5 @@
-//! Power laws and lines through costs, by least squares of relative deviations: a cost of a thousand springs is no better known than that of one.
+//! Power laws and lines through costs, by least squares of relative deviations: a cost of a
+//! thousand springs is no better known than that of one.
 
 use serde::Serialize;
 
@@ -27,7 +28,8 @@ pub fn power_law(points: &[[f64; 2]]) -> Option<PowerLaw> {
     Some(PowerLaw { factor: offset.exp(), exponent, exponent_error })
 }
 
-/// Through points of positive ordinates, each with a weight of one over its square; `None` below two different abscissas.
+/// Through points of positive ordinates, each with a weight of one over its square; `None` below
+/// two different abscissas.
 pub fn line(points: &[[f64; 2]]) -> Option<Line> {
     let weighed: Vec<[f64; 3]> = points.iter().map(|[n, y]| [*n, *y, 1.0 / (y * y)]).collect();
     let (offset, slope, slope_error) = weighted(&weighed)?;
@@ -62,7 +64,8 @@ mod tests {
         // Rounding of logarithms.
         assert!((exact.exponent - 1.5).abs() < 1e-13 && (exact.factor / 3e-7 - 1.0).abs() < 1e-12, "{exact:?}");
         assert!(exact.exponent_error.unwrap() < 1e-13);
-        // A tenth up and down in turn: the exponent is off by less than a few standard errors, which are not zero.
+        // A tenth up and down in turn: the exponent is off by less than a few standard errors,
+        // which are not zero.
         let shaken = power_law(&[0, 1, 2, 3, 4, 5, 6].map(|i| [SIZES[i], SIZES[i] * [1.1, 0.9][i % 2]])).unwrap();
         let error = shaken.exponent_error.unwrap();
         assert!(error > 0.005 && error < 0.03 && (shaken.exponent - 1.0).abs() < 3.0 * error, "{shaken:?}");

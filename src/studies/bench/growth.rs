@@ -1,7 +1,8 @@
-//! Cost of a step over the number of held springs and of supports, and of a control tick over the number of ants.
+//! Cost of a step over the number of attached springs and of supports, and of a control tick over
+//! the number of ants.
 //!
-//! Stiffness and weight are shared out among springs and supports, so that loads of all sizes move alike and only the work differs. Every round runs the
-//! same steps from the same start.
+//! Stiffness and weight are shared out among springs and supports, so that loads of all sizes move
+//! alike and only the work differs. Every round runs the same steps from the same start.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +14,7 @@ use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, paper};
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Keep, Simulation};
 
-/// What there is more and more of.
+/// Quantity that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -40,7 +41,8 @@ pub struct GrowthPoint {
 pub struct Fit {
     pub quantity: Quantity,
     pub backend: BackendKind,
-    /// Over sizes from a thirtieth of the largest on, where what does not grow is small; `null` with fewer than two of them.
+    /// Over sizes from a thirtieth of the largest on, where what does not grow is small; `null`
+    /// with fewer than two of them.
     pub power_law: Option<PowerLaw>,
     /// Over all sizes (s, s per one more).
     pub line: Option<Line>,
@@ -115,7 +117,8 @@ fn sizes(largest: usize, is_quick: bool) -> Vec<usize> {
     decades.flat_map(|size| [size, 3 * size]).filter(|size| *size <= largest && !(is_quick && size.to_string().starts_with('3'))).collect()
 }
 
-/// A load of 1.6 g on `n_supports` supports and `n_springs` springs, with weight and stiffness shared out evenly.
+/// A load of 1.6 g on `n_supports` supports and `n_springs` springs, with weight and stiffness
+/// shared out evenly.
 fn dragged(n_springs: usize, n_supports: usize) -> System {
     const RADIUS: f64 = paper::LOAD_RADIUS_M;
     const MASS: f64 = paper::LOAD_MASS_KG;
@@ -145,7 +148,8 @@ fn dragged(n_springs: usize, n_supports: usize) -> System {
     }
 }
 
-/// CPU time a step (s) while all tips go on at 30 mm/s along a bow, after the load has begun to slip.
+/// CPU time a step (s) while all tips go on at 30 mm/s along a bow, after the load has begun to
+/// slip.
 fn drag(system: &System, kind: BackendKind, n_steps: u64) -> f64 {
     const SPEED: f64 = 0.03;
     const PERIOD: f64 = 2.5e-3;

@@ -1,12 +1,13 @@
-//! Floor 4: run time against error. Measures, and prints nothing.
+//! Benchmark: run time against error of every method.
 //!
-//! A run time says something only beside the error that it bought. So every way to move the load runs every scene at several steps or tolerances,
-//! its error is measured against a reference of the same kind (no inertia: a path without inertia, else one with it), and methods are compared at equal
-//! error. Times are CPU times of the thread, in rounds over all methods and settings, so that a busy minute of the machine hits all alike; the least of the
-//! rounds counts, and how far the median lies above it says what the machine was like.
+//! A run time is only meaningful beside the error that was reached. Every method therefore runs
+//! every scene at several steps or tolerances, its error is measured against a reference of the
+//! same kind (no inertia: a path without inertia, else one with it), and methods are compared at
+//! equal error. Times are CPU times of the thread, in rounds over all methods and settings, so that
+//! a busy minute of the machine affects all alike. The shortest time counts; the median shows how
+//! busy the machine was.
 //!
 //! ```text
-//! known.rs        closed-form paths of some scenes
 //! reference.rs    what errors are measured against
 //! standard.rs     the scenes of a benchmark that is asked for no others
 //! scene.rs        a scenario with its references, and the steps and tolerances to try
@@ -18,7 +19,7 @@
 //! fit.rs          power laws and lines through costs
 //! clock.rs        CPU time, least and median
 //! host.rs         the machine
-//! benchmark.rs    all of it in turn, resumable
+//! benchmark.rs    all measurements in turn, resumable
 //! ```
 
 mod benchmark;
@@ -29,7 +30,6 @@ pub mod files;
 mod fit;
 mod growth;
 mod host;
-mod known;
 pub mod page;
 mod problems;
 mod reference;
@@ -46,7 +46,6 @@ pub use equal_error::{EqualError, LEVELS, cheapest, equal_errors};
 pub use fit::{Line, PowerLaw, line, power_law};
 pub use growth::{Fit, Growth, GrowthPoint, Quantity, fits};
 pub use host::Host;
-pub use known::{Known, known};
 pub use problems::{Problem, kkt_residual, problems_of};
 pub use reference::Reference;
 pub use scene::{Level, Scene, SceneFacts};

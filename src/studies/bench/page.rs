@@ -10,7 +10,7 @@ use crate::studies::bench::text::bench_text;
 use crate::studies::bench::{EqualError, SceneFacts};
 use crate::studies::methods::METHODS;
 
-/// The error at which the headline compares methods, over the length of the way (1).
+/// The error at which the headline compares methods, over the path length (1).
 const COMPARED: f64 = 1e-3;
 
 pub fn bench_page(found: &Benchmark, manifest: &Manifest) -> Page {
@@ -39,11 +39,11 @@ fn headline(found: &Benchmark) -> Headline {
     let sentence = match n {
         0 => format!("{settings} were measured."),
         1 => format!(
-            "{settings}: the inertial method reaches an error of 0.1 % of the way {} times as fast as the best rapier variant.",
+            "{settings}: the inertial method reaches an error of 0.1 % of the path length {} times as fast as the best rapier variant.",
             short(most)
         ),
         _ => format!(
-            "{settings}: the inertial method reaches an error of 0.1 % of the way {} to {} times as fast as the best rapier variant, in the {n} scenes where both reach it.",
+            "{settings}: the inertial method reaches an error of 0.1 % of the path length {} to {} times as fast as the best rapier variant, in the {n} scenes where both reach it.",
             short(least),
             short(most)
         ),
@@ -64,7 +64,8 @@ fn headline(found: &Benchmark) -> Headline {
     if found.warnings.is_empty() { headline } else { headline.with(Block::List(found.warnings.clone())) }
 }
 
-/// How many times as fast as the best engine the best setting with inertia is in a scene (1), at the error that is compared.
+/// How many times as fast as the best engine the best setting with inertia is in a scene (1), at
+/// the error that is compared.
 fn sooner(found: &Benchmark, facts: &SceneFacts) -> Option<f64> {
     let of_scene = found.equal_error.iter().filter(|line| line.scene == facts.scene && line.error == COMPARED);
     let ratios = of_scene.filter(|line| line.method.starts_with("inertial")).filter_map(|line| line.over_rapier);
@@ -72,8 +73,11 @@ fn sooner(found: &Benchmark, facts: &SceneFacts) -> Option<f64> {
 }
 
 fn caption(facts: &SceneFacts) -> String {
-    let inertia = facts.inertia_effect_m.map_or(String::new(), |apart| format!("; inertia moves the rim by {}", quantity(apart, "m")));
-    format!("Error against CPU time, a point a setting; way of {}{inertia}. Left and low is better.", quantity(facts.path_length_m, "m"))
+    let inertia = facts.inertia_effect_m.map_or(String::new(), |apart| format!("; inertia effect {}", quantity(apart, "m")));
+    format!(
+        "Error against CPU time, one point per setting; path length {}{inertia}. Left and low is better.",
+        quantity(facts.path_length_m, "m")
+    )
 }
 
 /// Levels of error to the right, methods downwards.
@@ -83,7 +87,7 @@ fn equal_error(facts: &SceneFacts, found: &Benchmark) -> Table {
     levels.sort_by(|a, b| b.total_cmp(a));
     levels.dedup();
     let heads = levels.iter().map(|level| format!("{level:.0e}"));
-    let caption = "CPU time at which an error is reached, over the length of the way; in brackets over the best rapier variant";
+    let caption = "CPU time at which an error is reached, over the path length; in brackets over the best rapier variant";
     let mut table = Table { caption: caption.to_owned(), head: ["method".to_owned()].into_iter().chain(heads).collect(), rows: Vec::new() };
     for method in METHODS.iter().map(|method| method.name).filter(|name| lines.iter().any(|line| line.method == *name)) {
         let cell = |level: &f64| {

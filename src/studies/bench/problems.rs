@@ -1,4 +1,4 @@
-//! Friction problems of a run, and what is left of their conditions in an answer.
+//! Friction problems of a run, and the residual of an answer.
 
 use crate::backend::increment::{in_body_increments, positive_definite};
 use crate::backend::springs::Attachments;
@@ -18,7 +18,8 @@ pub struct Problem {
     pub drive: Vec3,
 }
 
-/// The first problem of each of up to `n` steps, a control period each, of a quasi-static run of the scenario in which some spring is held.
+/// The first problem of each of up to `n` steps, a control period each, of a quasi-static run of
+/// the scenario in which some spring is held.
 pub fn problems_of(scenario: &Scenario, n: usize) -> Vec<Problem> {
     let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
     let mut run = Simulation::new(scenario, &options, Keep::Trace);
@@ -40,11 +41,13 @@ pub fn problems_of(scenario: &Scenario, n: usize) -> Vec<Problem> {
     run.trace().rows.windows(2).filter_map(problem).take(n).collect()
 }
 
-/// Slip over the load's extent (1) below which a support counts as all but sticking: the direction of rounding is nobody's fault.
+/// Slip over the load's extent (1) below which a support counts as sticking: the direction of such
+/// a slip is rounding.
 const LEAST_SLIP: f64 = 1e-9;
 
-/// What is left of the optimality conditions at the increment with these friction resistances (N, load axes), over the forces in them (1): balance, limits,
-/// and that a support that slips is resisted by its limit, along its slip.
+/// What is left of the optimality conditions at the increment with these friction resistances (N,
+/// load axes), over the forces in them (1): balance, limits, and that a support that slips is
+/// resisted by its limit, along its slip.
 pub fn kkt_residual(ground: &Ground, length: f64, problem: &Problem, increment: &Vec3, resistances: &[Vec2]) -> f64 {
     let units = Vec3::new(1.0, 1.0, length);
     let wrench = |offset: &Vec2, force: &Vec2| wrench_of(offset, force).component_div(&units);

@@ -1,29 +1,31 @@
-//! What errors are measured against: a closed form where there is one, else the exact backend of the same kind under error control far tighter than any
-//! setting that is tried.
+//! References that errors are measured against: a closed form where there is one, else the exact
+//! backend of the same kind under error control far tighter than any setting that is tried.
 
-use super::known::known;
 use crate::backend::{BackendKind, BackendOptions, Status, Tolerance};
 use crate::math::Pose;
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, Row, Simulation};
+use crate::studies::known_answers::known;
 
 /// A path at the rows of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     pub poses: Vec<Pose>,
-    /// Where it comes from.
+    /// Where the path comes from.
     pub source: String,
-    /// How far it may be wrong itself, on the load's rim (m).
-    pub own_error: f64,
+    /// Reference error: bound of the edge displacement between this path and the true one (m).
+    pub reference_error: f64,
 }
 
 /// Tolerance of the runs that tell how long the path is, over the load's radius (1).
 const FIRST_TOLERANCE: f64 = 1e-3;
-/// Tolerance of a reference, over the length of the path (1): a hundredth of the tightest that is tried.
+/// Tolerance of a reference, over the length of the path (1): a hundredth of the tightest that is
+/// tried.
 const TOLERANCE: f64 = 1e-9;
 
 impl Reference {
-    /// Of the scenario without inertia or with it; `watch` as in [`Simulation::run`], with the share done (1). `None` when it said to stop.
+    /// Of the scenario without inertia or with it; `watch` as in [`Simulation::run`], with the
+    /// share done (1). `None` when it said to stop.
     ///
     /// # Errors
     /// When a run has no finite answer.
@@ -33,7 +35,7 @@ impl Reference {
             let times = row_times(scenario);
             let poses = times.map(|time| known.at(time)).collect();
             // Some roundings of places in the scene.
-            return Some(Ok(Self { poses, source: format!("closed form: {}", known.formula), own_error: 1e-15 }));
+            return Some(Ok(Self { poses, source: format!("closed form: {}", known.formula), reference_error: 1e-15 }));
         }
         let rough = run(scenario, kind, FIRST_TOLERANCE * load.radius, |share| watch(0.2 * share))?;
         let rough: Vec<Pose> = match rough {
@@ -45,36 +47,31 @@ impl Reference {
         Some(rows.map(|rows| Self {
             poses: rows.iter().map(|row| row.motion.pose).collect(),
             source: format!("{} within {tolerance:.1e} m", kind.name()),
-            own_error:
+            reference_error:
                 rows.iter().filter_map(|row| row.error).map(|error| error.position + load.radius * error.heading).fold(0.0, f64::max),
         }))
     }
 
-    /// Length of the way of the load's rim (m), at most: shift plus radius times turn.
+    /// Path length of the load's edge (m): the sum of edge displacements from row to row.
     pub fn path_length(&self, radius: f64) -> f64 {
         path_length(&self.poses, radius)
     }
 
-    /// How far a point of the load's rim is off in `rows` (m): at most, and at the end.
+    /// Edge displacement between `poses` and the reference: largest and final one (m).
     ///
     /// # Panics
     /// When the rows are not those of the reference.
     pub fn errors(&self, poses: impl ExactSizeIterator<Item = Pose>, radius: f64) -> [f64; 2] {
         assert_eq!(poses.len(), self.poses.len(), "rows at the same ticks");
-        let errors = poses.zip(&self.poses).map(|(pose, known)| rim_distance(&pose, known, radius));
+        let errors = poses.zip(&self.poses).map(|(pose, known)| pose.edge_displacement(known, radius));
         // A maximum that does not lose what is no number.
         errors.fold([0.0, 0.0], |[most, _], error| [if error <= most { most } else { error }, error])
     }
 }
 
-/// How far a point of the load at `radius` (m) from its origin can be apart in two poses (m).
-pub fn rim_distance(one: &Pose, other: &Pose, radius: f64) -> f64 {
-    one.edge_displacement(other, radius)
-}
-
 /// A load that stays where it is has no path: a millionth of its radius stands in.
 fn path_length(poses: &[Pose], radius: f64) -> f64 {
-    let way = poses.windows(2).map(|pair| rim_distance(&pair[1], &pair[0], radius)).fold(0.0, |sum, way| sum + way);
+    let way = poses.windows(2).map(|pair| pair[1].edge_displacement(&pair[0], radius)).fold(0.0, |sum, way| sum + way);
     way.max(1e-6 * radius)
 }
 

@@ -20,7 +20,8 @@ pub struct Benchmark {
     pub rows: Vec<BenchLine>,
     pub equal_error: Vec<EqualError>,
     pub solvers: Vec<SolverLine>,
-    /// Time of clarabel with its data updated over that of the exact solver (1), of the problems in which the load moves; `null` where they were not asked.
+    /// Time of clarabel with its data updated over that of the exact solver (1), of the problems in
+    /// which the load moves; `null` where they were not asked.
     pub clarabel_over_exact: Option<f64>,
     pub growth: Vec<GrowthLine>,
     pub fits: Vec<FitLine>,
@@ -32,7 +33,8 @@ pub struct Noise {
     /// Timed settings, and those of them whose median is too far above the least time.
     pub n_timings: usize,
     pub n_spread: usize,
-    /// What too far is (1), and the share of such timings from which on nothing should be concluded (1).
+    /// What too far is (1), and the share of such timings from which on nothing should be concluded
+    /// (1).
     pub most_spread: f64,
     pub noisy_share: f64,
     pub is_noisy: bool,
@@ -57,7 +59,7 @@ pub struct BenchLine {
     pub n_steps: u64,
     pub n_solves: u64,
     pub n_not_converged: u64,
-    /// Why it is no plain success; empty for one.
+    /// Why the setting did not succeed; empty if it did.
     pub cause: Option<String>,
     pub reference: Option<String>,
     pub reference_error_m: Option<f64>,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::reference::{Reference, rim_distance};
+use super::reference::Reference;
 use crate::backend::{BackendKind, BackendOptions, Tolerance, default_step};
 use crate::math::Twist;
 use crate::model::Load;
@@ -15,7 +15,7 @@ use crate::studies::methods::Method;
 pub enum Level {
     /// (s)
     Step(f64),
-    /// On the load's rim (m).
+    /// Tolerance on the edge displacement (m).
     Tolerance(f64),
 }
 
@@ -29,23 +29,27 @@ impl Level {
     }
 }
 
-/// A scenario whose ticks are as long as the longest step that is tried: prescribed tips do not read them, but rows and steps end there.
+/// A scenario whose ticks are as long as the longest step that is tried: prescribed tips do not
+/// read them, but rows and steps end there.
 pub struct Scene {
     pub name: String,
     pub scenario: Scenario,
 }
 
-/// What is known of a scene before any method is tried.
+/// Properties of a scene and of its references.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneFacts {
     pub scene: String,
-    /// Way of the load's rim in the longer of the references (m): what errors are shares of.
+    /// Path length of the load's edge in the longer of the references (m); errors are divided by
+    /// it.
     pub path_length_m: f64,
     /// Time between two rows (s).
     pub row_period_s: f64,
-    /// How far the references without and with inertia lie apart on the rim, at most (m); `null` where there is only one.
+    /// Inertia effect: largest edge displacement between the references without and with inertia
+    /// (m); `null` where there is only one.
     pub inertia_effect_m: Option<f64>,
-    /// Where the references come from and how far each may be wrong on the rim (m); `null` where there is none without inertia.
+    /// Sources and reference errors of both references (edge displacement, m); `null` where there
+    /// is none without inertia.
     pub quasi_static_reference: Option<String>,
     pub quasi_static_reference_error_m: Option<f64>,
     pub inertial_reference: String,
@@ -77,7 +81,8 @@ impl Scene {
         Self { name: name.into(), scenario: Scenario { control_period, ..scenario.clone() } }
     }
 
-    /// Whether `method` can answer: without inertia a load that starts with a speed has none, and one without springs no path.
+    /// Whether `method` can answer: without inertia a load that starts with a speed has none, and
+    /// one without springs no path.
     pub fn asks(&self, method: &Method) -> bool {
         method.kind.has_inertia() || self.moves_without_inertia()
     }
@@ -86,7 +91,8 @@ impl Scene {
         self.scenario.start.twist == Twist::ZERO && !self.scenario.system.springs.is_empty()
     }
 
-    /// What `method` is tried at, the coarsest first; every second of it if it is to be quick.
+    /// Steps or tolerances at which `method` is tried, the coarsest first; a quick benchmark takes
+    /// every second one.
     pub fn levels(&self, method: &Method, path_length: f64, is_quick: bool) -> Vec<Level> {
         let row = self.scenario.control_period;
         let all: Vec<Level> = if method.is_controlled {
@@ -117,7 +123,7 @@ impl Scene {
         let radius = self.scenario.system.load.radius;
         let References { quasi_static, inertial } = references;
         let apart = |other: &Reference| {
-            let distances = other.poses.iter().zip(&inertial.poses).map(|(one, other)| rim_distance(one, other, radius));
+            let distances = other.poses.iter().zip(&inertial.poses).map(|(one, other)| one.edge_displacement(other, radius));
             distances.fold(0.0, f64::max)
         };
         let lengths = quasi_static.iter().chain([inertial]).map(|reference| reference.path_length(radius));
@@ -127,15 +133,15 @@ impl Scene {
             row_period_s: self.scenario.control_period,
             inertia_effect_m: quasi_static.as_ref().map(apart),
             quasi_static_reference: quasi_static.as_ref().map(|reference| reference.source.clone()),
-            quasi_static_reference_error_m: quasi_static.as_ref().map(|reference| reference.own_error),
+            quasi_static_reference_error_m: quasi_static.as_ref().map(|reference| reference.reference_error),
             inertial_reference: inertial.source.clone(),
-            inertial_reference_error_m: inertial.own_error,
+            inertial_reference_error_m: inertial.reference_error,
         }
     }
 }
 
 impl References {
-    /// What a method of this kind is held against.
+    /// Reference for methods of this kind.
     ///
     /// # Panics
     /// When a load without inertia has no path in the scene.

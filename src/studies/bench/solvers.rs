@@ -102,7 +102,8 @@ impl SolverRow {
     }
 }
 
-/// Solves all problems in turn; `see` gets each with its increment, and its friction resistances if it asks.
+/// Solves all problems in turn; `see` gets each with its increment, and its friction resistances if
+/// it asks.
 fn pass(scenario: &Scenario, solver: Solver, problems: &[Problem], mut see: impl FnMut(&Problem, &Vec3, &dyn Fn() -> Vec<Vec2>)) {
     let (ground, length) = (&scenario.system.ground, scenario.system.load.radius);
     let mut exact = FrictionSolver::new(ground, length);

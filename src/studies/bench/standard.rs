@@ -1,4 +1,5 @@
-//! The scenes of a benchmark that is asked for no others, in the program itself: all analytic ones, and the paper's load with prescribed tips.
+//! The scenes of a benchmark that is asked for no others, in the program itself: all analytic ones,
+//! and the paper's load with prescribed tips.
 
 use super::scene::Scene;
 use crate::scenario::Scenario;

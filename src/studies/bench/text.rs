@@ -1,4 +1,5 @@
-//! A benchmark as text: what each error costs, scene by scene, then solvers, growth and how far the times can be trusted.
+//! A benchmark as text: what each error costs, scene by scene, then solvers, growth and how far the
+//! times can be trusted.
 
 use std::fmt::Write;
 
@@ -20,7 +21,8 @@ pub fn bench_text(found: &Benchmark) -> String {
     text
 }
 
-/// Levels of error to the right, methods downwards; in each cell CPU time and, in brackets, what that is over the best rapier variant.
+/// Levels of error to the right, methods downwards; in each cell CPU time and, in brackets, what
+/// that is over the best rapier variant.
 fn scene_text(facts: &SceneFacts, found: &Benchmark) -> String {
     let lines: Vec<&EqualError> = found.equal_error.iter().filter(|line| line.scene == facts.scene).collect();
     let methods = METHODS.iter().map(|method| method.name).filter(|name| lines.iter().any(|line| line.method == *name));

@@ -9,14 +9,14 @@ use crate::backend::{BackendOptions, Status};
 use crate::simulation::{Keep, Simulation};
 use crate::studies::methods::Method;
 
-/// What came of a setting.
+/// Result of one setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     pub scene: String,
     pub method: String,
     pub level: Level,
     pub ending: Ending,
-    /// How far a point of the load's rim is off at most and at the end (m); `None` without a path.
+    /// Largest and final edge displacement from the reference (m); `None` without a path.
     pub errors_m: Option<[f64; 2]>,
     /// The larger of them over the length of the path (1).
     pub share: Option<f64>,
@@ -52,7 +52,7 @@ impl Row {
         Timing::of(&self.seconds)
     }
 
-    /// Why the setting is no plain success.
+    /// Why the setting did not succeed.
     pub fn cause(&self) -> Option<String> {
         match self.ending {
             Ending::Converged => None,
@@ -63,7 +63,7 @@ impl Row {
         }
     }
 
-    /// Whether it was found out what the setting does.
+    /// Whether the setting ran to its end.
     pub fn is_answered(&self) -> bool {
         !matches!(self.ending, Ending::TooLong(_) | Ending::LeftOut(_))
     }
@@ -88,8 +88,8 @@ impl Row {
         Self::unanswered(scene, method, level, Ending::LeftOut(budget))
     }
 
-    /// Runs the setting once for its error, for `budget` (s) of CPU time at most. `watch` as in [`Simulation::run`], with the share done (1); `None` when it
-    /// said to stop.
+    /// Runs the setting once for its error, for `budget` (s) of CPU time at most. `watch` as in
+    /// [`Simulation::run`], with the share done (1); `None` when it said to stop.
     pub fn measure(
         scene: &Scene,
         method: &Method,

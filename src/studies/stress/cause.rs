@@ -1,7 +1,9 @@
-//! Outcome -> cause: the first of these facts that holds explains it, in words with its numbers. Each names the quantity and the regime.
+//! Outcome -> cause: the first of these facts that holds explains it, in words with its numbers.
+//! Each names the quantity and the regime.
 //!
-//! A fact explains only what it can bring about; the limits stand beside it. What no fact explains is asked for evidence: the same run at an eighth of the step.
-//! If its error falls to half or less, the step is the cause. What is left has no cause.
+//! A fact explains only what it can bring about; the limits stand beside it. What no fact explains
+//! is asked for evidence: the same run at an eighth of the step. If its error falls to half or
+//! less, the step is the cause. What is left has no cause.
 
 use std::fmt::Write;
 
@@ -11,15 +13,20 @@ use crate::model::SupportPoint;
 use crate::scenario::Scenario;
 use crate::studies::methods::Method;
 
-/// Share of the rest length within which the torsional force, which goes with its inverse, is ten times that at rest.
+/// Share of the rest length within which the torsional force, which goes with its inverse, is ten
+/// times that at rest.
 const NEAR_ROOT: f64 = 0.1;
-/// Step in radians of an oscillation beyond which a first-order step damps or lags by 15 % in each radian, and rapier's sweeps couple axes as strongly as the mass.
+/// Step in radians of an oscillation beyond which a first-order step damps or lags by 15 % in each
+/// radian, and rapier's sweeps couple axes as strongly as the mass.
 const UNRESOLVED: f64 = 0.3;
-/// Turn (rad) or way (radii) in one step beyond which a quadratic model of the springs says little.
+/// Turn (rad) or displacement (radii) in one step beyond which a quadratic model of the springs
+/// says little.
 const FAR: f64 = 0.5;
-/// Steps within which a stop is no motion but an event: its place in the step decides more than a tenth of the way.
+/// Steps within which a stop is no motion but an event: its place in the step decides more than a
+/// tenth of the path length.
 const FEW_STEPS: f64 = 10.0;
-/// Moments of inertia over m R^2 beyond which turning and shifting answer to a force so unlike that sweeps from one to the other hardly converge.
+/// Moments of inertia over m R^2 beyond which turning and shifting answer to a force so unlike that
+/// sweeps from one to the other hardly converge.
 const UNLIKE: f64 = 30.0;
 /// Spread of supports over the radius below which friction resists no turning.
 const ONE_POINT: f64 = 1e-6;
@@ -41,7 +48,8 @@ pub struct Facts<'a> {
 impl Facts<'_> {
     /// The cause of `outcome`; `None` when nothing explains it.
     pub fn explain(&self, outcome: Outcome) -> Option<String> {
-        // What follows from the scene alone comes first: where springs at rest are not resolved, all that happens later is no cause but an effect.
+        // What follows from the scene alone comes first: where springs at rest are not resolved,
+        // all that happens later is no cause but an effect.
         let cause = self
             .on_one_point()
             .or_else(|| self.unresolved(step_radians(self.scenario), "at rest"))
@@ -74,8 +82,8 @@ impl Facts<'_> {
         match () {
             _ if turn > FAR => Some(format!("the load turns by {turn:.1e} rad in one step")),
             _ if way > FAR && self.scenario.system.springs.is_empty() => None,
-            _ if way > FAR => Some(format!("the load goes {way:.1e} of its radii in one step")),
-            _ if tip > FAR => Some(format!("a tip goes {tip:.1e} rest lengths in one step")),
+            _ if way > FAR => Some(format!("the load moves by {way:.1e} radii in one step")),
+            _ if tip > FAR => Some(format!("a tip moves by {tip:.1e} rest lengths in one step")),
             _ => None,
         }
     }
@@ -92,7 +100,8 @@ impl Facts<'_> {
         Some(cause)
     }
 
-    /// Step over the time in which the dashpots of all springs take the speed of the load, 2 zeta omega h each.
+    /// Step over the time in which the dashpots of all springs take the speed of the load, 2 zeta
+    /// omega h each.
     fn overdamped(&self) -> Option<String> {
         let system = &self.scenario.system;
         let damping: f64 = system.springs.iter().map(|spring| system.dashpot(spring).0).sum();
@@ -130,7 +139,8 @@ impl Facts<'_> {
         (is_unlike && is_about_sweeps).then(|| format!("mass ratio: the moment of inertia is {share:.1e} m R^2, {whose}"))
     }
 
-    /// f32 holds speeds and places to a ten-millionth of themselves, and a step has to be seen above that.
+    /// f32 holds speeds and places to a ten-millionth of themselves, and a step has to be seen
+    /// above that.
     fn few_digits(&self) -> Option<String> {
         if !self.method.options(1.0).is_single_precision() {
             return None;
@@ -141,7 +151,7 @@ impl Facts<'_> {
         let pull = system.total_slip_limit() + seen.peak_force;
         let speeds = pull * self.scenario.control_period / system.load.mass / (f64::from(f32::EPSILON) * seen.speed);
         match () {
-            _ if digits < LOST_DIGITS => Some(format!("f32: all of the way is {digits:.1e} last digits of places")),
+            _ if digits < LOST_DIGITS => Some(format!("f32: the whole displacement is {digits:.1e} last digits of the positions")),
             _ if speeds < 10.0 * LOST_DIGITS => Some(format!("f32: forces change the speed by {speeds:.1e} last digits in a step")),
             _ => None,
         }

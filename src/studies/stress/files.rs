@@ -14,7 +14,8 @@ use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::table::write_rows;
 
-/// A row of `cells.csv`; empty fields where there is no number. Parameters of unlike maps have unlike names, so those stand beside them.
+/// A row of `cells.csv`; empty fields where there is no number. Parameters of unlike maps have
+/// unlike names, so those stand beside them.
 #[derive(Serialize)]
 struct Line<'a> {
     map: &'a str,
@@ -41,7 +42,8 @@ struct Line<'a> {
     n_iterations: u64,
 }
 
-/// Writes `report.html`, `cells.csv`, a heat map a map as SVG, `summary.json` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes `report.html`, `cells.csv`, a heat map a map as SVG, `summary.json` and `manifest.json`
+/// to the folder `target`, all or nothing.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.

@@ -11,7 +11,8 @@ thread_local! {
 
 static INSTALLED: Once = Once::new();
 
-/// What `work` returns, or the message and place of its panic, which nobody gets to see otherwise. Panics elsewhere stay as loud as they were.
+/// Result of `work`, or the message and place of its panic, which is not printed. Panics of other
+/// threads are printed as usual.
 pub fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     INSTALLED.call_once(|| {
         let others = take_hook();

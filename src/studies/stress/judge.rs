@@ -9,9 +9,9 @@
 //! | `too-long` | the run costs more than its budget of work |
 //! | `energy-from-nowhere` | the defect is positive beyond what rounding and quadrature explain, see [`allowed_defect`] |
 //! | `not-converged` | some step ended above its tolerance, and the backend said so |
-//! | `creep` | the rim of a load that must stick went more than 1e-9 of its radius: what sixteen digits of a minute's steps leave is less |
-//! | `drift` | the load left the axis of a symmetric scene by more than a thousandth of its way: roundings are no way |
-//! | `error` | the end is off by more than a tenth of the way: no digit is right any more |
+//! | `creep` | the edge of a load that must stick moved by more than 1e-9 of its radius; rounding in a minute of steps leaves less |
+//! | `drift` | the load left the axis of a symmetric scene by more than a thousandth of its displacement |
+//! | `error` | the final error exceeds a tenth of the path length: no digit is right |
 //! | `refused` | the scenario breaks a rule of the format |
 //! | `finished` | none of these |
 
@@ -80,13 +80,14 @@ impl Outcome {
     }
 }
 
-/// Way of the rim of a load that must stick, over its radius (1).
+/// Edge displacement of a load that must stick, over its radius (1).
 pub const MOST_CREEP: f64 = 1e-9;
-/// Way across over way along (1).
+/// Displacement across the axis over displacement along it (1).
 pub const MOST_DRIFT: f64 = 1e-3;
-/// Error over way (1).
+/// Error over path length (1).
 pub const MOST_ERROR: f64 = 0.1;
-/// Share of the energy turned over that trapezoids may miss where a step does not resolve the oscillation (1).
+/// Share of the energy turned over that trapezoids may miss where a step does not resolve the
+/// oscillation (1).
 const MOST_QUADRATURE: f64 = 0.01;
 
 /// Numbers and outcome of a run whose error is known or not.
@@ -133,7 +134,7 @@ pub fn step_radians(scenario: &Scenario) -> f64 {
     scenario.system.fastest_rate() * scenario.control_period
 }
 
-/// Energy that went through the books (J).
+/// Energy that was turned over in the ledger (J).
 fn turnover(run: &Run) -> f64 {
     let ledger = &run.ledger;
     ledger.tip_work.abs() + ledger.initial + ledger.dissipated() + run.seen.peak_energy
@@ -141,12 +142,16 @@ fn turnover(run: &Run) -> f64 {
 
 /// Positive defect (J) that rounding and quadrature explain:
 ///
-/// * rounding: every step adds to sums as large as the turnover, and its forces know places to a last digit of the load's and the tips';
-/// * work of the tips, a trapezoid: at most the change of the pull times the way, step by step;
-/// * work on the load, a trapezoid along an oscillation: (omega h)^2 / 12 of what is turned over, and no more than a hundredth where omega h is not small.
-///   Without inertia there is none. Rapier with its engine defaults cuts a step in four, of which its forces are those of the last: omega h in place of its square;
-/// * friction of the midpoint rule, which takes the direction at the end of a step for the way of all of it: a hundredth of its loss, for a slip that turns by
-///   0.35 rad in a step.
+/// * rounding: every step adds to sums as large as the turnover, and its forces know places to a
+///   last digit of the load's and the tips';
+/// * work of the tips, a trapezoid: at most the change of the pull times the displacement, step by
+///   step;
+/// * work on the load, a trapezoid along an oscillation: (omega h)^2 / 12 of what is turned over,
+///   and no more than a hundredth where omega h is not small. Without inertia there is none. Rapier
+///   with its engine defaults cuts a step in four, of which its forces are those of the last: omega
+///   h in place of its square;
+/// * friction of the midpoint rule, which uses the direction at the end of a step for the whole
+///   step: a hundredth of its loss, for a slip that turns by 0.35 rad in a step.
 pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
     let digit = if method.options(1.0).is_single_precision() { f64::from(f32::EPSILON) } else { f64::EPSILON };
     let reach = run.seen.farthest + scenario.system.load.radius;

@@ -82,7 +82,8 @@ impl Map {
     }
 }
 
-/// One cell: a scenario, or why there is none, and what is asked of it. Its control period is the step.
+/// One cell: a scenario, or why there is none, and what is asked of it. Its control period is the
+/// step.
 #[derive(Debug)]
 pub struct Cell {
     pub scenario: Result<Scenario, ScenarioError>,
@@ -104,9 +105,11 @@ pub struct Asked {
 pub enum Answer {
     #[default]
     Unknown,
-    /// Its x (m) without and with inertia, and the way that errors are measured by (m).
+    /// Final x of the load without and with inertia (m), and the length that errors are divided by
+    /// (m).
     Shift { quasi_static: f64, inertial: f64, scale: f64 },
-    /// That of an exact backend with an eighth of the step: quasi-static for itself, midpoint for all with inertia.
+    /// That of an exact backend with an eighth of the step: quasi-static for itself, midpoint for
+    /// all with inertia.
     Finer,
     /// That of the same backend in this scene, `length` (m) here for each metre there.
     Scaled { base: Box<Scenario>, length: f64 },

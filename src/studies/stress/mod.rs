@@ -1,17 +1,21 @@
-//! Floor 4: where numbers break. Maps over two parameters of a scene, far beyond what it is made for, and what each backend makes of every cell.
+//! Stress test: where numbers break. Maps over two parameters of a scene, far beyond what it is
+//! made for, and the result of each backend in every cell.
 //!
-//! A [`Map`] is a grid of two parameters over a base scene and what is known of its answer. Each cell is run on every [`Method`] of the backends, watched at
-//! every step, and ends as one [`Row`]: an [`Outcome`], the cause in words of every one but `finished`, and the numbers that the two rest on. Panics are caught
-//! cell by cell, numbers that are not finite are looked for in all that a backend tells, and whatever has no cause counts as unexplained.
+//! A [`Map`] is a grid of two parameters over a base scene and what is known of its answer. Each
+//! cell is run on every [`Method`] of the backends, observed at every step, and ends as one
+//! [`Row`]: an [`Outcome`], the cause in words of every one but `finished`, and the numbers behind
+//! both. Panics are caught cell by cell, numbers that are not finite are looked for in everything
+//! that a backend reports, and whatever has no cause counts as unexplained.
 //!
-//! All budgets count work and not time, and nothing depends on how cells are spread over threads: a table is the same bit for bit on every run.
+//! All budgets count work and not time, and nothing depends on how cells are spread over threads: a
+//! table is the same bit for bit on every run.
 //!
 //! ```text
 //! map.rs       axes, grids, a cell and what is asked of it
 //! scene.rs     base scenes as scenario files
 //! maps/        the maps, one file a family
 //! guard.rs     panics as results
-//! observer.rs  a backend that is watched at every step
+//! observer.rs  hook that observes a backend at every step
 //! run.rs       one cell on one backend: numbers
 //! judge.rs     numbers -> outcome
 //! cause.rs     outcome -> cause

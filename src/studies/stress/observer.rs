@@ -7,37 +7,42 @@ use crate::backend::{Backend, Hook, Motion, Status, StepReport, Wrapped};
 use crate::math::{Pose, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
-/// What was seen of a run so far.
+/// Extremes and faults of a run so far.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     /// Steps of the scene, each an advance.
     pub n_advances: u64,
     pub report: StepReport,
-    /// The first number without a value, by name, and its step.
+    /// Name of the first number that was not finite, and its step.
     pub not_finite: Option<String>,
     /// The first tip that was not where it was sent.
     pub misplaced: Option<String>,
-    /// Bound of the error of the tips' work (J): sum over steps and springs of the change of the pull times the way of the tip.
+    /// Bound of the error of the tips' work (J): sum over steps and springs of the change of the
+    /// pull times the displacement of the tip.
     pub quadrature: f64,
     /// Largest sum of elastic and kinetic energy (J).
     pub peak_energy: f64,
     /// Largest force of a spring (N).
     pub peak_force: f64,
-    /// Shortest distance of a tip from its root on the way, over the rest length (1); infinite without springs that have one.
+    /// Shortest distance of a tip from its root within a step, over the rest length (1); infinite
+    /// without springs that have one.
     pub shortest: f64,
     /// Largest swing (rad).
     pub swing: f64,
-    /// Some spring's energy was not convex in the place of its tip.
+    /// Whether the energy of some spring was not convex at the position of its tip.
     pub left_convex: bool,
-    /// Fastest oscillation of the load on its held springs as they were, in translation or turning (rad/s).
+    /// Fastest oscillation of the load on its attached springs, in translation or turning (rad/s).
     pub rate: f64,
-    /// Longest way of a tip in one step, over the rest length of its spring or the radius of the load (1).
+    /// Largest displacement of a tip in one step, over the rest length of its spring or the radius
+    /// of the load (1).
     pub tip_way: f64,
-    /// Longest way (over the radius, 1) and turn (rad) of the load in one step, and its largest speed, that of the rim by turning included (m/s).
+    /// Largest displacement (over the radius, 1) and turn (rad) of the load in one step, and
+    /// largest speed of its edge (m/s).
     pub step_way: f64,
     pub step_turn: f64,
     pub speed: f64,
-    /// Longest way from the start along x, across it, of the rim by shift and turn, and of the origin from the world's (m).
+    /// Largest displacements from the start (m): along x, across it, and of the edge; and largest
+    /// distance of the load from the origin of the world (m).
     pub along: f64,
     pub across: f64,
     pub rim: f64,
@@ -115,7 +120,7 @@ impl Observer {
         seen.peak_energy = seen.peak_energy.max(energy.elastic + energy.kinetic);
     }
 
-    /// The first number without a value in all that the backend tells.
+    /// Name of the first number of the backend that is not finite.
     fn not_finite(&self, inside: &dyn Backend, report: &StepReport) -> Option<String> {
         let Motion { pose, twist } = inside.motion();
         let energy = inside.energy();
@@ -145,13 +150,13 @@ impl Observer {
         let error = inside.pose_error().filter(|error| !(error.position.is_finite() && error.heading.is_finite()));
         single
             .or_else(|| of_tips(self.pulls(inside), "force on tip"))
-            .or_else(|| of_tips(self.tips(inside).into_iter().flatten().collect(), "place of held tip"))
+            .or_else(|| of_tips(self.tips(inside).into_iter().flatten().collect(), "position of attached tip"))
             .or_else(|| of_tips(inside.friction_forces(), "friction force on support"))
             .or_else(|| error.map(|_| "error of the pose".to_owned()))
     }
 }
 
-/// Shortest distance from zero of the way from `a` to `b`.
+/// Distance of the segment from `a` to `b` from the origin.
 fn closest(a: &Vec2, b: &Vec2) -> f64 {
     let way = b - a;
     let share = if way.norm_squared() > 0.0 { (-a.dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };

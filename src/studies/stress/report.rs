@@ -101,7 +101,8 @@ fn counts<'a>(rows: impl Iterator<Item = &'a Row>) -> Counts {
     counts
 }
 
-/// Numbers of outcomes, a table a map and one over all, then what must not be, then whether all holds.
+/// Numbers of outcomes, a table a map and one over all, then what must not be, then whether all
+/// holds.
 pub fn stress_text(found: &Stress) -> String {
     let mut text = String::new();
     for map in &found.maps {

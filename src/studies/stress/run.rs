@@ -1,4 +1,4 @@
-//! One cell on one backend: what came out, as numbers.
+//! One run of a cell on one method, and its numbers.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -13,7 +13,8 @@ use crate::scenario::Scenario;
 use crate::simulation::{Keep, Make, Simulation, driver_of};
 use crate::studies::methods::Method;
 
-/// Steps times joints that a run may cost: seconds. Counted before it starts, so that the same cells are too long everywhere.
+/// Steps times joints that a run may cost: seconds. Counted before it starts, so that the same
+/// cells are too long everywhere.
 const MOST_WORK: f64 = 2e5;
 /// The same for a run at an eighth of the step.
 const MOST_FINER_WORK: f64 = 4e5;
@@ -30,11 +31,12 @@ pub struct Run {
     pub ledger: crate::backend::EnergyLedger,
     /// Spent more than its budget of iterations.
     pub is_cut: bool,
-    /// What does not add up besides numbers: clock or steps.
+    /// Fault of the clock or of the tips.
     pub lost: Option<String>,
 }
 
-/// Numbers of a cell; `None` where there is none, or where one has no finite value, which is an outcome of its own.
+/// Numbers of a cell; `None` where there is none, or where one has no finite value, which is an
+/// outcome of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Numbers {
     /// Largest of all steps (1).
@@ -44,11 +46,11 @@ pub struct Numbers {
     /// Energy that appeared from nowhere (J), and over all that was turned over (1).
     pub defect_j: Option<f64>,
     pub defect_share: Option<f64>,
-    /// Longest way of the rim where nothing may move, over the radius of the load (1).
+    /// Largest edge displacement where nothing may move, over the radius of the load (1).
     pub creep_radii: Option<f64>,
-    /// Longest way out of the axis of a symmetric scene, over the way along it (1).
+    /// Largest displacement across the axis of a symmetric scene, over that along it (1).
     pub drift_share: Option<f64>,
-    /// Distance of the rim from the known answer, over its way (1).
+    /// Edge displacement from the known answer, over the path length (1).
     pub error_share: Option<f64>,
     /// Step in radians of the fastest oscillation (1).
     pub step_radians: Option<f64>,
@@ -80,7 +82,7 @@ pub fn run(scenario: &Scenario, method: Method, make: &Make) -> Result<Run, Stri
     run_at(scenario, method, scenario.control_period, make)
 }
 
-/// The same at an eighth of the step; `None` where that is beyond the budget or has no whole answer.
+/// The run at an eighth of the step; `None` where that exceeds the budget or fails.
 pub fn finer(scenario: &Scenario, method: Method, make: &Make) -> Option<Run> {
     if FINER * work(scenario) > MOST_FINER_WORK {
         return None;
@@ -108,7 +110,8 @@ fn run_at(scenario: &Scenario, method: Method, step: f64, make: &Make) -> Result
     })
 }
 
-/// What the answer of a cell is measured against: a reference run, if it needs one and that can be trusted.
+/// What the answer of a cell is measured against: a reference run, if it needs one and that can be
+/// trusted.
 pub fn reference(scenario: &Scenario, answer: &Answer, method: Method, make: &Make) -> Option<Run> {
     // The same scene in other units has the same sweeps, whether they converge or not.
     let (found, worst) = match answer {
@@ -119,7 +122,7 @@ pub fn reference(scenario: &Scenario, answer: &Answer, method: Method, make: &Ma
     (found.seen.report.status <= worst && found.seen.not_finite.is_none()).then_some(found)
 }
 
-/// Distance of the rim from the known answer over its way (1); `None` where nothing is known.
+/// Edge displacement from the known answer over the path length (1); `None` where nothing is known.
 pub fn error(scenario: &Scenario, answer: &Answer, method: Method, run: &Run, reference: Option<&Run>) -> Option<f64> {
     let radius = scenario.system.load.radius;
     let pose = &run.end.pose;
@@ -134,7 +137,7 @@ pub fn error(scenario: &Scenario, answer: &Answer, method: Method, run: &Run, re
             let unit = if let Answer::Scaled { length, .. } = answer { *length } else { 1.0 };
             let shift = (pose.position - unit * reference.end.pose.position).norm();
             let turn = radius * (pose.heading - reference.end.pose.heading).abs();
-            // Of a load that stays, a billionth of its radius counts as a way.
+            // For a load that stays, a billionth of its radius counts as path length.
             (shift + turn) / (unit * reference.seen.rim).max(1e-9 * radius)
         }
     };

@@ -24,7 +24,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The paper's load at rest on three supports, one of them ahead on the x axis, without springs; `n_steps` of `step` (s).
+    /// The paper's load at rest on three supports, one of them ahead on the x axis, without
+    /// springs; `n_steps` of `step` (s).
     pub fn paper(step: f64, n_steps: u32) -> Self {
         Self {
             load: load(MASS),
@@ -86,7 +87,8 @@ pub fn load(mass: f64) -> LoadEntry {
     }
 }
 
-/// `n` supports on a circle of `radius` (m), the first on the x axis, that share `total` (N) of normal load.
+/// `n` supports on a circle of `radius` (m), the first on the x axis, that share `total` (N) of
+/// normal load.
 pub fn ring(n: usize, radius: f64, total: f64) -> Vec<SupportEntry> {
     (0..n).map(|i| support(radius * direction(TAU * i as f64 / n as f64), total / n as f64)).collect()
 }
@@ -95,7 +97,7 @@ pub fn support(offset: Vec2, normal_load: f64) -> SupportEntry {
     SupportEntry { offset_m: offset.into(), normal_load_n: Some(normal_load) }
 }
 
-/// The paper's spring, at `bearing` (rad) on the rim.
+/// The paper's spring, at `bearing` (rad) on the edge of the load.
 pub fn spring(bearing: f64) -> SpringEntry {
     SpringEntry {
         root_m: (LOAD_RADIUS * direction(bearing)).into(),
@@ -107,7 +109,7 @@ pub fn spring(bearing: f64) -> SpringEntry {
     }
 }
 
-/// The same with `stiffness` (N/m) along itself, and across in the paper's proportion.
+/// The paper's spring with `stiffness` (N/m) along itself, and across in the paper's proportion.
 pub fn stiff_spring(bearing: f64, stiffness: f64) -> SpringEntry {
     let factor = stiffness / RADIAL;
     SpringEntry { radial_stiffness_n_per_m: stiffness, torsional_stiffness_nm_per_rad: factor * TORSIONAL, ..spring(bearing) }

@@ -11,8 +11,8 @@ use super::error::SweepError;
 use super::plan::Plan;
 use crate::studies::runner;
 
-/// Builds the scenario of every point of these cells and forgets it again, so that one that breaks a rule is known before anything runs. No more of them are built once
-/// `go_on` says no.
+/// Builds the scenario of every point of these cells and forgets it again, so that one that breaks
+/// a rule is known before anything runs. No more of them are built once `go_on` says no.
 ///
 /// # Errors
 /// With the first point that breaks a rule.

@@ -1,4 +1,4 @@
-//! A question, the ways to move the load that it is put to, and the bounds of their answers.
+//! A question, the methods that it is put to, and the bounds of their answers.
 
 use serde::{Deserialize, Serialize};
 
@@ -38,7 +38,7 @@ pub enum Family {
     Peers,
 }
 
-/// Steps or tolerances at which a way to move the load is tried, and what its errors should be.
+/// Steps or tolerances at which a method is tried, and what its errors should be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub method: Method,
@@ -56,7 +56,8 @@ pub struct Plan {
 pub enum Levels {
     /// Steps of at most this length (s), successively halved.
     Steps(f64),
-    /// Tolerances on the rim of this load, of a millimetre and on, each a tenth of the one before.
+    /// Tolerances on the edge displacement of this load, from a millimetre on, each a tenth of the
+    /// one before.
     Tolerances(Load),
 }
 
@@ -66,7 +67,8 @@ pub enum Levels {
 pub enum Expected {
     /// With this power of the step; measured between successive steps.
     Order(f64),
-    /// Anyhow, but within a bound that falls with this power: where an event lies within its step decides the rest.
+    /// Anyhow, but within a bound that falls with this power: where an event lies within its step
+    /// decides the rest.
     Within(f64),
     /// There is no error but rounding.
     Exact,
@@ -121,7 +123,8 @@ const LOOSEST: f64 = 1e-3;
 const N_TOLERANCES: usize = 6;
 
 impl Plan {
-    /// A method of first order, extrapolated: within `bound` at the longest step, and within `limit` in the limit of small ones.
+    /// A method of first order, extrapolated: within `bound` at the longest step, and within
+    /// `limit` in the limit of small ones.
     pub fn first_order(method: Method, step_s: f64, n_levels: usize, bound: Bound, limit: Bound) -> Self {
         Self { method, levels: Levels::Steps(step_s), n_levels, expected: Expected::Order(1.0), bound, limit: Some(limit) }
     }
@@ -139,8 +142,9 @@ impl Plan {
         Self { method, levels: Levels::Steps(step_s), n_levels, expected: Expected::Exact, bound, limit: None }
     }
 
-    /// Under error control, within what is asked for: a shift of the tolerance, and a turn that moves the rim of `load` as far; ratios as exactly as
-    /// turns. Bounds are of the same units as `errors`.
+    /// Under error control, within what is asked for: a shift of the tolerance, and a turn that
+    /// moves the edge of `load` as far; ratios as exactly as turns. Bounds are of the same units as
+    /// `errors`.
     pub fn controlled(method: Method, load: &Load, errors: &Errors) -> Self {
         let turn = LOOSEST / load.radius;
         let errors = Errors {
@@ -153,7 +157,8 @@ impl Plan {
         Self { method, levels, n_levels: N_TOLERANCES, expected: Expected::Within(1.0), bound, limit: None }
     }
 
-    /// Options of the runs, the least exact ones first: without the shortest step, or with every second tolerance, if it is to be quick.
+    /// Options of the runs, the least exact ones first: without the shortest step, or with every
+    /// second tolerance, if it is to be quick.
     pub fn options(&self, is_quick: bool) -> Vec<BackendOptions> {
         let levels = 0..self.n_levels as i32;
         match self.levels {
@@ -169,7 +174,8 @@ impl Plan {
         }
     }
 
-    /// What an error may be over the bound at the least exact level, where it falls in proportion with the level (1).
+    /// What an error may be over the bound at the least exact level, where it falls in proportion
+    /// with the level (1).
     pub fn share(&self, options: &BackendOptions) -> f64 {
         match (self.levels, &options.tolerance) {
             (Levels::Steps(longest), _) => options.step_s / longest,

@@ -44,8 +44,8 @@ fn style(method: Method) -> Style {
     styles.into_iter().find(|(known, _)| *known == method).map_or(Style::of_pair(1), |(_, style)| style)
 }
 
-/// Error of a verification against the step (both logarithmic): a panel a family of cases, a curve a case and backend. Angles count by the
-/// displacement of a support.
+/// Error of a verification against the step (both logarithmic): a panel a family of cases, a curve
+/// a case and backend. Angles count by the displacement of a support.
 pub fn convergence(rows: &[Row]) -> String {
     let (panels, legend) = panels(rows);
     grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)

@@ -1,7 +1,8 @@
 //! Which wrenches three supports hold, and about which point the load turns just above the limit.
 //!
-//! Each critical wrench is found by bisection between a share of it that leaves the load at rest and one that moves it: a load that gives way a hair too early,
-//! or holds a hair too long, shows by as much. Supports lie at a from the centre, the sum of their slip limits is f.
+//! Each critical wrench is found by bisection between a share of it that leaves the load at rest
+//! and one that moves it: a load that moves slightly too early, or holds a hair too long, shows by
+//! as much. Supports lie at a from the centre, the sum of their slip limits is f.
 
 use std::f64::consts::TAU;
 
@@ -16,11 +17,13 @@ use crate::studies::methods::Method;
 /// Arm b / a of a spring of the paper at its tip.
 pub const TIP_ARM: f64 = (LOAD_RADIUS + REST_LENGTH) / SUPPORT_RADIUS;
 
-/// A support toward the pull: b / a, F* / f = a (b + a) / (b^2 + a b + a^2), h / a = a (2 b + a) / (b (b + 2 a)). Found by search and proved on paper.
+/// A support toward the pull: b / a, F* / f = a (b + a) / (b^2 + a b + a^2), h / a = a (2 b + a) /
+/// (b (b + 2 a)). Found by search and proved on paper.
 pub const TOWARD: [(f64, f64, f64); 4] =
     [(0.5, 6.0 / 7.0, 1.6), (1.0, 2.0 / 3.0, 1.0), (2.0, 3.0 / 7.0, 0.625), (TIP_ARM, 0.203748281734, 0.328390943607)];
 
-/// Beyond the arms at which a support on the far side is the centre of rotation: b / a, F* / f and h / a, found by search.
+/// Beyond the arms at which a support on the far side is the centre of rotation: b / a, F* / f and
+/// h / a, found by search.
 pub const AWAY: (f64, f64, f64) = (TIP_ARM, 0.199942252731, 0.65435334281);
 
 /// A wrench on the load, in its axes: force over f, torque over f a.
@@ -35,7 +38,7 @@ pub fn cases() -> Vec<Case> {
         critical("limit-force", "force through the centre that moves the load, in 12 directions", "f in any direction", forces()),
         critical(
             "limit-torque",
-            "torque that turns the load, both ways",
+            "torque that turns the load, in both senses",
             "f a",
             [1.0, -1.0].map(|torque| Wrench { force: Vec2::zeros(), torque }).to_vec(),
         ),
@@ -71,15 +74,16 @@ fn forces() -> Vec<Wrench> {
     (0..12).map(|i| Wrench { force: direction(TAU * f64::from(i) / 12.0 + 0.01), torque: 0.0 }).collect()
 }
 
-/// Each support is the centre of rotation for a disc of wrenches: its own force is free up to f / 3, the others' is tangential. Six flat discs, for three
-/// supports and two senses.
+/// Each support is the centre of rotation for a disc of wrenches: its own force is free up to f /
+/// 3, the others' is tangential. Six flat discs, for three supports and two senses.
 fn facets() -> Vec<Wrench> {
     let third = 1.0 / 3f64.sqrt();
     let in_disc = [(0.0, 0.0), (0.5, 1.0), (0.99, 2.5), (0.99, 4.0), (0.999, 5.5)];
     let on_facet = move |support: i32, sense: f64| {
         in_disc.map(|(share, angle)| {
             let own: Vec2 = share / 3.0 * direction(angle);
-            // Support 0 on the y axis, counter-clockwise; the mirror at x = 0 turns the sense, a third of a turn names the next support.
+            // Support 0 on the y axis, counter-clockwise; the mirror at x = 0 turns the sense, a
+            // third of a turn names the next support.
             let force = rotation(TAU * f64::from(support) / 3.0) * Vec2::new(sense * (third + own.x), own.y);
             Wrench { force, torque: sense * (third - own.x) }
         })
@@ -127,7 +131,8 @@ fn pulled(wrench: &Wrench, share: f64, start: Pose, options: &BackendOptions, re
     run.motion().pose
 }
 
-/// Where on the load (m, load axes) springs pull with which forces (N) to make up `wrench`: one on its line of action, or two that are a couple.
+/// Where on the load (m, load axes) springs pull with which forces (N) to make up `wrench`: one on
+/// its line of action, or two that are a couple.
 fn pulls(wrench: &Wrench) -> Vec<(Vec2, Vec2)> {
     let force = SLIP_LIMIT * wrench.force;
     if wrench.force == Vec2::zeros() {
@@ -141,7 +146,8 @@ fn pulls(wrench: &Wrench) -> Vec<(Vec2, Vec2)> {
 
 /// Distance of the centre of rotation from the load's, just above the critical force.
 fn centre() -> Case {
-    // A millionth above the limit the direction of the motion is off by about as much; rounding of places over it by less.
+    // A millionth above the limit the direction of the motion is off by about as much; rounding of
+    // places over it by less.
     let bound = Bound::metres(3e-5 * SUPPORT_RADIUS, "a force a millionth above the limit turns the motion by some millionths");
     let known = TOWARD.into_iter().chain([(-1.0, 1.0 / 3f64.sqrt(), 1.0), (-AWAY.0, AWAY.1, AWAY.2)]);
     let known: Vec<(f64, f64, f64)> = known.collect();

@@ -1,5 +1,5 @@
-//! As the mass goes to zero at fixed friction, the dynamics becomes the method without inertia: as the square root of the mass where the load starts to slip,
-//! with the mass itself at the end.
+//! As the mass goes to zero at fixed friction, the dynamics becomes the method without inertia: as
+//! the square root of the mass where the load starts to slip, with the mass itself at the end.
 
 use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
@@ -12,7 +12,8 @@ pub fn cases() -> Vec<Case> {
     vec![at_the_end(), at_the_onset()]
 }
 
-/// Where the load only follows, inertia is a force of the mass times its acceleration: the first power.
+/// Where the load only follows, inertia is a force of the mass times its acceleration: the first
+/// power.
 fn at_the_end() -> Case {
     let run = |options: &BackendOptions| power(options, [2.5e-5, 6.25e-6], 1.0, 1.0, |gaps| gaps.last().copied().unwrap_or(f64::NAN));
     Case {
@@ -48,7 +49,8 @@ fn plans(methods: &[Method], step_s: f64, bound: f64, reason: &str) -> Vec<Plan>
     methods.iter().map(|method| Plan::within(0.0, *method, step_s, 1, Bound::ratio(bound, reason))).collect()
 }
 
-/// Power of the mass between two masses, with which `size` of the gaps on the way shrinks; both methods at the same step.
+/// Power of the mass between two masses, with which `size` of the gaps along the path shrinks; both
+/// methods at the same step.
 fn power(options: &BackendOptions, masses: [f64; 2], duration: f64, known: f64, size: impl Fn(&[f64]) -> f64) -> Measured {
     let (still, mut report) = path_of(MASS, &Method::QUASI_STATIC.options(options.step_s), duration);
     let [heavy, light] = masses.map(|mass| {

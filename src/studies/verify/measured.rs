@@ -10,7 +10,8 @@ use crate::backend::StepReport;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     pub values: Vec<Value>,
-    /// Length (m) by which errors in angles are made comparable with those in lengths: that of the load's supports from its centre.
+    /// Length (m) by which errors in angles are made comparable with those in lengths: that of the
+    /// load's supports from its centre.
     pub arm: f64,
     /// Endings of all steps behind the values.
     pub report: StepReport,
@@ -67,14 +68,16 @@ impl Measured {
     pub fn errors(&self) -> Errors {
         let largest = |unit| {
             let errors = self.values.iter().filter(|value| value.unit == unit).map(|value| (value.found - value.known).abs());
-            // A value that is not finite must not lose against one that is, as it would in `f64::max`.
+            // A value that is not finite must not lose against one that is, as it would in
+            // `f64::max`.
             errors.reduce(|one, other| if one >= other || one.is_nan() { one } else { other })
         };
         Errors { metres: largest(Unit::Metres), radians: largest(Unit::Radians), ratio: largest(Unit::One) }
     }
 }
 
-/// The answers at step zero from those at a step, its half, its quarter ... Endings are those of all runs.
+/// The answers at step zero from those at a step, its half, its quarter ... Endings are those of
+/// all runs.
 ///
 /// # Panics
 /// When there are no answers, or they are of different cases.
@@ -89,8 +92,8 @@ pub fn limit_of(answers: &[Measured]) -> Measured {
     limit
 }
 
-/// The value at step zero from values at a step, its half, its quarter ... (Romberg's table), where errors are a series in whole powers
-/// of the step.
+/// The value at step zero from values at a step, its half, its quarter ... (Romberg's table), where
+/// errors are a series in whole powers of the step.
 ///
 /// # Panics
 /// When there are no values.
@@ -119,7 +122,8 @@ impl Errors {
         Errors { metres: self.metres.map(&change), radians: self.radians.map(&change), ratio: self.ratio.map(&change) }
     }
 
-    /// Whether there is a bound for every error, and none above it. What is not finite is within no bound.
+    /// Whether there is a bound for every error, and none above it. What is not finite is within no
+    /// bound.
     pub fn within(&self, bounds: &Errors) -> bool {
         self.entries().into_iter().zip(bounds.entries()).all(|pair| match pair {
             (None, _) => true,
@@ -132,7 +136,8 @@ impl Errors {
         self.entries().into_iter().flatten().all(f64::is_finite)
     }
 
-    /// One number for all (m), with angles times `arm` (m): what a point of the load may be off by. Of ratios where there is nothing else.
+    /// One number for all (m), with angles times `arm` (m): what a point of the load may be off by.
+    /// Of ratios where there is nothing else.
     pub fn size(&self, arm: f64) -> Option<f64> {
         match (self.metres, self.radians) {
             (None, None) => self.ratio,

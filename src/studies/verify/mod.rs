@@ -1,10 +1,14 @@
-//! Floor 4: code verification by known answers: questions whose answers are known from theory, put to every backend that can answer them.
+//! Code verification: questions whose answers are known from theory, put to every backend that can
+//! answer them.
 //!
-//! A [`Case`] is one question: a scene, what is measured in it, and the known answer with its source. Its [`Plan`]s say which ways to move the load it is
-//! put to, at which steps, how the error should fall with the step, and within which bounds. A [`Row`] is what came out at one step, and whether it holds.
+//! A [`Case`] is one question: a scene, what is measured in it, and the known answer with its
+//! source. Its [`Plan`]s say which methods it is put to, at which steps, how the error should fall
+//! with the step, and within which bounds. A [`Row`] is what came out at one step, and whether it
+//! holds.
 //!
-//! Errors fall with the step as the method promises, or the case misses: a wrong answer, a wrong order and a floor under the error all show, each in
-//! its own way. First-order methods are extrapolated over their halved steps as well, which meets the known answers to nine digits and more.
+//! Errors fall with the step as the method promises, or the case misses: a wrong answer, a wrong
+//! order and a floor under the error are all visible. First-order methods are extrapolated over
+//! their halved steps as well, which meets the known answers to nine digits and more.
 //!
 //! ```text
 //! case.rs        a question, its plans and bounds
@@ -40,7 +44,8 @@ pub use measured::{Errors, Measured, Unit, Value, extrapolated};
 pub use row::{Outcome, Row, RowKind};
 pub use suite::{Effort, tasks};
 
-/// All cases, in the order of their families. Where a pose is the answer, an exact backend under error control is asked for it as well.
+/// All cases, in the order of their families. Where a pose is the answer, an exact backend under
+/// error control is asked for it as well.
 pub fn all() -> Vec<Case> {
     let families = [
         slide::cases,
@@ -59,8 +64,8 @@ pub fn all() -> Vec<Case> {
     cases
 }
 
-/// Plans under error control beside those of the same backends at steps. A tolerance is one of poses: cases that measure lengths of decay, powers,
-/// amplitudes and rests are left out.
+/// Plans under error control beside those of the same backends at steps. A tolerance is one of
+/// poses: cases that measure lengths of decay, powers, amplitudes and rests are left out.
 fn add_controlled(case: &mut Case) {
     let load = match case.family {
         Family::Slide | Family::Tripod | Family::Pull | Family::Release | Family::Reference => scenes::paper_system(Vec::new()).load,

@@ -1,7 +1,8 @@
-//! The scenes on which engines are compared, at their step of 1 ms and below: a disc of 38.5 mm and 1.6 g on three supports at 20 mm.
+//! The scenes on which engines are compared, at their step of 1 ms and below: a disc of 38.5 mm and
+//! 1.6 g on three supports at 20 mm.
 //!
-//! An engine without a model error is off by its step over the stopping time in a slide, 6.75 % at 1 ms, and that vanishes with the step. What does not is
-//! the engine's own.
+//! In a slide, the error of an engine without a model error is its step over the stopping time,
+//! 6.75 % at 1 ms, and that vanishes with the step. What does not is the engine's own.
 
 use super::case::{Bound, Case, Expected, Family, Plan};
 use super::measured::{Measured, Value};
@@ -10,6 +11,7 @@ use super::scenes::{
 };
 use crate::backend::{Backend, BackendKind, BackendOptions, Motion, StepReport, build};
 use crate::math::{Pose, Twist, Vec2};
+use crate::studies::known_answers::{pulled_after_onset, slide_distance};
 use crate::studies::methods::Method;
 
 /// Supports from the centre (m).
@@ -33,7 +35,7 @@ fn peer(name: &str, what: &str, source: &str, run: impl Fn(&BackendOptions) -> M
 
 /// v0^2 / (2 mu g) (m).
 fn slide_way() -> f64 {
-    SPEED * SPEED / (2.0 * MU * GRAVITY)
+    slide_distance(SPEED, MU * GRAVITY)
 }
 
 fn slide() -> Case {
@@ -48,7 +50,7 @@ fn slide() -> Case {
         "the place of the stop within a step leaves a h^2 / 8, up to four times over",
     );
     let midpoint = Bound::metres(1.3e-3 * way, "0.13 %: the step in which it stops");
-    peer("peers-slide", "way of a slide at 0.2 m/s", "v0^2 / (2 mu g)", run, stop_plans(first, limit, Expected::Within(2.0), midpoint))
+    peer("peers-slide", "length of a slide at 0.2 m/s", "v0^2 / (2 mu g)", run, stop_plans(first, limit, Expected::Within(2.0), midpoint))
 }
 
 fn spin() -> Case {
@@ -72,7 +74,8 @@ fn spin() -> Case {
     )
 }
 
-/// At 0.2 m/s and 10 rad/s the first support starts at rest, and stays: it holds 4.4 mN of its 7.3 mN at the start. The load turns about it.
+/// At 0.2 m/s and 10 rad/s the first support starts at rest, and stays: it holds 4.4 mN of its 7.3
+/// mN at the start. The load turns about it.
 fn slide_and_spin() -> Case {
     let load = peers_system(Vec::new()).load;
     let angle = SLOW_SPIN * SLOW_SPIN * (load.inertia + MASS * ARM * ARM) * 3f64.sqrt() / (4.0 * SLIP_LIMIT * ARM);
@@ -98,7 +101,8 @@ fn slide_and_spin() -> Case {
     )
 }
 
-/// Euler and the engine are first order without a floor; midpoint is within what an exact cone step is known for.
+/// Euler and the engine are first order without a floor; midpoint is within what an exact cone step
+/// is known for.
 fn stop_plans(first: Bound, limit: Bound, expected: Expected, midpoint: Bound) -> Vec<Plan> {
     let first_order = |method| Plan::first_order(method, 1e-3, 5, first.clone(), limit.clone());
     vec![
@@ -119,8 +123,7 @@ fn coasted(start: Motion, options: &BackendOptions) -> (Pose, StepReport) {
 /// Place at the end (m) less what it lags behind the tip without inertia.
 fn pulled_exactly(kind: BackendKind, duration: f64) -> f64 {
     let since = duration - SLIP_STRETCH / PULL;
-    let ripple = if kind.has_inertia() { PULL / natural_rate() * (natural_rate() * since).sin() } else { 0.0 };
-    PULL * since - ripple
+    if kind.has_inertia() { pulled_after_onset(PULL, natural_rate(), since) } else { PULL * since }
 }
 
 fn pull() -> Case {
@@ -144,7 +147,8 @@ fn pull() -> Case {
     peer("peers-pull", "place after 20 s of pull at 5 mm/s", source, run, plans)
 }
 
-/// Amplitude of the ripple in the last period over v / omega: one is right, less is numerical damping, more is stick-slip that is not there.
+/// Amplitude of the ripple in the last period over v / omega: one is right, less is numerical
+/// damping, more is stick-slip that is not there.
 fn ripple() -> Case {
     let run = |options: &BackendOptions| {
         let mut run = pulled_load(options);
@@ -182,7 +186,8 @@ fn pulled_load(options: &BackendOptions) -> Box<dyn Backend> {
     run
 }
 
-/// A minute at 0.9 of the limit, turned and away from the origin, through the centre and at the rim of the paper's load.
+/// A minute at 0.9 of the limit, turned and away from the origin, through the centre and at the
+/// edge of the paper's load.
 fn creep() -> Case {
     let run = |options: &BackendOptions| {
         let mut report = StepReport::default();
@@ -192,7 +197,7 @@ fn creep() -> Case {
     let rest = Bound::metres(1e-9, "1 nm: friction that sticks does not creep");
     let plan = |method| Plan::exact(method, 1e-3, 1, rest.clone());
     let plans = Method::all_judged().map(plan).chain([Plan::shown(Method::RAPIER_ENGINE_DEFAULTS, 1e-3, 1)]);
-    peer("peers-creep", "way in 60 s at 0.9 of the limit", "0: below the limit nothing moves", run, plans.collect())
+    peer("peers-creep", "displacement in 60 s at 0.9 of the limit", "0: below the limit nothing moves", run, plans.collect())
 }
 
 fn way_in_a_minute(arm: f64, options: &BackendOptions, report: &mut StepReport) -> f64 {

@@ -1,7 +1,8 @@
 //! One spring through the centre whose tip leaves at a constant speed: rest, onset, slip, hold.
 //!
-//! Without inertia x = v t - f / k from t = f / (k v) on, the play operator, exact at its nodes however coarse. With inertia x = v tau - (v / omega) sin omega tau from
-//! the onset on: the load touches rest every period but does not stay.
+//! Without inertia x = v t - f / k from t = f / (k v) on, the play operator, exact at its nodes
+//! however coarse. With inertia x = v tau - (v / omega) sin omega tau from the onset on: the load
+//! touches rest every period but does not stay.
 
 use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
@@ -10,11 +11,13 @@ use crate::backend::{Backend, BackendOptions, StepReport, build};
 use crate::math::Vec2;
 use crate::studies::methods::Method;
 
-/// Speed of the tip (m/s), onset of slip (s) and v / omega (m), printed with nine and eleven digits.
+/// Speed of the tip (m/s), onset of slip (s) and v / omega (m), printed with nine and eleven
+/// digits.
 pub const PULLS: [(f64, f64, f64); 3] =
     [(0.005, 6.61879518, 0.24544034684e-3), (0.02, 1.65469880, 0.98176138735e-3), (0.08, 0.41367469880, 3.92704554939e-3)];
 
-/// With the tip held after 0.5 s at 80 mm/s: x at the hold and at the end (m), with inertia, and x (m) without.
+/// With the tip held after 0.5 s at 80 mm/s: x at the hold and at the end (m), with inertia, and x
+/// (m) without.
 pub const HOLD: (f64, f64, f64) = (3.04801451521e-3, 1.2955923139613e-2, 6.90602409639e-3);
 /// dx/dt at the hold (m/s).
 pub const HOLD_SPEED: f64 = 0.0949345659362;
@@ -64,7 +67,8 @@ fn ripple(speed: f64, phase: f64) -> Case {
     }
 }
 
-/// Slip with a dashpot beside the spring: it begins at k s + c v = f, and the stretch less f / k is a damped oscillation from -c v / k at rate v.
+/// Slip with a dashpot beside the spring: it begins at k s + c v = f, and the stretch less f / k is
+/// a damped oscillation from -c v / k at rate v.
 fn damped(speed: f64, damping_ratio: f64, phase: f64) -> Case {
     let (rate, tau) = (natural_rate(), phase / natural_rate());
     let damped_rate = rate * (1.0 - damping_ratio * damping_ratio).sqrt();

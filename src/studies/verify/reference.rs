@@ -1,7 +1,8 @@
-//! The reference scene: three of four springs on curved paths in one second, through rest, rotation about a support and free slip.
+//! The reference scene: three of four springs on curved paths in one second, through rest, rotation
+//! about a support and free slip.
 //!
-//! The known poses are those of an independent program, extrapolated over halved steps; it parametrises the step in world increments, too, with the
-//! same limit.
+//! The known poses are those of an independent program, extrapolated over halved steps; it
+//! parametrises the step in world increments, too, with the same limit.
 
 use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
@@ -38,17 +39,17 @@ fn case(name: &str, which: &str, known: Poses, plans: Vec<Plan>) -> Case {
 }
 
 fn quasi_static_plans() -> Vec<Plan> {
-    let first = Bound::pose(4e-5, 6e-4, "a step of the way of 31 mm, of its turn and of its loss");
-    let limit = Bound::pose(2e-10, 1e-9, "changes of regime within steps leave a part of h^2; ten digits of the known answer");
+    let first = Bound::pose(4e-5, 6e-4, "one step's share of the path of 31 mm, of its turn and of its loss");
+    let limit = Bound::pose(2e-10, 1e-9, "changes of contact mode within steps leave a part of h^2; ten digits of the known answer");
     let with_loss = |bound: Bound, ratio| Bound { errors: super::Errors { ratio: Some(ratio), ..bound.errors }, ..bound };
     vec![Plan::first_order(Method::QUASI_STATIC, 1.0 / 800.0, 5, with_loss(first, 1.25e-3), with_loss(limit, 1e-8))]
 }
 
 /// Swings of the load about its path must be resolved before errors fall as they should.
 fn inertial_plans() -> Vec<Plan> {
-    let first = Bound::pose(3e-5, 1e-4, "damping by omega h / 2 of swings that the change of regime begins");
-    let limit = Bound::pose(2e-9, 2e-8, "changes of regime within steps leave a part of h^2; ten digits of the known answer");
-    let midpoint = Bound::pose(1e-7, 3e-7, "changes of regime lie within steps: h^2 with no steady constant");
+    let first = Bound::pose(3e-5, 1e-4, "damping by omega h / 2 of swings that the change of contact mode begins");
+    let limit = Bound::pose(2e-9, 2e-8, "changes of contact mode within steps leave a part of h^2; ten digits of the known answer");
+    let midpoint = Bound::pose(1e-7, 3e-7, "changes of contact mode lie within steps: h^2 with no steady constant");
     let first_order = |method| Plan::first_order(method, 1.0 / 6400.0, 4, first.clone(), limit.clone());
     vec![
         first_order(Method::INERTIAL_EULER),

@@ -1,7 +1,9 @@
-//! A load at rest between two springs, of which one is let go: the net force F0 is suddenly above the slip limit f.
+//! A load at rest between two springs, of which one is let go: the net force F0 is suddenly above
+//! the slip limit f.
 //!
-//! Without inertia the load stops at the first balance, (F0 - f) / k. With it the load makes half swings of 2 (F0 - (2 j + 1) f) / k to and fro while
-//! F0 - 2 j f > f, whatever its mass. One swing with a dashpot overshoots by exp(-pi zeta / sqrt(1 - zeta^2)).
+//! Without inertia the load stops at the first balance, (F0 - f) / k. With it the load makes half
+//! swings of 2 (F0 - (2 j + 1) f) / k to and fro while F0 - 2 j f > f, whatever its mass. One swing
+//! with a dashpot overshoots by exp(-pi zeta / sqrt(1 - zeta^2)).
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,7 +21,7 @@ pub const JUMPS: [(f64, f64, f64); 5] = [(1.2, 0.2, 0.4), (1.66, 0.66, 1.32), (2
 struct Jump {
     /// F0 / f (1).
     ratio: f64,
-    /// Ways without and with inertia (f / k).
+    /// Displacements without and with inertia (f / k).
     still: f64,
     swung: f64,
     mass_factor: f64,
@@ -47,7 +49,7 @@ fn case(jump: Jump, name: String, source: &str) -> Case {
         name,
         family: Family::Release,
         what: format!(
-            "way of a load of {} mg after a release to {ratio} of the slip limit, damping ratio {damping_ratio}",
+            "displacement of a load of {} mg after a release to {ratio} of the slip limit, damping ratio {damping_ratio}",
             1e6 * MASS * mass_factor
         ),
         source: source.to_owned(),
@@ -67,7 +69,7 @@ fn plans(jump: &Jump) -> Vec<Plan> {
     let limit = Bound::metres(ANGLE * ANGLE / 128.0 * swing, "stops between two steps leave some (omega h)^2 / 8 of the shortest step");
     let second = Bound::metres(n_swings * ANGLE * ANGLE * swing, "(omega h)^2: phase, and stops between two steps");
     if jump.damping_ratio >= 1.0 {
-        // The load only creeps up to the balance, and no error of the way there is left.
+        // The load only creeps up to the balance, and no error of the path is left.
         let exact = Bound::metres(1e-13, "rounding of 0.1 m over some ten thousand steps, after a decay to 1e-15");
         return Method::all_judged_with_inertia().map(|method| Plan::exact(method, period / 1_000.0, 2, exact.clone())).collect();
     }
@@ -90,7 +92,7 @@ fn period(jump: &Jump) -> f64 {
     TAU * (MASS * jump.mass_factor / RADIAL).sqrt()
 }
 
-/// Way of the load (m) after the release.
+/// Displacement of the load after the release (m).
 fn way(jump: &Jump, options: &BackendOptions) -> Measured {
     let (stretch, period) = (jump.ratio * SLIP_STRETCH, period(jump));
     let mut system = paper_system(vec![isotropic(Vec2::zeros(), jump.damping_ratio); 2]);

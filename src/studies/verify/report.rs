@@ -37,7 +37,8 @@ pub struct Question {
     pub source: String,
 }
 
-/// A row with its numbers in SI units; `null`, in a table an empty field, where there is none. A column of `verify.csv` each, in this order.
+/// A row with its numbers in SI units; `null`, in a table an empty field, where there is none. A
+/// column of `verify.csv` each, in this order.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
     pub case: String,
@@ -176,7 +177,7 @@ fn in_print(errors: &Errors) -> String {
 /// Text for people: whether the answers hold, a line a family, and what missed. Full detail adds a
 /// table of all rows.
 pub fn verify_text(found: &Verification, detail: Detail) -> String {
-    let mut text = summary(found);
+    let mut text = summary(found) + "\n";
     match detail {
         Detail::Brief => text += &families(found),
         Detail::Full => text += &all_rows(found),
@@ -223,7 +224,8 @@ pub fn list_text(cases: &[Case]) -> String {
     cases.iter().fold(Table::list(), |table, case| table.row(cells(case))).text()
 }
 
-/// Writes `verify.json`, `verify.csv`, `convergence.svg` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes `verify.json`, `verify.csv`, `convergence.svg` and `manifest.json` to the folder
+/// `target`, all or nothing.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.

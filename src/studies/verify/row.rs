@@ -14,14 +14,17 @@ pub struct Row {
     pub family: Family,
     pub method: Method,
     pub kind: RowKind,
-    /// The step (s); of an extrapolated answer the shortest of those it was made from. `None` under error control.
+    /// The step (s); of an extrapolated answer the shortest of those it was made from. `None` under
+    /// error control.
     pub step_s: Option<f64>,
     /// What is asked for under error control (m).
     pub tolerance_m: Option<f64>,
     pub errors: Errors,
-    /// The errors as one: what a point of the load may be off by (m), or the ratio's where there are no others.
+    /// The errors as one: what a point of the load may be off by (m), or the ratio's where there
+    /// are no others.
     pub size: Option<f64>,
-    /// Power of the step with which the error fell from the row before; `None` at the longest step, and where it is zero or but rounding.
+    /// Power of the step with which the error fell from the row before; `None` at the longest step,
+    /// and where it is zero or but rounding.
     pub order: Option<f64>,
     pub expected: Expected,
     pub bounds: Errors,
@@ -47,15 +50,17 @@ pub enum Outcome {
     Shown,
 }
 
-/// How far a measured order may lie from the expected one: at these steps the next term of the error's series is a few hundredths of the first, or
-/// an event falls elsewhere within its step.
+/// How far a measured order may lie from the expected one: at these steps the next term of the
+/// error's series is a few hundredths of the first, or an event falls elsewhere within its step.
 const ORDER_TOLERANCE: f64 = 0.15;
 
-/// Power of the step with which an extrapolated answer's bound grows with longer steps: a table over three steps leaves the third order, one over more
-/// the second order of changes of regime within a step.
+/// Power of the step with which an extrapolated answer's bound grows with longer steps: a table
+/// over three steps leaves the third order, one over more the second order of changes of contact
+/// mode within a step.
 const LIMIT_POWER: f64 = 3.0;
 
-/// Rows of the answers at successively halved steps of `plan`, and of their limit, or at its tolerances.
+/// Rows of the answers at successively halved steps of `plan`, and of their limit, or at its
+/// tolerances.
 pub fn rows(case: &Case, plan: &Plan, answers: &[(BackendOptions, Measured)]) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::with_capacity(answers.len() + 1);
     let kind = match plan.levels {

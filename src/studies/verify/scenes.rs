@@ -32,7 +32,8 @@ pub fn natural_rate() -> f64 {
     (RADIAL / MASS).sqrt()
 }
 
-/// Three supports at 90, 210 and 330 degrees, `radius` (m) from the centre, that share `total` (N) of normal load.
+/// Three supports at 90, 210 and 330 degrees, `radius` (m) from the centre, that share `total` (N)
+/// of normal load.
 pub fn tripod(radius: f64, total: f64) -> Vec<SupportPoint> {
     [PI / 2.0, 7.0 * PI / 6.0, 11.0 * PI / 6.0]
         .map(|angle| SupportPoint { offset: radius * direction(angle), normal_load: total / 3.0 })
@@ -88,8 +89,8 @@ pub fn moving(vx: f64, vy: f64, turn_rate: f64) -> Motion {
     Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist { linear: Vec2::new(vx, vy), angular: turn_rate } }
 }
 
-/// Drives the tips of springs 0, 1 ... along `path(t)` through `n` equal pieces up to `duration` (s); grasps at the first point. After each piece
-/// `watch` sees the time and the backend.
+/// Drives the tips of springs 0, 1 ... along `path(t)` through `n` equal pieces up to `duration`
+/// (s); grasps at the first point. After each piece `watch` sees the time and the backend.
 pub fn drive(
     backend: &mut dyn Backend,
     path: impl Fn(f64) -> Vec<(usize, Vec2)>,
@@ -115,8 +116,9 @@ pub fn drive(
     report
 }
 
-/// Equal pieces of `duration` (s) between whose nodes the tips of the reference scene go straight: at most a step of `options` long, and where they have
-/// none, so short that chords leave the paths by a hundredth of the tolerance.
+/// Equal pieces of `duration` (s) between whose nodes the tips of the reference scene go straight:
+/// at most a step of `options` long, and where they have none, so short that chords leave the paths
+/// by a hundredth of the tolerance.
 pub fn n_pieces(duration: f64, options: &BackendOptions) -> u64 {
     // A chord of duration h leaves a path of this acceleration by up to an eighth of it times h^2.
     const ACCELERATION: f64 = 0.18;
@@ -134,7 +136,7 @@ pub fn path(system: &System, start: Motion, options: &BackendOptions, tips: &Tip
     (poses, report)
 }
 
-/// Held springs and their tips (m, world) at a time (s).
+/// Attached springs and their tips (m, world) at a time (s).
 pub type Tips = dyn Fn(f64) -> Vec<(usize, Vec2)>;
 
 /// The tips of the reference scene at s in [0, 1].

@@ -1,7 +1,9 @@
-//! A load let go with a speed or a turn rate alone: constant deceleration, so way and angle are known in closed form.
+//! A load let go with a speed or a turn rate alone: constant deceleration, so distance and angle
+//! are known in closed form.
 //!
-//! Implicit Euler brakes at the end of each step, so each falls short by a h^2 / 2: v0 h / 2 in all. The midpoint step is exact but for the step in which
-//! the load stops from less than a h, at most (a h)^2 / (8 a).
+//! Implicit Euler brakes at the end of each step, so each falls short by a h^2 / 2: v0 h / 2 in
+//! all. The midpoint step is exact but for the step in which the load stops from less than a h, at
+//! most (a h)^2 / (8 a).
 
 use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
@@ -28,7 +30,7 @@ fn slide(speed: f64, way: f64) -> Case {
     Case {
         name: format!("slide-{speed}-m-s"),
         family: Family::Slide,
-        what: format!("way of a load that starts at {speed} m/s"),
+        what: format!("distance of a load that starts at {speed} m/s"),
         source: "v0^2 / (2 mu g)".to_owned(),
         run: Box::new(move |options| stopped(options, moving(0.6 * speed, -0.8 * speed, 0.0), time_to_stop, answer)),
         plans: plans(Bound::metres, way, speed, time_to_stop, |_| 0.0),
@@ -37,7 +39,8 @@ fn slide(speed: f64, way: f64) -> Case {
 
 fn spin(rate: f64, angle: f64) -> Case {
     let time_to_stop = rate / SPIN_DECELERATION;
-    // The engine turns by arctan(omega h) a step: short by (omega h)^3 / 3, summed over a linear decay.
+    // The engine turns by arctan(omega h) a step: short by (omega h)^3 / 3, summed over a linear
+    // decay.
     let arctan = move |step: f64| (rate * step).powi(2) * rate * time_to_stop / 12.0;
     let answer = move |end: Motion| Value::radians(-end.pose.heading, angle);
     Case {
@@ -57,14 +60,16 @@ fn stopped(options: &BackendOptions, start: Motion, time_to_stop: f64, answer: i
     Measured { values: vec![answer(run.motion())], arm: SUPPORT_RADIUS, report }
 }
 
-/// `bound` is that of the answer's unit, `start` the speed in it, and `lag` what the engine is short of beyond the first order, at a step.
+/// Plans of a stop: `bound` makes a bound in the unit of the answer, `start` is the speed in it,
+/// and `lag` is the second-order error of the engine at a step.
 fn plans(bound: fn(f64, &str) -> Bound, known: f64, start: f64, time_to_stop: f64, lag: impl Fn(f64) -> f64) -> Vec<Plan> {
     let (step_s, n_levels) = (time_to_stop / 100.0, 4);
     let rounding = 4.0 * PRINTED * known;
     let first_order = |method, lag: f64, reason: &str| {
         // A millionth for the known answer's own digits beside an offset that is exact.
         let offset = bound((1.0 + 1e-6) * (0.5 * start * step_s + lag), reason);
-        // The lag of a hundred steps is a fiftieth smaller in the third order, which the table takes as well; of that an eighth may be left.
+        // The lag of a hundred steps is a fiftieth smaller in the third order, which the table
+        // takes as well; of that an eighth may be left.
         let digits = bound(rounding + lag / 3_000.0, "digits of the known answer; the engine's arctan in the third order");
         Plan::first_order(method, step_s, n_levels, offset, digits)
     };

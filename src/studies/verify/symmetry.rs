@@ -1,6 +1,8 @@
-//! What must not matter: place and heading of the scene, its mirror image, the units, the names of springs and supports, and, without inertia, time.
+//! What must not matter: place and heading of the scene, its mirror image, the units, the names of
+//! springs and supports, and, without inertia, time.
 //!
-//! The paths compared are those of the reference scene with dashpots and uneven supports, which no symmetry of the tips hides.
+//! The paths compared are those of the reference scene with dashpots and uneven supports, which no
+//! symmetry of the tips hides.
 
 use super::case::{Bound, Case, Family, Plan, Run};
 use super::measured::{Measured, Value};
@@ -115,7 +117,8 @@ fn renamed() -> Other {
     }
 }
 
-/// Stiffness, friction and mass times one number: the same path. Lengths times another, with the torsion to match: the path times it.
+/// Stiffness, friction and mass times one number: the same path. Lengths times another, with the
+/// torsion to match: the path times it.
 fn scaled(force: f64, length: f64) -> Other {
     let mut scaled = system();
     scaled.load.mass *= force / length;
@@ -196,7 +199,8 @@ fn other_nodes() -> Case {
         let gap = [0, 1, 2].map(|i| found[i] - known[i]);
         Measured { values: Value::pose(gap, [0.0; 3]).to_vec(), arm: SUPPORT_RADIUS, report }
     };
-    let first = Bound::pose(6e-5, 1e-3, "the difference of two errors of first order: a step of the way of 31 mm and its turn");
+    let first =
+        Bound::pose(6e-5, 1e-3, "the difference of two errors of first order: one step's share of the path of 31 mm and of its turn");
     let limit = Bound::pose(1e-11, 1e-10, "changes of regime within steps leave a part of h^2");
     Case {
         name: "rate-other-nodes".to_owned(),

@@ -1,6 +1,7 @@
 //! A load towed at the end of an arm turns into line with the pull.
 //!
-//! Least power: heading' = -b heading / (b^2 + a^2 / 2) over the way, for an arm b and supports at a.
+//! Least power: heading' = -b heading / (b^2 + a^2 / 2) per path length, for an arm b and supports
+//! at a.
 
 use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
@@ -10,7 +11,8 @@ use crate::math::{Pose, Twist, Vec2};
 use crate::model::PolarSpring;
 use crate::studies::methods::Method;
 
-/// Arm from the load's centre to the point of towing (m) and the length over which the heading decays (m), printed with five and nine digits.
+/// Arm from the load's centre to the point of towing (m) and the length over which the heading
+/// decays (m), printed with five and nine digits.
 pub const ARMS: [(f64, f64); 2] = [(0.071594, 0.072056), (0.0385, 0.0393591053)];
 
 pub fn cases() -> Vec<Case> {
@@ -21,7 +23,7 @@ fn case(arm: f64) -> Case {
     let known = (arm * arm + 0.5 * SUPPORT_RADIUS * SUPPORT_RADIUS) / arm;
     let step_s = 2e-4;
     // Tips go at 1 m/s.
-    let first = Bound::metres(1.5 * step_s, "a step of the way, and a half");
+    let first = Bound::metres(1.5 * step_s, "one and a half steps of the tip");
     let limit = Bound::metres(1e-5 * known, "second order in the heading, 1e-6, and the spring's stretch, 5e-7");
     Case {
         name: format!("towing-{:.1}-mm", 1e3 * arm),

@@ -1,4 +1,4 @@
-//! Sliding and spinning at once: which support is captured, and where the load ends.
+//! Sliding and spinning at once: which support is pinned, and where the load ends.
 
 use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
@@ -8,13 +8,14 @@ use crate::math::Vec2;
 use crate::model::System;
 use crate::studies::methods::Method;
 
-/// A start at speed one with `turn_rate` and I = `chi`, and what follows, in units in which the supports' distance, the mass and mu g are one.
+/// A start at speed one with `turn_rate` and I = `chi`, and what follows, in units in which the
+/// supports' distance, the mass and mu g are one.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
     pub name: &'static str,
     pub chi: f64,
     pub turn_rate: f64,
-    pub capture: Option<Capture>,
+    pub pinning: Option<Pinning>,
     /// x, y, heading.
     pub end: [f64; 3],
     pub stop: f64,
@@ -22,19 +23,20 @@ pub struct Start {
 
 /// What happens when a support stops before the others.
 #[derive(Clone, Copy, Debug)]
-pub struct Capture {
+pub struct Pinning {
     pub support: usize,
     pub time: f64,
     pub turn_rate: f64,
 }
 
-/// From an independent extrapolation (Gragg, Bulirsch and Stoer) in 28 digits, in logarithmic time toward the stop.
+/// From an independent extrapolation (Gragg, Bulirsch and Stoer) in 28 digits, in logarithmic time
+/// toward the stop.
 pub const STARTS: [Start; 3] = [
     Start {
-        name: "captured",
+        name: "pinned",
         chi: 1.125,
         turn_rate: 0.3,
-        capture: Some(Capture { support: 0, time: 0.922880197703212, turn_rate: 0.135938290210228 }),
+        pinning: Some(Pinning { support: 0, time: 0.922880197703212, turn_rate: 0.135938290210228 }),
         end: [0.526608062481981, 0.00799629577564152, 0.235877956752436],
         stop: 1.173047974625,
     },
@@ -42,7 +44,7 @@ pub const STARTS: [Start; 3] = [
         name: "captured-late",
         chi: 1.125,
         turn_rate: 3.0,
-        capture: Some(Capture { support: 1, time: 3.64099293050153, turn_rate: 0.0111156028753579 }),
+        pinning: Some(Pinning { support: 1, time: 3.64099293050153, turn_rate: 0.0111156028753579 }),
         end: [2.20513857583066, 0.0553323017863024, 5.31706331249589],
         stop: 3.66144901874697,
     },
@@ -50,7 +52,7 @@ pub const STARTS: [Start; 3] = [
         name: "free",
         chi: 0.2,
         turn_rate: 0.3,
-        capture: None,
+        pinning: None,
         end: [0.504212760608845, 0.000104176387120739, 0.0967198726996441],
         stop: 1.00552965937042,
     },
@@ -59,7 +61,7 @@ pub const STARTS: [Start; 3] = [
 const SOURCE: &str = "extrapolation in 28 digits by an independent program";
 
 pub fn cases() -> Vec<Case> {
-    let captured = STARTS.into_iter().filter_map(|start| Some(capture(start, start.capture?)));
+    let captured = STARTS.into_iter().filter_map(|start| Some(pinning(start, start.pinning?)));
     STARTS.map(end).into_iter().chain(captured).collect()
 }
 
@@ -69,10 +71,10 @@ fn end(start: Start) -> Case {
     let first = Bound::pose(
         2e-3 * turn * SUPPORT_RADIUS,
         4e-3 * turn,
-        "twice the speed's share of a step: half the way of the first step, and the turn that goes with it",
+        "twice the speed's share of a step: half the displacement of the first step, and the turn that goes with it",
     );
     let left = 4.0 * turn / 8_000f64.powi(2);
-    let limit = Bound::pose(left * SUPPORT_RADIUS, left, "the capture lies within a step, which leaves some h^2 of the way");
+    let limit = Bound::pose(left * SUPPORT_RADIUS, left, "the pinning lies within a step, which leaves some h^2 of the path");
     let share = 1e-6 * turn * turn;
     let second = Bound::pose(share * SUPPORT_RADIUS, share, "the square of a step's share of the slide, times that of the turn");
     let plan = |method| {
@@ -100,8 +102,9 @@ fn end(start: Start) -> Case {
     }
 }
 
-/// A captured support stays where it is while the load turns about it. The event comes late or early by the method's first order: less than eight steps.
-fn capture(start: Start, Capture { support, time, turn_rate }: Capture) -> Case {
+/// A pinned support stays where it is while the load turns about it. The event comes late or early
+/// by the method's first order: less than eight steps.
+fn pinning(start: Start, Pinning { support, time, turn_rate }: Pinning) -> Case {
     let step_s = start.stop * time_unit() / 1_000.0;
     let rest = Bound::metres(1e-14, "rounding of places of a centimetre over a thousand steps");
     let angle = turn_rate / time_unit() * step_s;
@@ -109,8 +112,8 @@ fn capture(start: Start, Capture { support, time, turn_rate }: Capture) -> Case 
     Case {
         name: format!("tripod-{}-stays", start.name),
         family: Family::Tripod,
-        what: format!("way of the support that is captured at {time:.4} sqrt(a / mu g), from then to the end"),
-        source: "a captured support sticks".to_owned(),
+        what: format!("displacement of the support that is pinned at {time:.4} sqrt(a / mu g), from then to the end"),
+        source: "a pinned support sticks".to_owned(),
         run: Box::new(move |options| {
             let (mut run, stop) = started(&start, options);
             let offset = system(start.chi).ground.supports[support].offset;

@@ -1,4 +1,5 @@
-//! Friction from nothing to a hundred, loads that slide and loads that must stick, and supports of all numbers and arrangements.
+//! Friction from nothing to a hundred, loads that slide and loads that must stick, and supports of
+//! all numbers and arrangements.
 
 use std::f64::consts::TAU;
 
@@ -41,12 +42,13 @@ fn slide(friction: f64, speed: f64) -> Cell {
     scene.load.velocity_m_per_s = [speed, 0.0];
     let (braking, time) = (friction * GRAVITY, scene.duration());
     let way = if braking * time < speed { speed * time - 0.5 * braking * time * time } else { 0.5 * speed * speed / braking };
-    // Nobody can tell a stop within the first step from another one there.
+    // A stop within the first step cannot be told from another one there.
     let scale = way.max(speed * scene.step);
     scene.cell(Asked { symmetric: true, answer: Answer::Shift { quasi_static: 0.0, inertial: way, scale }, ..Asked::default() })
 }
 
-/// Critical force along x at twice the arm of the support on the y axis: f a (b + a) / (b^2 + a b + a^2) with b = 2 a, 3/7 of the limit.
+/// Critical force along x at twice the arm of the support on the y axis: f a (b + a) / (b^2 + a b +
+/// a^2) with b = 2 a, 3/7 of the limit.
 fn hold(friction: f64, margin: f64) -> Cell {
     let root = Vec2::new(0.0, 2.0 * SUPPORT_RADIUS);
     let pull = (1.0 - margin) * 3.0 / 7.0 * friction * MASS * GRAVITY;
@@ -58,7 +60,7 @@ fn hold(friction: f64, margin: f64) -> Cell {
     scene.cell(Asked { sticks: true, ..Asked::default() })
 }
 
-/// Ways to draw or throw the load of the arrangements below, one block each.
+/// How the load of the arrangements below is pulled or thrown, one block each.
 const N_DRIVES: usize = 3;
 const ARRANGEMENTS: [&str; 11 * N_DRIVES] = [
     "ring, drawn ahead",

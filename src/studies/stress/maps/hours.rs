@@ -24,7 +24,8 @@ fn scene(step: f64, hours: f64) -> Scene {
     Scene::paper(step, (hours * 3600.0 / step).round().max(2.0) as u32)
 }
 
-/// Along x through the centre, where the limit is that of all supports together. The tip goes on by a billionth of its stretch, so that no step is skipped.
+/// Along x through the centre, where the limit is that of all supports together. The tip goes on by
+/// a billionth of its stretch, so that no step is skipped.
 fn held(step: f64, hours: f64) -> Cell {
     let scene = scene(step, hours);
     let (tip, n) = (rest_tip(0.0), f64::from(scene.n_steps));
@@ -36,7 +37,7 @@ fn held(step: f64, hours: f64) -> Cell {
     })
 }
 
-/// Slower by far than the load swings: what inertia adds is below 1e-4 of the way.
+/// Slower by far than the load swings: the inertia effect is below 1e-4 of the path length.
 fn hauled(step: f64, hours: f64) -> Cell {
     let scene = scene(step, hours);
     let (tip, n) = (rest_tip(0.0), f64::from(scene.n_steps));

@@ -1,4 +1,5 @@
-//! The same scene from nanometres to kilometres and from micrograms to tonnes, and loads of any proportion.
+//! The same scene from nanometres to kilometres and from micrograms to tonnes, and loads of any
+//! proportion.
 
 use super::super::map::{Answer, Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, load, rest_tip, spring};
@@ -38,7 +39,8 @@ fn base() -> ScenarioFile {
     scene.file()
 }
 
-/// With the radius of the load as the length. Gravity stays, so times go with the root of lengths, and forces with masses.
+/// With the radius of the load as the length. Gravity stays, so times go with the root of lengths,
+/// and forces with masses.
 fn scaled(length: f64, mass: f64) -> Cell {
     let (l, m) = (length / LOAD_RADIUS, mass / MASS);
     let t = l.sqrt();

@@ -1,4 +1,5 @@
-//! Springs far from their shape at rest: grasped anywhere, drawn past their root, wound round it, jerked, and by the thousand.
+//! Springs far from their shape at rest: grasped anywhere, drawn past their root, wound round it,
+//! jerked, and by the thousand.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,7 +20,7 @@ pub fn maps() -> Vec<Map> {
         },
         Map {
             name: "root",
-            what: "a tip is drawn straight past the root of its spring, which it misses by some way; exact answer at finer steps",
+            what: "a tip is drawn straight past the root of its spring, at some distance; exact answer at finer steps",
             x: Axis::log("way_per_step_rest_lengths", 4e-3, 2.0, 28),
             y: Axis::log("miss_rest_lengths", 1e-12, 1.0, 31).and_zero(),
             cell: root,
@@ -61,7 +62,8 @@ fn grasp(length: f64, swing: f64) -> Cell {
     Scene::paper(2e-3, 40).pulled(spring(0.0), &[(0.0, tip_at(length * REST_LENGTH, swing))]).cell(finer())
 }
 
-/// From a rest length ahead to one behind the root. The load is ten times as hard to move as the paper's: the tip gets past.
+/// From a rest length ahead to one behind the root. The load is ten times as hard to move as the
+/// paper's: the tip gets past.
 fn root(way: f64, miss: f64) -> Cell {
     let n_steps = (2.0 / way).round().max(1.0);
     let aside = |ahead: f64| Vec2::new(LOAD_RADIUS + ahead * REST_LENGTH, miss * REST_LENGTH);
@@ -76,14 +78,16 @@ fn wind(angle: f64, radius: f64) -> Cell {
     Scene::paper(2e-3, N_STEPS).pulled(spring(0.0), &way).cell(finer())
 }
 
-/// Aside by half a radian, with torsion in shares of what makes the spring as stiff across as along.
+/// Aside by half a radian, with torsion in shares of what makes the spring as stiff across as
+/// along.
 fn jump(jump: f64, torsion: f64) -> Cell {
     let spring = SpringEntry { torsional_stiffness_nm_per_rad: torsion * RADIAL * REST_LENGTH.powi(2), ..spring(0.0) };
     let (start, far) = (rest_tip(0.0), rest_tip(0.0) + jump * REST_LENGTH * direction(0.5));
     Scene::paper(2e-3, 40).pulled(spring, &[(0.0, start), (1.0, start), (2.0, far)]).cell(finer())
 }
 
-/// All around the load, together four times the paper's stiffness, drawn ahead until the load slips.
+/// All around the load, together four times the paper's stiffness, drawn ahead until the load
+/// slips.
 fn springs(n: f64, contrast: f64) -> Cell {
     const N_STEPS: u32 = 10;
     let n = n as usize;

@@ -1,8 +1,10 @@
 //! Step against stiffness, mass and damping: scenes on the x axis with closed answers.
 //!
-//! Ramp: the tip of one spring goes ahead by twice the stretch f / k at which the load slips, at constant speed v. Without inertia the load then follows at
-//! f / k; with it, x = v t - (v / w) sin w t from the onset on. Release: the spring is grasped at a stretch of 2 f / k. Without inertia the load jumps
-//! by f / k; with it, x = (f / k) (1 - exp(-z w t) (cos + ...)), a damped oscillator up to its first stop, where friction keeps it.
+//! Ramp: the tip of one spring goes ahead by twice the stretch f / k at which the load slips, at
+//! constant speed v. Without inertia the load then follows at f / k; with it, x = v t - (v / w) sin
+//! w t from the onset on. Release: the spring is grasped at a stretch of 2 f / k. Without inertia
+//! the load jumps by f / k; with it, x = (f / k) (1 - exp(-z w t) (cos + ...)), a damped oscillator
+//! up to its first stop, where friction keeps it.
 
 use super::super::map::{Answer, Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, load, rest_tip, stiff_spring};
@@ -44,7 +46,8 @@ fn ramp(step: f64, stiffness: f64) -> Cell {
     let scene = Scene::paper(step, N_STEPS).pulled(stiff_spring(0.0, stiffness), &[(0.0, rest_tip(0.0)), (f64::from(N_STEPS), end)]);
     let (speed, since) = (2.0 * slip_stretch / scene.duration(), 0.5 * scene.duration());
     let rate = (stiffness / MASS).sqrt();
-    // The difference of two numbers that are nearly equal, by its series where it has too few digits.
+    // The difference of two numbers that are nearly equal, by its series where it has too few
+    // digits.
     let angle = rate * since;
     let lag = if angle < 1e-2 { angle.powi(3) / 6.0 - angle.powi(5) / 120.0 } else { angle - angle.sin() };
     let inertial = speed / rate * lag;
@@ -69,9 +72,11 @@ fn release(step: f64, mass: f64, damping_ratio: f64) -> Cell {
     })
 }
 
-/// Way at the angle w t of an oscillator that starts at rest at a distance of one, up to its first stop (1).
+/// Displacement at the angle w t of an oscillator that starts at rest at a distance of one, up to
+/// its first stop (1).
 fn released(angle: f64, z: f64) -> f64 {
-    // For w t so small that only the force at the start counts, differences of near equals would be left.
+    // For w t so small that only the force at the start counts, differences of near equals would be
+    // left.
     let early = angle < 1e-3 && z * angle < 1e-3;
     let damped = (1.0 - z * z).abs().sqrt();
     match () {
@@ -95,7 +100,8 @@ fn released(angle: f64, z: f64) -> f64 {
 mod tests {
     use super::released;
 
-    /// The answer itself, against 1e5 steps of the equation of motion by the trapezoidal rule: second order, 1e-9.
+    /// The answer itself, against 1e5 steps of the equation of motion by the trapezoidal rule:
+    /// second order, 1e-9.
     #[test]
     fn the_closed_answer_solves_the_equation_of_motion() {
         for (z, angle) in [(0.0, 1.0), (0.0, 10.0), (0.3, 2.0), (0.3, 20.0), (1.0, 3.0), (4.0, 5.0), (100.0, 50.0), (1e-4, 9e-4)] {
@@ -109,7 +115,7 @@ mod tests {
                 x += 0.5 * h * (v + next);
                 v = next;
             }
-            // The stop falls within a step, whose way is of second order too.
+            // The stop falls within a step, whose displacement is of second order too.
             assert!((released(angle, z) - x).abs() < 1e-6 * x.max(1e-7), "{z} {angle}: {} {x}", released(angle, z));
         }
     }

@@ -1,6 +1,8 @@
-//! Closed-form paths of some scenes: slides and spins to rest, and a spring through the centre whose tip leaves at a constant speed and may stop.
+//! Closed-form motions, for every study that needs a known answer.
 //!
-//! They are recognised by what the scenario says, not by its name. `src/verify` derives and tests the same laws (`slide.rs`, `pull.rs`).
+//! [`known`] recognises scenes by what the scenario says, not by its name: slides and spins to
+//! rest, and a spring through the centre whose tip leaves at a constant speed and may stop. Answers
+//! of single scenes with printed digits stand beside their questions in [`crate::studies::verify`].
 
 use crate::backend::BackendKind;
 use crate::math::{Pose, Twist, Vec2, perpendicular};
@@ -19,7 +21,19 @@ impl Known {
     }
 }
 
-/// Share of the whole up to which forces that should cancel may be left by rounded places of supports (1).
+/// Distance of a slide from `speed` (m/s) to rest at this deceleration (m/s^2) (m).
+pub fn slide_distance(speed: f64, deceleration: f64) -> f64 {
+    speed * speed / (2.0 * deceleration)
+}
+
+/// Displacement of a load with inertia on a spring at a time after the onset of slip (m): its tip
+/// moves at `speed` (m/s), and the load oscillates at `rate` (rad/s).
+pub fn pulled_after_onset(speed: f64, rate: f64, time: f64) -> f64 {
+    speed * time - speed / rate * (rate * time).sin()
+}
+
+/// Share of the whole up to which forces that should cancel may be left by rounded places of
+/// supports (1).
 const BALANCED: f64 = 1e-12;
 
 /// The path of the scenario's load without inertia or with it, if it has a closed form.
@@ -69,8 +83,9 @@ fn spin(scenario: &Scenario) -> Option<Known> {
     Some(Known { formula: "omega0 t - f a t^2 / (2 I) up to rest", path: Box::new(path) })
 }
 
-/// A tip that leaves the centre of a load at rest straight, and stops once. Without inertia the load follows at the stretch f / k; with it, it ripples about
-/// that, and swings on to a rest when the tip stops.
+/// A tip that leaves the centre of a load at rest along a straight line, and stops once. Without
+/// inertia the load follows at the stretch f / k. With inertia it oscillates about that, and moves
+/// on to a rest when the tip stops.
 fn pull(scenario: &Scenario, path: &TipPath, kind: BackendKind) -> Option<Known> {
     let (start, system) = (scenario.start, &scenario.system);
     let spring = &system.springs[path.spring];
@@ -79,8 +94,8 @@ fn pull(scenario: &Scenario, path: &TipPath, kind: BackendKind) -> Option<Known>
     if !is_plain || start.twist != Twist::ZERO || first.position != start.pose.position || !is_centred(scenario) {
         return None;
     }
-    let way = last.position - first.position;
-    let speed = way.norm() / (last.time - first.time);
+    let displacement = last.position - first.position;
+    let speed = displacement.norm() / (last.time - first.time);
     let (stiffness, limit) = (spring.radial_stiffness, system.total_slip_limit());
     let onset = first.time + limit / (stiffness * speed);
     if onset >= last.time {
@@ -92,19 +107,19 @@ fn pull(scenario: &Scenario, path: &TipPath, kind: BackendKind) -> Option<Known>
     if amplitude > limit / stiffness {
         return None;
     }
-    let ramp = move |tau: f64| speed * tau - amplitude * (rate * tau).sin();
     let held = last.time - onset;
-    // From the stop on a free oscillation about v tau less the same force, to its first turning point.
+    // From the stop on a free oscillation about v tau less the same force, to its first turning
+    // point.
     let (lag, slope) = (-amplitude * (rate * held).sin(), speed * (1.0 - (rate * held).cos()));
     let swing = (lag * lag + (slope / rate).powi(2)).sqrt();
     let phase = (slope / rate).atan2(lag);
-    let way_after = move |tau: f64| match () {
+    let displacement_after = move |tau: f64| match () {
         _ if !kind.has_inertia() => speed * tau.min(held),
-        _ if tau <= held => ramp(tau),
+        _ if tau <= held => pulled_after_onset(speed, rate, tau),
         _ => speed * held + swing * ((rate * (tau - held)).min(phase) - phase).cos(),
     };
-    let along = way.normalize();
-    let path = move |time: f64| Pose { position: start.pose.position + along * way_after((time - onset).max(0.0)), ..start.pose };
+    let along = displacement.normalize();
+    let path = move |time: f64| Pose { position: start.pose.position + along * displacement_after((time - onset).max(0.0)), ..start.pose };
     let formula = if kind.has_inertia() { "v tau - (v / omega) sin omega tau" } else { "v t - f / k" };
     Some(Known { formula, path: Box::new(path) })
 }
