@@ -5,8 +5,8 @@ use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::model::{Motion, System};
 
 /// One run, checked against all rules when it was read. After a change in code,
-/// `scenario.expanded().checked(name)` checks it again ([`format::ScenarioFile::checked`]). Nothing
-/// in it changes during a run.
+/// `scenario.expanded().checked(name)` checks it again ([`super::format::ScenarioFile::checked`]).
+/// Nothing in it changes during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// Name of the run, in a few words.

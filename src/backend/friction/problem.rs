@@ -8,7 +8,7 @@ use crate::math::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ConeSolver {
-    /// Exact solver in three variables: see [`super::exact`].
+    /// Exact methods in three variables.
     #[default]
     Exact,
     /// Interior-point solver for comparison: see [`super::clarabel`].
