@@ -50,7 +50,7 @@ fn all_options(scenario: &Scenario) -> Vec<BackendOptions> {
     let [quasi_static, midpoint] = exact.map(|kind| of((kind, usual)));
     let euler = BackendOptions { integrator: Integrator::Euler, ..midpoint };
     let second_order = BackendOptions { second_order: true, ..quasi_static };
-    let controlled = exact.map(|kind| BackendOptions::within(kind, Tolerance::on_rim(1e-6, &scenario.system.load)));
+    let controlled = exact.map(|kind| BackendOptions::within(kind, Tolerance::at_edge(1e-6, &scenario.system.load)));
     [quasi_static, second_order, euler, midpoint].into_iter().chain(controlled).chain(engines).collect()
 }
 

@@ -18,7 +18,7 @@ fn scenario(name: &str) -> Scenario {
 /// Both exact backends, of either order, at fixed steps and under error control.
 fn exact(scenario: &Scenario) -> Vec<BackendOptions> {
     let fixed = |kind| BackendOptions::new(kind, 1e-3);
-    let tolerance = Tolerance::on_rim(1e-6, &scenario.system.load);
+    let tolerance = Tolerance::at_edge(1e-6, &scenario.system.load);
     vec![
         fixed(BackendKind::QuasiStatic),
         BackendOptions { second_order: true, ..fixed(BackendKind::QuasiStatic) },
@@ -131,7 +131,7 @@ fn problems_without_a_value_have_no_answer() {
 #[test]
 fn steps_and_tolerances_must_be_positive() {
     let scenario = scenario("analytic/centre-pull.json");
-    let tolerance = |position_m| Tolerance { position_m, ..Tolerance::on_rim(1e-6, &scenario.system.load) };
+    let tolerance = |position_m| Tolerance { position_m, ..Tolerance::at_edge(1e-6, &scenario.system.load) };
     let fixed = [0.0, -1e-3, f64::NAN].map(|step| BackendOptions::new(BackendKind::QuasiStatic, step));
     let controlled = [0.0, -1e-3, f64::NAN].map(|error| BackendOptions::within(BackendKind::Inertial, tolerance(error)));
     for options in fixed.iter().chain(&controlled) {

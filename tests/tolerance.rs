@@ -47,7 +47,7 @@ fn load_of(case: &Case) -> Load {
 /// What a point of the rim is off by at this tolerance (m).
 fn error(case: &Case, kind: BackendKind, tolerance: f64) -> f64 {
     let load = load_of(case);
-    let answer = case.run(&BackendOptions::within(kind, Tolerance::on_rim(tolerance, &load)));
+    let answer = case.run(&BackendOptions::within(kind, Tolerance::at_edge(tolerance, &load)));
     assert_eq!(answer.report.status, Status::Converged, "{}", case.name);
     let errors = answer.errors();
     errors.metres.unwrap_or(0.0).max(load.radius * errors.radians.unwrap_or(0.0))
@@ -101,7 +101,7 @@ impl Scene {
     }
 
     fn options(&self, kind: BackendKind, tolerance: f64) -> BackendOptions {
-        BackendOptions::within(kind, Tolerance::on_rim(tolerance, &self.scenario.system.load))
+        BackendOptions::within(kind, Tolerance::at_edge(tolerance, &self.scenario.system.load))
     }
 
     fn run(&self, kind: BackendKind, tolerance: f64) -> Found {
@@ -296,7 +296,7 @@ fn a_run_knows_what_a_stop_hides() {
     for speed in [1e-4, 1e-3, 1e-2, 0.1] {
         let system = peers_system(Vec::new());
         for tolerance in [1e-5, 1e-6, 1e-7, 1e-8] {
-            let options = BackendOptions::within(BackendKind::Inertial, Tolerance::on_rim(tolerance, &system.load));
+            let options = BackendOptions::within(BackendKind::Inertial, Tolerance::at_edge(tolerance, &system.load));
             let mut run = build(&system, moving(speed, 0.0, 0.0), &options);
             for _ in 0..10 {
                 run.advance(&[], 2e-3);
@@ -388,7 +388,7 @@ fn captures_and_stops_of_tripods_are_located() {
         let mut system = paper_system(Vec::new());
         system.load.inertia = start.chi * MASS * SUPPORT_RADIUS * SUPPORT_RADIUS;
         let motion = moving(SUPPORT_RADIUS / unit, 0.0, start.turn_rate / unit);
-        let options = BackendOptions::within(BackendKind::Inertial, Tolerance::on_rim(tolerance, &system.load));
+        let options = BackendOptions::within(BackendKind::Inertial, Tolerance::at_edge(tolerance, &system.load));
         let mut run = build(&system, motion, &options);
         run.advance(&[], 1.1 * start.stop * unit);
         let captured = start.pinning.map(|pinning| (TransitionKind::Capture { support: pinning.support }, pinning.time));
@@ -441,7 +441,7 @@ fn a_motion_that_nothing_resists_ends_and_is_told() {
                       "torsional_stiffness_nm_per_rad": 4.52e-4 }],
         "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0, 0.0385, 0], [0.02, 0.0385, 0.002]] }] } }"#;
     let scenario = Scenario::parse(text, "free").unwrap();
-    let tolerance = Tolerance::on_rim(1e-5, &scenario.system.load);
+    let tolerance = Tolerance::at_edge(1e-5, &scenario.system.load);
     let options = BackendOptions::within(BackendKind::QuasiStatic, tolerance);
     let afresh = |options: &BackendOptions| Simulation::new(&scenario, options, Keep::Outcome);
     let mut run = afresh(&options);

@@ -1,9 +1,9 @@
 //! From options to a backend, and the steps that are taken by default.
 
-use super::exact::{Column, Control, Exact, Integrator};
+use super::exact::{Column, Control};
 use super::tandem::tandem;
 use super::tolerance::CHECK_SHARE;
-use super::{Backend, BackendKind, BackendOptions, Motion, Stepping, Tolerance, rapier};
+use super::{Backend, BackendKind, BackendOptions, Motion, Stepping, Tolerance, with_stepping};
 use crate::model::System;
 
 /// Shortest default step (s). A scene may be too stiff to resolve in reasonable time, and all
@@ -30,18 +30,18 @@ pub fn step_of(requested: Option<f64>, kind: BackendKind, system: &System, contr
     requested.map_or_else(|| default_step(kind, system, control_period), |step| step.min(control_period))
 }
 
-/// Backend that the options ask for. This is the only place that maps kinds to code.
+/// Backend that the options ask for.
 ///
 /// # Panics
 /// When the step or the tolerance is not positive, or when a backend without error control is given
 /// a tolerance.
 pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
-    let Some(tolerance) = &options.tolerance else { return with(system, start, options, Stepping::Fixed(options.step_s)) };
+    let Some(tolerance) = &options.tolerance else { return with_stepping(system, start, options, Stepping::Fixed(options.step_s)) };
     let Tolerance { position_m, heading_rad, .. } = tolerance;
     assert!(*position_m > 0.0 && *heading_rad > 0.0, "tolerances must be positive, found {position_m} m and {heading_rad} rad");
     assert!(options.kind.is_exact(), "{} has no error control", options.kind.name());
-    let controlled = |control| with(system, start, options, Stepping::Controlled(control));
+    let controlled = |control| with_stepping(system, start, options, Stepping::Controlled(control));
     let answer = tolerance.control(system, settling_time(options.kind, system));
     let check = Control {
         position: CHECK_SHARE * answer.position,
@@ -51,22 +51,6 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
         ..answer
     };
     Box::new(tandem(controlled(answer), controlled(check)))
-}
-
-/// Backend with this stepping. Options of fixed steps are ignored under error control.
-fn with(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend> {
-    let is_fixed = matches!(stepping, Stepping::Fixed(_));
-    match options.kind {
-        BackendKind::QuasiStatic => {
-            let backend = Exact::quasi_static(system, start, stepping, options.skips);
-            Box::new(if is_fixed { backend.with_options(options.cone_solver, options.second_order) } else { backend })
-        }
-        BackendKind::Inertial => {
-            let integrator = if is_fixed { options.integrator } else { Integrator::Euler };
-            Box::new(Exact::inertial(system, start, stepping, integrator, options.skips))
-        }
-        BackendKind::Rapier => rapier::build(system.clone(), start, options),
-    }
 }
 
 /// Time over which a wrong speed makes the position wrong (s): one radian of the slowest

@@ -42,3 +42,23 @@ pub use stepping::{Stepping, n_steps_in};
 pub use tolerance::Tolerance;
 pub use transition::{Transition, TransitionCounts, TransitionKind};
 pub use wrapped::{Hook, Wrapped};
+
+use crate::model::System;
+use exact::Exact;
+
+/// Backend with this stepping: the only place that maps kinds to code. Options of fixed steps are
+/// ignored under error control.
+fn with_stepping(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend> {
+    let is_fixed = matches!(stepping, Stepping::Fixed(_));
+    match options.kind {
+        BackendKind::QuasiStatic => {
+            let backend = Exact::quasi_static(system, start, stepping, options.skips);
+            Box::new(if is_fixed { backend.with_options(options.cone_solver, options.second_order) } else { backend })
+        }
+        BackendKind::Inertial => {
+            let integrator = if is_fixed { options.integrator } else { Integrator::Euler };
+            Box::new(Exact::inertial(system, start, stepping, integrator, options.skips))
+        }
+        BackendKind::Rapier => rapier::build(system.clone(), start, options),
+    }
+}

@@ -37,7 +37,7 @@ pub(super) const CHECK_SHARE: f64 = 4.0;
 impl Tolerance {
     /// Tolerance that allows a shift of `position_m` (m), and a turn by which the edge of the load
     /// moves as far.
-    pub fn on_rim(position_m: f64, load: &Load) -> Self {
+    pub fn at_edge(position_m: f64, load: &Load) -> Self {
         Self { position_m, heading_rad: position_m / load.radius, tightened: 0 }
     }
 

@@ -208,7 +208,7 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
         let rule = "applies to quasi-static and inertial only; the steps of rapier are fixed";
         return Err(CliError::Usage(format!("--tolerance: {rule}, found rapier")));
     }
-    let tolerance = Tolerance::on_rim(position_m, &scenario.system.load);
+    let tolerance = Tolerance::at_edge(position_m, &scenario.system.load);
     let heading_rad = args.tolerance_rad.unwrap_or(tolerance.heading_rad);
     Ok(BackendOptions { skips, ..BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }) })
 }

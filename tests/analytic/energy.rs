@@ -219,7 +219,7 @@ fn under_error_control_the_books_close_to_the_tolerance() {
     for kind in [BackendKind::QuasiStatic, BackendKind::Inertial] {
         for tolerance in [1e-6, 1e-8] {
             let system = paper_system(paper_springs(4));
-            let options = BackendOptions::within(kind, Tolerance::on_rim(tolerance, &system.load));
+            let options = BackendOptions::within(kind, Tolerance::at_edge(tolerance, &system.load));
             let mut run = build(&system, at_rest(), &options);
             let mut n_jumps = 0;
             drive(run.as_mut(), reference_tips, 1.0, 500, |_, run| {

@@ -75,7 +75,7 @@ fn springs_that_are_not_convex_are_followed_too() {
         run.run(|_| true);
         run.motion().pose
     };
-    let exact = end(&BackendOptions::within(BackendKind::QuasiStatic, Tolerance::on_rim(1e-10, &scenario.system.load)));
+    let exact = end(&BackendOptions::within(BackendKind::QuasiStatic, Tolerance::at_edge(1e-10, &scenario.system.load)));
     let error = |second_order| {
         let options = BackendOptions { second_order, ..BackendOptions::new(BackendKind::QuasiStatic, 6.25e-4) };
         distance(&end(&options), &exact)
@@ -111,7 +111,7 @@ fn a_pause_does_not_cost_the_order() {
         drive(run.as_mut(), tip, 4.5, n, |_, _| ());
         run.motion().pose
     };
-    let exact = end(&BackendOptions::within(BackendKind::QuasiStatic, Tolerance::on_rim(1e-10, &system.load)), 450);
+    let exact = end(&BackendOptions::within(BackendKind::QuasiStatic, Tolerance::at_edge(1e-10, &system.load)), 450);
     let of_second_order = BackendOptions { second_order: true, ..BackendOptions::new(BackendKind::QuasiStatic, f64::INFINITY) };
     let [coarse, fine] = [900, 3600].map(|n| distance(&end(&of_second_order, n), &exact));
     // Sixteen, but for onsets within steps.

@@ -131,7 +131,7 @@ fn a_load_that_sets_off_with_next_to_no_force_turns_over_to_its_balance() {
     system.ground.supports = tripod(0.005, SLIP_LIMIT / MU);
     let tip = |t: f64| vec![(0, Vec2::new(LOAD_RADIUS - 0.05 * t, 0.01 * t))];
     for tolerance in [1e-5, 1e-6, 1e-7, 1e-8] {
-        let options = BackendOptions::within(BackendKind::QuasiStatic, Tolerance::on_rim(tolerance, &system.load));
+        let options = BackendOptions::within(BackendKind::QuasiStatic, Tolerance::at_edge(tolerance, &system.load));
         let mut run = build(&system, at_rest(), &options);
         let mut jumps = Vec::new();
         let look = |time: f64, run: &mut dyn Backend| {

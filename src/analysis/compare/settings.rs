@@ -59,7 +59,7 @@ impl Settings {
     /// Options of a quasi-static or inertial run under error control.
     pub fn under_error_control(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let load = &scenario.system.load;
-        let tolerance = Tolerance::on_rim(self.reference_tolerance_m.unwrap_or(FIRST_TOLERANCE * load.radius), load);
+        let tolerance = Tolerance::at_edge(self.reference_tolerance_m.unwrap_or(FIRST_TOLERANCE * load.radius), load);
         BackendOptions { skips: self.skips, ..BackendOptions::within(kind, tolerance) }
     }
 

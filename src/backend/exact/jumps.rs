@@ -66,8 +66,7 @@ impl Exact<QuasiStatic> {
 
     /// Edge displacement since the load was at `start` (m).
     fn edge_displacement(&self, start: &Pose) -> f64 {
-        let end = &self.state.motion.pose;
-        (end.position - start.position).norm() + self.system.load.radius * (end.heading - start.heading).abs()
+        self.state.motion.pose.edge_displacement(start, self.system.load.radius)
     }
 
     /// Adds the jump from `start` to the ledger.

@@ -29,8 +29,6 @@ mod solver;
 
 pub use exact::gliding::Tangent;
 pub use problem::{ConeSolver, ContactMode, EXACT, FrictionSolution, WarmStart};
-// The older name, until all users have changed.
-pub use problem::ContactMode as Regime;
 pub use rest::move_back_within;
 pub use solver::FrictionSolver;
 

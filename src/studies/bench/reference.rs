@@ -84,7 +84,7 @@ fn row_times(scenario: &Scenario) -> impl Iterator<Item = f64> {
 
 /// Rows of a run under error control.
 fn run(scenario: &Scenario, kind: BackendKind, tolerance: f64, mut watch: impl FnMut(f64) -> bool) -> Option<Result<Vec<Row>, String>> {
-    let options = BackendOptions::within(kind, Tolerance::on_rim(tolerance, &scenario.system.load));
+    let options = BackendOptions::within(kind, Tolerance::at_edge(tolerance, &scenario.system.load));
     let start = |options: &BackendOptions| Simulation::new(scenario, options, Keep::Trace);
     let mut run = start(&options);
     run.run_within(start, |time| watch(time / scenario.duration));

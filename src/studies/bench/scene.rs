@@ -24,7 +24,7 @@ impl Level {
     pub fn options(self, method: &Method, load: &Load) -> BackendOptions {
         match self {
             Level::Step(step) => method.options(step),
-            Level::Tolerance(tolerance) => method.within(Tolerance::on_rim(tolerance, load)),
+            Level::Tolerance(tolerance) => method.within(Tolerance::at_edge(tolerance, load)),
         }
     }
 }

@@ -102,10 +102,10 @@ impl Plan {
                     Trial::OnTen(n_ants) => 30.0 + 240.0 / f64::from(*n_ants).powi(2),
                 };
                 simulated
-                    * match case.backend {
-                        BackendKind::QuasiStatic => 1e-3,
-                        BackendKind::Inertial => 3e-3 / case.inertia.sqrt().clamp(0.3, 1.5),
-                        BackendKind::Rapier => 2e-2,
+                    * match (case.backend.is_exact(), case.backend.has_inertia()) {
+                        (true, false) => 1e-3,
+                        (true, true) => 3e-3 / case.inertia.sqrt().clamp(0.3, 1.5),
+                        (false, _) => 2e-2,
                     }
             }
         }

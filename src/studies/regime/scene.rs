@@ -100,7 +100,7 @@ impl Setting {
 
 impl Staged {
     pub fn options(&self, kind: BackendKind) -> BackendOptions {
-        BackendOptions::within(kind, Tolerance::on_rim(self.tolerance_m, &self.scenario.system.load))
+        BackendOptions::within(kind, Tolerance::at_edge(self.tolerance_m, &self.scenario.system.load))
     }
 }
 

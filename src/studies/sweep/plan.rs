@@ -39,7 +39,7 @@ pub struct Variant {
 impl Variant {
     pub fn options(&self, scenario: &Scenario) -> BackendOptions {
         if let Some(tolerance) = self.tolerance_m {
-            let tolerance = Tolerance::on_rim(tolerance, &scenario.system.load);
+            let tolerance = Tolerance::at_edge(tolerance, &scenario.system.load);
             return BackendOptions { skips: self.skips, ..BackendOptions::within(self.backend, tolerance) };
         }
         let step_s = step_of(self.step_s, self.backend, &scenario.system, scenario.control_period);

@@ -167,7 +167,7 @@ impl Plan {
                 levels.take(n).map(|level| self.method.options(longest * 0.5f64.powi(level))).collect()
             }
             Levels::Tolerances(load) => {
-                let tolerance = |level| Tolerance::on_rim(LOOSEST * 0.1f64.powi(level), &load);
+                let tolerance = |level| Tolerance::at_edge(LOOSEST * 0.1f64.powi(level), &load);
                 let stride = if is_quick { 2 } else { 1 };
                 levels.step_by(stride).map(|level| self.method.within(tolerance(level))).collect()
             }
