@@ -1,7 +1,9 @@
-//! Collective transport of a load by ants: one behaviour model, several ways of moving the load, and a comparison that says where they agree.
+//! Collective transport of a load by ants: one behaviour model, several ways of moving the load,
+//! and a comparison that says where they agree.
 //!
-//! A quasi-static run neglects the load's inertia. A run of a rigid-body engine has inertia, and the engine's numerical error. A third run, the same
-//! springs and exact friction with the mass matrix added, tells the two apart:
+//! A quasi-static run neglects the load's inertia. A run of a rigid-body engine has inertia, and
+//! the engine's numerical error. A third run, the same springs and exact friction with the mass
+//! matrix added, tells the two apart:
 //!
 //! ```text
 //! inertia effect = inertial - quasi-static
@@ -9,8 +11,9 @@
 //! own error      = how far quasi-static and inertial may still be wrong
 //! ```
 //!
-//! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it in this list:
-//! [`math`], [`model`], [`scenario`], [`backend`], [`simulation`], [`analysis`], [`output`], [`studies`], [`cli`].
+//! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it
+//! in this list: [`math`], [`model`], [`scenario`], [`backend`], [`simulation`], [`analysis`],
+//! [`output`], [`studies`], [`cli`].
 #![forbid(unsafe_code)]
 
 pub mod analysis;

@@ -1,5 +1,6 @@
-//! Stored runs of this project: an upgrade of the engine or a change of a solver shows here, with when and in what paths first part. Then what a check
-//! promises: the same run agrees to the last digit, a changed one is caught where the change first acts, and a damaged file is told by name.
+//! Stored runs of this project: an upgrade of the engine or a change of a solver shows here, with
+//! when and in what paths first part. Then what a check promises: the same run agrees to the last
+//! digit, a changed one is caught where the change first acts, and a damaged file is told by name.
 //!
 //! After a change that is meant, `cohaul check tests/baselines --accept` stores what is found now.
 
@@ -97,8 +98,8 @@ fn changed(scenario: &Scenario, pointer: &str, value: impl Into<Value>) -> Scena
     Scenario::parse(&file.to_string(), "changed").unwrap()
 }
 
-/// A tip that is grasped at 51.2 ms and goes elsewhere by a millionth of its way: the first row after that is the first that differs, and the grasp is
-/// what came last before.
+/// A tip that is grasped at 51.2 ms and goes elsewhere by a millionth of its way: the first row
+/// after that is the first that differs, and the grasp is what came last before.
 #[test]
 fn a_changed_waypoint_is_caught_where_it_first_acts() {
     for name in [
@@ -114,7 +115,8 @@ fn a_changed_waypoint_is_caught_where_it_first_acts() {
         let [change] = check.scenario_changes.as_slice() else { panic!("{:?}", check.scenario_changes) };
         assert_eq!((change.path.as_str(), &change.stored), ("drive.paths[1].waypoints[1][2]", &json!(0.09)));
         let first = check.difference.first_divergence.as_ref().unwrap();
-        // The tip drifts off by 90 nm in 0.25 s, so by 1 nm or 0.7 nN within a row; the tolerance on pulls is 0.5 nN.
+        // The tip drifts off by 90 nm in 0.25 s, so by 1 nm or 0.7 nN within a row; the tolerance
+        // on pulls is 0.5 nN.
         let time_of = |row: &check::Row| row[0];
         let after = baseline.record.rows.iter().map(time_of).find(|time| *time > 0.0512).unwrap();
         assert_eq!(first.time_s, after, "{name}");
@@ -127,8 +129,9 @@ fn a_changed_waypoint_is_caught_where_it_first_acts() {
     }
 }
 
-/// What an upgrade could bring: another step, other joints, another precision, another integrator. A step halved or joints of another kind are other
-/// physics to first order; single precision is 6e-8 a step.
+/// What an upgrade could bring: another step, other joints, another precision, another integrator.
+/// A step halved or joints of another kind are other physics to first order; single precision is
+/// 6e-8 a step.
 #[test]
 fn a_perturbed_option_is_caught() {
     let perturbed = |name: &str, perturb: &dyn Fn(&mut BackendOptions)| {
@@ -183,7 +186,8 @@ fn trace(scenario: &Scenario, options: &BackendOptions) -> Trace {
     run.into_results().0
 }
 
-/// Ants that let go more easily: decisions part at the first event that the two traces do not share.
+/// Ants that let go more easily: decisions part at the first event that the two traces do not
+/// share.
 #[test]
 fn decisions_that_part_are_named() {
     let baseline = stored("four-ants-rapier");
@@ -213,15 +217,16 @@ fn a_run_that_ends_earlier_parts_there() {
     assert!(compared < baseline.record.rows.len() && check.difference.pairs[compared - 1].0[0] <= 0.3);
 }
 
-/// Another control period has no rows at the stored instants. Prescribed tips need no clock, so the inertial path is nearly the same and lies straight
-/// between its rows up to their curvature.
+/// Another control period has no rows at the stored instants. Prescribed tips need no clock, so the
+/// inertial path is nearly the same and lies straight between its rows up to their curvature.
 #[test]
 fn a_path_without_rows_at_the_stored_instants_is_taken_as_straight_between_its_own() {
     let baseline = stored("busy-tips-inertial");
     let period = 0.0037;
     let check = against(&baseline, Scenario { control_period: period, ..baseline.scenario.clone() });
     assert_eq!(check.difference.pairs.len(), baseline.record.rows.len());
-    // Accelerations are below force over mass: all pulls and friction, 0.1 N over 1.6 g. Straight over a period: a h^2 / 8.
+    // Accelerations are below force over mass: all pulls and friction, 0.1 N over 1.6 g. Straight
+    // over a period: a h^2 / 8.
     let bound = 0.1 / 0.0016 * period * period / 8.0;
     let deviation = &check.difference.deviations[0];
     assert!(deviation.measure == "position_m" && deviation.difference < bound, "{deviation:?} {bound}");
@@ -291,7 +296,8 @@ fn names_tell_what_is_unusual() {
     assert_eq!(name(&options), "slide-rapier-f32-step-s-0.00025");
 }
 
-/// Every default is a share of a scale that the scene has: none is zero, and a load twice as large has twice the tolerance on its position.
+/// Every default is a share of a scale that the scene has: none is zero, and a load twice as large
+/// has twice the tolerance on its position.
 #[test]
 fn default_tolerances_go_with_the_scene() {
     for baseline in read_folder(&folder()).unwrap() {

@@ -1,5 +1,5 @@
-//! `cohaul check` as its users meet it: exit codes, what stands on standard output, what lies in the folders, and that nothing is written when the
-//! input is wrong.
+//! `cohaul check` as its users meet it: exit codes, what stands on standard output, what lies in
+//! the folders, and that nothing is written when the input is wrong.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! The rule by which instruction counts are held against their ceilings, and the file that these stand in. The counting itself is `cargo instructions`.
+//! The rule by which instruction counts are held against their ceilings, and the file that these
+//! stand in. The counting itself is `cargo instructions`.
 
 #[allow(dead_code, reason = "the counter uses the rest")]
 #[path = "../benches/instructions/ceilings.rs"]

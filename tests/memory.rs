@@ -1,4 +1,5 @@
-//! A run that keeps nothing but its outcome needs no memory that grows with its length, and its loop asks for none at all.
+//! A run that keeps nothing but its outcome needs no memory that grows with its length, and its
+//! loop asks for none at all.
 
 use std::alloc::{GlobalAlloc, Layout, System as Memory};
 use std::cell::Cell;
@@ -17,7 +18,8 @@ thread_local! {
     static BYTES: Cell<isize> = const { Cell::new(0) };
 }
 
-// SAFETY: the system's allocator does all the work; the counters are plain cells without destructors.
+// SAFETY: the system's allocator does all the work; the counters are plain cells without
+// destructors.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         REQUESTS.set(REQUESTS.get() + 1);
@@ -34,7 +36,8 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// A load that never moves, on springs that pull by how far their tips are away from it. It asks for no memory.
+/// A load that never moves, on springs that pull by how far their tips are away from it. It asks
+/// for no memory.
 struct Nailed {
     tips: Vec<Option<Vec2>>,
 }
@@ -94,12 +97,14 @@ fn the_loop_asks_for_no_memory_once_it_runs() {
     let (requests, bytes, run) = of(Keep::Outcome);
     assert!(run.outcome().pulls.n() > 500 && run.trace().rows.is_empty() && run.trace().events.is_empty());
     assert_eq!((requests, bytes), (0, 0));
-    // The counters count: the same run with its trace holds a row more at every tick, of at least 100 bytes.
+    // The counters count: the same run with its trace holds a row more at every tick, of at least
+    // 100 bytes.
     let (_, bytes, run) = of(Keep::Trace);
     assert!(bytes > 50 * run.trace().rows.len() as isize, "{bytes} bytes");
 }
 
-/// Nor does a real load, or what follows it to estimate inertia, hold more memory the longer it runs.
+/// Nor does a real load, or what follows it to estimate inertia, hold more memory the longer it
+/// runs.
 #[test]
 fn no_memory_is_held_for_what_is_over() {
     let scenario = ten_ants(6.0);
@@ -107,6 +112,7 @@ fn no_memory_is_held_for_what_is_over() {
     let (watched, _estimator) = with_estimate(&scenario.system, scenario.start, &options);
     let (_, bytes, run) = second_half(Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), watched), scenario.duration);
     assert_eq!((run.outcome().time, run.outcome().arrived), (6.0, Some(false)));
-    // Lists of what happens in one step may reach their longest late. A trace of this half would be 400 kB.
+    // Lists of what happens in one step may reach their longest late. A trace of this half would be
+    // 400 kB.
     assert!(bytes < 4096, "{bytes} bytes");
 }

@@ -1,4 +1,5 @@
-//! The paper's results: the default ants meet the printed numbers, the literal ones do what they say, and the command is whole.
+//! The paper's results: the default ants meet the printed numbers, the literal ones do what they
+//! say, and the command is whole.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -20,8 +21,9 @@ fn value(measure: Measure, runs: &[(Trial, u64, RunFacts)]) -> f64 {
     measure.of(&units).unwrap()
 }
 
-/// On seeds that nothing was fitted to. Over four seeds the mean and standard deviation of the pulls scatter by 0.08 mN, which leaves the limit of 10 % four
-/// standard errors away; the mean group scatters by 0.08.
+/// On seeds that nothing was fitted to. Over four seeds the mean and standard deviation of the
+/// pulls scatter by 0.08 mN, which leaves the limit of 10 % four standard errors away; the mean
+/// group scatters by 0.08.
 #[test]
 fn default_ants_pull_as_printed() {
     let case = Case::new(Preset::Default, BackendKind::QuasiStatic);
@@ -46,8 +48,9 @@ fn four_ants_bring_the_load_home_on_every_backend() {
     }
 }
 
-/// In millinewtons the printed odds are a wall at 10 mN, above which nobody is met but on the one step that led there: 0.08 m/s for 0.08 s on 0.664 N/m is 4.25 mN.
-/// In newtons larger pulls are met.
+/// In millinewtons the printed odds are a wall at 10 mN, above which nobody is met but on the one
+/// step that led there: 0.08 m/s for 0.08 s on 0.664 N/m is 4.25 mN. In newtons larger pulls are
+/// met.
 #[test]
 fn the_reading_of_the_unit_decides_the_largest_pull() {
     let largest = |preset| {
@@ -60,7 +63,8 @@ fn the_reading_of_the_unit_decides_the_largest_pull() {
     assert!(largest(Preset::LiteralNewtons) > 0.018);
 }
 
-/// A claim needs all its trials: without the other numbers of ants on ten springs nothing is told of them.
+/// A claim needs all its trials: without the other numbers of ants on ten springs nothing is told
+/// of them.
 #[test]
 fn claims_without_their_trials_are_not_told() {
     let runs = runs(&[Trial::FourFour], &Case::new(Preset::LiteralNewtons, BackendKind::QuasiStatic), 1..3);

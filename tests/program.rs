@@ -1,5 +1,5 @@
-//! The program as its users meet it: exit codes, what stands on standard output, what lies in an output folder, and that nothing is written when the
-//! input is wrong.
+//! The program as its users meet it: exit codes, what stands on standard output, what lies in an
+//! output folder, and that nothing is written when the input is wrong.
 
 use std::fs;
 use std::io::Read;
@@ -255,7 +255,8 @@ fn run_out_writes_every_tick_and_the_exact_end() {
     }
 }
 
-/// Rows are written as they come and forgotten, unless something else needs them later: the files are the same. A full trace has more columns of the same run.
+/// Rows are written as they come and forgotten, unless something else needs them later: the files
+/// are the same. A full trace has more columns of the same run.
 #[test]
 fn rows_that_are_passed_on_are_those_that_are_kept() {
     let room = Room::new();
@@ -564,8 +565,9 @@ fn a_state_that_does_not_fit_is_refused_and_kept() {
     refused(&["run", &file, "--state", &room.path("")], &["directory"]);
 }
 
-/// Undamped, a load that is let go at 2.5 times its slip limit goes twice as far as one without inertia; one that only turns differs although its
-/// position does not; a slow pull lags by v / w = 0.25 mm on 67 mm; and a load that sticks agrees with itself whatever rounding an engine leaves.
+/// Undamped, a load that is let go at 2.5 times its slip limit goes twice as far as one without
+/// inertia; one that only turns differs although its position does not; a slow pull lags by v / w =
+/// 0.25 mm on 67 mm; and a load that sticks agrees with itself whatever rounding an engine leaves.
 #[test]
 fn verdicts_name_what_is_known_to_part_the_paths() {
     let verdict = |file: &str| {
@@ -654,7 +656,8 @@ fn every_shipped_scenario_compares() {
     }
 }
 
-/// A report is asked for, stands with the other files, and is said to be there; in a folder or not at all.
+/// A report is asked for, stands with the other files, and is said to be there; in a folder or not
+/// at all.
 #[test]
 fn a_report_of_a_run_is_written_when_it_is_asked_for() {
     let room = Room::new();
@@ -731,7 +734,8 @@ fn what_show_prints_is_the_same_scenario() {
     }
 }
 
-/// Steps of a control period: four tips are held and drag the load along curves, so that nothing but the slip's turn is left to second order.
+/// Steps of a control period: four tips are held and drag the load along curves, so that nothing
+/// but the slip's turn is left to second order.
 #[test]
 fn steps_of_second_order_are_nearer() {
     let file = scenarios().join("paper/four-tips-held.json");
@@ -749,7 +753,8 @@ fn steps_of_second_order_are_nearer() {
     assert!(second < 0.1 * first, "{second} {first}");
 }
 
-/// What was asked for stands beside what was found, and it holds; a rung that no strides reach is said, with the exit code of a missed check.
+/// What was asked for stands beside what was found, and it holds; a rung that no strides reach is
+/// said, with the exit code of a missed check.
 #[test]
 fn a_tolerance_is_kept_and_told_or_the_exit_code_says_so() {
     let room = Room::new();
@@ -771,8 +776,10 @@ fn a_tolerance_is_kept_and_told_or_the_exit_code_says_so() {
     refused(&["run", &file, "--tolerance-rad", "1e-3"], &["--tolerance"]);
 }
 
-/// A tip is drawn through the spring's root, where the spring has no direction. No tolerance is met there, whatever the run thinks of its own error, and nobody is left to
-/// believe that it is: the table, a warning, the exit code and what is for programs all say so, and a comparison comes to no verdict.
+/// A tip is drawn through the spring's root, where the spring has no direction. No tolerance is met
+/// there, whatever the run thinks of its own error, and nobody is left to believe that it is: the
+/// table, a warning, the exit code and what is for programs all say so, and a comparison comes to
+/// no verdict.
 #[test]
 fn what_did_not_converge_is_told_wherever_somebody_looks() {
     let room = Room::new();
@@ -801,7 +808,8 @@ fn what_did_not_converge_is_told_wherever_somebody_looks() {
     let output = call(&["run", &file, "--backend", "inertial", "--tolerance", "1"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stdout).contains("some macro-steps did not converge"), "{}", text(&output.stdout));
-    // In the last control period before, the tip comes as near to the root as to leave one stride without an answer.
+    // In the last control period before, the tip comes as near to the root as to leave one stride
+    // without an answer.
     let near = std::fs::read_to_string(&file).unwrap().replace("0.53", "0.52");
     let found = json_of(&["compare", &room.write("near.json", &near), "--tolerance", "1e-3", "--json"]);
     let tier = &found["tiers"]["prescribed"];

@@ -1,4 +1,5 @@
-//! The regime map: cells against closed forms, on both sides of each threshold, and what must not matter.
+//! The regime map: cells against closed forms, on both sides of each threshold, and what must not
+//! matter.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -17,10 +18,12 @@ fn measured(scene: Scene, at: Setting) -> Cell {
     cell
 }
 
-/// Paths may err by 1e-4 of a tip's way between two events; what error control says they do is less.
+/// Paths may err by 1e-4 of a tip's way between two events; what error control says they do is
+/// less.
 const TOLERANCE: f64 = 1e-4;
 
-/// `[phi - sin phi + (epsilon / 2) (1 - cos phi)^2] / phi`: before, at and after a quarter, a half and a whole period, for slow tips and for fast ones.
+/// `[phi - sin phi + (epsilon / 2) (1 - cos phi)^2] / phi`: before, at and after a quarter, a half
+/// and a whole period, for slow tips and for fast ones.
 #[test]
 fn an_undamped_excursion_goes_as_far_as_the_closed_form() {
     for (phi, epsilon) in [(0.3, 1e-3), (0.3, 1.0), (1.5, 0.1), (FRAC_PI_2, 0.5), (PI, 0.0593), (4.0, 1.0), (6.4, 0.0445), (30.0, 0.3)] {
@@ -30,13 +33,15 @@ fn an_undamped_excursion_goes_as_far_as_the_closed_form() {
         assert!((ratio - known).abs() < TOLERANCE, "{phi} {epsilon}: {ratio} {known}");
         // Not the same number by another way.
         assert!(ratio != known);
-        // Distances are seen at ticks of 0.1 rad: a largest one between two is missed by an eighth of the square of that.
+        // Distances are seen at ticks of 0.1 rad: a largest one between two is missed by an eighth
+        // of the square of that.
         let (share, known) = (cell.share().unwrap(), theory::excursion_share(phi, epsilon, 0.0));
         assert!((share / known - 1.0).abs() < 2e-3, "{phi} {epsilon}: {share} {known}");
     }
 }
 
-/// Below, at and above critical damping; the last is so fast that its dashpot alone moves the load at the grasp.
+/// Below, at and above critical damping; the last is so fast that its dashpot alone moves the load
+/// at the grasp.
 #[test]
 fn a_damped_excursion_begins_earlier_and_ends_as_the_closed_form() {
     for (phi, epsilon, zeta) in [(0.3, 0.01, 0.1), (2.0, 0.2, 0.5), (2.0, 0.1, 1.0), (0.7, 0.05, 2.0), (3.0, 1.0, 1.0)] {
@@ -47,13 +52,15 @@ fn a_damped_excursion_begins_earlier_and_ends_as_the_closed_form() {
     }
 }
 
-/// In the tug of war jump and drive add up: with slow tips the excess over the drive is the release factor, below one before a quarter of a period, above one after it.
+/// In the tug of war jump and drive add up: with slow tips the excess over the drive is the release
+/// factor, below one before a quarter of a period, above one after it.
 #[test]
 fn a_release_falls_short_before_a_quarter_of_a_period_and_overshoots_after_it() {
     let epsilon = 1e-3;
     let factor = |phi: f64, zeta: f64| {
         let way = 2.0 * measured(Scene::TugOfWar, at(phi, epsilon, zeta)).displacement_ratio().unwrap();
-        // The drive without the jump, by its closed form; what friction takes from the speed after the jump, epsilon u^2 / 2, is a thousandth.
+        // The drive without the jump, by its closed form; what friction takes from the speed after
+        // the jump, epsilon u^2 / 2, is a thousandth.
         let [_, rate] = theory::stretch(zeta, [phi, 1.0], phi);
         way - (1.0 - theory::stretch(zeta, [0.0, 1.0], phi)[0] / phi) - 0.5 * epsilon * (1.0 - rate).powi(2) / phi
     };
@@ -66,7 +73,8 @@ fn a_release_falls_short_before_a_quarter_of_a_period_and_overshoots_after_it() 
     assert!((damped - theory::release_factor(2.0, 0.5)).abs() < 3.0 * TOLERANCE, "{damped}");
 }
 
-/// After a whole swing the load stands `1 + exp(-pi zeta / sqrt(1 - zeta^2))` jumps ahead of where it was, and waits for the tip: at Phi = 4.2 it still does.
+/// After a whole swing the load stands `1 + exp(-pi zeta / sqrt(1 - zeta^2))` jumps ahead of where
+/// it was, and waits for the tip: at Phi = 4.2 it still does.
 #[test]
 fn an_overshoot_is_waited_for() {
     for (phi, zeta) in [(5.0, 0.0), (4.2, 0.1), (9.0, 0.0), (60.0, 0.1)] {
@@ -90,7 +98,9 @@ fn agreement_ends_where_a_hundred_radians_begin() {
     }
 }
 
-/// A quarter of the mass at the same friction, with tips twice as fast for half as long, is the same point of the plane; in the haul on springs that turn the load the moment of inertia follows.
+/// A quarter of the mass at the same friction, with tips twice as fast for half as long, is the
+/// same point of the plane; in the haul on springs that turn the load the moment of inertia
+/// follows.
 #[test]
 fn only_phi_epsilon_and_zeta_matter() {
     for (scene, phi, epsilon) in [(Scene::Excursion, 2.0, 0.3), (Scene::TugOfWar, 2.0, 0.1), (Scene::Haul, 3.0, 0.15)] {
@@ -102,7 +112,8 @@ fn only_phi_epsilon_and_zeta_matter() {
     }
 }
 
-/// Between two events tips go too short a way for three springs to move the load: nothing moves, with inertia or without, and no share is made up.
+/// Between two events tips go too short a way for three springs to move the load: nothing moves,
+/// with inertia or without, and no share is made up.
 #[test]
 fn a_haul_that_rests_has_no_share() {
     let cell = Cell::measure(Scene::Haul, &at(1.0, 0.01, 0.0), || true).unwrap();

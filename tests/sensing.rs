@@ -1,4 +1,5 @@
-//! Ants that are too far from the load to sense a tip are passed over: nobody notices, and the count says how often.
+//! Ants that are too far from the load to sense a tip are passed over: nobody notices, and the
+//! count says how often.
 
 use cohaul::backend::{BackendKind, BackendOptions, Skip, Skips, default_step};
 use cohaul::model::ant::Ant;
@@ -48,7 +49,8 @@ fn ants_that_are_passed_over_change_no_bit() {
     }
 }
 
-/// Ants that stand still: each that starts beyond the tips' reach is passed over once at every tick.
+/// Ants that stand still: each that starts beyond the tips' reach is passed over once at every
+/// tick.
 #[test]
 fn every_far_ant_is_counted_at_every_tick() {
     let scenario = ants(50, 4, json!({ "search_speed_m_per_s": 1e-9, "start_half_width_m": 0.1, "sensing_range_m": 1e-3 }));

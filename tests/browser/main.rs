@@ -1,4 +1,5 @@
-//! Reports in a real browser: what is seen first, that nothing is asked of a network, that the replay draws what the traces hold, and keys.
+//! Reports in a real browser: what is seen first, that nothing is asked of a network, that the
+//! replay draws what the traces hold, and keys.
 //!
 //! `cargo test --test browser -- --ignored`, with Chromium and ChromeDriver on the path.
 
@@ -43,8 +44,9 @@ fn last_pose(out: &Path, tier: &str, backend: &str) -> [f64; 3] {
     [1, 2, 3].map(|column| row[column].parse().unwrap())
 }
 
-/// A number that changes with the picture on the first canvas, how many colours are on it, and red near a corner of it. Read from a copy: the browser remarks on canvases that
-/// are read again and again.
+/// A number that changes with the picture on the first canvas, how many colours are on it, and red
+/// near a corner of it. Read from a copy: the browser remarks on canvases that are read again and
+/// again.
 const PICTURE: &str = "const canvas = document.querySelector('.replay canvas'); \
     const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true }); copy.drawImage(canvas, 0, 0); \
     const pixels = new Uint32Array(copy.getImageData(0, 0, canvas.width, canvas.height).data.buffer); \
@@ -86,7 +88,8 @@ fn a_comparison_answers_on_its_first_screen_and_replays_its_traces() {
     assert!(seen[2].as_f64().unwrap() >= 0.0 && seen[3].as_f64().unwrap() <= 800.0 && seen[4].as_f64().unwrap() < 800.0, "{seen}");
     assert_eq!(seen[5], 0, "a name is no markup");
 
-    // Nothing from elsewhere, and nothing could be: the page's own policy stops a picture of another host.
+    // Nothing from elsewhere, and nothing could be: the page's own policy stops a picture of
+    // another host.
     assert_eq!(browser.run("return performance.getEntriesByType('resource').length"), 0);
     assert_eq!(browser.console(), [""; 0]);
     browser.run(
@@ -127,7 +130,8 @@ fn a_comparison_answers_on_its_first_screen_and_replays_its_traces() {
     assert_eq!(browser.console(), [""; 0]);
 }
 
-/// Space plays and stops, arrows go instant by instant, Home and End to the ends, brackets to events.
+/// Space plays and stops, arrows go instant by instant, Home and End to the ends, brackets to
+/// events.
 fn keys(browser: &Browser) {
     browser.run("document.querySelector('.replay canvas').focus()");
     browser.press(HOME);

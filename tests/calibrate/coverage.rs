@@ -6,7 +6,8 @@ use cohaul::studies::calibrate::{Calibration, Case, Estimate};
 use super::{TRUTH, of};
 
 const N: u64 = 1500;
-/// Five standard deviations of a share of 95 % in that many data sets: seeds are fixed, but any would do.
+/// Five standard deviations of a share of 95 % in that many data sets: seeds are fixed, but any
+/// would do.
 const SLACK: f64 = 5.0 * 0.0056;
 
 fn covers(estimate: &Estimate, truth: f64) -> bool {
@@ -74,7 +75,8 @@ fn the_spread_of_trials_is_found_and_the_model_is_not_said_to_bend() {
         n_bent += usize::from(found.cases[0].goodness.bend.unwrap().p_value < 0.05);
     }
     let sd = (squares / N as f64).sqrt();
-    // A variance of 12 trials is off by sqrt(2 / 11), the mean of N by 1.5 % of itself and the root by half of that; five of them.
+    // A variance of 12 trials is off by sqrt(2 / 11), the mean of N by 1.5 % of itself and the root
+    // by half of that; five of them.
     assert!((sd / 0.05 - 1.0).abs() < 0.04, "{sd}");
     let share = n_bent as f64 / N as f64;
     assert!((share - 0.05).abs() < SLACK, "{share}");

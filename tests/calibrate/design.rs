@@ -49,7 +49,8 @@ fn the_stiffnesses_of_any_spring_lead_back_to_it_whichever_dimension_is_held() {
             for held in all_held(&made) {
                 let found = design(&wanted(&made, at, held), &Limits::default()).unwrap();
                 for (a, b) in free(&found).into_iter().zip(free(&made)) {
-                    // Bisection to the last bit; the difference of two sums in kappa_tau loses up to two digits.
+                    // Bisection to the last bit; the difference of two sums in kappa_tau loses up
+                    // to two digits.
                     assert!((a / b - 1.0).abs() < 1e-12, "{held:?} at {at}: {a} {b}");
                 }
             }
@@ -96,7 +97,8 @@ fn what_cannot_be_built_is_refused_with_its_reason() {
     }
 }
 
-/// A hair above what leaves no room for the short member there is a spring, a hair below there is none.
+/// A hair above what leaves no room for the short member there is a spring, a hair below there is
+/// none.
 #[test]
 fn the_least_torsional_stiffness_is_the_least() {
     let held = Held::FoldedMemberLengthM(TRUTH.folded_member_length);

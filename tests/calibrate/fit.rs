@@ -40,7 +40,8 @@ fn a_linear_stiffness_is_that_of_its_range_and_says_how_wrong_it_is() {
         let found = fitted(&data, &Ranges { stretch: Some(range), swing: None });
         let linear = found.linear.iter().find(|fit| fit.case == Case::Radial).unwrap();
         let expected = least_squares_stiffness(&TRUTH, range);
-        // Points stand at the ends of cells, the integral has their middles: half a cell of 10 um, times a slope of the stiffness of below 15 N/m^2.
+        // Points stand at the ends of cells, the integral has their middles: half a cell of 10 um,
+        // times a slope of the stiffness of below 15 N/m^2.
         assert!((linear.stiffness.value - expected).abs() < 2e-4, "{range:?}: {} {expected}", linear.stiffness.value);
         assert!(linear.stiffness.value > last, "the spring stiffens");
         last = linear.stiffness.value;
@@ -55,7 +56,8 @@ fn a_linear_stiffness_is_that_of_its_range_and_says_how_wrong_it_is() {
     assert_eq!(found.radial_stiffness_n_per_m.unwrap().n_points, 400);
 }
 
-/// The last reading stands at 8 mm, where the range ends: a rounding of it changes nothing, a ten thousandth leaves it out.
+/// The last reading stands at 8 mm, where the range ends: a rounding of it changes nothing, a ten
+/// thousandth leaves it out.
 #[test]
 fn readings_at_the_end_of_a_range_are_in_it_however_they_are_rounded() {
     let data = measurements(&TRUTH, &Plan::EXAMPLE);
@@ -93,7 +95,8 @@ fn scales_of_force_and_order_of_rows_do_not_matter() {
     let ends =
         |estimate: cohaul::studies::calibrate::Estimate| [estimate.value, estimate.interval.unwrap().low, estimate.interval.unwrap().high];
     for (a, b) in ends(a).into_iter().zip(ends(b)) {
-        // tau^2 is found to the last bits by bisection, whose square root moves the weights by 1e-8 at most.
+        // tau^2 is found to the last bits by bisection, whose square root moves the weights by 1e-8
+        // at most.
         assert!((4.0 * a / b - 1.0).abs() < 1e-8, "{a} {b}");
     }
     for (a, b) in found.cases.iter().zip(scaled.cases.iter().map(|fit| fit.goodness)) {
@@ -179,8 +182,9 @@ fn the_example_is_what_its_seed_generates() {
     assert!(interval.low < 1.66e6 && 1.66e6 < interval.high, "{interval:?}");
 }
 
-/// One trial to 10 mm beside five to 1.5 mm: information goes by the square of the stretch, so that it has some 90 % of the weight. Alike, none has more than its
-/// part. Readings by the linear law have one kappa, those by the model one E: each is told of by itself.
+/// One trial to 10 mm beside five to 1.5 mm: information goes by the square of the stretch, so that
+/// it has some 90 % of the weight. Alike, none has more than its part. Readings by the linear law
+/// have one kappa, those by the model one E: each is told of by itself.
 #[test]
 fn a_trial_that_decides_alone_is_told() {
     let share = |reaches: &[f64], is_linear: bool| {
@@ -201,7 +205,8 @@ fn a_trial_that_decides_alone_is_told() {
     };
     for is_linear in [true, false] {
         let (weight, n_told) = share(&[1e-2, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3], is_linear);
-        // (10 / 1.5)^2 = 44 to 5, tau^2 being zero; the model's force rises a little faster than the stretch.
+        // (10 / 1.5)^2 = 44 to 5, tau^2 being zero; the model's force rises a little faster than
+        // the stretch.
         assert!((0.89..0.92).contains(&weight) && n_told == 1, "{weight} {n_told}");
         let (weight, n_told) = share(&[1e-2; 6], is_linear);
         assert!((weight - 1.0 / 6.0).abs() < 1e-12 && n_told == 0, "{weight} {n_told}");
@@ -210,7 +215,8 @@ fn a_trial_that_decides_alone_is_told() {
     }
 }
 
-/// The example goes to 10 mm along the spring, to 0.8 rad to one side and to 0.5 rad to the other, whatever ranges are asked for beyond.
+/// The example goes to 10 mm along the spring, to 0.8 rad to one side and to 0.5 rad to the other,
+/// whatever ranges are asked for beyond.
 #[test]
 fn springs_are_known_as_far_as_readings_go_on_either_side() {
     let data = measurements(&TRUTH, &Plan::EXAMPLE);

@@ -65,7 +65,8 @@ fn the_frame_of_a_recording_does_not_matter() {
     let near = tip_forces(&recording(&|tip| Tip::InRoot(*tip)), &sensor);
     let far = tip_forces(&recording(&|tip| Tip::InWorld { load, tip: in_world(tip) }), &sensor);
     for (a, b) in near.forces.iter().zip(&far.forces) {
-        // Positions of order 0.5 m carry 1e-16, stiffnesses of order 1 N/m and an lever of 1/l make it 1e-14 of the swing.
+        // Positions of order 0.5 m carry 1e-16, stiffnesses of order 1 N/m and an lever of 1/l make
+        // it 1e-14 of the swing.
         assert!((a.radial - b.radial).abs() < 1e-14 && (a.tangential - b.tangential).abs() < 1e-14, "{a:?} {b:?}");
         assert!((a.size_sd / b.size_sd - 1.0).abs() < 1e-10, "{a:?} {b:?}");
         assert!(a.in_world.is_none() && b.in_world.is_some());
@@ -137,7 +138,8 @@ fn errors_of_tips_and_stiffnesses_spread_forces_as_said() {
         by_all.add(one(moved, &exact.clone().with_given(Some(radial), Some(torsional))).size);
     }
     let found = one(tip, &sensor);
-    // A standard deviation of 20,000 draws is off by 0.5 %, and curvature over the noise is a fraction of that; five of them.
+    // A standard deviation of 20,000 draws is off by 0.5 %, and curvature over the noise is a
+    // fraction of that; five of them.
     assert!((by_tip.sd() / found.tip_part - 1.0).abs() < 0.025, "{} {found:?}", by_tip.sd());
     assert!((by_all.sd() / found.size_sd - 1.0).abs() < 0.025, "{} {found:?}", by_all.sd());
     assert!(found.size_sd > 1.2 * found.tip_part);

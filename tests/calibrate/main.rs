@@ -1,4 +1,5 @@
-//! Springs as force sensors: known parameters are found again, intervals hold what they promise, forces of recorded tips are those of the run.
+//! Springs as force sensors: known parameters are found again, intervals hold what they promise,
+//! forces of recorded tips are those of the run.
 
 mod coverage;
 mod design;

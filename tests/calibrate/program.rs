@@ -144,7 +144,8 @@ fn forces_of_a_run_folder_are_those_of_its_trace() {
     for row in csv::Reader::from_path(format!("{forces}/forces.csv")).unwrap().records().map(Result::unwrap) {
         let [x, y] = pulls[&(row[0].to_owned(), row[1].parse::<i32>().unwrap())];
         let found: Vec<f64> = row.iter().rev().take(2).map(|field| field.parse().unwrap()).collect();
-        // Rounding of positions of order 0.1 m times 0.7 N/m; numbers are written with all their digits.
+        // Rounding of positions of order 0.1 m times 0.7 N/m; numbers are written with all their
+        // digits.
         assert!((found[1] - x).abs() < 1e-15 && (found[0] - y).abs() < 1e-15, "{row:?}: {x} {y}");
         n += 1;
     }

@@ -1,7 +1,7 @@
 //! Commands in README and book: outputs below `$ cohaul ...`, and commands that are only shown.
 //!
-//! A block `json NAME` is a file that the commands of its page may read. In a block `console`, a line
-//! that begins with `$ ` is a command and the lines below it are what it prints.
+//! A block `json NAME` is a file that the commands of its page may read. In a block `console`, a
+//! line that begins with `$ ` is a command and the lines below it are what it prints.
 
 use std::fs;
 use std::os::unix::fs::symlink;

@@ -7,7 +7,8 @@ use std::process::{Command, Output};
 
 use serde_json::{Value, json};
 
-/// Four ants for three seconds with a nest so near that some of them arrive: a few milliseconds of work without optimisation.
+/// Four ants for three seconds with a nest so near that some of them arrive: a few milliseconds of
+/// work without optimisation.
 pub fn scene(room: &Path) -> PathBuf {
     let text = fs::read_to_string("scenarios/paper/four-ants-four-springs.json").unwrap();
     let mut scene: Value = serde_json::from_str(&text).unwrap();

@@ -52,7 +52,8 @@ fn what_is_wrong_is_named_before_anything_runs() {
     assert!(!out.join("manifest.json").exists());
 }
 
-/// What is finished stays what it was: no other command takes its place, and a table that somebody changed or lost is not called finished.
+/// What is finished stays what it was: no other command takes its place, and a table that somebody
+/// changed or lost is not called finished.
 #[test]
 fn a_finished_sweep_is_neither_replaced_nor_taken_for_what_it_is_not() {
     let room = tempdir().unwrap();
@@ -99,7 +100,8 @@ fn shards_of_other_cuts_and_links_to_nothing_are_named_before_anything_runs() {
     }
 }
 
-/// Options that change nothing are told, and so are runs that end otherwise than they were asked to.
+/// Options that change nothing are told, and so are runs that end otherwise than they were asked
+/// to.
 #[test]
 fn what_does_nothing_and_what_is_not_met_are_told() {
     let room = tempdir().unwrap();
@@ -125,7 +127,8 @@ fn what_does_nothing_and_what_is_not_met_are_told() {
     assert!(fs::read_to_string(out("d").join("report.html")).unwrap().contains("are not within their tolerance"));
 }
 
-/// A backend at two steps is two rows, two curves and two names; a file may begin with a byte order mark, and a folder need not be text.
+/// A backend at two steps is two rows, two curves and two names; a file may begin with a byte order
+/// mark, and a folder need not be text.
 #[test]
 fn several_steps_are_told_apart_and_names_may_be_any() {
     let room = tempdir().unwrap();

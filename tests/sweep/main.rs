@@ -1,4 +1,5 @@
-//! Sweeps through the program itself: one table whatever threads, shards and kills it went through, and errors before any work.
+//! Sweeps through the program itself: one table whatever threads, shards and kills it went through,
+//! and errors before any work.
 
 mod common;
 mod errors;

@@ -27,8 +27,8 @@ fn threads_and_shards_in_any_order_make_the_same_table() {
     assert_eq!(tables(&out("one")), tables(&out("merged")));
     let rows = rows(&out("one").join("runs.csv"));
     assert_eq!(rows.len(), 40);
-    // What is the same everywhere must not be so for want of difference: every cell has a key of its own, and every one a path, but that without inertia a scale of
-    // inertia changes nothing.
+    // What is the same everywhere must not be so for want of difference: every cell has a key of
+    // its own, and every one a path, but that without inertia a scale of inertia changes nothing.
     let n_different = |column: &str| {
         let mut values: Vec<&String> = rows.iter().map(|row| &row[column]).collect();
         values.sort_unstable();

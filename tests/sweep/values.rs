@@ -52,7 +52,8 @@ fn a_row_holds_what_a_single_run_says() {
     }
 }
 
-/// Of three numbers and five, the five stand to the right whichever comes first, so that three curves are left and none is not shown.
+/// Of three numbers and five, the five stand to the right whichever comes first, so that three
+/// curves are left and none is not shown.
 #[test]
 fn a_figure_has_the_parameter_with_most_values_to_the_right() {
     let room = tempdir().unwrap();
@@ -67,7 +68,8 @@ fn a_figure_has_the_parameter_with_most_values_to_the_right() {
     }
 }
 
-/// Means and intervals of a group are those of its rows, by formulas written down once more; t(0.975; 11) = 2.200985 (tables).
+/// Means and intervals of a group are those of its rows, by formulas written down once more;
+/// t(0.975; 11) = 2.200985 (tables).
 #[test]
 fn groups_are_the_statistics_of_their_rows() {
     let room = tempdir().unwrap();
@@ -116,8 +118,9 @@ fn samples_and_words_and_whole_numbers_are_columns() {
     assert_eq!((&rows[0]["drive.preset"], &rows[8]["drive.preset"]), (&"default".to_owned(), &"aged".to_owned()));
 }
 
-/// At a hundredth of the inertia with the same friction a load that tips drag about ends much nearer to where one without inertia does. Deviations of a load that
-/// settles shrink in proportion to its mass; a third of that is kept for what is not settled yet.
+/// At a hundredth of the inertia with the same friction a load that tips drag about ends much
+/// nearer to where one without inertia does. Deviations of a load that settles shrink in proportion
+/// to its mass; a third of that is kept for what is not settled yet.
 #[test]
 fn less_inertia_at_the_same_friction_is_nearer_to_none() {
     let room = tempdir().unwrap();

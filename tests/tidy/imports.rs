@@ -1,7 +1,7 @@
 //! Which file uses what another file defines, and circles of such uses.
 //!
-//! A path is followed to the file that defines its name, through modules and `pub use`. A module that
-//! only hands a name on does not use it.
+//! A path is followed to the file that defines its name, through modules and `pub use`. A module
+//! that only hands a name on does not use it.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -71,8 +71,8 @@ pub fn sentences_of_markdown(path: &str, text: &str) -> Vec<Sentence> {
     paragraphs(text).iter().flat_map(|paragraph| sentences(path, paragraph.line, &paragraph.text)).collect()
 }
 
-/// Sentences among the strings of a file and, of the command line, among its doc comments, which are
-/// its help.
+/// Sentences among the strings of a file and, of the command line, among its doc comments, which
+/// are its help.
 pub fn printed_sentences(file: &Source) -> Vec<Sentence> {
     let is_help = file.path.starts_with("src/cli/");
     let is_printed = |text: &&crate::source::Text| if text.is_doc { is_help } else { text.text.split_whitespace().count() > 4 };

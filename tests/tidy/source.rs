@@ -145,7 +145,8 @@ impl Source {
         found
     }
 
-    /// Every path that starts with `crate`, `super`, `self` or a name, as far as it is one of modules.
+    /// Every path that starts with `crate`, `super`, `self` or a name, as far as it is one of
+    /// modules.
     pub fn paths(&self) -> Vec<PathName> {
         let tokens = &self.tokens;
         let mut found = Vec::new();
@@ -165,7 +166,8 @@ impl Source {
         found
     }
 
-    /// Names that may be those of crates, in imports, paths and attributes: no module of the file's own.
+    /// Names that may be those of crates, in imports, paths and attributes: no module of the file's
+    /// own.
     pub fn crates_named(&self) -> Vec<(String, usize)> {
         let (tokens, own) = (&self.tokens, self.definitions());
         let is_first = |at: usize| at < 2 || !is_colons(tokens, at - 2);
