@@ -14,7 +14,7 @@ use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, Trace};
 use cohaul::studies::check::report::{CheckReport, check_text, this_build};
 use cohaul::studies::check::{
-    self, Baseline, Build, Check, Quantity, Record, Settings, Told, Tolerances, Verdict, read_folder, usual_name,
+    self, Baseline, Build, Check, Quantity, Record, Settings, Side, Tolerances, Verdict, read_folder, usual_name,
 };
 use serde_json::{Value, json};
 
@@ -123,9 +123,9 @@ fn a_changed_waypoint_is_caught_where_it_first_acts() {
         assert!(first.agreed_until_s.is_some_and(|until| until < 0.0512));
         let event = first.last_event.unwrap();
         assert_eq!((event.spring, event.time_s), (1, 0.0512));
-        assert!(check.difference.decisions_part.is_none(), "prescribed tips decide nothing");
+        assert!(check.difference.first_different_decision.is_none(), "prescribed tips decide nothing");
         let said = text(vec![check]);
-        assert!(said.contains("parts first") && said.contains("grasp of spring 1 at 0.0512 s"), "{said}");
+        assert!(said.contains("first in ") && said.contains("grasp of spring 1 at 0.0512 s"), "{said}");
     }
 }
 
@@ -140,7 +140,7 @@ fn a_perturbed_option_is_caught() {
         let check = check_one(&baseline);
         assert_eq!(check.verdict, Verdict::Differs, "{name}");
         let first = check.difference.first_divergence.as_ref().unwrap_or_else(|| panic!("{name}"));
-        assert!(first.time_s > 0.0 && matches!(&first.expected, Told::Numbers(values) if !values.is_empty()));
+        assert!(first.time_s > 0.0 && matches!(&first.expected, Side::Numbers(values) if !values.is_empty()));
     };
     for name in ["slide-spin", "busy-tips", "release-jump"] {
         perturbed(&format!("{name}-rapier"), &|options| options.step_s *= 0.5);
@@ -186,24 +186,24 @@ fn trace(scenario: &Scenario, options: &BackendOptions) -> Trace {
     run.into_results().0
 }
 
-/// Ants that let go more easily: decisions part at the first event that the two traces do not
-/// share.
+/// Ants that let go more easily: the first different decision is the first event that is not
+/// in both traces.
 #[test]
 fn decisions_that_part_are_named() {
     let baseline = stored("four-ants-rapier");
     let scenario = changed(&baseline.scenario, "/drive/strong_pull_n", 0.002);
     let [expected, found] = [&baseline.scenario, &scenario].map(|scenario| trace(scenario, &baseline.options).events);
-    let n_alike =
+    let n_equal =
         expected.iter().zip(&found).take_while(|(a, b)| (a.time, a.kind, a.spring, a.ant) == (b.time, b.kind, b.spring, b.ant)).count();
-    assert!(n_alike > 0 && n_alike < expected.len());
+    assert!(n_equal > 0 && n_equal < expected.len());
     let check = against(&baseline, scenario);
-    let part = check.difference.decisions_part.unwrap();
-    assert_eq!(part.n_alike, n_alike);
-    assert_eq!(part.time_s, expected[n_alike].time.min(found[n_alike].time));
+    let part = check.difference.first_different_decision.unwrap();
+    assert_eq!(part.n_equal, n_equal);
+    assert_eq!(part.time_s, expected[n_equal].time.min(found[n_equal].time));
     let first = check.difference.first_divergence.as_ref().unwrap();
     assert_eq!((first.measure, first.time_s), ("decision", part.time_s));
-    assert_eq!(first.last_event.map(|event| event.time_s), Some(expected[n_alike - 1].time));
-    assert!(text(vec![check]).contains(&format!("the last of {n_alike} alike")));
+    assert_eq!(first.last_event.map(|event| event.time_s), Some(expected[n_equal - 1].time));
+    assert!(text(vec![check]).contains(&format!("the last of {n_equal} equal decisions")));
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn a_run_that_ends_earlier_parts_there() {
     let check = against(&baseline, Scenario { duration: 0.3, ..baseline.scenario.clone() });
     let first = check.difference.first_divergence.as_ref().unwrap();
     assert_eq!((first.measure, first.time_s), ("time_s", 0.3));
-    assert_eq!((first.expected.clone(), first.found.clone()), (Told::Numbers(vec![0.4033]), Told::Numbers(vec![0.3])));
+    assert_eq!((first.expected.clone(), first.found.clone()), (Side::Numbers(vec![0.4033]), Side::Numbers(vec![0.3])));
     let compared = check.difference.pairs.len();
     assert!(compared < baseline.record.rows.len() && check.difference.pairs[compared - 1].0[0] <= 0.3);
 }
@@ -267,7 +267,7 @@ fn events_beyond_those_kept_are_not_compared() {
     let mut other = kept;
     other.events[4].spring = (other.events[4].spring + 1) % 4;
     let check = check_one(&Baseline { record: other, ..baseline });
-    assert_eq!(check.difference.decisions_part.map(|part| part.n_alike), Some(4));
+    assert_eq!(check.difference.first_different_decision.map(|part| part.n_equal), Some(4));
 }
 
 #[test]

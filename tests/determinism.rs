@@ -236,7 +236,7 @@ fn ants_walk_and_believe_the_same_on_every_backend_until_the_first_grasp() {
 }
 
 fn ants_until_first_grasp(scenario: &Scenario, options: &BackendOptions) -> Vec<Value> {
-    let ants = |run: &Simulation| serde_json::to_value(run.save().unwrap()).unwrap()["driver"]["ants"].clone();
+    let ants = |run: &Simulation| serde_json::to_value(run.save().unwrap()).unwrap()["controller"]["ants"].clone();
     let mut run = Simulation::new(scenario, options, Keep::Trace);
     let mut walk = vec![ants(&run)];
     assert!(walk[0].as_array().is_some_and(|ants| ants.len() == 4));
@@ -256,7 +256,7 @@ fn beliefs_are_the_same_wherever_the_load_is() {
     let scenario = careless_ants();
     let beliefs = |options: &BackendOptions| {
         let saved = serde_json::to_value(whole(&scenario, options).save().unwrap()).unwrap();
-        saved["driver"]["ants"].as_array().unwrap().iter().map(|ant| ant["belief_error"].clone()).collect::<Vec<_>>()
+        saved["controller"]["ants"].as_array().unwrap().iter().map(|ant| ant["belief_error"].clone()).collect::<Vec<_>>()
     };
     let all: Vec<_> = all_options(&scenario).iter().map(beliefs).collect();
     assert!(all[0].iter().all(|belief| belief[0].as_f64().is_some_and(|error| error != 0.0)));
@@ -310,8 +310,8 @@ fn a_state_of_another_run_is_refused_and_says_why() {
         // A state whose parts are of different runs.
         for (part, value) in [
             ("/options/kind", json!(if options.kind == BackendKind::QuasiStatic { "inertial" } else { "quasi-static" })),
-            ("/driver", Value::Null),
-            ("/driver/ants", json!([])),
+            ("/controller", Value::Null),
+            ("/controller/ants", json!([])),
             ("/backend", json!({})),
         ] {
             let mut torn = serde_json::to_value(&saved).unwrap();
@@ -330,15 +330,15 @@ fn a_damaged_state_is_refused_and_says_why() {
     let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3), Keep::Outcome);
     run.run(|time| time < 10.0);
     let saved = serde_json::to_value(run.save().unwrap()).unwrap();
-    let ants = saved["driver"]["ants"].as_array().unwrap();
+    let ants = saved["controller"]["ants"].as_array().unwrap();
     let holding: Vec<usize> = (0..ants.len()).filter(|ant| ants[*ant]["mode"]["mode"] == "transport").collect();
     let [one, other] = holding[..2] else { panic!("{holding:?}") };
-    let at = |ant: usize, key: &str| format!("/driver/ants/{ant}/mode/{key}");
+    let at = |ant: usize, key: &str| format!("/controller/ants/{ant}/mode/{key}");
     let spring_of = |ant: usize| ants[ant]["mode"]["spring"].clone();
     for (part, value, why) in [
         (at(one, "spring"), spring_of(other), "two ants at spring"),
         (at(one, "grasp_tick"), json!(1_000_000), "an ant that grasped at tick 1000000"),
-        (format!("/driver/ants/{one}/mode"), json!({ "mode": "search" }), "springs held by"),
+        (format!("/controller/ants/{one}/mode"), json!({ "mode": "search" }), "attached springs"),
         ("/backend/springs/attachments".to_owned(), json!([]), "which is free"),
         ("/backend/springs/turn".to_owned(), json!([0.0, 0.0, 0.0, 0.0]), "a rotation that is not by the heading"),
     ] {

@@ -11,7 +11,7 @@ use cohaul::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE, with_estimate
 use cohaul::backend::{Backend, BackendKind, BackendOptions, build};
 use cohaul::math::{Twist, Vec2, rotation};
 use cohaul::scenario::{Drive, Scenario, Waypoint};
-use cohaul::simulation::{Keep, SavedRun, Simulation, driver_of};
+use cohaul::simulation::{Keep, SavedRun, Simulation, controller_of};
 
 use random_scenes::random_scenario;
 
@@ -26,7 +26,7 @@ fn options(scenario: &Scenario) -> BackendOptions {
 /// Estimate of a run without a trace, as in `cohaul run`.
 fn estimate(scenario: &Scenario) -> InertiaEstimate {
     let (backend, estimator) = with_estimate(&scenario.system, scenario.start, &options(scenario));
-    let mut run = Simulation::on(scenario, &options(scenario), Keep::Outcome, driver_of(scenario), backend);
+    let mut run = Simulation::from_parts(scenario, &options(scenario), Keep::Outcome, controller_of(scenario), backend);
     run.run(|_| true);
     estimator.borrow().estimate()
 }
@@ -200,7 +200,7 @@ fn an_estimate_does_not_change_the_run_and_agrees_with_that_from_the_trace() {
         let scenario = random_scenario(seed);
         let (watched, estimator) = with_estimate(&scenario.system, scenario.start, &options(&scenario));
         let run = |backend: Box<dyn Backend>| {
-            let mut run = Simulation::on(&scenario, &options(&scenario), Keep::Trace, driver_of(&scenario), backend);
+            let mut run = Simulation::from_parts(&scenario, &options(&scenario), Keep::Trace, controller_of(&scenario), backend);
             run.run(|_| true);
             run.into_results()
         };
@@ -220,11 +220,11 @@ fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
     let scenario = random_scenario(28);
     let whole = estimate(&scenario);
     let (backend, _) = with_estimate(&scenario.system, scenario.start, &options(&scenario));
-    let mut run = Simulation::on(&scenario, &options(&scenario), Keep::Outcome, driver_of(&scenario), backend);
+    let mut run = Simulation::from_parts(&scenario, &options(&scenario), Keep::Outcome, controller_of(&scenario), backend);
     run.run(|time| time < 0.5 * scenario.duration);
     let saved: SavedRun = serde_json::from_str(&serde_json::to_string(&run.save().unwrap()).unwrap()).unwrap();
     let (backend, estimator) = with_estimate(&scenario.system, scenario.start, &options(&scenario));
-    let mut resumed = Simulation::resume_on(&scenario, &saved, Keep::Outcome, backend).unwrap();
+    let mut resumed = Simulation::resume_from_parts(&scenario, &saved, Keep::Outcome, controller_of(&scenario), backend).unwrap();
     resumed.run(|_| true);
     assert_eq!(estimator.borrow().estimate(), whole);
     // A state without an estimate cannot be resumed with one; a plain run resumes from either
@@ -232,7 +232,10 @@ fn an_estimate_goes_on_from_a_saved_run_bit_for_bit() {
     let mut plain = Simulation::new(&scenario, &options(&scenario), Keep::Outcome);
     plain.run(|time| time < 0.5 * scenario.duration);
     let (backend, _) = with_estimate(&scenario.system, scenario.start, &options(&scenario));
-    let error = Simulation::resume_on(&scenario, &plain.save().unwrap(), Keep::Outcome, backend).err().unwrap().to_string();
+    let error = Simulation::resume_from_parts(&scenario, &plain.save().unwrap(), Keep::Outcome, controller_of(&scenario), backend)
+        .err()
+        .unwrap()
+        .to_string();
     assert!(error.contains("without an inertia estimate"), "{error}");
     assert!(Simulation::resume(&scenario, &saved, Keep::Outcome).is_ok());
 }

@@ -8,7 +8,7 @@ use cohaul::analysis::estimate::with_estimate;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Motion, StepReport};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::scenario::Scenario;
-use cohaul::simulation::{Keep, Simulation, driver_of};
+use cohaul::simulation::{Keep, Simulation, controller_of};
 
 /// Counts what the present thread asks for: other tests do not disturb.
 struct Counting;
@@ -92,7 +92,7 @@ fn the_loop_asks_for_no_memory_once_it_runs() {
     let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
     let of = |keep| {
         let backend = Box::new(Nailed { tips: vec![None; scenario.system.springs.len()] });
-        second_half(Simulation::on(&scenario, &options, keep, driver_of(&scenario), backend), scenario.duration)
+        second_half(Simulation::from_parts(&scenario, &options, keep, controller_of(&scenario), backend), scenario.duration)
     };
     let (requests, bytes, run) = of(Keep::Outcome);
     assert!(run.outcome().pulls.n() > 500 && run.trace().rows.is_empty() && run.trace().events.is_empty());
@@ -110,7 +110,8 @@ fn no_memory_is_held_for_what_is_over() {
     let scenario = ten_ants(6.0);
     let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
     let (watched, _estimator) = with_estimate(&scenario.system, scenario.start, &options);
-    let (_, bytes, run) = second_half(Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), watched), scenario.duration);
+    let (_, bytes, run) =
+        second_half(Simulation::from_parts(&scenario, &options, Keep::Outcome, controller_of(&scenario), watched), scenario.duration);
     assert_eq!((run.outcome().time, run.outcome().arrived), (6.0, Some(false)));
     // Lists of what happens in one step may reach their longest late. A trace of this half would be
     // 400 kB.

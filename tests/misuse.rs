@@ -9,7 +9,7 @@ use cohaul::backend::friction::FrictionSolver;
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Status, Tolerance, build};
 use cohaul::math::{Mat3, Vec2, Vec3};
 use cohaul::scenario::Scenario;
-use cohaul::simulation::{Keep, Replay, Simulation, driver_of};
+use cohaul::simulation::{Keep, Replay, Simulation, controller_of};
 
 fn scenario(name: &str) -> Scenario {
     Scenario::read(&Path::new("scenarios").join(name)).unwrap()
@@ -142,9 +142,9 @@ fn steps_and_tolerances_must_be_positive() {
 }
 
 /// A replay in parts of control periods, stopped and gone on with: rows and path as without the
-/// stop. With the scenario's own driver in its place it is refused, or is another run.
+/// stop. With the scenario's own controller in its place it is refused, or is another run.
 #[test]
-fn a_run_of_another_driver_goes_on_with_it() {
+fn a_run_of_another_controller_resumes() {
     let scenario = Scenario { duration: 2.0, ..scenario("paper/four-ants-four-springs.json") };
     let options = BackendOptions::new(BackendKind::Inertial, 1e-3);
     let recorded = {
@@ -154,21 +154,26 @@ fn a_run_of_another_driver_goes_on_with_it() {
     };
     let replay = || Box::new(Replay::new(Arc::clone(&recorded), scenario.system.springs.len()));
     let whole = {
-        let mut run = Simulation::driven(&scenario, &options, Keep::Trace, replay()).in_parts(3);
+        let mut run = Simulation::with_controller(&scenario, &options, Keep::Trace, replay()).with_rows_per_period(3);
         run.run(|_| true);
         // A step after the end is none.
         run.step();
         run.into_results().0
     };
-    let mut run = Simulation::driven(&scenario, &options, Keep::Trace, replay()).in_parts(3);
+    let mut run = Simulation::with_controller(&scenario, &options, Keep::Trace, replay()).with_rows_per_period(3);
     run.run(|time| time < 0.9);
     let saved = run.save().unwrap();
     let backend = build(&scenario.system, scenario.start, &options);
-    let mut resumed = Simulation::resume_driven(&scenario, &saved, Keep::Trace, replay(), backend).unwrap();
+    let mut resumed = Simulation::resume_from_parts(&scenario, &saved, Keep::Trace, replay(), backend).unwrap();
     resumed.run(|_| true);
     assert_eq!(resumed.into_results().0, whole);
     assert_eq!(whole.rows.len(), 3 * 800 + 1);
-    let other =
-        Simulation::resume_driven(&scenario, &saved, Keep::Trace, driver_of(&scenario), build(&scenario.system, scenario.start, &options));
+    let other = Simulation::resume_from_parts(
+        &scenario,
+        &saved,
+        Keep::Trace,
+        controller_of(&scenario),
+        build(&scenario.system, scenario.start, &options),
+    );
     assert!(other.is_err());
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use cohaul::backend::{Backend, BackendOptions, EnergyLedger, Motion, Status, StepReport};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
-use cohaul::simulation::built;
+use cohaul::simulation::backend_of;
 use cohaul::studies::methods::Method;
 use cohaul::studies::runner::Records;
 use cohaul::studies::stress::{Axis, Effort, Map, Outcome, Row, all, n_cells, tasks};
@@ -24,7 +24,7 @@ fn all_methods() -> Vec<Method> {
 }
 
 fn rows(maps: &[Map], methods: &[Method]) -> Vec<Row> {
-    tasks(maps, methods, &built).finished(&|_| true).unwrap().concat()
+    tasks(maps, methods, &backend_of).finished(&|_| true).unwrap().concat()
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn a_table_is_the_same_on_one_thread_and_two_and_in_two_parts() {
     let room = tempdir().unwrap();
     let open = || Records::open(&room.path().join("journal"), "stress", &"here").unwrap();
     let methods = all_methods();
-    let tasks = tasks(&maps, &methods, &built);
+    let tasks = tasks(&maps, &methods, &backend_of);
     let mut part = open();
     tasks.run(&mut part, &|_| left.fetch_update(Relaxed, Relaxed, |n| n.checked_sub(1)).is_ok()).unwrap();
     assert_eq!(part.n_done(), 7);
@@ -191,8 +191,8 @@ fn judged(map: &str, fault: Option<Fault>) -> Row {
     let value = |name, value| Axis { name, values: vec![value], names: Vec::new() };
     let map = Map { x: value(map.x.name, x), y: value(map.y.name, y), ..map };
     let make = move |scenario: &Scenario, options: &BackendOptions| -> Box<dyn Backend> {
-        let inside = built(scenario, options);
-        fault.map_or_else(|| built(scenario, options), |fault| Box::new(Broken { inside, fault, n_steps: 0 }))
+        let inside = backend_of(scenario, options);
+        fault.map_or_else(|| backend_of(scenario, options), |fault| Box::new(Broken { inside, fault, n_steps: 0 }))
     };
     let rows = tasks(&[map], &[Method::QUASI_STATIC], &make).finished(&|_| true).unwrap();
     rows[0][0].clone()

@@ -14,7 +14,7 @@ use cohaul::backend::{BackendKind, BackendOptions, Motion, Status, Tolerance, Tr
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::{Load, PolarSpring};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
-use cohaul::simulation::{Driver, Keep, Replay, Simulation, Trace, driver_of};
+use cohaul::simulation::{Controller, Keep, Replay, Simulation, Trace, controller_of};
 use cohaul::studies::methods::Method;
 use cohaul::studies::verify::tripod::STARTS;
 use cohaul::studies::verify::{Case, Family, all};
@@ -89,15 +89,15 @@ impl Scene {
         Self { name, scenario, recorded }
     }
 
-    fn driver(&self) -> Box<dyn Driver> {
+    fn controller(&self) -> Box<dyn Controller> {
         match &self.recorded {
             Some(recorded) => Box::new(Replay::new(Arc::clone(recorded), self.scenario.system.springs.len())),
-            None => driver_of(&self.scenario),
+            None => controller_of(&self.scenario),
         }
     }
 
     fn start(&self, options: &BackendOptions) -> Simulation<'_> {
-        Simulation::driven(&self.scenario, options, Keep::Trace, self.driver())
+        Simulation::with_controller(&self.scenario, options, Keep::Trace, self.controller())
     }
 
     fn options(&self, kind: BackendKind, tolerance: f64) -> BackendOptions {
@@ -111,7 +111,7 @@ impl Scene {
             n_repeated += 1;
             self.start(options)
         };
-        run.run_within(afresh, |_| true);
+        run.run_to_tolerance(afresh, |_| true);
         self.found(run, &options, n_repeated)
     }
 
@@ -445,7 +445,7 @@ fn a_motion_that_nothing_resists_ends_and_is_told() {
     let options = BackendOptions::within(BackendKind::QuasiStatic, tolerance);
     let afresh = |options: &BackendOptions| Simulation::new(&scenario, options, Keep::Outcome);
     let mut run = afresh(&options);
-    run.run_within(afresh, |_| true);
+    run.run_to_tolerance(afresh, |_| true);
     let outcome = run.outcome();
     assert!(!tolerance.allows(&outcome.error.unwrap()), "{outcome:?}");
     assert!(outcome.steps.n_steps + outcome.steps.n_rejected < 20_000, "{:?}", outcome.steps);

@@ -14,7 +14,7 @@ use cohaul::analysis::estimate::InertiaEstimate;
 use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, build, default_step};
 use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::{Keep, Simulation, built};
+use cohaul::simulation::{Keep, Simulation, backend_of};
 
 /// Speed of the tip (m/s), and the time at which it stops (s).
 const SPEED: f64 = 0.08;
@@ -138,7 +138,8 @@ fn the_error_of_an_own_engine_is_found() {
     // Under replayed tips, a quasi-static engine has the inertia effect as its error, jumps
     // included.
     let ants = Scenario { duration: 3.0, ..Scenario::read(Path::new("scenarios/paper/four-ants-four-springs.json")).unwrap() };
-    let without = |given: &Scenario, options: &BackendOptions| built(given, &BackendOptions { kind: BackendKind::QuasiStatic, ..*options });
+    let without =
+        |given: &Scenario, options: &BackendOptions| backend_of(given, &BackendOptions { kind: BackendKind::QuasiStatic, ..*options });
     let found = ThreeWay::new(&ants, &Settings::default()).engine(&without).replayed(|_| true).unwrap();
     assert!(
         found.edge_displacement.engine_error_m > 0.9 * found.edge_displacement.inertia_effect_m

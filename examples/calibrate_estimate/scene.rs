@@ -7,7 +7,7 @@ use cohaul::analysis::compare::{Difference, Numbers, Settings, Solution};
 use cohaul::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE, with_estimate};
 use cohaul::backend::{BackendKind, BackendOptions, Status};
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::{Driver, EventKind, Keep, Replay, Simulation, Trace, built, driver_of};
+use cohaul::simulation::{Controller, EventKind, Keep, Replay, Simulation, Trace, backend_of, controller_of};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
@@ -64,12 +64,12 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
     let replayed = Scenario { duration, ..scenario.clone() };
     let n_releases = recorded.events.iter().filter(|event| event.kind == EventKind::Release).count();
     let recorded = Arc::new(recorded);
-    let driver = || match has_ants {
-        true => Box::new(Replay::new(Arc::clone(&recorded), scenario.system.springs.len())) as Box<dyn Driver>,
-        false => driver_of(scenario),
+    let controller = || match has_ants {
+        true => Box::new(Replay::new(Arc::clone(&recorded), scenario.system.springs.len())) as Box<dyn Controller>,
+        false => controller_of(scenario),
     };
     let [quasi_static, inertial] = [BackendKind::QuasiStatic, BackendKind::Inertial]
-        .map(|kind| solve(&replayed, &settings.under_error_control(scenario, kind), driver));
+        .map(|kind| solve(&replayed, &settings.under_error_control(scenario, kind), controller));
     let radius = scenario.system.load.radius;
     let own = [&quasi_static, &inertial].map(|solution| Difference::error_of(&solution.limit, radius).edge_displacement_max_m);
     Found {
@@ -91,7 +91,7 @@ pub fn measure(name: &str, class: Class, scenario: &Scenario) -> Found {
 /// Estimate of a run, with its trace and its duration (s).
 fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate, Trace, f64) {
     let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);
-    let mut run = Simulation::on(scenario, options, Keep::Trace, driver_of(scenario), backend);
+    let mut run = Simulation::from_parts(scenario, options, Keep::Trace, controller_of(scenario), backend);
     run.run(|_| true);
     let (trace, outcome) = run.into_results();
     let estimate = estimator.borrow().estimate();
@@ -99,8 +99,8 @@ fn estimated(scenario: &Scenario, options: &BackendOptions) -> (InertiaEstimate,
 }
 
 /// Solution of one backend under error control.
-fn solve(scenario: &Scenario, options: &BackendOptions, driver: impl Fn() -> Box<dyn Driver> + Sync) -> Solution {
-    Solution::find(scenario, options, 1, &built, driver, |_| true).expect("nobody stops it")
+fn solve(scenario: &Scenario, options: &BackendOptions, controller: impl Fn() -> Box<dyn Controller> + Sync) -> Solution {
+    Solution::find(scenario, options, 1, &backend_of, controller, |_| true).expect("nobody stops it")
 }
 
 pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {

@@ -24,9 +24,9 @@ impl SavedState {
     }
 }
 
-/// Refusal of a backend to be saved.
+/// Refusal of a backend or a controller to be saved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("this backend cannot be saved")]
+#[error("this backend or controller cannot be saved")]
 pub struct SaveError;
 
 /// Reason why a saved state cannot be restored.

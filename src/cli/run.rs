@@ -26,7 +26,7 @@ use crate::output::progress::Progress;
 use crate::output::trace_csv::TraceColumns;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
-use crate::simulation::{Keep, SavedRun, Simulation, driver_of};
+use crate::simulation::{Keep, SavedRun, Simulation, controller_of};
 use crate::studies::journal;
 use crate::studies::run::files::{RunFiles, RunWriter};
 use crate::studies::run::summary::RunSummary;
@@ -146,24 +146,23 @@ fn computed<'a>(
     let saved = saved(options, args.state.as_deref())?;
     let (backend, mut estimator) = backend(scenario, saved.as_ref().map_or(options, |saved| &saved.options), args.no_estimate);
     let mut run = match (&saved, &args.state) {
-        (Some(saved), Some(path)) => {
-            Simulation::resume_on(scenario, saved, keep, backend).map_err(|source| CliError::Restore { path: path.clone(), source })?
-        }
-        _ => Simulation::on(scenario, options, keep, driver_of(scenario), backend),
+        (Some(saved), Some(path)) => Simulation::resume_from_parts(scenario, saved, keep, controller_of(scenario), backend)
+            .map_err(|source| CliError::Restore { path: path.clone(), source })?,
+        _ => Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend),
     };
     // Rows that nothing needs again are written as they come.
     let passes_on = args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
     watched_by(Progress::start(scenario.duration, args.backend.name()), |watch| {
         let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
         if let (Some(writer), true) = (writer, passes_on) {
-            return run.run_past(watch, |rows| writer.add(rows));
+            return run.run_streaming(watch, |rows| writer.add(rows));
         }
         let afresh = |options: &BackendOptions| {
             let (backend, follower) = self::backend(scenario, options, args.no_estimate);
             estimator = follower;
-            Simulation::on(scenario, options, keep, driver_of(scenario), backend)
+            Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend)
         };
-        run.run_within(afresh, watch);
+        run.run_to_tolerance(afresh, watch);
         Ok(())
     })?;
     Ok((run, estimator))

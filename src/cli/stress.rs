@@ -11,7 +11,7 @@ use super::console::{Tone, print};
 use super::error::CliError;
 use super::output::{OutputArgs, study_manifest};
 use super::resumable;
-use crate::simulation::built;
+use crate::simulation::backend_of;
 use crate::studies::methods::Method;
 use crate::studies::stress::files::write_stress;
 use crate::studies::stress::report::{Stress, stress_list, stress_text};
@@ -56,7 +56,7 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
     let backends: Vec<Method> = Method::all_stressed().filter(|it| args.backend.is_empty() || args.backend.contains(it)).collect();
     let asked = json!({ "maps": names, "backends": backends, "effort": effort });
     let started = SystemTime::now();
-    let finished = resumable::run("stress", &asked, &stress::tasks(&maps, &backends, &built), args.output.out.as_deref())?;
+    let finished = resumable::run("stress", &asked, &stress::tasks(&maps, &backends, &backend_of), args.output.out.as_deref())?;
     let rows = finished.records.concat();
     let found = Stress::new(&maps, &rows, args.quick, finished.wall_s);
     if let Some(out) = &args.output.out {

@@ -203,10 +203,15 @@ impl Fact {
     }
 }
 
-/// Unit in print of a name that ends in it, such as `N` of `pull_mean_n`; empty for a count or a share.
+/// Unit in print of a name that ends in it; empty for a count or a share.
 pub fn unit_of(name: &str) -> &'static str {
+    split_unit(name).1
+}
+
+/// Name without the unit that it ends in, and that unit in print: `pull_mean` and `N` of `pull_mean_n`.
+pub fn split_unit(name: &str) -> (&str, &'static str) {
     let units = [("_rad_per_s", "rad/s"), ("_m_per_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_j", "J"), ("_n", "N"), ("_s", "s")];
-    units.iter().find(|(ending, _)| name.ends_with(ending)).map_or("", |(_, unit)| unit)
+    units.iter().find_map(|(ending, unit)| Some((name.strip_suffix(ending)?, *unit))).unwrap_or((name, ""))
 }
 
 impl Value {

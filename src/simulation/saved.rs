@@ -1,15 +1,17 @@
-//! Saving a run and going on with it, bit for bit.
+//! Saving a run and resuming it: the resumed run equals the uninterrupted one to the bit.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Driver, Keep, Simulation, Trace, built, driver_of, held_by};
-use crate::backend::{Backend, BackendOptions, PoseError, RestoreError, SaveError, SavedState, StepReport, TransitionCounts};
+use super::controllers::{Controller, controller_of};
+use super::run::{Simulation, Totals, attached_tips, backend_of};
+use super::trace::{Keep, Trace};
+use crate::backend::{Backend, BackendOptions, RestoreError, SaveError, SavedState};
 use crate::scenario::Scenario;
 
-/// Everything of a run that its scenario does not say. Floats are written with all their digits.
+/// State of a run. It holds all that does not follow from the scenario, with every digit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedRun {
-    /// Hash of the scenario, seed included: a state goes on in its own scenario only.
+    /// Hash of the scenario, seed included: a run resumes in its own scenario only.
     pub scenario_hash: String,
     pub options: BackendOptions,
     tick: u64,
@@ -18,19 +20,17 @@ pub struct SavedRun {
     n_parts: u64,
     finished: bool,
     keep: Keep,
-    steps: StepReport,
-    error: Option<PoseError>,
-    transitions: TransitionCounts,
-    driver: serde_json::Value,
+    totals: Totals,
+    controller: serde_json::Value,
     backend: SavedState,
     trace: Trace,
 }
 
-impl Simulation<'_> {
+impl<'a> Simulation<'a> {
     /// State of the run so far, from which [`Simulation::resume`] continues.
     ///
     /// # Errors
-    /// When the backend cannot be saved.
+    /// When the backend or the controller cannot be saved.
     pub fn save(&self) -> Result<SavedRun, SaveError> {
         Ok(SavedRun {
             scenario_hash: self.scenario.hash(),
@@ -40,42 +40,32 @@ impl Simulation<'_> {
             n_parts: self.clock.n_parts,
             finished: self.finished,
             keep: self.keep,
-            steps: self.steps,
-            error: self.error,
-            transitions: self.transitions,
-            driver: self.driver.save(),
+            totals: self.totals,
+            controller: self.controller.save()?,
             backend: self.backend.save()?,
             trace: self.trace.clone(),
         })
     }
-}
 
-impl<'a> Simulation<'a> {
-    /// Goes on where `saved` left off.
+    /// Resumes a run of the scenario's own controller.
     ///
     /// # Errors
-    /// When the state belongs to another scenario, is damaged, or kept no trace and now one is to be kept: its first part would be missing.
+    /// When the state belongs to another scenario or is damaged, or when a trace is asked for and the
+    /// run kept none.
     pub fn resume(scenario: &'a Scenario, saved: &SavedRun, keep: Keep) -> Result<Self, RestoreError> {
-        Self::resume_on(scenario, saved, keep, built(scenario, &saved.options))
+        Self::resume_from_parts(scenario, saved, keep, controller_of(scenario), backend_of(scenario, &saved.options))
     }
 
-    /// The same on a backend made elsewhere, of the kind that the state was saved from.
+    /// Resumes a run with a controller and a backend that were made elsewhere. Both must be of the kind
+    /// that was saved; the state of a controller does not name its kind.
     ///
     /// # Errors
     /// As [`Simulation::resume`].
-    pub fn resume_on(scenario: &'a Scenario, saved: &SavedRun, keep: Keep, backend: Box<dyn Backend>) -> Result<Self, RestoreError> {
-        Self::resume_driven(scenario, saved, keep, driver_of(scenario), backend)
-    }
-
-    /// The same with a driver other than the scenario's own, of the kind that the state was saved from: which one that was, a state does not say.
-    ///
-    /// # Errors
-    /// As [`Simulation::resume`].
-    pub fn resume_driven(
+    pub fn resume_from_parts(
         scenario: &'a Scenario,
         saved: &SavedRun,
         keep: Keep,
-        mut driver: Box<dyn Driver>,
+        mut controller: Box<dyn Controller>,
         backend: Box<dyn Backend>,
     ) -> Result<Self, RestoreError> {
         let hash = scenario.hash();
@@ -85,17 +75,15 @@ impl<'a> Simulation<'a> {
         if keep == Keep::Trace && saved.keep == Keep::Outcome {
             return Err(RestoreError("it kept no trace, and one is asked for".into()));
         }
-        driver.restore(&saved.driver)?;
-        let mut resumed = Self::on(scenario, &saved.options, keep, driver, backend).in_parts(saved.n_parts);
+        controller.restore(&saved.controller)?;
+        let mut resumed = Self::from_parts(scenario, &saved.options, keep, controller, backend).with_rows_per_period(saved.n_parts);
         resumed.backend.restore(&saved.backend)?;
-        resumed.tips = held_by(scenario, resumed.backend.as_ref());
-        resumed.driver.check(saved.tick, &resumed.tips)?;
+        resumed.tips = attached_tips(scenario, resumed.backend.as_ref());
+        resumed.controller.check(saved.tick, &resumed.tips)?;
         resumed.clock.tick = saved.tick;
         resumed.clock.time = saved.time;
         resumed.finished = saved.finished;
-        resumed.steps = saved.steps;
-        resumed.error = saved.error;
-        resumed.transitions = saved.transitions;
+        resumed.totals = saved.totals;
         resumed.trace = saved.trace.clone();
         Ok(resumed)
     }

@@ -1,5 +1,5 @@
-//! What is kept of a run: a row at every control tick (and at ends of parts of a control period, where a comparison asks for them), the events between, and how
-//! it ended.
+//! What is recorded of a run: a row at every control tick, the events between, and how it ended. A
+//! comparison may ask for more rows in each control period.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -7,26 +7,36 @@ use crate::backend::{AttachedTips, EnergyLedger, Motion, PoseError, StepReport, 
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
 
-/// The run as it was: rows at every control tick at least, and at the exact end.
+/// What is kept of a run while it goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Keep {
+    /// Rows and events.
+    Trace,
+    /// Only the outcome, so that memory does not grow with the run.
+    Outcome,
+}
+
+/// Course of a run: rows at every control tick at least, and at the exact end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     pub rows: Vec<Row>,
     pub events: Vec<Event>,
-    /// Where the load's motion is not smooth, as the backend saw it.
+    /// Instants at which the load's motion is not smooth, as the backend reported them.
     pub transitions: Vec<Transition>,
 }
 
-/// The state at one instant, after what happened there.
+/// State at one instant, after the events there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// (s)
+    /// Time of the instant (s).
     pub time: f64,
     pub motion: Motion,
     pub energy: EnergyLedger,
-    /// Tips that are held, in the order of their springs.
+    /// Attached tips in the order of their springs.
     #[serde(serialize_with = "as_slice", deserialize_with = "from_list")]
     pub tips: AttachedTips,
-    /// How far the pose may be wrong; `None` where the backend does not know.
+    /// Estimated error of the pose; `None` where the backend estimates none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
 }
@@ -40,22 +50,23 @@ fn from_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<AttachedTips,
 }
 
 impl Row {
-    /// Sum of the signed interaction forces of all pairs of holders (N), Eq. (4): positive when they pull apart.
+    /// Sum of the interaction forces of all pairs of attached tips, Eq. (4); positive when they pull
+    /// apart (N).
     pub fn interaction(&self) -> f64 {
         let pairs = self.tips.iter().enumerate().flat_map(|(at, a)| self.tips[at + 1..].iter().map(move |b| (a, b)));
         pairs.map(|(a, b)| interaction_force([a.position, b.position], [a.pull, b.pull])).fold(0.0, |sum, force| sum + force)
     }
 }
 
-/// Something that happened at an instant.
+/// A grasp or a release.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// (s)
+    /// Time of the event (s).
     pub time: f64,
     pub spring: usize,
-    /// The ant that did it; `None` for a prescribed path.
+    /// Number of the ant; `None` for a prescribed path.
     pub ant: Option<usize>,
-    /// Tip at that instant (m, world).
+    /// Position of the tip at that instant (m, world).
     pub tip: Vec2,
     pub kind: EventKind,
 }
@@ -67,7 +78,7 @@ pub enum EventKind {
     Release,
 }
 
-/// How a run ended and what it amounts to.
+/// Result of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// End of the run (s).
@@ -75,14 +86,14 @@ pub struct Outcome {
     pub motion: Motion,
     pub energy: EnergyLedger,
     pub steps: StepReport,
-    /// As the backend saw them; none of one that cannot tell.
+    /// Counts of the transitions that the backend reported.
     #[serde(default)]
     pub transitions: TransitionCounts,
-    /// How far the pose was wrong at worst; `None` where the backend does not know.
+    /// Largest estimated error of the pose; `None` where the backend estimates none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
     /// Whether the load reached the nest; `None` without ants.
     pub arrived: Option<bool>,
-    /// Size of the pulls at the ants' release decisions, the grasp included (N).
+    /// Magnitudes of the pulls at the ants' decisions, with a zero for each grasp (N).
     pub pulls: Summary,
 }

@@ -7,7 +7,7 @@ use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Integr
 use cohaul::math::{RandomStreams, Stream, Vec2, direction};
 use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
-use cohaul::simulation::{Keep, Simulation, driver_of};
+use cohaul::simulation::{Keep, Simulation, controller_of};
 
 use crate::bounded::{Findings, audited};
 use crate::common::*;
@@ -86,7 +86,7 @@ fn each_step_of_the_scenarios_keeps_within_the_two_bounds() {
             let scenario = Scenario::read(&path).unwrap();
             let (run, found) = audited(&scenario.system, scenario.start);
             let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
-            let mut simulation = Simulation::on(&scenario, &options, Keep::Outcome, driver_of(&scenario), Box::new(run));
+            let mut simulation = Simulation::from_parts(&scenario, &options, Keep::Outcome, controller_of(&scenario), Box::new(run));
             simulation.run(|_| true);
             check(&path.display().to_string(), &found.borrow());
             n_files += 1;

@@ -11,7 +11,7 @@ use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::{Interval, Summary, mean_interval, proportion_interval, share_difference_interval};
 use crate::scenario::{AntDrive, Drive, Scenario};
 use crate::simulation::run_facts::{self, fact};
-use crate::simulation::{Keep, Make, Simulation, Trace, built};
+use crate::simulation::{Keep, MakeBackend, Simulation, Trace, backend_of};
 
 /// Result of paired closed-loop runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -132,7 +132,7 @@ pub(super) fn closed_loop(
     scenario: &Scenario,
     settings: &Settings,
     n_seeds: usize,
-    engine: &Make,
+    engine: &MakeBackend,
     controller: &MakeController,
     watch: impl Fn(f64) -> bool + Sync,
 ) -> Option<ClosedLoop> {
@@ -143,7 +143,7 @@ pub(super) fn closed_loop(
         .into_par_iter()
         .map(|at| {
             let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
-            let run = |kind, make: &Make| {
+            let run = |kind, make: &MakeBackend| {
                 let options = settings.at_fixed_step(&seeded, kind);
                 let mut run = run_of(&seeded, &options, make, controller, |share| watch((n_done.load(Relaxed) as f64 + share) / n_runs))?;
                 n_done.fetch_add(1, Relaxed);
@@ -153,7 +153,7 @@ pub(super) fn closed_loop(
                 }
                 Some(run)
             };
-            Some([run(BackendKind::QuasiStatic, &built)?, run(BackendKind::Inertial, &built)?, run(BackendKind::Rapier, engine)?])
+            Some([run(BackendKind::QuasiStatic, &backend_of)?, run(BackendKind::Inertial, &backend_of)?, run(BackendKind::Rapier, engine)?])
         })
         .collect();
     Some(judge(scenario, runs?))
@@ -162,11 +162,11 @@ pub(super) fn closed_loop(
 fn run_of(
     scenario: &Scenario,
     options: &BackendOptions,
-    make: &Make,
+    make: &MakeBackend,
     controller: &MakeController,
     watch: impl Fn(f64) -> bool,
 ) -> Option<Run> {
-    let mut run = Simulation::on(scenario, options, Keep::Trace, controller(scenario), make(scenario, options));
+    let mut run = Simulation::from_parts(scenario, options, Keep::Trace, controller(scenario), make(scenario, options));
     run.run(|time| watch(time / scenario.duration));
     if !run.is_finished() {
         return None;

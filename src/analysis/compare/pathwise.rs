@@ -12,7 +12,7 @@ use super::verdict::{Cause, Verdict};
 use crate::analysis::trigger::ByTrigger;
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::scenario::Scenario;
-use crate::simulation::{Driver, Make, built};
+use crate::simulation::{Controller, MakeBackend, backend_of};
 
 /// Result of a comparison of paths.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -153,17 +153,17 @@ pub(super) fn compare(
     tier: Tier,
     scenario: &Scenario,
     settings: &Settings,
-    engine: &Make,
-    driver: impl Fn() -> Box<dyn Driver> + Sync,
+    engine: &MakeBackend,
+    controller: impl Fn() -> Box<dyn Controller> + Sync,
     watch: impl Fn(f64) -> bool + Sync,
 ) -> Option<Pathwise> {
     let part = |at: f64| move |share: f64| (at + share) / 3.0;
-    let find = |at, options: &BackendOptions, make: &Make| {
-        Solution::find(scenario, options, settings.parts_of_period(scenario), make, &driver, |share| watch(part(at)(share)))
+    let find = |at, options: &BackendOptions, make: &MakeBackend| {
+        Solution::find(scenario, options, settings.parts_of_period(scenario), make, &controller, |share| watch(part(at)(share)))
     };
     let rapier = find(0.0, &settings.at_fixed_step(scenario, BackendKind::Rapier), engine)?;
     let references = |settings: &Settings| {
-        let find = |at, kind| find(at, &settings.under_error_control(scenario, kind), &built);
+        let find = |at, kind| find(at, &settings.under_error_control(scenario, kind), &backend_of);
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
         Some([quasi_static?, inertial?])
     };

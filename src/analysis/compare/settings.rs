@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::estimate::TOLERANCE_SHARE;
 use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, n_steps_in, step_of};
 use crate::scenario::Scenario;
-use crate::simulation::Driver;
+use crate::simulation::Controller;
 
 /// Level of a comparison: how all backends get the same question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -35,7 +35,7 @@ pub struct Settings {
 }
 
 /// Makes a controller for a scenario; each run gets one of its own.
-pub type MakeController<'a> = dyn Fn(&Scenario) -> Box<dyn Driver> + Sync + 'a;
+pub type MakeController<'a> = dyn Fn(&Scenario) -> Box<dyn Controller> + Sync + 'a;
 
 /// First tolerance of the quasi-static and inertial runs, divided by the load's radius (1). What
 /// the verdict needs is known only after a first run.

@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
 use crate::math::Pose;
 use crate::scenario::Scenario;
-use crate::simulation::{Driver, Keep, Make, Row, Simulation, Trace};
+use crate::simulation::{Controller, Keep, MakeBackend, Row, Simulation, Trace};
 
 /// Path of a load with its numerical error; JSON has its step and counts only.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -51,7 +51,7 @@ pub struct Point {
 }
 
 impl Solution {
-    /// Path of `scenario` on the backends from `make`, under the controllers from `driver`.
+    /// Path of `scenario` on the backends from `make`, under the controllers from `controller`.
     ///
     /// Runs under error control if `options` ask for it, else at the given step and at a half and
     /// a quarter of it. There is a point at the end of each of `n_parts` equal parts of a control
@@ -60,12 +60,13 @@ impl Solution {
         scenario: &Scenario,
         options: &BackendOptions,
         n_parts: u64,
-        make: &Make,
-        driver: impl Fn() -> Box<dyn Driver> + Sync,
+        make: &MakeBackend,
+        controller: impl Fn() -> Box<dyn Controller> + Sync,
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
-        let start =
-            |options: &BackendOptions| Simulation::on(scenario, options, Keep::Trace, driver(), make(scenario, options)).in_parts(n_parts);
+        let start = |options: &BackendOptions| {
+            Simulation::from_parts(scenario, options, Keep::Trace, controller(), make(scenario, options)).with_rows_per_period(n_parts)
+        };
         match options.tolerance {
             Some(_) => Self::under_error_control(scenario, options, start, watch),
             None => Self::extrapolated(scenario, options, start, watch),
@@ -79,7 +80,7 @@ impl Solution {
         watch: impl Fn(f64) -> bool,
     ) -> Option<Self> {
         let mut run = start(options);
-        run.run_within(start, |time| watch(time / scenario.duration));
+        run.run_to_tolerance(start, |time| watch(time / scenario.duration));
         if !run.is_finished() {
             return None;
         }

@@ -6,7 +6,7 @@ use super::ensemble::{self, ClosedLoop};
 use super::pathwise::{self, Pathwise};
 use super::settings::{MakeController, Settings, Tier};
 use crate::scenario::{Drive, Scenario};
-use crate::simulation::{Driver, Keep, Make, Replay, Simulation, built, driver_of};
+use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, backend_of, controller_of};
 
 /// A comparison of the quasi-static and inertial backends with rapier, or with an engine of your
 /// own.
@@ -21,10 +21,10 @@ use crate::simulation::{Driver, Keep, Make, Replay, Simulation, built, driver_of
 /// use cohaul::backend::{Backend, BackendKind, BackendOptions};
 /// use cohaul::analysis::compare::{Cause, Settings, ThreeWay};
 /// use cohaul::scenario::Scenario;
-/// use cohaul::simulation::built;
+/// use cohaul::simulation::backend_of;
 ///
 /// let engine = |scenario: &Scenario, options: &BackendOptions| -> Box<dyn Backend> {
-///     built(scenario, &BackendOptions::new(BackendKind::Inertial, options.step_s))
+///     backend_of(scenario, &BackendOptions::new(BackendKind::Inertial, options.step_s))
 /// };
 /// let scenario = Scenario::read("scenarios/analytic/ramp-and-hold.json".as_ref())?;
 /// let settings = Settings { step_s: Some(1e-3), ..Settings::default() };
@@ -37,7 +37,7 @@ use crate::simulation::{Driver, Keep, Make, Replay, Simulation, built, driver_of
 pub struct ThreeWay<'a> {
     scenario: &'a Scenario,
     settings: &'a Settings,
-    engine: &'a Make<'a>,
+    engine: &'a MakeBackend<'a>,
     controller: &'a MakeController<'a>,
 }
 
@@ -46,12 +46,12 @@ const RECORDING: f64 = 0.05;
 
 impl<'a> ThreeWay<'a> {
     pub fn new(scenario: &'a Scenario, settings: &'a Settings) -> Self {
-        Self { scenario, settings, engine: &built, controller: &driver_of }
+        Self { scenario, settings, engine: &backend_of, controller: &controller_of }
     }
 
     /// Replaces rapier by an engine of your own. Each comparison of paths makes three: at the step
     /// of the settings, at a half and at a quarter of it.
-    pub fn engine(self, engine: &'a Make<'a>) -> Self {
+    pub fn engine(self, engine: &'a MakeBackend<'a>) -> Self {
         Self { engine, ..self }
     }
 
@@ -75,7 +75,7 @@ impl<'a> ThreeWay<'a> {
     pub fn replayed(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
         let Self { scenario, settings, engine, controller } = *self;
         let options = settings.at_fixed_step(scenario, settings.recorded_from);
-        let mut run = Simulation::on(scenario, &options, Keep::Trace, controller(scenario), built(scenario, &options));
+        let mut run = Simulation::from_parts(scenario, &options, Keep::Trace, controller(scenario), backend_of(scenario, &options));
         run.run(|time| watch(RECORDING * time / scenario.duration));
         if !run.is_finished() {
             return None;
@@ -83,7 +83,7 @@ impl<'a> ThreeWay<'a> {
         let (recorded, outcome) = run.into_results();
         let (recorded, n_springs) = (Arc::new(recorded), scenario.system.springs.len());
         let replayed = Scenario { duration: outcome.time, ..scenario.clone() };
-        let replay = || Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Driver>;
+        let replay = || Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Controller>;
         pathwise::compare(Tier::Replayed, &replayed, settings, engine, replay, |share| watch(RECORDING + (1.0 - RECORDING) * share))
     }
 

@@ -87,7 +87,7 @@ fn run(scenario: &Scenario, kind: BackendKind, tolerance: f64, mut watch: impl F
     let options = BackendOptions::within(kind, Tolerance::at_edge(tolerance, &scenario.system.load));
     let start = |options: &BackendOptions| Simulation::new(scenario, options, Keep::Trace);
     let mut run = start(&options);
-    run.run_within(start, |time| watch(time / scenario.duration));
+    run.run_to_tolerance(start, |time| watch(time / scenario.duration));
     if !run.is_finished() {
         return None;
     }

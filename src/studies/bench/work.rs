@@ -145,6 +145,6 @@ impl Row {
 fn finished<'a>(scene: &'a Scene, options: &BackendOptions, keep: Keep, watch: impl FnMut(f64) -> bool) -> Option<Simulation<'a>> {
     let start = |options: &BackendOptions| Simulation::new(&scene.scenario, options, keep);
     let mut run = start(options);
-    run.run_within(start, watch);
+    run.run_to_tolerance(start, watch);
     run.is_finished().then_some(run)
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Record, Tolerances};
+use super::record::Record;
+use super::tolerance::Tolerances;
 use crate::backend::{BackendOptions, default_step};
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
@@ -13,11 +14,11 @@ use crate::simulation::{Outcome, Trace};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Baseline {
-    /// Its file's, without folder and ending.
+    /// Name of its file, without folder and ending.
     pub name: String,
     pub scenario: Scenario,
     pub options: BackendOptions,
-    /// What ran it.
+    /// Versions of the build that ran it.
     pub build: Build,
     pub tolerances: Tolerances,
     pub record: Record,
@@ -33,7 +34,7 @@ impl Build {
 }
 
 impl Baseline {
-    /// Of a run, with the default tolerances and at most `n_rows` rows.
+    /// Baseline of a run with the default tolerances and at most `n_rows` rows.
     pub fn of(name: &str, scenario: &Scenario, options: &BackendOptions, build: &Build, run: (&Trace, &Outcome), n_rows: usize) -> Self {
         let (trace, outcome) = run;
         let record = Record::of(trace, &Run { scenario, options, outcome, path_length: None, wall_time: None }, n_rows);
@@ -48,7 +49,8 @@ impl Baseline {
     }
 }
 
-/// A name for a baseline of the scenario in the file `stem`: its backend, and each option that is not the usual one.
+/// Usual name of a baseline of the scenario file `stem`: the backend, and each option that differs from
+/// its default.
 pub fn usual_name(stem: &str, scenario: &Scenario, options: &BackendOptions) -> String {
     let step = default_step(options.kind, &scenario.system, scenario.control_period);
     let value = |options: &BackendOptions| serde_json::to_value(options).expect("options are plain data");
@@ -57,7 +59,7 @@ pub fn usual_name(stem: &str, scenario: &Scenario, options: &BackendOptions) -> 
     words.join("-")
 }
 
-/// Adds a word for each leaf that is another than in `usual`.
+/// Adds a word for each value that differs from that in `usual`.
 fn unusual(key: &str, value: &Value, usual: &Value, words: &mut Vec<String>) {
     match value {
         Value::Object(fields) => fields.iter().for_each(|(key, value)| unusual(key, value, &usual[key], words)),

@@ -1,15 +1,15 @@
-//! What else is not as it was: keys of the scenario, versions and the machine.
+//! Changes besides those of the run: keys of the scenario, versions and the machine.
 
 use serde::Serialize;
 use serde_json::Value;
 
-use super::Build;
+use super::baseline::Build;
 use crate::scenario::Scenario;
 
-/// A key of the expanded scenario whose value is another.
+/// A key of the expanded scenario whose value has changed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScenarioChange {
-    /// Keys joined by points, indices in brackets.
+    /// Keys joined by dots, indices in brackets.
     pub path: String,
     /// `null` where there was nothing.
     pub stored: Value,
@@ -17,7 +17,7 @@ pub struct ScenarioChange {
     pub now: Value,
 }
 
-/// A library, the program or the machine that is another.
+/// A change of a library, the program or the machine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct BuildChange {
     pub what: String,
@@ -52,7 +52,7 @@ fn visit(path: &str, stored: &Value, now: &Value, changes: &mut Vec<ScenarioChan
     }
 }
 
-/// What the two builds differ in. A commit is not told: every one would be a change.
+/// Every difference between two builds, except their commits.
 pub fn of_builds(stored: &Build, now: &Build) -> Vec<BuildChange> {
     let added = now.0.keys().filter(|key| !stored.0.contains_key(*key));
     let what = stored.0.keys().chain(added).filter(|key| *key != Build::COMMIT && stored.0.get(*key) != now.0.get(*key));

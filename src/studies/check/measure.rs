@@ -1,11 +1,13 @@
-//! What is kept of a row of a trace, as plain columns, and what is compared in it.
+//! Columns that a baseline stores of each row of a trace, and the measures that are compared in them.
 
-use super::Quantity;
+use serde::Serialize;
+
 use crate::backend::{EnergyLedger, Motion};
 use crate::math::{Pose, Twist, Vec2};
 use crate::simulation;
 
-/// Columns of a row, in world axes. `net_pull` is the sum of the holders' forces, `total_pull` that of their sizes.
+/// Columns of a row, in world axes. `net_pull` is the sum of the pulls on all tips, `total_pull` the sum
+/// of their magnitudes.
 pub const COLUMNS: [&str; 14] = [
     "time_s",
     "x_m",
@@ -23,10 +25,40 @@ pub const COLUMNS: [&str; 14] = [
     "total_pull_n",
 ];
 
-/// One instant: a number for each of [`COLUMNS`].
+/// Values of [`COLUMNS`] at one instant.
 pub type Row = [f64; COLUMNS.len()];
 
-/// Something with a size of its own in a row: one column, or two that are a vector.
+/// Quantity that is compared. Each has its own tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    Position,
+    Heading,
+    Velocity,
+    TurnRate,
+    Energy,
+    Pull,
+    Time,
+    Count,
+}
+
+impl Quantity {
+    /// The quantity that has this unit in print.
+    pub fn of_unit(unit: &str) -> Self {
+        match unit {
+            "m" => Self::Position,
+            "rad" => Self::Heading,
+            "m/s" => Self::Velocity,
+            "rad/s" => Self::TurnRate,
+            "J" => Self::Energy,
+            "N" => Self::Pull,
+            "s" => Self::Time,
+            _ => Self::Count,
+        }
+    }
+}
+
+/// Scalar or vector in a row that is compared as one: one column, or two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Measure {
     pub name: &'static str,
@@ -52,18 +84,18 @@ impl Measure {
         self.columns.iter().map(|&column| row[column]).collect()
     }
 
-    /// Size of the measure, not negative.
+    /// Magnitude of the measure.
     pub fn size(&self, row: &Row) -> f64 {
         self.columns.iter().fold(0.0, |size: f64, &column| size.hypot(row[column]))
     }
 
-    /// How far two rows lie apart in it, not negative.
+    /// Distance of two rows in this measure.
     pub fn apart(&self, a: &Row, b: &Row) -> f64 {
         self.columns.iter().fold(0.0, |size: f64, &column| size.hypot(a[column] - b[column]))
     }
 }
 
-/// The columns of a row of a trace.
+/// Columns of a row of a trace.
 pub fn row_of(row: &simulation::Row) -> Row {
     let (pose, twist, energy) = (&row.motion.pose, &row.motion.twist, &row.energy);
     let net: Vec2 = row.tips.iter().map(|tip| tip.pull).sum();
@@ -86,14 +118,14 @@ pub fn row_of(row: &simulation::Row) -> Row {
     ]
 }
 
-/// A row of a trace with the motion of these columns and nothing else.
+/// Row of a trace that holds only the motion of these columns.
 pub fn moving_row(row: &Row) -> simulation::Row {
     let [time, x, y, heading, vx, vy, angular, ..] = *row;
     let motion = Motion { pose: Pose::new(x, y, heading), twist: Twist { linear: Vec2::new(vx, vy), angular } };
     simulation::Row { time, motion, energy: EnergyLedger::default(), tips: simulation::AttachedTips::new(), error: None }
 }
 
-/// The row at `time` (s) of a trace; straight between rows where it has none there, `None` after its end.
+/// Row of a trace at `time` (s), interpolated where there is none at that time; `None` after the end.
 pub fn row_at(rows: &[simulation::Row], time: f64) -> Option<Row> {
     let after = rows.partition_point(|row| row.time < time);
     let next = row_of(rows.get(after)?);

@@ -1,43 +1,81 @@
-//! From a baseline's file to a baseline. Every fault is named: keys that are unknown, missing or given twice, values of another type, and what
-//! breaks a rule.
+//! Reads a baseline's file and names every fault: unknown, missing and repeated keys, values of another
+//! type, and broken rules.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::file::KEYS;
-use super::rules::{self, Faults};
-use super::{Baseline, Build, Ending, Event, FORMAT, Record, Row, Tolerances, VERSION};
+use super::baseline::{Baseline, Build};
+use super::format::{FORMAT, Faults, KEYS, PathEntry, VERSION};
+use super::record::{Ending, Event, Record};
+use super::rules;
+use super::tolerance::Tolerances;
 use crate::backend::BackendOptions;
 use crate::scenario::json::{join, read};
 use crate::scenario::{Finding, Scenario, ScenarioError};
 
-/// Rows under the names of their columns.
-#[derive(Serialize, Deserialize)]
-pub struct PathEntry {
-    pub columns: Vec<String>,
-    pub rows: Vec<Row>,
+/// Baselines in the files `*.json` of a folder, in the order of their names.
+///
+/// # Errors
+/// When the folder cannot be listed, or with every fault of every file, one on each line.
+pub fn read_folder(folder: &Path) -> Result<Vec<Baseline>, String> {
+    let listed = || fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<PathBuf>>>();
+    let mut paths = listed().map_err(|error| format!("{}: cannot be listed: {error}", folder.display()))?;
+    let is_hidden = |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    paths.retain(|path| path.extension().is_some_and(|ending| ending == "json") && !is_hidden(path));
+    paths.sort();
+    if paths.is_empty() {
+        return Err(format!("{}: holds no baseline (*.json); `cohaul check store` makes some", folder.display()));
+    }
+    let (mut baselines, mut faults) = (Vec::new(), Vec::new());
+    for path in &paths {
+        match Baseline::read(path) {
+            Ok(baseline) => baselines.push(baseline),
+            Err(error) => faults.push(error.to_string()),
+        }
+    }
+    if faults.is_empty() { Ok(baselines) } else { Err(faults.join("\n")) }
 }
 
-/// # Errors
-/// As [`Baseline::read`].
-pub fn parse(text: &str, name: &str, name_for_errors: &str) -> Result<Baseline, ScenarioError> {
-    let (value, twice) = read(text).map_err(|error| error.of_file(name_for_errors))?;
-    let mut reader = Reader { value, faults: Faults(twice.0) };
-    match reader.baseline(name) {
-        Some(baseline) if reader.faults.0.is_empty() => Ok(baseline),
-        _ => Err(ScenarioError::Invalid { file: name_for_errors.to_owned(), findings: reader.faults.0 }),
+impl Baseline {
+    /// The baseline in a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is not JSON, or with every broken rule.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let file = path.display().to_string();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        match fs::read_to_string(path) {
+            Ok(text) => Self::parse(&text, &name, &file),
+            Err(source) => Err(ScenarioError::Unreadable { file, source }),
+        }
+    }
+
+    /// The baseline `name` in a JSON text; errors call the text `name_for_errors`.
+    ///
+    /// # Errors
+    /// As [`Baseline::read`].
+    pub fn parse(text: &str, name: &str, name_for_errors: &str) -> Result<Self, ScenarioError> {
+        let (value, twice) = read(text).map_err(|error| error.of_file(name_for_errors))?;
+        let mut reader = Reader { value, faults: Faults(twice.0) };
+        match reader.baseline(name) {
+            Some(baseline) if reader.faults.0.is_empty() => Ok(baseline),
+            _ => Err(ScenarioError::Invalid { file: name_for_errors.to_owned(), findings: reader.faults.0 }),
+        }
     }
 }
 
-/// A file on its way to a baseline.
+/// Sections of a file that are still to be read, and the faults so far.
 struct Reader {
     value: Value,
     faults: Faults,
 }
 
 impl Reader {
-    /// `None` when a section cannot be read; faults say why.
+    /// The baseline, or `None` when a section cannot be read.
     fn baseline(&mut self, name: &str) -> Option<Baseline> {
         self.check_head()?;
         let build = self.section::<Build>("build", true);
@@ -67,22 +105,22 @@ impl Reader {
         Some(Baseline { name: name.to_owned(), scenario: scenario?, options: options?, build: build?, tolerances: tolerances?, record })
     }
 
-    /// Format, version and keys; `None` when nothing else can be told of such a file.
+    /// Checks format, version and keys; `None` when nothing else in the file can be checked.
     fn check_head(&mut self) -> Option<()> {
         let Value::Object(map) = &self.value else {
-            self.faults.report("", "must be an object", said(&self.value));
+            self.faults.report("", "must be an object", text_of(&self.value));
             return None;
         };
         let heads = [("format", json!(FORMAT), ""), ("version", json!(VERSION), ", the one that this program reads")];
         for (key, must, note) in heads {
             let found = map.get(key);
             if found != Some(&must) {
-                self.faults.report(key, format!("must be {must}{note}"), said_or_nothing(found));
+                self.faults.report(key, format!("must be {must}{note}"), text_or_nothing(found));
                 return None;
             }
         }
         for (key, value) in map.iter().filter(|(key, _)| !KEYS.contains(&key.as_str())) {
-            self.faults.report(key, format!("is an unknown key; known here: {}", KEYS.join(", ")), said(value));
+            self.faults.report(key, format!("is an unknown key; known here: {}", KEYS.join(", ")), text_of(value));
         }
         Some(())
     }
@@ -98,16 +136,16 @@ impl Reader {
                 return None;
             }
         };
-        // What another build of the format would expand differently had another hash there, which cannot be told any more.
+        // Another build may expand the scenario differently, and its hash cannot be checked any more.
         let is_expanded = serde_json::to_value(scenario.expanded()).is_ok_and(|expanded| expanded == given);
         if is_expanded && hash.as_ref().is_some_and(|hash| *hash != scenario.hash()) {
             let rule = format!("must be the hash of the scenario beside it, {}; a changed scenario is stored anew", scenario.hash());
-            self.faults.report("scenario_sha256", rule, said(&json!(hash)));
+            self.faults.report("scenario_sha256", rule, text_of(&json!(hash)));
         }
         Some(scenario)
     }
 
-    /// A section as its type; keys that the type does not know are faults, and those that the file has not when all are `required`.
+    /// One section. Unknown keys are faults, and so are missing keys when all are `required`.
     fn section<T: DeserializeOwned + Serialize>(&mut self, key: &str, required: bool) -> Option<T> {
         let given = self.take(key)?;
         match serde_path_to_error::deserialize::<_, T>(&given) {
@@ -119,7 +157,7 @@ impl Reader {
             Err(error) => {
                 let inner = error.path().to_string();
                 let path = if inner == "." { key.to_owned() } else { join(key, &inner).replace(".[", "[") };
-                self.faults.report(&path, format!("cannot be read: {}", error.inner()), said_or_nothing(value_at(&given, &inner)));
+                self.faults.report(&path, format!("cannot be read: {}", error.inner()), text_or_nothing(value_at(&given, &inner)));
                 None
             }
         }
@@ -144,7 +182,7 @@ impl Reader {
                             self.faults.report(
                                 &join(path, key),
                                 format!("is an unknown key; known here: {}", names.join(", ")),
-                                said(value),
+                                text_of(value),
                             );
                         }
                     }
@@ -163,7 +201,7 @@ impl Reader {
     }
 }
 
-/// The value at a path of keys and indices as `a.b[2]`, if it leads somewhere.
+/// Value at a path of keys and indices such as `a.b[2]`, if there is one.
 fn value_at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
     let mut steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']')).filter(|step| !step.is_empty());
     steps.try_fold(value, |at, step| match at {
@@ -172,12 +210,12 @@ fn value_at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
     })
 }
 
-fn said_or_nothing(value: Option<&Value>) -> String {
-    value.map_or("nothing".to_owned(), said)
+fn text_or_nothing(value: Option<&Value>) -> String {
+    value.map_or("nothing".to_owned(), text_of)
 }
 
-/// What stands there, short enough for one line.
-fn said(value: &Value) -> String {
+/// Text of a value, short enough for one line.
+fn text_of(value: &Value) -> String {
     const LONGEST: usize = 60;
     match value {
         Value::Object(_) => "an object".to_owned(),

@@ -1,4 +1,4 @@
-//! What is kept of a run: rows chosen evenly over its time, its decisions, and how it ended.
+//! What a baseline stores of a run: rows chosen evenly over its time, its decisions, and its end.
 
 use std::collections::BTreeMap;
 
@@ -9,19 +9,19 @@ use crate::backend::Status;
 use crate::simulation::run_facts::{FACTS, Fact, Kind, Run, Value};
 use crate::simulation::{EventKind, Trace};
 
-/// The first so many grasps and releases are kept: after the first that falls differently none needs to be compared.
+/// Number of grasps and releases that are stored. After the first difference no other needs a comparison.
 pub const MOST_EVENTS: usize = 1000;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// In the order of time; the last one is the end.
+    /// Rows in the order of time; the last one is the end.
     pub rows: Vec<Row>,
-    /// The first [`MOST_EVENTS`].
+    /// The first [`MOST_EVENTS`] grasps and releases.
     pub events: Vec<Event>,
     pub ending: Ending,
 }
 
-/// A grasp or a release.
+/// A grasp or a release, as a file has it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
     pub time_s: f64,
@@ -80,7 +80,8 @@ pub fn stored_facts() -> impl Iterator<Item = &'static Fact> {
 }
 
 impl Record {
-    /// At most `n_rows` rows of a run, two at least where it has them: the start, the end, and ticks between as evenly as ticks allow.
+    /// Record of a run with at most `n_rows` rows: the start, the end, and ticks between them as evenly as
+    /// possible. A run of more than one row keeps two at least.
     pub fn of(trace: &Trace, run: &Run, n_rows: usize) -> Self {
         let rows = chosen(trace.rows.len(), n_rows).map(|at| row_of(&trace.rows[at]));
         Self {
@@ -91,10 +92,10 @@ impl Record {
     }
 }
 
-/// Indices of at most `n` of `n_all` things, the first and the last among them.
+/// Indices of at most `n` of `n_all` entries, the first and the last among them.
 fn chosen(n_all: usize, n: usize) -> impl Iterator<Item = usize> {
     let n = n.max(2).min(n_all);
-    // Whole numbers throughout, rounded to the nearest: n - 1 gaps over n_all - 1.
+    // Integer arithmetic, rounded to the nearest: n - 1 gaps over n_all - 1.
     let gaps = n.saturating_sub(1).max(1);
     (0..n).map(move |k| (2 * k * (n_all - 1) + gaps) / (2 * gaps))
 }
@@ -104,14 +105,14 @@ impl Event {
         Self { time_s: event.time, event: event.kind, spring: event.spring, ant: event.ant }
     }
 
-    /// The event without the place of its tip, which is not kept.
-    pub fn at_no_place(&self) -> crate::simulation::Event {
+    /// The event as a trace has it, without the position of its tip, which is not stored.
+    pub fn without_tip(&self) -> crate::simulation::Event {
         let tip = crate::math::Vec2::zeros();
         crate::simulation::Event { time: self.time_s, spring: self.spring, ant: self.ant, tip, kind: self.event }
     }
 
-    /// Whether both are the same decision, at instants no further apart than `tolerance` (s).
-    pub fn is_like(&self, other: &Self, tolerance: f64) -> bool {
+    /// Whether both are the same decision, at instants that differ by at most `tolerance` (s).
+    pub fn equals(&self, other: &Self, tolerance: f64) -> bool {
         let same = (self.event, self.spring, self.ant) == (other.event, other.spring, other.ant);
         same && (self.time_s - other.time_s).abs() <= tolerance
     }

@@ -1,4 +1,4 @@
-//! A check against baselines for programs, for people and as files.
+//! A check against baselines as JSON, as text and as files.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,17 +6,16 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::pairs::write_pairs;
+use super::{Build, BuildChange, Check, Decision, Deviation, Difference, Divergence, Event, Quantity, ScenarioChange, Side, Verdict};
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::{Libraries, Machine, Manifest};
 use crate::output::quantity::quantity;
 use crate::output::text::Lines;
 use crate::simulation::EventKind;
-use crate::studies::check::{
-    Build, BuildChange, Check, Decision, Deviation, Difference, Divergence, Event, Quantity, ScenarioChange, Told, Verdict,
-};
+use crate::simulation::run_facts::split_unit;
 
-/// What `check --json` prints.
+/// Object that `check --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CheckReport {
     pub n_agree: usize,
@@ -24,15 +23,15 @@ pub struct CheckReport {
     pub n_not_computed: usize,
     /// Whether tolerances were zero.
     pub exact: bool,
-    /// What ran now.
+    /// Build of the new runs.
     pub build: Build,
-    /// Baselines that now hold what was found.
+    /// Baselines that were replaced by the new runs.
     pub accepted: Vec<String>,
     pub wall_s: f64,
     pub baselines: Vec<Check>,
 }
 
-/// This program, its libraries and this machine, as a baseline keeps them.
+/// Versions of this program and its libraries, and this machine, as a baseline stores them.
 pub fn this_build() -> Build {
     let (libraries, machine) = (Libraries::USED, Machine::here());
     let facts = [
@@ -55,7 +54,7 @@ impl CheckReport {
         Self { n_agree, n_differ, n_not_computed, exact, build: this_build(), accepted: Vec::new(), wall_s, baselines }
     }
 
-    /// Whether nothing is left that does not agree.
+    /// Whether every baseline agrees or was replaced.
     pub fn is_good(&self) -> bool {
         self.baselines.iter().all(|check| check.verdict == Verdict::Agrees || self.accepted.contains(&check.name))
     }
@@ -82,7 +81,7 @@ pub fn write_check(target: &Path, report: &CheckReport, manifest: &Manifest) -> 
     folder.finish(manifest)
 }
 
-/// One line a baseline, then what is to be said of those that do not agree or were not made alike.
+/// One line for each baseline, then the changes of the build and the differences.
 pub fn check_text(report: &CheckReport) -> String {
     let mut lines = Lines::default();
     let agree = match report.n_agree {
@@ -113,13 +112,13 @@ fn remark(check: &Check) -> String {
     match check.verdict {
         Verdict::Agrees if check.is_exact => "to the last digit".to_owned(),
         Verdict::Agrees => format!("within {} of its tolerances", share(check.difference.largest_share())),
-        Verdict::NotComputed => "a step had no finite answer".to_owned(),
+        Verdict::NotComputed => "a step had no finite solution".to_owned(),
         Verdict::Differs => match &check.difference.first_divergence {
             Some(first) if is_decision(Some(first)) => format!("first in a decision at {}", seconds(first.time_s)),
             Some(first) => format!("first in {} at {}", name_of(first.measure).0, seconds(first.time_s)),
             None => {
                 let names: Vec<_> = check.difference.beyond().map(|deviation| name_of(deviation.measure).0).collect();
-                if names.is_empty() { "in how it ended".to_owned() } else { format!("in {}, not on its path", names.join(", ")) }
+                if names.is_empty() { "in its end".to_owned() } else { format!("in {}, not on the path", names.join(", ")) }
             }
         },
     }
@@ -129,7 +128,7 @@ fn share(share: f64) -> String {
     if share < 1e-4 { "less than 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * share) }
 }
 
-/// What of the build is not as it was when baselines were stored.
+/// Changes of the build since the baselines were stored.
 fn builds(report: &CheckReport, lines: &mut Lines) {
     let mut n_with: BTreeMap<String, usize> = BTreeMap::new();
     for change in report.baselines.iter().flat_map(|check| &check.build_changes) {
@@ -151,45 +150,45 @@ fn details(check: &Check, is_accepted: bool, lines: &mut Lines) {
     }
     lines.section(&check.name);
     if is_accepted {
-        lines.row("accepted", "the baseline now holds what was found");
+        lines.row("accepted", "the baseline was replaced by the new run");
     }
     few("scenario", scenario_changes, scenario_change, lines);
     if check.verdict == Verdict::Agrees {
         return;
     }
     if let Some(first) = &difference.first_divergence {
-        parts_first(first, difference, lines);
+        first_divergence(first, difference, lines);
     }
-    // A decision that parts first has been told.
-    if let Some(part) = difference.decisions_part.as_ref().filter(|_| !is_decision(difference.first_divergence.as_ref())) {
-        lines.row("decisions part", &decisions_part(part));
+    // The first divergence may be this decision.
+    if let Some(decision) = difference.first_different_decision.filter(|_| !is_decision(difference.first_divergence.as_ref())) {
+        lines.row("decisions", &different_decision(&decision));
     }
     if let Some(change) = &difference.arrival_change {
-        let said = |arrived: Option<bool>| match arrived {
+        let text = |arrived: Option<bool>| match arrived {
             Some(true) => "arrived",
             Some(false) => "not arrived",
             None => "no nest",
         };
-        lines.row("nest", &format!("expected {}, found {}", said(change.expected), said(change.found)));
+        lines.row("nest", &format!("expected {}, found {}", text(change.expected), text(change.found)));
     }
     if let Some(change) = &difference.status_change {
         let word = |status| serde_json::to_value(status).map_or(String::new(), |word| word.as_str().unwrap_or_default().replace('_', " "));
         lines.row("status", &format!("expected {}, found {}", word(change.expected), word(change.found)));
     }
     for deviation in difference.beyond() {
-        lines.row(&name_of(deviation.measure).0, &apart(deviation));
+        lines.row(&name_of(deviation.measure).0, &deviation_text(deviation));
     }
 }
 
 fn is_decision(first: Option<&Divergence>) -> bool {
-    first.is_some_and(|first| matches!(first.expected, Told::Event(_)))
+    first.is_some_and(|first| matches!(first.expected, Side::Event(_)))
 }
 
-/// Up to ten lines under one label.
-fn few<T>(label: &str, items: &[T], said: impl Fn(&T) -> String, lines: &mut Lines) {
+/// At most ten lines under one label.
+fn few<T>(label: &str, items: &[T], text: impl Fn(&T) -> String, lines: &mut Lines) {
     const MOST: usize = 10;
     for (at, item) in items.iter().take(MOST).enumerate() {
-        lines.row(if at == 0 { label } else { "" }, &said(item));
+        lines.row(if at == 0 { label } else { "" }, &text(item));
     }
     if items.len() > MOST {
         lines.row("", &format!("and {} more", items.len() - MOST));
@@ -197,41 +196,41 @@ fn few<T>(label: &str, items: &[T], said: impl Fn(&T) -> String, lines: &mut Lin
 }
 
 fn build_change(change: &BuildChange) -> String {
-    let said = |is: &Option<String>| is.clone().unwrap_or("none".to_owned());
-    format!("{} {}, stored with {}", change.what, said(&change.now), said(&change.stored))
+    let text = |version: &Option<String>| version.clone().unwrap_or("none".to_owned());
+    format!("{} {}, stored with {}", change.what, text(&change.now), text(&change.stored))
 }
 
 fn scenario_change(change: &ScenarioChange) -> String {
-    let said = |value: &serde_json::Value| match value {
+    let text = |value: &serde_json::Value| match value {
         serde_json::Value::Null => "nothing".to_owned(),
         other => other.to_string().chars().take(60).collect(),
     };
-    format!("{} is {}, stored with {}", change.path, said(&change.now), said(&change.stored))
+    format!("{} is {}, stored with {}", change.path, text(&change.now), text(&change.stored))
 }
 
-fn parts_first(first: &Divergence, difference: &Difference, lines: &mut Lines) {
+fn first_divergence(first: &Divergence, difference: &Difference, lines: &mut Lines) {
     let (name, unit) = name_of(first.measure);
     let name = if is_decision(Some(first)) { "a decision".to_owned() } else { name };
     let after = first.agreed_until_s.map_or(String::new(), |time| format!(", agreed up to {}", seconds(time)));
-    lines.row("parts first", &format!("in {name} at {}{after}", seconds(first.time_s)));
-    lines.row("  expected", &told(&first.expected, unit));
-    lines.row("  found", &told(&first.found, unit));
-    if let (Told::Numbers(a), Told::Numbers(b)) = (&first.expected, &first.found) {
-        let apart = a.iter().zip(b).fold(0.0, |size: f64, (a, b)| size.hypot(a - b));
+    lines.row("diverges", &format!("first in {name} at {}{after}", seconds(first.time_s)));
+    lines.row("  expected", &side(&first.expected, unit));
+    lines.row("  found", &side(&first.found, unit));
+    if let (Side::Numbers(a), Side::Numbers(b)) = (&first.expected, &first.found) {
+        let distance = a.iter().zip(b).fold(0.0, |size: f64, (a, b)| size.hypot(a - b));
         let tolerance =
             difference.deviations.iter().find(|deviation| deviation.measure == first.measure).map(|deviation| deviation.tolerance);
         let tolerance = tolerance.map_or(String::new(), |tolerance| format!(", tolerance {}", quantity(tolerance, unit)));
-        lines.row("  apart", &format!("{}{tolerance}", quantity(apart, unit)));
+        lines.row("  difference", &format!("{}{tolerance}", quantity(distance, unit)));
     }
-    let n_alike = difference.decisions_part.filter(|_| is_decision(Some(first))).map(|part| part.n_alike);
-    let alike = n_alike.map_or(String::new(), |n| format!(", the last of {n} alike"));
-    let last = first.last_event.as_ref().map_or("no grasp or release".to_owned(), |last| event(last) + &alike);
+    let n_equal = difference.first_different_decision.filter(|_| is_decision(Some(first))).map(|decision| decision.n_equal);
+    let equal = n_equal.map_or(String::new(), |n| format!(", the last of {n} equal decisions"));
+    let last = first.last_event.as_ref().map_or("no grasp or release".to_owned(), |last| event(last) + &equal);
     lines.row("  after", &last);
 }
 
-fn decisions_part(part: &Decision) -> String {
-    let said = |side: &Option<Event>| side.as_ref().map_or("no more".to_owned(), event);
-    format!("after {} alike: expected {}, found {}", part.n_alike, said(&part.expected), said(&part.found))
+fn different_decision(decision: &Decision) -> String {
+    let text = |side: &Option<Event>| side.as_ref().map_or("no more".to_owned(), event);
+    format!("after {} equal ones: expected {}, found {}", decision.n_equal, text(&decision.expected), text(&decision.found))
 }
 
 fn event(event: &Event) -> String {
@@ -243,11 +242,11 @@ fn event(event: &Event) -> String {
     format!("{kind} of spring {}{ant} at {}", event.spring, seconds(event.time_s))
 }
 
-/// All digits: two runs may part in the last.
-fn told(told: &Told, unit: &str) -> String {
-    match told {
-        Told::Numbers(values) => format!("{} {unit}", digits(values)).trim_end().to_owned(),
-        Told::Event(side) => side.as_ref().map_or("no more decisions".to_owned(), event),
+/// All digits, because two runs may differ in the last one.
+fn side(side: &Side, unit: &str) -> String {
+    match side {
+        Side::Numbers(values) => format!("{} {unit}", digits(values)).trim_end().to_owned(),
+        Side::Event(decision) => decision.as_ref().map_or("no more decisions".to_owned(), event),
     }
 }
 
@@ -256,30 +255,28 @@ fn digits(values: &[f64]) -> String {
     if let [one] = digits.as_slice() { one.clone() } else { format!("({})", digits.join(", ")) }
 }
 
-/// All digits, rounding of a product of a tick and its period aside.
+/// All digits, up to the rounding of the product of a tick and its period.
 fn seconds(time: f64) -> String {
     format!("{} s", (time * 1e9).round() / 1e9)
 }
 
-fn apart(deviation: &Deviation) -> String {
+fn deviation_text(deviation: &Deviation) -> String {
     let (_, unit) = name_of(deviation.measure);
     let [difference, tolerance] = [deviation.difference, deviation.tolerance].map(|value| quantity(value, unit));
     match deviation.time_s {
-        Some(time) => format!("{difference} apart at {}, tolerance {tolerance}", seconds(time)),
+        Some(time) => format!("difference {difference} at {}, tolerance {tolerance}", seconds(time)),
         None => {
-            let said = |values: &[f64]| match deviation.quantity {
+            let text = |values: &[f64]| match deviation.quantity {
                 Quantity::Count => format!("{:.0}", values[0]),
                 _ => format!("{} {unit}", digits(values)),
             };
-            format!("{}, expected {}, tolerance {tolerance}", said(&deviation.found), said(&deviation.expected))
+            format!("{}, expected {}, tolerance {tolerance}", text(&deviation.found), text(&deviation.expected))
         }
     }
 }
 
-/// A measure's name without its unit, and the unit.
+/// Name of a measure without its unit, and the unit.
 fn name_of(measure: &str) -> (String, &'static str) {
-    let units = [("_rad_per_s", "rad/s"), ("_m_per_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_j", "J"), ("_n", "N"), ("_s", "s")];
-    let found = units.iter().find_map(|(ending, unit)| Some((measure.strip_suffix(ending)?, *unit)));
-    let (name, unit) = found.unwrap_or((measure, ""));
+    let (name, unit) = split_unit(measure);
     (name.strip_prefix("n_").unwrap_or(name).replace('_', " "), unit)
 }

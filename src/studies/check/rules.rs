@@ -1,26 +1,12 @@
-//! What must hold in a baseline's file beyond its shape: numbers in their ranges, times in order, and parts that do not contradict each other.
+//! Rules for the values in a baseline's file: numbers in their ranges, times in order, and sections
+//! that do not contradict each other.
 
-use super::reader::PathEntry;
-use super::record::stored_facts;
-use super::{COLUMNS, Ending, Event, MOST_EVENTS, Tolerances};
+use super::format::{Faults, PathEntry};
+use super::measure::COLUMNS;
+use super::record::{Ending, Event, MOST_EVENTS, stored_facts};
+use super::tolerance::Tolerances;
 use crate::backend::{BackendOptions, Status};
-use crate::scenario::{Drive, Finding, Scenario};
-
-/// Broken rules as they come in.
-#[derive(Debug, Default)]
-pub struct Faults(pub Vec<Finding>);
-
-impl Faults {
-    pub fn report(&mut self, path: &str, rule: impl Into<String>, found: impl Into<String>) {
-        self.0.push(Finding { path: path.to_owned(), rule: rule.into(), found: found.into() });
-    }
-
-    fn require(&mut self, holds: bool, path: &str, rule: &str, found: f64) {
-        if !holds {
-            self.report(path, rule, format!("{found:?}"));
-        }
-    }
-}
+use crate::scenario::{Drive, Scenario};
 
 pub fn options(options: &BackendOptions, faults: &mut Faults) {
     faults.require(options.step_s > 0.0, "options.step_s", "must be positive", options.step_s);
@@ -61,7 +47,7 @@ pub fn events(events: &[Event], ending: Option<&Ending>, scenario: Option<&Scena
             faults.require(event.time_s <= end, &path, &format!("must not be after the end, {end:?} s"), event.time_s);
         }
         if let Some(scenario) = scenario {
-            names(at, event, scenario, faults);
+            numbers(at, event, scenario, faults);
         }
     }
     if let Some(n_events) = ending.map(|ending| ending.n_events) {
@@ -73,8 +59,8 @@ pub fn events(events: &[Event], ending: Option<&Ending>, scenario: Option<&Scena
     }
 }
 
-/// The spring and the ant of an event are ones that the scenario has.
-fn names(at: usize, event: &Event, scenario: &Scenario, faults: &mut Faults) {
+/// Checks that the scenario has the spring and the ant of an event.
+fn numbers(at: usize, event: &Event, scenario: &Scenario, faults: &mut Faults) {
     let n_springs = scenario.system.springs.len();
     if event.spring >= n_springs {
         let rule = format!("must be below the number of springs, {n_springs}");
@@ -98,7 +84,7 @@ pub fn ending(ending: &Ending, scenario: Option<&Scenario>, faults: &mut Faults)
         }
     }
     if ending.steps.status == Status::Failed {
-        faults.report("ending.steps.status", "must be that of a run that was computed", "\"failed\"");
+        faults.report("ending.steps.status", "must not be that of a failed run", "\"failed\"");
     }
     let found = ending.arrived.map_or("null".to_owned(), |arrived| arrived.to_string());
     match (scenario.map(|scenario| &scenario.drive), ending.arrived) {

@@ -1,64 +1,38 @@
 //! How far apart two runs may lie and still agree.
 //!
-//! A run is repeated bit for bit by the same build on the same machine. Another mathematical library or compiler changes last digits, and that grows
-//! along the path. The defaults are a share of the scene's own scales:
+//! The same build on the same machine repeats a run bit for bit. Another mathematical library or
+//! compiler changes last digits, and these differences grow along the path. The default tolerances are a
+//! share of the scales of the scene:
 //!
 //! ```text
-//! length    the load's radius R
-//! angle     1 rad: R turned by it moves its rim by R
-//! force     the slip limit mu m g, or the largest pull of the run if that is more
-//! speed     sqrt(force R / m), the speed that friction stops within half a radius, or the largest speed of the run if that is more
-//! energy    force times R, or the largest work or energy of the run if that is more
+//! length    the radius R of the load
+//! angle     1 rad: this turn moves the edge of the load by R
+//! force     the slip limit mu m g, or the largest pull of the run if that is larger
+//! speed     sqrt(force R / m), which friction stops within half a radius, or the largest speed of the run
+//! energy    force times R, or the largest work or energy of the run if that is larger
 //! ```
 //!
-//! The share is 1e-8 in f64. With a library whose every sine, exponential or power may be off by a last digit, the shipped scenes on all backends stay
-//! within 3e-12 of their scales over their whole length, and no decision falls differently. In f32 the share is 1e-3: the engine's rounding, 6e-8 a
-//! step, moves the paths of prescribed tips by up to 4e-5 with aligned friction. A long run of ants in f32 keeps its decisions on one kind of machine only.
+//! The share is 1e-8 in f64. With a library in which every sine, exponential or power may be wrong by
+//! its last digit, the shipped scenes on all backends stay within 3e-12 of their scales over their whole
+//! length, and no decision changes. In f32 the share is 1e-3: the rounding of the engine, 6e-8 in each
+//! step, moves the paths of prescribed tips by up to 4e-5 with aligned friction. A long run of ants in
+//! f32 repeats its decisions on one kind of machine only.
 
 use serde::{Deserialize, Serialize};
 
-use super::{MEASURES, Row};
+use super::measure::{MEASURES, Quantity, Row};
 use crate::backend::BackendOptions;
 use crate::scenario::Scenario;
 
-/// Share of the scales (1) that a run in f64 may be off.
+/// Tolerance over scale of a run in f64 (1).
 const SHARE: f64 = 1e-8;
-/// The same for an engine in f32.
+/// Tolerance over scale of a run of an engine in f32 (1).
 const SHARE_IN_SINGLE: f64 = 1e-3;
-/// Share (1) that counts may be off. Last digits decide which steps at the edge of rest need solving: up to 2 % in f64 and 6 % in f32, of fifty.
+/// Tolerance of counts (1). Last digits decide which steps near rest need a solve: up to 2 % of fifty
+/// steps in f64, and 6 % in f32.
 const COUNT_SHARE: f64 = 0.1;
 
-/// What is compared; each has a tolerance of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    Position,
-    Heading,
-    Velocity,
-    TurnRate,
-    Energy,
-    Pull,
-    Time,
-    Count,
-}
-
-impl Quantity {
-    /// The quantity that has this unit in print.
-    pub fn of_unit(unit: &str) -> Self {
-        match unit {
-            "m" => Self::Position,
-            "rad" => Self::Heading,
-            "m/s" => Self::Velocity,
-            "rad/s" => Self::TurnRate,
-            "J" => Self::Energy,
-            "N" => Self::Pull,
-            "s" => Self::Time,
-            _ => Self::Count,
-        }
-    }
-}
-
-/// Differences up to these agree; zero asks for the same number.
+/// Largest differences that agree; zero asks for the same number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerances {
     pub position_m: f64,
@@ -67,9 +41,9 @@ pub struct Tolerances {
     pub turn_rate_rad_per_s: f64,
     pub energy_j: f64,
     pub pull_n: f64,
-    /// Of grasps, releases and the end.
+    /// Tolerance of the times of grasps, releases and the end (s).
     pub time_s: f64,
-    /// Of a count over what is expected of it, and of solves or skips over all steps (1).
+    /// Tolerance of a count over the stored count, or over all steps if these are more (1).
     pub count_share: f64,
 }
 
@@ -85,7 +59,8 @@ impl Tolerances {
         count_share: 0.0,
     };
 
-    /// The defaults for a run with these rows. A decision at another tick is another decision: times may be off by less than half a control period.
+    /// Default tolerances of a run with these rows. A decision at another tick is another decision, so that
+    /// the tolerance of times is half a control period.
     pub fn of(scenario: &Scenario, options: &BackendOptions, rows: &[Row]) -> Self {
         let in_single = options.is_single_precision();
         let share = if in_single { SHARE_IN_SINGLE } else { SHARE };
@@ -102,7 +77,7 @@ impl Tolerances {
         }
     }
 
-    /// In the unit of the quantity.
+    /// Tolerance of a quantity, in its unit.
     pub fn for_quantity(&self, quantity: Quantity) -> f64 {
         match quantity {
             Quantity::Position => self.position_m,
@@ -116,7 +91,7 @@ impl Tolerances {
         }
     }
 
-    /// Keys and values of all.
+    /// Keys and values of all tolerances.
     pub fn entries(&self) -> [(&'static str, f64); 8] {
         [
             ("position_m", self.position_m),
@@ -131,11 +106,15 @@ impl Tolerances {
     }
 }
 
-/// (m, N, m/s, J)
+/// Scales of a scene and a run.
 struct Scales {
+    /// (m)
     length: f64,
+    /// (N)
     force: f64,
+    /// (m/s)
     speed: f64,
+    /// (J)
     energy: f64,
 }
 

@@ -5,11 +5,11 @@ use std::rc::Rc;
 
 use super::facts::{Changes, Series, series_of};
 use super::trial::{Case, Trial};
-use crate::backend::{Motion, RestoreError};
+use crate::backend::Motion;
 use crate::math::{Pose, Summary, Vec2};
 use crate::model::ant::Ant;
 use crate::scenario::{Drive, Scenario};
-use crate::simulation::{Ants, Driver, Keep, Orders, Row, Simulation, View};
+use crate::simulation::{Ants, Commands, Controller, Keep, Row, Simulation, View};
 
 /// A run for figures.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,8 +47,8 @@ pub fn shown(trial: Trial, case: &Case, seed: u64) -> Option<Shown> {
     let scenario = trial.scenario(case, seed);
     let Drive::Ants(drive) = &scenario.drive else { return None };
     let seen = Rc::new(RefCell::new(Seen::new()));
-    let driver = Watched { ants: Ants::new(&scenario, drive), every: LOOK_S, seen: Rc::clone(&seen) };
-    let mut run = Simulation::driven(&scenario, &case.options(&scenario), Keep::Trace, Box::new(driver));
+    let controller = Watched { ants: Ants::new(&scenario, drive), every: LOOK_S, seen: Rc::clone(&seen) };
+    let mut run = Simulation::with_controller(&scenario, &case.options(&scenario), Keep::Trace, Box::new(controller));
     run.run(|_| true);
     let (trace, outcome) = run.into_results();
     let seen = seen.borrow();
@@ -93,9 +93,9 @@ struct Watched {
     seen: Rc<RefCell<Seen>>,
 }
 
-impl Driver for Watched {
-    fn decide(&mut self, view: &View, orders: &mut Orders) {
-        self.ants.decide(view, orders);
+impl Controller for Watched {
+    fn decide(&mut self, view: &View, commands: &mut Commands) {
+        self.ants.decide(view, commands);
         let mut seen = self.seen.borrow_mut();
         if seen.last().is_none_or(|(last, _)| view.time >= last + self.every) {
             seen.push((view.time, self.ants.ants().to_vec()));
@@ -106,24 +106,12 @@ impl Driver for Watched {
         self.ants.targets(view, until)
     }
 
-    fn next_instant(&self, time: f64) -> Option<f64> {
-        self.ants.next_instant(time)
-    }
-
     fn arrived(&self, motion: &Motion) -> Option<bool> {
         self.ants.arrived(motion)
     }
 
     fn pulls(&self) -> Summary {
         self.ants.pulls()
-    }
-
-    fn save(&self) -> serde_json::Value {
-        self.ants.save()
-    }
-
-    fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
-        self.ants.restore(state)
     }
 }
 

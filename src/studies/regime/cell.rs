@@ -7,7 +7,7 @@ use super::script::Script;
 use super::theory;
 use crate::analysis::compare::{Difference, Solution};
 use crate::backend::{BackendKind, Status, TransitionKind};
-use crate::simulation::{Driver, built};
+use crate::simulation::{Controller, backend_of};
 use crate::studies::verify::scenes::SLIP_STRETCH;
 
 /// A point of the plane, measured. Ways and distances are those of the rim: shift plus radius times turn.
@@ -112,6 +112,6 @@ impl Cell {
 }
 
 fn solution(staged: &Staged, kind: BackendKind, watch: &(impl Fn() -> bool + Sync)) -> Option<Solution> {
-    let driver = || Box::new(Script::new(staged.cues.clone(), staged.scenario.system.springs.len())) as Box<dyn Driver>;
-    Solution::find(&staged.scenario, &staged.options(kind), 1, &built, driver, |_| watch())
+    let controller = || Box::new(Script::new(staged.cues.clone(), staged.scenario.system.springs.len())) as Box<dyn Controller>;
+    Solution::find(&staged.scenario, &staged.options(kind), 1, &backend_of, controller, |_| watch())
 }

@@ -10,7 +10,7 @@
 //!
 //! ```text
 //! theory.rs   closed forms and rules of thumb
-//! script.rs   grasps and releases at given ticks, tips at given velocities: a driver
+//! script.rs   grasps and releases at given ticks, tips at given velocities: a controller
 //! scene.rs    the scenes at one point of the plane
 //! cell.rs     one point, measured
 //! map.rs      all points on all processors, resumable

@@ -1,11 +1,9 @@
 //! Grasps and releases at given ticks, tips at given velocities. Where a tip is grasped follows the load: paths with and without inertia have their own.
 
-use serde::{Deserialize, Serialize};
-
-use crate::backend::{Motion, RestoreError};
+use crate::backend::Motion;
 use crate::math::Vec2;
 use crate::math::rotation;
-use crate::simulation::{Driver, Event, EventKind, Orders, View};
+use crate::simulation::{Commands, Controller, Event, EventKind, View};
 
 /// Something to do to one spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,19 +26,15 @@ pub enum Act {
 /// Follows cues, which stand in the order of their ticks, releases of a tick first.
 pub struct Script {
     cues: Vec<Cue>,
-    state: State,
+    /// Number of the next cue.
+    next: usize,
+    /// Attached tips, an entry for each spring.
+    held: Vec<Option<Held>>,
     targets: Vec<Vec2>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct State {
-    /// Number of the next cue.
-    next: usize,
-    held: Vec<Option<Held>>,
-}
-
 /// A tip on its way.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Held {
     /// (s)
     since: f64,
@@ -59,15 +53,15 @@ impl Held {
 
 impl Script {
     pub fn new(cues: Vec<Cue>, n_springs: usize) -> Self {
-        Self { cues, state: State { next: 0, held: vec![None; n_springs] }, targets: vec![Vec2::zeros(); n_springs] }
+        Self { cues, next: 0, held: vec![None; n_springs], targets: vec![Vec2::zeros(); n_springs] }
     }
 }
 
-impl Driver for Script {
-    fn decide(&mut self, view: &View, orders: &mut Orders) {
+impl Controller for Script {
+    fn decide(&mut self, view: &View, commands: &mut Commands) {
         let Motion { pose, .. } = view.motion;
-        while let Some(cue) = self.cues.get(self.state.next).filter(|cue| view.tick == Some(cue.tick)) {
-            let (time, held) = (view.time, &mut self.state.held[cue.spring]);
+        while let Some(cue) = self.cues.get(self.next).filter(|cue| view.tick == Some(cue.tick)) {
+            let (time, held) = (view.time, &mut self.held[cue.spring]);
             let (tip, kind) = match cue.act {
                 Act::Release => (held.take().map_or(Vec2::zeros(), |held| held.position(time)), EventKind::Release),
                 Act::Grasp { stretch, velocity } => {
@@ -77,37 +71,15 @@ impl Driver for Script {
                     (from, EventKind::Grasp)
                 }
             };
-            orders.events.push(Event { time, spring: cue.spring, ant: None, tip, kind });
-            self.state.next += 1;
+            commands.events.push(Event { time, spring: cue.spring, ant: None, tip, kind });
+            self.next += 1;
         }
     }
 
     fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
-        for (target, held) in self.targets.iter_mut().zip(&self.state.held) {
+        for (target, held) in self.targets.iter_mut().zip(&self.held) {
             *target = held.map_or(*target, |held| held.position(until));
         }
         &self.targets
-    }
-
-    /// All that happens, happens at ticks.
-    fn next_instant(&self, _: f64) -> Option<f64> {
-        None
-    }
-
-    fn arrived(&self, _: &Motion) -> Option<bool> {
-        None
-    }
-
-    fn save(&self) -> serde_json::Value {
-        serde_json::to_value(&self.state).expect("tips are plain data")
-    }
-
-    fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
-        let state: State = Deserialize::deserialize(state).map_err(|error: serde_json::Error| RestoreError(error.to_string()))?;
-        if state.held.len() != self.state.held.len() || state.next > self.cues.len() {
-            return Err(RestoreError("a driver's state for another script".into()));
-        }
-        self.state = state;
-        Ok(())
     }
 }

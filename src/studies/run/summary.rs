@@ -186,7 +186,7 @@ mod tests {
         ];
         for (field, poison) in poisons {
             for value in [f64::NAN, f64::INFINITY] {
-                let mut outcome = synthetic::outcome(Some(true));
+                let mut outcome = synthetic::outcome(Some(false));
                 poison(&mut outcome, value);
                 let error = json(BackendKind::Inertial, &outcome).unwrap_err();
                 assert!(error.to_string().starts_with(field), "{error}");

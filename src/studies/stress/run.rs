@@ -10,7 +10,7 @@ use super::map::Answer;
 use super::observer::{Observer, Seen};
 use crate::backend::{Motion, Status};
 use crate::scenario::Scenario;
-use crate::simulation::{Keep, Make, Simulation, driver_of};
+use crate::simulation::{Keep, MakeBackend, Simulation, controller_of};
 use crate::studies::methods::Method;
 
 /// Steps times joints that a run may cost: seconds. Counted before it starts, so that the same
@@ -78,12 +78,12 @@ pub fn too_long(scenario: &Scenario) -> Option<String> {
 ///
 /// # Errors
 /// The message of a panic.
-pub fn run(scenario: &Scenario, method: Method, make: &Make) -> Result<Run, String> {
+pub fn run(scenario: &Scenario, method: Method, make: &MakeBackend) -> Result<Run, String> {
     run_at(scenario, method, scenario.control_period, make)
 }
 
 /// The run at an eighth of the step; `None` where that exceeds the budget or fails.
-pub fn finer(scenario: &Scenario, method: Method, make: &Make) -> Option<Run> {
+pub fn finer(scenario: &Scenario, method: Method, make: &MakeBackend) -> Option<Run> {
     if FINER * work(scenario) > MOST_FINER_WORK {
         return None;
     }
@@ -93,11 +93,11 @@ pub fn finer(scenario: &Scenario, method: Method, make: &Make) -> Option<Run> {
     is_whole.then_some(run)
 }
 
-fn run_at(scenario: &Scenario, method: Method, step: f64, make: &Make) -> Result<Run, String> {
+fn run_at(scenario: &Scenario, method: Method, step: f64, make: &MakeBackend) -> Result<Run, String> {
     guarded(|| {
         let options = method.options(step);
         let (observer, seen) = Observer::around(make(scenario, &options), &scenario.system);
-        let mut simulation = Simulation::on(scenario, &options, Keep::Outcome, driver_of(scenario), observer);
+        let mut simulation = Simulation::from_parts(scenario, &options, Keep::Outcome, controller_of(scenario), observer);
         let spent = |seen: &Rc<RefCell<Seen>>| seen.borrow().report.n_iterations + seen.borrow().report.n_solves;
         while !simulation.is_finished() && spent(&seen) <= MOST_ITERATIONS {
             simulation.step();
@@ -112,7 +112,7 @@ fn run_at(scenario: &Scenario, method: Method, step: f64, make: &Make) -> Result
 
 /// What the answer of a cell is measured against: a reference run, if it needs one and that can be
 /// trusted.
-pub fn reference(scenario: &Scenario, answer: &Answer, method: Method, make: &Make) -> Option<Run> {
+pub fn reference(scenario: &Scenario, answer: &Answer, method: Method, make: &MakeBackend) -> Option<Run> {
     // The same scene in other units has the same sweeps, whether they converge or not.
     let (found, worst) = match answer {
         Answer::Unknown | Answer::Shift { .. } => return None,

@@ -8,7 +8,7 @@ use super::judge::{Outcome, judge};
 use super::map::{Answer, Cell, Map};
 use super::run::{self, Numbers, Run};
 use crate::scenario::Scenario;
-use crate::simulation::{Make, built};
+use crate::simulation::{MakeBackend, backend_of};
 use crate::studies::methods::Method;
 use crate::studies::runner::Tasks;
 
@@ -51,12 +51,12 @@ pub fn n_cells(maps: &[Map]) -> usize {
 /// One task a cell of `maps`, in their order: the rows of the cell on each of `methods`.
 ///
 /// Backends under stress are made by `make`; reference runs use the normal backends.
-pub fn tasks<'a>(maps: &'a [Map], methods: &'a [Method], make: &'a Make) -> Tasks<'a, Vec<Row>> {
+pub fn tasks<'a>(maps: &'a [Map], methods: &'a [Method], make: &'a MakeBackend) -> Tasks<'a, Vec<Row>> {
     let cells: Vec<(&Map, usize)> = maps.iter().flat_map(|map| (0..map.n_cells()).map(move |index| (map, index))).collect();
     Tasks::equal(cells.len(), move |task, _| Some(rows(cells[task].0, cells[task].1, methods, make)))
 }
 
-fn rows(map: &Map, index: usize, methods: &[Method], make: &Make) -> Vec<Row> {
+fn rows(map: &Map, index: usize, methods: &[Method], make: &MakeBackend) -> Vec<Row> {
     let [x, y] = map.parameters(index);
     let row = |method: Method, (outcome, cause, numbers)| Row { map: map.name.to_owned(), x, y, method, outcome, cause, numbers };
     let all = |outcome: Outcome, cause: &str| {
@@ -77,7 +77,7 @@ fn rows(map: &Map, index: usize, methods: &[Method], make: &Make) -> Vec<Row> {
     let found = methods.iter().map(|method| {
         let of = if matches!(cell.asked.answer, Answer::Scaled { .. }) { *method } else { method.exact() };
         if !references.iter().any(|(known, _)| *known == of) {
-            references.push((of, run::reference(scenario, &cell.asked.answer, of, &built)));
+            references.push((of, run::reference(scenario, &cell.asked.answer, of, &backend_of)));
         }
         let reference = references.iter().find(|(known, _)| *known == of).and_then(|(_, run)| run.as_ref());
         row(*method, ended(&cell, scenario, *method, reference, make))
@@ -86,7 +86,7 @@ fn rows(map: &Map, index: usize, methods: &[Method], make: &Make) -> Vec<Row> {
 }
 
 /// Outcome, cause and numbers of one cell on one backend.
-fn ended(cell: &Cell, scenario: &Scenario, method: Method, reference: Option<&Run>, make: &Make) -> (Outcome, String, Numbers) {
+fn ended(cell: &Cell, scenario: &Scenario, method: Method, reference: Option<&Run>, make: &MakeBackend) -> (Outcome, String, Numbers) {
     let run = match run::run(scenario, method, make) {
         Ok(run) => run,
         Err(message) => return (Outcome::Panicked, message, Numbers::default()),

@@ -1,11 +1,11 @@
-//! What one parameter takes, as it is written on the command line.
+//! Values of one parameter, as written on the command line.
 //!
 //! ```text
 //! load.mass_kg=0.001,0.002       these values
-//! load.mass_kg=0.001:0.002:5     five values, evenly
-//! load.mass_kg=log:1e-4:1e-2:7   seven values, evenly in the logarithm
+//! load.mass_kg=0.001:0.002:5     five evenly spaced values
+//! load.mass_kg=log:1e-4:1e-2:7   seven values, evenly spaced in the logarithm
 //! load.mass_kg=1e-4..1e-2        a range, for a sample
-//! load.mass_kg=log:1e-4..1e-2    the same, even in the logarithm
+//! load.mass_kg=log:1e-4..1e-2    a range that is sampled in the logarithm
 //! ```
 
 use std::str::FromStr;
@@ -15,10 +15,11 @@ use serde_json::Value;
 
 use super::error::SweepError;
 
-/// The path of the axis along which mass and moment of inertia are multiplied while every normal load, and so all friction, stays.
+/// Path of the axis that multiplies mass and moment of inertia at the same normal loads, and so at the
+/// same friction.
 pub const INERTIA: &str = "inertia_scale";
 
-/// One parameter and what it takes.
+/// One parameter and its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     pub path: String,
@@ -29,15 +30,15 @@ pub struct Axis {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Values {
-    /// Each of these: numbers or words.
+    /// These numbers or words.
     List(Vec<Value>),
-    /// So many numbers from the first to the last, evenly.
+    /// `n` evenly spaced numbers from the first to the last.
     Grid { first: f64, last: f64, n: u64, is_logarithmic: bool },
-    /// Anything between, where the sample says.
+    /// Numbers between these that a sample chooses.
     Range { low: f64, high: f64, is_logarithmic: bool },
 }
 
-/// Most values of a grid: beyond, neighbours may round to one.
+/// Largest number of values of a grid. With more, neighbours may round to the same number.
 const MOST_VALUES: u64 = 1 << 32;
 
 impl FromStr for Axis {
@@ -50,10 +51,10 @@ impl FromStr for Axis {
 }
 
 impl Axis {
-    /// The axis of the parameter at `path`, which takes what `spec` says.
+    /// Axis of the parameter at `path` with the values that `spec` describes.
     ///
     /// # Errors
-    /// When `spec` is none of the forms above, or names a value twice.
+    /// When `spec` has none of the forms above, or repeats a value.
     pub fn new(path: &str, spec: &str) -> Result<Self, SweepError> {
         let spec = spec.trim();
         if path.is_empty() || spec.is_empty() {
@@ -73,7 +74,7 @@ impl Axis {
         Ok(Self { path: path.to_owned(), values })
     }
 
-    /// Number of values; `None` of a range.
+    /// Number of values; `None` for a range.
     pub fn n_values(&self) -> Option<u64> {
         match &self.values {
             Values::List(list) => Some(list.len() as u64),
@@ -93,12 +94,12 @@ impl Axis {
         }
     }
 
-    /// Whether every value is a whole number. A range asks for none.
+    /// Whether every value is a whole number. A range may have whole values.
     pub fn is_whole(&self) -> bool {
         let is_whole = |value: &Value| value.as_f64().is_some_and(|value| value.fract() == 0.0 && value >= 0.0);
         match &self.values {
             Values::List(list) => list.iter().all(is_whole),
-            // Evenly from a whole first: whole when the second is.
+            // With a whole first value, all are whole when the second is.
             Values::Grid { is_logarithmic, .. } => !is_logarithmic && is_whole(&self.value(0)) && is_whole(&self.value(1)),
             Values::Range { .. } => true,
         }
@@ -110,7 +111,7 @@ impl Axis {
 }
 
 impl Values {
-    /// The value at the share `u` in [0, 1) of a range; whole numbers are equally likely then.
+    /// Value at the fraction `u` in [0, 1) of a range. Whole numbers are equally likely.
     pub fn within(low: f64, high: f64, is_logarithmic: bool, is_whole: bool, u: f64) -> Value {
         if is_whole {
             return Value::from((low + (u * (high - low + 1.0)).floor()).min(high) as u64);
@@ -119,7 +120,7 @@ impl Values {
     }
 }
 
-/// From `low` to `high`, both exactly there.
+/// Value at a fraction of the way from `low` to `high`, which are exact at the ends.
 fn between(low: f64, high: f64, is_logarithmic: bool, share: f64) -> f64 {
     match share {
         0.0 => low,
@@ -162,7 +163,7 @@ fn check_logarithm(path: &str, is_logarithmic: bool, ends: [f64; 2]) -> Result<(
     }
 }
 
-/// Words stay words: the scenario says whether it takes them.
+/// Numbers and words; the scenario decides whether it accepts words.
 fn list(path: &str, body: &str) -> Result<Values, SweepError> {
     let value = |text: &str| match text.trim() {
         "" => Err(SweepError::axis(path, "must be values with commas between them", body)),
@@ -207,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_and_words_are_what_they_say() {
+    fn ranges_and_words_are_read() {
         let range = Values::Range { low: 0.5, high: 2.0, is_logarithmic: true };
         assert_eq!(Axis::new("a", "log 0.5..2").unwrap().values, range);
         assert_eq!(Axis::new("a", "log:0.5..2").unwrap().values, range);
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_axis_says_why() {
+    fn errors_name_the_rule_that_is_broken() {
         for (text, why) in [
             ("load.mass_kg", "must be PATH=VALUES"),
             ("load.mass_kg=", "must be PATH=VALUES"),

@@ -1,12 +1,12 @@
-//! One cell -> its row. Nothing in it depends on when, where or beside what it ran.
+//! Runs one cell and writes its row. The row depends on the cell alone, wherever and whenever it ran.
 
-use super::column::{Column, line_of};
+use super::column::{Column, field_of, kind_of, line_of};
 use super::error::SweepError;
 use super::plan::{Place, Plan, content_key, point_hash};
 use crate::backend::{BackendOptions, Status};
 use crate::output::table::{Field, Kind};
 use crate::scenario::Scenario;
-use crate::simulation::run_facts::{self, FACTS, Fact, Run, Value};
+use crate::simulation::run_facts::{FACTS, Fact, Run};
 use crate::simulation::{Keep, Outcome, Simulation};
 use crate::studies::stress::guard::guarded;
 
@@ -29,45 +29,28 @@ fn facts() -> impl Iterator<Item = &'static Fact> {
     FACTS.iter().filter(|fact| !fact.column.is_empty())
 }
 
-fn kind_of(fact: &Fact) -> Kind {
-    match fact.kind {
-        run_facts::Kind::Number => Kind::Number,
-        run_facts::Kind::Count => Kind::Whole,
-        run_facts::Kind::Flag => Kind::Truth,
-    }
-}
-
-fn field_of(value: Value) -> Field {
-    match value {
-        Value::Absent | Value::Undefined => Field::Empty,
-        Value::Number(value) => Field::Number(value),
-        Value::Count(value) => Field::Whole(value),
-        Value::Flag(value) => Field::Truth(value),
-    }
-}
-
 fn number_if(is_there: bool, value: f64) -> Field {
     if is_there { Field::Number(value) } else { Field::Empty }
 }
 
-/// All columns, with those of `parameters` in their place.
-pub fn columns(parameters: Vec<Column>, most_holders: usize, can_be_more: bool) -> Vec<Column> {
+/// All columns, with those of `parameters` in place.
+pub fn columns(parameters: Vec<Column>, most_attached: usize, can_be_more: bool) -> Vec<Column> {
     let fixed = |columns: &[(&str, Kind)]| columns.iter().map(|(name, kind)| Column::new(*name, *kind)).collect::<Vec<_>>();
     let measured = facts().map(|fact| Column::new(fact.column, kind_of(fact))).collect();
-    let shares = (0..=most_holders).map(|n| {
-        let or_more = if n == most_holders && can_be_more { "_or_more" } else { "" };
+    let shares = (0..=most_attached).map(|n| {
+        let or_more = if n == most_attached && can_be_more { "_or_more" } else { "" };
         Column::new(format!("time_share_{n}{or_more}_attached"), Kind::Number)
     });
     [fixed(&BEFORE), parameters, fixed(&BETWEEN), measured, shares.collect()].concat()
 }
 
-/// A point ready to run, on all variants and seeds.
+/// A point of the design, ready to run with all methods and seeds.
 pub struct Prepared<'a> {
     plan: &'a Plan,
     pub point: u64,
     values: Vec<serde_json::Value>,
     scenario: Scenario,
-    /// Options and the shared part of the key, a variant each.
+    /// Options and the shared part of the key, for each method.
     variants: Vec<(BackendOptions, Vec<u8>)>,
 }
 
@@ -82,13 +65,13 @@ impl<'a> Prepared<'a> {
         Ok(Self { plan, point, values, scenario, variants })
     }
 
-    /// The line of a cell of this point; `None` when `go_on` said no.
+    /// Line of a cell of this point; `None` when `go_on` ended it.
     pub fn line(&mut self, cell: u64, go_on: &dyn Fn() -> bool) -> Option<String> {
         let place = self.plan.place(cell);
         self.scenario.seed = place.seed;
         let (options, hash) = &self.variants[place.variant];
         let mut fields = self.head(cell, &place, options, &content_key(hash, place.seed));
-        let ran = guarded(|| run(&self.scenario, options, self.plan.most_holders, go_on));
+        let ran = guarded(|| run(&self.scenario, options, self.plan.most_attached, go_on));
         let measured = match ran {
             Ok(None) => return None,
             Ok(Some((outcome, totals))) => {
@@ -98,7 +81,7 @@ impl<'a> Prepared<'a> {
             }
             Err(panic) => Err(format!("panicked: {panic}")),
         };
-        let n_measured = facts().count() + self.plan.most_holders + 1;
+        let n_measured = facts().count() + self.plan.most_attached + 1;
         let (status, cause, rest) = match measured {
             Ok((status, cause, fields)) => (status, cause, fields),
             Err(cause) => ("failed", cause, vec![Field::Empty; n_measured]),
@@ -119,15 +102,16 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Steps between two questions whether to go on: what threads share is looked at seldom.
+/// Number of steps between two calls of `go_on`, which reads what threads share.
 const STEPS_UNASKED: u64 = 64;
 
-/// The run to its end, under error control again with finer strides until it keeps to its tolerance or cannot.
-fn run(scenario: &Scenario, options: &BackendOptions, most_holders: usize, go_on: &dyn Fn() -> bool) -> Option<(Outcome, Totals)> {
+/// Runs to the end. Under error control, the run starts again with a smaller error for each macro-step
+/// until it is within its tolerance or cannot be.
+fn run(scenario: &Scenario, options: &BackendOptions, most_attached: usize, go_on: &dyn Fn() -> bool) -> Option<(Outcome, Totals)> {
     let mut options = *options;
     loop {
         let mut run = Simulation::new(scenario, &options, Keep::Outcome);
-        let mut totals = Totals { path_length: 0.0, time_attached: vec![0.0; most_holders + 1] };
+        let mut totals = Totals { path_length: 0.0, time_attached: vec![0.0; most_attached + 1] };
         for step in 0u64.. {
             if run.is_finished() {
                 break;
@@ -138,7 +122,7 @@ fn run(scenario: &Scenario, options: &BackendOptions, most_holders: usize, go_on
             let (time, from) = (run.time(), run.motion().pose.position);
             run.step();
             totals.path_length += (run.motion().pose.position - from).norm();
-            totals.time_attached[run.n_held().min(most_holders)] += run.time() - time;
+            totals.time_attached[run.n_attached().min(most_attached)] += run.time() - time;
         }
         let outcome = run.outcome();
         match tightened(&options, &outcome) {
@@ -153,7 +137,7 @@ fn tightened(options: &BackendOptions, outcome: &Outcome) -> Option<BackendOptio
     Some(BackendOptions { tolerance: Some(tolerance.tightened()?), ..*options })
 }
 
-/// Status, cause and measures, or what is wrong with a number.
+/// Status, cause and numbers, or the number that is not finite.
 fn measured(run: &Run, time_attached: &[f64]) -> Result<(&'static str, String, Vec<Field>), String> {
     let end = run.outcome.time;
     let shares = time_attached.iter().map(|time| ("time_share", number_if(end > 0.0, time / end)));
@@ -162,13 +146,13 @@ fn measured(run: &Run, time_attached: &[f64]) -> Result<(&'static str, String, V
         return Err(format!("{name} is {value}"));
     }
     let (status, cause) = match run.outcome.steps.status {
-        Status::Failed => ("failed", "some step had no finite answer".to_owned()),
+        Status::Failed => ("failed", "some step had no finite solution".to_owned()),
         Status::NotConverged => {
             let steps = &run.outcome.steps;
             ("not-converged", format!("{} of {} steps did not converge", steps.n_not_converged, steps.n_steps))
         }
         Status::Converged if !run.is_within_tolerance() => {
-            ("not-within-tolerance", "its estimated error is larger at the finest strides".to_owned())
+            ("not-within-tolerance", "the estimated error exceeds the tolerance at the finest macro-steps".to_owned())
         }
         Status::Converged => ("finished", String::new()),
     };

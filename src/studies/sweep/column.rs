@@ -1,13 +1,16 @@
-//! Columns, fields and lines of the table. A line is made once, where its run ends, and never again: all that follows copies it.
+//! Columns, fields and lines of the table. The line of a run is written once, where the run ends; every
+//! later step copies it.
 
 use serde::{Deserialize, Serialize};
 
+use super::error::SweepError;
 use crate::output::table::{Field, Kind};
+use crate::simulation::run_facts;
 
 /// A column of the table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column {
-    /// Ends in the unit of its numbers.
+    /// Name, which ends in the unit.
     pub name: String,
     pub kind: Kind,
 }
@@ -15,6 +18,33 @@ pub struct Column {
 impl Column {
     pub fn new(name: impl Into<String>, kind: Kind) -> Self {
         Self { name: name.into(), kind }
+    }
+}
+
+/// Kind of the column of a number of a run.
+pub fn kind_of(fact: &run_facts::Fact) -> Kind {
+    match fact.kind {
+        run_facts::Kind::Number => Kind::Number,
+        run_facts::Kind::Count => Kind::Whole,
+        run_facts::Kind::Flag => Kind::Truth,
+    }
+}
+
+/// Field with the value of a number of a run.
+pub fn field_of(value: run_facts::Value) -> Field {
+    match value {
+        run_facts::Value::Absent | run_facts::Value::Undefined => Field::Empty,
+        run_facts::Value::Number(value) => Field::Number(value),
+        run_facts::Value::Count(value) => Field::Whole(value),
+        run_facts::Value::Flag(value) => Field::Truth(value),
+    }
+}
+
+/// Text of a field with all its digits, and without quotes.
+pub fn text_of(field: &Field) -> String {
+    match field {
+        Field::Word(word) => word.clone(),
+        field => line_of(std::slice::from_ref(field)),
     }
 }
 
@@ -35,37 +65,24 @@ pub fn head_of(columns: &[Column]) -> String {
     line_of(&columns.iter().map(|column| Field::Word(column.name.clone())).collect::<Vec<_>>())
 }
 
-/// The fields of a line; `None` where it does not fit the columns.
-pub fn fields_of(line: &str, columns: &[Column]) -> Option<Vec<Field>> {
-    let mut rest = Some(line);
-    let mut fields = Vec::with_capacity(columns.len());
-    for column in columns {
-        let (text, after) = next_text(rest?)?;
-        fields.push(Field::parse(&text, column.kind)?);
-        rest = after;
-    }
-    rest.is_none().then_some(fields)
+/// Fields of a line.
+///
+/// # Errors
+/// When the line does not fit the columns.
+pub fn fields_of(line: &str, columns: &[Column]) -> Result<Vec<Field>, SweepError> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).buffer_capacity(line.len().max(1)).from_reader(line.as_bytes());
+    let record = reader.records().next().and_then(Result::ok).filter(|record| record.len() == columns.len());
+    let parse = |record: csv::StringRecord| record.iter().zip(columns).map(|(text, column)| Field::parse(text, column.kind)).collect();
+    record.and_then(parse).ok_or_else(|| SweepError::Output(format!("a row does not fit the columns of the table: {line}")))
 }
 
-/// The text of the first field, and what follows its comma.
-fn next_text(line: &str) -> Option<(std::borrow::Cow<'_, str>, Option<&str>)> {
-    let Some(quoted) = line.strip_prefix('"') else {
-        let (text, rest) = line.split_once(',').map_or((line, None), |(text, rest)| (text, Some(rest)));
-        return Some((text.into(), rest));
-    };
-    let mut end = 0;
-    loop {
-        end += quoted[end..].find('"')?;
-        if !quoted[end + 1..].starts_with('"') {
-            break;
-        }
-        end += 2;
-    }
-    let text = quoted[..end].replace("\"\"", "\"");
-    match &quoted[end + 1..] {
-        "" => Some((text.into(), None)),
-        after => after.strip_prefix(',').map(|rest| (text.into(), Some(rest))),
-    }
+/// Rows of a table, read line by line in the order of cells.
+pub trait Table {
+    /// Calls `visit` with every line, without its end.
+    ///
+    /// # Errors
+    /// When the table cannot be read, or `visit` fails.
+    fn visit(&self, visit: &mut dyn FnMut(&str) -> Result<(), SweepError>) -> Result<(), SweepError>;
 }
 
 #[cfg(test)]
@@ -87,18 +104,14 @@ mod tests {
         ];
         let line = line_of(&fields);
         assert_eq!(line, "18446744073709551615,0.30000000000000004,\"says \"\"no\"\", twice\",plain,false,,\"\"\"\"");
-        assert_eq!(fields_of(&line, &columns), Some(fields));
-        // By an independent reader too.
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
-        let record = reader.records().next().unwrap().unwrap();
-        assert_eq!((&record[2], &record[5], &record[6]), ("says \"no\", twice", "", "\""));
+        assert_eq!(fields_of(&line, &columns).unwrap(), fields);
     }
 
     #[test]
-    fn a_line_that_does_not_fit_is_none() {
+    fn a_line_that_does_not_fit_is_refused() {
         let columns = [Column::new("n", Kind::Whole), Column::new("x", Kind::Number)];
         for line in ["1", "1,2,3", "x,2", "1,NaN", "-1,2", "\"1,2", "\"1\"x,2"] {
-            assert_eq!(fields_of(line, &columns), None, "{line}");
+            assert!(fields_of(line, &columns).is_err(), "{line}");
         }
     }
 }

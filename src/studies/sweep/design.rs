@@ -1,4 +1,5 @@
-//! Points of a design: every combination of the lists, the last one running fastest, times every point of the sample over the ranges.
+//! Points of a design: every combination of the lists, with the last one fastest, times every point of
+//! the sample over the ranges.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -14,12 +15,12 @@ pub struct Design {
     pub sample: Option<Sample>,
 }
 
-/// How ranges are sampled.
+/// Sample of the ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     pub method: Method,
     pub n: u64,
-    /// Key of its chance. Sobol's sequence has none without it, and is shifted by random bits with it.
+    /// Seed of the random numbers. Sobol's sequence is shifted by random bits with a seed, and fixed without.
     pub seed: Option<u64>,
 }
 
@@ -32,7 +33,7 @@ pub enum Method {
 
 impl Design {
     /// # Errors
-    /// When ranges and sample do not go together, an axis is there twice, or there are too many points.
+    /// When a range has no sample or a sample no range, an axis is repeated, or there are too many points.
     pub fn new(axes: Vec<Axis>, sample: Option<Sample>) -> Result<Self, SweepError> {
         let design = Self { axes, sample };
         let n_ranges = design.axes.iter().filter(|axis| axis.n_values().is_none()).count();
@@ -66,12 +67,12 @@ impl Design {
         product.ok_or_else(|| SweepError::axis("--vary", "must make less than 2^64 points", "more"))
     }
 
-    /// One without any axis.
+    /// Number of points, one without any axis.
     pub fn n_points(&self) -> u64 {
         self.checked_n_points().expect("a design is made with fewer points")
     }
 
-    /// Values of all axes at point `index`; those of ranges over whole numbers, as `is_whole` says of each axis, are whole.
+    /// Values of all axes at point `index`. `is_whole` tells for each axis whether it takes whole numbers.
     pub fn point(&self, index: u64, is_whole: &[bool]) -> Vec<Value> {
         let n_sampled = self.sample.map_or(1, |sample| sample.n);
         let (mut combination, sampled) = (index / n_sampled, index % n_sampled);
@@ -88,7 +89,7 @@ impl Design {
         values.collect()
     }
 
-    /// (1)
+    /// Coordinate of a sampled point along one range, in [0, 1).
     fn coordinate(&self, index: u64, dimension: usize) -> f64 {
         let sample = self.sample.expect("ranges come with a sample");
         match sample.method {
@@ -101,7 +102,7 @@ impl Design {
     }
 }
 
-/// Random bits that a whole axis is shifted by: the points stay as even as they were.
+/// Random bits by which a whole axis is shifted, which keeps the points evenly distributed.
 fn shift(seed: u64, dimension: usize) -> u32 {
     (RandomStreams::new(seed).uniform(Stream::Design, dimension as u32, u64::MAX) * 2f64.powi(32)) as u32
 }

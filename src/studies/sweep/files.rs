@@ -1,4 +1,5 @@
-//! The files of a sweep: `runs.csv`, `runs.parquet`, `groups.csv`, a figure, a report, summary and manifest. Rows pass through; none is kept.
+//! Files of a sweep: `runs.csv`, `runs.parquet`, `groups.csv`, a figure, a report, summary and manifest.
+//! Rows are copied one by one, so that memory does not grow with their number.
 
 use std::io::Write;
 use std::path::Path;
@@ -14,7 +15,8 @@ use crate::studies::sweep::page::sweep_page;
 use crate::studies::sweep::report::{FAILED, Failure, MOST_FAILURES, SweepSummary};
 use crate::studies::sweep::{Group, Grouper, Identity, MEASURES, SweepError, Table, fields_of, head_of};
 
-/// Writes the folder `target`, all or nothing, completes `summary` with what the rows say, and returns it.
+/// Writes the folder `target`, all or nothing. Returns `summary`, completed with the counts and groups of
+/// the rows.
 ///
 /// # Errors
 /// When the folder may not be written, the table cannot be read, or the disk fails.
@@ -41,21 +43,17 @@ pub fn write_sweep(
     Ok(summary)
 }
 
-/// The same rows as Parquet.
+/// Writes the rows as Parquet.
 #[cfg(feature = "parquet")]
 fn write_parquet(identity: &Identity, table: &dyn Table, out: &mut dyn Write) -> Result<(), SweepError> {
     let failed = |error: crate::output::lines::TableError| SweepError::Output(error.to_string());
     let columns = identity.columns.iter().map(|column| (column.name.clone(), column.kind)).collect();
     let mut writer = crate::output::table::ParquetWriter::new(columns, out).map_err(|error| failed(error.into()))?;
-    table.visit(&mut |line| {
-        let fields = fields_of(line, &identity.columns);
-        let fields = fields.ok_or_else(|| SweepError::Output(format!("a row does not fit the table's columns: {line}")))?;
-        writer.add(fields).map_err(failed)
-    })?;
+    table.visit(&mut |line| writer.add(fields_of(line, &identity.columns)?).map_err(failed))?;
     writer.finish().map_err(|error| failed(error.into()))
 }
 
-/// The lines as they are, counted on the way.
+/// Copies the lines and counts them.
 fn write_runs(
     identity: &Identity,
     table: &dyn Table,
@@ -69,8 +67,7 @@ fn write_runs(
     writeln!(out, "{}", head_of(&identity.columns)).map_err(failed)?;
     table.visit(&mut |line| {
         writeln!(out, "{line}").map_err(failed)?;
-        let fields = fields_of(line, &identity.columns);
-        let fields = fields.ok_or_else(|| SweepError::Output(format!("a row does not fit the table's columns: {line}")))?;
+        let fields = fields_of(line, &identity.columns)?;
         let cell = summary.n_runs;
         summary.n_runs += 1;
         if let Field::Word(word) = &fields[status] {

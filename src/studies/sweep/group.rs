@@ -1,22 +1,23 @@
-//! Means over the seeds of one point and backend. Such rows follow each other, so that a table of any length needs memory for one group only.
+//! Means over the seeds of one point and method. Such rows follow each other, so that a table of any
+//! length needs memory for one group only.
 
 use serde::{Deserialize, Serialize};
 
-use super::column::fields_of;
+use super::column::{fields_of, text_of};
 use super::error::SweepError;
 use super::plan::Identity;
 use crate::math::{Interval, Summary, proportion_interval};
 use crate::output::table::Field;
 
-/// Measures of a run that groups have means of: those of `compare` and some more.
+/// Columns whose means a group has.
 pub const MEASURES: [&str; 7] =
     ["time_to_nest_s", "mean_speed_m_per_s", "path_length_m", "pull_mean_n", "pull_sd_n", "n_pulls", "defect_j"];
 
-/// Mean, spread and interval of the mean of one measure; `n` counts the runs that have it.
+/// Mean, spread and interval of the mean of one measure over the `n` runs that have it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Distribution {
     pub n: u64,
-    /// `null` without any.
+    /// `null` without runs.
     pub mean: Option<f64>,
     /// `null` below two runs.
     pub sd: Option<f64>,
@@ -32,26 +33,26 @@ impl Distribution {
 }
 
 /// Rows that differ by their seed alone.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Group {
     pub point: u64,
-    /// In the order of the columns, as text.
+    /// Values of the parameters as text, in the order of their columns.
     pub parameters: Vec<String>,
     pub backend: String,
     pub step_s: Option<f64>,
     pub n: u64,
     pub n_finished: u64,
     pub n_failed: u64,
-    /// Runs with a nest, and those that came there.
+    /// Number of runs with a nest, and of those that reached it.
     pub n_with_nest: u64,
     pub n_arrived: u64,
     /// `null` without a nest.
     pub arrival_share: Option<f64>,
-    /// Wilson's interval.
+    /// Interval of Wilson.
     pub arrival_interval_95: Option<Interval>,
-    /// In the order of [`MEASURES`].
+    /// Statistics of [`MEASURES`], in their order.
     pub measures: Vec<Distribution>,
-    /// Mean share of time with 0, 1, 2 ... springs held (1).
+    /// Mean share of the time with 0, 1, 2 ... attached springs (1).
     pub time_shares: Vec<f64>,
 }
 
@@ -61,25 +62,18 @@ impl Group {
     }
 }
 
-/// A group that rows are still added to.
+/// A group to which rows are added.
 struct Open {
-    point: u64,
     variant: u64,
-    parameters: Vec<String>,
-    backend: String,
-    step_s: Option<f64>,
-    n: u64,
-    n_finished: u64,
-    n_failed: u64,
-    n_with_nest: u64,
-    n_arrived: u64,
+    group: Group,
     measures: Vec<Summary>,
-    shares: Vec<Summary>,
+    time_shares: Vec<Summary>,
 }
 
-/// Rows on their way into groups.
+/// Collects rows into groups.
 pub struct Grouper<'a> {
     identity: &'a Identity,
+    /// Indices of the columns that groups read.
     columns: Places,
     open: Option<Open>,
 }
@@ -107,24 +101,31 @@ impl<'a> Grouper<'a> {
         Self { identity, columns, open: None }
     }
 
-    /// Adds a line; what comes back is the group before it, when the line is of another one.
+    /// Adds a line. Returns the group before it when the line belongs to another one.
     ///
     /// # Errors
     /// When the line does not fit the columns.
     pub fn add(&mut self, line: &str) -> Result<Option<Group>, SweepError> {
-        let unfit = || SweepError::Output(format!("a row does not fit the table's columns: {line}"));
-        let fields = fields_of(line, &self.identity.columns).ok_or_else(unfit)?;
-        let (Field::Whole(cell), Field::Whole(point)) = (&fields[0], &fields[2]) else { return Err(unfit()) };
+        let fields = fields_of(line, &self.identity.columns)?;
+        let whole = |at: usize| if let Field::Whole(value) = fields[at] { value } else { 0 };
+        let (cell, point) = (whole(0), whole(2));
         let variant = cell / self.identity.n_seeds % self.identity.variants.len() as u64;
-        let is_other = self.open.as_ref().is_none_or(|open| (open.point, open.variant) != (*point, variant));
+        let is_other = self.open.as_ref().is_none_or(|open| (open.group.point, open.variant) != (point, variant));
         let before = if is_other { self.finish() } else { None };
-        let columns = &self.columns;
+        let (identity, columns) = (self.identity, &self.columns);
         let open = self.open.get_or_insert_with(|| {
-            let first = self.identity.first_parameter();
-            let parameters = fields[first..first + self.identity.design.axes.len()].iter().map(text).collect();
-            columns.open(*point, variant, parameters, &fields)
+            let first = identity.first_parameter();
+            let parameters = fields[first..first + identity.design.axes.len()].iter().map(text_of).collect();
+            let (backend, step_s) = (text_of(&fields[columns.backend]), fields[columns.step].number());
+            let summaries = |n: usize| vec![Summary::default(); n];
+            Open {
+                variant,
+                group: Group { point, parameters, backend, step_s, ..Group::default() },
+                measures: summaries(columns.measures.len()),
+                time_shares: summaries(fields.len() - columns.first_share),
+            }
         });
-        columns.add(open, &fields);
+        open.add(columns, &fields);
         Ok(before)
     }
 
@@ -134,67 +135,30 @@ impl<'a> Grouper<'a> {
     }
 }
 
-fn text(field: &Field) -> String {
-    match field {
-        Field::Word(word) => word.clone(),
-        field => {
-            let mut text = String::new();
-            field.write(&mut text);
-            text
-        }
-    }
-}
-
-impl Places {
-    fn open(&self, point: u64, variant: u64, parameters: Vec<String>, fields: &[Field]) -> Open {
-        Open {
-            point,
-            variant,
-            parameters,
-            backend: text(&fields[self.backend]),
-            step_s: fields[self.step].number(),
-            n: 0,
-            n_finished: 0,
-            n_failed: 0,
-            n_with_nest: 0,
-            n_arrived: 0,
-            measures: vec![Summary::default(); self.measures.len()],
-            shares: vec![Summary::default(); fields.len() - self.first_share],
-        }
-    }
-
-    fn add(&self, open: &mut Open, fields: &[Field]) {
-        let is = |status: &str| u64::from(matches!(&fields[self.status], Field::Word(word) if word == status));
-        open.n += 1;
-        open.n_finished += is("finished");
-        open.n_failed += is("failed");
-        if let Field::Truth(arrived) = fields[self.arrived] {
-            open.n_with_nest += 1;
-            open.n_arrived += u64::from(arrived);
-        }
-        let values = self.measures.iter().map(|at| fields[*at].number());
-        open.measures.iter_mut().zip(values).for_each(|(summary, value)| summary.extend(value));
-        let shares = fields[self.first_share..].iter().map(Field::number);
-        open.shares.iter_mut().zip(shares).for_each(|(summary, value)| summary.extend(value));
-    }
-}
-
 impl Open {
+    fn add(&mut self, columns: &Places, fields: &[Field]) {
+        let status = text_of(&fields[columns.status]);
+        self.group.n += 1;
+        self.group.n_finished += u64::from(status == "finished");
+        self.group.n_failed += u64::from(status == "failed");
+        if let Field::Truth(arrived) = fields[columns.arrived] {
+            self.group.n_with_nest += 1;
+            self.group.n_arrived += u64::from(arrived);
+        }
+        let values = columns.measures.iter().map(|at| fields[*at].number());
+        self.measures.iter_mut().zip(values).for_each(|(summary, value)| summary.extend(value));
+        let shares = fields[columns.first_share..].iter().map(Field::number);
+        self.time_shares.iter_mut().zip(shares).for_each(|(summary, value)| summary.extend(value));
+    }
+
     fn closed(self) -> Group {
+        let Group { n_arrived, n_with_nest, .. } = self.group;
         Group {
-            point: self.point,
-            parameters: self.parameters,
-            backend: self.backend,
-            step_s: self.step_s,
-            n: self.n,
-            n_finished: self.n_finished,
-            n_failed: self.n_failed,
-            n_with_nest: self.n_with_nest,
-            n_arrived: self.n_arrived,
-            arrival_share: (self.n_with_nest > 0).then(|| self.n_arrived as f64 / self.n_with_nest as f64),
-            arrival_interval_95: proportion_interval(self.n_arrived, self.n_with_nest, 0.95),
+            arrival_share: (n_with_nest > 0).then(|| n_arrived as f64 / n_with_nest as f64),
+            arrival_interval_95: proportion_interval(n_arrived, n_with_nest, 0.95),
             measures: self.measures.iter().map(Distribution::of).collect(),
-            time_shares: self.shares.iter().map(Summary::mean).collect(),
+            time_shares: self.time_shares.iter().map(Summary::mean).collect(),
+            ..self.group
         }
     }
 }

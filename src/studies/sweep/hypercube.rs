@@ -1,23 +1,24 @@
-//! Latin hypercubes, point by point: of n points one lies in each of n equal intervals of every axis, and no list of them is kept.
+//! Latin hypercubes, point by point: one of n points is in each of n equal intervals of every axis.
 //!
-//! The interval of a point is a permutation of its index, keyed by seed and axis: a Feistel network over the next power of four, walked on until it falls below n
-//! (Black and Rogaway, "Ciphers with arbitrary finite domains", CT-RSA 2002). Chance is the same function of key and index as everywhere.
+//! The interval of a point is a permutation of its index that depends on seed and axis: a Feistel
+//! network over the next power of four, applied until the result is below n (Black and Rogaway, "Ciphers
+//! with arbitrary finite domains", CT-RSA 2002).
 
 use crate::math::{RandomStreams, Stream};
 
-/// Rounds of the network: four make it look random (Luby and Rackoff), six leave no pattern in small domains.
+/// Rounds of the network. Four make it pseudorandom (Luby and Rackoff), six also in small domains.
 const ROUNDS: u32 = 6;
 
 /// Coordinate `dimension` of point `index` of `n`, in (0, 1).
 pub fn coordinate(seed: u64, index: u64, n: u64, dimension: u32) -> f64 {
     let streams = RandomStreams::new(seed);
     let within = streams.uniform(Stream::Design, dimension, index);
-    // Rounding must not lead into the next interval, nor to 1.
+    // Rounding must not reach 1.
     let share = (permuted(&streams, index, n, dimension) as f64 + within) / n as f64;
     share.min(1.0 - f64::EPSILON)
 }
 
-/// Where `index` goes in a permutation of `n`.
+/// Image of `index` under a permutation of `n`.
 fn permuted(streams: &RandomStreams, index: u64, n: u64, dimension: u32) -> u64 {
     let half_bits = (64 - n.saturating_sub(1).leading_zeros()).div_ceil(2).max(1);
     let mut at = index;
@@ -33,7 +34,7 @@ fn encrypted(streams: &RandomStreams, at: u64, half_bits: u32, dimension: u32) -
     let mask = (1u64 << half_bits) - 1;
     let (mut left, mut right) = (at >> half_bits, at & mask);
     for round in 1..=ROUNDS {
-        // Agents beyond all dimensions: none of these draws is that of a point.
+        // Agents beyond all dimensions, so that no draw is that of a point.
         let draw = streams.uniform(Stream::Design, (round << 16) | dimension, right);
         (left, right) = (right, left ^ (draw * (mask + 1) as f64) as u64);
     }
@@ -55,7 +56,8 @@ mod tests {
         }
     }
 
-    /// Ranks of unlike axes and seeds have nothing to do with each other: of 1000 pairs the correlation has a standard deviation of 0.032; four of them.
+    /// Different axes and seeds are uncorrelated: the correlation of 1000 pairs has a standard deviation of
+    /// 0.032, and the bound is four of them.
     #[test]
     fn axes_and_seeds_are_independent() {
         let n = 1000;

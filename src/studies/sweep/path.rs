@@ -1,4 +1,5 @@
-//! Where a parameter stands in a scenario: `springs[2].rest_length_m`, `springs.*.damping_ratio`, or as a JSON pointer, `/springs/2/rest_length_m`.
+//! Place of a parameter in a scenario: `springs[2].rest_length_m`, `springs.*.damping_ratio`, or a JSON
+//! pointer, `/springs/2/rest_length_m`.
 
 use serde_json::Value;
 
@@ -44,12 +45,13 @@ impl Path {
         if steps.iter().all(is_named) { Ok(Self(steps)) } else { Err(refused()) }
     }
 
-    /// The first of the entries there; `None` unless there are some and all are there.
+    /// First of the values at this place; `None` when there is none or one of them is missing.
     pub fn first<'a>(&self, root: &'a Value) -> Option<&'a Value> {
         first(root, &self.0)
     }
 
-    /// Puts `value` there, everywhere it names; into objects that do not have the last key too. `false` when there is no such place.
+    /// Sets every value at this place. The last key may be a new one. Returns `false` when there is no such
+    /// place.
     #[must_use]
     pub fn set(&self, root: &mut Value, value: &Value) -> bool {
         set(root, &self.0, value)

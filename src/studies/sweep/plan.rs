@@ -1,4 +1,4 @@
-//! Cells, and what tells one sweep from another.
+//! Cells of a sweep, and the identity that distinguishes one sweep from another.
 
 use std::ops::Range;
 use std::path::Path;
@@ -17,7 +17,7 @@ use crate::output::table::Kind;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::journal::{self, Header, JournalError};
 
-/// Version of the table: it changes whenever a row of the same run would.
+/// Version of the table. It changes whenever the row of the same run would.
 pub const FORMAT: u32 = 2;
 
 /// Most cells of one file: the place of each row stays in memory.
@@ -47,26 +47,28 @@ impl Variant {
     }
 }
 
-/// What is asked of a sweep.
+/// Request for a sweep.
 #[derive(Clone, Debug)]
 pub struct Ask {
-    /// Name of the scenario's file, for errors, and its text.
+    /// Name of the scenario's file, for errors.
     pub file: String,
+    /// Text of the scenario's file.
     pub text: String,
     pub design: Design,
     pub variants: Vec<Variant>,
-    /// `None` is the scenario's own.
+    /// First seed; `None` takes that of the scenario.
     pub first_seed: Option<u64>,
     pub n_seeds: u64,
 }
 
-/// All that the table depends on: two sweeps with the same have the same table, and shards with another do not go together.
+/// All that the table depends on. Two sweeps with the same identity have the same table, and shards with
+/// different identities do not belong together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity {
     pub format: u32,
     pub version: String,
     pub commit: Option<String>,
-    /// Of the expanded scenario without any parameter set.
+    /// Hash of the expanded scenario before any parameter is set.
     pub scenario_sha256: String,
     pub scenario: Value,
     pub design: Design,
@@ -106,7 +108,7 @@ impl Identity {
         Ok((serde_json::from_value(header.identity).map_err(foreign)?, header.begin..header.end))
     }
 
-    /// Number of consecutive cells that differ by their seed alone: a group.
+    /// Number of the point that a cell belongs to.
     pub fn point_of(&self, cell: u64) -> u64 {
         cell / (self.n_seeds * self.variants.len() as u64)
     }
@@ -115,7 +117,7 @@ impl Identity {
         self.columns.iter().position(|column| column.name == name)
     }
 
-    /// A backend by its name, with the step (s) where it goes by several.
+    /// Name of a backend, with its step (s) where the sweep has several of them.
     pub fn variant_name(&self, backend: &str, step_s: Option<f64>) -> String {
         let n_variants = self.variants.iter().filter(|variant| variant.backend.name() == backend).count();
         match step_s.filter(|_| n_variants > 1) {
@@ -135,17 +137,17 @@ impl Identity {
     }
 }
 
-/// A sweep whose parameters all have their places.
+/// A sweep whose parameters all have a place in the scenario.
 #[derive(Clone, Debug)]
 pub struct Plan {
     template: Template,
     pub identity: Identity,
     is_whole: Vec<bool>,
-    /// Up to so many holders have a column of their own.
-    pub most_holders: usize,
+    /// Largest number of attached springs with a column of its own.
+    pub most_attached: usize,
 }
 
-/// What a cell is.
+/// Point, method and seed of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     pub point: u64,
@@ -153,8 +155,8 @@ pub struct Place {
     pub seed: u64,
 }
 
-/// Most holders with a column of their own.
-const MOST_HOLDERS: usize = 10;
+/// Largest number of attached springs that may have a column of its own.
+const MOST_ATTACHED: usize = 10;
 
 impl Plan {
     /// # Errors
@@ -169,8 +171,8 @@ impl Plan {
         let of_point = ask.n_seeds.checked_mul(ask.variants.len() as u64);
         let n_cells = of_point.and_then(|n| n.checked_mul(ask.design.n_points()));
         let n_cells = n_cells.ok_or_else(|| SweepError::axis("--seeds", "must make less than 2^64 runs", "more"))?;
-        let can_be_more = template.varies_holders() || holders(base) > MOST_HOLDERS;
-        let most_holders = if can_be_more { MOST_HOLDERS } else { holders(base) };
+        let can_be_more = template.varies_attachments() || attachable(base) > MOST_ATTACHED;
+        let most_attached = if can_be_more { MOST_ATTACHED } else { attachable(base) };
         let parameters = template.columns();
         let is_whole = parameters.iter().map(|column| column.kind == Kind::Whole).collect();
         let identity = Identity {
@@ -184,9 +186,9 @@ impl Plan {
             first_seed,
             n_seeds: ask.n_seeds,
             n_cells,
-            columns: cell::columns(parameters, most_holders, can_be_more),
+            columns: cell::columns(parameters, most_attached, can_be_more),
         };
-        Ok(Self { template, identity, is_whole, most_holders })
+        Ok(Self { template, identity, is_whole, most_attached })
     }
 
     pub fn base(&self) -> &Scenario {
@@ -200,7 +202,7 @@ impl Plan {
         Place { point: rest / n_variants, variant: (rest % n_variants) as usize, seed: identity.first_seed + seed }
     }
 
-    /// The parameters' values at a point.
+    /// Values of the parameters at a point.
     pub fn values(&self, point: u64) -> Vec<Value> {
         let values = self.identity.design.point(point, &self.is_whole);
         let whole = |(value, is_whole): (Value, &bool)| match value.as_f64() {
@@ -217,8 +219,8 @@ impl Plan {
     }
 }
 
-/// So many springs can be held at once.
-fn holders(scenario: &Scenario) -> usize {
+/// Number of springs that can be attached at once.
+fn attachable(scenario: &Scenario) -> usize {
     let n_springs = scenario.system.springs.len();
     match &scenario.drive {
         Drive::Ants(ants) => ants.n_ants.min(n_springs),
@@ -226,16 +228,16 @@ fn holders(scenario: &Scenario) -> usize {
     }
 }
 
-/// Short name of a cell's content: what decides its row, format included, and nothing else.
+/// Short key of everything that determines the row of a cell, the format included.
 pub fn content_key(of_point: &[u8], seed: u64) -> String {
     let mut hash = Sha256::new();
     hash.update(of_point);
     hash.update(seed.to_le_bytes());
-    // 80 bits: among 10^9 cells two share a name with a chance below 10^-6.
+    // 80 bits: two of 10^9 cells have the same key with a probability below 10^-6.
     hash.finalize()[..10].iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The part of the key that all seeds of a point and options share.
+/// Part of the key that all seeds of a point and options share.
 pub fn point_hash(scenario: &Scenario, options: &BackendOptions) -> Vec<u8> {
     let unseeded = Scenario { seed: 0, ..scenario.clone() };
     let text = serde_json::to_string(&(FORMAT, unseeded.hash(), options)).expect("options are plain data");
@@ -274,12 +276,12 @@ pub(super) mod tests {
         assert_eq!(plan.place(59), Place { point: 5, variant: 1, seed: 11 });
         assert_eq!(plan.values(3), [Value::from(0.002), Value::from(4)]);
         assert_eq!(plan.identity.point_of(59), 5);
-        // Holders depend on a parameter: the last column is for ten and more.
+        // The number of attached springs depends on a parameter, so that the last column is for ten and more.
         assert_eq!(plan.identity.columns.last().unwrap().name, "time_share_10_or_more_attached");
         assert_eq!(identity().columns.last().unwrap().name, "time_share_4_attached");
     }
 
-    /// The key is that of what is run: the same physics written otherwise keeps it; every number, option and seed changes it.
+    /// The same physics in another notation has the same key; every number, option and seed changes it.
     #[test]
     fn keys_are_of_the_content() {
         let key = |plan: &Plan, point, variant: usize, seed| {
@@ -295,7 +297,7 @@ pub(super) mod tests {
         assert_eq!(base.len(), 20);
     }
 
-    /// An identity goes through the files of shards and must come back the same, floats to the last bit.
+    /// An identity is stored in the files of shards and must be equal afterwards, to the last bit.
     #[test]
     fn an_identity_reads_back_as_it_was_and_names_differences() {
         let sample = Some(Sample { method: Method::LatinHypercube, n: 3, seed: Some(1) });

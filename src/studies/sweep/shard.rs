@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use sha2::{Digest, Sha256};
 
-use super::Table;
+use super::column::Table;
 use super::error::SweepError;
 use super::plan::{FORMAT, Identity};
 use crate::studies::journal::{Header, Journal, JournalError, at, marked, task_of, unmarked};

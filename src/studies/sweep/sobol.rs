@@ -1,7 +1,8 @@
-//! Sobol's sequence, point by point: any point can be had without those before it, as shards need it.
+//! Sobol's sequence, point by point: shards need any point without those before it.
 //!
-//! Direction numbers are those of S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30
-//! (2008) 2635-2654, the first of their table `new-joe-kuo-6`; the order of points is that of Antonov and Saleev, by the Gray code of the index.
+//! The direction numbers are the first of the table `new-joe-kuo-6` of S. Joe and F. Y. Kuo,
+//! "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30
+//! (2008) 2635-2654. Points are ordered by the Gray code of the index, as by Antonov and Saleev.
 
 /// Degree, inner coefficients of the primitive polynomial, and first direction numbers of dimensions 2, 3, ...
 const PRIMITIVE: [(u32, u32, &[u32]); MOST_DIMENSIONS - 1] = [
@@ -22,10 +23,10 @@ const PRIMITIVE: [(u32, u32, &[u32]); MOST_DIMENSIONS - 1] = [
     (6, 16, &[1, 3, 1, 13, 27, 49]),
 ];
 
-/// So many parameters can be sampled.
+/// Largest number of sampled parameters.
 pub const MOST_DIMENSIONS: usize = 16;
 
-/// So many points there are.
+/// Number of points of the sequence.
 pub const MOST_POINTS: u64 = 1 << 32;
 
 /// Coordinate `dimension` of point `index`, as 32 bits after the binary point.
@@ -85,7 +86,8 @@ mod tests {
         }
     }
 
-    /// What makes it a sequence of Sobol: of the first 2^k points one lies in each of 2^k equal intervals of every axis.
+    /// The property of Sobol's sequence: one of the first 2^k points is in each of 2^k equal intervals of
+    /// every axis.
     #[test]
     fn every_axis_is_stratified_at_every_power_of_two() {
         for dimension in 0..MOST_DIMENSIONS {
@@ -105,10 +107,10 @@ mod tests {
         3f64.powi(-d) - 2f64.powi(1 - d) / n * single + pairs.sum::<f64>() / (n * n)
     }
 
-    /// Random points have (2^-d - 3^-d) / n on average. 256 of Sobol's keep below a tenth of it in two dimensions and below a third in five, where so few points
-    /// are nearer to random; random ones do not.
+    /// Random points have (2^-d - 3^-d) / n on average. 256 points of Sobol have less than a tenth of it in
+    /// two dimensions, and less than a third in five, where so few points are nearer to random ones.
     #[test]
-    fn points_lie_more_evenly_than_random_ones() {
+    fn points_are_more_even_than_random_ones() {
         for (d, share) in [(2, 0.1), (5, 1.0 / 3.0)] {
             let random_mean = (2f64.powi(-d) - 3f64.powi(-d)) / 256.0;
             let sobol: Vec<_> = (0..256).map(|index| point(index, d as usize)).collect();

@@ -1,7 +1,8 @@
-//! A point of the design -> its scenario.
+//! Makes the scenario of a point of the design.
 //!
-//! A parameter is set in the scenario as it is written where that has a place for it, so that what is left out there follows: normal loads and the moment of inertia
-//! follow the mass. Otherwise it is set in the expanded scenario, where nothing follows. Every scenario is checked whole.
+//! A parameter is set in the scenario as written where that has a place for it. Defaults then follow:
+//! normal loads and the moment of inertia follow the mass. Otherwise it is set in the expanded scenario,
+//! where nothing follows. Every scenario is validated as a whole.
 
 use serde_json::Value;
 
@@ -16,7 +17,7 @@ use crate::scenario::json::without_mark;
 /// A scenario with places for parameters.
 #[derive(Clone, Debug)]
 pub struct Template {
-    /// For errors.
+    /// Name of the file, for errors.
     file: String,
     written: Value,
     base: Scenario,
@@ -39,7 +40,7 @@ enum Target {
 }
 
 impl Template {
-    /// The scenario in `text` with a place for each of `axes`; errors call it `file`.
+    /// Template of the scenario in `text` with a place for each of `axes`; errors call the text `file`.
     ///
     /// # Errors
     /// When the scenario breaks a rule, or has no such parameter.
@@ -49,7 +50,7 @@ impl Template {
         let mut template = Self { file: file.to_owned(), written, base, places: Vec::new() };
         for axis in axes {
             let place = template.place(axis)?;
-            // Under whatever names.
+            // Two names may lead to the same place.
             if let Some(other) = template.places.iter().find(|other| other.target == place.target) {
                 return Err(SweepError::axis(&axis.path, "must be varied once", format!("it again as {}", other.name)));
             }
@@ -70,16 +71,16 @@ impl Template {
         self.places.iter().map(|place| Column::new(&place.name, place.kind)).collect()
     }
 
-    /// Whether some parameter can change how many springs can be held.
-    pub fn varies_holders(&self) -> bool {
+    /// Whether some parameter can change the number of springs that can be attached.
+    pub fn varies_attachments(&self) -> bool {
         let varies = |path: &Path| path.begins_with("springs") || *path == Path::parse("drive.n_ants").expect("a path");
         self.places.iter().any(|place| matches!(&place.target, Target::Written(path) | Target::Expanded(path) if varies(path)))
     }
 
-    /// The scenario with these values, one an axis.
+    /// Scenario with one value for each axis.
     ///
     /// # Errors
-    /// When it breaks a rule: with path, rule, and what was found.
+    /// When it breaks a rule.
     pub fn scenario(&self, values: &[Value]) -> Result<Scenario, SweepError> {
         let pairs = || self.places.iter().zip(values);
         let mut written = self.written.clone();
@@ -108,11 +109,11 @@ impl Template {
     }
 
     fn set(&self, path: &Path, scene: &mut Value, place: &Place, value: &Value) -> Result<(), SweepError> {
-        // Another parameter may have taken the place away: fewer springs, say.
+        // Another parameter may have removed the place, as fewer springs do.
         if path.set(scene, value) { Ok(()) } else { Err(no_such(&place.name)) }
     }
 
-    /// `a = 1, b = 2`.
+    /// Values for people, such as `a = 1, b = 2`.
     pub fn described(&self, values: &[Value]) -> String {
         let pairs = self.places.iter().zip(values).map(|(place, value)| match value {
             Value::String(word) => format!("{} = {word}", place.name),

@@ -1,14 +1,15 @@
-//! Periods that do not fit into ticks: which tick is the first of the next one.
+//! Periods of time that need not be multiples of a tick.
 
-/// Ticks at which a period of time ends, counted from some tick on.
+/// Ticks at which a period of time ends. Ticks are counted from the start of the first period.
 #[derive(Clone, Copy, Debug)]
 pub struct Periods {
-    /// Length of a tick and of a period (s).
+    /// Length of a tick (s).
     tick: f64,
+    /// Length of a period (s).
     period: f64,
 }
 
-/// A period that lacks no more than this share of itself has passed.
+/// A period has passed when at most this share of it is left (1).
 const NEARLY: f64 = 1e-9;
 
 impl Periods {
@@ -16,19 +17,19 @@ impl Periods {
         Self { tick, period }
     }
 
-    /// How many have passed after a number of ticks.
+    /// Number of periods that have passed after `ticks`.
     pub fn passed(&self, ticks: u64) -> f64 {
         (ticks as f64 * self.tick / self.period + NEARLY).floor()
     }
 
-    /// Whether one ends with the tick of this number, above zero.
+    /// Whether a period ends with the tick of this number, which is above zero.
     pub fn ends_with(&self, ticks: u64) -> bool {
         self.passed(ticks) > self.passed(ticks - 1)
     }
 
-    /// A number of ticks after these before which the next one cannot have passed: at least one.
+    /// Number of ticks after `ticks` in which no period can end, at least one.
     pub fn quiet_after(&self, ticks: u64) -> u64 {
-        // Short of where that is by more than roundings.
+        // The margin is larger than rounding.
         let next = (self.passed(ticks) + 1.0 - NEARLY) * (self.period / self.tick) * (1.0 - 1e-12);
         (next.ceil() as u64).saturating_sub(ticks).max(1)
     }
@@ -38,7 +39,7 @@ impl Periods {
 mod tests {
     use super::*;
 
-    /// No period ends with a tick that is passed over, whatever period and tick; and of the others at most one is looked at in vain.
+    /// No period ends in a tick that is passed over, and at most one other tick is tested in vain.
     #[test]
     fn no_period_ends_in_quiet_ticks() {
         for (tick, period) in [(0.0025, 0.25), (0.0025, 0.0025), (0.1, 0.25), (0.003, 0.1), (0.01, 0.003), (1.0 / 3.0, 7.0), (0.0025, 1e30)]

@@ -1,43 +1,46 @@
-//! Ants: the behaviour model closed around the load (Eq. 17-23).
+//! Ants: the behaviour model in a closed loop with the load, Eq. (17) to (23).
 //!
-//! A free spring relaxes to its rest shape, where the next ant finds its tip. `Deviation:` tips that stay where they were let go, as the paper may
-//! be read, would tether the load to the ground.
+//! A free spring relaxes to its rest shape, where the next ant finds its tip. `Deviation:` the paper may
+//! be read as if a tip stays where it was let go, which would tie the load to the ground.
 
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::controller::{Commands, Controller, View};
 use super::periods::Periods;
 use super::releases::Releases;
 use super::sensing::{Around, Placed, Sensing};
-use super::{Driver, Event, EventKind, Orders, SAME_INSTANT, Trace, View};
-use crate::backend::{AttachedTip, Motion, RestoreError};
+use crate::backend::{AttachedTip, Motion, RestoreError, SaveError};
 use crate::math::{LANES, RandomStreams, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Mode, Steering};
 use crate::model::behaviour::{GraspPace, HalfAngle, hazard_of, probability_within, turn_towards};
 use crate::model::team::Haul;
 use crate::scenario::{AntDrive, Drive, Scenario};
+use crate::simulation::clock::SAME_INSTANT;
+use crate::simulation::trace::{Event, EventKind, Trace};
 
-/// All ants of one run.
+/// The ants of one run.
 pub struct Ants {
     drive: AntDrive,
     streams: RandomStreams,
     control_period: f64,
-    /// Probability of a grasp per tick in reach of a tip.
+    /// Probability of a grasp per tick within range of a tip (1).
     grasp_probability: f64,
-    /// Standard deviation of a belief along each axis (m).
+    /// Standard deviation of the believed position of the load along each axis (m).
     belief_spread: f64,
     half_angle: HalfAngle,
-    /// Within a tick.
+    /// Steering over one control period.
     steering: Steering,
     state: State,
     releases: Releases,
     sensing: Sensing,
-    /// Where the load was seen last.
+    /// Last known pose of the load.
     load: Placed,
-    /// Between new beliefs, and the first tick from which one may be due.
+    /// Periods between new beliefs.
     beliefs: Periods,
+    /// First tick at which a new belief may be due.
     next_belief: u64,
     targets: Vec<Vec2>,
 }
@@ -80,8 +83,8 @@ impl Ants {
         &self.state.ants
     }
 
-    /// Eq. (18).
-    fn release_where_decided(&mut self, view: &View, tick: u64, orders: &mut Orders) {
+    /// Releases by Eq. (18).
+    fn release_where_decided(&mut self, view: &View, tick: u64, commands: &mut Commands) {
         for i in 0..self.state.ants.len() {
             let Mode::Transport { spring, grasp_tick } = self.state.ants[i].mode else { continue };
             let pull = || view.pull(spring);
@@ -89,33 +92,34 @@ impl Ants {
                 self.sensing.free(spring);
                 let ant = &mut self.state.ants[i];
                 ant.mode = Mode::Search;
-                orders.events.push(Event { time: view.time, spring, ant: Some(i), tip: ant.position, kind: EventKind::Release });
+                commands.events.push(Event { time: view.time, spring, ant: Some(i), tip: ant.position, kind: EventKind::Release });
             }
         }
     }
 
-    /// Searching ants grasp, or draw a new belief of where the load is when its time has come; the error is normal with the target variance in each axis.
-    fn grasp_or_believe(&mut self, view: &View, tick: u64, orders: &mut Orders) {
+    /// Lets searching ants grasp, or draw a new believed position of the load when it is due. The error of
+    /// the belief is normal with the target variance along each axis.
+    fn grasp_or_believe(&mut self, view: &View, tick: u64, commands: &mut Commands) {
         if self.state.ants.iter().all(|ant| ant.mode != Mode::Search) {
             return;
         }
         self.load = self.load.moved_to(&view.motion.pose);
         let belief = self.belief_due(tick);
-        let n_released = orders.events.len();
+        let n_released = commands.events.len();
         for i in 0..self.state.ants.len() {
             if self.state.ants[i].mode != Mode::Search {
                 continue;
             }
-            // Releases stand in the order of ants; who has just let go does not grasp at once.
-            let has_let_go = orders.events[..n_released].binary_search_by_key(&Some(i), |event| event.ant).is_ok();
+            // Releases are in the order of ants. An ant that has just let go does not grasp at once.
+            let has_let_go = commands.events[..n_released].binary_search_by_key(&Some(i), |event| event.ant).is_ok();
             if !has_let_go && self.sensing.has_free() {
                 let around = self.sensing.around(self.load, view.skips.distant_ants);
                 let position = &self.state.ants[i].position;
                 if around.is_far(position) {
-                    orders.skipped.distant_ants += 1;
+                    commands.skipped.distant_ants += 1;
                 } else if let Some((spring, tip)) = self.grasped(i, tick, position, &around) {
                     self.grasp(i, tick, spring, tip);
-                    orders.events.push(Event { time: view.time, spring, ant: Some(i), tip, kind: EventKind::Grasp });
+                    commands.events.push(Event { time: view.time, spring, ant: Some(i), tip, kind: EventKind::Grasp });
                     continue;
                 }
             }
@@ -125,7 +129,7 @@ impl Ants {
         }
     }
 
-    /// Number of the belief that is drawn at a tick; `None` between.
+    /// Number of the belief that is drawn at a tick; `None` where none is due.
     fn belief_due(&mut self, tick: u64) -> Option<u64> {
         if tick < self.next_belief {
             return None;
@@ -138,7 +142,8 @@ impl Ants {
         self.state.ants[i].belief_error = self.belief_spread * self.streams.normal_pair(Stream::Target, i as u32, belief);
     }
 
-    /// Takes grasps and releases from a recorded run in place of deciding them; beliefs are drawn as in the run.
+    /// Takes grasps and releases from a recorded run instead of deciding them. Beliefs are drawn as in
+    /// the run.
     fn follow(&mut self, events: &[Event], tick: u64) {
         let mut has_grasped = vec![false; self.state.ants.len()];
         for (event, i) in events.iter().filter_map(|event| Some((event, event.ant?))) {
@@ -157,7 +162,8 @@ impl Ants {
         }
     }
 
-    /// An ant in reach of free tips grasps the nearest, with the probability of one tick. The draw comes first: it is cheaper than the search, and mostly fails.
+    /// Spring and tip (m, world) that an ant grasps: the nearest free one, with the probability of one
+    /// tick. The draw comes first because it is cheaper than the search and mostly fails.
     fn grasped(&self, i: usize, tick: u64, position: &Vec2, around: &Around) -> Option<(usize, Vec2)> {
         let is_drawn = self.streams.uniform(Stream::Grasp, i as u32, tick) < self.grasp_probability;
         if is_drawn { around.nearest(position) } else { None }
@@ -172,8 +178,8 @@ impl Ants {
         self.releases.begin(i, tick);
     }
 
-    /// Puts ants that hold a tip where the tip is.
-    fn hold(&mut self, tips: &[AttachedTip]) {
+    /// Moves attached ants to their tips.
+    fn follow_tips(&mut self, tips: &[AttachedTip]) {
         for ant in &mut self.state.ants {
             let Mode::Transport { spring, .. } = ant.mode else { continue };
             if let Some(tip) = tips.iter().find(|tip| tip.spring == spring) {
@@ -182,10 +188,11 @@ impl Ants {
         }
     }
 
-    /// Walks all ants from one time to another (s) while the load is at `motion`, and leaves where their tips get to in `targets`.
+    /// Moves all ants from one time to another (s) while the load is at `motion`, and stores the new
+    /// positions of their tips in `targets`.
     fn walk(&mut self, motion: &Motion, springs: &[PolarSpring], [from, until]: [f64; 2]) {
         let duration = until - from;
-        // A tick takes a control period, however the times at its ends are rounded.
+        // A tick lasts a control period, up to the rounding of the times at its ends.
         let is_tick = (duration - self.control_period).abs() <= SAME_INSTANT * self.control_period + f64::EPSILON * until;
         let steering = if is_tick { self.steering } else { Steering::new(self.drive.steering_gain, duration) };
         let searched = self.drive.search_speed * steering.duration();
@@ -198,8 +205,8 @@ impl Ants {
             speed: self.drive.pull_speed,
             control_offset: self.drive.control_offset,
         };
-        // Ants that pull, and their springs, until there are as many as walk side by side.
-        let (mut team, mut n_there) = ([(0, 0); LANES], 0);
+        // Ants that pull and their springs, in teams that fill the lanes.
+        let (mut team, mut n_in_team) = ([(0, 0); LANES], 0);
         for i in 0..self.state.ants.len() {
             let ant = &mut self.state.ants[i];
             match ant.mode {
@@ -208,24 +215,24 @@ impl Ants {
                     ant.walk(searched, steering.turn(turn_towards(&target, &ant.ahead)));
                 }
                 Mode::Transport { spring, .. } => {
-                    team[n_there] = (i, spring);
-                    n_there += 1;
-                    if n_there == LANES {
+                    team[n_in_team] = (i, spring);
+                    n_in_team += 1;
+                    if n_in_team == LANES {
                         self.pull(&team, &haul, springs);
-                        n_there = 0;
+                        n_in_team = 0;
                     }
                 }
             }
         }
-        if n_there > 0 {
-            self.pull(&team[..n_there], &haul, springs);
+        if n_in_team > 0 {
+            self.pull(&team[..n_in_team], &haul, springs);
         }
     }
 
-    /// Lets a team take its tips with it: at most as many ants as walk side by side, each with its spring.
+    /// Moves a team of ants, each with its spring, and their tips. A team fills the lanes at most.
     fn pull(&mut self, team: &[(usize, usize)], haul: &Haul, springs: &[PolarSpring]) {
         let ants = &mut self.state.ants;
-        // Places that nobody takes walk as the first one does.
+        // Empty lanes repeat the first ant.
         let of = |k: usize| team[if k < team.len() { k } else { 0 }];
         let pulled = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
         for (k, (i, spring)) in team.iter().enumerate() {
@@ -237,25 +244,25 @@ impl Ants {
     }
 }
 
-/// Walks the ants of `scenario` again beside a run of them that was recorded, on the same draws: `see` gets the number of each row and the ants at that instant, in
-/// order. A trace without ants has nothing to see.
-pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut see: impl FnMut(usize, &[Ant])) {
+/// Recomputes the ants of a recorded run of `scenario` from the same random draws. `visit` receives the
+/// number of each row and the ants at that instant, in order. A trace without ants has none.
+pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut visit: impl FnMut(usize, &[Ant])) {
     let Drive::Ants(drive) = &scenario.drive else { return };
     let mut ants = Ants::new(scenario, drive);
     let mut events = &trace.events[..];
     for (at, row) in trace.rows.iter().enumerate() {
         let (now, later) = events.split_at(events.partition_point(|event| event.time <= row.time));
         ants.follow(now, at as u64);
-        ants.hold(&row.tips);
+        ants.follow_tips(&row.tips);
         events = later;
-        see(at, ants.ants());
+        visit(at, ants.ants());
         if let Some(next) = trace.rows.get(at + 1) {
             ants.walk(&row.motion, &scenario.system.springs, [row.time, next.time]);
         }
     }
 }
 
-/// Uniform in a square about the load, facing anywhere.
+/// Start of an ant: uniform in a square about the load, with any heading.
 fn start_of(ant: u32, streams: &RandomStreams, drive: &AntDrive, load: &Motion) -> Ant {
     let [u, v] = streams.uniform_pair(Stream::Start, ant, 0);
     let offset = drive.start_half_width * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0);
@@ -263,22 +270,17 @@ fn start_of(ant: u32, streams: &RandomStreams, drive: &AntDrive, load: &Motion) 
     Ant::new(load.pose.position + offset, heading)
 }
 
-impl Driver for Ants {
-    /// Releases first: a spring let go at a tick can be taken by another ant at the same tick, not by the one that let go.
-    fn decide(&mut self, view: &View, orders: &mut Orders) {
+impl Controller for Ants {
+    /// Decides releases first: another ant can take a spring at the tick at which it was let go.
+    fn decide(&mut self, view: &View, commands: &mut Commands) {
         let tick = view.tick.expect("ants decide at ticks");
-        self.release_where_decided(view, tick, orders);
-        self.grasp_or_believe(view, tick, orders);
+        self.release_where_decided(view, tick, commands);
+        self.grasp_or_believe(view, tick, commands);
     }
 
-    /// Walks all ants to `until` on the way.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
         self.walk(&view.motion, &view.scenario.system.springs, [view.time, until]);
         &self.targets
-    }
-
-    fn next_instant(&self, _: f64) -> Option<f64> {
-        None
     }
 
     fn arrived(&self, motion: &Motion) -> Option<bool> {
@@ -289,8 +291,8 @@ impl Driver for Ants {
         self.state.pulls
     }
 
-    fn save(&self) -> serde_json::Value {
-        serde_json::to_value(&self.state).expect("ants are plain data")
+    fn save(&self) -> Result<serde_json::Value, SaveError> {
+        Ok(serde_json::to_value(&self.state).expect("ants are plain data"))
     }
 
     fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
@@ -317,10 +319,10 @@ impl Driver for Ants {
     }
 
     fn check(&self, tick: u64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
-        let mut n_holding = 0;
+        let mut n_attached = 0;
         for ant in &self.state.ants {
             let Mode::Transport { spring, grasp_tick } = ant.mode else { continue };
-            n_holding += 1;
+            n_attached += 1;
             if grasp_tick > tick {
                 return Err(RestoreError(format!("at tick {tick}, an ant that grasped at tick {grasp_tick}")));
             }
@@ -328,30 +330,10 @@ impl Driver for Ants {
                 return Err(RestoreError(format!("an ant at spring {spring}, which is free")));
             }
         }
-        if n_holding == tips.len() { Ok(()) } else { Err(RestoreError(format!("{} springs held by {n_holding} ants", tips.len()))) }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::backend::{BackendKind, BackendOptions};
-    use crate::simulation::{Keep, Simulation};
-
-    /// The trace alone leads ants to where they were, to the last bit: whoever was wrong at one tick would be so at the end.
-    #[test]
-    fn followed_ants_go_where_they_went() {
-        let text = include_str!("../../scenarios/paper/four-ants-four-springs.json");
-        let scenario = Scenario { duration: 12.34, ..Scenario::parse(text, "four ants").unwrap() };
-        let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3), Keep::Trace);
-        run.run(|_| true);
-        let state: State = serde_json::from_value(serde_json::to_value(run.save().unwrap()).unwrap()["driver"].clone()).unwrap();
-        let mut last = Vec::new();
-        follow_ants(&scenario, run.trace(), |_, ants| last = ants.to_vec());
-        assert!(run.trace().events.len() > 20, "grasps and releases are part of it");
-        for (ant, followed) in state.ants.iter().zip(&last) {
-            assert_eq!((ant.position, ant.heading, ant.ahead), (followed.position, followed.heading, followed.ahead));
+        if n_attached == tips.len() {
+            Ok(())
+        } else {
+            Err(RestoreError(format!("{} attached springs, but {n_attached} attached ants", tips.len())))
         }
-        assert_eq!(last.len(), 4);
     }
 }

@@ -1,19 +1,20 @@
-//! Which tip a searching ant senses: the nearest of a free spring in reach, without a look at those that cannot be it.
+//! Which tip a searching ant senses: the nearest tip of a free spring within its sensing range.
 //!
-//! The tip of a free spring is fixed to the load, so tips are sorted once into square cells of the load's frame. An ant that is farther from the load than any tip
-//! and its own reach is passed over by one comparison; any other one looks at the cells within its reach.
+//! The tip of a free spring is fixed to the load, so that tips are sorted once into square cells of the
+//! load's frame. One comparison excludes an ant that is farther from the load than every tip and its own
+//! range. For any other ant, only the cells within its range are searched.
 
 use crate::math::{Mat2, Pose, Vec2, rotation};
 use crate::model::PolarSpring;
 
-/// Share of the lengths in a bound by which it is made looser (1): far above the rounding of places, so that no tip in reach is ever missed.
+/// Relative margin of every bound (1). It is far above rounding, so that no tip within range is missed.
 const SLACK: f64 = 1e-12;
 
-/// All springs of a load as free ones offer their tips.
+/// Tips of the free springs of a load.
 pub struct Sensing {
-    /// How far an ant senses (m).
+    /// Sensing range of an ant (m).
     reach: f64,
-    /// In the load's frame (m), one a spring.
+    /// Rest position of each tip in the load's frame (m).
     tips: Vec<Vec2>,
     is_free: Vec<bool>,
     n_free: usize,
@@ -22,23 +23,24 @@ pub struct Sensing {
     cells: Cells,
 }
 
-/// The load's pose with its rotation, taken once.
+/// Pose of the load with its rotation matrix.
 #[derive(Clone, Copy)]
 pub struct Placed {
     pub position: Vec2,
     heading: f64,
-    /// Rotation of the load's axes to those of the world.
+    /// Rotation from the load's axes to those of the world.
     pub turn: Mat2,
 }
 
-/// What ants sense at one instant.
+/// Tips that ants can sense at one instant.
 pub struct Around<'a> {
     sensing: &'a Sensing,
     load: Placed,
-    /// Square of the distance from the load beyond which no tip is in reach (m^2).
+    /// Square of the distance from the load beyond which no tip is within range (m^2).
     far: f64,
+    /// Margin of the bounds (m).
     slack: f64,
-    /// Whether cells out of reach are left out.
+    /// Whether cells out of range are skipped.
     skips: bool,
 }
 
@@ -47,19 +49,19 @@ impl Placed {
         Self { position: pose.position, heading: pose.heading, turn: rotation(pose.heading) }
     }
 
-    /// The same at another pose; the rotation is taken anew only where it is another one.
+    /// The load at another pose. The rotation is computed again only for another heading.
     pub fn moved_to(self, pose: &Pose) -> Self {
         if pose.heading == self.heading { Self { position: pose.position, ..self } } else { Self::new(pose) }
     }
 
-    /// As [`Pose::to_world`], to the last bit.
+    /// Position of a point in the world, equal to [`Pose::to_world`] to the bit (m).
     fn to_world(self, point_in_load: &Vec2) -> Vec2 {
         self.position + self.turn * point_in_load
     }
 }
 
 impl Sensing {
-    /// Of a load all of whose springs are free.
+    /// A load whose springs are all free.
     pub fn new(springs: &[PolarSpring], reach: f64) -> Self {
         let tips: Vec<Vec2> = springs.iter().map(PolarSpring::rest_tip).collect();
         let farthest = tips.iter().map(|tip| tip.norm()).fold(0.0, f64::max);
@@ -96,7 +98,8 @@ impl Around<'_> {
         self.skips && (position - self.load.position).norm_squared() > self.far
     }
 
-    /// The nearest tip (m, world) of a free spring in reach of `position`, the first of equally near ones.
+    /// Spring with the nearest free tip within range of `position`, and that tip (m, world). Of equally
+    /// near tips it is the first.
     pub fn nearest(&self, position: &Vec2) -> Option<(usize, Vec2)> {
         let mut nearest = Nearest { distance: f64::INFINITY, found: None };
         let load = &self.load;
@@ -107,14 +110,14 @@ impl Around<'_> {
                 .cells
                 .within(&in_load, window)
                 .flatten()
-                .for_each(|spring| self.look(load, *spring as usize, position, &mut nearest));
+                .for_each(|spring| self.compare(load, *spring as usize, position, &mut nearest));
         } else {
-            (0..self.sensing.tips.len()).for_each(|spring| self.look(load, spring, position, &mut nearest));
+            (0..self.sensing.tips.len()).for_each(|spring| self.compare(load, spring, position, &mut nearest));
         }
         nearest.found
     }
 
-    fn look(&self, load: &Placed, spring: usize, position: &Vec2, nearest: &mut Nearest) {
+    fn compare(&self, load: &Placed, spring: usize, position: &Vec2, nearest: &mut Nearest) {
         if !self.sensing.is_free[spring] {
             return;
         }
@@ -132,12 +135,12 @@ struct Nearest {
     found: Option<(usize, Vec2)>,
 }
 
-/// A square of n x n cells, about as many as there are points, and the points in each.
+/// A square grid of n x n cells, about as many as there are points, and the points in each.
 struct Cells {
     low: Vec2,
     side: f64,
     n: usize,
-    /// Where the points of each cell begin in `points`, row by row; one more for the end.
+    /// Index in `points` of the first point of each cell, row by row, and the number of points.
     starts: Vec<usize>,
     points: Vec<u32>,
 }
@@ -162,13 +165,13 @@ impl Cells {
         cells
     }
 
-    /// Column and row of the cell with `point`, or nearest to it.
+    /// Column and row of the cell that contains `point` or is nearest to it.
     fn at(&self, point: &Vec2) -> [usize; 2] {
-        // A cast to a whole number ends at zero below and keeps to the last cell above.
+        // The cast takes negative numbers to zero.
         [(point.x - self.low.x) / self.side, (point.y - self.low.y) / self.side].map(|along| (along as usize).min(self.n - 1))
     }
 
-    /// All points within `reach` of `centre` along both axes, and some beyond: row by row.
+    /// Points within `reach` of `centre` along both axes, and some others, row by row.
     fn within(&self, centre: &Vec2, reach: f64) -> impl Iterator<Item = &[u32]> {
         let [first, bottom] = self.at(&(centre - Vec2::new(reach, reach)));
         let [last, top] = self.at(&(centre + Vec2::new(reach, reach)));
@@ -200,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_and_the_comparison_find_what_a_look_at_all_tips_finds() {
+    fn cells_and_bounds_find_what_a_search_of_all_tips_finds() {
         let streams = RandomStreams::new(5);
         for (n_springs, reach, far_away) in [(1, 0.015, 0.0), (2, 0.015, 0.0), (5, 0.1, 3.0), (300, 0.004, 0.1), (1000, 0.015, 1e3)] {
             let mut sensing = Sensing::new(&springs(n_springs), reach);

@@ -1,39 +1,42 @@
-//! Prescribed tips: straight between waypoints, held after the last.
+//! Prescribed tips: straight between waypoints, at rest after the last.
 
-use super::{Driver, Event, EventKind, Orders, SAME_INSTANT, View};
-use crate::backend::{Motion, RestoreError};
+use super::controller::{Commands, Controller, View};
+use crate::backend::{RestoreError, SaveError};
 use crate::math::Vec2;
 use crate::scenario::{Scenario, TipPath, Waypoint};
+use crate::simulation::clock::SAME_INSTANT;
+use crate::simulation::trace::{Event, EventKind};
 
-/// Drives tips along paths. It has no state of its own: all follows from the time.
+/// Moves tips along prescribed paths. All follows from the time, so there is no state.
 pub struct Tips {
     paths: Vec<TipPath>,
-    /// Number of the first waypoint of each path after the last instant asked for: where to look first.
+    /// Number of the first waypoint of each path after the last instant: where the next search begins.
     after: Vec<usize>,
-    /// All times of waypoints and releases, in order (s).
+    /// Times of all waypoints and releases, in order (s).
     instants: Vec<f64>,
-    /// Number of the first of them after the last instant asked for: where to look first.
+    /// Number of the first of them after the last instant: where the next search begins.
     next: usize,
     targets: Vec<Vec2>,
 }
 
 impl Tips {
-    /// Times within rounding of a tick are that tick, and times within rounding of each other are one, so that no step of no length arises. A tip
-    /// that would be let go at the instant of its grasp is never held.
+    /// A controller of the tips along `paths`. A time within rounding of a tick becomes that tick, and
+    /// times within rounding of each other become one, so that no step has length zero. A tip that would
+    /// be let go at the instant of its grasp is never attached.
     pub fn new(scenario: &Scenario, paths: &[TipPath]) -> Self {
         let same = SAME_INSTANT * scenario.control_period;
         let (instants, all_exact) = instants_of(paths, scenario.control_period);
-        let snap = |time: f64| instants[instants.partition_point(|instant| *instant < time - same)];
-        let snapped = |path: &TipPath| TipPath {
+        let rounded = |time: f64| instants[instants.partition_point(|instant| *instant < time - same)];
+        let with_rounded_times = |path: &TipPath| TipPath {
             spring: path.spring,
-            waypoints: path.waypoints.iter().map(|at| Waypoint { time: snap(at.time), ..*at }).collect(),
-            release: path.release.map(snap),
+            waypoints: path.waypoints.iter().map(|at| Waypoint { time: rounded(at.time), ..*at }).collect(),
+            release: path.release.map(rounded),
         };
-        let is_held = |path: &TipPath| path.release.is_none_or(|release| release > path.waypoints[0].time);
-        let (paths, instants) = if all_exact && paths.iter().all(is_held) {
+        let is_attached = |path: &TipPath| path.release.is_none_or(|release| release > path.waypoints[0].time);
+        let (paths, instants) = if all_exact && paths.iter().all(is_attached) {
             (paths.to_vec(), instants)
         } else {
-            let paths: Vec<TipPath> = paths.iter().map(snapped).filter(is_held).collect();
+            let paths: Vec<TipPath> = paths.iter().map(with_rounded_times).filter(is_attached).collect();
             let (instants, _) = instants_of(&paths, scenario.control_period);
             (paths, instants)
         };
@@ -49,18 +52,18 @@ impl Tips {
     }
 }
 
-/// Times of a path's waypoints, and of its release (s).
+/// Times of the waypoints of a path and of its release (s).
 fn times_of(path: &TipPath) -> impl Iterator<Item = f64> + '_ {
     path.waypoints.iter().map(|at| at.time).chain(path.release)
 }
 
-/// All times of waypoints and releases in order (s), ticks in place of what is within rounding of them, and one of each group within rounding; and whether that
-/// leaves each time as it is.
+/// Times of all waypoints and releases in order (s), and whether none of them was changed. A time
+/// within rounding of a tick is replaced by the tick, and a group of times within rounding by its first.
 fn instants_of(paths: &[TipPath], control_period: f64) -> (Vec<f64>, bool) {
     let same = SAME_INSTANT * control_period;
     let mut all_exact = true;
     let mut at_tick = |time: f64| {
-        // Half away from zero, as times are not negative; what is too large for a whole number is no tick.
+        // Times are not negative, so that this rounds to the nearest; a time too large for a whole number is no tick.
         let tick = (time / control_period + 0.5) as i64 as f64 * control_period;
         if (time - tick).abs() > same {
             return time;
@@ -91,14 +94,15 @@ fn is_first_after(at: usize, n: usize, time: f64, instant: impl Fn(usize) -> f64
     at <= n && (at == n || instant(at) > time) && (at == 0 || instant(at - 1) <= time)
 }
 
-/// Number of the first of a path's waypoints after `time` (s), looked for near `guess` first.
+/// Number of the first waypoint of a path after `time` (s), searched for near `guess` first.
 fn first_after(path: &TipPath, time: f64, guess: usize) -> usize {
     let is_it = |at: usize| is_first_after(at, path.waypoints.len(), time, |at| path.waypoints[at].time);
     let near = [guess, guess + 1].into_iter().find(|at| is_it(*at));
     near.unwrap_or_else(|| path.waypoints.partition_point(|at| at.time <= time))
 }
 
-/// Where a path is at `time` (s), with the first waypoint `after` it; at its ends before the first and after the last one.
+/// Position on a path at `time` (s), where `after` is the first later waypoint (m, world). Before the
+/// first waypoint and after the last one, the path rests there.
 fn position_at(path: &TipPath, time: f64, after: usize) -> Vec2 {
     match (after.checked_sub(1).map(|i| path.waypoints[i]), path.waypoints.get(after)) {
         (Some(last), Some(next)) => {
@@ -110,11 +114,11 @@ fn position_at(path: &TipPath, time: f64, after: usize) -> Vec2 {
     }
 }
 
-impl Driver for Tips {
-    fn decide(&mut self, view: &View, orders: &mut Orders) {
+impl Controller for Tips {
+    fn decide(&mut self, view: &View, commands: &mut Commands) {
         let mut event = |path: &TipPath, kind| {
             let tip = position_at(path, view.time, first_after(path, view.time, 0));
-            orders.events.push(Event { time: view.time, spring: path.spring, ant: None, tip, kind });
+            commands.events.push(Event { time: view.time, spring: path.spring, ant: None, tip, kind });
         };
         for path in self.paths.iter().filter(|path| path.release == Some(view.time)) {
             event(path, EventKind::Release);
@@ -137,15 +141,15 @@ impl Driver for Tips {
         self.instants.get(self.first_after(time)).copied()
     }
 
-    fn arrived(&self, _: &Motion) -> Option<bool> {
-        None
-    }
-
-    fn save(&self) -> serde_json::Value {
-        serde_json::Value::Null
+    fn save(&self) -> Result<serde_json::Value, SaveError> {
+        Ok(serde_json::Value::Null)
     }
 
     fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
-        if state.is_null() { Ok(()) } else { Err(RestoreError("a driver's state for a run with prescribed tips".into())) }
+        if state.is_null() {
+            Ok(())
+        } else {
+            Err(RestoreError("the state is that of another controller, and prescribed tips have none".into()))
+        }
     }
 }

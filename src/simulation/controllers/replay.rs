@@ -1,13 +1,14 @@
-//! Grasps, releases and tip motions of one run, driven into another: both backends then answer the same question although behaviour would have
-//! decided otherwise after the first difference.
+//! Grasps, releases and tip motions of a recorded run. They give another backend the same input
+//! although the ants would have decided otherwise after the first difference.
 
 use std::sync::Arc;
 
-use super::{Driver, Orders, Trace, View};
-use crate::backend::{Motion, RestoreError};
+use super::controller::{Commands, Controller, View};
+use crate::backend::{RestoreError, SaveError};
 use crate::math::Vec2;
+use crate::simulation::trace::{EventKind, Trace};
 
-/// Drives tips as a recorded run did. It has no state of its own.
+/// Moves the tips as a recorded run did. All follows from the time, so there is no state.
 pub struct Replay {
     recorded: Arc<Trace>,
     targets: Vec<Vec2>,
@@ -19,14 +20,15 @@ impl Replay {
     }
 }
 
-impl Driver for Replay {
-    fn decide(&mut self, view: &View, orders: &mut Orders) {
+impl Controller for Replay {
+    fn decide(&mut self, view: &View, commands: &mut Commands) {
         let events = &self.recorded.events;
         let first = events.partition_point(|event| event.time < view.time);
-        orders.events.extend(events[first..].iter().take_while(|event| event.time == view.time));
+        commands.events.extend(events[first..].iter().take_while(|event| event.time == view.time));
     }
 
-    /// Where the recorded run had its tips at `until`, those included that it let go there; straight between its rows.
+    /// Tips of the recorded run at `until`, those it let go there included; straight between its rows.
+    /// The end of the recorded run is the end, wherever the load is by then.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
         let recorded = Arc::clone(&self.recorded);
         let Some(row) = recorded.rows.get(recorded.rows.partition_point(|row| row.time < until)) else {
@@ -35,7 +37,7 @@ impl Driver for Replay {
         row.tips.iter().for_each(|tip| self.targets[tip.spring] = tip.position);
         let first = recorded.events.partition_point(|event| event.time < row.time);
         for event in recorded.events[first..].iter().take_while(|event| event.time == row.time) {
-            if event.kind == super::EventKind::Release {
+            if event.kind == EventKind::Release {
                 self.targets[event.spring] = event.tip;
             }
         }
@@ -55,16 +57,11 @@ impl Driver for Replay {
         rows.get(rows.partition_point(|row| row.time <= time)).map(|row| row.time)
     }
 
-    /// The recorded run's end is the end, wherever the load is by then.
-    fn arrived(&self, _: &Motion) -> Option<bool> {
-        None
-    }
-
-    fn save(&self) -> serde_json::Value {
-        serde_json::Value::Null
+    fn save(&self) -> Result<serde_json::Value, SaveError> {
+        Ok(serde_json::Value::Null)
     }
 
     fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
-        if state.is_null() { Ok(()) } else { Err(RestoreError("a driver's state for a replayed run".into())) }
+        if state.is_null() { Ok(()) } else { Err(RestoreError("the state is that of another controller, and a replay has none".into())) }
     }
 }

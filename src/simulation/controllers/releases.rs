@@ -1,40 +1,45 @@
-//! Which ants let go of their springs (Eq. 18).
+//! Which ants let go of their springs, Eq. (18).
 //!
-//! An ant draws at every tick, and mostly lies far above any probability of letting go. Draws are functions of the tick, so some of them are looked at together, ahead
-//! of time: before the next one that is low, a pull that is not uncommonly strong ends no hold, and neither it nor its probability is looked at any closer.
+//! An ant draws a number at every tick, and nearly every draw is far above the probability of a
+//! release. A draw is a function of the tick, so that several are computed together, ahead of time.
+//! Until the next low draw, only a rarely exceeded pull can cause a release; for all other pulls the
+//! probability is not computed.
 
 use super::periods::Periods;
 use crate::math::{RandomStreams, Stream, Summary, Vec2};
 use crate::model::behaviour::{ReleaseLaw, ReleasePace, probability_within};
 use crate::scenario::AntDrive;
 
-/// Decisions to let go of all ants of a run.
+/// Release decisions of all ants of a run.
 pub struct Releases {
     law: ReleaseLaw,
     pace: ReleasePace,
     streams: RandomStreams,
-    /// (s)
+    /// Control period (s).
     control_period: f64,
-    /// Between decisions, at which pulls are looked at.
+    /// Periods between decisions. The pull at a decision is a sample of the run's pulls.
     decisions: Periods,
-    /// Square of a pull that few are beyond (N^2), and what no draw that ends a hold by such a one or less exceeds.
+    /// Square of a pull that is rarely exceeded (N^2).
     strong_squared: f64,
+    /// Largest draw that can still cause a release at or below that pull (1).
     low: f64,
     ants: Vec<Ahead>,
 }
 
-/// What is known of an ant ahead of time.
+/// What is known ahead of time about one ant.
 #[derive(Clone, Copy, Debug)]
 struct Ahead {
-    /// The first tick at which it may decide.
+    /// First tick at which it may decide.
     decision: u64,
-    /// Ticks whose draws were looked at, and which of them are low: a bit each.
+    /// First tick whose draw is known, and the first whose draw is not.
     from: u64,
     to: u64,
+    /// One bit for each known draw, set when the draw is low.
     low: u32,
 }
 
-/// So many draws are looked at together, and so many of them are worked out side by side: as many of their words as a register has room for products of.
+/// Number of draws that are computed ahead of time, and number that are computed side by side. A
+/// register has room for the products of two.
 const N_AHEAD: u64 = 16;
 const N_BESIDE: usize = 2;
 
@@ -51,24 +56,25 @@ impl Releases {
             streams,
             control_period,
             decisions: Periods::new(control_period, if pace == ReleasePace::PerTick { control_period } else { law.period }),
-            // By far more than what roundings of a square can make of it.
+            // The margin is far larger than the rounding of a square.
             strong_squared: (strong * (1.0 - 1e-12)).powi(2),
             low: law.most_hazard(strong) * control_period,
             ants: vec![UNKNOWN; drive.n_ants],
         }
     }
 
-    /// Forgets what was looked at, for ants that go on from elsewhere.
+    /// Forgets all draws, for ants whose state was restored.
     pub fn forget(&mut self) {
         self.ants.fill(UNKNOWN);
     }
 
-    /// An ant has grasped a spring at a tick.
+    /// Notes that an ant grasped a spring at a tick.
     pub fn begin(&mut self, ant: usize, tick: u64) {
         self.ants[ant].decision = tick.saturating_add(self.decisions.quiet_after(0));
     }
 
-    /// Whether an ant that has held its spring for `age` ticks lets go at a tick under a `pull` (N), which at a decision is added to `pulls`.
+    /// Whether an ant lets go at a tick under a `pull` (N), `age` ticks after its grasp. The pull at a
+    /// decision is added to `pulls`.
     #[inline]
     pub fn lets_go(&mut self, ant: usize, tick: u64, age: u64, pull: impl FnOnce() -> Vec2, pulls: &mut Summary) -> bool {
         let is_decision = tick >= self.ants[ant].decision && age > 0 && {
@@ -91,7 +97,8 @@ impl Releases {
         }
     }
 
-    /// Whether a draw lies below the probability of letting go within a tick. That is at most the hazard times the time, which takes no exponential.
+    /// Whether a draw is below the probability of a release within a tick. The hazard times the time is
+    /// an upper bound of the probability that needs no exponential.
     fn ends(&self, drawn: f64, pull: f64) -> bool {
         drawn <= self.law.most_hazard(pull) * self.control_period && drawn < probability_within(self.law.hazard(pull), self.control_period)
     }
@@ -100,7 +107,7 @@ impl Releases {
         self.streams.uniform(Stream::Release, ant as u32, tick)
     }
 
-    /// Whether the draw at a tick is low.
+    /// Whether the draw at a tick is low enough for a release under a pull that is not strong.
     fn is_low(&mut self, ant: usize, tick: u64) -> bool {
         let Self { streams, ants, low, .. } = self;
         let ahead = &mut ants[ant];
@@ -120,12 +127,13 @@ mod tests {
     use super::*;
     use crate::scenario::{Drive, Scenario};
 
-    /// Draws looked at ahead end the same holds as those looked at one by one: under common pulls and strong ones, for the default preset and the one with a wall at
-    /// 10 mN, for ticks as short as those of the scene and so long that most draws are low.
+    /// Draws that are computed ahead cause the same releases as draws computed one by one: under common
+    /// and strong pulls, for the default preset and the one with a threshold at 10 mN, and for ticks so
+    /// long that most draws are low.
     #[test]
-    fn draws_looked_at_ahead_end_what_they_end_one_by_one() {
+    fn draws_computed_ahead_cause_the_same_releases() {
         for preset in ["default", "literal-millinewtons", "literal-newtons", "aged"] {
-            let text = include_str!("../../scenarios/paper/four-ants-four-springs.json")
+            let text = include_str!("../../../scenarios/paper/four-ants-four-springs.json")
                 .replace("\"n_ants\": 4", &format!("\"n_ants\": 4, \"preset\": \"{preset}\", \"release_pace\": \"hazard\""));
             let Drive::Ants(drive) = Scenario::parse(&text, preset).unwrap().drive else { panic!("ants drive this scene") };
             for control_period in [0.0025, 0.2] {
@@ -137,7 +145,7 @@ mod tests {
                         let pull = 0.012 * (1.0 + (0.01 * (tick * (ant as u64 + 1)) as f64).sin());
                         let drawn = streams.uniform(Stream::Release, ant as u32, tick);
                         let ends = drawn < probability_within(drive.release.hazard(pull), control_period);
-                        // Holds begin and end, and nobody asks meanwhile.
+                        // The ant is not attached for a while.
                         if tick / 500 % 5 == ant as u64 {
                             continue;
                         }

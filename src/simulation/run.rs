@@ -1,0 +1,402 @@
+//! One run of one scenario: the loop of sensing, deciding, moving and recording.
+
+use serde::{Deserialize, Serialize};
+
+use super::clock::Clock;
+use super::controllers::{Commands, Controller, View, controller_of};
+use super::trace::{Event, EventKind, Keep, Outcome, Row, Trace};
+use crate::backend::{
+    AttachedTip, AttachedTips, Backend, BackendOptions, Motion, PoseError, StepReport, Transition, TransitionCounts, build,
+};
+use crate::scenario::Scenario;
+
+/// One run of one scenario on one backend.
+pub struct Simulation<'a> {
+    pub(super) scenario: &'a Scenario,
+    pub(super) options: BackendOptions,
+    pub(super) backend: Box<dyn Backend>,
+    pub(super) controller: Box<dyn Controller>,
+    pub(super) keep: Keep,
+    pub(super) clock: Clock,
+    pub(super) finished: bool,
+    pub(super) totals: Totals,
+    pub(super) trace: Trace,
+    /// Attached tips in the order of their springs. Their positions and pulls are those of this instant
+    /// only where a trace is kept.
+    pub(super) tips: AttachedTips,
+    /// Empty between steps; kept for its memory.
+    commands: Commands,
+}
+
+/// What is added up over the advances of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Totals {
+    pub steps: StepReport,
+    /// Largest estimated error of the pose so far; `None` where the backend estimates none.
+    pub error: Option<PoseError>,
+    pub transitions: TransitionCounts,
+}
+
+impl<'a> Simulation<'a> {
+    /// A run of the scenario as it stands.
+    ///
+    /// # Panics
+    /// When [`build`] refuses the options.
+    pub fn new(scenario: &'a Scenario, options: &BackendOptions, keep: Keep) -> Self {
+        Self::with_controller(scenario, options, keep, controller_of(scenario))
+    }
+
+    /// A run of the scenario's load under another controller.
+    ///
+    /// # Panics
+    /// When [`build`] refuses the options.
+    pub fn with_controller(scenario: &'a Scenario, options: &BackendOptions, keep: Keep, controller: Box<dyn Controller>) -> Self {
+        Self::from_parts(scenario, options, keep, controller, backend_of(scenario, options))
+    }
+
+    /// A run of a controller on a backend that was built from `options` elsewhere.
+    pub fn from_parts(
+        scenario: &'a Scenario,
+        options: &BackendOptions,
+        keep: Keep,
+        controller: Box<dyn Controller>,
+        backend: Box<dyn Backend>,
+    ) -> Self {
+        Self {
+            scenario,
+            options: *options,
+            keep,
+            clock: Clock::new(scenario.control_period, scenario.duration),
+            finished: false,
+            totals: Totals::default(),
+            trace: Trace::default(),
+            tips: attached_tips(scenario, backend.as_ref()),
+            commands: Commands::default(),
+            controller,
+            backend,
+        }
+    }
+
+    /// Records `n_parts` rows in each control period in place of one. Meant for controllers whose
+    /// decisions are bound to no tick: [`Tips`](super::Tips) and [`Replay`](super::Replay).
+    pub fn with_rows_per_period(mut self, n_parts: u64) -> Self {
+        self.clock.n_parts = n_parts.max(1);
+        self
+    }
+
+    /// Runs to the end, or until `watch` returns `false`, which receives the time (s) before every step.
+    pub fn run(&mut self, mut watch: impl FnMut(f64) -> bool) {
+        while !self.finished && watch(self.clock.time) {
+            self.step();
+        }
+    }
+
+    /// Runs to the end and hands the rows over in groups instead of keeping them. The rows of the last
+    /// group stay in the trace.
+    ///
+    /// # Errors
+    /// When `take_rows` fails, which ends the run.
+    pub fn run_streaming<E>(
+        &mut self,
+        mut watch: impl FnMut(f64) -> bool,
+        mut take_rows: impl FnMut(&[Row]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        // So many rows stay in the nearest cache of a processor.
+        const ROWS_IN_GROUP: usize = 64;
+        while !self.finished && watch(self.clock.time) {
+            self.step();
+            if self.trace.rows.len() >= ROWS_IN_GROUP {
+                take_rows(&self.trace.rows)?;
+                self.trace.rows.clear();
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs to the end under error control. While the estimated error exceeds the tolerance, the run
+    /// starts again with a smaller error for each macro-step, from what `restart` makes of the options.
+    /// The outcome says which error remains.
+    pub fn run_to_tolerance(&mut self, mut restart: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {
+        while !self.finished && watch(self.clock.time) {
+            self.step();
+            if let Some(tighter) = self.options.tolerance.filter(|_| !self.is_within_tolerance()).and_then(|it| it.tightened()) {
+                let options = BackendOptions { tolerance: Some(tighter), ..self.options };
+                *self = restart(&options);
+            }
+        }
+    }
+
+    /// Whether the pose has been within the tolerance so far; `true` without one.
+    fn is_within_tolerance(&self) -> bool {
+        self.options.tolerance.zip(self.totals.error).is_none_or(|(tolerance, error)| tolerance.allows(&error))
+    }
+
+    /// Senses, decides, acts, records and advances to the next instant; does nothing once the run is
+    /// finished.
+    pub fn step(&mut self) {
+        if self.finished {
+            return;
+        }
+        if self.keep == Keep::Trace {
+            self.backend.read_tips(&mut self.tips);
+        }
+        let motion = self.backend.motion();
+        if self.is_over(&motion) {
+            self.record(motion);
+            self.finished = true;
+            return;
+        }
+        let (tick, skips) = (self.clock.tick_now(), self.options.skips);
+        let (scenario, time) = (self.scenario, self.clock.time);
+        let tips = if self.keep == Keep::Trace { &self.tips[..] } else { &[] };
+        self.controller.decide(&View { scenario, backend: self.backend.as_ref(), motion, tips, time, tick, skips }, &mut self.commands);
+        self.act();
+        self.record(motion);
+        let until = self.clock.next(self.controller.next_instant(time));
+        let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
+        let targets = self.controller.targets(&view, until);
+        self.totals.steps.add(&self.backend.advance(targets, until - time));
+        self.observe();
+        self.clock.move_to(until);
+    }
+
+    pub fn is_finished(&self) -> bool {
+        self.finished
+    }
+
+    /// Time that the run has reached (s).
+    pub fn time(&self) -> f64 {
+        self.clock.time
+    }
+
+    /// Pose and twist of the load at this time.
+    pub fn motion(&self) -> Motion {
+        self.backend.motion()
+    }
+
+    /// Number of attached springs.
+    pub fn n_attached(&self) -> usize {
+        self.tips.len()
+    }
+
+    pub fn backend(&self) -> &dyn Backend {
+        self.backend.as_ref()
+    }
+
+    pub fn trace(&self) -> &Trace {
+        &self.trace
+    }
+
+    /// Result of the run up to this time.
+    pub fn outcome(&self) -> Outcome {
+        let motion = self.backend.motion();
+        Outcome {
+            time: self.clock.time,
+            motion,
+            energy: self.backend.energy(),
+            steps: self.totals.steps,
+            transitions: self.totals.transitions,
+            error: self.totals.error,
+            arrived: self.controller.arrived(&motion),
+            pulls: self.controller.pulls(),
+        }
+    }
+
+    /// Trace and outcome of the run up to this time.
+    pub fn into_results(self) -> (Trace, Outcome) {
+        let outcome = self.outcome();
+        (self.trace, outcome)
+    }
+
+    fn is_over(&self, motion: &Motion) -> bool {
+        self.clock.is_at_end() || self.controller.arrived(motion) == Some(true)
+    }
+
+    /// Carries out the commands and empties them.
+    fn act(&mut self) {
+        for event in &self.commands.events {
+            let Event { spring, tip: position, .. } = *event;
+            let at = self.tips.partition_point(|tip| tip.spring < spring);
+            match event.kind {
+                EventKind::Release => {
+                    self.backend.release(spring);
+                    self.tips.remove(at);
+                }
+                EventKind::Grasp => {
+                    self.backend.attach(spring, position);
+                    self.tips.insert(at, AttachedTip { spring, position, pull: self.backend.pull(spring) });
+                }
+            }
+        }
+        if self.keep == Keep::Trace {
+            self.trace.events.extend_from_slice(&self.commands.events);
+        }
+        self.totals.steps.skipped.add(&std::mem::take(&mut self.commands.skipped));
+        self.commands.events.clear();
+    }
+
+    /// Adds up what the backend reports of its last advance.
+    fn observe(&mut self) {
+        if let Some(now) = self.backend.pose_error() {
+            self.totals.error = Some(self.totals.error.unwrap_or_default().max(&now));
+        }
+        for transition in self.backend.transitions() {
+            self.totals.transitions.add(&transition.kind);
+            if self.keep == Keep::Trace {
+                self.trace.transitions.push(Transition { time: self.clock.time + transition.time, ..*transition });
+            }
+        }
+    }
+
+    /// Adds a row at every tick, at the ends of parts of control periods, and at the end.
+    fn record(&mut self, motion: Motion) {
+        if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
+            let (energy, error) = (self.backend.energy(), self.backend.pose_error());
+            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), error });
+            // The row is long, so its tips are written in place.
+            self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
+        }
+    }
+}
+
+/// Makes the backend of a scenario: a parameter where another engine can take the place of a backend.
+pub type MakeBackend<'a> = dyn Fn(&Scenario, &BackendOptions) -> Box<dyn Backend> + Sync + 'a;
+
+/// The scenario's load on the backend that the options name: the usual [`MakeBackend`].
+///
+/// # Panics
+/// When [`build`] refuses the options.
+pub fn backend_of(scenario: &Scenario, options: &BackendOptions) -> Box<dyn Backend> {
+    build(&scenario.system, scenario.start, options)
+}
+
+/// Attached tips in the order of their springs, read one by one.
+pub(super) fn attached_tips(scenario: &Scenario, backend: &dyn Backend) -> AttachedTips {
+    let attached = |spring| Some(AttachedTip { spring, position: backend.tip(spring)?, pull: backend.pull(spring) });
+    (0..scenario.system.springs.len()).filter_map(attached).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    use super::*;
+    use crate::backend::BackendKind;
+    use crate::math::Vec2;
+    use crate::model::ant::Ant;
+    use crate::simulation::controllers::{Replay, follow_ants};
+
+    /// Ants that compare the tips in their view with those that the backend returns one by one, and store
+    /// the latter after they have acted.
+    struct Comparing {
+        ants: Box<dyn Controller>,
+        read: Rc<RefCell<Vec<AttachedTips>>>,
+    }
+
+    fn read_one_by_one(view: &View) -> AttachedTips {
+        attached_tips(view.scenario, view.backend)
+    }
+
+    impl Controller for Comparing {
+        fn decide(&mut self, view: &View, commands: &mut Commands) {
+            assert_eq!(view.tips, &read_one_by_one(view)[..], "at {} s", view.time);
+            view.tips.iter().for_each(|tip| assert_eq!(view.pull(tip.spring), tip.pull));
+            let free = (0..view.scenario.system.springs.len()).find(|spring| view.tips.iter().all(|tip| tip.spring != *spring));
+            free.into_iter().for_each(|spring| assert_eq!(view.pull(spring), Vec2::zeros()));
+            self.ants.decide(view, commands);
+        }
+
+        fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
+            self.read.borrow_mut().push(read_one_by_one(view));
+            self.ants.targets(view, until)
+        }
+
+        fn arrived(&self, motion: &Motion) -> Option<bool> {
+            self.ants.arrived(motion)
+        }
+    }
+
+    /// Parts of control periods add rows and leave all others as they are, with waypoints, a release and
+    /// the end between ticks and between parts. The same holds in a replay, whose tips move straight from
+    /// one recorded row to the next.
+    #[test]
+    fn parts_of_periods_add_rows_and_change_nothing() {
+        let text = include_str!("../../scenarios/analytic/ramp-and-hold.json")
+            .replace("[0.5, 0.04, 0.0]] }", "[0.51, 0.04, 0.0], [0.625, 0.03, 0.001]], \"release_s\": 0.77 }")
+            .replace("\"duration_s\": 1.0", "\"duration_s\": 0.93")
+            .replace("\"control_period_s\": 0.001", "\"control_period_s\": 0.1");
+        let scenario = Scenario::parse(&text, "ramps").unwrap();
+        // Steps that end with each part and with each instant between them.
+        let options = BackendOptions::new(BackendKind::QuasiStatic, 1e-4);
+        let run = |controller: Box<dyn Controller>, n_parts| {
+            let mut run = Simulation::with_controller(&scenario, &options, Keep::Trace, controller).with_rows_per_period(n_parts);
+            run.run(|_| true);
+            run.into_results().0
+        };
+        let of_tips = |n_parts| run(controller_of(&scenario), n_parts);
+        let plain = of_tips(1);
+        let replay = |n_parts| run(Box::new(Replay::new(std::sync::Arc::new(of_tips(100)), 1)), n_parts);
+        assert_eq!(plain.rows.len(), 11);
+        for (trace, n_parts) in [(of_tips(4), 4), (of_tips(7), 7), (replay(100), 100), (replay(300), 300)] {
+            assert_eq!(trace.rows.len() as u64, (9.3 * n_parts as f64 - 1e-9).ceil() as u64 + 1, "{n_parts} parts");
+            assert!(trace.rows.windows(2).all(|pair| pair[1].time - pair[0].time > 1e-3 / 4.0));
+            // Roundings of places of some 0.04 m.
+            let is_same =
+                |a: &Row, b: &Row| (a.time - b.time).abs() < 1e-12 && (a.motion.pose.position - b.motion.pose.position).norm() < 1e-15;
+            assert!(
+                plain.rows.iter().all(|row| trace.rows.iter().any(|other| is_same(row, other))),
+                "{n_parts} parts: a row at every tick"
+            );
+            assert!(of_tips(n_parts).rows.iter().zip(&trace.rows).all(|(row, other)| is_same(row, other)), "{n_parts} parts");
+            assert_eq!(trace.events.len(), 2);
+        }
+    }
+
+    /// Tips that are read together equal, to the bit, tips that are read one by one: while the load
+    /// waits, slips or has just been released, on more springs than are evaluated side by side. A row
+    /// after a grasp or a release has pulls from before for the other tips, which one by one are
+    /// evaluated again: roundings of positions of 0.1 m under some 0.7 N/m.
+    #[test]
+    fn tips_read_together_equal_tips_read_one_by_one() {
+        let text = include_str!("../../scenarios/paper/four-ants-four-springs.json")
+            .replace("\"n\": 4", "\"n\": 7")
+            .replace("\"n_ants\": 4", "\"n_ants\": 7");
+        let scenario = Scenario { duration: 8.0, ..Scenario::parse(&text, "seven ants").unwrap() };
+        for (kind, step) in [(BackendKind::QuasiStatic, 2.5e-3), (BackendKind::Inertial, 2.5e-3), (BackendKind::Rapier, 1e-3)] {
+            let options = BackendOptions::new(kind, step);
+            let read = Rc::new(RefCell::new(Vec::new()));
+            let controller = Comparing { ants: controller_of(&scenario), read: Rc::clone(&read) };
+            let mut run = Simulation::with_controller(&scenario, &options, Keep::Trace, Box::new(controller));
+            run.run(|_| true);
+            let trace = run.trace();
+            assert!(trace.events.len() > 20 && trace.rows.iter().any(|row| row.tips.len() > 4), "{kind:?}");
+            for (row, read) in trace.rows.iter().zip(read.borrow().iter()) {
+                assert_eq!(row.tips.len(), read.len());
+                for (tip, read) in row.tips.iter().zip(read) {
+                    assert_eq!((tip.spring, tip.position), (read.spring, read.position));
+                    assert!((tip.pull - read.pull).norm() < 1e-16, "{kind:?} at {} s: {tip:?} {read:?}", row.time);
+                }
+            }
+        }
+    }
+
+    /// The trace alone leads the ants to where they were, to the bit: an error at one tick would remain
+    /// at the end.
+    #[test]
+    fn followed_ants_go_where_they_went() {
+        let text = include_str!("../../scenarios/paper/four-ants-four-springs.json");
+        let scenario = Scenario { duration: 12.34, ..Scenario::parse(text, "four ants").unwrap() };
+        let mut run = Simulation::new(&scenario, &BackendOptions::new(BackendKind::QuasiStatic, 2.5e-3), Keep::Trace);
+        run.run(|_| true);
+        let saved = serde_json::to_value(run.save().unwrap()).unwrap();
+        let ants: Vec<Ant> = serde_json::from_value(saved["controller"]["ants"].clone()).unwrap();
+        let mut last = Vec::new();
+        follow_ants(&scenario, run.trace(), |_, ants| last = ants.to_vec());
+        assert!(run.trace().events.len() > 20, "grasps and releases are part of it");
+        for (ant, followed) in ants.iter().zip(&last) {
+            assert_eq!((ant.position, ant.heading, ant.ahead), (followed.position, followed.heading, followed.ahead));
+        }
+        assert_eq!(last.len(), 4);
+    }
+}
