@@ -244,7 +244,7 @@ fn run_out_writes_every_tick_and_the_exact_end() {
         // The load is drawn over its slip limit; whether an engine's is, it does not say.
         assert_eq!(transitions.contains(",onset,,,,\n"), backend != "rapier", "{transitions}");
         let n_onset = value.pointer("/transitions/n_slip_onset").and_then(Value::as_u64);
-        assert_eq!(n_onset, (backend != "rapier").then(|| transitions.matches(",onset,").count() as u64));
+        assert_eq!(n_onset, (backend != "rapier").then(|| transitions.matches(",slip_onset,").count() as u64));
         let manifest: Value = serde_json::from_str(&read("manifest.json")).unwrap();
         let scenario = Scenario::read(file.as_ref()).unwrap();
         assert_eq!((&manifest["scenario_sha256"], &manifest["seed"]), (&json!(scenario.hash()), &json!(7)));
@@ -487,7 +487,7 @@ fn kinds_of_work_can_be_kept_in() {
     assert_eq!((skipped(&slow, "distant_ants"), skipped(&slow, "still_tips")), (0.0, 0.0));
     assert_eq!((&slow["final"], &slow["pull_force_n"]), (&usual["final"], &usual["pull_force_n"]));
     refused(&["run", &file, "--no-skip", "ants"], &["--no-skip", "distant-ants"]);
-    refused(&["compare", &file, "--no-skip", "ants"], &["--no-skip", "stick-bound"]);
+    refused(&["compare", &file, "--no-skip", "ants"], &["--no-skip", "stick-certificate"]);
 }
 
 fn without_wall_time(mut value: Value) -> Value {

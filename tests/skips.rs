@@ -56,8 +56,8 @@ fn a_load_that_surely_sticks_is_where_it_would_have_been() {
     let mut n_skipped = 0;
     for scenario in &scenes {
         let quick = run(scenario, BackendKind::QuasiStatic, Skips::ALL);
-        let slow = run(scenario, BackendKind::QuasiStatic, Skips::ALL.without(Skip::StickBound));
-        assert_eq!(slow.1.steps.skipped.stick_bound, 0);
+        let slow = run(scenario, BackendKind::QuasiStatic, Skips::ALL.without(Skip::StickCertificate));
+        assert_eq!(slow.1.steps.skipped.stick_certificate, 0);
         let events =
             |(trace, _): &(Trace, Outcome)| trace.events.iter().map(|at| (at.time, at.spring, at.ant, at.kind)).collect::<Vec<_>>();
         assert_eq!(events(&quick), events(&slow), "{}", scenario.name);
@@ -65,7 +65,7 @@ fn a_load_that_surely_sticks_is_where_it_would_have_been() {
         assert_eq!(transitions(&quick), transitions(&slow), "{}", scenario.name);
         let distance = distance(&quick, &slow, scenario.system.load.radius);
         assert!(distance < 1e-10, "{}: {distance}", scenario.name);
-        n_skipped += quick.1.steps.skipped.stick_bound;
+        n_skipped += quick.1.steps.skipped.stick_certificate;
     }
     assert!(n_skipped > 1000, "{n_skipped}");
 }
@@ -106,7 +106,7 @@ fn slow_pull(way: Vec2, skips: Skips, n: u64, n_each: u64) -> (Vec<(StepReport, 
 fn onset(reports: &[(StepReport, bool)]) -> (usize, f64) {
     let first = reports.iter().position(|(_, slips)| *slips).unwrap();
     let sum = |count: fn(&StepReport) -> u64| reports[..first].iter().map(|(report, _)| count(report)).sum::<u64>() as f64;
-    (first, sum(|report| report.skipped.stick_bound) / sum(|report| report.n_steps))
+    (first, sum(|report| report.skipped.stick_certificate) / sum(|report| report.n_steps))
 }
 
 /// Hardly a step before the slip is solved, and the slip begins in the very step where it does when
@@ -118,7 +118,7 @@ fn a_load_waits_until_just_before_it_slips() {
     for (way, n, n_each) in [([36e-3, 0.0], 3000, 1), ([12e-3, 36e-3], 3000, 1), ([36e-3, 0.0], 120, 25), ([12e-3, 36e-3], 120, 25)] {
         let way = Vec2::from(way);
         let (quick, system) = slow_pull(way, Skips::ALL, n, n_each);
-        let (slow, _) = slow_pull(way, Skips::ALL.without(Skip::StickBound), n, n_each);
+        let (slow, _) = slow_pull(way, Skips::ALL.without(Skip::StickCertificate), n, n_each);
         let ((slips, share), (slips_slow, share_slow)) = (onset(&quick), onset(&slow));
         assert_eq!((slips, share_slow), (slips_slow, 0.0), "{way} {n_each}");
         if way.y == 0.0 {
@@ -142,7 +142,7 @@ fn a_load_that_waits_knows_how_often_a_spring_was_swung_around() {
     for i in 1..=n {
         let swing = 3.0 * std::f64::consts::PI * f64::from(i) / f64::from(n);
         let tip = spring.root + spring.rest_length * direction(spring.bearing + swing);
-        n_skipped += run.advance(&[tip], 1.0).skipped.stick_bound;
+        n_skipped += run.advance(&[tip], 1.0).skipped.stick_certificate;
         let energy = 0.5 * spring.torsional_stiffness * swing * swing;
         // Roundings of the swing from step to step, 1e-16 each, and of the length.
         assert!((run.energy().elastic - energy).abs() <= 1e-12 * energy, "{i}: {} {energy}", run.energy().elastic);
@@ -158,7 +158,7 @@ fn a_load_at_rest_stays_whether_or_not_it_is_computed() {
     for kind in EXACT {
         for (name, skip) in [("analytic/slide-spin.json", Skip::FreeLoad), ("analytic/ramp-and-hold.json", Skip::StillTips)] {
             let scenario = shipped(name);
-            let quick = run(&scenario, kind, Skips::ALL.without(Skip::StickBound));
+            let quick = run(&scenario, kind, Skips::ALL.without(Skip::StickCertificate));
             let slow = run(&scenario, kind, Skips::NONE);
             let count = |steps: &StepReport| if skip == Skip::FreeLoad { steps.skipped.free_load } else { steps.skipped.still_tips };
             // Quasi-statically the load is at rest from the start; what the solution finds there is
@@ -191,7 +191,7 @@ fn a_certificate_is_saved_with_the_run() {
         assert_eq!(reports[0], reports[1], "{i}");
         assert_eq!(whole.save().unwrap(), part.save().unwrap(), "{i}");
         assert_eq!((whole.energy(), whole.pull(1)), (part.energy(), part.pull(1)), "{i}");
-        n_skipped += reports[0].skipped.stick_bound;
+        n_skipped += reports[0].skipped.stick_certificate;
     }
     assert!((20..180).contains(&n_skipped), "{n_skipped}");
 }
@@ -227,7 +227,7 @@ fn a_way_is_sure_only_where_it_begins_so() {
         run.run(|_| true);
         run.outcome().motion.pose.position
     };
-    let computed = shift(Skips::ALL.without(Skip::StickBound));
+    let computed = shift(Skips::ALL.without(Skip::StickCertificate));
     // 38.8 um, by which the chord is shorter.
     assert!(computed.norm() > 1e-5);
     assert_eq!(shift(Skips::ALL), computed);

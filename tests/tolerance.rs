@@ -391,8 +391,8 @@ fn captures_and_stops_of_tripods_are_located() {
         let options = BackendOptions::within(BackendKind::Inertial, Tolerance::at_edge(tolerance, &system.load));
         let mut run = build(&system, motion, &options);
         run.advance(&[], 1.1 * start.stop * unit);
-        let captured = start.pinning.map(|pinning| (TransitionKind::Capture { support: pinning.support }, pinning.time));
-        let known: Vec<_> = captured.into_iter().chain([(TransitionKind::Stop, start.stop)]).collect();
+        let pinned = start.pinning.map(|pinning| (TransitionKind::Pinning { support: pinning.support }, pinning.time));
+        let known: Vec<_> = pinned.into_iter().chain([(TransitionKind::Stop, start.stop)]).collect();
         let kinds = |transitions: &[Transition]| transitions.iter().map(|transition| transition.kind).collect::<Vec<_>>();
         assert_eq!(kinds(run.transitions()), known.iter().map(|(kind, _)| *kind).collect::<Vec<_>>(), "{} at {tolerance:e}", start.name);
         for (found, (kind, time)) in run.transitions().iter().zip(known) {
@@ -420,7 +420,7 @@ fn the_onset_of_a_pull_is_located() {
         }
         let moving = scene.run(BackendKind::Inertial, tolerance);
         let [first] = &moving.trace.transitions[..] else { panic!("{:?}", moving.trace.transitions) };
-        assert_eq!(first.kind, TransitionKind::Onset);
+        assert_eq!(first.kind, TransitionKind::SlipOnset);
         // The pull above the limit, k v t, moves the load by k v t^3 / (6 m): by a hundredth of the
         // tolerance within this time.
         let bound = (6.0 * MASS * 0.01 * tolerance / (RADIAL * speed)).cbrt();

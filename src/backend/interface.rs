@@ -27,12 +27,12 @@ use crate::math::Vec2;
 /// }
 /// let behind = system.total_slip_limit() / system.springs[0].radial_stiffness;
 /// assert!((load.motion().pose.position.x - (0.04 - behind)).abs() < 1e-12);
-/// // The holder pulls as hard as friction resists.
+/// // The pull is as large as the resistance of friction.
 /// assert!((load.pull(0).norm() - system.total_slip_limit()).abs() < 1e-12);
 /// # Ok::<(), cohaul::scenario::ScenarioError>(())
 /// ```
 pub trait Backend {
-    /// Attaches the tip of a free spring to a holder at `tip` (m, world).
+    /// Attaches the tip of a free spring at `tip` (m, world), to an ant, a robot or a guide.
     fn attach(&mut self, spring: usize, tip: Vec2);
 
     /// Releases an attached spring. It relaxes at once and pulls no more.
@@ -55,15 +55,15 @@ pub trait Backend {
     /// Tip of an attached spring (m, world); `None` for a free spring.
     fn tip(&self, spring: usize) -> Option<Vec2>;
 
-    /// Force of the holder on the tip (N, world): dU/d(tip) and the dashpot's share, the negative
-    /// of Eq. (10). It is zero for a free spring.
+    /// Pull on the tip, the force of what it is attached to (N, world): dU/d(tip) and the dashpot's
+    /// share, the negative of Eq. (10). It is zero for a free spring.
     fn pull(&self, spring: usize) -> Vec2;
 
     /// Energy of the run so far, by where it is and where it went (J).
     fn energy(&self) -> EnergyLedger;
 
     /// Friction force of the ground on each support (N, world), averaged over the last step; empty
-    /// for a backend that does not know it.
+    /// for a backend that does not compute it.
     fn friction_forces(&self) -> Vec<Vec2> {
         Vec::new()
     }

@@ -15,7 +15,7 @@ pub struct EnergyLedger {
     pub damping: f64,
     /// Energy of the springs that were released so far. A free spring relaxes at once.
     pub released: f64,
-    /// Work of the holders on the tips so far, with that of attaching deformed springs.
+    /// Work on the tips so far, with that of attaching deformed springs.
     pub tip_work: f64,
     /// Kinetic energy at the start.
     pub initial: f64,
@@ -38,7 +38,7 @@ pub struct DefectParts {
 }
 
 impl EnergyLedger {
-    /// Adds an attached spring with the energy `brought` (J), which is work of its holder.
+    /// Adds an attached spring with the energy `brought` (J), which is work on its tip.
     pub fn attach(&mut self, brought: f64) {
         self.tip_work += brought;
         self.elastic += brought;

@@ -1,7 +1,7 @@
 //! What moves the load. Every backend answers the same calls in the same way.
 //!
-//! A backend owns the load, its springs and the friction under it. It is told which springs are
-//! attached and where their tips go, and knows neither ants nor scenario files. Nothing moves
+//! A backend owns the load, its springs and the friction under it. Its caller says which springs
+//! are attached and where their tips go. It has no ants and reads no scenario files. Nothing moves
 //! between two calls of [`Backend::advance`].
 //!
 //! A backend that observes another one, or adds to what it does, is a [`Wrapped`] with a [`Hook`].

@@ -20,13 +20,13 @@ pub struct Transition {
 #[serde(tag = "transition", rename_all = "snake_case")]
 pub enum TransitionKind {
     /// The load begins to move, with all its supports or about one of them.
-    Onset,
+    SlipOnset,
     /// The load comes to rest.
     Stop,
     /// A support stops slipping, and the load turns about it.
-    Capture { support: usize },
+    Pinning { support: usize },
     /// The support that the load turned about slips.
-    Freed { support: usize },
+    Unpinning { support: usize },
     /// A load without inertia moves by a finite displacement in no time.
     Jump {
         /// Shift of the load's origin (m).
@@ -41,10 +41,10 @@ pub enum TransitionKind {
 /// Number of transitions of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TransitionCounts {
-    pub n_onset: u64,
+    pub n_slip_onset: u64,
     pub n_stop: u64,
-    pub n_capture: u64,
-    pub n_freed: u64,
+    pub n_pinning: u64,
+    pub n_unpinning: u64,
     pub n_jumps: u64,
     /// Largest shift in a jump (m); `None` without any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -54,10 +54,10 @@ pub struct TransitionCounts {
 impl TransitionCounts {
     pub fn add(&mut self, kind: &TransitionKind) {
         match kind {
-            TransitionKind::Onset => self.n_onset += 1,
+            TransitionKind::SlipOnset => self.n_slip_onset += 1,
             TransitionKind::Stop => self.n_stop += 1,
-            TransitionKind::Capture { .. } => self.n_capture += 1,
-            TransitionKind::Freed { .. } => self.n_freed += 1,
+            TransitionKind::Pinning { .. } => self.n_pinning += 1,
+            TransitionKind::Unpinning { .. } => self.n_unpinning += 1,
             TransitionKind::Jump { shift, .. } => {
                 self.n_jumps += 1;
                 self.largest_jump = Some(self.largest_jump.map_or(*shift, |largest| largest.max(*shift)));
@@ -72,9 +72,9 @@ impl TransitionKind {
         match (before, after) {
             (before, after) if before == after => None,
             (_, ContactMode::Stick) => Some(TransitionKind::Stop),
-            (ContactMode::Stick, _) => Some(TransitionKind::Onset),
-            (_, ContactMode::Pinned(support)) => Some(TransitionKind::Capture { support }),
-            (ContactMode::Pinned(support), ContactMode::Slip) => Some(TransitionKind::Freed { support }),
+            (ContactMode::Stick, _) => Some(TransitionKind::SlipOnset),
+            (_, ContactMode::Pinned(support)) => Some(TransitionKind::Pinning { support }),
+            (ContactMode::Pinned(support), ContactMode::Slip) => Some(TransitionKind::Unpinning { support }),
             (ContactMode::Slip, ContactMode::Slip) => None,
         }
     }
@@ -82,10 +82,10 @@ impl TransitionKind {
     /// Name of the kind in plain words.
     pub fn name(&self) -> &'static str {
         match self {
-            TransitionKind::Onset => "onset",
+            TransitionKind::SlipOnset => "slip_onset",
             TransitionKind::Stop => "stop",
-            TransitionKind::Capture { .. } => "capture",
-            TransitionKind::Freed { .. } => "freed",
+            TransitionKind::Pinning { .. } => "pinning",
+            TransitionKind::Unpinning { .. } => "unpinning",
             TransitionKind::Jump { .. } => "jump",
         }
     }

@@ -156,7 +156,7 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
         lines.numbers(&[*time])?;
         lines.word(kind.name());
         match kind {
-            TransitionKind::Capture { support } | TransitionKind::Freed { support } => {
+            TransitionKind::Pinning { support } | TransitionKind::Unpinning { support } => {
                 lines.count(*support);
                 lines.nothing(3);
             }
@@ -164,7 +164,7 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
                 lines.nothing(1);
                 lines.numbers(&[*shift, *turn, *energy])?;
             }
-            TransitionKind::Onset | TransitionKind::Stop => lines.nothing(4),
+            TransitionKind::SlipOnset | TransitionKind::Stop => lines.nothing(4),
         }
         lines.end();
     }
@@ -262,9 +262,9 @@ mod tests {
     #[test]
     fn transitions_have_fields_only_where_there_is_something() {
         let kinds = [
-            TransitionKind::Onset,
-            TransitionKind::Capture { support: 2 },
-            TransitionKind::Freed { support: 2 },
+            TransitionKind::SlipOnset,
+            TransitionKind::Pinning { support: 2 },
+            TransitionKind::Unpinning { support: 2 },
             TransitionKind::Jump { shift: 4e-3, turn: -0.1, energy: 2.5e-5 },
             TransitionKind::Stop,
         ];

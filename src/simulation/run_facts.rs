@@ -113,13 +113,15 @@ pub const FACTS: [Fact; 51] = [
     number("energy.defect_parts.quadrature_j", "", "Part of the defect from the sums of work.", |r| {
         Number(r.outcome.energy.defect_parts().quadrature)
     }),
-    count("transitions.n_slip_onset", "n_slip_onset", "Number of times the load began to slip.", |r| r.transitions(|t| Count(t.n_onset))),
+    count("transitions.n_slip_onset", "n_slip_onset", "Number of times the load began to slip.", |r| {
+        r.transitions(|t| Count(t.n_slip_onset))
+    }),
     count("transitions.n_stop", "n_stop", "Number of times the load came to rest.", |r| r.transitions(|t| Count(t.n_stop))),
     count("transitions.n_pinning", "n_pinning", "Number of times one support stopped under a turning load.", |r| {
-        r.transitions(|t| Count(t.n_capture))
+        r.transitions(|t| Count(t.n_pinning))
     }),
     count("transitions.n_unpinning", "n_unpinning", "Number of times such a support began to slip again.", |r| {
-        r.transitions(|t| Count(t.n_freed))
+        r.transitions(|t| Count(t.n_unpinning))
     }),
     count("transitions.n_jumps", "n_jumps", "Number of jumps of the quasi-static path.", |r| r.transitions(|t| Count(t.n_jumps))),
     number("transitions.largest_jump_m", "largest_jump_m", "Largest displacement in a jump.", |r| {
@@ -149,8 +151,8 @@ pub const FACTS: [Fact; 51] = [
         Count(r.outcome.steps.skipped.free_load)
     }),
     count("steps.skipped.still_tips", "", "Number of steps skipped while no tip moved.", |r| Count(r.outcome.steps.skipped.still_tips)),
-    count("steps.skipped.stick_bound", "", "Number of steps skipped by a stick certificate.", |r| {
-        Count(r.outcome.steps.skipped.stick_bound)
+    count("steps.skipped.stick_certificate", "", "Number of steps skipped by a stick certificate.", |r| {
+        Count(r.outcome.steps.skipped.stick_certificate)
     }),
     count("steps.skipped.distant_ants", "n_skipped_ants", "Number of ants too far away to sense a tip, over all ticks.", |r| {
         distant_ants(r)

@@ -50,7 +50,7 @@ pub struct Auditor {
 pub fn audited(system: &System, start: Motion) -> (Wrapped<Auditor>, Rc<RefCell<Findings>>) {
     let findings = Rc::new(RefCell::new(Findings::default()));
     let options = BackendOptions::new(BackendKind::QuasiStatic, f64::INFINITY);
-    let inside = build(system, start, &BackendOptions { skips: Skips::ALL.without(Skip::StickBound), ..options });
+    let inside = build(system, start, &BackendOptions { skips: Skips::ALL.without(Skip::StickCertificate), ..options });
     let hook = Auditor { system: system.clone(), held: Attachments::default(), disturbed: false, findings: findings.clone() };
     (Wrapped { inside, hook }, findings)
 }

@@ -243,7 +243,7 @@ fn no_step_of_the_reference_scene_is_taken_for_a_jump() {
         drive(run.as_mut(), reference_tips, 1.0, n, |_, run| {
             for transition in run.transitions() {
                 assert!(!matches!(transition.kind, TransitionKind::Jump { .. }), "{n}: {transition:?}");
-                n_onsets += u32::from(transition.kind == TransitionKind::Onset);
+                n_onsets += u32::from(transition.kind == TransitionKind::SlipOnset);
             }
         });
         assert_eq!((n_onsets, run.energy().jumps), (1, 0.0), "{n}");

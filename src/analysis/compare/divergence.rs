@@ -159,7 +159,7 @@ impl<'a> PathPair<'a> {
             return f64::NEG_INFINITY;
         }
         let transitions = &self.a.trace.transitions;
-        let onsets = transitions.iter().filter(|transition| transition.kind == TransitionKind::Onset).map(|onset| onset.time);
+        let onsets = transitions.iter().filter(|transition| transition.kind == TransitionKind::SlipOnset).map(|onset| onset.time);
         onsets.chain(sudden.iter().copied()).fold(f64::INFINITY, f64::min)
     }
 }
@@ -178,10 +178,10 @@ fn of_event(event: &Event) -> Trigger {
 
 fn of_transition(transition: &Transition) -> Trigger {
     let (kind, support) = match transition.kind {
-        TransitionKind::Onset => (TriggerKind::SlipOnset, None),
+        TransitionKind::SlipOnset => (TriggerKind::SlipOnset, None),
         TransitionKind::Stop => (TriggerKind::Stop, None),
-        TransitionKind::Capture { support } => (TriggerKind::Pinning, Some(support)),
-        TransitionKind::Freed { support } => (TriggerKind::Unpinning, Some(support)),
+        TransitionKind::Pinning { support } => (TriggerKind::Pinning, Some(support)),
+        TransitionKind::Unpinning { support } => (TriggerKind::Unpinning, Some(support)),
         TransitionKind::Jump { .. } => (TriggerKind::Jump, None),
     };
     Trigger { support, ..Trigger::new(kind, transition.time) }

@@ -1,4 +1,4 @@
-//! Tolerances of a macro-step and the errors that are held against them.
+//! Tolerances of a macro-step and the errors that are compared with them.
 
 use serde::{Deserialize, Serialize};
 

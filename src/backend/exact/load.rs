@@ -62,7 +62,7 @@ pub trait Method: Sized {
     /// Replaces these quantities.
     fn set_extra_flow(_state: &mut State<Self::Memory>, _system: &System, _flow: &[f64]) {}
 
-    /// Pull of the holder on a tip, from the pull that the spring alone needs (N, world).
+    /// Pull on a tip with its dashpot, from the pull that the spring alone needs (N, world).
     fn pull_with_dashpot(_state: &State<Self::Memory>, _spring: usize, pull: Vec2) -> Vec2 {
         pull
     }
@@ -176,7 +176,7 @@ impl<M: Method> Exact<M> {
     /// Skips the next of `n_steps` steps, of which some are `done`, as far as the stick certificate
     /// reaches, and returns their number.
     fn skip_certain_steps(&mut self, paths: &TipPaths, [done, n_steps]: [u64; 2], report: &mut StepReport) -> u64 {
-        if !self.skips.stick_bound {
+        if !self.skips.stick_certificate {
             return 0;
         }
         let Self { state, springs, system, solver, .. } = self;
@@ -186,7 +186,7 @@ impl<M: Method> Exact<M> {
             state.contact = GroundContact::Known(ContactMode::Stick);
             state.motion.twist = Twist::ZERO;
             self.note_mode_change(last, (done + 1) as f64 / n_steps as f64 * paths.duration);
-            report.leave_out(Skip::StickBound, n_certain);
+            report.leave_out(Skip::StickCertificate, n_certain);
         }
         n_certain
     }

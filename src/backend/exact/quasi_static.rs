@@ -44,7 +44,7 @@ impl Exact<QuasiStatic> {
     pub fn quasi_static(system: &System, start: Motion, stepping: Stepping, skips: Skips) -> Self {
         let motion = Motion { twist: Twist::ZERO, ..start };
         // Macro-steps are long already, and their states are taken back.
-        let skips = if matches!(stepping, Stepping::Fixed(_)) { skips } else { skips.without(Skip::StickBound) };
+        let skips = if matches!(stepping, Stepping::Fixed(_)) { skips } else { skips.without(Skip::StickCertificate) };
         Self::with(QuasiStatic { second_order: false }, Memory::default(), (system.clone(), motion), stepping, skips)
     }
 
@@ -80,7 +80,11 @@ impl Exact<QuasiStatic> {
         }
         let accepted = springs.accept(&pose);
         state.energy.add_tip_work(accepted.of_tips, accepted.elastic);
-        if state.contact.last() == ContactMode::Stick && self.skips.stick_bound && pose == before && report.status == Status::Converged {
+        if state.contact.last() == ContactMode::Stick
+            && self.skips.stick_certificate
+            && pose == before
+            && report.status == Status::Converged
+        {
             state.certificate.renew(&self.system.springs, springs, &self.solver);
         } else {
             state.certificate.forget();

@@ -16,7 +16,8 @@ pub enum Skip {
     StillTips,
     /// Solutions of the friction problem while the tips have not moved far enough to make the load
     /// slip (quasi-static, at fixed steps).
-    StickBound,
+    #[serde(alias = "stick-bound")]
+    StickCertificate,
     /// Springs that are too far from an ant to be sensed.
     DistantAnts,
 }
@@ -27,20 +28,21 @@ pub enum Skip {
 pub struct Skips {
     pub free_load: bool,
     pub still_tips: bool,
-    pub stick_bound: bool,
+    #[serde(alias = "stick_bound")]
+    pub stick_certificate: bool,
     pub distant_ants: bool,
 }
 
 impl Skips {
-    pub const ALL: Skips = Skips { free_load: true, still_tips: true, stick_bound: true, distant_ants: true };
-    pub const NONE: Skips = Skips { free_load: false, still_tips: false, stick_bound: false, distant_ants: false };
+    pub const ALL: Skips = Skips { free_load: true, still_tips: true, stick_certificate: true, distant_ants: true };
+    pub const NONE: Skips = Skips { free_load: false, still_tips: false, stick_certificate: false, distant_ants: false };
 
     /// Whether work of this kind is skipped.
     pub fn has(&self, skip: Skip) -> bool {
         match skip {
             Skip::FreeLoad => self.free_load,
             Skip::StillTips => self.still_tips,
-            Skip::StickBound => self.stick_bound,
+            Skip::StickCertificate => self.stick_certificate,
             Skip::DistantAnts => self.distant_ants,
         }
     }
@@ -50,7 +52,7 @@ impl Skips {
         match skip {
             Skip::FreeLoad => Skips { free_load: false, ..self },
             Skip::StillTips => Skips { still_tips: false, ..self },
-            Skip::StickBound => Skips { stick_bound: false, ..self },
+            Skip::StickCertificate => Skips { stick_certificate: false, ..self },
             Skip::DistantAnts => Skips { distant_ants: false, ..self },
         }
     }
@@ -75,7 +77,8 @@ pub struct SkipCounts {
     /// Steps.
     pub still_tips: u64,
     /// Steps.
-    pub stick_bound: u64,
+    #[serde(alias = "stick_bound")]
+    pub stick_certificate: u64,
     /// Ants at ticks.
     pub distant_ants: u64,
 }
@@ -85,7 +88,7 @@ impl SkipCounts {
         match why {
             Skip::FreeLoad => self.free_load += n,
             Skip::StillTips => self.still_tips += n,
-            Skip::StickBound => self.stick_bound += n,
+            Skip::StickCertificate => self.stick_certificate += n,
             Skip::DistantAnts => self.distant_ants += n,
         }
     }
@@ -93,7 +96,7 @@ impl SkipCounts {
     pub fn add(&mut self, other: &SkipCounts) {
         self.free_load += other.free_load;
         self.still_tips += other.still_tips;
-        self.stick_bound += other.stick_bound;
+        self.stick_certificate += other.stick_certificate;
         self.distant_ants += other.distant_ants;
     }
 }

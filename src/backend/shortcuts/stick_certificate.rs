@@ -104,7 +104,7 @@ impl StickCertificate {
     }
 
     /// Moves the tips through as many of the remaining ones of `n_steps` equal steps, of which some
-    /// are `done`, as the load surely sticks for. Returns their number.
+    /// are `done`, as the load certainly sticks for. Returns their number.
     pub fn advance_tips(
         &mut self,
         springs: &[PolarSpring],
@@ -118,15 +118,15 @@ impl StickCertificate {
         // One step is known from its end, which costs less than a bound for all of it and reaches
         // farther.
         let n_left = n_steps - done;
-        let n_bound = if n_left > 1 { self.n_sure(springs, attached, paths.targets, n_left, solver) } else { 0 };
-        let n_sure = n_bound.max(1);
-        let share = (done + n_sure) as f64 / n_steps as f64;
+        let n_bound = if n_left > 1 { self.n_certain(springs, attached, paths.targets, n_left, solver) } else { 0 };
+        let n_certain = n_bound.max(1);
+        let share = (done + n_certain) as f64 / n_steps as f64;
         let sticks = |gradient: Vec3, blocks: &SpringBlocks| n_bound > 0 || self.holds(&-gradient, blocks.tips(), solver);
-        if attached.move_ahead(paths, share, sticks) { n_sure } else { 0 }
+        if attached.move_ahead(paths, share, sticks) { n_certain } else { 0 }
     }
 
-    /// Whether the load surely sticks under this wrench of the springs (N, N, N m; load axes), with
-    /// these tips (m, world, in the order of the attachments).
+    /// Whether the load certainly sticks under this wrench of the springs (N, N, N m; load axes),
+    /// with these tips (m, world, in the order of the attachments).
     fn holds(&self, wrench: &Vec3, tips: impl Iterator<Item = Vec2>, solver: &FrictionSolver) -> bool {
         let is_near = |(ball, tip): (&Ball, Vec2)| ball.contains(&(tip - ball.attachment.tip));
         let change = solver.balanced(&(wrench - self.wrench));
@@ -134,8 +134,8 @@ impl StickCertificate {
     }
 
     /// Number of equal steps of the straight paths of the tips to their entries of `targets` (m,
-    /// world), from the first of `n_steps` on, for which the load surely sticks.
-    fn n_sure(
+    /// world), from the first of `n_steps` on, for which the load certainly sticks.
+    fn n_certain(
         &mut self,
         springs: &[PolarSpring],
         attached: &AttachedSprings,
@@ -151,7 +151,7 @@ impl StickCertificate {
         if self.growths.len() < self.balls.len() {
             return 0;
         }
-        let is_sure = |n: u64| {
+        let is_certain = |n: u64| {
             let share = n as f64 / n_steps as f64;
             let (mut change, mut bend) = (Vec3::zeros(), 0.0);
             self.balls.iter().zip(&self.growths).zip(attached.iter()).all(|((ball, growth), attachment)| {
@@ -161,20 +161,20 @@ impl StickCertificate {
                 ball.contains(&shift)
             }) && solver.bears(&self.forces, &change, bend)
         };
-        // A load may stick here by other forces than those of the certificate; the bound does not
-        // know.
-        if n_steps > 1 && !is_sure(0) {
+        // A load may stick here by other forces than those of the certificate, which the bound does
+        // not cover.
+        if n_steps > 1 && !is_certain(0) {
             return 0;
         }
-        if is_sure(n_steps) {
+        if is_certain(n_steps) {
             return n_steps;
         }
-        let (mut sure, mut unsure) = (0, n_steps);
-        while unsure - sure > 1 {
-            let middle = sure + (unsure - sure) / 2;
-            *(if is_sure(middle) { &mut sure } else { &mut unsure }) = middle;
+        let (mut certain, mut uncertain) = (0, n_steps);
+        while uncertain - certain > 1 {
+            let middle = certain + (uncertain - certain) / 2;
+            *(if is_certain(middle) { &mut certain } else { &mut uncertain }) = middle;
         }
-        sure
+        certain
     }
 }
 

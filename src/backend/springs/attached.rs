@@ -165,7 +165,7 @@ impl AttachedSprings {
         self.blocks.work_error()
     }
 
-    /// Force of the holder on the tip of a spring, with the load at `pose` (N, world); zero for a
+    /// Pull on the tip of a spring, with the load at `pose` (N, world); zero for a
     /// free spring.
     pub fn pull(&self, springs: &[PolarSpring], spring: usize, pose: &Pose) -> Vec2 {
         match (self.attachments.place(spring), self.cache) {

@@ -27,7 +27,7 @@ pub struct AttachedTip {
     pub spring: usize,
     /// (m, world)
     pub position: Vec2,
-    /// Force of the holder on the tip (N, world): the negative of Eq. (10).
+    /// Force of the ant or robot on the tip (N, world): the negative of Eq. (10).
     pub pull: Vec2,
 }
 
@@ -118,7 +118,7 @@ impl Attachments {
         sum
     }
 
-    /// Force of the holder on the tip of a spring (N, world); zero for a free spring.
+    /// Pull on the tip of a spring (N, world); zero for a free spring.
     pub fn pull(&self, springs: &[PolarSpring], spring: usize, pose: &Pose) -> Vec2 {
         self.place(spring).map_or(Vec2::zeros(), |at| springs[spring].pull(pose, &self.list[at].shape(springs, pose)))
     }

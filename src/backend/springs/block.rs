@@ -32,7 +32,7 @@ pub(super) struct Block {
     /// Swing at the accepted pose (rad), and its whole turns.
     pub swing: Numbers,
     turns: Numbers,
-    /// Tip (m, world) and pull of its holder (N, world) at the accepted pose.
+    /// Tip (m, world) and the pull on it (N, world) at the accepted pose.
     pub accepted_tip: Vectors,
     pub accepted_pull: Vectors,
     /// Unit vector from root to tip at the accepted pose (load axes).
@@ -40,7 +40,7 @@ pub(super) struct Block {
     /// Squared product of the change of the pulls and the displacement of the tips, from the
     /// accepted pose before to this one (J^2).
     squared_error: Numbers,
-    /// Swing (rad), pull of the holder (N, load axes) and unit vector from root to tip (load axes)
+    /// Swing (rad), pull on the tip (N, load axes) and unit vector from root to tip (load axes)
     /// at the pose that was evaluated last.
     last_swing: Numbers,
     pub last_pull: Vectors,
@@ -176,7 +176,7 @@ impl Block {
         sum
     }
 
-    /// Accepts tips and swings, and returns twice the work of the holders by the trapezoid rule (J)
+    /// Accepts tips and swings, and returns twice the work on the tips by the trapezoid rule (J)
     /// and the squared displacement of the tips (m^2).
     pub fn accept(&mut self, cos: Numbers, sin: Numbers) -> [Numbers; 2] {
         let pull = self.last_pull.turned(cos, sin);

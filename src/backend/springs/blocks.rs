@@ -49,7 +49,7 @@ struct Evaluated {
 pub struct Accepted {
     /// Elastic energy now (J).
     pub elastic: f64,
-    /// Work of the holders on the springs (J): the energy gained by the springs where the load
+    /// Work on the tips (J): the energy gained by the springs where the load
     /// stood still, by the trapezoid rule elsewhere.
     pub of_tips: f64,
     /// Work of the springs on the load by the trapezoid rule (J).
@@ -225,7 +225,7 @@ impl SpringBlocks {
         }
     }
 
-    /// Bound of the error of the work of the holders that was accepted last, on a smooth path (J):
+    /// Bound of the error of the work on the tips that was accepted last, on a smooth path (J):
     /// half the change of the pulls times the displacement of the tips.
     pub fn work_error(&self) -> f64 {
         0.5 * self.blocks.iter().map(|block| block.error().reduce_add()).sum::<f64>()
@@ -236,18 +236,18 @@ impl SpringBlocks {
         &self.accepted.at
     }
 
-    /// Pull of the holder of the attachment in this place at the accepted pose (N, world).
+    /// Pull on the tip of the attachment in this place at the accepted pose (N, world).
     pub fn pull(&self, at: usize) -> Vec2 {
         self.blocks[at / LANES].accepted_pull.lane(at % LANES)
     }
 
-    /// Pull of the holder of the attachment in this place where the springs were evaluated last
+    /// Pull on the tip of the attachment in this place where the springs were evaluated last
     /// (N, world).
     pub fn last_pull(&self, at: usize) -> Vec2 {
         self.evaluated.at.turn * self.blocks[at / LANES].last_pull.lane(at % LANES)
     }
 
-    /// Passes the pulls of the holders (N, world) to `see`, in the order of the attachments: those
+    /// Passes the pulls on the tips (N, world) to `see`, in the order of the attachments: those
     /// at the accepted pose, or the `last` ones evaluated.
     pub fn see_pulls(&self, last: bool, mut see: impl FnMut(usize, Vec2)) {
         let turn = &self.evaluated.at.turn;

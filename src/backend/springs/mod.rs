@@ -1,4 +1,4 @@
-//! The attached springs: which tips are held where, and how the springs respond.
+//! The attached springs: which tips are where, and how the springs respond.
 
 mod attached;
 mod attachments;
