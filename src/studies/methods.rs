@@ -168,10 +168,11 @@ impl Method {
 impl FromStr for Method {
     type Err = String;
 
-    /// The method of this name, short name or key. The engine's defaults were once called `as
-    /// shipped`.
+    /// The method of this name, short name or key. A former key of the engine's defaults is
+    /// accepted.
     fn from_str(text: &str) -> Result<Self, String> {
-        let name = text.replace("as-shipped", "engine-defaults").replace("as shipped", "engine defaults");
+        let alias = "as-shipped";
+        let name = text.replace(alias, "engine-defaults");
         let found = METHODS.into_iter().find(|method| [method.name, method.short_name, method.key].contains(&name.as_str()));
         found.ok_or_else(|| format!("there is no method {text}"))
     }

@@ -1,4 +1,22 @@
-//! Studies: each poses scenes, runs them, judges what comes back and writes its report, figures and files.
+//! Studies: each builds scenes, runs them, judges the results and writes its report, figures and
+//! files.
+//!
+//! A new study is a folder here and a line below. Its `suite.rs` makes [`runner::Tasks`]: a number
+//! of tasks and a function from the number of a task to its record, any type that serde can write.
+//! The runner then provides threads, progress, interruption and resumption.
+//!
+//! ```
+//! use cohaul::studies::runner::{Records, Tasks};
+//!
+//! let tasks = Tasks::equal(100, |task, _go_on| Some((task as f64).sqrt()));
+//! let mut records = Records::in_memory();
+//! tasks.run(&mut records, &|fraction_done| fraction_done < 2.0).unwrap();
+//! assert_eq!(records.get(49), Some(&7.0));
+//! ```
+//!
+//! With `Records::open("DIR.journal", ...)` in place of `Records::in_memory()`, the study survives
+//! being stopped or killed at any moment. The ways to move a load that it compares are those of
+//! [`methods`], and closed forms are in [`known_answers`].
 
 pub mod bench;
 pub mod calibrate;

@@ -122,7 +122,7 @@ fn sizes(largest: usize, is_quick: bool) -> Vec<usize> {
 fn dragged(n_springs: usize, n_supports: usize) -> System {
     const RADIUS: f64 = paper::LOAD_RADIUS_M;
     const MASS: f64 = paper::LOAD_MASS_KG;
-    /// Of all springs together (N/m, N m/rad): four of the paper's.
+    /// Stiffness of all springs together (N/m, N m/rad): that of four of the paper's.
     const STIFFNESS: (f64, f64) = (4.0 * paper::RADIAL_STIFFNESS_N_PER_M, 4.0 * paper::TORSIONAL_STIFFNESS_NM_PER_RAD);
     let turn = std::f64::consts::TAU;
     let share = 1.0 / n_springs as f64;

@@ -24,7 +24,7 @@ const FIRST_TOLERANCE: f64 = 1e-3;
 const TOLERANCE: f64 = 1e-9;
 
 impl Reference {
-    /// Of the scenario without inertia or with it; `watch` as in [`Simulation::run`], with the
+    /// Reference for backends of this kind; `watch` as in [`Simulation::run`], with the
     /// share done (1). `None` when it said to stop.
     ///
     /// # Errors

@@ -103,7 +103,7 @@ pub struct FitLine {
     /// Over sizes from a thirtieth of the largest on (1).
     pub exponent: Option<f64>,
     pub exponent_error: Option<f64>,
-    /// Of a line over all sizes (s, s per one more).
+    /// Line over all sizes (s, s per one more).
     pub offset_s: Option<f64>,
     pub slope_s: Option<f64>,
     pub slope_error_s: Option<f64>,

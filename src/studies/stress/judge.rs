@@ -1,16 +1,16 @@
-//! Numbers -> outcome. The rules, worst outcome first:
+//! Outcome of a run from its numbers. The rules, worst outcome first:
 //!
 //! | outcome | when |
 //! |---|---|
 //! | `panicked` | the run panicked |
-//! | `not-finite` | a number without a value in anything that the backend tells, at any step |
-//! | `unexplained` | what has no cause, and a clock or a tip that is not where it was sent |
+//! | `not-finite` | a number of the backend is not finite at some step |
+//! | `unexplained` | nothing explains the fault, or a clock or a tip is not where it was sent |
 //! | `failed` | some step had no finite answer, and the backend said so |
 //! | `too-long` | the run costs more than its budget of work |
-//! | `energy-from-nowhere` | the defect is positive beyond what rounding and quadrature explain, see [`allowed_defect`] |
+//! | `energy-from-nowhere` | the positive defect exceeds [`allowed_defect`] |
 //! | `not-converged` | some step ended above its tolerance, and the backend said so |
-//! | `creep` | the edge of a load that must stick moved by more than 1e-9 of its radius; rounding in a minute of steps leaves less |
-//! | `drift` | the load left the axis of a symmetric scene by more than a thousandth of its displacement |
+//! | `creep` | the edge of a load that must stick moved by over 1e-9 of its radius |
+//! | `drift` | a load left the axis of a symmetric scene by over 1e-3 of its displacement |
 //! | `error` | the final error exceeds a tenth of the path length: no digit is right |
 //! | `refused` | the scenario breaks a rule of the format |
 //! | `finished` | none of these |

@@ -37,7 +37,7 @@ impl Axis {
         Self { name, values: (0..names.len()).map(|i| i as f64).collect(), names: names.to_vec() }
     }
 
-    /// The same with zero before all values.
+    /// The axis with zero before all values.
     pub fn and_zero(mut self) -> Self {
         self.values.insert(0, 0.0);
         self

@@ -58,7 +58,7 @@ pub struct Defect {
 const MOST_DEFECTS: usize = 20;
 
 impl Stress {
-    /// Of the `rows` of `maps`, in the order of their cells.
+    /// Summary of the `rows` of `maps`, in the order of their cells.
     pub fn new(maps: &[Map], rows: &[Row], quick: bool, wall_s: f64) -> Self {
         let n_of = |outcome: Outcome| rows.iter().filter(|row| row.outcome == outcome).count();
         let of_map = |map: &Map| MapSummary {

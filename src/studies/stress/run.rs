@@ -16,7 +16,7 @@ use crate::studies::methods::Method;
 /// Steps times joints that a run may cost: seconds. Counted before it starts, so that the same
 /// cells are too long everywhere.
 const MOST_WORK: f64 = 2e5;
-/// The same for a run at an eighth of the step.
+/// Steps times joints that a run at an eighth of the step may cost.
 const MOST_FINER_WORK: f64 = 4e5;
 /// Newton iterations that a run may cost.
 const MOST_ITERATIONS: u64 = 2_000_000;

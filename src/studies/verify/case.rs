@@ -47,7 +47,7 @@ pub struct Plan {
     pub n_levels: usize,
     pub expected: Expected,
     pub bound: Bound,
-    /// Of the extrapolated answer, at the shortest step; `None` where there is none.
+    /// Bound of the extrapolated answer, at the shortest step; `None` where there is none.
     pub limit: Option<Bound>,
 }
 

@@ -68,7 +68,7 @@ pub struct Line {
 }
 
 impl Verification {
-    /// Of the `rows` of `cases`; those without any row are left out.
+    /// Summary of the `rows` of `cases`; cases without any row are left out.
     pub fn new(cases: &[Case], rows: &[Row], effort: Effort, wall_s: f64) -> Self {
         let lines: Vec<Line> = rows.iter().map(Line::of).collect();
         let n_judged = lines.iter().filter(|line| line.holds.is_some()).count();

@@ -165,7 +165,7 @@ fn nodes(options: &BackendOptions, warp: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..=n).map(|i| warp(i as f64 / n as f64)).collect()
 }
 
-/// The same nodes at other times give the same bits.
+/// Nodes of a path at other times give the same bits.
 fn same_nodes() -> Case {
     let run = |options: &BackendOptions| {
         let nodes = nodes(options, |s| s);

@@ -1,4 +1,4 @@
-//! The same scene from nanometres to kilometres and from micrograms to tonnes, and loads of any
+//! One scene from nanometres to kilometres and from micrograms to tonnes, and loads of any
 //! proportion.
 
 use super::super::map::{Answer, Asked, Axis, Cell, Map};
