@@ -15,6 +15,7 @@
 //! ```
 
 pub mod axis;
+pub mod bars;
 pub mod canvas;
 pub mod cells;
 pub mod difference;

@@ -1,7 +1,8 @@
 //! Where a page's numbers come from: enough to run it again.
 
 use crate::output::manifest::Manifest;
-use crate::output::page::{Block, Number, Section, Table};
+use crate::output::page::content::{Block, Number, Section};
+use crate::output::table::Table;
 
 pub fn section(manifest: &Manifest) -> Section {
     let commit = manifest.commit.unwrap_or("not built from a repository");

@@ -89,6 +89,12 @@ impl Table {
         self
     }
 
+    /// The table with more rows.
+    pub fn with_rows<F: Into<Field>>(mut self, rows: impl IntoIterator<Item = impl IntoIterator<Item = F>>) -> Self {
+        rows.into_iter().for_each(|row| self.push(row));
+        self
+    }
+
     /// Adds a row.
     pub fn push<F: Into<Field>>(&mut self, fields: impl IntoIterator<Item = F>) {
         self.rows.push(fields.into_iter().map(Into::into).collect());

@@ -1,9 +1,10 @@
 //! The page of a benchmark: what each error costs.
 
 use crate::output::manifest::Manifest;
-use crate::output::page::{Answer, Block, Headline, Number, Page, Table};
+use crate::output::page::{Answer, Block, Headline, Number, Page};
 use crate::output::quantity::short;
 use crate::output::quantity::{number, quantity};
+use crate::output::table::Table;
 use crate::studies::bench::figure;
 use crate::studies::bench::report::Benchmark;
 use crate::studies::bench::text::bench_text;
@@ -88,7 +89,7 @@ fn equal_error(facts: &SceneFacts, found: &Benchmark) -> Table {
     levels.dedup();
     let heads = levels.iter().map(|level| format!("{level:.0e}"));
     let caption = "CPU time at which an error is reached, over the path length; in brackets over the best rapier variant";
-    let mut table = Table { caption: caption.to_owned(), head: ["method".to_owned()].into_iter().chain(heads).collect(), rows: Vec::new() };
+    let mut table = Table::new(caption, ["method".to_owned()].into_iter().chain(heads));
     for method in METHODS.iter().map(|method| method.name).filter(|name| lines.iter().any(|line| line.method == *name)) {
         let cell = |level: &f64| {
             let line = lines.iter().find(|line| line.error == *level && line.method == method)?;
@@ -96,7 +97,7 @@ fn equal_error(facts: &SceneFacts, found: &Benchmark) -> Table {
             line.cpu_s.map(|cpu| quantity(cpu, "s") + &ratio)
         };
         let cells = levels.iter().map(|level| cell(level).unwrap_or_else(|| "not reached".to_owned()));
-        table.rows.push([method.to_owned()].into_iter().chain(cells).collect());
+        table.push([method.to_owned()].into_iter().chain(cells));
     }
     table
 }

@@ -2,13 +2,13 @@
 
 use crate::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise};
 use crate::backend::BackendKind;
+use crate::output::chart::bars::{self, Bar, Spread, SpreadLine};
 use crate::output::chart::{self, Labelled, Scene, trace_color};
 use crate::output::manifest::Manifest;
-use crate::output::page::bars::{self, Bar, Spread, SpreadLine};
 use crate::output::page::replay::{Replay, Shown};
-use crate::output::page::terms::TERMS;
-use crate::output::page::{Block, Headline, Number, Page, Table};
+use crate::output::page::{Block, Headline, Number, Page};
 use crate::output::quantity::{quantity, short, short_quantity};
+use crate::output::table::Table;
 use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance};
 use crate::studies::compare::comparison::Comparison;
@@ -34,7 +34,7 @@ pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &
     if let Some(found) = &comparison.tiers.closed_loop {
         page = page.section(tier_name(found.tier), closed_loop(found, scenario));
     }
-    page.section("Terms", vec![Block::Terms(TERMS.to_vec())])
+    page.section("Terms", vec![Block::Terms])
 }
 
 /// Largest edge displacements beside the tolerance.

@@ -3,7 +3,6 @@
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::manifest::Manifest;
 use crate::output::page::replay::{Replay, Shown};
-use crate::output::page::terms::TERMS;
 use crate::output::page::{Block, Headline, Number, Page};
 use crate::output::quantity::quantity;
 use crate::output::text::Detail;
@@ -27,7 +26,7 @@ pub fn run_page(summary: &RunSummary, trace: &Trace, scenario: &Scenario, manife
         .section("The run", vec![Block::Replay(Box::new(replay))])
         .section("Over time", vec![Block::figure(overview, caption)])
         .section("Numbers", vec![Block::Code(run_text(summary, Detail::Full))])
-        .section("Terms", vec![Block::Terms(TERMS.to_vec())])
+        .section("Terms", vec![Block::Terms])
 }
 
 fn numbers(summary: &RunSummary) -> Vec<Number> {

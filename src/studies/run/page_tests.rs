@@ -8,6 +8,7 @@ use crate::output::page::packed::Packed;
 use crate::output::page::replay::{Replay, Shown};
 use crate::output::page::*;
 use crate::output::synthetic;
+use crate::output::table::Table;
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 use crate::simulation::run_facts::Run;
@@ -46,7 +47,7 @@ fn series(packed: &Value) -> (f64, Vec<Option<f64>>) {
 fn a_hostile_name_is_only_a_name() {
     let scenario = Scenario { name: HOSTILE.to_owned(), ..four_ants() };
     let (hostile, tame) = (page_of(&scenario, &synthetic::trace(50, 1.0)), page_of(&four_ants(), &synthetic::trace(50, 1.0)));
-    assert!(hostile.contains("&lt;/script&gt;&lt;b onload=x()&gt;&quot;&#39; &amp;amp; &lt;!--"));
+    assert!(hostile.contains("&lt;/script&gt;&lt;b onload=x()&gt;&quot;' &amp;amp; &lt;!--"));
     let count = |page: &str, what: &str| page.matches(what).count();
     for tag in ["<script", "</script", "<b>", "<b ", "<!--"] {
         assert_eq!(count(&hostile, tag), count(&tame, tag), "{tag}");

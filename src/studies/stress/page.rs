@@ -1,8 +1,9 @@
 //! The page of a stress test: where numbers break.
 
 use crate::output::manifest::Manifest;
-use crate::output::page::{Answer, Block, Headline, Number, Page, Table};
+use crate::output::page::{Answer, Block, Headline, Number, Page};
 use crate::output::quantity::quantity;
+use crate::output::table::Table;
 use crate::studies::stress::heat_map::heat_map;
 use crate::studies::stress::report::{Counts, Stress};
 use crate::studies::stress::{Map, Row};
@@ -52,10 +53,10 @@ fn outcomes(caption: &str, counts: &Counts) -> Table {
     let mut names: Vec<&str> = counts.values().flat_map(|of| of.keys().copied()).collect();
     names.sort_unstable();
     names.dedup();
-    let head = ["backend"].into_iter().chain(names.iter().copied()).map(str::to_owned).collect();
+    let head = ["backend"].into_iter().chain(names.iter().copied()).map(str::to_owned);
     let row = |(backend, of): (&&str, &std::collections::BTreeMap<&str, usize>)| {
         let cells = names.iter().map(|name| of.get(name).copied().unwrap_or(0).to_string());
-        [(*backend).to_owned()].into_iter().chain(cells).collect()
+        [(*backend).to_owned()].into_iter().chain(cells).collect::<Vec<_>>()
     };
-    Table { caption: caption.to_owned(), head, rows: counts.iter().map(row).collect() }
+    Table::new(caption, head).with_rows(counts.iter().map(row))
 }

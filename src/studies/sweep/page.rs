@@ -1,7 +1,8 @@
 //! The page of a sweep: what its runs come to, by parameters and backend.
 
 use crate::output::manifest::Manifest;
-use crate::output::page::{Answer, Block, Headline, Number, Page, Table};
+use crate::output::page::{Answer, Block, Headline, Number, Page};
+use crate::output::table::Table;
 use crate::studies::sweep::report::SweepSummary;
 use crate::studies::sweep::report::group_rows;
 
@@ -13,7 +14,7 @@ pub fn sweep_page(found: &SweepSummary, figure: Option<String>, manifest: &Manif
     let groups = found.groups.as_deref().unwrap_or_default();
     let mut rows = group_rows(found, &groups[..groups.len().min(MOST_SHOWN)]).into_iter();
     let (caption, head) = ("Runs that differ by their seed alone, with 95 % intervals".to_owned(), rows.next().unwrap_or_default());
-    let mut blocks = vec![Block::Table(Table { caption, head, rows: rows.collect() })];
+    let mut blocks = vec![Block::Table(Table::new(caption, head).with_rows(rows))];
     if groups.len() > MOST_SHOWN || found.groups.is_none() {
         blocks.push(Block::Text(format!("{} groups in all: groups.csv has them.", found.n_groups)));
     }
