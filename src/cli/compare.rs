@@ -53,7 +53,8 @@ pub struct CompareArgs {
     /// Backend whose run is replayed on the others [default: quasi-static]
     #[arg(long, value_name = "BACKEND", value_parser = choice::<BackendKind>())]
     recorded_from: Option<BackendKind>,
-    /// Tolerance: edge displacement that counts as agreement, over the path length (1) [default: 0.01]
+    /// Tolerance: edge displacement that counts as agreement, over the path length (1)
+    /// [default: 0.01]
     #[arg(long, alias = "agreement", value_name = "SHARE", value_parser = positive)]
     tolerance_share: Option<f64>,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated

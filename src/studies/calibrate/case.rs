@@ -1,4 +1,4 @@
-//! The three ways of pulling at a tip, numbered as Eq. (1)-(3) and Table I.
+//! Three directions of loading a spring, numbered as Eq. (1) to (3) and Table I of the paper.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::SpringDesign;
 
-/// Turn (rad) of a pivot up to which one straight link stands for a bent member: beyond, Eq. (1) runs off to infinity as members get straight.
+/// Largest turn of a pivot for which one straight link describes a bent member (rad). Beyond it,
+/// Eq. (1) diverges as the members become straight.
 pub const MOST_TURN: f64 = FRAC_PI_3;
 
-/// How a spring was loaded.
+/// Direction in which a spring was loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Case {
@@ -34,7 +35,7 @@ impl Case {
         }
     }
 
-    /// By name, or by the number of its equation.
+    /// The case with this name, or with this number of its equation.
     pub fn named(text: &str) -> Option<Self> {
         Case::ALL.into_iter().zip(["1", "2", "3"]).find(|(case, number)| case.name() == text || *number == text).map(|(case, _)| case)
     }
@@ -43,9 +44,11 @@ impl Case {
         self == Case::Radial
     }
 
-    /// Force of the pseudo-rigid-body model (N) at a stretch (m), or across the spring at a swing (rad). Linear in Young's modulus.
+    /// Force of the pseudo-rigid-body model at a stretch (m) or a swing (rad) (N). It is
+    /// proportional to Young's modulus.
     ///
     /// # Panics
+    ///
     /// At or beyond [`Case::limit`].
     pub fn force(self, design: &SpringDesign, at: f64) -> f64 {
         match self {
@@ -55,7 +58,8 @@ impl Case {
         }
     }
 
-    /// Where a pivot of the model has made a quarter turn (m, rad): a measurement beyond has another unit, or another spring.
+    /// Displacement at which a pivot of the model has turned by 90 degrees (m, rad). A larger
+    /// measured value has another unit or belongs to another spring.
     pub fn limit(self, design: &SpringDesign) -> f64 {
         match self {
             Case::Radial => 2.0 * design.folded_member_length,
@@ -64,8 +68,8 @@ impl Case {
         }
     }
 
-    /// Force of the linear law (N) per kappa_rho (N/m) or kappa_tau (N m/rad): r, or theta / l_0. Eq. (10) has the spring's length of the moment
-    /// in place of l_0.
+    /// Force of the linear law for a stiffness of 1 (N): r for kappa_rho (N/m), theta / l_0 for
+    /// kappa_tau (N m/rad). Eq. (10) has the current length of the spring in place of l_0.
     pub fn linear(self, design: &SpringDesign, at: f64) -> f64 {
         if self.is_radial() { at } else { at / design.rest_length() }
     }
@@ -76,8 +80,8 @@ impl Case {
     }
 }
 
-/// Turn of the folded pivot (rad) at which the tip's polar angle is `swing`: by the sines of the triangle of root, pivot and tip,
-/// sin(turn - swing) / l_1 = sin(swing) / (l_3 + l_5).
+/// Turn of the folded pivot at which the tip has the polar angle `swing` (rad). In the triangle of
+/// root, pivot and tip, sin(turn - swing) / l_1 = sin(swing) / (l_3 + l_5).
 fn folded_turn(design: &SpringDesign, swing: f64) -> f64 {
     swing + (design.short_member_length * swing.sin() / design.link_length).clamp(-1.0, 1.0).asin()
 }
@@ -93,7 +97,8 @@ mod tests {
             for turn in [-1.5, -0.2, 0.0, 1e-6, 0.7, 1.57] {
                 let (swing, force) = design.tangential_case_2(turn);
                 assert!(swing.abs() < Case::TangentialTwo.limit(&design));
-                // The arcsine loses half of the digits near its end, which a quarter turn of the pivot does not reach.
+                // The arcsine loses half of the digits near its end, which these turns do not
+                // reach.
                 assert!((folded_turn(&design, swing) - turn).abs() < 1e-12, "{turn}");
                 assert!((Case::TangentialTwo.force(&design, swing) - force).abs() <= 1e-12 * force.abs());
             }

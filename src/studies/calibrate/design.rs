@@ -1,14 +1,16 @@
-//! Member lengths and width for wanted stiffnesses.
+//! Dimensions of a spring for wanted stiffnesses.
 //!
-//! With B = 2 gamma K_Theta E I the pivots are k_1 = B / l_1 and k_2 ... k_5 = B / l_2, hence
+//! With B = 2 gamma K_Theta E I the pivots have the stiffnesses k_1 = B / l_1 and k_2 ... k_5 = B /
+//! l_2. Hence
 //!
 //! ```text
 //! kappa_tau = B (1 / l_1 + 4 / l_2)
-//! kappa_rho = B / l_2^3  s(r / 2 l_2)      s(sin phi) = 2 phi / sin(2 phi)      secant at the stretch r; s = 1 is the tangent at zero
+//! kappa_rho = B / l_2^3  s(r / 2 l_2)      s(sin phi) = 2 phi / sin(2 phi)
 //! ```
 //!
-//! Two equations in l_1, l_2 and the width in B: one of the three has to be given, beside material, depth and rest length. The rest follows uniquely, as
-//! l_2^3 / s grows with l_2.
+//! where kappa_rho is the secant stiffness at the stretch r, and s = 1 gives the tangent at zero.
+//! These are two equations for l_1, l_2 and the width in B. One of the three is given, beside
+//! material, depth and rest length. The other two are unique, because l_2^3 / s grows with l_2.
 
 use serde::Serialize;
 
@@ -16,12 +18,12 @@ use super::case::MOST_TURN;
 use super::dimensions::Dimensions;
 use crate::model::SpringDesign;
 
-/// Stiffnesses to be had.
+/// Wanted stiffnesses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Target {
-    /// kappa_rho, the secant at [`Target::at_stretch_m`].
+    /// kappa_rho as the secant stiffness at [`Target::at_stretch_m`].
     pub radial_stiffness_n_per_m: f64,
-    /// Zero for the tangent.
+    /// Stretch of the secant; zero gives the tangent.
     pub at_stretch_m: f64,
     /// kappa_tau, the sum of all pivot stiffnesses.
     pub torsional_stiffness_nm_per_rad: f64,
@@ -43,17 +45,18 @@ pub struct Wanted {
     pub held: Held,
     pub youngs_modulus_pa: f64,
     pub member_depth_m: f64,
-    /// l_0, root to tip without force.
+    /// l_0, the distance from root to tip without force.
     pub rest_length_m: f64,
     pub characteristic_radius_factor: f64,
     pub stiffness_coefficient: f64,
 }
 
-/// What can be built.
+/// Limits of what can be built.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limits {
     pub least_width_m: f64,
-    /// Lengths of a member over its width: shorter ones shear and their ends deform, which the model leaves out.
+    /// Smallest length of a member over its width. Shorter members deform by shear and at their
+    /// ends, which the model leaves out.
     pub least_slenderness: f64,
 }
 
@@ -63,19 +66,19 @@ impl Default for Limits {
     }
 }
 
-/// A spring and what it achieves.
+/// A spring and its stiffnesses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Made {
     pub dimensions: Dimensions,
     pub rest_length_m: f64,
     pub radial_stiffness_n_per_m: f64,
     pub torsional_stiffness_nm_per_rad: f64,
-    /// Of kappa_rho at zero stretch.
+    /// Slope of the force at zero stretch.
     pub tangent_at_zero_n_per_m: f64,
     pub pivot_stiffnesses_nm_per_rad: [f64; 5],
     /// Stretch at which members are straight.
     pub stretch_limit_m: f64,
-    /// Achieved over wanted, less one.
+    /// Achieved stiffness over wanted stiffness, minus one.
     pub radial_error_share: f64,
     pub torsional_error_share: f64,
 }
@@ -123,19 +126,19 @@ pub fn design(wanted: &Wanted, limits: &Limits) -> Result<SpringDesign, String> 
     buildable(&made, target, limits).map(|()| made)
 }
 
-/// 2 gamma K_Theta E: B over the second moment of area.
+/// 2 gamma K_Theta E, which is B over the second moment of area.
 fn bending_per_moment(wanted: &Wanted) -> f64 {
     2.0 * wanted.characteristic_radius_factor * wanted.stiffness_coefficient * wanted.youngs_modulus_pa
 }
 
-/// B that gives the wanted kappa_rho with folded members of this length.
+/// Value of B that gives the wanted kappa_rho with folded members of this length.
 fn bending_of(target: &Target, folded: f64) -> f64 {
     let turn = (target.at_stretch_m / (2.0 * folded)).asin();
     let stiffening = if turn == 0.0 { 1.0 } else { 2.0 * turn / (2.0 * turn).sin() };
     target.radial_stiffness_n_per_m * folded.powi(3) / stiffening
 }
 
-/// l_1 that is left for kappa_tau.
+/// Length l_1 that gives the wanted kappa_tau (m).
 fn short_member(wanted: &Wanted, bending: f64, folded: f64) -> Result<f64, String> {
     let (asked, folds) = (wanted.target.torsional_stiffness_nm_per_rad, 4.0 * bending / folded);
     // The short member is shorter than the whole spring.
@@ -150,13 +153,13 @@ fn short_member(wanted: &Wanted, bending: f64, folded: f64) -> Result<f64, Strin
     Ok(bending / (asked - folds))
 }
 
-/// Where an increasing function that is negative at `low` is zero.
+/// Root of an increasing function that is negative at `low`.
 fn root(low: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (low.max(1e-9), 2.0 * low.max(1e-9));
     while function(high) < 0.0 && high < 1e6 {
         high *= 2.0;
     }
-    // A halving a bit.
+    // Each step halves the interval.
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
         if function(middle) < 0.0 { low = middle } else { high = middle }
@@ -207,7 +210,8 @@ impl Made {
     }
 }
 
-/// The same with lengths and width on a grid, the rest length kept; `None` where it makes one of them vanish, or straightens members at `stretch`.
+/// The design with lengths and width rounded to a grid, at the same rest length. `None` if a length
+/// rounds to zero, or the members become straight at `stretch`.
 pub fn on_grid(design: &SpringDesign, grid: f64, stretch: f64) -> Option<SpringDesign> {
     let on_grid = |length: f64| (length / grid).round() * grid;
     let short = on_grid(design.short_member_length);

@@ -1,11 +1,12 @@
-//! The spring's shape without its material.
+//! Dimensions of a spring, without its material.
 
 use serde::{Deserialize, Serialize};
 
 use crate::model::{SpringDesign, paper};
 use crate::scenario::Finding;
 
-/// Dimensions and the two factors of the pseudo-rigid-body model; what a file leaves out is the paper's (Fig. 2, Table I).
+/// Dimensions of a spring, and the two factors of the pseudo-rigid-body model. Keys that a file
+/// leaves out have the value of the paper (Fig. 2, Table I).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Dimensions {
@@ -58,7 +59,7 @@ impl Dimensions {
         }
     }
 
-    /// Dimensions that no spring has: one finding each.
+    /// Faults of the dimensions, one finding each.
     pub fn faults(&self) -> Vec<Finding> {
         let named = [
             ("member_width_m", self.member_width_m),
@@ -70,7 +71,7 @@ impl Dimensions {
             ("stiffness_coefficient", self.stiffness_coefficient),
         ];
         let is_wrong = |value: f64| !(value.is_finite() && value > 0.0);
-        // Beyond a metre a force sensor for ants has another unit.
+        // A force sensor for ants is smaller than a metre.
         let is_long = |name: &str, value: f64| name.ends_with("_m") && value > 1.0;
         let finding = |(name, value): (&str, f64)| {
             let rule = match () {

@@ -1,38 +1,40 @@
-//! Which stretch a linear stiffness stands for.
+//! Stretch at which a linear stiffness equals that of the model.
 //!
-//! Eq. (1) stiffens: its slope is 8 % below the printed 0.664 N/m at the start, and any one number is right at one stretch only. The printed number is the secant
-//! at 8 mm. No slope of Eq. (2) or (3) is the printed kappa_tau of 4.52e-4 N m/rad: that is the sum of all pivot stiffnesses.
+//! The spring of Eq. (1) stiffens with the stretch: its slope at zero is 8 % below the printed
+//! 0.664 N/m. A single stiffness is exact at one stretch only. The printed number is the secant at
+//! 8 mm. The printed kappa_tau of 4.52e-4 N m/rad is no slope of Eq. (2) or (3) but the sum of all
+//! pivot stiffnesses.
 
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
 use crate::model::SpringDesign;
 
-/// The stretch whose secant is the paper's kappa_rho (m).
+/// Stretch at which the secant stiffness is the paper's kappa_rho (m).
 pub const PAPER_STRETCH: f64 = 8e-3;
 
-/// Linear kappa_rho of the pseudo-rigid-body model by several readings of the word.
+/// Linear kappa_rho of the pseudo-rigid-body model by several definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadialEquivalents {
     pub tangent_at_zero_n_per_m: f64,
     pub tangent_at_end_n_per_m: f64,
     pub secant_at_end_n_per_m: f64,
-    /// `null` where members are straight there.
+    /// Secant at 8 mm; `null` if the members are straight before.
     pub secant_at_8_mm_n_per_m: Option<f64>,
-    /// Through the origin, of the whole curve over the range.
+    /// Least-squares line through the origin over the range.
     pub least_squares_n_per_m: f64,
-    /// Stretch at which the fitted kappa_rho is the secant; `null` where it is none.
+    /// Stretch at which the secant is the fitted kappa_rho; `null` if there is none.
     pub stretch_of_secant_m: Option<f64>,
 }
 
-/// Linear kappa_tau likewise.
+/// Linear kappa_tau of the model by several definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SwingEquivalents {
     /// Slope of Eq. (2) at zero, times the rest length.
     pub tangent_of_case_2_nm_per_rad: f64,
     /// Slope of Eq. (3), times the rest length: k_1.
     pub tangent_of_case_3_nm_per_rad: f64,
-    /// k_1 + ... + k_5: what gives the printed 4.52e-4.
+    /// k_1 + ... + k_5, which is the printed 4.52e-4.
     pub sum_of_pivots_nm_per_rad: f64,
 }
 
@@ -62,14 +64,15 @@ impl SwingEquivalents {
     }
 }
 
-/// Slope of the line through the origin nearest to Eq. (1) over [low, high] of the stretch (N/m): integral of F r over that of r^2.
+/// Slope of the least-squares line through the origin for Eq. (1) over [low, high] (N/m): the
+/// integral of F r over the integral of r^2.
 pub fn least_squares_stiffness(design: &SpringDesign, [low, high]: [f64; 2]) -> f64 {
     const N: usize = 2000;
     if high <= low {
         return design.secant_radial_stiffness(high);
     }
     let step = (high - low) / N as f64;
-    // Simpson's rule; its error is some 1e-12 of this smooth curve.
+    // Simpson's rule; its relative error is about 1e-12 for this smooth curve.
     let weight = |i: usize| if i == 0 || i == N { 1.0 } else { 2.0 * (1 + i % 2) as f64 };
     let at = |i: usize| low + step * i as f64;
     let moment: f64 = (0..=N).map(|i| weight(i) * design.radial_force(at(i)) * at(i)).sum();
@@ -102,7 +105,7 @@ mod tests {
         let found = RadialEquivalents::of(&design, [0.0, 10.274e-3], 0.66354);
         // Half of the last printed digit.
         assert!((found.secant_at_8_mm_n_per_m.unwrap() - 0.664).abs() < 5e-4);
-        // Half of the last digit of the range, 0.5 um, times the growth of the fit with it of 11.2 N/m^2.
+        // Half of the last digit of the range is 0.5 um, and the fit grows with it by 11.2 N/m^2.
         assert!((found.least_squares_n_per_m - 0.664).abs() < 6e-6, "{found:?}");
         // Slope of the secant there is 14 N/m^2: half of the last digit of 0.66354 makes 0.4 um.
         assert!((found.stretch_of_secant_m.unwrap() - 8e-3).abs() < 5e-7);

@@ -1,4 +1,4 @@
-//! A calibration -> panels: measured points with error bars, model and linear law; forces on tips over time.
+//! Figures: measured points with the fitted laws, and forces on tips over time.
 
 use super::case::Case;
 use super::fit::{Calibration, CaseFit};
@@ -13,16 +13,16 @@ use crate::output::chart::{ROW_HEIGHT, TIME_HEIGHT, WIDTH, WORK_HEIGHT, grid};
 
 const MODEL: Style = Style { color: "#0072B2", dash: "", width: 1.8 };
 const LINEAR: Style = Style { color: "#D55E00", dash: "7 3", width: 1.8 };
-/// As the legend shows it; in a panel it has the colour of its law.
+/// Style in the legend; in a panel the interval has the colour of its law.
 const INTERVAL: Style = Style { color: "#d8d8d8", dash: "", width: 9.0 };
-/// Trials with a colour of their own; those beyond share them.
+/// Colours of trials; further trials repeat them.
 const TRIALS: [&str; 6] = ["#000000", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#777777"];
-/// Springs with a panel of their own; more share one.
+/// Largest number of springs with a panel each; more springs share one panel.
 const MOST_PANELS: usize = 6;
-/// Springs of one panel that are told apart by colour.
+/// Colours of springs in one panel.
 const SPRINGS: [&str; 6] = ["#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73", "#E69F00"];
 
-/// A panel a case, and the legend: laws, then trials.
+/// One panel for each case, and the legend of laws and trials.
 pub fn panels(found: &Calibration, measurements: &Measurements) -> (Vec<Panel>, [Vec<Entry>; 2]) {
     let panels = found.cases.iter().map(|case| panel(found, case, measurements)).collect();
     let shaded = Entry::line(format!("shaded: {} % intervals of both", percent(found.confidence)), INTERVAL);
@@ -52,7 +52,7 @@ fn panel(found: &Calibration, fit: &CaseFit, measurements: &Measurements) -> Pan
         .fold(0.0, |far: f64, at| if at.abs() > far.abs() { at } else { far });
     let design = found.dimensions.of_material(1.0);
     let model = |at: f64| case.force(&design, at);
-    // Room for the outermost points.
+    // Space around the outermost points.
     panel.curves.push(Curve {
         columns: Vec::new(),
         points: vec![[-0.02 * unit * far, 0.0], [1.04 * unit * far, 0.0]],
@@ -101,7 +101,8 @@ fn bar(index: usize) -> Style {
     Style { color: TRIALS[index % TRIALS.len()], dash: "", width: 1.0 }
 }
 
-/// Size over time with a gap where nobody holds: a panel a spring, or one for all where they are many, and the legend of the latter.
+/// Force over time, with gaps where no ant is attached: one panel for each spring, or one for many
+/// springs with its legend.
 pub fn forces(found: &TipForces) -> (Vec<Panel>, Vec<Entry>) {
     let mut springs: Vec<usize> = found.forces.iter().map(|force| force.spring).collect();
     springs.sort_unstable();
@@ -131,7 +132,7 @@ pub fn forces(found: &TipForces) -> (Vec<Panel>, Vec<Entry>) {
     (springs.iter().map(named).collect(), Vec::new())
 }
 
-/// Sizes (mN) of the forces on one tip, broken where a frame has none.
+/// Force on one tip over time, with a gap where a frame has none (s, mN).
 fn over_time(found: &TipForces, spring: usize, frames: &[f64]) -> Vec<[f64; 2]> {
     let mut points = Vec::new();
     let mut frame = 0;
@@ -153,13 +154,14 @@ fn of_spring(index: usize) -> Style {
     Style { color: SPRINGS[index % SPRINGS.len()], dash, width: 1.4 }
 }
 
-/// Force over displacement as measured, by the fitted model and by the linear law with their intervals: a panel a case.
+/// Measured force over displacement with both fitted laws and their intervals, one panel for each
+/// case.
 pub fn calibration(found: &Calibration, measurements: &Measurements) -> String {
     let (panels, legend) = panels(found, measurements);
     grid(&panels, &legend, panels.len(), CALIBRATION_WIDTH, WORK_HEIGHT)
 }
 
-/// Size of the forces on tips over time.
+/// Force on tips over time.
 pub fn tip_forces(found: &TipForces) -> String {
     let (panels, legend) = forces(found);
     let height = if panels.len() == 1 { TIME_HEIGHT } else { ROW_HEIGHT };

@@ -63,9 +63,11 @@ fn write_residuals(found: &Calibration, measurements: &Measurements, out: impl s
     Ok(writer.flush()?)
 }
 
-/// Writes `calibration.json`, `calibration.txt`, `residuals.csv`, `calibration.svg` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes `calibration.json`, `calibration.txt`, `residuals.csv`, `calibration.svg` and
+/// `manifest.json` to the folder `target`, all or nothing.
 ///
 /// # Errors
+///
 /// When the folder may not be written, a number is not finite, or the disk fails.
 pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Measurements, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
@@ -86,9 +88,11 @@ pub fn write_design(target: &Path, found: &DesignReport, manifest: &Manifest) ->
     folder.finish(manifest)
 }
 
-/// Writes `forces.csv`, `forces.json`, `forces.svg` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes `forces.csv`, `forces.json`, `forces.svg` and `manifest.json` to the folder `target`, all
+/// or nothing.
 ///
 /// # Errors
+///
 /// As [`write_calibration`].
 pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &TipForces, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;

@@ -1,8 +1,9 @@
-//! E, linear kappa_rho and linear kappa_tau of measurements.
+//! Young's modulus E, linear kappa_rho and linear kappa_tau of measurements.
 //!
-//! Eq. (1)-(3) are E times a known function of the displacement, so weighted least squares has its minimum in closed form: nothing is iterated and nothing can
-//! end in a wrong valley. One E holds in every case. kappa_tau is a compromise between the two ways of swinging, which the model gives different stiffness, so
-//! each case counts the same in it.
+//! Eq. (1) to (3) are E times a known function of the displacement. Weighted least squares
+//! therefore has a closed form with a single minimum. One E holds for all cases. The model gives
+//! the two directions of swinging different stiffnesses. kappa_tau is a compromise between them, in
+//! which each case has the same weight.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +16,8 @@ use super::quality::{Goodness, Misfit};
 use super::trials::{Estimate, TrialSlope, Weighting, agreement, mean_of_cases, pool};
 use crate::model::SpringDesign;
 
-/// Where the linear laws are fitted, as sizes of the displacement; all of the readings where not given.
+/// Ranges of the displacement, without sign, over which the linear laws are fitted. Without a
+/// range, all readings count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ranges {
     /// (m)
@@ -24,20 +26,21 @@ pub struct Ranges {
     pub swing: Option<[f64; 2]>,
 }
 
-/// All that is fitted.
+/// All fitted numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Calibration {
-    /// Of all intervals.
+    /// Confidence of all intervals.
     pub confidence: f64,
     pub dimensions: Dimensions,
-    /// Over all trials of all cases.
+    /// Young's modulus over all trials of all cases.
     pub youngs_modulus_pa: Estimate,
     pub cases: Vec<CaseFit>,
-    /// Chance of moduli as far apart between the cases if they had one; `null` where fewer than two cases have an interval.
+    /// Probability of moduli that differ as much, if all cases had the same one; `null` if fewer
+    /// than two cases have an interval.
     pub cases_agree_p_value: Option<f64>,
     /// `null` without radial readings.
     pub radial_stiffness_n_per_m: Option<Estimate>,
-    /// The mean of the tangential cases; `null` without any.
+    /// Mean of the tangential cases; `null` without any.
     pub torsional_stiffness_nm_per_rad: Option<Estimate>,
     pub swings_agree_p_value: Option<f64>,
     pub linear: Vec<LinearFit>,
@@ -50,9 +53,9 @@ pub struct Calibration {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseFit {
     pub case: Case,
-    /// From this case alone.
+    /// Young's modulus of this case alone.
     pub youngs_modulus_pa: Estimate,
-    /// Of the modulus of all cases.
+    /// Goodness of fit with the modulus of all cases.
     pub goodness: Goodness,
 }
 
@@ -60,9 +63,9 @@ pub struct CaseFit {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearFit {
     pub case: Case,
-    /// Of the size of the displacement: m or rad.
+    /// Range of the displacement, without sign (m or rad).
     pub range: [f64; 2],
-    /// The reading farthest out in it, with its sign: m or rad.
+    /// The largest displacement of a reading in the range, with its sign (m or rad).
     #[serde(default)]
     pub farthest: Option<f64>,
     pub stiffness: Estimate,
@@ -73,7 +76,8 @@ pub struct LinearFit {
 /// Fits measurements of a spring with these dimensions; intervals have the confidence `level`.
 ///
 /// # Errors
-/// When a range holds no two readings, or the readings have no positive stiffness.
+///
+/// When a range contains fewer than two readings, or the readings have no positive stiffness.
 pub fn fit(measurements: &Measurements, dimensions: &Dimensions, ranges: &Ranges, level: f64) -> Result<Calibration, String> {
     let weighting = if measurements.has_sds() { Weighting::Stated } else { Weighting::FromScatter };
     let by_case: Vec<(Case, Vec<Trial>)> = Case::ALL
@@ -142,7 +146,8 @@ fn linear_fit(law: &Law, trials: &[Trial], design: &SpringDesign, ranges: &Range
     Ok(LinearFit { case, range, farthest, stiffness, goodness, misfit: Misfit::of(case, design, stiffness.value, range) })
 }
 
-/// Share of the far end of a range by which a reading may lie beyond either (1): one that is meant to lie there is in it, however it was rounded.
+/// Margin at both ends of a range, as a share of its far end (1). A rounded reading at an end lies
+/// within the range.
 pub(super) const EDGE: f64 = 1e-9;
 
 fn of_range(trial: &Trial, [low, high]: [f64; 2]) -> Trial {
@@ -151,7 +156,7 @@ fn of_range(trial: &Trial, [low, high]: [f64; 2]) -> Trial {
     Trial { points, ..trial.clone() }
 }
 
-/// The estimate, unless no spring has it.
+/// The estimate, if a spring can have it.
 fn positive(name: &str, estimate: Option<Estimate>) -> Result<Estimate, String> {
     match estimate {
         Some(found) if found.value > 0.0 && found.is_finite() => Ok(found),

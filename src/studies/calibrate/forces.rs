@@ -1,17 +1,20 @@
-//! The ants' forces on tips that a camera saw, and how certain they are.
+//! Forces on recorded tips, and their errors.
 //!
-//! The force of the holder is dU/dd of the polar spring, the opposite of Eq. (10). A tip with equal errors sigma along both axes and stiffnesses with errors of
-//! their own give its size F = |f|, with u = f / F, the variance
+//! The force on a tip is dU/dd of the polar spring, the negative of Eq. (10). Tip positions have
+//! the error sigma along both axes, and the stiffnesses have errors of their own. The force F =
+//! |f|, with u = f / F, then has the variance
 //!
 //! ```text
 //! sigma^2 |H_d u|^2 + (u_r (l - l_0) sd(kappa_rho))^2 + (u_t psi / l sd(kappa_tau))^2
 //! ```
 //!
-//! The first part is another in every frame and averages out; the others are the same in all frames and do not. Where the force is small beside sigma |H_d u|, its size
-//! is biased upwards, as that of any noisy vector.
+//! The first term differs from frame to frame and averages out. The other two are the same in all
+//! frames and do not. Where the force is small beside sigma |H_d u|, it is biased upwards, as the
+//! length of any noisy vector.
 //!
-//! Eq. (1) gives the force along the spring too, with its stiffening, while its pivots turn by no more than [`MOST_TURN`]. Eq. (2) and (3) hold for tips on their own mechanism's
-//! path only, which a held tip leaves: the force across the spring is that of the linear law.
+//! Eq. (1) gives the force along the spring too, with its stiffening, while its pivots turn by at
+//! most [`MOST_TURN`]. Eq. (2) and (3) hold only for tips on the path of their mechanism, which an
+//! attached tip leaves. The force across the spring is therefore that of the linear law.
 
 use std::collections::BTreeMap;
 
@@ -23,24 +26,25 @@ use super::sensor::Sensor;
 use crate::math::{Pose, Summary, Vec2};
 use crate::model::{PolarSpring, SpringDesign, SpringShape};
 
-/// What a holder does at one instant.
+/// Force on one tip at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Force {
     /// (s)
     pub time: f64,
     pub spring: usize,
     pub shape: SpringShape,
-    /// Outwards along the spring, and across it, counter-clockwise (N).
+    /// Force outwards along the spring, and across it counter-clockwise (N).
     pub radial: f64,
     pub tangential: f64,
-    /// Size of both (N).
+    /// Length of the force vector (N).
     pub size: f64,
     pub size_sd: f64,
-    /// The part of that which tips have (N); the rest is the same in all frames.
+    /// Part of the standard deviation that comes from the tip position (N). The rest is the same in
+    /// all frames.
     pub tip_part: f64,
-    /// Outwards along the spring by Eq. (1) (N); `None` beyond its reach or without a model.
+    /// Force outwards along the spring by Eq. (1) (N); `None` beyond its range or without a model.
     pub radial_by_model: Option<f64>,
-    /// In world axes (N); `None` of a tip in the root's frame.
+    /// Force in world axes (N); `None` for a tip in the frame of its root.
     pub in_world: Option<Vec2>,
 }
 
@@ -51,26 +55,26 @@ pub struct TipForces {
 }
 
 impl TipForces {
-    /// Tips farther than the stiffnesses were fitted to.
+    /// Number of tips beyond the range of the fit.
     pub fn n_beyond_fit(&self, sensor: &Sensor) -> usize {
         let stretch = |force: &Force| force.shape.length - sensor.spring(force.spring).rest_length;
         self.forces.iter().filter(|force| sensor.fitted_to.ends_before(stretch(force), force.shape.swing)).count()
     }
 
-    /// Tips so near their root that the direction of the spring, by which the couple turns into a force, is hardly known.
+    /// Number of tips so near to their root that the direction of the spring is uncertain.
     pub fn n_near_root(&self, sensor: &Sensor) -> usize {
         let is_near = |force: &&Force| force.shape.length < NEAR_ROOT * sensor.spring(force.spring).rest_length;
         self.forces.iter().filter(is_near).count()
     }
 }
 
-/// Share of the rest length below which a tip is near its root.
+/// Share of the rest length below which a tip counts as near to its root (1).
 const NEAR_ROOT: f64 = 0.1;
 
-/// Forces on one spring, or on all.
+/// Summary of the forces on one spring, or on all.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ForceSummary {
-    /// `null` of all springs together.
+    /// `null` for all springs together.
     pub spring: Option<usize>,
     pub n: u64,
     pub mean_n: f64,
@@ -78,13 +82,14 @@ pub struct ForceSummary {
     pub max_n: f64,
     pub max_sd_n: f64,
     pub time_of_max_s: f64,
-    /// Standard error that the stiffnesses give the mean.
+    /// Standard error of the mean from the errors of the stiffnesses (N).
     pub mean_error_n: f64,
-    /// Largest distance along the spring between linear law and Eq. (1); `null` where the latter reaches nowhere.
+    /// Largest difference along the spring between the linear law and Eq. (1); `null` if all tips
+    /// are beyond its range.
     pub linear_less_model_n: Option<f64>,
 }
 
-/// Forces on the tips of a recording, each swing on the branch of the frame before.
+/// Forces on the tips of a recording. Each swing is on the branch of the previous frame.
 pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
     let (mut frame, mut time) = (0usize, f64::NEG_INFINITY);
     let mut last: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
@@ -93,7 +98,7 @@ pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
         if sample.time > time {
             (frame, time) = (frame + 1, sample.time);
         }
-        // A tip that nobody held a frame ago begins at its own rest.
+        // A tip without a previous frame begins at rest.
         let near = last.get(&sample.spring).filter(|(seen, _)| seen + 1 >= frame).map_or(0.0, |(_, swing)| *swing);
         let spring = sensor.spring(sample.spring);
         let (shape, in_world) = match &sample.tip {
@@ -113,14 +118,15 @@ fn in_root(spring: &PolarSpring, tip: &Vec2, near: f64) -> SpringShape {
     PolarSpring { root: Vec2::zeros(), bearing: 0.0, ..*spring }.shape(&Pose::new(0.0, 0.0, 0.0), tip, near)
 }
 
-/// All but time, spring and world axes.
+/// The force without time, spring and world axes.
 fn force(spring: &PolarSpring, shape: &SpringShape, sensor: &Sensor) -> Force {
     let pull = spring.pull_in_root(shape);
     let along = if shape.length > 0.0 { shape.tip_in_root / shape.length } else { Vec2::new(1.0, 0.0) };
     let (radial, tangential) = (pull.dot(&along), along.perp(&pull));
     let size = pull.norm();
     let direction = if size > 0.0 { pull / size } else { along };
-    // The load turned so that the spring points along x: the force by the tip is then as in the root's frame.
+    // The load is turned so that the spring points along x. The force is then in the frame of the
+    // root.
     let hessian = spring.reaction(&Pose::new(0.0, 0.0, -spring.bearing), shape).hessian;
     let tip_part = sensor.tip_error * (hessian.fixed_view::<2, 2>(0, 0) * direction).norm();
     let share = |part: f64, stiffness: f64, error: f64| if stiffness > 0.0 { part * error / stiffness } else { 0.0 };
@@ -161,7 +167,7 @@ fn summary(spring: Option<usize>, forces: &[&Force], sensor: &Sensor) -> Option<
     let strongest = forces.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
     let n = forces.len() as f64;
     let mean = |of: &dyn Fn(&Force) -> f64| forces.iter().map(|force| of(force)).sum::<f64>() / n;
-    // dF/dkappa times kappa is the square of a part over the size.
+    // dF/dkappa times kappa is the square of a component over the length.
     let share = |part: f64, size: f64| if size > 0.0 { part * part / size } else { 0.0 };
     let relative = |error: f64, of: fn(&PolarSpring) -> f64| {
         let stiffness = of(sensor.spring(strongest.spring));

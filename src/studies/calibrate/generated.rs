@@ -1,4 +1,5 @@
-//! Measurements with a known truth: the model's forces, trials of a stiffness of their own, and noise. For tests, and for who plans an experiment.
+//! Generated measurements with a known truth: forces of the model, trials with different stiffness,
+//! and noise. They serve tests and the planning of experiments.
 
 use std::fmt::Write;
 
@@ -7,15 +8,15 @@ use super::measurements::{Measurement, Measurements};
 use crate::math::{RandomStreams, Stream};
 use crate::model::SpringDesign;
 
-/// What is measured, and how badly.
+/// Plan of the measurements, and their errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
     pub n_trials: usize,
-    /// Evenly from one step above zero to the reach of the case.
+    /// Number of points, equally spaced from one step above zero to the largest displacement.
     pub n_points: usize,
     /// Largest stretch (m), and swings of the two tangential cases (rad).
     pub reach: [f64; 3],
-    /// Standard deviation of a trial's Young's modulus over the true one (1).
+    /// Standard deviation of Young's modulus between trials, relative to the true one (1).
     pub between_trials: f64,
     /// Standard deviation of a force (N).
     pub noise: f64,
@@ -29,12 +30,12 @@ impl Plan {
         Plan { n_trials: 5, n_points: 10, reach: [1e-2, 0.8, -0.5], between_trials: 0.03, noise: 1e-4, states_noise: true, seed: 2010 };
 }
 
-/// What `data/spring-calibration.csv` says of itself.
+/// Comment at the top of `data/spring-calibration.csv`.
 pub const EXAMPLE_COMMENT: &str =
     "Generated, not measured: the paper's spring (E = 1.66 MPa), trials 3 % apart, 0.1 mN of noise, seed 2010.
 cargo run --example generate_measurements prints this file.";
 
-/// All cases with a reach other than zero.
+/// Measurements of all cases with a largest displacement other than zero.
 pub fn measurements(truth: &SpringDesign, plan: &Plan) -> Measurements {
     let streams = RandomStreams::new(plan.seed);
     let mut found = Measurements::default();
@@ -53,7 +54,7 @@ pub fn measurements(truth: &SpringDesign, plan: &Plan) -> Measurements {
     found
 }
 
-/// The file of measurements: micrometres, tenths of a milliradian and tens of nanonewtons are its last digits.
+/// The measurements as a CSV file. Its last digits are micrometres, 0.1 mrad and 10 nN.
 pub fn to_csv(measurements: &Measurements, comment: &str) -> String {
     let mut text: String = comment.lines().map(|line| format!("# {line}\n")).collect();
     let has_sds = measurements.has_sds();

@@ -1,6 +1,7 @@
 //! Forces against displacements, trial by trial.
 //!
-//! A trial is one loading of one spring in one case. The same name in another case is another trial.
+//! A trial is one loading of one spring in one case. Equal names in different cases belong to
+//! different trials.
 
 use super::case::Case;
 use super::dimensions::Dimensions;
@@ -16,7 +17,7 @@ pub struct Measurement {
     pub at: f64,
     /// Along the spring, or across it (N).
     pub force: f64,
-    /// Error bar: standard deviation of the force (N).
+    /// Standard deviation of the force (N).
     pub sd: Option<f64>,
 }
 
@@ -28,7 +29,7 @@ pub struct Trial {
     pub points: Vec<Measurement>,
 }
 
-/// All trials of a file, case by case; either every point has an error bar or none has.
+/// All trials of a file, case by case. Either every point has an error bar or none has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurements {
     pub trials: Vec<Trial>,
@@ -75,7 +76,7 @@ impl Measurements {
         }
     }
 
-    /// A slope needs two points away from zero to say how certain it is.
+    /// Reports cases with fewer than two points away from zero, which give no error of a slope.
     fn report_too_few(&self, table: &mut Table) {
         if self.trials.is_empty() {
             table.report("rows".to_owned(), "must hold measurements", "none");
@@ -90,7 +91,7 @@ impl Measurements {
     }
 }
 
-/// A row, its faults reported.
+/// The reading in a row; faults are reported.
 fn reading(table: &mut Table, row: usize, dimensions: &Dimensions) -> Option<(Case, Measurement)> {
     let case = Case::named(table.text(row, "case"));
     if case.is_none() {
@@ -106,7 +107,7 @@ fn reading(table: &mut Table, row: usize, dimensions: &Dimensions) -> Option<(Ca
     Some((case, Measurement { at: at?, force: force?, sd: sd? }))
 }
 
-/// `Some(None)` in a file without error bars; `None` is a fault.
+/// The error bar. `Some(None)` in a file without error bars; `None` after a fault.
 fn error_bar(table: &mut Table, row: usize) -> Option<Option<f64>> {
     if !table.has("force_sd_n") {
         return Some(None);
@@ -118,7 +119,7 @@ fn error_bar(table: &mut Table, row: usize) -> Option<Option<f64>> {
     Some(Some(sd))
 }
 
-/// The displacement of the case, within what its mechanism allows.
+/// The displacement of the case, if its mechanism allows it.
 fn displacement(table: &mut Table, row: usize, case: Case, dimensions: &Dimensions) -> Option<f64> {
     let (own, other) = if case.is_radial() { ("displacement_m", "swing_rad") } else { ("swing_rad", "displacement_m") };
     if !table.is_empty_at(row, other) {

@@ -1,4 +1,4 @@
-//! How well a law fits, and where it does not.
+//! Goodness of fit of a law.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,45 +8,47 @@ use super::measurements::{Measurement, Trial};
 use super::trials::{Estimate, Point, TrialSlope, Weighting, chance_of_none, pool};
 use crate::model::SpringDesign;
 
-/// What is left of the readings when a law is taken off them.
+/// Residuals of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Goodness {
     /// About the law of all trials.
     pub residual_rms_n: f64,
-    /// About each trial's own slope: what no slope explains.
+    /// Residuals with a separate slope for each trial.
     pub residual_rms_within_trials_n: f64,
-    /// About the law of all trials; `null` without error bars, and of a single point. Trials that differ raise it.
+    /// Chi squared over degrees of freedom of the law for all trials; `null` without error bars,
+    /// and for a single point. Differences between trials increase it.
     pub reduced_chi_squared: Option<f64>,
-    /// `null` of one trial, and of trials of fewer than three points.
+    /// `null` for one trial, and for trials with fewer than three points.
     pub bend: Option<Bend>,
 }
 
-/// What a cubic term, beside the law, finds in the readings: a law that holds has none.
+/// A cubic term fitted beside the law. It is zero if the law holds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bend {
-    /// Largest difference that the term makes at a reading.
+    /// Largest effect of the term at a reading.
     pub force_n: f64,
-    /// The reading's displacement: m or rad.
+    /// Displacement of that reading (m or rad).
     pub at: f64,
-    /// Chance of such a term between trials if the law held.
+    /// Probability of a term as large between trials, if the law held.
     pub p_value: f64,
 }
 
-/// How far the linear law lies from the pseudo-rigid-body model with the fitted E, over a range.
+/// Difference between the linear law and the pseudo-rigid-body model with the fitted E, over a
+/// range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Misfit {
-    /// Linear law less model, where that is largest.
+    /// Linear law minus model, at the largest difference.
     pub force_n: f64,
-    /// There: m or rad.
+    /// Displacement at the largest difference (m or rad).
     pub at: f64,
-    /// Share of the model's force there.
+    /// Largest difference over the force of the model there.
     pub share: f64,
-    /// Linear law less model at the end of the range.
+    /// Linear law minus model at the end of the range.
     pub force_at_end_n: f64,
 }
 
 impl Goodness {
-    /// Of a slope in the trials of one case.
+    /// Goodness of a slope in the trials of one case.
     pub fn of(trials: &[Trial], slope: f64, law: &Law, weighting: Weighting, level: f64) -> Self {
         let points: Vec<Point> = trials.iter().flat_map(|trial| law.points(trial)).collect();
         let residuals = points.iter().map(|point| point.force - slope * point.basis);
@@ -70,7 +72,8 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     if n == 0 { 0.0 } else { (sum / n as f64).sqrt() }
 }
 
-/// Fits F = s g + c h in each trial, h being the cube without its part along g, and pools c as any other slope.
+/// Fits F = s g + c h in each trial and pools c as any other slope. h is the cube of the
+/// displacement without its component along g.
 fn bend(trials: &[Trial], law: &Law, weighting: Weighting, level: f64) -> Option<Bend> {
     let largest = trials.iter().flat_map(|trial| &trial.points).map(|point| point.at.abs()).fold(0.0, f64::max);
     let cubes = |trial: &Trial| -> Vec<(Point, f64)> {
@@ -89,7 +92,7 @@ fn bend(trials: &[Trial], law: &Law, weighting: Weighting, level: f64) -> Option
             force: point.force - own.slope * point.basis,
             weight: point.weight,
         });
-        // Displacements at which the cube is the law again tell nothing of a bend.
+        // Some displacements cannot separate the cubic term from the law.
         terms.extend(TrialSlope::of(rest).filter(|rest| rest.information > 1e-12 * own.information.min(1.0)));
     }
     let term: Estimate = pool(&terms, weighting, level)?;
@@ -102,7 +105,7 @@ fn bend(trials: &[Trial], law: &Law, weighting: Weighting, level: f64) -> Option
 }
 
 impl Misfit {
-    /// Of a linear law over [low, high] of its displacement, the side of `sign`.
+    /// Misfit of a linear law over [low, high] of its displacement.
     pub fn of(case: Case, design: &SpringDesign, stiffness: f64, [low, high]: [f64; 2]) -> Self {
         const N: usize = 400;
         let apart = |at: f64| stiffness * case.linear(design, at) - case.force(design, at);

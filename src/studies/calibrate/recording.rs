@@ -1,12 +1,13 @@
-//! Tips as a camera saw them: in the root's frame, or in world axes beside the load's pose.
+//! Recorded tip positions: in the frame of the root, or in world axes together with the pose of the
+//! load.
 
 use super::table::{InputError, Table};
 use crate::math::{Pose, Vec2};
 
-/// Columns of a recording: the first two, and either the next two or the last five.
+/// Columns of a recording: the first two, then either the next two or the last five.
 const COLUMNS: [&str; 9] = ["time_s", "spring", "tip_in_root_x_m", "tip_in_root_y_m", "x_m", "y_m", "heading_rad", "tip_x_m", "tip_y_m"];
 
-/// Where a tip was.
+/// Position of a tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tip {
     /// From the root, x along the undeformed spring (m).
@@ -15,7 +16,7 @@ pub enum Tip {
     InWorld { load: Pose, tip: Vec2 },
 }
 
-/// A held tip in one frame.
+/// Position of an attached tip in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// (s)
@@ -30,7 +31,7 @@ pub struct Recording {
     pub samples: Vec<Sample>,
 }
 
-/// Springs of which this many rest lengths seem to lie between root and tip were recorded in another unit (1).
+/// Largest distance from root to tip in rest lengths (1). A larger one has another unit.
 const LONGEST: f64 = 100.0;
 
 impl Recording {
@@ -39,7 +40,7 @@ impl Recording {
         self.samples.iter().any(|sample| matches!(sample.tip, Tip::InWorld { .. }))
     }
 
-    /// Instants at which tips were seen.
+    /// Number of frames.
     pub fn n_frames(&self) -> usize {
         self.samples.chunk_by(|one, next| one.time == next.time).count()
     }
@@ -88,7 +89,7 @@ impl Recording {
 }
 
 impl Tip {
-    /// From the root, or from the load's origin (m).
+    /// Distance from the root, or from the origin of the load (m).
     fn distance(&self) -> f64 {
         match self {
             Tip::InRoot(tip) => tip.norm(),

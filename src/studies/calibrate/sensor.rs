@@ -1,4 +1,4 @@
-//! What turns tips into forces: springs, and how well they are known.
+//! Springs as sensors: their stiffnesses and the errors of these.
 
 use super::case::Case;
 use super::equivalents::PAPER_STRETCH;
@@ -7,32 +7,33 @@ use super::trials::Estimate;
 use crate::math::Vec2;
 use crate::model::{PolarSpring, SpringDesign, paper};
 
-/// Rest lengths that differ by more than this share are not of one design.
+/// Relative difference of rest lengths above which two springs have different designs (1).
 const SAME_LENGTH: f64 = 0.01;
 
 /// Springs, at least one, and the errors of what they measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
-    /// By index; the first stands for those beyond.
+    /// Springs by index; the first one also stands for further indices.
     pub springs: Vec<PolarSpring>,
     /// Standard error of kappa_rho (N/m).
     pub radial_error: f64,
     /// Standard error of kappa_tau (N m/rad).
     pub torsional_error: f64,
-    /// Standard deviation of a tip from its root along either axis (m).
+    /// Standard deviation of a tip position along either axis (m).
     pub tip_error: f64,
-    /// For Eq. (1).
+    /// Model for Eq. (1).
     pub model: Option<SpringDesign>,
-    /// What the stiffnesses were fitted to, where they were.
+    /// Range of the fit of the stiffnesses, if they were fitted.
     pub fitted_to: FittedTo,
 }
 
-/// How far out the readings of a fit go.
+/// Largest displacements of the readings of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FittedTo {
-    /// Either way along the spring (m).
+    /// Largest stretch or compression (m).
     pub stretch: Option<f64>,
-    /// To either side of it, clockwise first (rad); a side that was not measured is as the other one.
+    /// Largest swing clockwise and counter-clockwise (rad). A side without readings has the range
+    /// of the other side.
     pub swing: Option<[f64; 2]>,
 }
 
@@ -44,7 +45,7 @@ impl FittedTo {
         Self { stretch: farthest(true).map(f64::abs).reduce(f64::max), swing }
     }
 
-    /// Whether a spring of this `stretch` (m) and `swing` (rad) is farther out than any reading.
+    /// Whether this `stretch` (m) or `swing` (rad) is beyond all readings.
     pub fn ends_before(&self, stretch: f64, swing: f64) -> bool {
         let is_beyond = |at: f64, end: f64| at > end * (1.0 + EDGE);
         let end = self.swing.map(|[clockwise, counter]| if swing < 0.0 { clockwise } else { counter });
@@ -53,7 +54,7 @@ impl FittedTo {
 }
 
 impl Sensor {
-    /// The paper's spring for tips in their roots' frames.
+    /// The paper's spring, for tips in the frames of their roots.
     pub fn paper() -> Self {
         let spring = PolarSpring {
             root: Vec2::zeros(),
@@ -66,13 +67,14 @@ impl Sensor {
         Self { model: Some(paper::SPRING), ..Self::exact(vec![spring]) }
     }
 
-    /// Springs whose stiffnesses are known.
+    /// Springs with exactly known stiffnesses.
     pub fn exact(springs: Vec<PolarSpring>) -> Self {
         Self { springs, radial_error: 0.0, torsional_error: 0.0, tip_error: 0.0, model: None, fitted_to: FittedTo::default() }
     }
 
-    /// The same springs with the stiffnesses that were fitted. What was not measured follows from E, with its error, as the paper has it: kappa_rho as the secant
-    /// at 8 mm, kappa_tau as the sum of all pivots.
+    /// These springs with the fitted stiffnesses and their errors. A stiffness that was not
+    /// measured follows from E as in the paper: kappa_rho as the secant at 8 mm, kappa_tau as the
+    /// sum of all pivots.
     pub fn calibrated(mut self, found: &Calibration) -> Self {
         let modulus = &found.youngs_modulus_pa;
         let design = found.dimensions.of_material(modulus.value);
@@ -87,7 +89,7 @@ impl Sensor {
         Self { radial_error: radial[1], torsional_error: torsional[1], model: Some(design), fitted_to: FittedTo::of(found), ..self }
     }
 
-    /// Stiffnesses (N/m, N m/rad) that are given count as exact.
+    /// These springs with the given stiffnesses (N/m, N m/rad), which count as exact.
     pub fn with_given(mut self, radial: Option<f64>, torsional: Option<f64>) -> Self {
         for spring in &mut self.springs {
             spring.radial_stiffness = radial.unwrap_or(spring.radial_stiffness);
@@ -107,7 +109,7 @@ impl Sensor {
         self.springs.get(index).unwrap_or(&self.springs[0])
     }
 
-    /// Rest length (m) of a spring that is not of the model's, if there is one.
+    /// Rest length of a spring with another design than the model, if there is one (m).
     pub fn foreign_length(&self) -> Option<f64> {
         let own = self.model?.rest_length();
         self.springs.iter().map(|spring| spring.rest_length).find(|length| (length / own - 1.0).abs() > SAME_LENGTH)

@@ -50,10 +50,11 @@ impl Table {
         table.whole()
     }
 
-    /// The table, unless something was wrong with it.
+    /// The table, if no fault was reported.
     ///
     /// # Errors
-    /// Everything reported so far.
+    ///
+    /// All faults reported so far.
     pub fn whole(self) -> Result<Self, InputError> {
         if self.findings.is_empty() { Ok(self) } else { Err(InputError { file: self.file, findings: self.findings }) }
     }
@@ -66,7 +67,7 @@ impl Table {
         self.columns.iter().any(|name| name == column)
     }
 
-    /// Reports unless all of these columns are there.
+    /// Reports a fault unless all of these columns exist.
     pub fn require(&mut self, columns: &[&str]) {
         let missing: Vec<&str> = columns.iter().filter(|name| !self.has(name)).copied().collect();
         if !missing.is_empty() {
@@ -75,7 +76,7 @@ impl Table {
         }
     }
 
-    /// The field as text; empty where there is none.
+    /// The field as text; empty if it does not exist.
     pub fn text(&self, row: usize, column: &str) -> &str {
         let at = self.columns.iter().position(|name| name == column);
         at.and_then(|at| self.rows[row].get(at)).unwrap_or_default()
@@ -85,7 +86,7 @@ impl Table {
         self.text(row, column).is_empty()
     }
 
-    /// The field as a finite number; reported otherwise.
+    /// The field as a finite number; anything else is reported.
     pub fn number(&mut self, row: usize, column: &str) -> Option<f64> {
         let text = self.text(row, column).to_owned();
         let value = text.parse().ok().filter(|value: &f64| value.is_finite());

@@ -1,25 +1,30 @@
-//! One slope of several trials, with its interval.
+//! One slope from several trials, with its interval.
 //!
-//! Every law here is a slope s times a known function g of the displacement: s = E with the pseudo-rigid-body model, s = kappa with the linear
-//! one. Each trial has its own least-squares slope s_t = sum(w g F) / sum(w g^2). Springs and mountings differ from trial to trial, so readings of one trial
-//! err together: counted one by one they would give an interval far too narrow. Hence
+//! Every law here is a slope s times a known function g of the displacement: s = E for the
+//! pseudo-rigid-body model, s = kappa for the linear law. Each trial has its own least-squares
+//! slope s_t = sum(w g F) / sum(w g^2). Springs and mountings differ from trial to trial, so that
+//! the readings of one trial have a common error. An interval from single readings would be far too
+//! narrow. Hence
 //!
 //! ```text
-//! s_t = s + b_t + e_t      b_t: between trials, variance tau^2      e_t: within, variance v_t = sigma^2 / sum(w g^2)
+//! s_t = s + b_t + e_t      b_t: between trials, variance tau^2
+//!                          e_t: within a trial, variance v_t = sigma^2 / sum(w g^2)
 //! s   = sum(s_t / (tau^2 + v_t)) / sum(1 / (tau^2 + v_t))
 //! ```
 //!
-//! with tau^2 such that the weighted squares have their expected sum (Paule and Mandel 1982), zero where they stay below it, and the interval of Hartung
-//! and Knapp (2001): Student's t on T - 1 degrees of freedom times the spread of the trials about s. With equally exact trials, the same displacements in each, this is
-//! the mean of the trials and its usual interval, exactly. Where one trial is far more exact than the others, nearly all weight is its own: tau^2 is then often found
-//! to be zero though it is not, and the interval is too narrow ([`Estimate::largest_weight`]).
+//! tau^2 is such that the weighted squares have their expected sum (Paule and Mandel 1982), or zero
+//! if they stay below it. The interval is that of Hartung and Knapp (2001): Student's t with T - 1
+//! degrees of freedom times the spread of the trials about s. For equally exact trials this is
+//! exactly the mean of the trials and its usual interval. If one trial is far more exact than the
+//! others, it has nearly all of the weight. tau^2 is then often estimated as zero although it is
+//! not, and the interval is too narrow ([`Estimate::largest_weight`]).
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 use crate::math::{Interval, Summary, student};
 
-/// One reading as a fit sees it: force (N) where the law with slope 1 has `basis`.
+/// One reading for a fit: the force (N), and the value `basis` of the law with slope 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     pub basis: f64,
@@ -28,16 +33,16 @@ pub struct Point {
     pub weight: f64,
 }
 
-/// What the weights of points are.
+/// Meaning of the weights of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weighting {
     /// Stated error bars.
     Stated,
-    /// Equal: the scatter within trials tells how exact a point is.
+    /// Equal weights; the scatter within trials gives the error of a point.
     FromScatter,
 }
 
-/// The least-squares slope of one trial by itself.
+/// The least-squares slope of one trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrialSlope {
     pub slope: f64,
@@ -49,7 +54,7 @@ pub struct TrialSlope {
 }
 
 impl TrialSlope {
-    /// `None` where no point says anything of the slope.
+    /// `None` if no point determines the slope.
     pub fn of(points: impl Iterator<Item = Point> + Clone) -> Option<Self> {
         let information: f64 = points.clone().map(|point| point.weight * point.basis * point.basis).sum();
         let moment: f64 = points.clone().map(|point| point.weight * point.basis * point.force).sum();
@@ -60,33 +65,34 @@ impl TrialSlope {
     }
 }
 
-/// A fitted number; its unit stands in the name of the field that holds it.
+/// A fitted number. Its unit is in the name of the field that contains it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     pub value: f64,
-    /// Of several trials; of one trial, what its own scatter or error bars say.
+    /// Standard error between trials; for one trial, from its scatter or its error bars.
     pub standard_error: f64,
     pub degrees_of_freedom: f64,
-    /// `null` of one trial, which cannot tell how trials differ.
+    /// Interval between trials; `null` for one trial.
     pub interval: Option<Interval>,
-    /// As if all readings were independent: too narrow wherever trials differ.
+    /// Interval for independent readings; it is too narrow if trials differ.
     pub interval_within_trials: Option<Interval>,
-    /// Spread of the slope between trials; `null` of one trial.
+    /// Standard deviation of the slope between trials; `null` for one trial.
     pub between_trials_sd: Option<f64>,
     pub n_trials: usize,
     pub n_points: usize,
-    /// Share of the weight that the trial with most of it has (1); `null` of one trial, and of a mean of cases.
+    /// Largest weight of one trial over the sum of weights (1); `null` for one trial, and for a
+    /// mean of cases.
     #[serde(default)]
     pub largest_weight: Option<f64>,
 }
 
-/// Share of the weight (1) beyond which one of three trials and more decides alone.
+/// Weight above which one of at least three trials dominates (1).
 const HALF: f64 = 0.5;
-/// Of two.
+/// Weight above which one of two trials dominates (1).
 const MOST_OF_TWO: f64 = 0.75;
 
 impl Estimate {
-    /// Whether one trial has so much of the weight that the others hardly tell how trials differ.
+    /// Whether one trial dominates, so that the others hardly determine the spread between trials.
     pub fn is_of_one_trial(&self) -> bool {
         let most = if self.n_trials == 2 { MOST_OF_TWO } else { HALF };
         self.largest_weight.is_some_and(|weight| weight > most)
@@ -133,7 +139,7 @@ pub fn pool(trials: &[TrialSlope], weighting: Weighting, level: f64) -> Option<E
     Some(Estimate { value, standard_error, degrees_of_freedom, interval, between_trials_sd: Some(between.sqrt()), largest_weight, ..one })
 }
 
-/// sigma^2 of a point of unit weight: one with stated error bars, else the scatter within all trials.
+/// Variance of a point with unit weight: 1 with error bars, else the scatter within all trials.
 fn point_variance(trials: &[TrialSlope], weighting: Weighting) -> f64 {
     let free = trials.iter().map(|trial| trial.n_points).sum::<usize>() - trials.len();
     match weighting {
@@ -143,7 +149,8 @@ fn point_variance(trials: &[TrialSlope], weighting: Weighting) -> f64 {
     }
 }
 
-/// Standard error and interval of one slope through all points, each on its own; `None` of a single point without an error bar.
+/// Standard error and interval of one slope through all points as independent readings; `None` for
+/// a single point without an error bar.
 fn within_trials(trials: &[TrialSlope], weighting: Weighting, level: f64) -> Option<(f64, Interval)> {
     let information: f64 = trials.iter().map(|trial| trial.information).sum();
     let slope = trials.iter().map(|trial| trial.information * trial.slope).sum::<f64>() / information;
@@ -158,12 +165,13 @@ fn within_trials(trials: &[TrialSlope], weighting: Weighting, level: f64) -> Opt
     Some((error, about(slope, factor * error)))
 }
 
-/// tau^2 of (slope, variance within) of each trial.
+/// tau^2 from the slope and the variance within each trial.
 fn between_trials(slopes: &[(f64, f64)]) -> f64 {
     let expected = slopes.len() as f64 - 1.0;
     let mut summary = Summary::default();
     summary.extend(slopes.iter().map(|(slope, _)| *slope));
-    // All variances are taken off, so that the sum of squares at this end is no more than expected.
+    // The variances within trials are subtracted, so that the sum of squares at this end is at most
+    // the expected one.
     let mut high = summary.sd().powi(2);
     let excess = |between: f64| weighted(slopes, between).2 - expected;
     if high == 0.0 || excess(0.0) <= 0.0 {
@@ -179,7 +187,7 @@ fn between_trials(slopes: &[(f64, f64)]) -> f64 {
 
 /// Mean, sum of weights, and weighted squares about the mean.
 fn weighted(slopes: &[(f64, f64)], between: f64) -> (f64, f64, f64) {
-    // Trials without any scatter differ by rounding at least.
+    // Trials without scatter differ at least by rounding.
     let largest = slopes.iter().map(|(slope, _)| slope.abs()).fold(f64::MIN_POSITIVE, f64::max);
     let weight = |variance: f64| 1.0 / (between + variance.max((1e-14 * largest).powi(2)).max(f64::MIN_POSITIVE));
     let total: f64 = slopes.iter().map(|(_, variance)| weight(*variance)).sum();
@@ -188,8 +196,8 @@ fn weighted(slopes: &[(f64, f64)], between: f64) -> (f64, f64, f64) {
     (mean, total, squares)
 }
 
-/// Every case counts the same, whatever it was measured with: for a law that the cases share as a compromise. Its interval takes Satterthwaite's degrees of
-/// freedom.
+/// Mean of cases with equal weights, for a law that is a compromise between them. Its interval has
+/// Satterthwaite's degrees of freedom.
 pub fn mean_of_cases(cases: &[Estimate], level: f64) -> Option<Estimate> {
     let n = cases.len() as f64;
     let [first, _, ..] = cases else { return cases.first().copied() };
@@ -213,7 +221,8 @@ pub fn mean_of_cases(cases: &[Estimate], level: f64) -> Option<Estimate> {
     })
 }
 
-/// Chance of estimates as far apart as these if all had one truth (Welch 1951); `None` where fewer than two have an interval.
+/// Probability of estimates that differ as much, if all had the same true value (Welch 1951);
+/// `None` if fewer than two have an interval.
 pub fn agreement(estimates: &[Estimate]) -> Option<f64> {
     let known: Vec<&Estimate> = estimates.iter().filter(|estimate| estimate.interval.is_some()).collect();
     let n = known.len() as f64;
@@ -221,7 +230,7 @@ pub fn agreement(estimates: &[Estimate]) -> Option<f64> {
     if known.len() < 2 {
         return None;
     }
-    // Rounding is no disagreement.
+    // Rounding errors do not count.
     let weight = |estimate: &Estimate| 1.0 / estimate.standard_error.max(1e-12 * largest).powi(2);
     let total: f64 = known.iter().map(|estimate| weight(estimate)).sum();
     let mean = known.iter().map(|estimate| weight(estimate) * estimate.value).sum::<f64>() / total;
@@ -232,7 +241,7 @@ pub fn agreement(estimates: &[Estimate]) -> Option<f64> {
     Some(fisher.sf(ratio))
 }
 
-/// Chance of an estimate as far from zero as this if the truth were zero; `None` of one trial.
+/// Probability of an estimate as far from zero, if the true value were zero; `None` for one trial.
 pub(super) fn chance_of_none(estimate: &Estimate) -> Option<f64> {
     estimate.interval?;
     let student = StudentsT::new(0.0, 1.0, estimate.degrees_of_freedom).ok()?;
@@ -253,7 +262,7 @@ mod tests {
         TrialSlope { slope, information, scatter: 0.02, n_points: 5 }
     }
 
-    /// Equally exact trials: the classical interval of a mean, whatever the weights.
+    /// Equally exact trials give the classical interval of a mean, whatever the weights.
     #[test]
     fn equal_trials_have_the_interval_of_their_mean() {
         let slopes = [1.66, 1.71, 1.58, 1.69];
@@ -262,7 +271,7 @@ mod tests {
             let found = pool(&trials, weighting, 0.95).unwrap();
             let (interval, expected) = (found.interval.unwrap(), mean_interval(&slopes, 0.95).unwrap());
             assert!((found.value - 1.66).abs() < 1e-14);
-            // The quantile is found to about 1e-12 by either call, and tau^2 by bisection drops out.
+            // Both quantiles are exact to about 1e-12, and tau^2 cancels.
             assert!((interval.low - expected.low).abs() < 1e-10 && (interval.high - expected.high).abs() < 1e-10, "{found:?}");
         }
     }
@@ -271,7 +280,7 @@ mod tests {
     fn a_trial_that_knows_little_counts_little() {
         let trials = [trial(1.0, 1e4), trial(1.1, 1e4), trial(9.0, 1e-3)];
         let found = pool(&trials, Weighting::Stated, 0.95).unwrap();
-        // Its own variance of 1000 stands beside the 5e-3 of the others: 5e-6 of the weight times a distance of 8.
+        // Its variance is 1000, that of the others 5e-3: a weight of 5e-6 times a difference of 8.
         assert!((found.value - 1.05).abs() < 1e-4, "{found:?}");
     }
 

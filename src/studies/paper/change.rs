@@ -1,8 +1,9 @@
-//! One change of mean in a series: where two means fit it best, and whether chance would make such a change.
+//! One change of mean in a series, and its significance.
 //!
-//! Two segments of constant mean are fitted by least squares at every place that leaves a tenth of the series on both sides. The statistic is the share of the
-//! spread about one mean that the second mean takes away. Values near in time are alike without any change, so its significance is that among series made of the same
-//! blocks in random order: within a block neighbours stay neighbours.
+//! Two segments of constant mean are fitted by least squares at every place that leaves a tenth of
+//! the series on both sides. The statistic is the fraction of the spread about one mean that the
+//! second mean removes. Neighbouring values are correlated even without a change. The significance
+//! is therefore that among series of the same blocks of values in random order.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,7 @@ pub struct Change {
     pub mean_after: f64,
     /// Spread that the second mean takes away, over that about one mean (1).
     pub explained: f64,
-    /// Share of the series in random order, this one among them, in which as much is taken away (1).
+    /// Fraction of the random orders, including the observed one, that remove as much spread (1).
     pub p_value: f64,
 }
 
@@ -31,16 +32,17 @@ impl Change {
     }
 }
 
-/// Share of a series on either side at which no change is looked for (1).
+/// Fraction of a series on either side in which no change is searched (1).
 const MARGIN: f64 = 0.1;
 /// Series in random order.
 const N_ORDERS: u32 = 199;
-/// Shares that differ by less are equal (1): orders that only move blocks on one side of the change take as much away, summed in another order. In a series of few
-/// blocks these are many.
+/// Fractions that differ by less count as equal (1). Orders that only move blocks on one side of
+/// the change give the same fraction, summed in another order. A series of few blocks has many of
+/// these.
 const ROUNDING: f64 = 1e-9;
 
-/// The best change of mean in `values`, whose significance is that among orders of blocks of `block` values; `None` of a series that is shorter than four
-/// blocks or constant.
+/// The best change of mean in `values`. Its significance is that among orders of blocks of `block`
+/// values. `None` for a constant series or one shorter than four blocks.
 pub fn change_of_mean(values: &[f64], block: usize, seed: u64) -> Option<Change> {
     let block = block.max(1);
     if values.len() < 4 * block {
@@ -107,14 +109,16 @@ mod tests {
         assert!(change.p_value < 0.01 && change.mean_after - change.mean_before > 1.0, "{change:?}");
     }
 
-    /// Under no change the p-value is uniform: at most 5 % lie below 0.05, up to the spread of 200 trials (three standard deviations, 0.046).
+    /// Without a change the p-value is uniform. At most 5 % are below 0.05, up to the spread of 200
+    /// trials (three standard deviations, 0.046).
     #[test]
     fn noise_alone_seldom_changes() {
         let n_found = (0..200).filter(|seed| change_of_mean(&noise(60, 100 + seed), 4, *seed).unwrap().is_significant()).count();
         assert!(n_found <= 19, "{n_found}");
     }
 
-    /// Of six blocks, of which the last three have another mean, 2 in 20 orders part the same three from the others, and take as much away however their sums are rounded.
+    /// Of six blocks the last three have another mean. 2 of 20 orders separate the same three
+    /// blocks and remove as much spread, whatever the rounding of their sums.
     #[test]
     fn orders_that_part_the_same_blocks_are_as_good() {
         let mut sum = 0.0;
@@ -126,7 +130,8 @@ mod tests {
             assert_eq!(change_of_mean(&unlike, 8, seed).unwrap().p_value, p_value, "{seed}: the unit of values is no matter");
             sum += p_value;
         }
-        // 2 in 20, and the series itself: 0.1045 on average. The mean of 40 shares of 199 orders has a standard deviation of 0.0034, of which five.
+        // 2 of 20, and the series itself: 0.1045 on average. The mean of 40 fractions of 199 orders
+        // has a standard deviation of 0.0034, of which five are allowed.
         assert!((sum / 40.0 - 0.1045).abs() < 0.017, "{sum}");
     }
 

@@ -26,7 +26,8 @@ pub struct RunFacts {
     pub pulls_by_time: Summary,
     /// By how many ants pulled, from none.
     pub by_size: Vec<OfSize>,
-    /// By how many ants pulled on average over a window, rounded: a jump at a release then counts for the group that made it.
+    /// Sums by the mean number of pulling ants in a window, rounded. A jump at a release then
+    /// counts for the group that caused it.
     pub by_mean_size: Vec<OfSize>,
     pub changes: Changes,
 }
@@ -50,7 +51,7 @@ impl RunFacts {
     }
 }
 
-/// Time and way of the load while a number of ants pulled.
+/// Time and displacement of the load while a number of ants pulled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OfSize {
     pub time_s: f64,
@@ -73,7 +74,8 @@ pub struct ChangeAt {
     pub change: Change,
 }
 
-/// Speed of the load, its turn rate and the sum of the sizes of all interaction forces (Eq. 4), as means over windows from the first grasp on.
+/// Speed of the load, its turn rate and the sum of all interaction forces (Eq. 4), as means over
+/// windows from the first grasp on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Start of the first window (s).
@@ -90,10 +92,12 @@ pub struct Series {
 pub const WINDOW_S: f64 = 0.5;
 /// Windows in a block of the test for a change: 4 s, longer than any ant holds on.
 pub const BLOCK: usize = 8;
-/// Interaction forces of all pairs are looked at so often (s): they change with decisions, not with ticks.
+/// Time between two evaluations of all interaction forces (s). They change with decisions, not with
+/// ticks.
 const LOOK_S: f64 = 0.02;
 
-/// Runs `trial` at `seed`; `watch` sees the share done (1) and says whether to go on, and nothing comes of a run that may not.
+/// Runs `trial` at `seed`. `watch` receives the fraction done (1) and returns whether to go on; the
+/// result is `None` if it ended the run.
 pub fn run(trial: Trial, case: &Case, seed: u64, watch: impl Fn(f64) -> bool) -> Option<RunFacts> {
     let scenario = trial.scenario(case, seed);
     run_scenario(trial, &scenario, &case.options(&scenario), watch)
@@ -124,7 +128,7 @@ pub(super) fn run_scenario(trial: Trial, scenario: &Scenario, options: &BackendO
     })
 }
 
-/// By the rounded mean number of holders over `ticks` ticks each.
+/// Sums by the rounded mean number of pulling ants over `ticks` ticks each.
 fn by_size(trace: &Trace, n_ants: usize, ticks: usize) -> Vec<OfSize> {
     let mut found = vec![OfSize::default(); n_ants + 1];
     let last = trace.rows.len().saturating_sub(1);
@@ -142,7 +146,7 @@ fn ticks_in(duration: f64, scenario: &Scenario) -> usize {
     (duration / scenario.control_period).round().max(1.0) as usize
 }
 
-/// The three series of a run; empty of one without a grasp. A last window that is not full is left out.
+/// The three series of a run; empty without a grasp. An incomplete last window is left out.
 pub fn series_of(trace: &Trace, scenario: &Scenario) -> Series {
     let Some(start_s) = trace.events.iter().find(|event| event.kind == EventKind::Grasp).map(|event| event.time) else {
         return Series::default();
@@ -187,7 +191,8 @@ mod tests {
     use crate::backend::BackendKind;
     use crate::scenario::presets::Preset;
 
-    /// Time by size adds up to the run, decisions include the grasps, and a run that may not go on leaves nothing.
+    /// Times by group size add up to the run, decisions include the grasps, and an ended run has no
+    /// result.
     #[test]
     fn a_run_is_accounted_for() {
         let case = Case::new(Preset::Default, BackendKind::QuasiStatic);

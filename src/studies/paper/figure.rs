@@ -1,4 +1,5 @@
-//! The paper's results -> panels: pulls, group sizes, backends, inertia and the fit, with what the paper prints as marked points and lines.
+//! Figures of the results beside the printed numbers: pulls, group sizes, backends, inertia and the
+//! fit.
 
 use crate::math::Interval;
 use crate::model::behaviour::ReleasePace;
@@ -10,19 +11,13 @@ use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, ROW_HEIGHT, WIDTH, alone,
 use crate::output::quantity::quantity;
 use crate::studies::paper::figure_run;
 use crate::studies::paper::report::{FitRow, Paper, TableRow};
+use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
 use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Shown, Trial, Unit};
 
-pub const OURS: Style = Style { color: "#0072B2", dash: "", width: 1.6 };
-pub const OTHER: Style = Style { color: "#E69F00", dash: "", width: 1.6 };
-pub const PRINTED: Style = Style { color: "#D55E00", dash: "7 3", width: 1.6 };
 const FAINT: Style = Style { color: "#999999", dash: "2 2.5", width: 1.0 };
 /// Half width of a bar, and of the cap of a whisker.
 const BAR: f64 = 0.36;
 const CAP: f64 = 0.12;
-
-pub fn curve(points: Vec<[f64; 2]>, style: Style, shape: Shape) -> Curve {
-    Curve { columns: Vec::new(), points, style, shape }
-}
 
 fn bar(x: f64, height: f64, style: Style) -> Curve {
     curve(vec![[x - BAR, 0.0], [x - BAR, height], [x + BAR, height], [x + BAR, 0.0]], style, Shape::Path)
@@ -40,7 +35,8 @@ fn dot(x: f64, estimate: &Estimate, unit: f64, style: Style) -> Vec<Curve> {
     std::iter::once(curve(vec![[x, unit * estimate.value]], style, Shape::Dots)).chain(whiskers).collect()
 }
 
-/// Load speed by number of pulling ants, and shares of time by that number, beside the printed counts.
+/// Load speed by the number of pulling ants, and fractions of time by that number beside the
+/// printed counts.
 pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     let mut speed = Panel::new("pulling ants", "load speed (mm/s)", Scale::FromZero);
     let mut headway = Panel::new("ants on ten springs", "speed towards the nest (mm/s)", Scale::FromZero);
@@ -77,7 +73,8 @@ fn row(found: &Paper, measure: Measure) -> Option<&TableRow> {
     found.table.iter().find(|row| row.quantity == measure.name())
 }
 
-/// Mean and standard deviation of pulls by trial, and the largest pull against the size of the sample.
+/// Mean and standard deviation of pulls by trial, and the largest pull against the size of the
+/// sample.
 pub fn pulls(found: &Paper, units: &[Unit], largest: Option<Extreme>) -> (Vec<Panel>, Vec<Entry>) {
     let mut moments = Panel::new("trial: 1/1, 4/4, 5/10, 10/10", "pull at decisions (mN)", Scale::FromZero);
     for (level, style) in [(printed::PULL_MEAN_N, PRINTED), (printed::PULL_SD_N, Style { dash: "2 2.5", ..PRINTED })] {
@@ -174,7 +171,8 @@ fn short(measure: Measure) -> String {
     measure.name().replace("standard deviation", "sd").replace(", 4/4 and 5/10", "")
 }
 
-/// Score of every set of parameters against each parameter, and mean against standard deviation of the pulls.
+/// Score of every set of parameters against each parameter, and mean against standard deviation of
+/// the pulls.
 pub fn fit(rows: &[FitRow]) -> (Vec<Panel>, Vec<Entry>) {
     let parameters: [Parameter; 4] = [
         ("speed of pulling ants (mm/s)", |row| MILLI * row.point.pull_speed_m_per_s),
@@ -228,7 +226,7 @@ fn scatter(panel: &mut Panel, rows: &[FitRow], of: impl Fn(&FitRow) -> [f64; 2])
     panel.curves.push(curve(points(&|row| row.point.preset.is_some()), Style { color: "#000000", ..OURS }, Shape::Dots));
 }
 
-/// Figures of the paper's results, by the name of their file: pulls, group sizes, backends, the fit, and one run.
+/// All figures by the name of their file: pulls, group sizes, backends, the fit, and one run.
 pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Vec<(&'static str, String)> {
     let mut figures = vec![
         ("pulls", in_grid(pulls(found, units, largest), 2, COLUMN_WIDTH, PANEL_HEIGHT)),

@@ -1,4 +1,5 @@
-//! One run as the paper shows one -> panels: series with their change, when runs change, snapshots and path.
+//! Figures of one run as in the paper: series with their change of mean, times of change, snapshots
+//! and path.
 
 use std::f64::consts::TAU;
 
@@ -7,12 +8,13 @@ use crate::model::ant::Mode;
 use crate::output::chart::MILLI;
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use crate::output::quantity::number;
-use crate::studies::paper::figure::{OTHER, OURS, PRINTED, curve};
+use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
 use crate::studies::paper::{ChangeAt, RunFacts, Shown, Snapshot, WINDOW_S};
 
 const BEFORE: Style = Style { color: "#000000", dash: "", width: 1.6 };
 
-/// Speed, turn rate and interaction over time, each with its best change of mean; and when runs change.
+/// Speed, turn rate and interaction over time, each with its best change of mean, and the times of
+/// change of all runs.
 pub fn transition(shown: &Shown, runs: &[&RunFacts]) -> (Vec<Panel>, Vec<Entry>) {
     let (series, changes) = (&shown.series, &shown.changes);
     let panels = vec![
@@ -86,7 +88,7 @@ pub fn snapshots(shown: &Shown) -> (Vec<Panel>, Vec<Entry>) {
     let entries = vec![
         Entry::line("load", LOAD),
         Entry::line("free spring", SPRING),
-        Entry::line("held spring", HELD),
+        Entry::line("attached spring", HELD),
         Entry::line("ant, dot at its mandibles", ANT),
         Entry::line("nest", Style::NEST),
     ];
@@ -119,7 +121,7 @@ fn view(snapshot: &Snapshot, shown: &Shown) -> Panel {
     panel
 }
 
-/// The way of the load, its outlines at the snapshots, and the nest.
+/// The path of the load, its outlines at the snapshots, and the nest.
 pub fn path(shown: &Shown) -> Panel {
     let mut panel = Panel::new("x (mm)", "y (mm)", Scale::Plane);
     panel.curves.push(circle(shown.nest, shown.arrival_radius, Style::NEST));

@@ -1,4 +1,4 @@
-//! The paper's results made again, as files: a table a CSV, figures, summary and manifest.
+//! Output folder of `paper`: tables as CSV, figures, summary and manifest.
 
 use std::path::Path;
 
@@ -14,10 +14,12 @@ use crate::studies::paper::{Estimate, RunFacts, Trial};
 /// Figures by the name of their file.
 pub type Figures = Vec<(&'static str, String)>;
 
-/// Writes `table.csv`, `claims.csv`, `group-size.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`, `fit.csv`, `runs.csv`, the `figures`, `README.md`, `table.txt`,
-/// `summary.json` and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
+/// Writes `table.csv`, `claims.csv`, `group-size.csv`, `transitions.csv`, `conclusions.csv`,
+/// `replayed.csv`, `fit.csv`, `runs.csv`, the `figures`, `README.md`, `table.txt`, `summary.json`
+/// and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
 ///
 /// # Errors
+///
 /// When the folder may not be written, or the disk fails.
 pub fn write_paper(
     target: &Path,
@@ -44,7 +46,7 @@ pub fn write_paper(
     folder.finish(manifest)
 }
 
-/// A table with the names of its columns; none where it would have no rows.
+/// Writes a table with the names of its columns, unless it has no rows.
 fn write_lines<T: Serialize>(folder: &mut OutputFolder, name: &str, rows: impl Iterator<Item = T>) -> Result<(), FolderError> {
     let mut rows = rows.peekable();
     if rows.peek().is_none() {
@@ -94,7 +96,7 @@ struct TableLine<'a> {
     why: &'a str,
 }
 
-/// A line a quantity and set.
+/// One line for each quantity and set.
 fn table_lines(found: &Paper) -> impl Iterator<Item = TableLine<'_>> {
     found.table.iter().flat_map(|row| {
         let line = move |set, value: Option<Estimate>, grade: Option<crate::studies::paper::Grade>, minus: Option<Estimate>, why| {
@@ -214,12 +216,12 @@ struct ReplayedLine<'a> {
     seed: u64,
     duration_s: f64,
     verdict: &'a str,
-    inertia_m: f64,
-    engine_m: f64,
-    own_m: f64,
+    inertia_effect_m: f64,
+    engine_error_m: f64,
+    reference_error_m: f64,
     path_length_m: f64,
     tolerance_m: f64,
-    parts_at_s: Option<f64>,
+    first_divergence_s: Option<f64>,
 }
 
 fn replayed_lines(found: &Paper) -> impl Iterator<Item = ReplayedLine<'_>> {
@@ -228,12 +230,12 @@ fn replayed_lines(found: &Paper) -> impl Iterator<Item = ReplayedLine<'_>> {
         seed: one.seed,
         duration_s: one.duration_s,
         verdict: &one.verdict,
-        inertia_m: one.inertia_m,
-        engine_m: one.engine_m,
-        own_m: one.own_m,
+        inertia_effect_m: one.inertia_effect_m,
+        engine_error_m: one.engine_error_m,
+        reference_error_m: one.reference_error_m,
         path_length_m: one.path_length_m,
         tolerance_m: one.tolerance_m,
-        parts_at_s: one.parts_at_s,
+        first_divergence_s: one.first_divergence_s,
     })
 }
 

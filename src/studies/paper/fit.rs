@@ -1,7 +1,9 @@
-//! The parameters that the paper leaves open, tried out: how far each set of them is from the printed numbers.
+//! Search for the parameters that the paper does not print.
 //!
-//! Sets are a Latin hypercube over speed, gain of force between two decisions, half angle and reach, for each way of deciding to let go. A set is scored
-//! by the worst of its deviations, each over what counts as near; below one it meets everything that is printed. Its seeds are used for nothing else.
+//! The sets of parameters are a Latin hypercube over speed, gain of force between two decisions,
+//! half angle and sensing range, for each way to decide on releases. The score of a set is its
+//! largest deviation from the printed numbers, relative to the limit that counts as near. A score
+//! below one meets all printed numbers. The seeds of the search are not used elsewhere.
 
 use serde::{Deserialize, Serialize};
 
@@ -142,8 +144,9 @@ impl Found {
         }
     }
 
-    /// Deviations over what counts as near (1): mean and standard deviation of pulls over 10 %, the worst share over 0.05, and the time of four ants over
-    /// half a decade about 100 s.
+    /// Deviations over the limit that counts as near (1): mean and standard deviation of pulls over
+    /// 10 %, the largest fraction over 0.05, and the time of four ants over half a decade about 100
+    /// s.
     pub fn deviations(&self) -> [f64; 4] {
         let share = |(at, share): (usize, &f64)| (share - printed::share_of_size(printed::SMALLEST_COUNTED + at)).abs() / 0.05;
         [

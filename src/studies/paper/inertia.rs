@@ -1,4 +1,5 @@
-//! Conclusions that change when inertia is kept, or when the engine moves the load: the same claims and grades on every set of runs.
+//! Conclusions that change with inertia or with the engine: the same claims and grades on every set
+//! of runs.
 
 use serde::Serialize;
 
@@ -25,7 +26,8 @@ pub struct Standing {
     pub holds: Option<bool>,
 }
 
-/// Conclusions on named sets of units, the first of which is what the others are held against: claims, and that what is printed is met or near.
+/// Conclusions on named sets of units, which are compared with the first set: claims, and whether
+/// printed numbers are met or near.
 pub fn conclusions(sets: &[(String, Vec<Unit>)]) -> Vec<Conclusion> {
     let of_claims: Vec<_> = sets.iter().map(|(_, units)| claims(units)).collect();
     let mut found: Vec<Conclusion> = (0..of_claims.first().map_or(0, Vec::len))
@@ -69,7 +71,8 @@ const UNMOVED: [Measure; 6] = [
 /// Share up to which a shifted quantity is the same (1).
 const SAME: f64 = 0.1;
 
-/// Whether a quantity is within 10 % of that of the first set, in pairs of seeds; a set on which it has no value has lost it.
+/// Whether a quantity is within 10 % of that of the first set, in pairs of seeds. A set without a
+/// value fails.
 fn unmoved(measure: Measure, sets: &[(String, Vec<Unit>)]) -> Conclusion {
     let first = &sets[0].1;
     let standing = |(name, units): &(String, Vec<Unit>)| {

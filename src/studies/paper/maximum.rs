@@ -1,9 +1,10 @@
 //! The largest pull of a sample of the printed size.
 //!
-//! The largest of k units is the largest of k largest values. Those of units follow Gumbel's law, as the tail of pulls falls like an exponential: with mean a and
-//! standard deviation s over units, the largest of k has the mean a + b ln k and the quantiles a + b (ln k - gamma - ln(-ln p)), where b = s sqrt(6) / pi. The printed
-//! number is one draw of it, so the interval is that of a draw and not of a mean; and as a and b are those of few units, their errors count too, and Student's t over
-//! the normal quantile for both.
+//! The tail of pulls falls exponentially, so that the largest pull of a unit follows Gumbel's law.
+//! With mean a and standard deviation s over units, the largest of k units has the mean a + b ln k
+//! and the quantiles a + b (ln k - gamma - ln(-ln p)), where b = s sqrt(6) / pi. The printed number
+//! is one draw of it, so that the interval is that of a draw and not of a mean. The errors of a and
+//! b count too, with Student's t over the normal quantile for both.
 
 use std::f64::consts::PI;
 
@@ -30,14 +31,16 @@ const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 /// Two-sided 95 % quantile of a normal variable (1).
 const NORMAL: f64 = 1.959_963_984_540_054;
 
-/// Standard error of m + c s over s / sqrt(n), with m and s mean and standard deviation of n values by Gumbel's law, whose skewness is 1.1395 and whose kurtosis
-/// is 5.4: cov(m, s) = 1.1395 s^2 / (2 n) and var(s) = (5.4 - 1) s^2 / (4 n).
+/// Standard error of m + c s, divided by s / sqrt(n). m and s are mean and standard deviation of n
+/// values of Gumbel's law with skewness 1.1395 and kurtosis 5.4: cov(m, s) = 1.1395 s^2 / (2 n) and
+/// var(s) = (5.4 - 1) s^2 / (4 n).
 fn error_of_expected(c: f64) -> f64 {
     const SKEWNESS: f64 = 1.139_547_099_404_649;
     (1.0 + SKEWNESS * c + 1.1 * c * c).sqrt()
 }
 
-/// The largest pull of a sample of `n_pulls` that is made of runs such as `of` takes from each unit; `None` below two units.
+/// The largest pull of a sample of `n_pulls`, composed of runs that `of` takes from each unit;
+/// `None` below two units.
 pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<&'a RunFacts>, n_pulls: u64) -> Option<Extreme> {
     let (mut largest, mut n) = (Summary::default(), 0);
     for unit in units {
@@ -73,7 +76,8 @@ mod tests {
         RunFacts { pulls, ..RunFacts::nothing() }
     }
 
-    /// Exponential pulls of mean one: the largest of n is ln n + gamma on average, which runs of 300 foresee for 30000.
+    /// Exponential pulls of mean one: the largest of n is ln n + gamma on average. Runs of 300
+    /// predict it for 30000.
     #[test]
     fn the_largest_of_many_is_foreseen_from_few() {
         let streams = RandomStreams::new(11);
@@ -87,13 +91,16 @@ mod tests {
         let units = units(runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run)));
         let found = extreme(&units, |unit| unit.of(Trial::FourFour).into_iter().collect(), 30_000).unwrap();
         let known = 30_000f64.ln() + EULER_GAMMA;
-        // Standard error of the mean and of ln(100) times that of the scale over 400 runs: 0.064 and 0.24.
+        // Standard error of the mean, and ln(100) times that of the scale, over 400 runs: 0.064 and
+        // 0.24.
         assert!((found.expected - known).abs() < 0.75, "{} {known}", found.expected);
         assert!(found.draw_95.low < known && known < found.draw_95.high && found.n == 120_000);
     }
 
-    /// One draw of the largest of 30 units lies in the interval from 3, or from 25, units in 95 % of 2000 sets: to 3 %, as the largest of few lies between what a
-    /// mean and what one value would do, of which t is exact for neither. Without errors of mean and scale the interval of 3 would hold it in 60 %.
+    /// One draw of the largest of 30 units lies in the interval from 3 or 25 units in 95 % of 2000
+    /// sets, up to 3 %. The largest of few lies between a mean and a single value, and t is exact
+    /// for neither. Without the errors of mean and scale, the interval of 3 would contain it in 60
+    /// %.
     #[test]
     fn the_interval_holds_a_draw_however_few_units_there_are() {
         let streams = RandomStreams::new(12);

@@ -1,4 +1,4 @@
-//! Every quantity that is compared, as a statistic of units, and the claims that the paper makes in words.
+//! All compared quantities as statistics of units, and the claims of the paper.
 
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub enum Measure {
     TimeToNest(Trial),
     /// Share of the runs that arrived (1).
     Arrived(Trial),
-    /// Way of the load over time while so many ants pulled (m/s), with ten springs.
+    /// Displacement of the load over time while so many ants pulled (m/s), with ten springs.
     LoadSpeed(usize),
     /// Speed towards the nest of so many ants on ten springs (m/s).
     Headway(u8),
@@ -30,7 +30,8 @@ pub enum Measure {
     SpeedOfOne,
     /// Load speed while on average so many of five ants pulled, over that while all five did (1).
     OverFive(usize),
-    /// Speed that further ants on ten springs add each beyond five, over what those from two to five add (1).
+    /// Speed that each further ant adds beyond five on ten springs, over what ants from two to five
+    /// add (1).
     LateGain,
     /// Time to nest of ten ants over that of five (1).
     TenOverFive,
@@ -141,7 +142,8 @@ impl Measure {
         }
     }
 
-    /// Of all units, with its interval: that of a share is Wilson's, which tells more than nothing where all runs end alike.
+    /// Statistic of all units with its interval. The interval of a fraction is Wilson's, which is
+    /// useful even if all runs end alike.
     pub fn estimate(self, units: &[Unit]) -> Option<Estimate> {
         let Measure::Arrived(trial) = self else { return estimate(units, &|units| self.of(units)) };
         let (n, n_arrived) = runs(units, trial).fold((0, 0), |(n, hits), run| (n + 1, hits + u64::from(run.arrived)));
@@ -243,7 +245,8 @@ fn sum_of_size(units: &[Unit], trial: Trial, size: usize) -> OfSize {
     found.fold(OfSize::default(), |sum, one| OfSize { time_s: sum.time_s + one.time_s, way_m: sum.way_m + one.way_m })
 }
 
-/// Where groups of a size are met with ten springs: up to five in the trial of five ants, larger ones in that of ten.
+/// Trial with groups of a size on ten springs: up to five in the trial of five ants, larger groups
+/// in that of ten.
 fn trial_of_size(size: usize) -> Trial {
     if size < printed::SMALLEST_COUNTED { Trial::FIVE_TEN } else { Trial::TEN_TEN }
 }
@@ -264,7 +267,8 @@ pub struct Speeds {
     pub load_speed_m_per_s: Option<Estimate>,
     /// Standard deviation over runs (m/s).
     pub sd_over_runs_m_per_s: Option<f64>,
-    /// Over the ticks at which so many pulled (m/s): the jump after a release then counts for the smaller group.
+    /// Mean over the ticks at which so many ants pulled (m/s). The jump after a release then counts
+    /// for the smaller group.
     pub load_speed_by_tick_m_per_s: Option<f64>,
     /// Of those ticks: time (s), number, and the number printed.
     pub time_s: f64,
@@ -308,7 +312,7 @@ pub struct Claim {
     pub holds: Option<bool>,
 }
 
-/// (claim, statistic, whether it is to be below the limit, limit). Limits are ours: the paper gives none.
+/// Claim, statistic, whether it must be below the limit, and the limit. The paper gives no limits.
 const CLAIMS: [(&str, Measure, bool, f64); 6] = [
     ("one ant hardly moves the load", Measure::SpeedOfOne, true, 1.0 / 3.0),
     ("two ants are not enough for speed", Measure::OverFive(2), true, 0.5),
@@ -340,7 +344,8 @@ mod tests {
     use super::*;
     use crate::studies::paper::units::units;
 
-    /// Where every run of one set arrives and none of the other, no resample differs from another: shares have intervals of their own.
+    /// If every run of one set arrives and none of the other, all resamples are equal. Fractions
+    /// have intervals of their own.
     #[test]
     fn a_share_that_is_another_in_every_pair_is_a_shift() {
         let runs = |arrived: bool| -> Vec<RunFacts> { (0..25).map(|_| RunFacts { arrived, ..RunFacts::nothing() }).collect() };

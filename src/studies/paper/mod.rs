@@ -1,22 +1,22 @@
-//! Floor 4: the results that the paper prints, made again: four trials on every backend, beside what stands in the paper's text.
+//! Reproduction of the results in the paper's text: four trials on every backend.
 //!
-//! The paper prints no step, no pulling speed, no sensing range and no values for its figures; what is compared are the numbers of its text. The ants'
-//! parameters that it leaves open were fitted to those numbers ([`fit`]), on other seeds than those that are judged. A seed with its four
-//! trials is the unit of every interval: ticks of one run are not independent.
+//! The paper prints no step, no pulling speed, no sensing range and no values of its figures. The
+//! numbers of its text are compared. The parameters of the ants that it does not print were fitted
+//! to those numbers ([`fit`]), with other seeds than those of the comparison. Every interval is
+//! over seeds with their four trials, because the ticks of one run are not independent.
 //!
 //! ```text
-//! printed.rs  what the paper prints
 //! trial.rs    the four trials as scenarios
-//! facts.rs    what is kept of a run
-//! change.rs   one change of mean in a series, and whether chance would make it
+//! facts.rs    numbers of one run
+//! change.rs   one change of mean in a series, and its significance
 //! units.rs    runs of one seed, resampled together
 //! maximum.rs  the largest pull of a sample of the printed size
-//! measures.rs every quantity that is compared, and the claims
+//! measures.rs all compared quantities, and the claims
 //! verdict.rs  match, near or differs
 //! inertia.rs  conclusions that change with inertia
-//! fit.rs      the parameters left open, tried out
+//! fit.rs      search for the parameters that are not printed
 //! shown.rs    one run for figures
-//! suite.rs    all runs on all processors, kept when interrupted
+//! suite.rs    all runs as tasks
 //! ```
 
 pub mod change;
@@ -31,6 +31,7 @@ mod measures;
 pub mod readme;
 pub mod report;
 mod shown;
+mod style;
 mod suite;
 pub mod text;
 mod trial;

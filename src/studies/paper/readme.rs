@@ -1,4 +1,4 @@
-//! The page beside the paper's results: what was run, what came of it in tables, and what each file is.
+//! The README in the output folder of `paper`: sets of runs, results in tables, and the files.
 
 use std::fmt::Write;
 
@@ -32,12 +32,17 @@ pub fn paper_readme(found: &Paper) -> String {
         vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), grade, row.why.clone()]
     });
     table("Beside what is printed", &["quantity", "paper", "here", "grade", "why"], rows.collect(), &mut text);
-    text.push_str("\nMatch: the printed number lies in the interval, or ours rounds to it. Near: within 10 %, a share within 0.05. The paper's figures are known by form only: none of their values is compared.\n");
+    text.push_str("\nMatch: the printed number lies in the interval, or the computed number rounds to it. Near: within 10 %, a share within 0.05. The paper's figures are known by form only: none of their values is compared.\n");
     table("Claims", &["claim", "statistic", "limit", "here", "holds"], found.claims.iter().map(claim).collect(), &mut text);
     table("Conclusions by backend and inertia", &heads(found), found.conclusions.iter().map(conclusion).collect(), &mut text);
-    text.push_str("\nEach cell is the value and whether the conclusion holds there (`?`: these seeds do not tell). Inertia is scaled at the same friction.\n");
+    text.push_str("\nEach cell is the value and whether the conclusion holds there (`?`: unknown with these seeds). Inertia is scaled at the same friction.\n");
     let replayed = found.replayed.iter().map(replayed).collect();
-    table("Replayed pathwise, on the load's rim", &["trial", "verdict", "inertia", "engine", "own error", "way"], replayed, &mut text);
+    table(
+        "Replayed: largest edge displacements",
+        &["trial", "verdict", "inertia effect", "engine error", "reference error", "path length"],
+        replayed,
+        &mut text,
+    );
     let transitions = found.transitions.iter().map(|row| {
         let counts = [row.n_runs, row.n_significant, row.n_rising].map(|n| n.to_string());
         let median = row.median_time_s.map_or_else(String::new, |time| quantity(time, "s"));
@@ -103,7 +108,7 @@ fn conclusion(conclusion: &Conclusion) -> Vec<String> {
 }
 
 fn replayed(one: &Replayed) -> Vec<String> {
-    let lengths = [one.inertia_m, one.engine_m, one.own_m].map(|length| quantity(length, "m"));
-    let way = format!("{} in {}", quantity(one.path_length_m, "m"), quantity(one.duration_s, "s"));
-    [vec![one.trial.name(), one.verdict.clone()], lengths.to_vec(), vec![way]].concat()
+    let lengths = [one.inertia_effect_m, one.engine_error_m, one.reference_error_m].map(|length| quantity(length, "m"));
+    let path = format!("{} in {}", quantity(one.path_length_m, "m"), quantity(one.duration_s, "s"));
+    [vec![one.trial.name(), one.verdict.clone()], lengths.to_vec(), vec![path]].concat()
 }

@@ -79,7 +79,8 @@ pub struct TransitionRow {
     pub n_significant: usize,
     /// Of those, in which the mean rises.
     pub n_rising: usize,
-    /// Of the significant ones: median of the time (s), of that over the run's (1), and of the mean after over that before (1).
+    /// Medians over the significant changes: time (s), time over that of the run (1), and mean
+    /// after over mean before (1).
     pub median_time_s: Option<f64>,
     pub median_time_share: Option<f64>,
     pub median_ratio: Option<f64>,

@@ -1,4 +1,5 @@
-//! One run of four ants as the paper shows one: its series over time, snapshots of load, springs and ants, and the path.
+//! One run of four ants as in the paper: series over time, snapshots of load, springs and ants, and
+//! the path.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -42,7 +43,8 @@ const SHARES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 /// Ants are looked at so often (s).
 const LOOK_S: f64 = 0.25;
 
-/// Runs `trial` of `case` at `seed` and keeps what figures show; `None` of a trial without ants, which there is none of.
+/// Runs `trial` of `case` at `seed` and keeps the data of the figures; `None` for a trial without
+/// ants.
 pub fn shown(trial: Trial, case: &Case, seed: u64) -> Option<Shown> {
     let scenario = trial.scenario(case, seed);
     let Drive::Ants(drive) = &scenario.drive else { return None };
@@ -122,7 +124,7 @@ mod tests {
     use crate::model::ant::Mode;
     use crate::scenario::presets::Preset;
 
-    /// What is drawn is the run that is judged: watching it changes nothing, and ants that pull stand at tips that are held.
+    /// The figures show the run that is compared. Pulling ants stand at attached tips.
     #[test]
     fn a_watched_run_is_the_run() {
         let case = Case::new(Preset::Default, BackendKind::QuasiStatic);

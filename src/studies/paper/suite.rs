@@ -52,26 +52,28 @@ pub enum Answer {
     Replay(Box<Replayed>),
 }
 
-/// A pathwise comparison of the backends in short: displacements of the load's rim, at most (m).
+/// Summary of a pathwise comparison of the backends: largest edge displacements (m).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Replayed {
     pub trial: Trial,
     pub seed: u64,
     pub duration_s: f64,
     pub verdict: String,
-    pub inertia_m: f64,
-    pub engine_m: f64,
-    pub own_m: f64,
-    /// Way of the rim (m), and displacement that counts as agreement (m).
+    pub inertia_effect_m: f64,
+    pub engine_error_m: f64,
+    pub reference_error_m: f64,
+    /// Path length (m).
     pub path_length_m: f64,
+    /// Edge displacement that counts as agreement (m).
     pub tolerance_m: f64,
     pub causes: Vec<String>,
-    /// When inertia first parts the paths (s); `null` where it does not.
-    pub parts_at_s: Option<f64>,
+    /// Time at which the inertia effect first exceeds the tolerance (s); `null` if it does not.
+    pub first_divergence_s: Option<f64>,
 }
 
 impl Plan {
-    /// Tasks in their order, the dearest first, so that no processor is left alone with one at the end.
+    /// Tasks in their order. Expensive tasks come first, so that no processor is left with one at
+    /// the end.
     pub fn tasks(&self) -> Vec<Task> {
         let seeds = |n: u64| self.first_seed..self.first_seed + n;
         let crowds = (1..=10).map(Trial::OnTen).filter(|trial| !Trial::ALL.contains(trial));
@@ -133,13 +135,13 @@ impl Plan {
             seed: self.first_seed,
             duration_s: duration,
             verdict: found.verdict.text().to_owned(),
-            inertia_m: found.edge_displacement.inertia_effect_m,
-            engine_m: found.edge_displacement.engine_error_m,
-            own_m: found.edge_displacement.reference_error_m,
+            inertia_effect_m: found.edge_displacement.inertia_effect_m,
+            engine_error_m: found.edge_displacement.engine_error_m,
+            reference_error_m: found.edge_displacement.reference_error_m,
             path_length_m: found.path_length_m,
             tolerance_m: found.tolerance_m,
             causes: found.causes.iter().map(name).collect(),
-            parts_at_s: found.first_divergence.inertia_effect.map(|divergence| divergence.time_s),
+            first_divergence_s: found.first_divergence.inertia_effect.map(|divergence| divergence.time_s),
         })
     }
 }

@@ -7,7 +7,8 @@ use crate::output::quantity::{number, quantity};
 use crate::studies::paper::report::Paper;
 use crate::studies::paper::{Claim, Estimate};
 
-/// Tables: quantities beside printed ones, claims, speed by group size, transitions, backends, conclusions that change, replayed runs, the fit.
+/// Tables of the results: quantities beside printed ones, claims, speed by group size, transitions,
+/// backends, conclusions that change, replayed runs, and the fit.
 pub fn paper_text(found: &Paper) -> String {
     let mut text = String::new();
     header(found, &mut text);
@@ -17,7 +18,7 @@ pub fn paper_text(found: &Paper) -> String {
     section("one change of mean in a run", transitions(found), &mut text);
     section("other sets, paired differences", others(found), &mut text);
     section("conclusions that change", changed(found), &mut text);
-    section("replayed pathwise, on the load's rim", replayed(found), &mut text);
+    section("replayed: largest edge displacements", replayed(found), &mut text);
     section("fit, best first", fit(found), &mut text);
     text
 }
@@ -66,7 +67,7 @@ fn claim(claim: &Claim) -> Vec<String> {
     let verdict = match claim.holds {
         Some(true) => "holds",
         Some(false) => "does not hold",
-        None => "not told",
+        None => "unknown",
     };
     let side = if claim.below { "below" } else { "above" };
     vec![
@@ -133,10 +134,14 @@ fn changed(found: &Paper) -> Vec<Vec<String>> {
 
 fn replayed(found: &Paper) -> Vec<Vec<String>> {
     let row = |replayed: &crate::studies::paper::Replayed| {
-        let parts = [("inertia", replayed.inertia_m), ("engine", replayed.engine_m), ("own error", replayed.own_m)];
+        let parts = [
+            ("inertia effect", replayed.inertia_effect_m),
+            ("engine error", replayed.engine_error_m),
+            ("reference error", replayed.reference_error_m),
+        ];
         let mut line = vec![replayed.trial.name(), replayed.verdict.clone()];
         line.extend(parts.map(|(name, value)| format!("{name} {}", quantity(value, "m"))));
-        line.push(format!("of a way of {} in {}", quantity(replayed.path_length_m, "m"), quantity(replayed.duration_s, "s")));
+        line.push(format!("path length {} in {}", quantity(replayed.path_length_m, "m"), quantity(replayed.duration_s, "s")));
         line
     };
     found.replayed.iter().map(row).collect()

@@ -16,7 +16,8 @@ pub enum Trial {
     OnTen(u8),
 }
 
-/// Control period of the presets that read the paper literally (s): at the printed walking speed a spring gains 4 mN a step, and pulls come out as printed.
+/// Control period of the literal presets (s). At the printed walking speed a spring gains 4 mN in a
+/// step, and pulls are as printed.
 pub const LITERAL_PERIOD_S: f64 = 0.08;
 
 /// Who carries, and how the load is moved: all that a set of seeds has in common.

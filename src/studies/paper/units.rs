@@ -1,8 +1,10 @@
-//! Units of resampling: the runs of one seed, one a trial. Ticks and pulls of a run are not independent; seeds are.
+//! Units of resampling: the runs of one seed, one for each trial. Ticks and pulls of a run are not
+//! independent, but seeds are.
 //!
-//! Intervals are Student's t times the standard error that the bootstrap over units finds: percentiles would be far too narrow for few units, where t is exact for
-//! means. Units that a statistic does not depend on, such as seeds without a run of its trial, do not count. Backends share seeds, so that their differences are
-//! resampled in pairs.
+//! An interval is Student's t times the standard error of the bootstrap over units. Percentiles
+//! would be far too narrow for few units, for which t is exact for means. Units that a statistic
+//! does not depend on, such as seeds without a run of its trial, do not count. Backends share
+//! seeds, so that their differences are between pairs.
 
 use serde::Serialize;
 
@@ -114,8 +116,8 @@ mod tests {
         (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
     }
 
-    /// Of few units and of many: the standard error of 600 resamples is known to 3 % (1 / sqrt(2 * 600)), three times which are allowed. Units without a run do not
-    /// count.
+    /// The standard error of 600 resamples is known to 3 % (1 / sqrt(2 * 600)), and three times
+    /// that is allowed. Units without a run do not count.
     #[test]
     fn the_interval_of_a_mean_is_students() {
         let streams = RandomStreams::new(5);
@@ -135,7 +137,8 @@ mod tests {
         }
     }
 
-    /// Runs that differ by a constant differ by it exactly, however much they scatter; seeds of one side alone do not count.
+    /// Runs that differ by a constant have exactly this difference, whatever their scatter. Seeds
+    /// of one side alone do not count.
     #[test]
     fn differences_are_taken_in_pairs() {
         let streams = RandomStreams::new(6);

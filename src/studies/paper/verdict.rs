@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::units::Estimate;
 use crate::math::Interval;
 
-/// Match: the printed number lies in our 95 % interval, or ours rounds to it. Near: ours is within what counts as near. Differs: neither.
+/// Match: the printed number lies in the 95 % interval, or the computed number rounds to it. Near:
+/// the computed number is within the limit of near. Differs: neither.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grade {
