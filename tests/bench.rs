@@ -30,7 +30,7 @@ fn reference(scene: &Scene, kind: BackendKind) -> Reference {
     Reference::find(&scene.scenario, kind, |_| true).unwrap().unwrap()
 }
 
-/// Largest errors on the rim (m) of a method at its levels.
+/// Largest edge displacements from the reference, of a method at its levels (m).
 fn errors(scene: &Scene, method: &str, levels: &[Level]) -> Vec<f64> {
     let method = method.parse::<Method>().unwrap();
     let reference = reference(scene, if method.kind == BackendKind::QuasiStatic { method.kind } else { BackendKind::Inertial });
