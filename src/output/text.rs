@@ -1,5 +1,7 @@
 //! Text for terminals: labelled rows in sections, wrapped at 80 columns.
 
+use crate::output::table::wrapped;
+
 /// How much a command prints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
@@ -24,43 +26,21 @@ impl Lines {
 
     /// The answer, and an empty line after it.
     pub fn answer(&mut self, answer: &str) {
-        self.wrapped("", answer, 0);
+        self.section(answer);
         self.text.push('\n');
     }
 
     /// A line, or a paragraph, of its own.
     pub fn section(&mut self, name: &str) {
-        self.wrapped("", name, 0);
+        self.text += &format!("{}\n", wrapped(name, 0, WIDTH));
     }
 
     /// A label and its value, which continues below itself.
     pub fn row(&mut self, label: &str, value: &str) {
-        self.wrapped(&format!("  {label}"), value, Self::VALUE);
-    }
-
-    fn wrapped(&mut self, label: &str, text: &str, column: usize) {
-        let mut line = format!("{label:<column$}");
-        if column > 0 && !line.ends_with(' ') {
-            line += "  ";
-        }
-        let mut width = line.chars().count();
-        for (at, word) in text.split(' ').enumerate() {
-            let length = word.chars().count();
-            let is_full = width + usize::from(at > 0) + length > WIDTH;
-            if at > 0 && is_full {
-                self.text += &line;
-                self.text.push('\n');
-                line = " ".repeat(column);
-                width = column;
-            } else if at > 0 {
-                line.push(' ');
-                width += 1;
-            }
-            line += word;
-            width += length;
-        }
-        self.text += line.trim_end();
-        self.text.push('\n');
+        let (label, column) = (format!("  {label}"), Self::VALUE);
+        let gap = if label.chars().count() < column { "" } else { "  " };
+        let line = format!("{label:<column$}{gap}{}", wrapped(value, column, WIDTH - column));
+        self.text += &format!("{}\n", line.trim_end());
     }
 }
 

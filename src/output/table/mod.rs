@@ -35,6 +35,7 @@ use crate::output::lines::TableError;
 pub use field::{Field, Kind};
 #[cfg(feature = "parquet")]
 pub use parquet::ParquetWriter;
+pub(crate) use text::wrapped;
 
 /// Columns over rows.
 #[derive(Clone, Debug, Default, PartialEq)]

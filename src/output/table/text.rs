@@ -62,8 +62,9 @@ impl Table {
     }
 }
 
-/// `text` in lines of at most `width` letters, where words allow; all but the first are indented by `indent`.
-fn wrapped(text: &str, indent: usize, width: usize) -> String {
+/// `text` in lines of at most `width` letters, where words allow; all but the first are indented by
+/// `indent`.
+pub(crate) fn wrapped(text: &str, indent: usize, width: usize) -> String {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
         let line = lines.last_mut().expect("there is one");

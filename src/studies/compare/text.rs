@@ -155,10 +155,10 @@ pub fn divergence(first: &Divergence) -> String {
 fn measures(found: &ClosedLoop) -> String {
     let row = |cells: [&str; 6]| {
         let [name, a, b, c, inertia, engine] = cells;
-        format!("{}\n", format!("{name:<21}{a:>12}{b:>9}{c:>9}  {inertia:<14} {engine}").trim_end())
+        format!("{}\n", format!("{name:<22}{a:>12}{b:>10}{c:>10} {inertia:<12} {engine}").trim_end())
     };
     let title = format!("{}, {} seeds", tier_name(found.tier), found.n_seeds);
-    let mut text = row([&title, "quasi-static", "inertial", "rapier", "inertia effect", "engine error"]);
+    let mut text = row([&title, "quasi-static", "inertial", "rapier", "inertia", "engine"]);
     for measure in &found.measures {
         let (name, unit) = name_and_unit(measure.name);
         let mean = |of: &Distribution| if of.n > 0 { short_quantity(of.mean, unit) } else { "none".to_owned() };

@@ -42,10 +42,12 @@ pub struct RunWriter {
 }
 
 impl RunWriter {
-    /// Begins the folder `target` and its `trace.csv`. Dropped before [`RunWriter::finish`] it leaves nothing.
+    /// Begins the folder `target` and its `trace.csv`. Dropped before [`RunWriter::finish`] it
+    /// leaves nothing.
     ///
     /// # Errors
-    /// When the folder may not be written (see [`crate::output::folder::check_target`]), or the disk fails.
+    /// When the folder may not be written (see [`crate::output::folder::check_target`]), or the
+    /// disk fails.
     pub fn create(target: &Path, columns: TraceColumns) -> Result<Self, FolderError> {
         let folder = OutputFolder::create(target)?;
         let table = TraceTable::new(columns, folder.open(TRACE)?).map_err(|error| folder.in_content(TRACE, error))?;
@@ -61,10 +63,11 @@ impl RunWriter {
         self.table.add(rows).map_err(|error| self.folder.in_content(TRACE, error))
     }
 
-    /// Writes `summary.json`, `events.csv`, `transitions.csv`, `overview.svg`, `manifest.json` and, if asked for, `tips.csv` and `report.html`, and puts the folder in its
-    /// place.
+    /// Writes `summary.json`, `events.csv`, `transitions.csv`, `overview.svg`, `manifest.json` and,
+    /// if asked for, `tips.csv` and `report.html`, and puts the folder in its place.
     ///
-    /// A run of less than a second is not waited for until it is on the disk: see [`OutputFolder::unsynced`].
+    /// A run of less than a second is not waited for until it is on the disk: see
+    /// [`OutputFolder::unsynced`].
     ///
     /// # Errors
     /// When a number is not finite, or the disk fails.

@@ -1,4 +1,5 @@
-//! Pages as a whole: hostile names, nothing from elsewhere, sizes, and what a replay keeps of its traces.
+//! Pages as a whole: hostile names, nothing from elsewhere, sizes, and what a replay keeps of its
+//! traces.
 
 use serde_json::Value;
 
