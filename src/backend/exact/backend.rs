@@ -87,7 +87,7 @@ impl<M: Method> Backend for Exact<M> {
         let pulls = -springs.reaction(&system.springs, pose).gradient;
         let in_load = rotation(pose.heading).tr_mul(&pulls.xy());
         let drive = Vec3::new(in_load.x, in_load.y, pulls.z);
-        solver.bearing(&drive, state.certificate.forces()).forces_in_world(pose.heading)
+        solver.at_rest_under(&drive, state.certificate.forces()).forces_in_world(pose.heading)
     }
 
     fn energy(&self) -> EnergyLedger {

@@ -55,7 +55,7 @@ impl Cones {
     /// more weight (Lawson 1961), which leads to the forces whose largest share of a limit is
     /// least. The twist n that belongs to them bounds that share from below: nothing balances w
     /// with less than `n'w / sum_i c_i |B_i n|`.
-    pub fn roomy_forces(&self, w: &Vec3, forces: &mut Vec<Vec2>) -> bool {
+    pub fn forces_with_margin(&self, w: &Vec3, forces: &mut Vec<Vec2>) -> bool {
         forces.clear();
         let Some(balance) = &self.balance else { return false };
         forces.resize(self.len(), Vec2::zeros());
@@ -96,12 +96,12 @@ impl Cones {
     /// Whether these forces stay within all limits when two more are added: the least-norm forces
     /// for a wrench, of which `balanced` is the balance matrix times the wrench, and those for any
     /// wrench of the norm `further`.
-    pub fn bears(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
-        let bears = |k: usize| {
+    pub fn are_within_limits(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
+        let is_within = |k: usize| {
             let room = (1.0 - MARGIN) * self.limits[k] - self.sways[k] * further;
             room >= 0.0 && (forces[k] + self.least_force(k, balanced)).norm_squared() <= room * room
         };
-        (0..self.len()).all(bears)
+        (0..self.len()).all(is_within)
     }
 
     /// Whether forces within all limits balance w. They are found from the given forces by the

@@ -99,14 +99,14 @@ impl FrictionSolver {
 
     /// Writes friction forces (scaled, one per cone) that balance a wrench (N, N, N m) on a load at
     /// rest and leave room to their limits, if any do; returns `false` where that is not known.
-    pub fn roomy_forces(&self, wrench: &Vec3, forces: &mut Vec<Vec2>) -> bool {
-        self.clarabel.is_none() && self.cones.roomy_forces(&self.cones.scaled_gradient(wrench), forces)
+    pub fn forces_with_margin(&self, wrench: &Vec3, forces: &mut Vec<Vec2>) -> bool {
+        self.clarabel.is_none() && self.cones.forces_with_margin(&self.cones.scaled_gradient(wrench), forces)
     }
 
-    /// Whether these forces and the least ones that `balanced` stands for are together surely
-    /// within their limits, for any further wrench of this scaled norm.
-    pub fn bears(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
-        self.cones.bears(forces, balanced, further)
+    /// Whether these forces and the least ones that `balanced` stands for are together within their
+    /// limits, for any further wrench of this scaled norm.
+    pub fn are_within_limits(&self, forces: &[Vec2], balanced: &Vec3, further: f64) -> bool {
+        self.cones.are_within_limits(forces, balanced, further)
     }
 
     /// Largest scaled norm of a wrench with this force (N) and this torque (N m).
@@ -117,14 +117,14 @@ impl FrictionSolver {
     /// A copy of this solver with the forces by which a load at rest bears `drive` (N, N, N m): the
     /// forces `from` of a certificate of rest (scaled, one per cone), and the least forces for the
     /// change of `drive` since then.
-    pub fn bearing(&self, drive: &Vec3, from: &[Vec2]) -> Self {
-        let mut bearing = self.clone();
+    pub fn at_rest_under(&self, drive: &Vec3, from: &[Vec2]) -> Self {
+        let mut copy = self.clone();
         let w = self.cones.scaled_gradient(drive);
-        bearing.last.forces.copy_from_slice(from);
-        if bearing.cones.stick_forces(&w, &mut bearing.last.forces) {
-            bearing.cones.share_forces(&bearing.last.forces, &mut bearing.support_forces);
+        copy.last.forces.copy_from_slice(from);
+        if copy.cones.stick_forces(&w, &mut copy.last.forces) {
+            copy.cones.share_forces(&copy.last.forces, &mut copy.support_forces);
         }
-        bearing
+        copy
     }
 
     /// Friction force on each support of the ground in the last solution (N, load axes), opposite

@@ -11,7 +11,7 @@ use crate::model::{Ground, SupportPoint};
 /// and leave most of the room that is possible: half of a bound that is itself within a tenth or so
 /// ends the search.
 #[test]
-fn roomy_forces_balance_a_wrench_and_leave_most_of_the_room_there_is() {
+fn forces_with_margin_balance_a_wrench_and_leave_most_of_the_room_there_is() {
     let mut n_crowded = 0;
     for case in 0..200 {
         let streams = RandomStreams::new(case);
@@ -35,7 +35,7 @@ fn roomy_forces_balance_a_wrench_and_leave_most_of_the_room_there_is() {
             let size = share * rests;
             let w = cones.scaled_gradient(&Vec3::new(size * course.x, size * course.y, 0.01 * size * course.z));
             let mut forces = Vec::new();
-            assert!(cones.roomy_forces(&w, &mut forces));
+            assert!(cones.forces_with_margin(&w, &mut forces));
             // Scaled: sums of numbers up to one.
             assert!((cones.wrench(&forces) - w).amax() < 1e-14, "{case} {share}");
             let used = |forces: &[Vec2]| forces.iter().zip(&cones.limits).map(|(force, limit)| force.norm() / limit).fold(0.0, f64::max);

@@ -38,7 +38,7 @@ pub struct StickCertificate {
     is_made: bool,
     /// Wrench of the springs on the load when it was made (N, N, N m; load axes).
     wrench: Vec3,
-    /// Friction forces that balanced it (see [`FrictionSolver::roomy_forces`]).
+    /// Friction forces that balanced it (see [`FrictionSolver::forces_with_margin`]).
     forces: Vec<Vec2>,
     /// Place of the load.
     at: Option<Place>,
@@ -81,7 +81,7 @@ impl StickCertificate {
             self.balls.push(ball);
         }
         (self.wrench, self.at) = (wrench, Some(*at));
-        self.is_made = solver.roomy_forces(&wrench, &mut self.forces) && solver.bears(&self.forces, &Vec3::zeros(), 0.0);
+        self.is_made = solver.forces_with_margin(&wrench, &mut self.forces) && solver.are_within_limits(&self.forces, &Vec3::zeros(), 0.0);
     }
 
     pub fn forget(&mut self) {
@@ -130,7 +130,7 @@ impl StickCertificate {
     fn holds(&self, wrench: &Vec3, tips: impl Iterator<Item = Vec2>, solver: &FrictionSolver) -> bool {
         let is_near = |(ball, tip): (&Ball, Vec2)| ball.contains(&(tip - ball.attachment.tip));
         let change = solver.balanced(&(wrench - self.wrench));
-        change.is_some_and(|change| solver.bears(&self.forces, &change, 0.0)) && self.balls.iter().zip(tips).all(is_near)
+        change.is_some_and(|change| solver.are_within_limits(&self.forces, &change, 0.0)) && self.balls.iter().zip(tips).all(is_near)
     }
 
     /// Number of equal steps of the straight paths of the tips to their entries of `targets` (m,
@@ -159,7 +159,7 @@ impl StickCertificate {
                 change += growth.response * shift;
                 bend += growth.bend * shift.norm_squared();
                 ball.contains(&shift)
-            }) && solver.bears(&self.forces, &change, bend)
+            }) && solver.are_within_limits(&self.forces, &change, bend)
         };
         // A load may stick here by other forces than those of the certificate, which the bound does
         // not cover.
