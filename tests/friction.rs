@@ -3,7 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use cohaul::backend::friction::{ContactMode, FrictionSolver, clarabel};
+use cohaul::backend::friction::clarabel::ClarabelSolver;
+use cohaul::backend::friction::{ContactMode, FrictionSolver};
 use cohaul::math::{Mat3, RandomStreams, Stream, Vec2, Vec3, direction, perpendicular};
 use cohaul::model::support::{slip_velocity, wrench_of};
 use cohaul::model::{Ground, SupportPoint};
@@ -241,7 +242,7 @@ fn clarabel_never_finds_a_lower_objective() {
         let solution = solver.solve(&problem.hessian, &problem.drive);
         let residual = kkt_residual(&problem, &solution.increment, solver.forces());
         assert!(residual < 1e-11, "trial {trial}: {residual:e} {solution:?}");
-        let theirs = clarabel::solve(&problem.ground, LENGTH, &problem.hessian, &problem.drive);
+        let theirs = ClarabelSolver::new(&problem.ground, LENGTH).solve(&problem.hessian, &problem.drive);
         let (least, found) = (objective(&problem, &solution.increment), objective(&problem, &theirs.increment));
         let scale = FORCE * LENGTH + problem.drive.dot(&theirs.increment).abs();
         assert!(least <= found + 1e-12 * scale, "trial {trial}: {least:e} above {found:e}, {solution:?}");

@@ -12,7 +12,7 @@ pub use lanes::{LANES, Number, Numbers, Vectors};
 pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, shift_of, small_rotation};
 pub use positive::PositiveDefinite;
 pub use random::{Draws, RandomStreams, Stream};
-pub use statistics::{Interval, Summary, mean_interval, proportion_interval, share_difference_interval, student};
+pub use statistics::{Interval, Summary, proportion_interval, share_difference_interval, student};
 
 /// A point or a free vector in the plane.
 pub type Vec2 = nalgebra::Vector2<f64>;

@@ -13,6 +13,13 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Summary of `values`.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut summary = Self::default();
+        summary.extend(values);
+        summary
+    }
+
     /// Adds one value.
     pub fn add(&mut self, value: f64) {
         self.n += 1;
@@ -75,14 +82,6 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// Interval of the mean of `values` at the confidence `level`, for example 0.95, by Student's t;
-/// `None` below two values.
-pub fn mean_interval(values: &[f64], level: f64) -> Option<Interval> {
-    let mut summary = Summary::default();
-    summary.extend(values.iter().copied());
-    summary.mean_interval(level)
-}
-
 /// The interval of a probability at the confidence `level`, from `n_hits` in `n` trials (E. B.
 /// Wilson 1927); `None` without a trial.
 pub fn proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> {
@@ -119,8 +118,7 @@ mod tests {
 
     #[test]
     fn a_summary_survives_a_large_offset() {
-        let mut summary = Summary::default();
-        summary.extend([1e9 + 4.0, 1e9 + 7.0, 1e9 + 13.0, 1e9 + 16.0]);
+        let summary = Summary::of([1e9 + 4.0, 1e9 + 7.0, 1e9 + 13.0, 1e9 + 16.0]);
         assert_eq!((summary.n(), summary.mean(), summary.max()), (4, 1e9 + 10.0, 1e9 + 16.0));
         // Variance 30 exactly; the textbook formula would lose all digits here.
         assert!((summary.sd() - 30f64.sqrt()).abs() < 1e-9);
@@ -129,11 +127,11 @@ mod tests {
     /// Three values 1, 2, 3: mean 2, sd 1, t(0.975; 2) = 4.302653 (tables).
     #[test]
     fn the_interval_of_a_small_sample_uses_student() {
-        let interval = mean_interval(&[1.0, 2.0, 3.0], 0.95).unwrap();
+        let interval = Summary::of([1.0, 2.0, 3.0]).mean_interval(0.95).unwrap();
         assert!((interval.high - (2.0 + 4.302_653 / 3f64.sqrt())).abs() < 1e-6);
         assert!((interval.low + interval.high - 4.0).abs() < 1e-12);
-        assert_eq!(mean_interval(&[1.0], 0.95), None);
-        assert_eq!(mean_interval(&[], 0.95), None);
+        assert_eq!(Summary::of([1.0]).mean_interval(0.95), None);
+        assert_eq!(Summary::of([]).mean_interval(0.95), None);
     }
 
     /// 8 of 10 at 95 %: 0.49016 to 0.94332 (tables). None and all of 10 reach 0 and 1, and

@@ -1,7 +1,7 @@
 //! The load, and the whole mechanism a backend moves: load, ground and springs.
 
 use super::{Ground, PolarSpring};
-use crate::math::{Mat3, Twist};
+use crate::math::Twist;
 
 /// A rigid body in the plane. The origin of its frame is its centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,11 +19,6 @@ impl Load {
     /// Kinetic energy (J).
     pub fn kinetic_energy(&self, twist: &Twist) -> f64 {
         0.5 * self.mass * twist.linear.norm_squared() + 0.5 * self.inertia * twist.angular * twist.angular
-    }
-
-    /// Mass matrix over (x, y, heading): diag(m, m, I) in (kg, kg, kg m^2).
-    pub fn mass_matrix(&self) -> Mat3 {
-        Mat3::from_diagonal(&[self.mass, self.mass, self.inertia].into())
     }
 }
 

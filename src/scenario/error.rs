@@ -79,7 +79,6 @@ const LARGEST: f64 = 1e50;
 pub struct Findings(pub Vec<Finding>);
 
 impl Findings {
-    /// Adds a finding.
     pub fn report(&mut self, path: impl Display, rule: impl Into<String>, found: impl Display) {
         self.0.push(Finding { path: path.to_string(), rule: rule.into(), found: found.to_string() });
     }
@@ -96,24 +95,20 @@ impl Findings {
         }
     }
 
-    /// Requires a finite number.
     pub fn finite(&mut self, path: impl Display, found: f64) {
         self.require(true, path, "", found);
     }
 
-    /// Requires finite numbers.
     pub fn finite_vector(&mut self, path: impl Display, found: &[f64]) {
         for (axis, value) in found.iter().enumerate() {
             self.finite(format_args!("{path}[{axis}]"), *value);
         }
     }
 
-    /// Requires a positive number.
     pub fn positive(&mut self, path: impl Display, found: f64) {
         self.require(found > 0.0, path, "must be positive", found);
     }
 
-    /// Requires a number that is not negative.
     pub fn not_negative(&mut self, path: impl Display, found: f64) {
         self.require(found >= 0.0, path, "must not be negative", found);
     }

@@ -135,11 +135,6 @@ impl std::fmt::Debug for ClarabelSolver {
     }
 }
 
-/// Solves one problem with a new solver: see [`ClarabelSolver::solve`].
-pub fn solve(ground: &Ground, length_scale: f64, hessian: &Mat3, drive: &Vec3) -> ClarabelSolution {
-    ClarabelSolver::new(ground, length_scale).solve(hessian, drive)
-}
-
 /// Entries of the upper triangle, column by column.
 fn upper_triangle(h: &Mat3) -> Vec<f64> {
     (0..3).flat_map(|j| (0..=j).map(move |i| (i, j))).map(|at| h[at]).collect()

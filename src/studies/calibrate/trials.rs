@@ -256,7 +256,6 @@ fn about(value: f64, half: f64) -> Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::mean_interval;
 
     fn trial(slope: f64, information: f64) -> TrialSlope {
         TrialSlope { slope, information, scatter: 0.02, n_points: 5 }
@@ -269,7 +268,7 @@ mod tests {
         let trials = slopes.map(|slope| trial(slope, 40.0));
         for weighting in [Weighting::Stated, Weighting::FromScatter] {
             let found = pool(&trials, weighting, 0.95).unwrap();
-            let (interval, expected) = (found.interval.unwrap(), mean_interval(&slopes, 0.95).unwrap());
+            let (interval, expected) = (found.interval.unwrap(), Summary::of(slopes.iter().copied()).mean_interval(0.95).unwrap());
             assert!((found.value - 1.66).abs() < 1e-14);
             // Both quantiles are exact to about 1e-12, and tau^2 cancels.
             assert!((interval.low - expected.low).abs() < 1e-10 && (interval.high - expected.high).abs() < 1e-10, "{found:?}");

@@ -127,7 +127,7 @@ mod tests {
             let units = units(all.map(|(seed, run)| (if seed < n { Trial::FourFour } else { Trial::OneOne }, seed as u64, run)));
             let found = estimate(&units, &mean_time).unwrap();
             let times: Vec<f64> = runs[..n].iter().map(|run| run.time_s).collect();
-            let (ours, students) = (found.interval_95.unwrap(), crate::math::mean_interval(&times, 0.95).unwrap());
+            let (ours, students) = (found.interval_95.unwrap(), Summary::of(times.iter().copied()).mean_interval(0.95).unwrap());
             let half = 0.5 * (students.high - students.low);
             assert!(
                 (ours.low - students.low).abs() < 0.1 * half && (ours.high - students.high).abs() < 0.1 * half,
