@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::settings::{MakeController, Settings, Tier};
 use super::verdict::Verdict;
 use crate::backend::{BackendKind, BackendOptions, Status};
-use crate::math::{Interval, Summary, mean_interval, proportion_interval, share_difference_interval};
+use crate::math::{Interval, Summary, proportion_interval, share_difference_interval};
 use crate::scenario::{AntDrive, Drive, Scenario};
 use crate::simulation::run_facts::{self, fact};
 use crate::simulation::{Keep, MakeBackend, Simulation, Trace, backend_of};
@@ -225,7 +225,7 @@ impl Distribution {
         let n_hits = values.iter().filter(|value| **value == 1.0).count() as u64;
         let mean_interval_95 = match is_fraction {
             true => proportion_interval(n_hits, summary.n(), 0.95).filter(|_| values.len() > 1),
-            false => mean_interval(&values, 0.95),
+            false => summary.mean_interval(0.95),
         };
         Self { n: summary.n(), mean: summary.mean(), sd: summary.sd(), mean_interval_95 }
     }
@@ -238,7 +238,7 @@ impl PairedDifference {
     /// Differences with the inertial mean `reference`; those up to `rounding` count as zero.
     fn of_means(values: &[f64], reference: f64, rounding: f64) -> Self {
         let margin = (EQUAL * reference.abs()).max(rounding);
-        Self::within(values, mean_interval(values, Self::LEVEL), rounding, margin)
+        Self::within(values, Summary::of(values.iter().copied()).mean_interval(Self::LEVEL), rounding, margin)
     }
 
     /// Differences of values that are 0 or 1. Few pairs have a wide interval even if all are equal.

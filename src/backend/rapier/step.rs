@@ -8,11 +8,9 @@ use crate::math::{Twist, Vec2, Wrench};
 
 /// One finished step. All lists of springs have the order of the attachments.
 pub struct Step<'a> {
-    /// Duration of the step (s).
+    /// (s)
     pub duration: f64,
-    /// Motion at the start.
     pub start: Motion,
-    /// Motion at the end.
     pub end: Motion,
     /// Unit vector of the load's x axis at the start.
     pub facing: Vec2,
@@ -28,7 +26,6 @@ pub struct Step<'a> {
     pub sum: &'a SpringSum,
     /// Whether the springs acted as explicit forces.
     pub is_explicit: bool,
-    /// Friction joints.
     pub friction: &'a [FrictionJoint],
     /// Force of each friction joint on the load, and its moment about the point where it acts.
     pub wrenches: &'a [Wrench],
