@@ -57,11 +57,11 @@ impl Exact<Inertial> {
         Self::with(method, memory, (system.clone(), start), stepping, skips)
     }
 
-    /// Shifts the speed of a load that turns about a support by half of a `step` (s): back from an
-    /// instant to the middle of the step before it, where steps have it, with the sign 1, and
-    /// forward with -1. A step from the speed of an instant sees only half of the force that keeps
-    /// the load on its circle. It would prevent the slip onset of a support, or stop a slipping
-    /// support, at any length of the step.
+    /// Shifts the speed of a load that turns about a support by half of a `step` (s). The sign 1
+    /// takes it back from an instant to the middle of the step before it, where steps have it, and
+    /// -1 takes it forward. A step from the speed of an instant sees only half of the force that
+    /// keeps the load on its circle. It would prevent the slip onset of a support, or stop a
+    /// slipping support, at any length of the step.
     fn shift_speed(&mut self, support: usize, step: f64, sign: f64) {
         let State { motion: Motion { pose, twist }, energy, .. } = &mut self.state;
         let arm = rotation(pose.heading) * self.system.ground.supports[support].offset;

@@ -5,7 +5,7 @@
 //! and equal nodes give equal bits. It is of first order in the step, or of second order while the
 //! load goes on slipping (`bdf2`). Where an attached or released spring leaves the load out of
 //! balance, the load jumps to the nearest balance before the tips move on. Where moving tips remove
-//! the balance, it snaps through to another one within the step (`jumps`). Dashpots act through
+//! the balance, a snap-through leads to another one within the step (`jumps`). Dashpots act through
 //! rates and do nothing here.
 
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,7 @@ impl Exact<QuasiStatic> {
         Self::with(QuasiStatic { second_order: false }, Memory::default(), (system.clone(), motion), stepping, skips)
     }
 
-    /// The same load with another solver of the friction problem and order of the steps.
+    /// This load with another solver of the friction problem and another order of the steps.
     pub fn with_options(mut self, solver: ConeSolver, second_order: bool) -> Self {
         self.solver = FrictionSolver::by(solver, &self.system.ground, self.system.load.radius);
         self.method.second_order = second_order;

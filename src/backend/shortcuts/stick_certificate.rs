@@ -5,7 +5,7 @@
 //! made where friction forces f_i with room to their limits balance w. Those forces and the least
 //! forces for the change of w balance it elsewhere. At the end of one step w is simply evaluated.
 //! Over many steps it is known to first order in the displacements d of the tips, and the second
-//! order is bounded: with a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
+//! order is bounded. With a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
 //!
 //! ```text
 //! K = dF/dp = k_r ee' + (a / l + k_t / l^2) tt' - (b / l) (et' + te')

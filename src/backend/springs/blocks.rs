@@ -44,7 +44,7 @@ struct Evaluated {
     gradient: Vec3,
 }
 
-/// Energies of the way from the last accepted pose to a new one.
+/// Energies between the last accepted pose and a new one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Accepted {
     /// Elastic energy now (J).
