@@ -213,9 +213,6 @@ impl AttachedSprings {
             restored.fill(springs, &place);
             return Ok(restored);
         };
-        if tips.len() != restored.len() {
-            return Err(RestoreError(format!("{} tips of {} attached springs", tips.len(), restored.len())));
-        }
         let ahead = restored.attachments.clone();
         restored.attachments.as_mut_slice().iter_mut().zip(tips).for_each(|(attachment, tip)| attachment.tip = tip);
         restored.fill(springs, &place);
