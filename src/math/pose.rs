@@ -138,7 +138,6 @@ pub fn small_rotation<T: Number>(delta: T) -> (T, T) {
 }
 
 impl Arc {
-    /// Arc by the angle `delta` (rad).
     // Inlined, so that unused parts are not computed.
     #[inline]
     pub fn of(delta: f64) -> Self {
@@ -174,7 +173,6 @@ impl Arc {
         self.delta
     }
 
-    /// Rotation by delta.
     pub fn rotation(&self) -> Mat2 {
         Mat2::new(self.cos, -self.sin, self.sin, self.cos)
     }

@@ -39,7 +39,6 @@ pub struct RandomStreams {
 }
 
 impl RandomStreams {
-    /// Streams of this seed.
     pub fn new(seed: u64) -> Self {
         Self { seed }
     }

@@ -13,14 +13,12 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Summary of `values`.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut summary = Self::default();
         summary.extend(values);
         summary
     }
 
-    /// Adds one value.
     pub fn add(&mut self, value: f64) {
         self.n += 1;
         let before = value - self.mean;

@@ -49,7 +49,6 @@ pub fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
 }
 
-/// Place of the reader in the text.
 struct Place<'a> {
     path: String,
     findings: &'a mut Findings,

@@ -104,7 +104,6 @@ const NOT_FINITE: Motion = Motion {
 };
 
 impl Rapier {
-    /// Backend for the load of `system`, which is in `engine` already.
     pub fn new(system: System, start: Motion, options: &BackendOptions, engine: Box<dyn Engine>) -> Self {
         let body = engine.body();
         let mut state = State {
@@ -146,7 +145,6 @@ impl Rapier {
         (self.skips.still_tips && *is_at_rest && tips_stay).then_some(Skip::StillTips)
     }
 
-    /// Skips `n_steps`.
     fn skip(&mut self, why: Skip, n_steps: u64) -> StepReport {
         if why == Skip::FreeLoad {
             self.state.friction_forces.fill(Vec2::zeros());

@@ -31,7 +31,6 @@ use crate::model::System;
 pub struct GroundFriction {
     supports: Vec<Support>,
     model: Model,
-    /// Joints of the last step.
     joints: Vec<FrictionJoint>,
 }
 
@@ -54,7 +53,6 @@ enum Model {
 const N_POLYGON_AXES: usize = 8;
 
 impl GroundFriction {
-    /// Friction under the load of `system`.
     pub fn new(system: &System, model: FrictionModel) -> Self {
         let limits = system.ground.slip_limits().enumerate();
         let supports: Vec<Support> = limits

@@ -24,7 +24,6 @@ pub struct SpringJoint {
     pub arm: Vec2,
     /// Unit vector of the first axis; the second is a quarter turn on.
     pub direction: Vec2,
-    /// Laws of the two axes.
     pub axes: [Option<AxisLaw>; 2],
     /// Law of the turn about the point.
     pub turning: Option<AxisLaw>,
@@ -86,7 +85,6 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// State of a load with this motion.
     pub fn of(motion: &Motion) -> Self {
         BodyState {
             position: motion.pose.position,
@@ -120,7 +118,6 @@ impl BodyState {
 
 /// A world of rapier with one load.
 pub trait Engine {
-    /// State of the load.
     fn body(&self) -> BodyState;
 
     /// Starts a new world with the load in this state and with these numbers of joints. No earlier

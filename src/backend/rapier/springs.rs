@@ -37,7 +37,6 @@ pub struct SpringState {
 }
 
 impl PreparedSpring {
-    /// All springs of `system`.
     pub fn of(system: &System) -> Vec<Self> {
         let prepared = |spring: &PolarSpring| {
             let bearing = direction(spring.bearing);
