@@ -66,8 +66,8 @@ enum CheckCommand {
 #[derive(Args)]
 #[command(after_help = "\
 Example:
-  cohaul check store scenes/*.json --baselines baselines --backend quasi-static \\
-    --backend rapier")]
+  cohaul check store scenes/*.json --baselines baselines \\
+    --backend quasi-static --backend rapier")]
 struct StoreArgs {
     /// Scenario files; - for standard input
     #[arg(required = true, value_name = "SCENARIO")]

@@ -22,7 +22,7 @@ use crate::studies::stress::{self, Effort, Map};
 Examples:
   cohaul stress --list
   cohaul stress --quick
-  cohaul stress --map stiffness --backend rapier --out out/stress
+  cohaul stress --map step-stiffness --backend rapier --out out/stress
 
 Files in DIR: cells.csv, heat maps (SVG), report, summary and manifest. The
 state of an interrupted run is kept in DIR.journal.")]
