@@ -1,4 +1,4 @@
-//! The glossary: what every printed term means, read from `glossary.md`.
+//! The glossary: what every printed term means, read from the page of the book.
 
 /// One term.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub struct Entry {
 
 /// All entries in alphabetical order.
 pub fn entries() -> Vec<Entry> {
-    include_str!("glossary.md").split("\n## ").skip(1).map(Entry::parse).collect()
+    include_str!("../../docs/src/glossary.md").split("\n## ").skip(1).map(Entry::parse).collect()
 }
 
 /// The entry of a term or of another name of it.

@@ -8,12 +8,7 @@ use crate::{read, root};
 pub fn broken(path: &str) -> Vec<String> {
     let text = read(path);
     let links = targets(&text).into_iter().filter(|(_, target)| !target.contains("://") && !target.starts_with("mailto:"));
-    // The book includes the glossary and the page on clusters, where their links then start.
-    let from = match path {
-        "src/output/glossary.md" => "docs/src/glossary.md",
-        path => path,
-    };
-    links.filter_map(|(line, target)| wrong(from, &text, &target).map(|why| format!("{path}:{line}: {target}: {why}"))).collect()
+    links.filter_map(|(line, target)| wrong(path, &text, &target).map(|why| format!("{path}:{line}: {target}: {why}"))).collect()
 }
 
 fn wrong(from: &str, text: &str, target: &str) -> Option<String> {

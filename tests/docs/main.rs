@@ -26,7 +26,7 @@ fn root() -> PathBuf {
 
 /// README and all pages of the book but those of `results/`, from the root of the repository.
 fn pages() -> Vec<String> {
-    let mut pages = vec!["README.md".to_owned(), "clusters/README.md".to_owned(), "src/output/glossary.md".to_owned()];
+    let mut pages = vec!["README.md".to_owned(), "clusters/README.md".to_owned()];
     for folder in ["docs/src", "docs/src/reference"] {
         let names =
             fs::read_dir(root().join(folder)).expect("the book is there").map(|entry| entry.expect("a folder can be read").file_name());

@@ -208,7 +208,9 @@ fn private_words_are_not_printed() {
         }
     }
     for (path, text) in markdown_files() {
-        findings.extend(words::private_words(&path, 1, &text));
+        // The glossary explains old names of options too.
+        let text: Vec<&str> = text.lines().map(|line| if line.starts_with("Also: ") { "" } else { line }).collect();
+        findings.extend(words::private_words(&path, 1, &text.join("\n")));
     }
     expect_none("words", findings);
 }
@@ -216,7 +218,7 @@ fn private_words_are_not_printed() {
 /// The glossary is read by the program, so that its form is fixed.
 #[test]
 fn the_glossary_has_one_short_entry_a_term() {
-    const PATH: &str = "src/output/glossary.md";
+    const PATH: &str = "docs/src/glossary.md";
     let text = fs::read_to_string(source::root().join(PATH)).expect("the glossary is there");
     let (mut findings, mut before, mut names) = (Vec::new(), String::new(), BTreeSet::new());
     for entry in prose::glossary(&text) {

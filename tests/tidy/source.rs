@@ -80,9 +80,9 @@ pub fn rust_files(folder: &str) -> Vec<Source> {
     paths.map(|path| Source::new(&path, &fs::read_to_string(root().join(&path)).expect("a file can be read"))).collect()
 }
 
-/// README, book, glossary and the texts beside results and clusters.
+/// README, book and the texts beside results and clusters.
 pub fn markdown_files() -> Vec<(String, String)> {
-    let folders = ["docs/src", "results", "clusters", "src"].iter().flat_map(|folder| files_below(folder));
+    let folders = ["docs/src", "results", "clusters"].iter().flat_map(|folder| files_below(folder));
     let paths = std::iter::once("README.md".to_owned()).chain(folders.filter(|path| path.ends_with(".md")));
     paths.map(|path| (fs::read_to_string(root().join(&path)).expect("a page can be read"), path)).map(|(text, path)| (path, text)).collect()
 }
