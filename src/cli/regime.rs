@@ -11,7 +11,8 @@ use super::console::Tone;
 use super::error::CliError;
 use super::output::{OutputArgs, study_manifest};
 use super::resumable;
-use crate::studies::regime::report::{Regime, regime_text, write_regime};
+use crate::studies::regime::files::{regime_text, write_regime};
+use crate::studies::regime::report::Regime;
 use crate::studies::regime::{self, Effort, Grid, Scene};
 
 #[derive(Args)]

@@ -1,9 +1,10 @@
 //! An output folder that is there whole or not at all.
 //!
-//! Files go into a hidden folder beside the target, which takes the target's name at the end. An error before that leaves the target as it
-//! was and nothing beside it; what a killed process leaves there goes with the next output of that name. `manifest.json` is written last and
-//! lists every other file with its hash, so that a later run can tell an earlier output, which it may replace, from a folder with somebody's
-//! own files in it, which it may not.
+//! Files go into a hidden folder beside the target, which takes the target's name at the end. An
+//! error before that leaves the target as it was and nothing beside it; what a killed process
+//! leaves there goes with the next output of that name. `manifest.json` is written last and lists
+//! every other file with its hash, so that a later run can tell an earlier output, which it may
+//! replace, from a folder with somebody's own files in it, which it may not.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,7 +17,7 @@ use twox_hash::XxHash3_128;
 use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::manifest::PROGRAM;
-use crate::output::sibling::{Partial, make_sibling, turn_at};
+use crate::output::sibling::{Partial, folder_beside, turn_at};
 
 pub const MANIFEST: &str = "manifest.json";
 
@@ -70,8 +71,8 @@ struct Earlier {
     files: BTreeMap<String, String>,
 }
 
-/// Whether an output may be written to `target`: it is missing, empty, or an earlier output that holds nothing else. Changes nothing: ask
-/// before a long run.
+/// Whether an output may be written to `target`: it is missing, empty, or an earlier output that
+/// holds nothing else. Changes nothing: ask before a long run.
 ///
 /// # Errors
 /// When it may not.
@@ -167,7 +168,8 @@ fn earlier_output(folder: &Path) -> Option<Earlier> {
 }
 
 impl OutputFolder {
-    /// Begins an output that will stand at `target`. Folders above it are made when they are missing.
+    /// Begins an output that will stand at `target`. Folders above it are made when they are
+    /// missing.
     ///
     /// # Errors
     /// When [`check_target`] says no, or the folder beside the target cannot be made.
@@ -178,12 +180,14 @@ impl OutputFolder {
         let parent = target.parent().ok_or_else(|| FolderError::Foreign { path: target.clone() })?;
         let made = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
         fs::create_dir_all(parent).map_err(at(parent))?;
-        let partial = Partial::beside(&target)?;
+        let partial = Partial::beside(&target).map_err(at(&target))?;
         Ok(Self { target, partial, is_synced: true, files: BTreeMap::new(), made })
     }
 
-    /// The same without waiting for the disk, for what is sooner done again than waited for: whole or not at all whatever ends this process, but a machine that
-    /// loses its power within the next half minute or so may keep files cut short. An earlier output is still replaced only by one that is on the disk.
+    /// The same without waiting for the disk, for what is sooner done again than waited for: whole
+    /// or not at all whatever ends this process, but a machine that loses its power within the next
+    /// half minute or so may keep files cut short. An earlier output is still replaced only by one
+    /// that is on the disk.
     pub fn unsynced(mut self) -> Self {
         self.is_synced = self.target.exists();
         self
@@ -245,7 +249,8 @@ impl OutputFolder {
         FolderError::Content { path: self.target.join(name), source: error.into() }
     }
 
-    /// Writes the manifest and puts the folder in its place; an earlier output there is gone afterwards.
+    /// Writes the manifest and puts the folder in its place; an earlier output there is gone
+    /// afterwards.
     ///
     /// # Errors
     /// When the disk fails. The target is then as it was.
@@ -261,7 +266,7 @@ impl OutputFolder {
     }
 
     fn open_any(&self, name: &str) -> Result<OutputFile, FolderError> {
-        let file = File::create(self.partial.path.join(name)).map_err(at(&self.target.join(name)))?;
+        let file = File::create(self.partial.folder.path().join(name)).map_err(at(&self.target.join(name)))?;
         Ok(OutputFile { name: name.to_owned(), hash: XxHash3_128::new(), file: BufWriter::new(file) })
     }
 
@@ -275,25 +280,27 @@ impl OutputFolder {
     fn replace_target(&mut self) -> Result<(), FolderError> {
         let target = self.target.clone();
         if !target.exists() {
-            return fs::rename(&self.partial.path, &target).map_err(at(&target));
+            return fs::rename(self.partial.folder.path(), &target).map_err(at(&target));
         }
-        let aside = make_sibling(&target, "replaced")?;
-        fs::rename(&target, &aside).inspect_err(|_| drop(fs::remove_dir(&aside))).map_err(at(&target))?;
+        let aside = folder_beside(&target, "replaced").map_err(at(&target))?;
+        fs::rename(&target, aside.path()).map_err(at(&target))?;
         // On failure the earlier output goes back to where it was.
-        fs::rename(&self.partial.path, &target).inspect_err(|_| drop(fs::rename(&aside, &target))).map_err(at(&target))?;
-        fs::remove_dir_all(&aside).map_err(at(&aside))
+        fs::rename(self.partial.folder.path(), &target).inspect_err(|_| drop(fs::rename(aside.path(), &target))).map_err(at(&target))?;
+        aside.close().map_err(at(&target))
     }
 }
 
 impl Drop for OutputFolder {
-    /// After a rename there is nothing left to remove, and the folders made for it are no longer empty.
+    /// After a rename there is nothing left to remove, and the folders made for it are no longer
+    /// empty.
     fn drop(&mut self) {
-        drop(fs::remove_dir_all(&self.partial.path));
+        drop(fs::remove_dir_all(self.partial.folder.path()));
         self.made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
 }
 
-/// A file of an output folder that is being written: through a buffer to the disk, hashed on the way.
+/// A file of an output folder that is being written: through a buffer to the disk, hashed on the
+/// way.
 pub struct OutputFile {
     name: String,
     hash: XxHash3_128,
@@ -312,8 +319,9 @@ impl Write for OutputFile {
     }
 }
 
-/// The hash of a file in a manifest. XXH3 tells a file that was cut short or changed as a cryptographic hash would, in far less time; against somebody who forges
-/// one a list beside it would not help anyway.
+/// The hash of a file in a manifest. XXH3 tells a file that was cut short or changed as a
+/// cryptographic hash would, in far less time; against somebody who forges one a list beside it
+/// would not help anyway.
 fn in_text(hash: u128) -> String {
     format!("xxh128:{hash:032x}")
 }
@@ -409,7 +417,8 @@ mod tests {
         assert_eq!(names(room.path()), ["out"]);
     }
 
-    /// Of two at work on the same output neither loses its files to the other; of a killed one, and only of this output, nothing stays.
+    /// Of two at work on the same output neither loses its files to the other; of a killed one, and
+    /// only of this output, nothing stays.
     #[test]
     fn what_a_killed_process_left_is_removed_and_what_a_living_one_writes_is_not() {
         let room = tempfile::tempdir().unwrap();
@@ -427,7 +436,8 @@ mod tests {
         assert_eq!(names(room.path()), [left[3], left[2], "out"]);
     }
 
-    /// One after the other takes the place of the one before, whoever is faster, and nothing else stays.
+    /// One after the other takes the place of the one before, whoever is faster, and nothing else
+    /// stays.
     #[test]
     fn many_at_once_replace_each_other() {
         let room = tempfile::tempdir().unwrap();

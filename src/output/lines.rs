@@ -36,7 +36,8 @@ pub struct Lines<W> {
     column: usize,
 }
 
-/// Bytes that are copied for a field: a fixed number, which is faster than one of any length. What follows its comma is overwritten.
+/// Bytes that are copied for a field: a fixed number, which is faster than one of any length. What
+/// follows its comma is overwritten.
 const PIECE: usize = 32;
 
 /// A number as it is written.
@@ -53,7 +54,8 @@ impl Field {
     const EMPTY: Field = Field { bits: f64::NAN.to_bits(), text: [b','; PIECE], length: 1 };
 }
 
-/// Puts a text of at most [`WIDTH`] bytes at the beginning of `place`: two pieces of a fixed length that overlap are faster than one of any length.
+/// Puts a text of at most [`WIDTH`] bytes at the beginning of `place`: two pieces of a fixed length
+/// that overlap are faster than one of any length.
 #[inline]
 fn put(text: &[u8], place: &mut [u8]) {
     let n = text.len();

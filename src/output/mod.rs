@@ -1,4 +1,5 @@
-//! What people and programs read: tables, figures, pages, an output folder and a progress bar. Knows no study.
+//! What people and programs read: tables, figures, pages, an output folder and a progress bar.
+//! Knows no study.
 
 #[cfg(feature = "figures")]
 pub mod chart;
@@ -12,7 +13,7 @@ pub mod page;
 #[cfg(feature = "program")]
 pub mod progress;
 pub mod quantity;
-mod sibling;
+pub mod sibling;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub mod table;

@@ -55,7 +55,8 @@ impl Progress {
         Self { unit: "", ..Self::start(1.0, label) }
     }
 
-    /// Progress of `total` pieces of work, of which the number done is told in place of a time; `unit` is their name.
+    /// Progress of `total` pieces of work, of which the number done is told in place of a time;
+    /// `unit` is their name.
     pub fn of_count(total: u64, unit: &'static str, label: &str) -> Self {
         Self { unit, ..Self::start(total as f64, label) }
     }
@@ -74,7 +75,8 @@ impl Progress {
         self.show(time, elapsed);
     }
 
-    /// Twice as many calls up to the next look at the clock while they take less than a glance; else a quarter of them.
+    /// Twice as many calls up to the next look at the clock while they take less than a glance;
+    /// else a quarter of them.
     fn pace(&mut self, elapsed: Duration) {
         let is_early = elapsed.saturating_sub(self.last_look) < GLANCE;
         self.stride = if is_early { (2 * self.stride).min(MOST_UNSEEN) } else { (self.stride / 4).max(1) };
@@ -101,7 +103,7 @@ impl Progress {
 
 /// A bar of a thousand parts, drawn at most ten times a second.
 fn bar(label: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{prefix} [{bar:30}] {msg}").expect("the template is a constant").progress_chars("=> ");
+    let style = ProgressStyle::with_template("{prefix:.20} [{wide_bar}] {msg}").expect("the template is a constant").progress_chars("=> ");
     ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr_with_hz(10)).with_style(style).with_prefix(label.to_owned())
 }
 
@@ -144,7 +146,8 @@ mod tests {
         assert!(matches!(alone.display, Display::Off));
     }
 
-    /// Calls between looks: many while they are fast, every one when each takes longer than a glance.
+    /// Calls between looks: many while they are fast, every one when each takes longer than a
+    /// glance.
     #[test]
     fn the_clock_is_looked_at_seldom_and_in_time() {
         let mut progress = progress(Display::Waiting);

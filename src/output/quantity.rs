@@ -1,9 +1,10 @@
 //! Numbers with units, for people: three or four significant digits and an SI prefix.
 
-/// `value` in `unit` with four significant digits and the prefix that puts one to three digits before the point: `12.35 mm`.
+/// `value` in `unit` with four significant digits and the prefix that puts one to three digits
+/// before the point: `12.35 mm`.
 ///
-/// Values of 1000 and above keep the plain unit, as `3600 s`. Kilograms count in grams. A unit that begins with a power, as `m^2`, has no
-/// prefix, for the prefix would be raised with it.
+/// Values of 1000 and above keep the plain unit, as `3600 s`. Kilograms count in grams. A unit that
+/// begins with a power, as `m^2`, has no prefix, for the prefix would be raised with it.
 pub fn quantity(value: f64, unit: &str) -> String {
     quantity_of(4, value, unit)
 }
@@ -54,7 +55,8 @@ fn quantity_of(n_digits: usize, value: f64, unit: &str) -> String {
     format!("{} {prefix}{unit}", digits.times_ten_to(-3 * thousands))
 }
 
-/// `value` with four significant digits; in powers of ten below 1e-3 and from 1e7. Whole numbers between keep all their digits.
+/// `value` with four significant digits; in powers of ten below 1e-3 and from 1e7. Whole numbers
+/// between keep all their digits.
 pub fn number(value: f64) -> String {
     match Digits::of(4, value) {
         None if value == 0.0 => "0".to_owned(),
@@ -65,8 +67,8 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// A number rounded to some significant digits: `significand` in [1, 10) times a power of ten. Rounding comes first, so that 0.99996 mm is
-/// 1.000 mm and not 1000.0 µm.
+/// A number rounded to some significant digits: `significand` in [1, 10) times a power of ten.
+/// Rounding comes first, so that 0.99996 mm is 1.000 mm and not 1000.0 µm.
 struct Digits {
     significand: String,
     exponent: i32,
@@ -83,7 +85,8 @@ impl Digits {
         Some(Self { significand: significand.to_owned(), exponent: exponent.parse().ok()? })
     }
 
-    /// The number times ten to the `power`, its digits shifted and not computed anew. For results from 0.001 to below 1000.
+    /// The number times ten to the `power`, its digits shifted and not computed anew. For results
+    /// from 0.001 to below 1000.
     fn times_ten_to(&self, power: i32) -> String {
         let exponent = self.exponent + power;
         let sign = if self.significand.starts_with('-') { "-" } else { "" };

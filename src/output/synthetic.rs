@@ -50,8 +50,9 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
     }
 }
 
-/// A run of `n_rows` rows: the load stays for two seconds, then winds towards the nest, stopping and starting. `lag` changes its path by a
-/// part in a thousand for each part in a thousand off one; 1 is the run itself.
+/// A run of `n_rows` rows: the load stays for two seconds, then winds towards the nest, stopping
+/// and starting. `lag` changes its path by a part in a thousand for each part in a thousand off
+/// one; 1 is the run itself.
 pub fn trace(n_rows: usize, lag: f64) -> Trace {
     let mut trace = Trace::default();
     for k in 0..n_rows {

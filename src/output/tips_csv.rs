@@ -1,4 +1,5 @@
-//! `tips.csv`: held tips beside the load's pose, as a camera would see them. `cohaul calibrate forces` reads it.
+//! `tips.csv`: held tips beside the load's pose, as a camera would see them. `cohaul calibrate
+//! forces` reads it.
 
 use std::io::Write;
 

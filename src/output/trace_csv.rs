@@ -1,8 +1,10 @@
-//! A trace as CSV tables: `trace.csv` with a row at every control tick, `events.csv` with every grasp and release,
-//! `transitions.csv` with every instant at which the load's motion is not smooth.
+//! A trace as CSV tables: `trace.csv` with a row at every control tick, `events.csv` with every
+//! grasp and release, `transitions.csv` with every instant at which the load's motion is not
+//! smooth.
 //!
-//! Floats are written with the fewest digits that read back as the same number. An empty field means "there is none": the pull on a spring
-//! that nobody holds, the ant of a prescribed path, the size of what is no jump.
+//! Floats are written with the fewest digits that read back as the same number. An empty field
+//! means "there is none": the pull on a spring that nobody holds, the ant of a prescribed path, the
+//! size of what is no jump.
 
 use std::io::Write;
 
@@ -10,13 +12,16 @@ use crate::backend::{Transition, TransitionKind};
 use crate::output::lines::{Lines, TableError};
 use crate::simulation::{EventKind, Row, Trace};
 
-/// Above this number of springs `trace.csv` has no columns of pulls: they would be most of the file. `n_transporting` stays.
+/// Above this number of springs `trace.csv` has no columns of pulls: they would be most of the
+/// file. `n_transporting` stays.
 pub const MOST_SPRINGS_WITH_COLUMNS: usize = 32;
 
-/// Columns of every `trace.csv`: the time and the load's motion, between which and [`HOLDERS`] stand the [`FORCE_COLUMNS`] of a full one.
+/// Columns of every `trace.csv`: the time and the load's motion, between which and [`HOLDERS`]
+/// stand the [`FORCE_COLUMNS`] of a full one.
 pub const MOTION_COLUMNS: [&str; 7] = ["time_s", "x_m", "y_m", "heading_rad", "vx_m_per_s", "vy_m_per_s", "turn_rate_rad_per_s"];
 
-/// Columns of a full `trace.csv` alone, before those of pulls: the ledger, and the sum of Eq. (4) over all pairs of holders.
+/// Columns of a full `trace.csv` alone, before those of pulls: the ledger, and the sum of Eq. (4)
+/// over all pairs of holders.
 pub const FORCE_COLUMNS: [&str; 6] = ["elastic_j", "kinetic_j", "dissipated_j", "tip_work_j", "defect_j", "interaction_n"];
 
 /// The column of every `trace.csv` with the number of holders.
@@ -27,8 +32,9 @@ pub const HOLDERS: &str = "n_transporting";
 pub enum TraceColumns {
     /// [`MOTION_COLUMNS`] and [`HOLDERS`].
     Motion,
-    /// These with [`FORCE_COLUMNS`], then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force of its holder on its tip (world axes), unless there are more
-    /// than [`MOST_SPRINGS_WITH_COLUMNS`]. Four times as much to write, and to read.
+    /// These with [`FORCE_COLUMNS`], then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force
+    /// of its holder on its tip (world axes), unless there are more than
+    /// [`MOST_SPRINGS_WITH_COLUMNS`]. Four times as much to write, and to read.
     Full { n_springs: usize },
 }
 
@@ -109,7 +115,8 @@ pub fn write_trace(trace: &Trace, columns: TraceColumns, out: impl Write) -> Res
     table.finish().map(drop)
 }
 
-/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); NaN where nobody holds.
+/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); NaN where nobody
+/// holds.
 fn pulls_of(row: &Row, pulls: &mut [f64]) {
     pulls.fill(f64::NAN);
     for tip in &row.tips {
@@ -144,8 +151,9 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
     Ok(())
 }
 
-/// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: what the backend saw of onsets, stops, captures of supports and jumps. The
-/// last three columns are those of a jump: where it led, and the energy that a load with inertia would have got into motion.
+/// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: what the backend saw
+/// of onsets, stops, captures of supports and jumps. The last three columns are those of a jump:
+/// where it led, and the energy that a load with inertia would have got into motion.
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.

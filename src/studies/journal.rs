@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::output::sibling::write_whole;
+
 /// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
@@ -292,14 +294,7 @@ impl Journal {
 pub fn save_single(path: &Path, study: &str, record: &impl Serialize) -> Result<(), JournalError> {
     let text = serde_json::to_string(record).expect("a record is plain data");
     let text = Header::new(study, &Value::Null, 0..1).line() + &marked(&format!("0,{text}"));
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let partial = path.with_file_name(format!(".{name}.partial-{}", std::process::id()));
-    let write = || {
-        std::fs::create_dir_all(path.parent().unwrap_or(Path::new("")))?;
-        std::fs::write(&partial, text)?;
-        std::fs::rename(&partial, path)
-    };
-    write().inspect_err(|_| drop(std::fs::remove_file(&partial))).map_err(at(path))
+    write_whole(path, |file| file.write_all(text.as_bytes())).map_err(at(path))
 }
 
 /// Reads the record of a journal that [`save_single`] wrote; `None` if there is no file.

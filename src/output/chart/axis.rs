@@ -8,7 +8,8 @@ pub struct Axis {
     pub step: f64,
 }
 
-/// Range below which values differ by rounding alone, in any unit that is shown: loads of a nanometre move by more.
+/// Range below which values differ by rounding alone, in any unit that is shown: loads of a
+/// nanometre move by more.
 const ROUNDING: f64 = 1e-14;
 /// Free space above and below the values, as a share of their range.
 const PADDING: f64 = 0.05;
@@ -23,7 +24,8 @@ impl Axis {
     /// Around the values, with some space.
     pub fn around(values: impl Iterator<Item = f64>, n_steps: f64) -> Self {
         let (low, high) = range(values).unwrap_or((0.0, 1.0));
-        // Values that differ by rounding only are one value; it stands in the middle of a range of its own size, zero in one of the unit's.
+        // Values that differ by rounding only are one value; it stands in the middle of a range of
+        // its own size, zero in one of the unit's.
         let least = (1e-9 * low.abs().max(high.abs())).max(ROUNDING);
         let room = match high.abs() {
             _ if high - low > least => PADDING * (high - low),
@@ -70,7 +72,8 @@ impl Axis {
         Self { low: middle - 0.5 * span, high: middle + 0.5 * span, step: self.step }
     }
 
-    /// Two axes of the same scale on an area of `width` x `height` (px): one of them is widened, both have the ticks of the finer.
+    /// Two axes of the same scale on an area of `width` x `height` (px): one of them is widened,
+    /// both have the ticks of the finer.
     pub fn equal(x: Axis, y: Axis, width: f64, height: f64) -> (Axis, Axis) {
         let per_pixel = (x.span() / width).max(y.span() / height);
         // A tick every 55 px or more.

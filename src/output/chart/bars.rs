@@ -20,8 +20,8 @@ const ROW: f64 = 36.0;
 const ABOVE: f64 = 26.0;
 const BELOW: f64 = 24.0;
 
-/// Bars on a logarithmic axis, with a line at the value `tolerated` and its text above. Bars beyond the
-/// line have another colour.
+/// Bars on a logarithmic axis, with a line at the value `tolerated` and its text above. Bars beyond
+/// the line have another colour.
 pub fn bars(bars: &[Bar], tolerated: f64, tolerated_text: &str) -> String {
     let logarithms = bars.iter().map(|bar| bar.value).chain([tolerated]).filter(|value| *value > 0.0).map(f64::log10);
     let (low, high) = ends(logarithms).map_or((0.0, 1.0), |(low, high)| ((low - 0.3).floor(), (high + 0.05).ceil()));
@@ -82,8 +82,8 @@ const BETWEEN: f64 = 16.0;
 const TEXTS: f64 = 205.0;
 const SPREAD_WIDTH: f64 = 840.0;
 
-/// Dots for values, a bar for the interval of their mean and an upright for the mean itself. The axis of
-/// each quantity has its own ends, which stand above it.
+/// Dots for values, a bar for the interval of their mean and an upright for the mean itself. The
+/// axis of each quantity has its own ends, which stand above it.
 pub fn spreads(spreads: &[Spread]) -> String {
     let (mut y, mut drawn) = (0.0, Vec::new());
     let width = SPREAD_WIDTH - NAMES - TEXTS;

@@ -1,7 +1,8 @@
 //! Panels -> SVG: the only file that knows the plotting library, kuva.
 //!
-//! kuva draws axes, ticks and curves of one panel. Ranges and ticks are computed here (its log axis ends at 1e-10 and its automatic ranges
-//! need not fit equal scales); panels are put side by side here, and the legend stands below them where it covers nothing.
+//! kuva draws axes, ticks and curves of one panel. Ranges and ticks are computed here (its log axis
+//! ends at 1e-10 and its automatic ranges need not fit equal scales); panels are put side by side
+//! here, and the legend stands below them where it covers nothing.
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -106,8 +107,9 @@ fn note(cell: &Cell, x: &Axis, dense: bool) -> Option<String> {
     (!notes.is_empty()).then(|| notes.join("; "))
 }
 
-/// kuva numbers its clip regions through the life of the program. Named after their size instead, they make equal figures equal, and
-/// two figures on one page can share a name only where they share the region.
+/// kuva numbers its clip regions through the life of the program. Named after their size instead,
+/// they make equal figures equal, and two figures on one page can share a name only where they
+/// share the region.
 fn name_clips_by_content(scene: &mut Scene) {
     for element in &mut scene.elements {
         if let Primitive::ClipStart { x, y, width, height, id } = element {
@@ -186,7 +188,8 @@ fn extremes(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     for point in points {
         for axis in 0..2 {
-            // Without a branch, and without `f64::min`: what is no number is neither lower nor higher.
+            // Without a branch, and without `f64::min`: what is no number is neither lower nor
+            // higher.
             let value = if point[axis].is_finite() { point[axis] } else { f64::NAN };
             low[axis] = if value < low[axis] { value } else { low[axis] };
             high[axis] = if value > high[axis] { value } else { high[axis] };
@@ -212,7 +215,8 @@ fn mark_plot(mark: &Mark, x: &Axis, y: &Axis) -> Plot {
     line(&mark.style).with_data(ends).into()
 }
 
-/// A curve without its gaps: one line for each run of finite points, thinned to what the panel can show.
+/// A curve without its gaps: one line for each run of finite points, thinned to what the panel can
+/// show.
 fn curve_plots(curve: &Curve, cell: &Cell, x: &Axis, dense: bool) -> Vec<Plot> {
     let (width, _) = area(cell);
     let points: Cow<[[f64; 2]]> = match cell.panel.scale {
@@ -280,7 +284,8 @@ fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
 
 /// Width of the columns of which a dense graph shows range and mean (px).
 const DENSE_COLUMN: f64 = 6.0;
-/// A graph that crosses the panel oftener than this in every column is dense: as a line it would be a wall of ink.
+/// A graph that crosses the panel oftener than this in every column is dense: as a line it would be
+/// a wall of ink.
 const CROSSINGS_PER_COLUMN: f64 = 0.7;
 
 /// Whether some graph of the panel is dense; all of them are then shown as ranges with means.

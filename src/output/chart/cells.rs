@@ -44,8 +44,8 @@ pub struct CellAxis {
 /// The lines on which a field has one value, with a word on the longest of them.
 #[derive(Clone, Debug)]
 pub struct Level {
-    /// Values of the field in rows of equal y, from the middles of the first cells to those of the last;
-    /// NaN where there is none.
+    /// Values of the field in rows of equal y, from the middles of the first cells to those of the
+    /// last; NaN where there is none.
     pub field: Vec<Vec<f64>>,
     pub at: f64,
     pub style: Style,
@@ -374,15 +374,15 @@ fn text(scene: &mut Scene, [x, y]: [f64; 2], anchor: TextAnchor, size: u32, cont
     }
 }
 
-/// From dark blue (0) over green to yellow (1), evenly brighter: the stops are those of matplotlib's
-/// viridis.
+/// From dark blue (0) over green to yellow (1), evenly brighter: the stops are those of
+/// matplotlib's viridis.
 pub fn viridis(share: f64) -> String {
     kuva::plot::ColorMap::Viridis.map(share)
 }
 
 impl CellAxis {
-    /// An axis of cells about `values`, with up to `most` ticks: whole decades where the values go by
-    /// factors over more than 50, zero apart.
+    /// An axis of cells about `values`, with up to `most` ticks: whole decades where the values go
+    /// by factors over more than 50, zero apart.
     pub fn of(name: impl Into<String>, values: &[f64], most: usize) -> Self {
         let n = values.len();
         let first = usize::from(values[0] == 0.0);
@@ -394,8 +394,8 @@ impl CellAxis {
         Self { name: name.into(), n, ticks: (0..n).step_by(n.div_ceil(most)).map(tick).collect() }
     }
 
-    /// An axis of cells about `values`, which go by factors and may begin with zero, with up to `most`
-    /// ticks at whole decades.
+    /// An axis of cells about `values`, which go by factors and may begin with zero, with up to
+    /// `most` ticks at whole decades.
     pub fn decades(name: impl Into<String>, values: &[f64], most: usize) -> Self {
         let (n, first) = (values.len(), usize::from(values[0] == 0.0));
         let middle = |at: f64| (at + 0.5) / n as f64;

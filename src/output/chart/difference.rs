@@ -13,8 +13,9 @@ pub struct Difference {
     pub heading: f64,
 }
 
-/// Differences at the times of `from`, while both last. Between its own rows `to` is taken as straight; where the rows coincide, as in
-/// runs with the same control period, nothing is interpolated.
+/// Differences at the times of `from`, while both last. Between its own rows `to` is taken as
+/// straight; where the rows coincide, as in runs with the same control period, nothing is
+/// interpolated.
 pub fn over_time(from: &Trace, to: &Trace) -> Vec<Difference> {
     let mut after = 0;
     let mut differences = Vec::with_capacity(from.rows.len());

@@ -1,8 +1,11 @@
-//! SVG figures over one or several traces: the load's path, its heading, speed and pulls over time, and how far traces lie apart.
+//! SVG figures over one or several traces: the load's path, its heading, speed and pulls over time,
+//! and how far traces lie apart.
 //!
-//! Every function returns a whole SVG document without scripts and without fonts of its own; the same traces give the same bytes. Axes are in
-//! mm, mN and rad. Curves differ in colour (Okabe and Ito's set, made for colour-blind readers) and in dashes. Curves of many points are
-//! thinned to what can be seen, extremes kept: see [`thin`]. Where a line would be a wall of ink, a panel shows means and ranges and says so.
+//! Every function returns a whole SVG document without scripts and without fonts of its own; the
+//! same traces give the same bytes. Axes are in mm, mN and rad. Curves differ in colour (Okabe and
+//! Ito's set, made for colour-blind readers) and in dashes. Curves of many points are thinned to
+//! what can be seen, extremes kept: see [`thin`]. Where a line would be a wall of ink, a panel
+//! shows means and ranges and says so.
 //!
 //! ```text
 //! shown.rs       rows -> what is shown of them, in print units
@@ -76,8 +79,8 @@ impl Scene {
     }
 }
 
-/// Path of the load's origin in the plane, equal scales, with the load's outline at the start (grey) and at each end. The radius in an
-/// outline points along the heading.
+/// Path of the load's origin in the plane, equal scales, with the load's outline at the start
+/// (grey) and at each end. The radius in an outline points along the heading.
 pub fn path(traces: &[Labelled], scene: &Scene) -> String {
     let panel = panels::path(&Seen::all(traces), scene);
     let legend = vec![panels::trace_entries(traces), panels::scene_entries(scene)];
@@ -89,7 +92,8 @@ pub fn heading(traces: &[Labelled]) -> String {
     over_time(&panels::heading(&Seen::all(traces)), traces)
 }
 
-/// Speed of the load's origin over time (mm/s). Where a few peaks exceed all else by far, the axis cuts them and a note says how high they are.
+/// Speed of the load's origin over time (mm/s). Where a few peaks exceed all else by far, the axis
+/// cuts them and a note says how high they are.
 pub fn speed(traces: &[Labelled]) -> String {
     over_time(&panels::speed(&Seen::all(traces)), traces)
 }
@@ -100,7 +104,8 @@ pub fn net_pull(traces: &[Labelled], scene: &Scene) -> String {
     alone(&panels::net_pull(&Seen::all(traces), scene), vec![panels::trace_entries(traces), marks], TIME_HEIGHT)
 }
 
-/// Sum of the sizes of all pulls over time (mN): what the holders spend, working against each other included.
+/// Sum of the sizes of all pulls over time (mN): what the holders spend, working against each other
+/// included.
 pub fn total_pull(traces: &[Labelled]) -> String {
     over_time(&panels::total_pull(&Seen::all(traces)), traces)
 }
@@ -115,13 +120,15 @@ pub fn energy(trace: &Labelled) -> String {
     alone(&panels::energy(&Seen::of(trace)), vec![panels::energy_entries(), panels::event_entries(&[*trace])], TIME_HEIGHT)
 }
 
-/// Distance of the load's positions between traces over time (m, log axis): all pairs of up to three traces, else each against the first.
-/// Where two traces agree within rounding there is a gap.
+/// Distance of the load's positions between traces over time (m, log axis): all pairs of up to
+/// three traces, else each against the first. Where two traces agree within rounding there is a
+/// gap.
 pub fn position_difference(traces: &[Labelled]) -> String {
     between(&panels::position_difference(traces), traces)
 }
 
-/// Difference of heading between traces over time (rad, log axis); pairs and gaps as in [`position_difference`].
+/// Difference of heading between traces over time (rad, log axis); pairs and gaps as in
+/// [`position_difference`].
 pub fn heading_difference(traces: &[Labelled]) -> String {
     between(&panels::heading_difference(traces), traces)
 }
@@ -176,7 +183,8 @@ pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
     sheet.into_svg(&[panels::trace_entries(traces), panels::pair_entries(traces), marks])
 }
 
-/// Panels in rows of `n_columns`, each `width` by `height` (px), with the groups of their legend below.
+/// Panels in rows of `n_columns`, each `width` by `height` (px), with the groups of their legend
+/// below.
 pub fn grid(panels: &[Panel], legend: &[Vec<Entry>], n_columns: usize, width: f64, height: f64) -> String {
     let mut sheet = Sheet::lettered(n_columns as f64 * width, panels.len().div_ceil(n_columns) as f64 * height);
     for (i, panel) in panels.iter().enumerate() {

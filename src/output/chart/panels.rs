@@ -11,7 +11,8 @@ use crate::output::chart::{Labelled, MILLI, Scene};
 use crate::output::quantity::quantity;
 use crate::simulation::{Event, EventKind};
 
-/// Events are marked when there are at most this many at different instants: more would be a grey wall.
+/// Events are marked when there are at most this many at different instants: more would be a grey
+/// wall.
 const MOST_EVENTS: usize = 40;
 
 pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
@@ -107,7 +108,8 @@ pub fn event_entries(traces: &[Labelled]) -> Vec<Entry> {
     vec![Entry::upright("grasp", Style::GRASP), Entry::upright("release", Style::RELEASE)]
 }
 
-/// Indices of the traces that are compared: (from, to), all pairs of up to three traces, else each with the first.
+/// Indices of the traces that are compared: (from, to), all pairs of up to three traces, else each
+/// with the first.
 fn pairs(n_traces: usize) -> Vec<(usize, usize)> {
     let n_from = if n_traces <= 3 { n_traces } else { 1 };
     (0..n_from).flat_map(|from| (from + 1..n_traces).map(move |to| (from, to))).collect()
@@ -139,7 +141,8 @@ fn of_pairs(traces: &[Labelled], y_label: &str, way: impl Fn(&Pose, &Pose) -> f6
     panel
 }
 
-/// Distances up to this, over the longest way (1), are rounding. They leave a gap, so that the decades of the axis go to what can be told apart.
+/// Distances up to this, over the longest way (1), are rounding. They leave a gap, so that the
+/// decades of the axis go to what can be told apart.
 const ROUNDING: f64 = 1e-11;
 
 /// One mark for each instant and kind, in the order of time; none when there are too many.
@@ -188,7 +191,8 @@ impl Panel {
         self.marks.extend(event_marks(of_traces));
     }
 
-    /// Cuts the y axis when less than half a percent of all points lie beyond three times the height of the rest.
+    /// Cuts the y axis when less than half a percent of all points lie beyond three times the
+    /// height of the rest.
     fn cut_rare_peaks(&mut self, note: impl Fn(f64) -> String) {
         let mut heights: Vec<f64> =
             self.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).filter(|y| y.is_finite()).collect();

@@ -1,4 +1,5 @@
-//! What figures show of a trace: taken from the rows once, as these are long and there are many of them.
+//! What figures show of a trace: taken from the rows once, as these are long and there are many of
+//! them.
 
 use std::borrow::Cow;
 
@@ -13,8 +14,9 @@ pub struct Seen<'a> {
     pub events: &'a [Event],
 }
 
-/// What figures need of rows, which may come a few at a time: in print units, and in a room that does not grow with the run. As soon as there are more rows than any
-/// figure could show apart, neighbours share a group, of which ranges and means are left.
+/// What figures need of rows, which may come a few at a time: in print units, and in a room that
+/// does not grow with the run. As soon as there are more rows than any figure could show apart,
+/// neighbours share a group, of which ranges and means are left.
 #[derive(Clone, Debug)]
 pub struct SeenRows {
     groups: Vec<Group>,
@@ -86,7 +88,8 @@ impl Group {
     }
 }
 
-/// The way of the load's origin (mm), without points nearer to the one kept before them than some distance.
+/// The way of the load's origin (mm), without points nearer to the one kept before them than some
+/// distance.
 #[derive(Clone, Debug, Default)]
 struct Path {
     points: Vec<[f64; 2]>,
@@ -94,7 +97,8 @@ struct Path {
     distance: f64,
 }
 
-/// Groups of which two share a place as soon as there are so many: several for each pixel of a panel. Even.
+/// Groups of which two share a place as soon as there are so many: several for each pixel of a
+/// panel. Even.
 const MOST_GROUPS: usize = 2048;
 /// Points of a path, after which these are kept farther apart.
 const MOST_POINTS: usize = 8192;
@@ -190,7 +194,8 @@ impl Path {
     }
 }
 
-/// Whether a point lies within a distance of the one before it; what is no number is a gap, and near to nothing.
+/// Whether a point lies within a distance of the one before it; what is no number is a gap, and
+/// near to nothing.
 fn is_near(before: Option<&[f64; 2]>, point: &[f64; 2], distance: f64) -> bool {
     before.is_some_and(|before| (point[0] - before[0]).powi(2) + (point[1] - before[1]).powi(2) <= distance * distance)
 }
@@ -200,7 +205,8 @@ mod tests {
     use super::*;
     use crate::output::synthetic;
 
-    /// More rows than groups, a few at a time: no extreme is lost, means of all are the mean of all, and there are never more groups than that.
+    /// More rows than groups, a few at a time: no extreme is lost, means of all are the mean of
+    /// all, and there are never more groups than that.
     #[test]
     fn groups_keep_ranges_and_means_of_all_rows() {
         for n_rows in [1, 500, 2048, 2049, 50_000] {
@@ -225,7 +231,8 @@ mod tests {
         }
     }
 
-    /// Points are dropped, but none that is far from a kept one: twice what so many points would be apart.
+    /// Points are dropped, but none that is far from a kept one: twice what so many points would be
+    /// apart.
     #[test]
     fn a_path_keeps_its_course_in_bounded_room() {
         let all: Vec<[f64; 2]> = (0..100_000).map(|k| (1e-3 * f64::from(k)).sin_cos()).map(|(s, c)| [40.0 * s, 30.0 * c * c]).collect();

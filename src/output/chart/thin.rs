@@ -1,7 +1,8 @@
 //! Fewer points, same picture.
 
-/// A graph (x not decreasing) with at most four points in each of `n_columns` equal columns: the first, the lowest, the highest and the last
-/// one, in their order (M4: Jugel, Jerzak, Hackenbroich, Markl, VLDB 2014). No extreme of any column is lost, so a line drawn that many
+/// A graph (x not decreasing) with at most four points in each of `n_columns` equal columns: the
+/// first, the lowest, the highest and the last one, in their order (M4: Jugel, Jerzak,
+/// Hackenbroich, Markl, VLDB 2014). No extreme of any column is lost, so a line drawn that many
 /// pixels wide is the same. Points must be finite.
 pub fn by_column(points: &[[f64; 2]], n_columns: usize) -> Vec<[f64; 2]> {
     if points.len() <= 4 * n_columns {
@@ -44,8 +45,9 @@ pub struct Column {
     pub high: f64,
 }
 
-/// Range and mean of a graph (x not decreasing) in each of `n_columns` equal columns between two `ends` that has points, in runs of neighbours. What is not finite is
-/// a gap, which shows where it leaves a column without points.
+/// Range and mean of a graph (x not decreasing) in each of `n_columns` equal columns between two
+/// `ends` that has points, in runs of neighbours. What is not finite is a gap, which shows where it
+/// leaves a column without points.
 pub fn columns(points: &[[f64; 2]], ends: [f64; 2], n_columns: usize) -> Vec<Vec<Column>> {
     let finite: Vec<[f64; 2]> = points.iter().copied().filter(|[x, y]| (x + y).is_finite()).collect();
     let (mut runs, mut next): (Vec<Vec<Column>>, _) = (Vec::new(), None);
@@ -134,8 +136,8 @@ fn column_of(points: &[[f64; 2]]) -> Column {
     Column { x: 0.5 * (points[0][0] + points[points.len() - 1][0]), low, mean: sum / points.len() as f64, high }
 }
 
-/// A line in the plane without the points that lie within `tolerance` of the one kept before them; its ends stay. No point of the line is
-/// further than `tolerance` from a kept one.
+/// A line in the plane without the points that lie within `tolerance` of the one kept before them;
+/// its ends stay. No point of the line is further than `tolerance` from a kept one.
 pub fn by_distance(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let Some((last, others)) = points.split_last() else { return Vec::new() };
     let mut kept: Vec<[f64; 2]> = Vec::new();
@@ -197,7 +199,8 @@ mod tests {
         assert_eq!(n_crossings(&[[0.0, 0.0], [1.0, 2.0], [2.0, -1.0]], -1.0, 1.0), 1.5);
     }
 
-    /// Gaps narrower than a column do not part it; wider ones leave what lies between them apart, and a column alone has its width.
+    /// Gaps narrower than a column do not part it; wider ones leave what lies between them apart,
+    /// and a column alone has its width.
     #[test]
     fn columns_are_those_of_the_whole_axis_however_a_graph_is_broken() {
         let is_there =

@@ -192,8 +192,8 @@ impl Writer {
     }
 }
 
-/// A drawing made to stand alone, as a part of a page: without its XML declaration, and with names that
-/// no other drawing of the page has.
+/// A drawing made to stand alone, as a part of a page: without its XML declaration, and with names
+/// that no other drawing of the page has.
 fn part_of_page(document: &str, number: usize) -> String {
     let start = document.find("<svg").unwrap_or(0);
     let named = |text: String, before: &str| text.replace(before, &format!("{before}f{number}-"));

@@ -1,7 +1,7 @@
 //! Reports as one HTML file each that needs nothing else: no network, no fonts, no libraries.
 //!
-//! A page is data: a headline, sections of blocks, and the source of its numbers. A command adds one in a
-//! few lines:
+//! A page is data: a headline, sections of blocks, and the source of its numbers. A command adds
+//! one in a few lines:
 //!
 //! ```
 //! use cohaul::output::page::{Answer, Block, Headline, Page};
@@ -14,8 +14,8 @@
 //! ```
 //!
 //! All text is escaped where it is written, so that a name out of a scenario is only ever a name. A
-//! policy in the page forbids loading, sending, and every script but the one of the replay, which it
-//! knows by its hash.
+//! policy in the page forbids loading, sending, and every script but the one of the replay, which
+//! it knows by its hash.
 //!
 //! ```text
 //! content.rs    a page as data

@@ -1,10 +1,12 @@
-//! Series of numbers as fixed point in base64: a quarter of the room that they take as JSON, and read by a page in one go.
+//! Series of numbers as fixed point in base64: a quarter of the room that they take as JSON, and
+//! read by a page in one go.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-/// Values `zero + step * k`, with k the little-endian whole numbers of `bits` in `data`. The lowest k stands for no value.
+/// Values `zero + step * k`, with k the little-endian whole numbers of `bits` in `data`. The lowest
+/// k stands for no value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Packed {
     pub zero: f64,
@@ -31,7 +33,8 @@ impl Packed {
     }
 }
 
-/// Middle of the range, its size over twice `largest`, and the values in those terms. What is not finite is no value.
+/// Middle of the range, its size over twice `largest`, and the values in those terms. What is not
+/// finite is no value.
 fn scaled(values: &[Option<f64>], largest: f64) -> (f64, f64, impl Iterator<Item = Option<f64>>) {
     let finite = || values.iter().flatten().copied().filter(|value| value.is_finite());
     let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));

@@ -1,8 +1,11 @@
-//! What a replay shows: load, supports, springs, ants and nest of one run, or of several side by side.
+//! What a replay shows: load, supports, springs, ants and nest of one run, or of several side by
+//! side.
 //!
-//! Traces are thinned to what an eye needs (`thinning.rs`) and packed (`packed.rs`); runs that meet the same tips share them. Nothing is invented: a support's friction
-//! is shown where it slips, mu N against its slip by Eq. (13), and not where it sticks, as any forces within the limits that balance the rest will do there. Searching
-//! ants leave no trace; they are walked again from their draws.
+//! Traces are thinned to what an eye needs (`thinning.rs`) and packed (`packed.rs`); runs that meet
+//! the same tips share them. Nothing is invented: a support's friction is shown where it slips, mu
+//! N against its slip by Eq. (13), and not where it sticks, as any forces within the limits that
+//! balance the rest will do there. Searching ants leave no trace; they are walked again from their
+//! draws.
 
 use std::f64::consts::TAU;
 
@@ -89,9 +92,11 @@ const ROOM: usize = 1 << 20;
 const MOST_PARTS: usize = 200;
 /// Marks on the scrub bar at most, of each kind.
 const MOST_MARKS: usize = 2000;
-/// Over the fastest slip of a run, slower slip counts as none (1): an engine's friction leaves a rest of it.
+/// Over the fastest slip of a run, slower slip counts as none (1): an engine's friction leaves a
+/// rest of it.
 const STICKS_BELOW: f64 = 1e-4;
-/// Added to the heading of an ant that holds a tip: more than one turn, so that rounding cannot blur it.
+/// Added to the heading of an ant that holds a tip: more than one turn, so that rounding cannot
+/// blur it.
 const HOLDS: f64 = 2.0 * TAU;
 
 impl Replay {
@@ -252,7 +257,8 @@ fn slips<'a>(scenario: &'a Scenario, trace: &'a Trace) -> impl Iterator<Item = f
     trace.rows.iter().map(slip)
 }
 
-/// A slip speed that is seldom exceeded (m/s): arrows of it fit, and those of most others can be seen.
+/// A slip speed that is seldom exceeded (m/s): arrows of it fit, and those of most others can be
+/// seen.
 fn common_slip(scenario: &Scenario, runs: &[Shown]) -> f64 {
     let mut speeds: Vec<f64> = runs.iter().flat_map(|run| slips(scenario, run.trace).filter(|speed| *speed > 0.0)).collect();
     speeds.sort_by(f64::total_cmp);

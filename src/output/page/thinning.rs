@@ -1,4 +1,5 @@
-//! Which rows of traces are shown: enough that straight lines between them lie where the load was, as far as an eye can tell.
+//! Which rows of traces are shown: enough that straight lines between them lie where the load was,
+//! as far as an eye can tell.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -24,8 +25,9 @@ struct Stretch {
     rim: f64,
 }
 
-/// At most `most` rows of traces that have theirs at the same times. A third are spread evenly, for what walks; the others go where the rim of a load of `radius` (m)
-/// would be furthest off without them, grasps and releases included.
+/// At most `most` rows of traces that have theirs at the same times. A third are spread evenly, for
+/// what walks; the others go where the rim of a load of `radius` (m) would be furthest off without
+/// them, grasps and releases included.
 pub fn thinned(traces: &[&Trace], radius: f64, most: usize) -> Thinned {
     let n = traces.iter().map(|trace| trace.rows.len()).min().unwrap_or(0);
     if n <= most.max(2) {

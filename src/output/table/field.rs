@@ -66,7 +66,8 @@ impl Field {
         }
     }
 
-    /// The field that was written as `text` in a column of this kind; `None` where the text does not fit.
+    /// The field that was written as `text` in a column of this kind; `None` where the text does
+    /// not fit.
     pub fn parse(text: &str, kind: Kind) -> Option<Self> {
         if text.is_empty() {
             return Some(Field::Empty);
@@ -79,7 +80,8 @@ impl Field {
         }
     }
 
-    /// Appends the field to a line of CSV, with the fewest digits that read back as the same number.
+    /// Appends the field to a line of CSV, with the fewest digits that read back as the same
+    /// number.
     ///
     /// A word stays on one line and stands in quotes where it would be taken for several fields.
     pub fn write(&self, line: &mut String) {

@@ -17,8 +17,8 @@
 //! assert_eq!(csv, b"backend,path_length_m,steps\ninertial,0.01234,4000\n");
 //! ```
 //!
-//! A table of words is written row by row: `Table::new("Times", ["ants", "time"]).row(["4", "78 s"])`.
-//! Without names of columns it is a list: `Table::list().row(["seed", "7"])`.
+//! A table of words is written row by row: `Table::new("Times", ["ants", "time"]).row(["4", "78
+//! s"])`. Without names of columns it is a list: `Table::list().row(["seed", "7"])`.
 
 mod field;
 #[cfg(feature = "parquet")]

@@ -125,7 +125,8 @@ fn write_column<'a, T: DataType>(
     target.typed::<T>().write_batch(&values, Some(&levels), None).map(drop)
 }
 
-/// What the writer of the library has written and `out` has not got yet: the writer owns its target.
+/// What the writer of the library has written and `out` has not got yet: the writer owns its
+/// target.
 #[derive(Clone, Default)]
 struct Written(Arc<Mutex<Vec<u8>>>);
 

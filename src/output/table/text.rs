@@ -8,8 +8,8 @@ const TERMINAL: usize = 80;
 const NARROWEST: usize = 20;
 
 impl Table {
-    /// Aligned text, indented by two spaces, at most 80 letters wide where the last column can wrap.
-    /// Numbers stand to the right. Names of columns stand above where there are any.
+    /// Aligned text, indented by two spaces, at most 80 letters wide where the last column can
+    /// wrap. Numbers stand to the right. Names of columns stand above where there are any.
     pub fn text(&self) -> String {
         let rows = self.lines();
         let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);

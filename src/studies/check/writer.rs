@@ -1,7 +1,6 @@
 //! Writes a baseline as JSON with one row, event or short list on each line, so that it can be read,
 //! edited by hand and compared line by line.
 
-use std::fs;
 use std::io::Write;
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use super::baseline::Baseline;
 use super::format::{FORMAT, KEYS, VERSION};
 use super::measure::COLUMNS;
 use crate::output::json;
+use crate::output::sibling::write_whole;
 
 /// Writes a baseline to `folder/NAME.json`, whole or not at all, and replaces an earlier one. The folder
 /// is created when it is missing.
@@ -18,15 +18,7 @@ use crate::output::json;
 /// # Errors
 /// When the disk fails.
 pub fn write_file(folder: &Path, baseline: &Baseline) -> std::io::Result<()> {
-    fs::create_dir_all(folder)?;
-    let partial = folder.join(format!(".{}.partial-{}", baseline.name, std::process::id()));
-    let write = || {
-        let mut file = fs::File::create(&partial)?;
-        file.write_all(baseline.to_json().as_bytes())?;
-        file.sync_all()?;
-        fs::rename(&partial, folder.join(baseline.file_name()))
-    };
-    write().inspect_err(|_| drop(fs::remove_file(&partial)))
+    write_whole(&folder.join(baseline.file_name()), |file| file.write_all(baseline.to_json().as_bytes()))
 }
 
 impl Baseline {

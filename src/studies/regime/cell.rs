@@ -10,7 +10,8 @@ use crate::backend::{BackendKind, Status, TransitionKind};
 use crate::simulation::{Controller, backend_of};
 use crate::studies::verify::scenes::SLIP_STRETCH;
 
-/// A point of the plane, measured. Ways and distances are those of the rim: shift plus radius times turn.
+/// A point of the plane, measured. Ways and distances are those of the rim: shift plus radius times
+/// turn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     pub scene: Scene,
@@ -71,7 +72,8 @@ impl Cell {
         self.way_m > 1e-3 * self.epsilon * self.phi * SLIP_STRETCH
     }
 
-    /// Largest distance over the way without inertia (1), by which verdicts go too unless the load with inertia gets farther; `None` where nothing moves or no end was found.
+    /// Largest distance over the way without inertia (1), by which verdicts go too unless the load
+    /// with inertia gets farther; `None` where nothing moves or no end was found.
     pub fn share(&self) -> Option<f64> {
         (self.is_converged && self.moves()).then(|| self.distance_m / self.way_m)
     }
@@ -92,7 +94,8 @@ impl Cell {
         self.distance_m > 3.0 * self.own_error_m
     }
 
-    /// What theory expects of [`Cell::share`]. In the haul, where only continuous driving has a law, `2 epsilon f / k`.
+    /// What theory expects of [`Cell::share`]. In the haul, where only continuous driving has a
+    /// law, `2 epsilon f / k`.
     pub fn predicted_share(&self) -> Option<f64> {
         match self.scene {
             Scene::Excursion => Some(theory::excursion_share(self.phi, self.epsilon, self.zeta)),

@@ -1,11 +1,11 @@
-//! The figures of the regime map: a page a scene, with the largest distance above and the displacement
-//! below, a panel a damping ratio; and a page of measurement over theory.
+//! The figures of the regime map: a page a scene, with the largest distance above and the
+//! displacement below, a panel a damping ratio; and a page of measurement over theory.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::output::chart::cells::{CROSSED, CellAxis, CellMap, DOTTED, HATCHED, Key, Level, Size, cell_maps, place, viridis};
 use crate::output::chart::panel::Style;
-use crate::studies::regime::report::SOUND;
+use crate::studies::regime::theory::SOUND;
 use crate::studies::regime::{AGREEMENT, Cell, Grid, Law, PAPER_PHIS, PAPER_SPEEDS, Scene, epsilon_of, theory};
 
 const SIZE: Size = Size { width: 226.0, height: 196.0, left: 66.0, least_columns: 4 };
@@ -210,8 +210,8 @@ fn ratio_scale(name: &str) -> Key {
     Key::Scale { name: name.to_owned(), colors: colors.map(|power| (ratio_color(power.exp2()), label(power))).collect() }
 }
 
-/// From dark (1e-4 of the path length and less) to bright (the whole path length and more), in tenths of
-/// a decade.
+/// From dark (1e-4 of the path length and less) to bright (the whole path length and more), in
+/// tenths of a decade.
 fn share_color(share: f64) -> String {
     let decade = (10.0 * share.max(1e-300).log10()).round() / 10.0;
     viridis((decade.clamp(-4.0, 0.0) + 4.0) / 4.0)

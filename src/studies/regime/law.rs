@@ -100,7 +100,8 @@ impl Law {
         }
     }
 
-    /// Whether the law is about the displacement at the end, and not the largest distance on the way.
+    /// Whether the law is about the displacement at the end, and not the largest distance on the
+    /// way.
     pub fn is_displacement(self) -> bool {
         !matches!(self, Law::Ramp | Law::Hold)
     }

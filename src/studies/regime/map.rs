@@ -26,7 +26,8 @@ pub struct Grid {
 
 impl Grid {
     pub fn of(scene: Scene, effort: Effort) -> Self {
-        // A haul takes seconds where the others take milliseconds, and minutes at a hundred radians.
+        // A haul takes seconds where the others take milliseconds, and minutes at a hundred
+        // radians.
         let (n, longest, zetas) = match (scene, effort) {
             (Scene::Haul, Effort::Full) => (12, 10.0, vec![0.0, 0.5]),
             (Scene::Haul, Effort::Quick) => (3, 3.0, vec![0.0, 0.5]),

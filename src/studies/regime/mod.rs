@@ -1,12 +1,15 @@
-//! Floor 4: where inertia matters. Scenes over the plane of Phi and epsilon, each cell measured with inertia and without, beside what theory expects.
+//! Floor 4: where inertia matters. Scenes over the plane of Phi and epsilon, each cell measured
+//! with inertia and without, beside what theory expects.
 //!
 //! ```text
 //! Phi = omega_n T_e    epsilon = v sqrt(k m) / f    zeta    with omega_n = sqrt(k / m), f = mu m g
 //! ```
 //!
-//! v is the speed of the tips, T_e the time between two events. Times in units of 1 / omega_n and ways in units of v / omega_n leave nothing but these three numbers, as
-//! long as springs are linear; friction sits in epsilon alone. On the way from one event to the next a tip goes `epsilon Phi` times f / k: a load without inertia sees only that
-//! product, and a change of mass at fixed friction, or of pace at fixed ways, moves a scene along a line of constant product.
+//! v is the speed of the tips, T_e the time between two events. Times in units of 1 / omega_n and
+//! ways in units of v / omega_n leave nothing but these three numbers, as long as springs are
+//! linear; friction sits in epsilon alone. On the way from one event to the next a tip goes
+//! `epsilon Phi` times f / k: a load without inertia sees only that product, and a change of mass
+//! at fixed friction, or of pace at fixed ways, moves a scene along a line of constant product.
 //!
 //! ```text
 //! theory.rs   closed forms and rules of thumb
@@ -19,12 +22,14 @@
 
 mod cell;
 pub mod figure;
+pub mod files;
 mod law;
 mod map;
 pub mod page;
 pub mod report;
 mod scene;
 mod script;
+mod tables;
 pub mod theory;
 
 pub use cell::Cell;

@@ -1,11 +1,13 @@
-//! The page that stands beside the files of a regime map: what was done, and where theory and measurement part.
+//! The page that stands beside the files of a regime map: what was done, and where theory and
+//! measurement part.
 
 use std::fmt::Write;
 use std::path::Path;
 
 use crate::output::quantity::{number, quantity};
-use crate::studies::regime::report::{CellLine, MapLine, Regime, RuleLine};
-use crate::studies::regime::{Cause, Cell, Law, Standing};
+use crate::studies::regime::report::{CellLine, Regime};
+use crate::studies::regime::tables;
+use crate::studies::regime::{Cause, Cell, Law};
 use crate::studies::verify::scenes::{SLIP_STRETCH, natural_rate};
 
 pub(crate) fn page(found: &Regime, target: &Path) -> String {
@@ -55,31 +57,14 @@ fn figures(found: &Regime) -> String {
 }
 
 fn maps(found: &Regime) -> String {
-    let mut text = "## Cells\n\nOwn error: the largest of all cells, over the way.\n\n\
-                    | scene | zeta | cells | that move | that agree within 1 % | below own error | no path found | own error |\n|---|---|---|---|---|---|---|---|\n"
-        .to_owned();
-    for MapLine { scene, zeta, n_cells, n_moving, n_agree, n_unresolved, n_not_converged, own_error_max_share } in &found.maps {
-        let (scene, own) = (scene.name(), number(*own_error_max_share));
-        writeln!(text, "| {scene} | {zeta} | {n_cells} | {n_moving} | {n_agree} | {n_unresolved} | {n_not_converged} | {own} |")
-            .expect("a string takes all");
-    }
-    text.push('\n');
-    text
+    let what = "The reference error is the largest of all cells, over the path length. Cells are unresolved where the distance is smaller than it.";
+    format!("## Cells\n\n{what}\n\n{}\n", tables::panels(found).markdown())
 }
 
 fn laws(found: &Regime) -> String {
-    let mut text = "## Where theory and measurement disagree\n\nMeasured over theory, in cells whose own error is below a tenth of what is measured; a law holds from 0.8 to 1.25.\n\n\
-                    | scene | law | zeta | holds in | least | median | largest | where not |\n|---|---|---|---|---|---|---|---|\n"
-        .to_owned();
-    for Standing { law, zeta, n_cells, n_within, ratio, causes } in &found.laws {
-        let [least, median, largest] = ratio.unwrap_or_default().map(number);
-        let why: Vec<String> = causes.iter().map(|(cause, n)| format!("{} {n}", cause.name())).collect();
-        let (scene, name, why) = (law.scene().name(), law.name(), why.join(", "));
-        writeln!(text, "| {scene} | {name} | {zeta} | {n_within} of {n_cells} | {least} | {median} | {largest} | {why} |")
-            .expect("a string takes all");
-    }
-    text.push('\n');
-    text
+    let what =
+        "Measured over theory, in cells whose reference error is below a tenth of the measured number. A law holds from 0.8 to 1.25.";
+    format!("## Where theory and measurement disagree\n\n{what}\n\n{}\n", tables::laws(found).markdown())
 }
 
 /// What is behind each cause, with its worst cell.
@@ -102,14 +87,9 @@ fn causes(found: &Regime) -> String {
 }
 
 fn rule(found: &Regime) -> String {
-    let mut text = "## The rule of thumb\n\nA load without inertia is taken for sound where epsilon <= 0.05, Phi >= 2 pi and zeta >= 0.5; measured, its path agrees within 1 %. Cells that move:\n\n\
-                    | scene | sound, agrees | sound, apart | unsound, agrees | unsound, apart |\n|---|---|---|---|---|\n"
-        .to_owned();
-    for RuleLine { scene, n_sound_and_agree: a, n_sound_but_apart: b, n_unsound_but_agree: c, n_unsound_and_apart: d } in &found.rule {
-        writeln!(text, "| {} | {a} | {b} | {c} | {d} |", scene.name()).expect("a string takes all");
-    }
-    text.push('\n');
-    text
+    let what = "The rule says that quasi-static is valid where epsilon <= 0.05, Phi >= 2 pi and zeta >= 0.5. Measured, a path agrees within 1 % of its length. \
+                The table counts cells that move.";
+    format!("## The rule of thumb\n\n{what}\n\n{}\n", tables::rule(found).markdown())
 }
 
 fn paper(found: &Regime) -> String {

@@ -1,15 +1,8 @@
 //! The regime map for programs, for people and as files.
 
-use std::fmt::Write;
-use std::path::Path;
-
 use serde::Serialize;
 
-use crate::output::folder::{FolderError, OutputFolder};
-use crate::output::manifest::Manifest;
-use crate::output::quantity::{number, quantity};
-use crate::studies::regime::figure::{disagreement, scene_map};
-use crate::studies::regime::page::page;
+use crate::studies::regime::theory::SOUND;
 use crate::studies::regime::{AGREEMENT, Cell, Grid, Law, Scene, Standing};
 
 /// What `regime --json` prints.
@@ -51,7 +44,8 @@ pub struct MapLine {
     pub own_error_max_share: f64,
 }
 
-/// The rule of thumb that inertia may be neglected where epsilon <= 0.05, Phi >= 2 pi and zeta >= 0.5, against the measurement.
+/// The rule of thumb that inertia may be neglected where epsilon <= 0.05, Phi >= 2 pi and zeta >=
+/// 0.5, against the measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RuleLine {
     pub scene: Scene,
@@ -89,9 +83,6 @@ pub struct CellLine {
 pub fn is_sound_by_rule(cell: &Cell) -> bool {
     cell.epsilon <= SOUND.0 && cell.phi >= SOUND.1 && cell.zeta >= SOUND.2
 }
-
-/// Epsilon at most, Phi and zeta at least.
-pub(crate) const SOUND: (f64, f64, f64) = (0.05, std::f64::consts::TAU, 0.5);
 
 impl Regime {
     /// Of the `cells` of `grids` and those at the paper's points, in their order.
@@ -150,7 +141,7 @@ impl RuleLine {
 }
 
 impl CellLine {
-    fn of(cell: &Cell) -> Self {
+    pub(super) fn of(cell: &Cell) -> Self {
         let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
         Self {
             scene: cell.scene,
@@ -174,57 +165,4 @@ impl CellLine {
             is_converged: cell.is_converged,
         }
     }
-}
-
-/// Panels in numbers, laws against measurement, the rule of thumb, the paper's points.
-pub fn regime_text(found: &Regime) -> String {
-    let mut text = format!("paths that agree within {} of the way\n", quantity(found.agreement, ""));
-    let mut line = |content: String| writeln!(text, "{content}").expect("a string takes all");
-    line(format!(
-        "  {:<12} {:>5} {:>6} {:>7} {:>6} {:>10} {:>9}  largest own error",
-        "scene", "zeta", "cells", "moving", "agree", "unresolved", "not found"
-    ));
-    for map in &found.maps {
-        let MapLine { scene, zeta, n_cells, n_moving, n_agree, n_unresolved, n_not_converged, own_error_max_share } = map;
-        let (scene, own) = (scene.name(), number(*own_error_max_share));
-        line(format!("  {scene:<12} {zeta:>5} {n_cells:>6} {n_moving:>7} {n_agree:>6} {n_unresolved:>10} {n_not_converged:>9}  {own}"));
-    }
-    line(format!(
-        "measured over theory\n  {:<12} {:<44} {:>4} {:>9} {:>10} {:>10} {:>10}  why not",
-        "scene", "law", "zeta", "within", "least", "median", "largest"
-    ));
-    for standing in &found.laws {
-        let Standing { law, zeta, n_cells, n_within, ratio, causes } = standing;
-        let [least, median, largest] = ratio.unwrap_or_default().map(number);
-        let why: Vec<String> = causes.iter().map(|(cause, n)| format!("{} {n}", cause.name())).collect();
-        let (scene, name, within) = (law.scene().name(), law.name(), format!("{n_within}/{n_cells}"));
-        line(format!("  {scene:<12} {name:<44} {zeta:>4} {within:>9} {least:>10} {median:>10} {largest:>10}  {}", why.join(", ")));
-    }
-    line("rule of thumb: epsilon <= 0.05, Phi >= 2 pi, zeta >= 0.5".to_owned());
-    for rule in &found.rule {
-        let RuleLine { scene, n_sound_and_agree: a, n_sound_but_apart: b, n_unsound_but_agree: c, n_unsound_and_apart: d } = rule;
-        line(format!("  {:<12} sound and agrees {a}, sound but apart {b}, unsound but agrees {c}, unsound and apart {d}", scene.name()));
-    }
-    line(format!("{} cells in {}", found.n_cells, quantity(found.wall_s, "s")));
-    text
-}
-
-/// Writes `regime.csv`, a map a scene and the disagreements as SVG, `README.md`, `summary.json` and `manifest.json` to the folder `target`, all or nothing.
-///
-/// # Errors
-/// When the folder may not be written, or the disk fails.
-pub fn write_regime(target: &Path, found: &Regime, manifest: &Manifest) -> Result<(), FolderError> {
-    let mut folder = OutputFolder::create(target)?;
-    folder.write("regime.csv", |out| {
-        let mut writer = csv::Writer::from_writer(out);
-        found.cells.iter().try_for_each(|cell| writer.serialize(CellLine::of(cell)))?;
-        Ok::<(), csv::Error>(writer.flush()?)
-    })?;
-    for grid in &found.grids {
-        folder.write(&format!("{}.svg", grid.scene.name()), |out| out.write_all(scene_map(grid, &found.cells).as_bytes()))?;
-    }
-    folder.write("disagreement.svg", |out| out.write_all(disagreement(&found.grids, &found.cells).as_bytes()))?;
-    folder.write("README.md", |out| out.write_all(page(found, target).as_bytes()))?;
-    folder.write_json("summary.json", found)?;
-    folder.finish(manifest)
 }

@@ -1,6 +1,7 @@
 //! The scenes at one point of the plane, on the paper's load, friction and stiffness.
 //!
-//! Epsilon is set by the speed of the tips and Phi by the time between events. That is no loss: with other masses at the same friction the same numbers give the same shares (`mass_factor`).
+//! Epsilon is set by the speed of the tips and Phi by the time between events. That is no loss:
+//! with other masses at the same friction the same numbers give the same shares (`mass_factor`).
 
 use std::f64::consts::PI;
 
@@ -19,9 +20,11 @@ use crate::studies::verify::scenes::{LOAD_RADIUS, SLIP_STRETCH, at_rest, isotrop
 pub enum Scene {
     /// One ant on a spring through the centre pulls for T_e since the onset of slip and lets go.
     Excursion,
-    /// Two ants pull apart, one ahead and one astern; the one astern lets go, and T_e later the other.
+    /// Two ants pull apart, one ahead and one astern; the one astern lets go, and T_e later the
+    /// other.
     TugOfWar,
-    /// Four ants around the paper's load on its own springs; each T_e one grasps and one lets go, whose spring it has held for three.
+    /// Four ants around the paper's load on its own springs; each T_e one grasps and one lets go,
+    /// whose spring it has held for three.
     Haul,
 }
 
@@ -44,21 +47,25 @@ pub struct Staged {
     pub tolerance_m: f64,
 }
 
-/// Longest tick (rad of the load on its spring): paths are compared at ticks, and a distance that turns between two is seen to an eighth of its square.
+/// Longest tick (rad of the load on its spring): paths are compared at ticks, and a distance that
+/// turns between two is seen to an eighth of its square.
 const TICK: f64 = 0.1;
 /// The same in the haul, which is a thousand times the work.
 const HAUL_TICK: f64 = 0.25;
 /// Fewest ticks between two events.
 const FEWEST_TICKS: f64 = 16.0;
-/// Error of paths over the way of a tip between events (1): a hundredth of what counts as agreement.
+/// Error of paths over the way of a tip between events (1): a hundredth of what counts as
+/// agreement.
 const TOLERANCE: f64 = 1e-4;
-/// The same in the haul: a tenth. Its load stops and starts with every ripple, and each of those is located.
+/// The same in the haul: a tenth. Its load stops and starts with every ripple, and each of those is
+/// located.
 const HAUL_TOLERANCE: f64 = 1e-3;
 /// Grasps in the haul: two rounds.
 const N_GRASPS: u64 = 8;
 /// Springs of the haul in the order in which they are grasped: ahead, astern, left, right.
 const ROUND: [usize; 4] = [0, 2, 1, 3];
-/// Directions in which their ants pull (rad): to the nest on the x axis, but no further than pi/3 from the spring.
+/// Directions in which their ants pull (rad): to the nest on the x axis, but no further than pi/3
+/// from the spring.
 const PULLS: [f64; 4] = [0.0, PI / 6.0, 2.0 * PI / 3.0, -PI / 6.0];
 
 impl Scene {
@@ -115,7 +122,8 @@ fn excursion(at: &Setting, rate: f64, speed: f64) -> Staged {
     staged(at, vec![isotropic(Vec2::zeros(), at.zeta)], cues, [pull / n as f64 / rate, rate], n, coast_time(at, 2.0 + 2.0 * at.zeta))
 }
 
-/// Both springs begin at f / k, balanced, so that the one left behind is at its slip limit and what the tips have gone meanwhile is the jump.
+/// Both springs begin at f / k, balanced, so that the one left behind is at its slip limit and what
+/// the tips have gone meanwhile is the jump.
 fn tug_of_war(at: &Setting, rate: f64, speed: f64) -> Staged {
     let n = n_ticks(at.phi, TICK);
     let ahead = Vec2::new(1.0, 0.0);

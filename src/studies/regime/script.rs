@@ -1,4 +1,5 @@
-//! Grasps and releases at given ticks, tips at given velocities. Where a tip is grasped follows the load: paths with and without inertia have their own.
+//! Grasps and releases at given ticks, tips at given velocities. Where a tip is grasped follows the
+//! load: paths with and without inertia have their own.
 
 use crate::backend::Motion;
 use crate::math::Vec2;
@@ -15,7 +16,8 @@ pub struct Cue {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
-    /// Takes the tip of the undeformed spring, moved by `stretch` (m, world), and leaves with it at `velocity` (m/s, world).
+    /// Takes the tip of the undeformed spring, moved by `stretch` (m, world), and leaves with it at
+    /// `velocity` (m/s, world).
     Grasp {
         stretch: Vec2,
         velocity: Vec2,

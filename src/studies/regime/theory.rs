@@ -1,14 +1,21 @@
 //! What theory expects of the scenes, in units of 1 / omega_n, v / omega_n and v.
 //!
-//! While a load on one spring slips forward under a tip at speed v, the stretch beyond f / k is a free oscillation s of the load, whatever friction is, and the load stands s behind the
-//! one without inertia. With a dashpot it slips at `k s + c v = f` already, that is at s = -2 zeta, unless the dashpot alone pulls harder than friction holds: then at the
-//! grasp, at s = -1 / epsilon. A load let go at speed u coasts `epsilon u^2 / 2`.
+//! While a load on one spring slips forward under a tip at speed v, the stretch beyond f / k is a
+//! free oscillation s of the load, whatever friction is, and the load stands s behind the one
+//! without inertia. With a dashpot it slips at `k s + c v = f` already, that is at s = -2 zeta,
+//! unless the dashpot alone pulls harder than friction holds: then at the grasp, at s = -1 /
+//! epsilon. A load let go at speed u coasts `epsilon u^2 / 2`.
 //!
-//! The tug of war starts its slip from s = Phi, since both tips have gone that far, at the rate 1. Where its load stops (s' = 1) it stays until the tip has made up for it.
+//! The tug of war starts its slip from s = Phi, since both tips have gone that far, at the rate 1.
+//! Where its load stops (s' = 1) it stays until the tip has made up for it.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
-/// Stretch beyond f / k and its rate `time` after they were `start`, without forces but spring and dashpot.
+/// The rule of thumb: quasi-static is valid up to this epsilon, from this Phi and this zeta on.
+pub const SOUND: (f64, f64, f64) = (0.05, TAU, 0.5);
+
+/// Stretch beyond f / k and its rate `time` after they were `start`, without forces but spring and
+/// dashpot.
 pub fn stretch(zeta: f64, [stretch, rate]: [f64; 2], time: f64) -> [f64; 2] {
     let damped = (1.0 - zeta * zeta).abs().sqrt();
     let (cos, sin) = match zeta {
@@ -20,13 +27,14 @@ pub fn stretch(zeta: f64, [stretch, rate]: [f64; 2], time: f64) -> [f64; 2] {
     [decay * (stretch * cos + (rate + zeta * stretch) * sin), decay * (rate * cos - (stretch + zeta * rate) * sin)]
 }
 
-/// Stretch beyond f / k at which a load at rest on a dashpot and a spring, pulled from the rest shape on, begins to slip.
+/// Stretch beyond f / k at which a load at rest on a dashpot and a spring, pulled from the rest
+/// shape on, begins to slip.
 pub fn onset(epsilon: f64, zeta: f64) -> f64 {
     -(2.0 * zeta).min(1.0 / epsilon)
 }
 
-/// Way of a load pulled for Phi since its quasi-static onset and then let go, over the way without inertia, undamped:
-/// `[phi - sin phi + (epsilon / 2) (1 - cos phi)^2] / phi`.
+/// Way of a load pulled for Phi since its quasi-static onset and then let go, over the way without
+/// inertia, undamped: `[phi - sin phi + (epsilon / 2) (1 - cos phi)^2] / phi`.
 pub fn excursion_undamped(phi: f64, epsilon: f64) -> f64 {
     (phi - phi.sin() + 0.5 * epsilon * (1.0 - phi.cos()).powi(2)) / phi
 }
@@ -55,8 +63,9 @@ fn excursion_stretch(time: f64, epsilon: f64, zeta: f64) -> [f64; 2] {
     stretch(zeta, [early, 1.0], time - early)
 }
 
-/// Way after a force has stepped up, over the way without inertia, when the next event comes after Phi: a first swing, cut short where Phi leaves no time for it. Undamped
-/// `1 - cos phi`, and 2 at most; after a whole swing `1 + exp(-pi zeta / sqrt(1 - zeta^2))`.
+/// Way after a force has stepped up, over the way without inertia, when the next event comes after
+/// Phi: a first swing, cut short where Phi leaves no time for it. Undamped `1 - cos phi`, and 2 at
+/// most; after a whole swing `1 + exp(-pi zeta / sqrt(1 - zeta^2))`.
 pub fn release_factor(phi: f64, zeta: f64) -> f64 {
     let half_swing = if zeta < 1.0 { PI / (1.0 - zeta * zeta).sqrt() } else { f64::INFINITY };
     1.0 - stretch(zeta, [1.0, 0.0], phi.min(half_swing))[0]
@@ -67,7 +76,8 @@ pub fn release(phi: f64, epsilon: f64, zeta: f64) -> f64 {
     0.5 * (release_factor(phi, zeta) + excursion(phi, epsilon, zeta))
 }
 
-/// The same in closed form, with the first stop, the wait and the second onset; `None` where friction turns the load back.
+/// The same in closed form, with the first stop, the wait and the second onset; `None` where
+/// friction turns the load back.
 pub fn release_exact(phi: f64, epsilon: f64, zeta: f64) -> Option<f64> {
     let start = [phi, 1.0];
     let way = |time: f64, behind: f64| (time + phi - behind) / (2.0 * phi);
@@ -103,11 +113,10 @@ fn coast(epsilon: f64, speed: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use super::*;
 
-    /// Second differences of the oscillation give back its equation; 1e-4 of a radian leaves 1e-8 of truncation and as much of rounding.
+    /// Second differences of the oscillation give back its equation; 1e-4 of a radian leaves 1e-8
+    /// of truncation and as much of rounding.
     #[test]
     fn the_stretch_obeys_its_equation_on_all_sides_of_critical_damping() {
         for zeta in [0.0, 0.3, 0.999, 1.0, 1.001, 2.0] {
@@ -121,7 +130,8 @@ mod tests {
         }
     }
 
-    /// Taylor's series of the printed formula: phi^2 / 6 + epsilon phi^3 / 8 to leading orders; a whole period leaves nothing.
+    /// Taylor's series of the printed formula: phi^2 / 6 + epsilon phi^3 / 8 to leading orders; a
+    /// whole period leaves nothing.
     #[test]
     fn excursions_begin_slowly_and_end_as_without_inertia() {
         let (phi, epsilon) = (1e-2_f64, 0.5_f64);
@@ -143,7 +153,8 @@ mod tests {
         assert!((0..1000).all(|i| release_factor(0.1 * f64::from(i), 1.0) <= 1.0));
     }
 
-    /// Before the load first stops the two laws add up, but for the coast of the speed that the jump has given.
+    /// Before the load first stops the two laws add up, but for the coast of the speed that the
+    /// jump has given.
     #[test]
     fn jump_and_drive_add_up_until_the_load_stops() {
         let phi = 2.0;

@@ -1,5 +1,5 @@
-//! A stress map as a figure: a panel a backend with the outcome of every cell, and one below with the
-//! error where an answer is known.
+//! A stress map as a figure: a panel a backend with the outcome of every cell, and one below with
+//! the error where an answer is known.
 
 use crate::output::chart::axis::power_label;
 use crate::output::chart::cells::{CellAxis, CellMap, Key, Size, cell_maps, viridis};
@@ -77,8 +77,8 @@ fn outcome_color(outcome: Outcome) -> &'static str {
     }
 }
 
-/// From dark blue (rounding) to yellow (a hundred path lengths), in whole decades, so that neighbours
-/// of one colour are one rectangle.
+/// From dark blue (rounding) to yellow (a hundred path lengths), in whole decades, so that
+/// neighbours of one colour are one rectangle.
 fn error_color(error: Option<f64>) -> String {
     let Some(error) = error else { return NO_ANSWER.to_owned() };
     let (low, high) = (f64::from(LOWEST), f64::from(HIGHEST));

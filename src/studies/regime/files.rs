@@ -1,0 +1,43 @@
+//! The regime map as text and as files.
+
+use std::path::Path;
+
+use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::manifest::Manifest;
+use crate::output::quantity::quantity;
+use crate::output::table::write_rows;
+use crate::studies::regime::figure::{disagreement, scene_map};
+use crate::studies::regime::page::page;
+use crate::studies::regime::report::{CellLine, Regime};
+use crate::studies::regime::tables;
+
+/// Panels in numbers, measurement over theory, and the rule of thumb, as text.
+pub fn regime_text(found: &Regime) -> String {
+    format!(
+        "paths agree up to {} % of the path length\n{}measured / theory\n{}rule of thumb: quasi-static is valid for epsilon <= 0.05, Phi >= 2 pi, \
+         zeta >= 0.5\n{}{} cells in {}\n",
+        100.0 * found.agreement,
+        tables::panels(found).text(),
+        tables::laws(found).text(),
+        tables::rule(found).text(),
+        found.n_cells,
+        quantity(found.wall_s, "s")
+    )
+}
+
+/// Writes `regime.csv`, a map a scene and the disagreements as SVG, `README.md`, `summary.json` and
+/// `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// When the folder may not be written, or the disk fails.
+pub fn write_regime(target: &Path, found: &Regime, manifest: &Manifest) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write("regime.csv", |out| write_rows(found.cells.iter().map(CellLine::of), out))?;
+    for grid in &found.grids {
+        folder.write(&format!("{}.svg", grid.scene.name()), |out| out.write_all(scene_map(grid, &found.cells).as_bytes()))?;
+    }
+    folder.write("disagreement.svg", |out| out.write_all(disagreement(&found.grids, &found.cells).as_bytes()))?;
+    folder.write("README.md", |out| out.write_all(page(found, target).as_bytes()))?;
+    folder.write_json("summary.json", found)?;
+    folder.finish(manifest)
+}
