@@ -38,8 +38,8 @@ impl Clock {
         self.tick_now().is_some() || self.n_parts > 1 && (self.time - self.part_time(self.part_now().floor())).abs() <= self.same_instant()
     }
 
-    /// Next instant of the run (s): the first of the next tick, the next end of a part, the end of the
-    /// run and `instant` (s).
+    /// Next instant of the run (s): the first of the next tick, the next end of a part, the end of
+    /// the run and `instant` (s).
     pub fn next(&self, instant: Option<f64>) -> f64 {
         let end = self.tick_time(self.tick + 1).min(self.end);
         let instant = instant.map_or(end, |instant| instant.min(end));

@@ -21,8 +21,8 @@ pub struct Simulation<'a> {
     pub(super) finished: bool,
     pub(super) totals: Totals,
     pub(super) trace: Trace,
-    /// Attached tips in the order of their springs. Their positions and pulls are those of this instant
-    /// only where a trace is kept.
+    /// Attached tips in the order of their springs. Their positions and pulls are those of this
+    /// instant only where a trace is kept.
     pub(super) tips: AttachedTips,
     /// Empty between steps; kept for its memory.
     commands: Commands,
@@ -84,15 +84,16 @@ impl<'a> Simulation<'a> {
         self
     }
 
-    /// Runs to the end, or until `watch` returns `false`, which receives the time (s) before every step.
+    /// Runs to the end, or until `watch` returns `false`, which receives the time (s) before every
+    /// step.
     pub fn run(&mut self, mut watch: impl FnMut(f64) -> bool) {
         while !self.finished && watch(self.clock.time) {
             self.step();
         }
     }
 
-    /// Runs to the end and hands the rows over in groups instead of keeping them. The rows of the last
-    /// group stay in the trace.
+    /// Runs to the end and hands the rows over in groups instead of keeping them. The rows of the
+    /// last group stay in the trace.
     ///
     /// # Errors
     /// When `take_rows` fails, which ends the run.
@@ -113,9 +114,9 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
-    /// Runs to the end under error control. While the estimated error exceeds the tolerance, the run
-    /// starts again with a smaller error for each macro-step, from what `restart` makes of the options.
-    /// The outcome says which error remains.
+    /// Runs to the end under error control. While the estimated error exceeds the tolerance, the
+    /// run starts again with a smaller error for each macro-step, from what `restart` makes of the
+    /// options. The outcome says which error remains.
     pub fn run_to_tolerance(&mut self, mut restart: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {
         while !self.finished && watch(self.clock.time) {
             self.step();
@@ -131,8 +132,8 @@ impl<'a> Simulation<'a> {
         self.options.tolerance.zip(self.totals.error).is_none_or(|(tolerance, error)| tolerance.allows(&error))
     }
 
-    /// Senses, decides, acts, records and advances to the next instant; does nothing once the run is
-    /// finished.
+    /// Senses, decides, acts, records and advances to the next instant; does nothing once the run
+    /// is finished.
     pub fn step(&mut self) {
         if self.finished {
             return;
@@ -259,7 +260,8 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Makes the backend of a scenario: a parameter where another engine can take the place of a backend.
+/// Makes the backend of a scenario: a parameter where another engine can take the place of a
+/// backend.
 pub type MakeBackend<'a> = dyn Fn(&Scenario, &BackendOptions) -> Box<dyn Backend> + Sync + 'a;
 
 /// The scenario's load on the backend that the options name: the usual [`MakeBackend`].
@@ -287,8 +289,8 @@ mod tests {
     use crate::model::ant::Ant;
     use crate::simulation::controllers::{Replay, follow_ants};
 
-    /// Ants that compare the tips in their view with those that the backend returns one by one, and store
-    /// the latter after they have acted.
+    /// Ants that compare the tips in their view with those that the backend returns one by one, and
+    /// store the latter after they have acted.
     struct Comparing {
         ants: Box<dyn Controller>,
         read: Rc<RefCell<Vec<AttachedTips>>>,
@@ -317,9 +319,9 @@ mod tests {
         }
     }
 
-    /// Parts of control periods add rows and leave all others as they are, with waypoints, a release and
-    /// the end between ticks and between parts. The same holds in a replay, whose tips move straight from
-    /// one recorded row to the next.
+    /// Parts of control periods add rows and leave all others as they are, with waypoints, a
+    /// release and the end between ticks and between parts. The same holds in a replay, whose tips
+    /// move straight from one recorded row to the next.
     #[test]
     fn parts_of_periods_add_rows_and_change_nothing() {
         let text = include_str!("../../scenarios/analytic/ramp-and-hold.json")
@@ -354,9 +356,9 @@ mod tests {
     }
 
     /// Tips that are read together equal, to the bit, tips that are read one by one: while the load
-    /// waits, slips or has just been released, on more springs than are evaluated side by side. A row
-    /// after a grasp or a release has pulls from before for the other tips, which one by one are
-    /// evaluated again: roundings of positions of 0.1 m under some 0.7 N/m.
+    /// waits, slips or has just been released, on more springs than are evaluated side by side. A
+    /// row after a grasp or a release has pulls from before for the other tips, which one by one
+    /// are evaluated again: roundings of positions of 0.1 m under some 0.7 N/m.
     #[test]
     fn tips_read_together_equal_tips_read_one_by_one() {
         let text = include_str!("../../scenarios/paper/four-ants-four-springs.json")
@@ -381,8 +383,8 @@ mod tests {
         }
     }
 
-    /// The trace alone leads the ants to where they were, to the bit: an error at one tick would remain
-    /// at the end.
+    /// The trace alone leads the ants to where they were, to the bit: an error at one tick would
+    /// remain at the end.
     #[test]
     fn followed_ants_go_where_they_went() {
         let text = include_str!("../../scenarios/paper/four-ants-four-springs.json");

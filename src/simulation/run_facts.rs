@@ -210,7 +210,8 @@ pub fn unit_of(name: &str) -> &'static str {
     split_unit(name).1
 }
 
-/// Name without the unit that it ends in, and that unit in print: `pull_mean` and `N` of `pull_mean_n`.
+/// Name without the unit that it ends in, and that unit in print: `pull_mean` and `N` of
+/// `pull_mean_n`.
 pub fn split_unit(name: &str) -> (&str, &'static str) {
     let units = [("_rad_per_s", "rad/s"), ("_m_per_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_j", "J"), ("_n", "N"), ("_s", "s")];
     units.iter().find_map(|(ending, unit)| Some((name.strip_suffix(ending)?, *unit))).unwrap_or((name, ""))
@@ -234,8 +235,8 @@ impl Run<'_> {
         self.options.tolerance.zip(self.outcome.error).is_none_or(|(asked, error)| asked.allows(&error))
     }
 
-    /// Whether error control kept the error as small as asked for, with steps that all converged; `true`
-    /// without error control.
+    /// Whether error control kept the error as small as asked for, with steps that all converged;
+    /// `true` without error control.
     pub fn is_accurate(&self) -> bool {
         let is_known = self.outcome.steps.status == Status::Converged;
         self.options.tolerance.zip(self.outcome.error).is_none_or(|(asked, error)| is_known && asked.allows(&error))

@@ -50,14 +50,14 @@ impl<'a> Simulation<'a> {
     /// Resumes a run of the scenario's own controller.
     ///
     /// # Errors
-    /// When the state belongs to another scenario or is damaged, or when a trace is asked for and the
-    /// run kept none.
+    /// When the state belongs to another scenario or is damaged, or when a trace is asked for and
+    /// the run kept none.
     pub fn resume(scenario: &'a Scenario, saved: &SavedRun, keep: Keep) -> Result<Self, RestoreError> {
         Self::resume_from_parts(scenario, saved, keep, controller_of(scenario), backend_of(scenario, &saved.options))
     }
 
-    /// Resumes a run with a controller and a backend that were made elsewhere. Both must be of the kind
-    /// that was saved; the state of a controller does not name its kind.
+    /// Resumes a run with a controller and a backend that were made elsewhere. Both must be of the
+    /// kind that was saved; the state of a controller does not name its kind.
     ///
     /// # Errors
     /// As [`Simulation::resume`].

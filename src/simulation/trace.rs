@@ -50,8 +50,8 @@ fn from_list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<AttachedTips,
 }
 
 impl Row {
-    /// Sum of the interaction forces of all pairs of attached tips, Eq. (4); positive when they pull
-    /// apart (N).
+    /// Sum of the interaction forces of all pairs of attached tips, Eq. (4); positive when they
+    /// pull apart (N).
     pub fn interaction(&self) -> f64 {
         let pairs = self.tips.iter().enumerate().flat_map(|(at, a)| self.tips[at + 1..].iter().map(move |b| (a, b)));
         pairs.map(|(a, b)| interaction_force([a.position, b.position], [a.pull, b.pull])).fold(0.0, |sum, force| sum + force)

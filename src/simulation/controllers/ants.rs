@@ -1,7 +1,7 @@
 //! Ants: the behaviour model in a closed loop with the load, Eq. (17) to (23).
 //!
-//! A free spring relaxes to its rest shape, where the next ant finds its tip. `Deviation:` the paper may
-//! be read as if a tip stays where it was let go, which would tie the load to the ground.
+//! A free spring relaxes to its rest shape, where the next ant finds its tip. `Deviation:` the
+//! paper may be read as if a tip stays where it was let go, which would tie the load to the ground.
 
 use std::f64::consts::PI;
 
@@ -97,8 +97,8 @@ impl Ants {
         }
     }
 
-    /// Lets searching ants grasp, or draw a new believed position of the load when it is due. The error of
-    /// the belief is normal with the target variance along each axis.
+    /// Lets searching ants grasp, or draw a new believed position of the load when it is due. The
+    /// error of the belief is normal with the target variance along each axis.
     fn grasp_or_believe(&mut self, view: &View, tick: u64, commands: &mut Commands) {
         if self.state.ants.iter().all(|ant| ant.mode != Mode::Search) {
             return;
@@ -110,7 +110,8 @@ impl Ants {
             if self.state.ants[i].mode != Mode::Search {
                 continue;
             }
-            // Releases are in the order of ants. An ant that has just let go does not grasp at once.
+            // Releases are in the order of ants. An ant that has just let go does not grasp at
+            // once.
             let has_let_go = commands.events[..n_released].binary_search_by_key(&Some(i), |event| event.ant).is_ok();
             if !has_let_go && self.sensing.has_free() {
                 let around = self.sensing.around(self.load, view.skips.distant_ants);
@@ -142,8 +143,8 @@ impl Ants {
         self.state.ants[i].belief_error = self.belief_spread * self.streams.normal_pair(Stream::Target, i as u32, belief);
     }
 
-    /// Takes grasps and releases from a recorded run instead of deciding them. Beliefs are drawn as in
-    /// the run.
+    /// Takes grasps and releases from a recorded run instead of deciding them. Beliefs are drawn as
+    /// in the run.
     fn follow(&mut self, events: &[Event], tick: u64) {
         let mut has_grasped = vec![false; self.state.ants.len()];
         for (event, i) in events.iter().filter_map(|event| Some((event, event.ant?))) {
@@ -162,8 +163,8 @@ impl Ants {
         }
     }
 
-    /// Spring and tip (m, world) that an ant grasps: the nearest free one, with the probability of one
-    /// tick. The draw comes first because it is cheaper than the search and mostly fails.
+    /// Spring and tip (m, world) that an ant grasps: the nearest free one, with the probability of
+    /// one tick. The draw comes first because it is cheaper than the search and mostly fails.
     fn grasped(&self, i: usize, tick: u64, position: &Vec2, around: &Around) -> Option<(usize, Vec2)> {
         let is_drawn = self.streams.uniform(Stream::Grasp, i as u32, tick) < self.grasp_probability;
         if is_drawn { around.nearest(position) } else { None }
@@ -188,8 +189,8 @@ impl Ants {
         }
     }
 
-    /// Moves all ants from one time to another (s) while the load is at `motion`, and stores the new
-    /// positions of their tips in `targets`.
+    /// Moves all ants from one time to another (s) while the load is at `motion`, and stores the
+    /// new positions of their tips in `targets`.
     fn walk(&mut self, motion: &Motion, springs: &[PolarSpring], [from, until]: [f64; 2]) {
         let duration = until - from;
         // A tick lasts a control period, up to the rounding of the times at its ends.
@@ -244,8 +245,8 @@ impl Ants {
     }
 }
 
-/// Recomputes the ants of a recorded run of `scenario` from the same random draws. `visit` receives the
-/// number of each row and the ants at that instant, in order. A trace without ants has none.
+/// Recomputes the ants of a recorded run of `scenario` from the same random draws. `visit` receives
+/// the number of each row and the ants at that instant, in order. A trace without ants has none.
 pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut visit: impl FnMut(usize, &[Ant])) {
     let Drive::Ants(drive) = &scenario.drive else { return };
     let mut ants = Ants::new(scenario, drive);

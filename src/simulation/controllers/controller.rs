@@ -7,8 +7,8 @@ use crate::simulation::trace::Event;
 
 /// Moves the tips of springs: grasps, releases and paths.
 ///
-/// An own controller needs [`decide`](Controller::decide) and [`targets`](Controller::targets). This
-/// one pulls a spring along and lets go as soon as the load has come 10 mm:
+/// An own controller needs [`decide`](Controller::decide) and [`targets`](Controller::targets).
+/// This one pulls a spring along and lets go as soon as the load has come 10 mm:
 ///
 /// ```
 /// use cohaul::backend::{BackendKind, BackendOptions};
@@ -55,12 +55,12 @@ pub trait Controller {
     /// Adds the grasps and releases at this instant to `commands`, which are empty.
     fn decide(&mut self, view: &View, commands: &mut Commands);
 
-    /// Positions of the tips at the time `until` (s), one for each spring (m, world). Each attached tip
-    /// moves straight to its position; other entries have no effect.
+    /// Positions of the tips at the time `until` (s), one for each spring (m, world). Each attached
+    /// tip moves straight to its position; other entries have no effect.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2];
 
-    /// First instant after `time`, besides control ticks, at which something happens or a tip changes
-    /// its velocity (s).
+    /// First instant after `time`, besides control ticks, at which something happens or a tip
+    /// changes its velocity (s).
     fn next_instant(&self, _time: f64) -> Option<f64> {
         None
     }

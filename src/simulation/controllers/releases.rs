@@ -2,8 +2,8 @@
 //!
 //! An ant draws a number at every tick, and nearly every draw is far above the probability of a
 //! release. A draw is a function of the tick, so that several are computed together, ahead of time.
-//! Until the next low draw, only a rarely exceeded pull can cause a release; for all other pulls the
-//! probability is not computed.
+//! Until the next low draw, only a rarely exceeded pull can cause a release; for all other pulls
+//! the probability is not computed.
 
 use super::periods::Periods;
 use crate::math::{RandomStreams, Stream, Summary, Vec2};
@@ -73,8 +73,8 @@ impl Releases {
         self.ants[ant].decision = tick.saturating_add(self.decisions.quiet_after(0));
     }
 
-    /// Whether an ant lets go at a tick under a `pull` (N), `age` ticks after its grasp. The pull at a
-    /// decision is added to `pulls`.
+    /// Whether an ant lets go at a tick under a `pull` (N), `age` ticks after its grasp. The pull
+    /// at a decision is added to `pulls`.
     #[inline]
     pub fn lets_go(&mut self, ant: usize, tick: u64, age: u64, pull: impl FnOnce() -> Vec2, pulls: &mut Summary) -> bool {
         let is_decision = tick >= self.ants[ant].decision && age > 0 && {
@@ -97,8 +97,8 @@ impl Releases {
         }
     }
 
-    /// Whether a draw is below the probability of a release within a tick. The hazard times the time is
-    /// an upper bound of the probability that needs no exponential.
+    /// Whether a draw is below the probability of a release within a tick. The hazard times the
+    /// time is an upper bound of the probability that needs no exponential.
     fn ends(&self, drawn: f64, pull: f64) -> bool {
         drawn <= self.law.most_hazard(pull) * self.control_period && drawn < probability_within(self.law.hazard(pull), self.control_period)
     }
@@ -127,9 +127,9 @@ mod tests {
     use super::*;
     use crate::scenario::{Drive, Scenario};
 
-    /// Draws that are computed ahead cause the same releases as draws computed one by one: under common
-    /// and strong pulls, for the default preset and the one with a threshold at 10 mN, and for ticks so
-    /// long that most draws are low.
+    /// Draws that are computed ahead cause the same releases as draws computed one by one: under
+    /// common and strong pulls, for the default preset and the one with a threshold at 10 mN, and
+    /// for ticks so long that most draws are low.
     #[test]
     fn draws_computed_ahead_cause_the_same_releases() {
         for preset in ["default", "literal-millinewtons", "literal-newtons", "aged"] {

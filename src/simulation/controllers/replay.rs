@@ -27,8 +27,8 @@ impl Controller for Replay {
         commands.events.extend(events[first..].iter().take_while(|event| event.time == view.time));
     }
 
-    /// Tips of the recorded run at `until`, those it let go there included; straight between its rows.
-    /// The end of the recorded run is the end, wherever the load is by then.
+    /// Tips of the recorded run at `until`, those it let go there included; straight between its
+    /// rows. The end of the recorded run is the end, wherever the load is by then.
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
         let recorded = Arc::clone(&self.recorded);
         let Some(row) = recorded.rows.get(recorded.rows.partition_point(|row| row.time < until)) else {

@@ -1,13 +1,14 @@
 //! Which tip a searching ant senses: the nearest tip of a free spring within its sensing range.
 //!
-//! The tip of a free spring is fixed to the load, so that tips are sorted once into square cells of the
-//! load's frame. One comparison excludes an ant that is farther from the load than every tip and its own
-//! range. For any other ant, only the cells within its range are searched.
+//! The tip of a free spring is fixed to the load, so that tips are sorted once into square cells of
+//! the load's frame. One comparison excludes an ant that is farther from the load than every tip
+//! and its own range. For any other ant, only the cells within its range are searched.
 
 use crate::math::{Mat2, Pose, Vec2, rotation};
 use crate::model::PolarSpring;
 
-/// Relative margin of every bound (1). It is far above rounding, so that no tip within range is missed.
+/// Relative margin of every bound (1). It is far above rounding, so that no tip within range is
+/// missed.
 const SLACK: f64 = 1e-12;
 
 /// Tips of the free springs of a load.
@@ -98,8 +99,8 @@ impl Around<'_> {
         self.skips && (position - self.load.position).norm_squared() > self.far
     }
 
-    /// Spring with the nearest free tip within range of `position`, and that tip (m, world). Of equally
-    /// near tips it is the first.
+    /// Spring with the nearest free tip within range of `position`, and that tip (m, world). Of
+    /// equally near tips it is the first.
     pub fn nearest(&self, position: &Vec2) -> Option<(usize, Vec2)> {
         let mut nearest = Nearest { distance: f64::INFINITY, found: None };
         let load = &self.load;

@@ -10,7 +10,8 @@ use crate::simulation::trace::{Event, EventKind};
 /// Moves tips along prescribed paths. All follows from the time, so there is no state.
 pub struct Tips {
     paths: Vec<TipPath>,
-    /// Number of the first waypoint of each path after the last instant: where the next search begins.
+    /// Number of the first waypoint of each path after the last instant: where the next search
+    /// begins.
     after: Vec<usize>,
     /// Times of all waypoints and releases, in order (s).
     instants: Vec<f64>,
@@ -20,9 +21,9 @@ pub struct Tips {
 }
 
 impl Tips {
-    /// A controller of the tips along `paths`. A time within rounding of a tick becomes that tick, and
-    /// times within rounding of each other become one, so that no step has length zero. A tip that would
-    /// be let go at the instant of its grasp is never attached.
+    /// A controller of the tips along `paths`. A time within rounding of a tick becomes that tick,
+    /// and times within rounding of each other become one, so that no step has length zero. A tip
+    /// that would be let go at the instant of its grasp is never attached.
     pub fn new(scenario: &Scenario, paths: &[TipPath]) -> Self {
         let same = SAME_INSTANT * scenario.control_period;
         let (instants, all_exact) = instants_of(paths, scenario.control_period);
@@ -58,12 +59,14 @@ fn times_of(path: &TipPath) -> impl Iterator<Item = f64> + '_ {
 }
 
 /// Times of all waypoints and releases in order (s), and whether none of them was changed. A time
-/// within rounding of a tick is replaced by the tick, and a group of times within rounding by its first.
+/// within rounding of a tick is replaced by the tick, and a group of times within rounding by its
+/// first.
 fn instants_of(paths: &[TipPath], control_period: f64) -> (Vec<f64>, bool) {
     let same = SAME_INSTANT * control_period;
     let mut all_exact = true;
     let mut at_tick = |time: f64| {
-        // Times are not negative, so that this rounds to the nearest; a time too large for a whole number is no tick.
+        // Times are not negative, so that this rounds to the nearest; a time too large for a whole
+        // number is no tick.
         let tick = (time / control_period + 0.5) as i64 as f64 * control_period;
         if (time - tick).abs() > same {
             return time;
@@ -101,8 +104,8 @@ fn first_after(path: &TipPath, time: f64, guess: usize) -> usize {
     near.unwrap_or_else(|| path.waypoints.partition_point(|at| at.time <= time))
 }
 
-/// Position on a path at `time` (s), where `after` is the first later waypoint (m, world). Before the
-/// first waypoint and after the last one, the path rests there.
+/// Position on a path at `time` (s), where `after` is the first later waypoint (m, world). Before
+/// the first waypoint and after the last one, the path rests there.
 fn position_at(path: &TipPath, time: f64, after: usize) -> Vec2 {
     match (after.checked_sub(1).map(|i| path.waypoints[i]), path.waypoints.get(after)) {
         (Some(last), Some(next)) => {

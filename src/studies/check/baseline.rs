@@ -49,8 +49,8 @@ impl Baseline {
     }
 }
 
-/// Usual name of a baseline of the scenario file `stem`: the backend, and each option that differs from
-/// its default.
+/// Usual name of a baseline of the scenario file `stem`: the backend, and each option that differs
+/// from its default.
 pub fn usual_name(stem: &str, scenario: &Scenario, options: &BackendOptions) -> String {
     let step = default_step(options.kind, &scenario.system, scenario.control_period);
     let value = |options: &BackendOptions| serde_json::to_value(options).expect("options are plain data");

@@ -62,8 +62,8 @@ pub struct Settings {
     pub exact: bool,
 }
 
-/// Runs every baseline again with the build `now`. `watch` receives the fraction done (1) and returns
-/// whether to continue; the result is `None` when it did not.
+/// Runs every baseline again with the build `now`. `watch` receives the fraction done (1) and
+/// returns whether to continue; the result is `None` when it did not.
 pub fn check(baselines: &[Baseline], settings: &Settings, now: &Build, watch: impl Fn(f64) -> bool + Sync) -> Option<Vec<Check>> {
     let total: f64 = baselines.iter().map(|baseline| scenario_of(baseline, settings).duration).sum();
     let done = Mutex::new(0.0);
@@ -81,8 +81,8 @@ pub fn check(baselines: &[Baseline], settings: &Settings, now: &Build, watch: im
     baselines.par_iter().map(one).collect()
 }
 
-/// Runs a scenario to its end. `watch` receives the time (s) and returns whether to continue; the result
-/// is `None` when it did not.
+/// Runs a scenario to its end. `watch` receives the time (s) and returns whether to continue; the
+/// result is `None` when it did not.
 pub fn run(scenario: &Scenario, options: &BackendOptions, watch: impl FnMut(f64) -> bool) -> Option<(Trace, Outcome)> {
     let mut run = Simulation::new(scenario, options, Keep::Trace);
     run.run(watch);

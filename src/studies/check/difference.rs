@@ -150,7 +150,8 @@ fn on_path(measure: &Measure, pairs: &[(Row, Row)], tolerances: &Tolerances) -> 
     })
 }
 
-/// The stored numbers that a run has once. A number that the stored run did not have is not compared.
+/// The stored numbers that a run has once. A number that the stored run did not have is not
+/// compared.
 fn at_end<'a>(stored: &'a Ending, now: &'a Ending, tolerances: &'a Tolerances) -> impl Iterator<Item = Deviation> + 'a {
     let once = |measure, quantity, expected: f64, found: f64, tolerance| Deviation {
         measure,
@@ -172,7 +173,8 @@ fn at_end<'a>(stored: &'a Ending, now: &'a Ending, tolerances: &'a Tolerances) -
             let quantity = Quantity::of_unit(fact.unit());
             return Some(once(fact.column, quantity, expected, found, tolerances.for_quantity(quantity)));
         }
-        // Last digits decide which steps need a solve: few of them are no measure of how many may do.
+        // Last digits decide which steps need a solve: few of them are no measure of how many may
+        // do.
         let n_steps = if fact.name.starts_with("pull_force_n.") { 0.0 } else { stored.number("n_steps").unwrap_or(0.0) };
         Some(count(fact.column, expected, found, expected.max(n_steps)))
     });

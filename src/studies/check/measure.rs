@@ -1,4 +1,5 @@
-//! Columns that a baseline stores of each row of a trace, and the measures that are compared in them.
+//! Columns that a baseline stores of each row of a trace, and the measures that are compared in
+//! them.
 
 use serde::Serialize;
 
@@ -6,8 +7,8 @@ use crate::backend::{EnergyLedger, Motion};
 use crate::math::{Pose, Twist, Vec2};
 use crate::simulation;
 
-/// Columns of a row, in world axes. `net_pull` is the sum of the pulls on all tips, `total_pull` the sum
-/// of their magnitudes.
+/// Columns of a row, in world axes. `net_pull` is the sum of the pulls on all tips, `total_pull`
+/// the sum of their magnitudes.
 pub const COLUMNS: [&str; 14] = [
     "time_s",
     "x_m",
@@ -125,7 +126,8 @@ pub fn moving_row(row: &Row) -> simulation::Row {
     simulation::Row { time, motion, energy: EnergyLedger::default(), tips: simulation::AttachedTips::new(), error: None }
 }
 
-/// Row of a trace at `time` (s), interpolated where there is none at that time; `None` after the end.
+/// Row of a trace at `time` (s), interpolated where there is none at that time; `None` after the
+/// end.
 pub fn row_at(rows: &[simulation::Row], time: f64) -> Option<Row> {
     let after = rows.partition_point(|row| row.time < time);
     let next = row_of(rows.get(after)?);

@@ -1,8 +1,8 @@
 //! Stored runs, and how a changed build, engine or scenario differs from them.
 //!
-//! A baseline is a run in one file: the scenario as run, the options of the backend, some rows of the
-//! path, the decisions, and the end. A check runs it again. It reports which quantities differ by more
-//! than their tolerances, and where the two runs first diverge.
+//! A baseline is a run in one file: the scenario as run, the options of the backend, some rows of
+//! the path, the decisions, and the end. A check runs it again. It reports which quantities differ
+//! by more than their tolerances, and where the two runs first diverge.
 //!
 //! ```text
 //! measure.rs    columns of a stored row, and the measures that are compared in them
@@ -16,9 +16,9 @@
 //! report.rs     JSON, text and files of a check
 //! ```
 //!
-//! A build repeats its runs bit for bit on one machine. Another compiler or mathematical library differs
-//! by rounding that grows along the path, for which the default tolerances leave room. A change in an
-//! engine is larger.
+//! A build repeats its runs bit for bit on one machine. Another compiler or mathematical library
+//! differs by rounding that grows along the path, for which the default tolerances leave room. A
+//! change in an engine is larger.
 
 mod baseline;
 mod changes;

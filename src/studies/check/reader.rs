@@ -1,5 +1,5 @@
-//! Reads a baseline's file and names every fault: unknown, missing and repeated keys, values of another
-//! type, and broken rules.
+//! Reads a baseline's file and names every fault: unknown, missing and repeated keys, values of
+//! another type, and broken rules.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -136,7 +136,8 @@ impl Reader {
                 return None;
             }
         };
-        // Another build may expand the scenario differently, and its hash cannot be checked any more.
+        // Another build may expand the scenario differently, and its hash cannot be checked any
+        // more.
         let is_expanded = serde_json::to_value(scenario.expanded()).is_ok_and(|expanded| expanded == given);
         if is_expanded && hash.as_ref().is_some_and(|hash| *hash != scenario.hash()) {
             let rule = format!("must be the hash of the scenario beside it, {}; a changed scenario is stored anew", scenario.hash());

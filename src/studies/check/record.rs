@@ -9,7 +9,8 @@ use crate::backend::Status;
 use crate::simulation::run_facts::{FACTS, Fact, Kind, Run, Value};
 use crate::simulation::{EventKind, Trace};
 
-/// Number of grasps and releases that are stored. After the first difference no other needs a comparison.
+/// Number of grasps and releases that are stored. After the first difference no other needs a
+/// comparison.
 pub const MOST_EVENTS: usize = 1000;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +81,8 @@ pub fn stored_facts() -> impl Iterator<Item = &'static Fact> {
 }
 
 impl Record {
-    /// Record of a run with at most `n_rows` rows: the start, the end, and ticks between them as evenly as
-    /// possible. A run of more than one row keeps two at least.
+    /// Record of a run with at most `n_rows` rows: the start, the end, and ticks between them as
+    /// evenly as possible. A run of more than one row keeps two at least.
     pub fn of(trace: &Trace, run: &Run, n_rows: usize) -> Self {
         let rows = chosen(trace.rows.len(), n_rows).map(|at| row_of(&trace.rows[at]));
         Self {

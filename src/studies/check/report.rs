@@ -60,8 +60,8 @@ impl CheckReport {
     }
 }
 
-/// Writes `summary.json`, `difference-NAME.csv` of every baseline, `difference-NAME.svg` of those that differ, and `manifest.json` to the folder
-/// `target`, all or nothing.
+/// Writes `summary.json`, `difference-NAME.csv` of every baseline, `difference-NAME.svg` of those
+/// that differ, and `manifest.json` to the folder `target`, all or nothing.
 ///
 /// # Errors
 /// When the folder may not be written, a number is not finite, or the disk fails.

@@ -1,8 +1,8 @@
 //! How far apart two runs may lie and still agree.
 //!
 //! The same build on the same machine repeats a run bit for bit. Another mathematical library or
-//! compiler changes last digits, and these differences grow along the path. The default tolerances are a
-//! share of the scales of the scene:
+//! compiler changes last digits, and these differences grow along the path. The default tolerances
+//! are a share of the scales of the scene:
 //!
 //! ```text
 //! length    the radius R of the load
@@ -12,11 +12,11 @@
 //! energy    force times R, or the largest work or energy of the run if that is larger
 //! ```
 //!
-//! The share is 1e-8 in f64. With a library in which every sine, exponential or power may be wrong by
-//! its last digit, the shipped scenes on all backends stay within 3e-12 of their scales over their whole
-//! length, and no decision changes. In f32 the share is 1e-3: the rounding of the engine, 6e-8 in each
-//! step, moves the paths of prescribed tips by up to 4e-5 with aligned friction. A long run of ants in
-//! f32 repeats its decisions on one kind of machine only.
+//! The share is 1e-8 in f64. With a library in which every sine, exponential or power may be wrong
+//! by its last digit, the shipped scenes on all backends stay within 3e-12 of their scales over
+//! their whole length, and no decision changes. In f32 the share is 1e-3: the rounding of the
+//! engine, 6e-8 in each step, moves the paths of prescribed tips by up to 4e-5 with aligned
+//! friction. A long run of ants in f32 repeats its decisions on one kind of machine only.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,8 +28,8 @@ use crate::scenario::Scenario;
 const SHARE: f64 = 1e-8;
 /// Tolerance over scale of a run of an engine in f32 (1).
 const SHARE_IN_SINGLE: f64 = 1e-3;
-/// Tolerance of counts (1). Last digits decide which steps near rest need a solve: up to 2 % of fifty
-/// steps in f64, and 6 % in f32.
+/// Tolerance of counts (1). Last digits decide which steps near rest need a solve: up to 2 % of
+/// fifty steps in f64, and 6 % in f32.
 const COUNT_SHARE: f64 = 0.1;
 
 /// Largest differences that agree; zero asks for the same number.
@@ -59,8 +59,8 @@ impl Tolerances {
         count_share: 0.0,
     };
 
-    /// Default tolerances of a run with these rows. A decision at another tick is another decision, so that
-    /// the tolerance of times is half a control period.
+    /// Default tolerances of a run with these rows. A decision at another tick is another decision,
+    /// so that the tolerance of times is half a control period.
     pub fn of(scenario: &Scenario, options: &BackendOptions, rows: &[Row]) -> Self {
         let in_single = options.is_single_precision();
         let share = if in_single { SHARE_IN_SINGLE } else { SHARE };

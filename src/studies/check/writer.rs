@@ -1,5 +1,5 @@
-//! Writes a baseline as JSON with one row, event or short list on each line, so that it can be read,
-//! edited by hand and compared line by line.
+//! Writes a baseline as JSON with one row, event or short list on each line, so that it can be
+//! read, edited by hand and compared line by line.
 
 use std::io::Write;
 use std::path::Path;
@@ -12,8 +12,8 @@ use super::measure::COLUMNS;
 use crate::output::json;
 use crate::output::sibling::write_whole;
 
-/// Writes a baseline to `folder/NAME.json`, whole or not at all, and replaces an earlier one. The folder
-/// is created when it is missing.
+/// Writes a baseline to `folder/NAME.json`, whole or not at all, and replaces an earlier one. The
+/// folder is created when it is missing.
 ///
 /// # Errors
 /// When the disk fails.
@@ -45,8 +45,8 @@ impl Baseline {
     }
 }
 
-/// Text of a value. A short value or a list of plain values is one line; any other has one line for each
-/// entry, indented by two more than `indent`.
+/// Text of a value. A short value or a list of plain values is one line; any other has one line for
+/// each entry, indented by two more than `indent`.
 fn layout(value: &Value, indent: usize) -> String {
     const WIDTH: usize = 100;
     let whole = value.to_string();

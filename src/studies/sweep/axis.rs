@@ -15,8 +15,8 @@ use serde_json::Value;
 
 use super::error::SweepError;
 
-/// Path of the axis that multiplies mass and moment of inertia at the same normal loads, and so at the
-/// same friction.
+/// Path of the axis that multiplies mass and moment of inertia at the same normal loads, and so at
+/// the same friction.
 pub const INERTIA: &str = "inertia_scale";
 
 /// One parameter and its values.
@@ -120,7 +120,7 @@ impl Values {
     }
 }
 
-/// Value at a fraction of the way from `low` to `high`, which are exact at the ends.
+/// Value at a fraction between `low` and `high`, which are exact at the ends.
 fn between(low: f64, high: f64, is_logarithmic: bool, share: f64) -> f64 {
     match share {
         0.0 => low,

@@ -1,20 +1,15 @@
-//! Runs one cell and writes its row. The row depends on the cell alone, wherever and whenever it ran.
+//! Runs one cell and writes its row. The row depends on the cell alone, wherever and whenever it
+//! ran.
 
-use super::column::{Column, field_of, kind_of, line_of};
+use super::column::{facts, field_of, line_of};
 use super::error::SweepError;
 use super::plan::{Place, Plan, content_key, point_hash};
 use crate::backend::{BackendOptions, Status};
-use crate::output::table::{Field, Kind};
+use crate::output::table::Field;
 use crate::scenario::Scenario;
-use crate::simulation::run_facts::{FACTS, Fact, Run};
+use crate::simulation::run_facts::Run;
 use crate::simulation::{Keep, Outcome, Simulation};
 use crate::studies::stress::guard::guarded;
-
-/// Columns before the parameters.
-pub const BEFORE: [(&str, Kind); 3] = [("cell", Kind::Whole), ("key", Kind::Word), ("point", Kind::Whole)];
-/// Columns between parameters and measures.
-const BETWEEN: [(&str, Kind); 5] =
-    [("backend", Kind::Word), ("step_s", Kind::Number), ("seed", Kind::Whole), ("status", Kind::Word), ("cause", Kind::Word)];
 
 /// What is added up while a run goes on.
 struct Totals {
@@ -24,24 +19,8 @@ struct Totals {
     time_attached: Vec<f64>,
 }
 
-/// The numbers of a run that have a column.
-fn facts() -> impl Iterator<Item = &'static Fact> {
-    FACTS.iter().filter(|fact| !fact.column.is_empty())
-}
-
 fn number_if(is_there: bool, value: f64) -> Field {
     if is_there { Field::Number(value) } else { Field::Empty }
-}
-
-/// All columns, with those of `parameters` in place.
-pub fn columns(parameters: Vec<Column>, most_attached: usize, can_be_more: bool) -> Vec<Column> {
-    let fixed = |columns: &[(&str, Kind)]| columns.iter().map(|(name, kind)| Column::new(*name, *kind)).collect::<Vec<_>>();
-    let measured = facts().map(|fact| Column::new(fact.column, kind_of(fact))).collect();
-    let shares = (0..=most_attached).map(|n| {
-        let or_more = if n == most_attached && can_be_more { "_or_more" } else { "" };
-        Column::new(format!("time_share_{n}{or_more}_attached"), Kind::Number)
-    });
-    [fixed(&BEFORE), parameters, fixed(&BETWEEN), measured, shares.collect()].concat()
 }
 
 /// A point of the design, ready to run with all methods and seeds.
@@ -105,8 +84,8 @@ impl<'a> Prepared<'a> {
 /// Number of steps between two calls of `go_on`, which reads what threads share.
 const STEPS_UNASKED: u64 = 64;
 
-/// Runs to the end. Under error control, the run starts again with a smaller error for each macro-step
-/// until it is within its tolerance or cannot be.
+/// Runs to the end. Under error control, the run starts again with a smaller error for each
+/// macro-step until it is within its tolerance or cannot be.
 fn run(scenario: &Scenario, options: &BackendOptions, most_attached: usize, go_on: &dyn Fn() -> bool) -> Option<(Outcome, Totals)> {
     let mut options = *options;
     loop {

@@ -1,5 +1,5 @@
-//! Columns, fields and lines of the table. The line of a run is written once, where the run ends; every
-//! later step copies it.
+//! Columns, fields and lines of the table. The line of a run is written once, where the run ends;
+//! every later step copies it.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ impl Column {
 }
 
 /// Kind of the column of a number of a run.
-pub fn kind_of(fact: &run_facts::Fact) -> Kind {
+fn kind_of(fact: &run_facts::Fact) -> Kind {
     match fact.kind {
         run_facts::Kind::Number => Kind::Number,
         run_facts::Kind::Count => Kind::Whole,
@@ -38,6 +38,28 @@ pub fn field_of(value: run_facts::Value) -> Field {
         run_facts::Value::Count(value) => Field::Whole(value),
         run_facts::Value::Flag(value) => Field::Truth(value),
     }
+}
+
+/// Columns before the parameters.
+pub const BEFORE: [(&str, Kind); 3] = [("cell", Kind::Whole), ("key", Kind::Word), ("point", Kind::Whole)];
+/// Columns between parameters and measures.
+const BETWEEN: [(&str, Kind); 5] =
+    [("backend", Kind::Word), ("step_s", Kind::Number), ("seed", Kind::Whole), ("status", Kind::Word), ("cause", Kind::Word)];
+
+/// The numbers of a run that have a column.
+pub fn facts() -> impl Iterator<Item = &'static run_facts::Fact> {
+    run_facts::FACTS.iter().filter(|fact| !fact.column.is_empty())
+}
+
+/// All columns, with those of `parameters` in place.
+pub fn columns(parameters: Vec<Column>, most_attached: usize, can_be_more: bool) -> Vec<Column> {
+    let fixed = |columns: &[(&str, Kind)]| columns.iter().map(|(name, kind)| Column::new(*name, *kind)).collect::<Vec<_>>();
+    let measured = facts().map(|fact| Column::new(fact.column, kind_of(fact))).collect();
+    let shares = (0..=most_attached).map(|n| {
+        let or_more = if n == most_attached && can_be_more { "_or_more" } else { "" };
+        Column::new(format!("time_share_{n}{or_more}_attached"), Kind::Number)
+    });
+    [fixed(&BEFORE), parameters, fixed(&BETWEEN), measured, shares.collect()].concat()
 }
 
 /// Text of a field with all its digits, and without quotes.

@@ -1,5 +1,5 @@
-//! Points of a design: every combination of the lists, with the last one fastest, times every point of
-//! the sample over the ranges.
+//! Points of a design: every combination of the lists, with the last one fastest, times every point
+//! of the sample over the ranges.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -20,7 +20,8 @@ pub struct Design {
 pub struct Sample {
     pub method: Method,
     pub n: u64,
-    /// Seed of the random numbers. Sobol's sequence is shifted by random bits with a seed, and fixed without.
+    /// Seed of the random numbers. Sobol's sequence is shifted by random bits with a seed, and
+    /// fixed without.
     pub seed: Option<u64>,
 }
 
@@ -33,7 +34,8 @@ pub enum Method {
 
 impl Design {
     /// # Errors
-    /// When a range has no sample or a sample no range, an axis is repeated, or there are too many points.
+    /// When a range has no sample or a sample no range, an axis is repeated, or there are too many
+    /// points.
     pub fn new(axes: Vec<Axis>, sample: Option<Sample>) -> Result<Self, SweepError> {
         let design = Self { axes, sample };
         let n_ranges = design.axes.iter().filter(|axis| axis.n_values().is_none()).count();
@@ -72,7 +74,8 @@ impl Design {
         self.checked_n_points().expect("a design is made with fewer points")
     }
 
-    /// Values of all axes at point `index`. `is_whole` tells for each axis whether it takes whole numbers.
+    /// Values of all axes at point `index`. `is_whole` tells for each axis whether it takes whole
+    /// numbers.
     pub fn point(&self, index: u64, is_whole: &[bool]) -> Vec<Value> {
         let n_sampled = self.sample.map_or(1, |sample| sample.n);
         let (mut combination, sampled) = (index / n_sampled, index % n_sampled);
@@ -148,7 +151,8 @@ mod tests {
                 one[64..].iter().map(|point| &point[..2]).collect::<Vec<_>>()
             );
             let below = one[..64].iter().filter(|point| point[0].as_f64().unwrap() < 1e-3).count();
-            // Half of the points below the middle of the logarithms: both methods are stratified there.
+            // Half of the points below the middle of the logarithms: both methods are stratified
+            // there.
             assert_eq!(below, 32);
             for n in 2..=5u64 {
                 assert_eq!(one[..64].iter().filter(|point| point[1] == n).count(), 16, "{method:?}");

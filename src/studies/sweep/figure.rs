@@ -1,4 +1,5 @@
-//! Groups of a sweep -> panels: means with their intervals over a parameter, or the times to the nest as a histogram where only seeds differ.
+//! Groups of a sweep -> panels: means with their intervals over a parameter, or the times to the
+//! nest as a histogram where only seeds differ.
 
 use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, grid};
 use std::cmp::Reverse;
@@ -23,7 +24,7 @@ impl Times {
     }
 }
 
-/// A mean over seeds, and its name on an axis.
+/// A mean over seeds, and its label on an axis.
 struct Shown {
     label: &'static str,
     scale: Scale,
@@ -47,7 +48,7 @@ fn in_milli((mean, interval): (Option<f64>, Option<Interval>)) -> (Option<f64>, 
     (mean.map(milli), interval.map(|it| Interval { low: milli(it.low), high: milli(it.high) }))
 }
 
-/// Curves beyond so many are not told apart.
+/// Largest number of curves that can be distinguished.
 const MOST_CURVES: usize = 8;
 
 /// The panels and their legend; `None` where there is nothing to show.
@@ -58,12 +59,12 @@ pub fn panels(identity: &Identity, groups: &[Group], times: &Times) -> Option<(V
     }
 }
 
-/// The parameter that stands to the right.
+/// The parameter on the horizontal axis.
 struct X {
     at: usize,
     name: String,
     is_logarithmic: bool,
-    /// Samples are points, and not a line.
+    /// Whether the parameter is sampled, so that its values are points without a line.
     is_sampled: bool,
 }
 
@@ -74,7 +75,8 @@ impl X {
     }
 }
 
-/// The parameter of numbers that takes most, which leaves fewest curves; a sampled one before others, as a line over another would join what has nothing in common.
+/// The parameter of numbers that takes most, which leaves fewest curves; a sampled one before
+/// others, as a line over another would join what has nothing in common.
 fn x_axis(identity: &Identity, groups: &[Group]) -> Option<X> {
     let mut axes: Vec<(usize, &Axis)> = identity.design.axes.iter().enumerate().collect();
     axes.sort_by_key(|(_, axis)| axis.n_values().map(Reverse));
@@ -116,7 +118,8 @@ fn over_parameter(x: &X, identity: &Identity, groups: &[Group]) -> (Vec<Panel>, 
     (SHOWN.iter().filter(is_there).map(panel).collect(), entries.collect())
 }
 
-/// Distance of one curve from the next to the right, over the span of the axis (1): at the same places their intervals would hide each other.
+/// Distance of one curve from the next to the right, over the span of the axis (1): at the same
+/// places their intervals would hide each other.
 const BESIDE: f64 = 0.006;
 
 /// From the first to the last value of all groups.
@@ -130,7 +133,8 @@ fn ends(x: &X, groups: &[Group]) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [x.min(low), x.max(high)])
 }
 
-/// Nothing, a little beyond the first and last values of all groups: panels have the same axis, and strokes at its ends can be seen.
+/// Nothing, a little beyond the first and last values of all groups: panels have the same axis, and
+/// strokes at its ends can be seen.
 fn margins(x: &X, shown: &Shown, groups: &[Group]) -> Option<Curve> {
     let [low, high] = ends(x, groups);
     let y = groups.iter().find_map(|group| (shown.of)(group).0)?;
@@ -138,7 +142,8 @@ fn margins(x: &X, shown: &Shown, groups: &[Group]) -> Option<Curve> {
     Some(Curve { columns: Vec::new(), points: vec![[low - room, y], [high + room, y]], style: style(0), shape: Shape::Unseen })
 }
 
-/// What a curve's groups share: the backend at its step and, with their names, all lists but the one to the right.
+/// What a curve's groups share: the backend at its step and, with their names, all lists but the
+/// one to the right.
 fn curve_name(x: &X, identity: &Identity, group: &Group) -> String {
     let pairs = identity.design.axes.iter().zip(&group.parameters).enumerate();
     let others =
@@ -146,7 +151,8 @@ fn curve_name(x: &X, identity: &Identity, group: &Group) -> String {
     std::iter::once(identity.variant_name(&group.backend, group.step_s)).chain(others).collect::<Vec<_>>().join(", ")
 }
 
-/// Means, and the interval of each as an upright stroke, which ends at zero: nothing shown can be less. All of it `shift`ed to the right.
+/// Means, and the interval of each as an upright stroke, which ends at zero: nothing shown can be
+/// less. All of it `shift`ed to the right.
 fn drawn(x: &X, shown: &Shown, members: &[&Group], shift: f64, style: Style) -> Vec<Curve> {
     let points = members.iter().filter_map(|group| Some([x.of(group)? + shift, (shown.of)(group).0?])).collect();
     let shape = if x.is_sampled { Shape::Crosses } else { Shape::Marked };
@@ -193,8 +199,8 @@ fn histogram(times: &Times) -> Option<(Vec<Panel>, Vec<Entry>)> {
     Some((vec![panel], entries))
 }
 
-/// Means of a sweep's groups over the parameter that takes most numbers, or a histogram of the times to the nest where only seeds differ; `None` where
-/// there is neither.
+/// Means of a sweep's groups over the parameter that takes most numbers, or a histogram of the
+/// times to the nest where only seeds differ; `None` where there is neither.
 pub fn sweep(identity: &Identity, groups: &[Group], times: &Times) -> Option<String> {
     let (panels, legend) = panels(identity, groups, times)?;
     Some(grid(&panels, &[legend], panels.len().clamp(1, 2), COLUMN_WIDTH, PANEL_HEIGHT))

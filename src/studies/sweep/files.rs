@@ -1,5 +1,5 @@
-//! Files of a sweep: `runs.csv`, `runs.parquet`, `groups.csv`, a figure, a report, summary and manifest.
-//! Rows are copied one by one, so that memory does not grow with their number.
+//! Files of a sweep: `runs.csv`, `runs.parquet`, `groups.csv`, a figure, a report, summary and
+//! manifest. Rows are copied one by one, so that memory does not grow with their number.
 
 use std::io::Write;
 use std::path::Path;
@@ -15,8 +15,8 @@ use crate::studies::sweep::page::sweep_page;
 use crate::studies::sweep::report::{FAILED, Failure, MOST_FAILURES, SweepSummary};
 use crate::studies::sweep::{Group, Grouper, Identity, MEASURES, SweepError, Table, fields_of, head_of};
 
-/// Writes the folder `target`, all or nothing. Returns `summary`, completed with the counts and groups of
-/// the rows.
+/// Writes the folder `target`, all or nothing. Returns `summary`, completed with the counts and
+/// groups of the rows.
 ///
 /// # Errors
 /// When the folder may not be written, the table cannot be read, or the disk fails.

@@ -1,5 +1,5 @@
-//! Means over the seeds of one point and method. Such rows follow each other, so that a table of any
-//! length needs memory for one group only.
+//! Means over the seeds of one point and method. Such rows follow each other, so that a table of
+//! any length needs memory for one group only.
 
 use serde::{Deserialize, Serialize};
 

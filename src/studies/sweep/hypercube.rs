@@ -1,8 +1,8 @@
 //! Latin hypercubes, point by point: one of n points is in each of n equal intervals of every axis.
 //!
 //! The interval of a point is a permutation of its index that depends on seed and axis: a Feistel
-//! network over the next power of four, applied until the result is below n (Black and Rogaway, "Ciphers
-//! with arbitrary finite domains", CT-RSA 2002).
+//! network over the next power of four, applied until the result is below n (Black and Rogaway,
+//! "Ciphers with arbitrary finite domains", CT-RSA 2002).
 
 use crate::math::{RandomStreams, Stream};
 
@@ -56,8 +56,8 @@ mod tests {
         }
     }
 
-    /// Different axes and seeds are uncorrelated: the correlation of 1000 pairs has a standard deviation of
-    /// 0.032, and the bound is four of them.
+    /// Different axes and seeds are uncorrelated: the correlation of 1000 pairs has a standard
+    /// deviation of 0.032, and the bound is four of them.
     #[test]
     fn axes_and_seeds_are_independent() {
         let n = 1000;

@@ -1,9 +1,9 @@
-//! Ensembles: one scenario over seeds, methods and any of its parameters, on all processors, shards and
-//! machines, as one table.
+//! Ensembles: one scenario over seeds, methods and any of its parameters, on all processors, shards
+//! and machines, as one table.
 //!
-//! A [`Plan`] numbers all cells: points of the design outermost, then methods, seeds innermost. The row of
-//! a cell depends on its number and the plan alone. It is a line of text that no later step changes, so
-//! that the table is equal bit for bit for any threads, interruptions and shards.
+//! A [`Plan`] numbers all cells: points of the design outermost, then methods, seeds innermost. The
+//! row of a cell depends on its number and the plan alone. It is a line of text that no later step
+//! changes, so that the table is equal bit for bit for any threads, interruptions and shards.
 //!
 //! ```text
 //! axis.rs       values of one parameter: lists, grids, ranges

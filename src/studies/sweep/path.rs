@@ -1,5 +1,5 @@
-//! Place of a parameter in a scenario: `springs[2].rest_length_m`, `springs.*.damping_ratio`, or a JSON
-//! pointer, `/springs/2/rest_length_m`.
+//! Place of a parameter in a scenario: `springs[2].rest_length_m`, `springs.*.damping_ratio`, or a
+//! JSON pointer, `/springs/2/rest_length_m`.
 
 use serde_json::Value;
 
@@ -50,8 +50,8 @@ impl Path {
         first(root, &self.0)
     }
 
-    /// Sets every value at this place. The last key may be a new one. Returns `false` when there is no such
-    /// place.
+    /// Sets every value at this place. The last key may be a new one. Returns `false` when there is
+    /// no such place.
     #[must_use]
     pub fn set(&self, root: &mut Value, value: &Value) -> bool {
         set(root, &self.0, value)

@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use super::cell;
-use super::column::Column;
+use super::column::{BEFORE, Column, columns};
 use super::design::Design;
 use super::error::SweepError;
 use super::template::Template;
@@ -27,7 +26,8 @@ const MOST_CELLS: u64 = 100_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variant {
     pub backend: BackendKind,
-    /// (s); `None` is that of [`crate::backend::default_step`] at each point, unless there is a tolerance.
+    /// (s); `None` is that of [`crate::backend::default_step`] at each point, unless there is a
+    /// tolerance.
     pub step_s: Option<f64>,
     /// (m)
     pub tolerance_m: Option<f64>,
@@ -61,8 +61,8 @@ pub struct Ask {
     pub n_seeds: u64,
 }
 
-/// All that the table depends on. Two sweeps with the same identity have the same table, and shards with
-/// different identities do not belong together.
+/// All that the table depends on. Two sweeps with the same identity have the same table, and shards
+/// with different identities do not belong together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity {
     pub format: u32,
@@ -80,7 +80,8 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// What differs in `other`, each with both values as far as they are short; empty when nothing does.
+    /// What differs in `other`, each with both values as far as they are short; empty when nothing
+    /// does.
     pub fn differences(&self, other: &Identity) -> Vec<String> {
         let [one, two] = [self, other].map(|it| serde_json::to_value(it).expect("an identity is plain data"));
         journal::differences(&one, &two)
@@ -128,12 +129,12 @@ impl Identity {
 
     /// The columns of parameters.
     pub fn parameters(&self) -> &[Column] {
-        let first = cell::BEFORE.len();
+        let first = BEFORE.len();
         &self.columns[first..first + self.design.axes.len()]
     }
 
     pub fn first_parameter(&self) -> usize {
-        cell::BEFORE.len()
+        BEFORE.len()
     }
 }
 
@@ -160,7 +161,8 @@ const MOST_ATTACHED: usize = 10;
 
 impl Plan {
     /// # Errors
-    /// When the scenario breaks a rule, a parameter has no place in it, or there are too many cells.
+    /// When the scenario breaks a rule, a parameter has no place in it, or there are too many
+    /// cells.
     pub fn new(ask: Ask) -> Result<Self, SweepError> {
         let template = Template::new(&ask.text, &ask.file, &ask.design.axes)?;
         let base = template.base();
@@ -186,7 +188,7 @@ impl Plan {
             first_seed,
             n_seeds: ask.n_seeds,
             n_cells,
-            columns: cell::columns(parameters, most_attached, can_be_more),
+            columns: columns(parameters, most_attached, can_be_more),
         };
         Ok(Self { template, identity, is_whole, most_attached })
     }
@@ -276,12 +278,14 @@ pub(super) mod tests {
         assert_eq!(plan.place(59), Place { point: 5, variant: 1, seed: 11 });
         assert_eq!(plan.values(3), [Value::from(0.002), Value::from(4)]);
         assert_eq!(plan.identity.point_of(59), 5);
-        // The number of attached springs depends on a parameter, so that the last column is for ten and more.
+        // The number of attached springs depends on a parameter, so that the last column is for ten
+        // and more.
         assert_eq!(plan.identity.columns.last().unwrap().name, "time_share_10_or_more_attached");
         assert_eq!(identity().columns.last().unwrap().name, "time_share_4_attached");
     }
 
-    /// The same physics in another notation has the same key; every number, option and seed changes it.
+    /// The same physics in another notation has the same key; every number, option and seed changes
+    /// it.
     #[test]
     fn keys_are_of_the_content() {
         let key = |plan: &Plan, point, variant: usize, seed| {

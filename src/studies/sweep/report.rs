@@ -1,4 +1,4 @@
-//! A sweep: what `sweep --json` and `merge --json` print, and the same as text.
+//! Summary of a sweep: the object that `sweep --json` and `merge --json` print, and its text.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -9,7 +9,7 @@ use crate::math::Interval;
 use crate::output::quantity::quantity;
 use crate::studies::sweep::{Distribution, Group, Identity};
 
-/// What a sweep amounts to. Only the cost is not of the table alone.
+/// Summary of a sweep. All but the cost follows from the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SweepSummary {
     pub scenario: String,
@@ -23,7 +23,8 @@ pub struct SweepSummary {
     /// The first runs that failed.
     pub failures: Vec<Failure>,
     pub n_groups: u64,
-    /// Runs that differ by their seed alone, together; `null` where there are too many: `groups.csv` has them all.
+    /// Runs that differ by their seed alone, together; `null` where there are too many:
+    /// `groups.csv` has them all.
     pub groups: Option<Vec<Group>>,
     /// Only of a sweep that ran: a merge has run nothing.
     pub cost: Option<Cost>,
@@ -48,11 +49,11 @@ pub struct Failure {
     pub cause: String,
 }
 
-/// Of a run without an answer.
+/// Status of a run without a solution.
 pub const FAILED: &str = "failed";
-/// Of one at fixed steps, or under error control, some step of which did not converge.
+/// Status of a run in which some step did not converge.
 pub const NOT_CONVERGED: &str = "not-converged";
-/// Of one under error control whose estimated error is too large.
+/// Status of a run under error control whose estimated error is too large.
 pub const NOT_WITHIN_TOLERANCE: &str = "not-within-tolerance";
 
 /// How many groups a summary holds.
@@ -63,7 +64,7 @@ pub const MOST_FAILURES: usize = 10;
 const MOST_SHOWN: usize = 40;
 
 impl SweepSummary {
-    /// Of a table without rows so far.
+    /// Summary of a table without rows.
     pub fn new(identity: &Identity, name: &str, cost: Option<Cost>) -> Self {
         Self {
             scenario: name.to_owned(),
@@ -97,17 +98,17 @@ impl SweepSummary {
         self.statuses.get(status).copied().unwrap_or(0)
     }
 
-    /// What to tell of runs whose numbers are less good than asked for.
+    /// Warnings about runs whose numbers are less accurate than asked for.
     pub fn warnings(&self) -> Vec<String> {
         let kinds = [
-            (NOT_CONVERGED, "have steps that did not converge: what comes after is only as good as their residual"),
-            (NOT_WITHIN_TOLERANCE, "are not within their tolerance at the finest strides"),
+            (NOT_CONVERGED, "have steps that did not converge"),
+            (NOT_WITHIN_TOLERANCE, "exceed their tolerance at the finest macro-steps"),
         ];
-        let told = kinds.iter().map(|(status, what)| (self.n_of(status), what)).filter(|(n, _)| *n > 0);
-        told.map(|(n, what)| format!("{n} of {} runs {what}; they count in means like all others", self.n_runs)).collect()
+        let found = kinds.iter().map(|(status, what)| (self.n_of(status), what)).filter(|(n, _)| *n > 0);
+        found.map(|(n, what)| format!("{n} of {} runs {what}; they are included in the means", self.n_runs)).collect()
     }
 
-    /// What its runs took, as far as the last call had any left to run.
+    /// Time that the runs of the last call took; `None` when it had none left.
     pub fn took(&self) -> Option<String> {
         let Cost { wall_s, n_threads, n_runs, .. } = self.cost.filter(|cost| cost.n_runs > 0)?;
         let last = if n_runs < self.n_runs { format!("the last {n_runs} in ") } else { String::new() };
@@ -148,7 +149,8 @@ pub(crate) fn group_rows(found: &SweepSummary, groups: &[Group]) -> Vec<Vec<Stri
     rows
 }
 
-/// Numbers with the fewest digits, from four on, with which different ones stay different; what has no more digits than that, and words, as they are.
+/// Numbers with the fewest digits, from four on, with which different ones stay different; what has
+/// no more digits than that, and words, as they are.
 fn shortened(values: &[String]) -> Vec<String> {
     let with = |digits: usize| -> Vec<String> {
         let short = |text: &String| {

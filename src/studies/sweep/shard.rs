@@ -1,4 +1,5 @@
-//! A part of the cells, finished: one file that is there whole or not at all. Several of them, each cell in exactly one, are one table.
+//! A part of the cells, finished: one file that is there whole or not at all. Several of them, each
+//! cell in exactly one, are one table.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -85,7 +86,8 @@ fn write_shard(path: &Path, header: &Header, journal: &Journal) -> Result<(), Sw
     Ok(out.flush().and_then(|()| out.get_ref().sync_all()).map_err(at(path))?)
 }
 
-/// Whether the finished shard at `path` is whole and belongs to what is asked; `false` when there is none.
+/// Whether the finished shard at `path` is whole and belongs to what is asked; `false` when there
+/// is none.
 ///
 /// # Errors
 /// When it belongs to another sweep, or is not whole.
@@ -140,7 +142,8 @@ impl Shards {
     /// The shards in `sources`: files, or folders whose `shards` they are in.
     ///
     /// # Errors
-    /// When a file is no shard, shards belong to different sweeps or programs, or a cell is missing or double: every fault, up to some number.
+    /// When a file is no shard, shards belong to different sweeps or programs, or a cell is missing
+    /// or double: every fault, up to some number.
     pub fn gather(sources: &[PathBuf]) -> Result<Self, SweepError> {
         let (mut found, mut first, mut faults) = (Vec::new(), None::<Identity>, Vec::new());
         for path in files(sources)? {

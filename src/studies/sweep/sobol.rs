@@ -4,7 +4,8 @@
 //! "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30
 //! (2008) 2635-2654. Points are ordered by the Gray code of the index, as by Antonov and Saleev.
 
-/// Degree, inner coefficients of the primitive polynomial, and first direction numbers of dimensions 2, 3, ...
+/// Degree, inner coefficients of the primitive polynomial, and first direction numbers of
+/// dimensions 2, 3, ...
 const PRIMITIVE: [(u32, u32, &[u32]); MOST_DIMENSIONS - 1] = [
     (1, 0, &[1]),
     (2, 1, &[1, 3]),
@@ -86,8 +87,8 @@ mod tests {
         }
     }
 
-    /// The property of Sobol's sequence: one of the first 2^k points is in each of 2^k equal intervals of
-    /// every axis.
+    /// The property of Sobol's sequence: one of the first 2^k points is in each of 2^k equal
+    /// intervals of every axis.
     #[test]
     fn every_axis_is_stratified_at_every_power_of_two() {
         for dimension in 0..MOST_DIMENSIONS {
@@ -107,8 +108,9 @@ mod tests {
         3f64.powi(-d) - 2f64.powi(1 - d) / n * single + pairs.sum::<f64>() / (n * n)
     }
 
-    /// Random points have (2^-d - 3^-d) / n on average. 256 points of Sobol have less than a tenth of it in
-    /// two dimensions, and less than a third in five, where so few points are nearer to random ones.
+    /// Random points have (2^-d - 3^-d) / n on average. 256 points of Sobol have less than a tenth
+    /// of it in two dimensions, and less than a third in five, where so few points are nearer to
+    /// random ones.
     #[test]
     fn points_are_more_even_than_random_ones() {
         for (d, share) in [(2, 0.1), (5, 1.0 / 3.0)] {

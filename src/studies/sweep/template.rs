@@ -1,8 +1,8 @@
 //! Makes the scenario of a point of the design.
 //!
-//! A parameter is set in the scenario as written where that has a place for it. Defaults then follow:
-//! normal loads and the moment of inertia follow the mass. Otherwise it is set in the expanded scenario,
-//! where nothing follows. Every scenario is validated as a whole.
+//! A parameter is set in the scenario as written where that has a place for it. Defaults then
+//! follow: normal loads and the moment of inertia follow the mass. Otherwise it is set in the
+//! expanded scenario, where nothing follows. Every scenario is validated as a whole.
 
 use serde_json::Value;
 
@@ -40,7 +40,8 @@ enum Target {
 }
 
 impl Template {
-    /// Template of the scenario in `text` with a place for each of `axes`; errors call the text `file`.
+    /// Template of the scenario in `text` with a place for each of `axes`; errors call the text
+    /// `file`.
     ///
     /// # Errors
     /// When the scenario breaks a rule, or has no such parameter.
@@ -148,7 +149,8 @@ impl Template {
     }
 }
 
-/// Numbers are whole where the expanded scenario has a whole one, or the scenario as written does and nothing else is asked for.
+/// Numbers are whole where the expanded scenario has a whole one, or the scenario as written does
+/// and nothing else is asked for.
 fn kind(axis: &Axis, in_expanded: Option<&Value>, in_written: Option<&Value>) -> Kind {
     match (in_expanded, in_written) {
         _ if axis.has_words() => Kind::Word,
@@ -189,7 +191,8 @@ mod tests {
         Template::new(SCENE, "four.json", &axes)?.scenario(&values)
     }
 
-    /// What is left out in the file follows the mass; what is scaled as inertia alone leaves the ground as it is.
+    /// What is left out in the file follows the mass; what is scaled as inertia alone leaves the
+    /// ground as it is.
     #[test]
     fn normal_loads_follow_the_mass_and_not_the_inertia() {
         let base = scenario(&[]).unwrap().system;
