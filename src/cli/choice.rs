@@ -14,7 +14,8 @@ pub fn choice<T: Serialize + DeserializeOwned + Clone + Send + Sync + 'static>()
     let possible = names.iter().map(|name| {
         // The help wants static names: a few bytes for each option that is built.
         let plain: &'static str = name.replace('_', "-").leak();
-        let about = glossary::entry(plain).filter(|entry| !names.iter().any(|other| other != name && entry.has_name(other)));
+        let about = glossary::entry(plain)
+            .filter(|entry| !names.iter().any(|other| other != name && !is_alias::<T>(other) && entry.has_name(other)));
         let value = PossibleValue::new(plain).hide(is_alias::<T>(name));
         about.map_or(value.clone(), |entry| value.help(entry.summary().to_owned()))
     });

@@ -17,12 +17,15 @@ use crate::studies::calibrate::text::design_text;
 use crate::studies::calibrate::{Held, Limits, Made, Target, Wanted, design as spring, on_grid};
 
 #[derive(Args)]
-#[command(after_help = "\
+#[command(
+    override_usage = "cohaul calibrate design [OPTIONS] --radial-stiffness-n-per-m <K>\n       --torsional-stiffness-nm-per-rad <T>",
+    after_help = "\
 Example:
   cohaul calibrate design --radial-stiffness-n-per-m 0.664 \\
     --torsional-stiffness-nm-per-rad 4.52e-4 --grid-m 1e-4
 
-Files in DIR: design.json and manifest.json.")]
+Files in DIR: design.json and manifest.json."
+)]
 pub struct DesignArgs {
     /// Wanted radial stiffness kappa_rho (N/m)
     #[arg(long, value_name = "K", value_parser = positive)]
