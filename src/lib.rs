@@ -1,32 +1,96 @@
-//! Collective transport of a load by ants: one behaviour model, several ways of moving the load,
-//! and a comparison that says where they agree.
+//! Simulates how ants or robots drag one load together, and measures whether inertia may be neglected.
 //!
-//! A quasi-static run neglects the load's inertia. A run of a rigid-body engine has inertia, and
-//! the engine's numerical error. A third run, the same springs and exact friction with the mass
-//! matrix added, tells the two apart:
+//! The same grasps, releases and tip motions drive three models of the load: quasi-static (no
+//! inertia), inertial (the same springs and exact friction with the mass matrix), and the
+//! rigid-body engine rapier2d. Two differences and one estimate follow from them:
 //!
 //! ```text
-//! inertia effect = inertial - quasi-static
-//! engine error   = rapier   - inertial
-//! own error      = how far quasi-static and inertial may still be wrong
+//! inertia effect  = inertial - quasi-static
+//! engine error    = rapier   - inertial
+//! reference error = estimated numerical error of the quasi-static and the inertial path
 //! ```
 //!
-//! Units are SI, angles are in radians, counter-clockwise. Floors, each using only those above it
-//! in this list: [`math`], [`model`], [`scenario`], [`backend`], [`simulation`], [`analysis`],
-//! [`output`], [`studies`], [`cli`].
+//! ```
+//! use cohaul::{Scenario, Settings, ThreeWay, Verdict};
+//!
+//! let scenario = Scenario::read("scenarios/analytic/release-jump.json".as_ref())?;
+//! let found = ThreeWay::new(&scenario, &Settings::default()).prescribed(|_share| true).expect("it is not stopped");
+//! // The load jumps when the spring is released; one with inertia takes time for that.
+//! assert_eq!(found.verdict, Verdict::Inertia);
+//! # Ok::<(), cohaul::ScenarioError>(())
+//! ```
+//!
+//! Start with [`Scenario`] and [`Simulation`] for one run, and with [`ThreeWay`] for a comparison. A
+//! model of your own implements [`Backend`], and a controller of your own implements
+//! [`Controller`]. Units are SI; angles are in radians, counter-clockwise.
+//!
+//! Features: `program` (default) builds the command line with its studies, figures and reports, and
+//! `parquet` (default) writes tables as Parquet. `rapier-f32` (default) adds rapier in single
+//! precision. `internals` shows the modules of the tree to the project's own tests; what they hold
+//! may change at any time.
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(feature = "internals"),
+    allow(dead_code, unused_imports, reason = "the project's tests use more of the tree than the library shows")
+)]
 
-pub mod analysis;
-pub mod backend;
+#[cfg(not(feature = "internals"))]
+mod analysis;
+#[cfg(not(feature = "internals"))]
+mod backend;
 #[cfg(feature = "program")]
+#[doc(hidden)]
 pub mod cli;
+#[cfg(not(feature = "internals"))]
+mod math;
+#[cfg(not(feature = "internals"))]
+mod model;
+#[cfg(all(feature = "program", not(feature = "internals")))]
+mod output;
+#[cfg(not(feature = "internals"))]
+mod scenario;
+#[cfg(not(feature = "internals"))]
+mod simulation;
+#[cfg(all(feature = "program", not(feature = "internals")))]
+mod studies;
+
+#[cfg(feature = "internals")]
+pub mod analysis;
+#[cfg(feature = "internals")]
+pub mod backend;
+#[cfg(feature = "internals")]
 pub mod math;
+#[cfg(feature = "internals")]
 pub mod model;
+#[cfg(all(feature = "program", feature = "internals"))]
 pub mod output;
+#[cfg(feature = "internals")]
 pub mod scenario;
+#[cfg(feature = "internals")]
 pub mod simulation;
-#[cfg(feature = "figures")]
+#[cfg(all(feature = "program", feature = "internals"))]
 pub mod studies;
+
+pub use analysis::compare::{
+    Cause, ClosedLoop, Difference, Distribution, Divergence, EdgeDisplacement, FirstDifferentDecision, FirstDivergence, MakeController,
+    Measure, Numbers, PairedDifference, Pathwise, Point, Predicted, ReferenceError, Settings, Solution, SuggestedChange, ThreeWay, Tier,
+    Verdict,
+};
+pub use analysis::estimate::{Estimator, InertiaEstimate, Largest, with_estimate};
+pub use analysis::{ByTrigger, Trigger, TriggerKind};
+pub use backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
+pub use backend::{
+    AttachedTip, AttachedTips, Backend, BackendKind, BackendOptions, ConeSolver, DefectParts, EnergyLedger, Integrator, Motion, PoseError,
+    RapierOptions, RestoreError, SaveError, SavedState, Setting, Skip, SkipCounts, Skips, Status, StepReport, Tolerance, Transition,
+    TransitionCounts, TransitionKind, build, default_step, step_of,
+};
+pub use math::{Interval, Pose, Summary, Twist, Vec2, Wrench};
+pub use model::behaviour::{GraspPace, HalfAngle, ReleaseLaw, ReleasePace};
+pub use model::{Ground, Load, PolarSpring, Reaction, SpringDesign, SpringShape, SupportPoint, System, interaction_force};
+pub use scenario::{AntDrive, Drive, Finding, Scenario, ScenarioError, TipPath, Waypoint};
+pub use simulation::{
+    Ants, Commands, Controller, Event, EventKind, Keep, MakeBackend, Outcome, Replay, Row, SavedRun, Simulation, Tips, Trace, View,
+};
 
 /// The examples of the book run as tests.
 #[cfg(doctest)]

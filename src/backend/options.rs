@@ -142,6 +142,6 @@ impl BackendOptions {
 
     /// Whether the load is moved in single precision.
     pub fn is_single_precision(&self) -> bool {
-        self.kind.reads(Setting::Engine) && self.rapier.precision == Precision::F32
+        self.kind.reads(Setting::Engine) && self.rapier.precision != Precision::F64
     }
 }

@@ -25,6 +25,7 @@ mod ledger;
 mod options;
 mod residual;
 mod rest;
+#[cfg(feature = "rapier-f32")]
 mod single;
 mod springs;
 mod step;
@@ -39,6 +40,7 @@ pub fn build(system: System, start: Motion, options: &BackendOptions) -> Box<dyn
     let body = joints::BodyState::of(&start);
     let engine: Box<dyn joints::Engine> = match options.rapier.precision {
         Precision::F64 => Box::new(double::World::new(&system.load, &body, &options.rapier)),
+        #[cfg(feature = "rapier-f32")]
         Precision::F32 => Box::new(single::World::new(&system.load, &body, &options.rapier)),
     };
     Box::new(backend::Rapier::new(system, start, options, engine))

@@ -48,6 +48,7 @@ pub enum Precision {
     /// Double precision.
     F64,
     /// Single precision.
+    #[cfg(feature = "rapier-f32")]
     F32,
 }
 
