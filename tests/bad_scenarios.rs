@@ -176,7 +176,7 @@ fn values() -> Vec<Bad> {
             "/ground/supports",
             json!([{ "offset_m": [0, 0], "normal_load_n": 0 }]),
             "ground.supports",
-            "must carry a normal load",
+            "must have at least one positive normal load",
             "zero on every support",
         ),
         bad(

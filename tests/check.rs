@@ -199,7 +199,7 @@ fn a_changed_scenario_differs_and_the_difference_is_told() {
     let table = said(&args, 1);
     assert!(table.starts_with("check: 1 agree, 1 differ, 0 not computed\n"), "{table}");
     for words in
-        ["differs         tips-inertial", "load.velocity_m_per_s[0] is 0.101, stored with 0.1", "first in ", "grasp of spring 0 at 0 s"]
+        ["differs           tips-inertial", "load.velocity_m_per_s[0] is 0.101, stored with 0.1", "first in ", "grasp of spring 0 at 0 s"]
     {
         assert!(table.contains(words), "{words}: {table}");
     }

@@ -18,7 +18,7 @@ pub enum CliError {
     Folder(#[from] FolderError),
     #[error(transparent)]
     Input(#[from] InputError),
-    #[error("{path}: {source}")]
+    #[error("{path}: cannot be read or written: {source}")]
     File { path: PathBuf, source: std::io::Error },
     #[error(transparent)]
     Journal(#[from] JournalError),

@@ -282,8 +282,8 @@ mod tests {
         write_transitions(&trace, &mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         let time = "0.30000000000000004";
-        let rows =
-            ["onset,,,,", "capture,2,,,", "freed,2,,,", "jump,,0.004,-0.1,0.000025", "stop,,,,"].map(|row| format!("{time},{row}\n"));
+        let rows = ["slip_onset,,,,", "pinning,2,,,", "unpinning,2,,,", "jump,,0.004,-0.1,0.000025", "stop,,,,"]
+            .map(|row| format!("{time},{row}\n"));
         assert_eq!(text, format!("{}\n{}", TRANSITION_COLUMNS.join(","), rows.concat()));
 
         trace.transitions[3].kind = TransitionKind::Jump { shift: 0.0, turn: f64::NAN, energy: 0.0 };

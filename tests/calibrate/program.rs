@@ -218,7 +218,7 @@ fn bad_recordings_are_named_line_by_line() {
     );
     forces(root, &["must hold tips, found none"]);
     let world = "time_s,spring,x_m,y_m,heading_rad,tip_x_m,tip_y_m\n0,7,0,0,0,0.04,0\n";
-    forces(world, &["name them by --scenario"]);
+    forces(world, &["tips in world axes need --scenario"]);
     let file = room.write("world.csv", world);
     refused(
         &["calibrate", "forces", &file, "--scenario", "scenarios/paper/four-ants-four-springs.json"],

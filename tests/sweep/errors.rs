@@ -35,7 +35,7 @@ fn what_is_wrong_is_named_before_anything_runs() {
         (&["--step-s", "1e-15"], "--step-s: must be at least"),
         (&["--shard", "3/2"], "must be I/N from 1/N to N/N, found 3/2"),
         (&["--backend", "inertial", "--backend", "inertial"], "must name every backend and step once"),
-        (&["--backend", "rapier", "--tolerance", "1e-6"], "--tolerance: must be of quasi-static or inertial"),
+        (&["--backend", "rapier", "--tolerance", "1e-6"], "--tolerance: applies to quasi-static and inertial only"),
         (&["--step-s", "0"], "must be positive"),
         (&["--seeds", "1000000000"], "--shard: must leave at most 100000000 runs to one part, found 1000000000"),
         (&["--seeds", "18446744073709551615", "--vary", "load.mass_kg=1,2", "--seed", "0"], "less than 2^64 runs"),
@@ -48,7 +48,7 @@ fn what_is_wrong_is_named_before_anything_runs() {
     assert!(refused(&sweep(&room.path().join("none.json"), &[], &out)).contains("none.json"));
     assert!(refused(&merge(&[&room.path().join("none")], &out)).contains("none"));
     assert!(refused(&merge(&[room.path()], &out)).contains("no finished shard found"));
-    assert!(refused(&merge(&[&scene], &out)).contains("is no file of rows of a sweep"));
+    assert!(refused(&merge(&[&scene], &out)).contains("is not a journal that this version of cohaul reads"));
     assert!(!out.join("manifest.json").exists());
 }
 
@@ -111,9 +111,12 @@ fn what_does_nothing_and_what_is_not_met_are_told() {
         String::from_utf8(output.stderr.clone()).unwrap()
     };
     let text = warned(&sweep(&scene, &["--scale-inertia", "1,10"], &out("a")), 0);
-    assert!(text.contains("warning: --scale-inertia: changes nothing, as it is of inertial and rapier, found quasi-static"), "{text}");
+    assert!(
+        text.contains("warning: --scale-inertia: changes nothing; it applies to inertial and rapier only, found quasi-static"),
+        "{text}"
+    );
     let text = warned(&sweep(Path::new("scenarios/analytic/slide.json"), &["--seeds", "2", "--step-s", "5"], &out("b")), 0);
-    assert!(text.contains("warning: --seeds: changes nothing, as it is of ants, found tips"), "{text}");
+    assert!(text.contains("warning: --seeds: changes nothing; it applies to ants only, found tips"), "{text}");
     assert!(text.contains("warning: --step-s: steps end with the control period, 0.001 s, found 5 s"), "{text}");
     assert!(warned(&sweep(&scene, &["--seeds", "2"], &out("c")), 0).is_empty());
 
@@ -121,10 +124,10 @@ fn what_does_nothing_and_what_is_not_met_are_told() {
     let stiff = Path::new("scenarios/stress/stiff-light.json");
     let missed = sweep(stiff, &["--backend", "inertial", "--tolerance", "1e-14"], &out("d"));
     let text = warned(&missed, 1);
-    assert!(text.contains("warning: 1 of 1 runs are not within their tolerance"), "{text}");
+    assert!(text.contains("warning: 1 of 1 runs exceed their tolerance"), "{text}");
     let rows = rows(&out("d").join("runs.csv"));
     assert_eq!((&rows[0]["status"][..], rows[0]["cause"].is_empty()), ("not-within-tolerance", false));
-    assert!(fs::read_to_string(out("d").join("report.html")).unwrap().contains("are not within their tolerance"));
+    assert!(fs::read_to_string(out("d").join("report.html")).unwrap().contains("exceed their tolerance"));
 }
 
 /// A backend at two steps is two rows, two curves and two names; a file may begin with a byte order

@@ -41,6 +41,7 @@ pub struct Inertial {
 
 /// What a step with inertia leaves for the next one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Memory {
     /// Force of each spring's dashpot on its tip in the last step (N, world); zero for free
     /// springs.

@@ -34,6 +34,7 @@ pub struct QuasiStatic {
 
 /// What a quasi-static step leaves for the next one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Memory {
     /// The last step, if all supports slipped in it and in the one before, for the second order.
     past: Option<Past>,

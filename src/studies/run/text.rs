@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn values_stand_in_one_column_with_their_units() {
         let text = text(Some(true), Detail::Full);
-        assert!(text.starts_with("The load reached the nest after 76.1 s at (252 mm, -3.1 mm); "), "{text}");
+        assert!(text.starts_with("The load reached the nest after 76.1 s at (253 mm, -3.1 mm); "), "{text}");
         assert!(text.contains("\n  position          (252.5 mm, -3.100 mm), heading "), "{text}");
         assert!(text.contains("\nenergy\n  elastic_j         ") && text.contains("\n  skipped.distant_ants  1234\n"), "{text}");
         assert!(text.contains("\n  jumps             1, the largest 4 mm\n"), "{text}");
