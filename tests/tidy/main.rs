@@ -244,7 +244,7 @@ fn the_rules_find_what_they_are_for() {
     let file = Source::new(
         "src/math/made_up.rs",
         "use crate::cli::{run::{self, Run}, Args};\n/// Own error on the rim.\nfn long() {\n    let _ = clap::Arg::new(\"x\");\n}\n\
-         #[cfg(test)]\nmod tests {\n    fn untold() {}\n}\n",
+         #[cfg(test)]\npub(super) mod tests {\n    fn untold() {}\n}\n",
     );
     let names: Vec<String> = file.paths().iter().map(|path| path.names.join("::")).collect();
     assert_eq!(names, ["crate::cli::run::self", "crate::cli::run::Run", "crate::cli::Args"]);

@@ -225,15 +225,13 @@ fn flatten(stream: TokenStream, into: &mut Vec<Token>) {
     }
 }
 
-/// Leaves out `#[cfg(test)] mod name { .. }`.
+/// Leaves out `#[cfg(test)] mod name { .. }`, of any visibility.
 fn without_tests(tokens: Vec<Token>) -> Vec<Token> {
-    const START: [&str; 8] = ["#", "[", "cfg", "(", "test", ")", "]", "mod"];
     let mut kept = Vec::new();
     let mut at = 0;
     while at < tokens.len() {
-        let is_test = START.iter().enumerate().all(|(i, text)| tokens.get(at + i).is_some_and(|token| token.text == *text));
-        match tokens.get(at + START.len() + 1).filter(|token| is_test && token.text == "{") {
-            Some(_) => at = closing(&tokens, at + START.len() + 1) + 1,
+        match test_module_body(&tokens, at) {
+            Some(open) => at = closing(&tokens, open) + 1,
             None => {
                 kept.push(tokens[at].clone());
                 at += 1;
@@ -241,6 +239,20 @@ fn without_tests(tokens: Vec<Token>) -> Vec<Token> {
         }
     }
     kept
+}
+
+/// Index of the brace that opens the body of the test module whose attribute begins at `at`.
+fn test_module_body(tokens: &[Token], at: usize) -> Option<usize> {
+    const ATTRIBUTE: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
+    let is = |at: usize, text: &str| tokens.get(at).is_some_and(|token| token.text == text);
+    if !ATTRIBUTE.iter().enumerate().all(|(i, text)| is(at + i, text)) {
+        return None;
+    }
+    let mut item = at + ATTRIBUTE.len();
+    if is(item, "pub") {
+        item = if is(item + 1, "(") { closing(tokens, item + 1) + 1 } else { item + 1 };
+    }
+    (is(item, "mod") && is(item + 2, "{")).then_some(item + 2)
 }
 
 /// Index of the token that closes the group that opens at `open`.
