@@ -1,4 +1,5 @@
-//! Simulates how ants or robots drag one load together, and measures whether inertia may be neglected.
+//! Simulates how ants or robots drag one load together, and measures whether inertia may be
+//! neglected.
 //!
 //! The same grasps, releases and tip motions drive three models of the load: quasi-static (no
 //! inertia), inertial (the same springs and exact friction with the mass matrix), and the
@@ -14,14 +15,15 @@
 //! use cohaul::{Scenario, Settings, ThreeWay, Verdict};
 //!
 //! let scenario = Scenario::read("scenarios/analytic/release-jump.json".as_ref())?;
-//! let found = ThreeWay::new(&scenario, &Settings::default()).prescribed(|_share| true).expect("it is not stopped");
+//! let compared = ThreeWay::new(&scenario, &Settings::default()).prescribed(|_share| true);
+//! let found = compared.expect("it is not stopped");
 //! // The load jumps when the spring is released; one with inertia takes time for that.
 //! assert_eq!(found.verdict, Verdict::Inertia);
 //! # Ok::<(), cohaul::ScenarioError>(())
 //! ```
 //!
-//! Start with [`Scenario`] and [`Simulation`] for one run, and with [`ThreeWay`] for a comparison. A
-//! model of your own implements [`Backend`], and a controller of your own implements
+//! Start with [`Scenario`] and [`Simulation`] for one run, and with [`ThreeWay`] for a comparison.
+//! A model of your own implements [`Backend`], and a controller of your own implements
 //! [`Controller`]. Units are SI; angles are in radians, counter-clockwise.
 //!
 //! Features: `program` (default) builds the command line with its studies, figures and reports, and

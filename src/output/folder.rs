@@ -1,10 +1,10 @@
-//! An output folder that is there whole or not at all.
+//! An output folder that appears complete or not at all.
 //!
 //! Files go into a hidden folder beside the target, which takes the target's name at the end. An
-//! error before that leaves the target as it was and nothing beside it; what a killed process
-//! leaves there goes with the next output of that name. `manifest.json` is written last and lists
-//! every other file with its hash, so that a later run can tell an earlier output, which it may
-//! replace, from a folder with somebody's own files in it, which it may not.
+//! error before that removes the hidden folder and leaves the target as it was. The next output of
+//! the same name removes what a killed process has left. `manifest.json` is written last and lists
+//! every other file with its hash. A later run replaces a folder that matches its manifest, and
+//! refuses to replace one with files of the user.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -319,9 +319,9 @@ impl Write for OutputFile {
     }
 }
 
-/// The hash of a file in a manifest. XXH3 tells a file that was cut short or changed as a
-/// cryptographic hash would, in far less time; against somebody who forges one a list beside it
-/// would not help anyway.
+/// Text of a file's hash in a manifest. XXH3 detects a truncated or changed file as reliably as a
+/// cryptographic hash, in far less time. It does not protect against forgery, which the unsigned
+/// manifest could not do with any hash.
 fn in_text(hash: u128) -> String {
     format!("xxh128:{hash:032x}")
 }

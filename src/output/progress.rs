@@ -7,12 +7,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// The clock is looked at about this often at most, and the bar told as often.
+/// Shortest interval between two readings of the clock, each of which updates the bar.
 const GLANCE: Duration = Duration::from_millis(10);
-/// Most calls between two looks at the clock.
+/// Largest number of calls between two readings of the clock.
 const MOST_UNSEEN: u32 = 1 << 16;
 
-/// Progress of one run through simulated time. Cheap enough to be told every control tick.
+/// Progress of one run through simulated time. An update at every control tick costs little.
 pub struct Progress {
     label: String,
     total: f64,
@@ -20,16 +20,16 @@ pub struct Progress {
     unit: &'static str,
     started: Instant,
     display: Display,
-    /// Calls until the clock is looked at, and how many those were before the last look.
+    /// Calls until the clock is read again, and how many those were before the last reading.
     unseen: u32,
     stride: u32,
     last_look: Duration,
 }
 
 enum Display {
-    /// Nobody looks.
+    /// Standard error is no terminal.
     Off,
-    /// Somebody looks, but it may be over soon.
+    /// Standard error is a terminal, and the work is not yet older than [`PATIENCE`].
     Waiting,
     On(ProgressBar),
 }
@@ -50,13 +50,13 @@ impl Progress {
         }
     }
 
-    /// Progress of work whose share done (1) is told in place of a time.
+    /// Progress of work that is measured by the fraction done (1).
     pub fn of_share(label: &str) -> Self {
         Self { unit: "", ..Self::start(1.0, label) }
     }
 
-    /// Progress of `total` pieces of work, of which the number done is told in place of a time;
-    /// `unit` is their name.
+    /// Progress of work that is measured by the number of pieces done, of `total`. `unit` is the
+    /// name of the pieces.
     pub fn of_count(total: u64, unit: &'static str, label: &str) -> Self {
         Self { unit, ..Self::start(total as f64, label) }
     }
@@ -75,8 +75,8 @@ impl Progress {
         self.show(time, elapsed);
     }
 
-    /// Twice as many calls up to the next look at the clock while they take less than a glance;
-    /// else a quarter of them.
+    /// Doubles the calls between two readings of the clock while these take less than [`GLANCE`],
+    /// and divides them by four otherwise.
     fn pace(&mut self, elapsed: Duration) {
         let is_early = elapsed.saturating_sub(self.last_look) < GLANCE;
         self.stride = if is_early { (2 * self.stride).min(MOST_UNSEEN) } else { (self.stride / 4).max(1) };

@@ -1,4 +1,4 @@
-//! `tips.csv`: held tips beside the load's pose, as a camera would see them. `cohaul calibrate
+//! `tips.csv`: attached tips with the load's pose, as a camera records them. `cohaul calibrate
 //! forces` reads it.
 
 use std::io::Write;
@@ -9,7 +9,7 @@ use crate::simulation::Trace;
 /// Columns of `tips.csv`, all in world axes.
 pub const TIP_COLUMNS: [&str; 7] = ["time_s", "spring", "x_m", "y_m", "heading_rad", "tip_x_m", "tip_y_m"];
 
-/// Writes `tips.csv`: a row for each held tip at each control tick.
+/// Writes `tips.csv`: a row for each attached tip at each control tick.
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.

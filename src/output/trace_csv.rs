@@ -2,9 +2,9 @@
 //! grasp and release, `transitions.csv` with every instant at which the load's motion is not
 //! smooth.
 //!
-//! Floats are written with the fewest digits that read back as the same number. An empty field
-//! means "there is none": the pull on a spring that nobody holds, the ant of a prescribed path, the
-//! size of what is no jump.
+//! Floats are written with the fewest digits that read back as the same number. A field is empty
+//! where there is no value: the pull on a spring without attachment, the ant of a prescribed path,
+//! the size of a transition other than a jump.
 
 use std::io::Write;
 
@@ -12,29 +12,30 @@ use crate::backend::{Transition, TransitionKind};
 use crate::output::lines::{Lines, TableError};
 use crate::simulation::{EventKind, Row, Trace};
 
-/// Above this number of springs `trace.csv` has no columns of pulls: they would be most of the
-/// file. `n_transporting` stays.
+/// Largest number of springs for which `trace.csv` has columns of pulls. With more springs these
+/// would be most of the file; the column `n_transporting` remains.
 pub const MOST_SPRINGS_WITH_COLUMNS: usize = 32;
 
-/// Columns of every `trace.csv`: the time and the load's motion, between which and [`HOLDERS`]
-/// stand the [`FORCE_COLUMNS`] of a full one.
+/// First columns of every `trace.csv`: the time and the load's motion.
 pub const MOTION_COLUMNS: [&str; 7] = ["time_s", "x_m", "y_m", "heading_rad", "vx_m_per_s", "vy_m_per_s", "turn_rate_rad_per_s"];
 
-/// Columns of a full `trace.csv` alone, before those of pulls: the ledger, and the sum of Eq. (4)
-/// over all pairs of holders.
+/// Columns of a full `trace.csv`, before those of pulls: the energy ledger, and the sum of Eq. (4)
+/// over all pairs of attachments.
 pub const FORCE_COLUMNS: [&str; 6] = ["elastic_j", "kinetic_j", "dissipated_j", "tip_work_j", "defect_j", "interaction_n"];
 
-/// The column of every `trace.csv` with the number of holders.
-pub const HOLDERS: &str = "n_transporting";
+/// The column of every `trace.csv` with the number of attached springs, after the motion and, in a
+/// full file, the [`FORCE_COLUMNS`].
+pub const N_TRANSPORTING: &str = "n_transporting";
 
 /// Which columns a `trace.csv` has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceColumns {
-    /// [`MOTION_COLUMNS`] and [`HOLDERS`].
+    /// [`MOTION_COLUMNS`] and [`N_TRANSPORTING`].
     Motion,
-    /// These with [`FORCE_COLUMNS`], then `pull_x_<j>_n,pull_y_<j>_n` for each spring j, the force
-    /// of its holder on its tip (world axes), unless there are more than
-    /// [`MOST_SPRINGS_WITH_COLUMNS`]. Four times as much to write, and to read.
+    /// All columns of [`TraceColumns::Motion`], [`FORCE_COLUMNS`], and `pull_x_<j>_n,pull_y_<j>_n`
+    /// for each spring j: the force of the attached ant or robot on the tip (world axes). Files
+    /// with more than [`MOST_SPRINGS_WITH_COLUMNS`] springs have no columns of pulls. The file is
+    /// about four times as large.
     Full { n_springs: usize },
 }
 
@@ -50,7 +51,7 @@ impl TraceColumns {
     fn names(self) -> Vec<String> {
         let forces = if self == Self::Motion { &[][..] } else { &FORCE_COLUMNS };
         let pulls = (0..self.n_pulls()).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
-        MOTION_COLUMNS.iter().chain(forces).chain([&HOLDERS]).map(|name| (*name).to_owned()).chain(pulls).collect()
+        MOTION_COLUMNS.iter().chain(forces).chain([&N_TRANSPORTING]).map(|name| (*name).to_owned()).chain(pulls).collect()
     }
 }
 
@@ -60,16 +61,16 @@ pub const EVENT_COLUMNS: [&str; 6] = ["time_s", "event", "spring", "ant", "tip_x
 /// Columns of `transitions.csv`.
 pub const TRANSITION_COLUMNS: [&str; 6] = ["time_s", "transition", "support", "shift_m", "turn_rad", "energy_j"];
 
-/// A `trace.csv` on its way to `out`.
+/// Writer of a `trace.csv`.
 pub struct TraceTable<W> {
     columns: TraceColumns,
     lines: Lines<W>,
-    /// Kept for its memory.
+    /// Buffer of the pulls of one row (N, world).
     pulls: Vec<f64>,
 }
 
 impl<W: Write> TraceTable<W> {
-    /// Begins it with the names of its columns.
+    /// Begins the file with the names of its columns.
     ///
     /// # Errors
     /// When `out` fails.
@@ -77,10 +78,10 @@ impl<W: Write> TraceTable<W> {
         Ok(Self { columns, lines: Lines::new(out, &columns.names())?, pulls: vec![f64::NAN; 2 * columns.n_pulls()] })
     }
 
-    /// Goes on with these rows.
+    /// Writes these rows.
     ///
     /// # Errors
-    /// When a number is not finite, or the table's `out` fails.
+    /// When a number is not finite, or `out` fails.
     pub fn add(&mut self, rows: &[Row]) -> Result<(), TableError> {
         for row in rows {
             self.lines.begin()?;
@@ -98,8 +99,10 @@ impl<W: Write> TraceTable<W> {
         Ok(())
     }
 
+    /// Ends the file and returns `out`.
+    ///
     /// # Errors
-    /// When the table's `out` fails.
+    /// When `out` fails.
     pub fn finish(self) -> Result<W, TableError> {
         Ok(self.lines.finish()?)
     }
@@ -115,8 +118,8 @@ pub fn write_trace(trace: &Trace, columns: TraceColumns, out: impl Write) -> Res
     table.finish().map(drop)
 }
 
-/// Puts the pulls on the first springs into `pulls`, x and y of each (N, world); NaN where nobody
-/// holds.
+/// Writes the pulls on the first springs into `pulls`, x and y of each (N, world). Springs without
+/// attachment have NaN.
 fn pulls_of(row: &Row, pulls: &mut [f64]) {
     pulls.fill(f64::NAN);
     for tip in &row.tips {
@@ -151,9 +154,9 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
     Ok(())
 }
 
-/// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: what the backend saw
-/// of onsets, stops, captures of supports and jumps. The last three columns are those of a jump:
-/// where it led, and the energy that a load with inertia would have got into motion.
+/// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: slip onsets, stops,
+/// pinnings and unpinnings of supports, and jumps. The last three columns belong to jumps: shift,
+/// turn, and the energy that a load with inertia would have converted to kinetic energy.
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.

@@ -2,7 +2,7 @@
 
 use crate::simulation::{Row, Trace};
 
-/// How far two traces lie apart at one instant. Neither entry is negative.
+/// Difference of two traces at one instant: distance and absolute difference of heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
     /// (s)
@@ -13,9 +13,9 @@ pub struct Difference {
     pub heading: f64,
 }
 
-/// Differences at the times of `from`, while both last. Between its own rows `to` is taken as
-/// straight; where the rows coincide, as in runs with the same control period, nothing is
-/// interpolated.
+/// Differences at the times of the rows of `from`, until the shorter trace ends. `to` is
+/// interpolated linearly between its rows. Runs with the same control period have coincident rows,
+/// which need no interpolation.
 pub fn over_time(from: &Trace, to: &Trace) -> Vec<Difference> {
     let mut after = 0;
     let mut differences = Vec::with_capacity(from.rows.len());
@@ -34,7 +34,7 @@ pub fn over_time(from: &Trace, to: &Trace) -> Vec<Difference> {
     differences
 }
 
-/// From `row` to the point a `share` of the way from `last` to `next`.
+/// Difference of `row` from the linear interpolation between `last` (`share` 0) and `next` (1).
 fn between(row: &Row, last: &Row, next: &Row, share: f64) -> Difference {
     let (here, a, b) = (&row.motion.pose, &last.motion.pose, &next.motion.pose);
     let position = a.position + share * (b.position - a.position);

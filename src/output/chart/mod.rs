@@ -1,13 +1,14 @@
 //! SVG figures over one or several traces: the load's path, its heading, speed and pulls over time,
-//! and how far traces lie apart.
+//! and how far traces differ.
 //!
-//! Every function returns a whole SVG document without scripts and without fonts of its own; the
-//! same traces give the same bytes. Axes are in mm, mN and rad. Curves differ in colour (Okabe and
-//! Ito's set, made for colour-blind readers) and in dashes. Curves of many points are thinned to
-//! what can be seen, extremes kept: see [`thin`]. Where a line would be a wall of ink, a panel
+//! Every function returns a whole SVG document without scripts and embedded fonts. The same traces
+//! give the same bytes. Axes are in mm, mN and rad. Curves differ in colour (Okabe and Ito's set,
+//! made for colour-blind readers) and in dashes. Curves of many points are thinned to what can be
+//! seen, with their extremes kept: see [`thin`]. Where points are too dense for a line, a panel
 //! shows means and ranges and says so.
 //!
 //! ```text
+//! scene.rs       a trace with its name, and its surroundings
 //! shown.rs       rows -> what is shown of them, in print units
 //! panels.rs      traces -> panels: what is shown
 //! difference.rs  distance of two traces over time
@@ -24,59 +25,21 @@ pub mod cells;
 pub mod difference;
 pub mod panel;
 pub mod panels;
+mod scene;
 pub mod shown;
 pub mod thin;
 
 use canvas::{Cell, Sheet};
 use panel::{Entry, Panel, Style};
+pub use scene::{Labelled, MILLI, Nest, Scene};
 use shown::Seen;
 pub use shown::SeenRows;
 
 use std::borrow::Cow;
 
-use crate::math::Vec2;
-use crate::scenario::{Drive, Scenario};
-use crate::simulation::Trace;
-
 /// Colour of trace `index`, in drawings beside the figures.
 pub(crate) fn trace_color(index: usize) -> &'static str {
     Style::of_trace(index).color
-}
-
-/// A trace and the name it has in legends.
-#[derive(Clone, Copy, Debug)]
-pub struct Labelled<'a> {
-    pub label: &'a str,
-    pub trace: &'a Trace,
-}
-
-/// What stands around a trace. Nothing is drawn of what is zero or `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Scene {
-    /// Radius of the load's outline (m).
-    pub load_radius: f64,
-    /// Sum of the slip limits: the net pull that moves the load (N).
-    pub slip_limit: f64,
-    pub nest: Option<Nest>,
-}
-
-/// Where ants take the load.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nest {
-    /// (m, world)
-    pub position: Vec2,
-    /// (m)
-    pub arrival_radius: f64,
-}
-
-impl Scene {
-    pub fn of(scenario: &Scenario) -> Self {
-        let nest = match &scenario.drive {
-            Drive::Ants(ants) => Some(Nest { position: ants.nest_position, arrival_radius: ants.arrival_radius }),
-            Drive::Tips(_) => None,
-        };
-        Self { load_radius: scenario.system.load.radius, slip_limit: scenario.system.total_slip_limit(), nest }
-    }
 }
 
 /// Path of the load's origin in the plane, equal scales, with the load's outline at the start
@@ -92,8 +55,8 @@ pub fn heading(traces: &[Labelled]) -> String {
     over_time(&panels::heading(&Seen::all(traces)), traces)
 }
 
-/// Speed of the load's origin over time (mm/s). Where a few peaks exceed all else by far, the axis
-/// cuts them and a note says how high they are.
+/// Speed of the load's origin over time (mm/s). The axis cuts a few peaks that exceed all other
+/// values by far, and a note says how high they are.
 pub fn speed(traces: &[Labelled]) -> String {
     over_time(&panels::speed(&Seen::all(traces)), traces)
 }
@@ -104,15 +67,14 @@ pub fn net_pull(traces: &[Labelled], scene: &Scene) -> String {
     alone(&panels::net_pull(&Seen::all(traces), scene), vec![panels::trace_entries(traces), marks], TIME_HEIGHT)
 }
 
-/// Sum of the sizes of all pulls over time (mN): what the holders spend, working against each other
-/// included.
+/// Sum of the magnitudes of all pulls over time (mN), which includes pulls that cancel each other.
 pub fn total_pull(traces: &[Labelled]) -> String {
     over_time(&panels::total_pull(&Seen::all(traces)), traces)
 }
 
-/// Number of held springs over time.
-pub fn holders(traces: &[Labelled]) -> String {
-    over_time(&panels::holders(&Seen::all(traces)), traces)
+/// Number of attached springs over time.
+pub fn attachments(traces: &[Labelled]) -> String {
+    over_time(&panels::attachments(&Seen::all(traces)), traces)
 }
 
 /// Energy over time (mJ) of one trace: done by the tips, dissipated, elastic.
@@ -133,12 +95,12 @@ pub fn heading_difference(traces: &[Labelled]) -> String {
     between(&panels::heading_difference(traces), traces)
 }
 
-/// All of it on one sheet: differences with two traces and more, the energy with one.
+/// All figures on one sheet: with differences for two or more traces, with the energy for one.
 pub fn overview(traces: &[Labelled], scene: &Scene) -> String {
     overview_of(traces, &Seen::all(traces), scene)
 }
 
-/// The same of one run whose `rows` are no longer in its trace.
+/// Overview sheet of one run whose `rows` are no longer in its trace.
 pub fn overview_of_rows(run: &Labelled, rows: &SeenRows, scene: &Scene) -> String {
     overview_of(&[*run], &[Seen { rows: Cow::Borrowed(rows), events: &run.trace.events }], scene)
 }
@@ -161,13 +123,13 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
     add(&panels::heading(seen), COLUMN_WIDTH, 0.0, 1.0);
     add(&panels::speed(seen), COLUMN_WIDTH, 1.0, 1.0);
     add(&panels::net_pull(seen, scene), COLUMN_WIDTH, 2.0, 1.0);
-    add(&panels::holders(seen), COLUMN_WIDTH, 3.0, 1.0);
+    add(&panels::attachments(seen), COLUMN_WIDTH, 3.0, 1.0);
     let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries() };
     let marks = [panels::scene_entries(scene), panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
     sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
 }
 
-/// The load's path, heading and speed as `expected` and as `found`, and how far they lie apart.
+/// Path, heading and speed of the load in an expected and a found trace, and their differences.
 pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
     let seen = Seen::all(traces);
     let path = panels::path(&seen, scene);
@@ -198,8 +160,6 @@ pub const WORK_HEIGHT: f64 = 420.0;
 pub const COLUMN_WIDTH: f64 = 480.0;
 pub const ROW_HEIGHT: f64 = 220.0;
 pub const PANEL_HEIGHT: f64 = 280.0;
-/// Print units over those of a trace: mm, mN, mJ.
-pub const MILLI: f64 = 1e3;
 /// Size of a figure of one panel.
 pub const WIDTH: f64 = 680.0;
 pub const TIME_HEIGHT: f64 = 360.0;

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use crate::math::{Pose, Vec2, direction};
 use crate::output::chart::difference::{self, Difference};
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
+use crate::output::chart::scene::{Labelled, MILLI, Scene};
 use crate::output::chart::shown::{Quantity, Seen};
 use crate::output::chart::thin::{self, Column};
-use crate::output::chart::{Labelled, MILLI, Scene};
 use crate::output::quantity::quantity;
 use crate::simulation::{Event, EventKind};
 
@@ -54,8 +54,8 @@ pub fn total_pull(traces: &[Seen]) -> Panel {
     of_rows(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, Quantity::TotalPull)
 }
 
-pub fn holders(traces: &[Seen]) -> Panel {
-    of_rows(traces, "held springs", Scale::Count, Shape::Steps, Quantity::Holders)
+pub fn attachments(traces: &[Seen]) -> Panel {
+    of_rows(traces, "attached springs", Scale::Count, Shape::Steps, Quantity::Attachments)
 }
 
 pub fn energy(one: &Seen) -> Panel {
@@ -68,8 +68,8 @@ pub fn energy(one: &Seen) -> Panel {
 }
 
 pub fn position_difference(traces: &[Labelled]) -> Panel {
-    let way = |pose: &Pose, start: &Pose| (pose.position - start.position).norm();
-    of_pairs(traces, "position apart (m)", way, |difference| difference.position)
+    let displacement = |pose: &Pose, start: &Pose| (pose.position - start.position).norm();
+    of_pairs(traces, "position apart (m)", displacement, |difference| difference.position)
 }
 
 pub fn heading_difference(traces: &[Labelled]) -> Panel {
@@ -124,12 +124,12 @@ fn of_rows(traces: &[Seen], y_label: &str, scale: Scale, shape: Shape, quantity:
     panel
 }
 
-fn of_pairs(traces: &[Labelled], y_label: &str, way: impl Fn(&Pose, &Pose) -> f64, y: impl Fn(&Difference) -> f64) -> Panel {
-    let ways = traces.iter().flat_map(|one| {
+fn of_pairs(traces: &[Labelled], y_label: &str, from_start: impl Fn(&Pose, &Pose) -> f64, y: impl Fn(&Difference) -> f64) -> Panel {
+    let poses = traces.iter().flat_map(|one| {
         let start = one.trace.rows.first().map(|row| row.motion.pose);
         one.trace.rows.iter().filter_map(move |row| Some((row.motion.pose, start?)))
     });
-    let rounding = ROUNDING * ways.map(|(pose, start)| way(&pose, &start)).fold(0.0, f64::max);
+    let rounding = ROUNDING * poses.map(|(pose, start)| from_start(&pose, &start)).fold(0.0, f64::max);
     let mut panel = Panel::new("time (s)", y_label, Scale::Log);
     panel.mark_events(traces.iter().map(|one| &one.trace.events[..]));
     for (index, (from, to)) in pairs(traces.len()).into_iter().enumerate() {
@@ -165,10 +165,10 @@ fn circle(centre: Vec2, radius: f64) -> Vec<[f64; 2]> {
     (0..=72).map(|k| in_mm(centre + radius * direction(TAU * f64::from(k) / 72.0))).collect()
 }
 
-/// Rim of the load and the radius along its heading, in one line.
+/// Outline of the load and the radius along its heading, in one line (mm).
 fn outline(pose: &Pose, radius: f64) -> Vec<[f64; 2]> {
-    let rim = (0..=72).map(|k| pose.position + radius * direction(pose.heading + TAU * f64::from(k) / 72.0));
-    rim.chain([pose.position]).map(in_mm).collect()
+    let edge = (0..=72).map(|k| pose.position + radius * direction(pose.heading + TAU * f64::from(k) / 72.0));
+    edge.chain([pose.position]).map(in_mm).collect()
 }
 
 impl Panel {

@@ -1,11 +1,10 @@
-//! What figures show of a trace: taken from the rows once, as these are long and there are many of
-//! them.
+//! What figures show of a trace: reduced from its rows once, since the rows need much memory.
 
 use std::borrow::Cow;
 
 use crate::math::{Pose, Vec2};
+use crate::output::chart::scene::{Labelled, MILLI};
 use crate::output::chart::thin::Column;
-use crate::output::chart::{Labelled, MILLI};
 use crate::simulation::{Event, Row};
 
 /// A trace as its figures need it.
@@ -14,9 +13,9 @@ pub struct Seen<'a> {
     pub events: &'a [Event],
 }
 
-/// What figures need of rows, which may come a few at a time: in print units, and in a room that
-/// does not grow with the run. As soon as there are more rows than any figure could show apart,
-/// neighbours share a group, of which ranges and means are left.
+/// Values of the rows of a run that figures need, in print units. Rows may be added a few at a
+/// time, and the memory is bounded: neighbouring rows of a long run share a group, which keeps
+/// ranges and means.
 #[derive(Clone, Debug)]
 pub struct SeenRows {
     groups: Vec<Group>,
@@ -39,17 +38,19 @@ pub(crate) enum Quantity {
     NetPull,
     /// Sum of their sizes (mN).
     TotalPull,
-    Holders,
-    /// Done by the tips, dissipated, elastic (mJ).
+    Attachments,
+    /// Work of the tips (mJ).
     TipWork,
+    /// (mJ)
     Dissipated,
+    /// (mJ)
     Elastic,
 }
 
 impl Quantity {
     const COUNT: usize = 8;
 
-    /// All of them, in their order.
+    /// Values of all quantities of a row, in the order of the variants.
     fn of(row: &Row) -> [f64; Self::COUNT] {
         let (mut net, mut total) = (Vec2::zeros(), 0.0);
         for tip in &row.tips {
@@ -65,7 +66,7 @@ impl Quantity {
 /// Rows that share a place: the least, the largest and the sum of each [`Quantity`].
 #[derive(Clone, Copy, Debug)]
 struct Group {
-    /// Of its first row (s).
+    /// Time of the first row (s).
     time: f64,
     low: [f64; Quantity::COUNT],
     high: [f64; Quantity::COUNT],
@@ -77,7 +78,7 @@ impl Group {
         Self { time, low: values, high: values, sum: values }
     }
 
-    /// With a later one.
+    /// Adds a later group.
     fn add(&mut self, other: &Self) {
         for at in 0..Quantity::COUNT {
             // Not `f64::min`, which takes longer as it minds what is no number.
@@ -88,8 +89,8 @@ impl Group {
     }
 }
 
-/// The way of the load's origin (mm), without points nearer to the one kept before them than some
-/// distance.
+/// Path of the load's origin (mm). A point closer than `distance` to the last kept point is left
+/// out.
 #[derive(Clone, Debug, Default)]
 struct Path {
     points: Vec<[f64; 2]>,
@@ -97,10 +98,10 @@ struct Path {
     distance: f64,
 }
 
-/// Groups of which two share a place as soon as there are so many: several for each pixel of a
-/// panel. Even.
+/// Largest number of groups, several for each pixel of a panel. At this number neighbouring groups
+/// are joined in pairs, so that it is even.
 const MOST_GROUPS: usize = 2048;
-/// Points of a path, after which these are kept farther apart.
+/// Largest number of points of a path. Above it points are kept farther apart.
 const MOST_POINTS: usize = 8192;
 
 impl<'a> Seen<'a> {
@@ -122,7 +123,7 @@ impl Default for SeenRows {
 }
 
 impl SeenRows {
-    /// Takes note of the next rows.
+    /// Adds the next rows.
     pub fn add(&mut self, rows: &[Row]) {
         let Some(last) = rows.last() else { return };
         let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
@@ -181,9 +182,9 @@ impl Path {
             self.points.push(point);
         }
         if self.points.len() > MOST_POINTS {
-            let ways = self.points.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]));
-            let way: f64 = ways.filter(|way| way.is_finite()).sum();
-            self.distance = (2.0 * self.distance).max(2.0 * way / MOST_POINTS as f64);
+            let lengths = self.points.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]));
+            let path_length: f64 = lengths.filter(|length| length.is_finite()).sum();
+            self.distance = (2.0 * self.distance).max(2.0 * path_length / MOST_POINTS as f64);
             let (mut last, distance) = (None, self.distance);
             self.points.retain(|point| {
                 let is_kept = !is_near(last.as_ref(), point, distance);
@@ -194,8 +195,8 @@ impl Path {
     }
 }
 
-/// Whether a point lies within a distance of the one before it; what is no number is a gap, and
-/// near to nothing.
+/// Whether a point lies within `distance` (mm) of the one before it. NaN marks a gap and is near no
+/// point.
 fn is_near(before: Option<&[f64; 2]>, point: &[f64; 2], distance: f64) -> bool {
     before.is_some_and(|before| (point[0] - before[0]).powi(2) + (point[1] - before[1]).powi(2) <= distance * distance)
 }

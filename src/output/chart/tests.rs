@@ -1,5 +1,7 @@
+use crate::math::Vec2;
 use crate::output::chart::*;
 use crate::output::synthetic;
+use crate::simulation::Trace;
 
 fn scene() -> Scene {
     let nest = Nest { position: Vec2::new(0.2625, 0.0), arrival_radius: 0.01 };
@@ -13,7 +15,7 @@ fn all(traces: &[Labelled]) -> Vec<(&'static str, String)> {
         ("speed", speed(traces)),
         ("net-pull", net_pull(traces, &scene())),
         ("total-pull", total_pull(traces)),
-        ("holders", holders(traces)),
+        ("attachments", attachments(traces)),
         ("position-difference", position_difference(traces)),
         ("heading-difference", heading_difference(traces)),
         ("overview", overview(traces, &scene())),

@@ -287,8 +287,11 @@ fn caption(parts: &Parts, rows: &[Thinned], data: &Data) -> Vec<String> {
     }
     let n_rows = rows.iter().map(|thinned| thinned.rows.len()).max().unwrap_or(0);
     let deviation = rows.iter().map(|thinned| thinned.deviation).fold(0.0, f64::max);
-    let between =
-        if deviation > 0.0 { format!("; between them the load's rim is drawn within {}", quantity(deviation, "m")) } else { String::new() };
+    let between = if deviation > 0.0 {
+        format!("; between them the edge displacement from the true pose is at most {}", quantity(deviation, "m"))
+    } else {
+        String::new()
+    };
     notes.push(format!("{n_rows} instants of each run are kept here{between}."));
     for ((n_all, n_drawn), name) in
         parts.n_all.iter().zip([parts.springs.len(), parts.supports.len(), parts.n_ants]).zip(["springs", "supports", "ants"])

@@ -1,16 +1,16 @@
-//! Which rows of traces are shown: enough that straight lines between them lie where the load was,
-//! as far as an eye can tell.
+//! Rows of traces that a replay shows: enough that linear interpolation between them has no visible
+//! error.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use crate::simulation::{Row, Trace};
 
-/// Rows that stand for all of a trace, in order, the first and the last one among them.
+/// Rows that represent a whole trace, in order, with the first and the last one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Thinned {
     pub rows: Vec<usize>,
-    /// How far the load's rim is off at most where a row is left out (m).
+    /// Largest edge displacement between a row that is left out and the interpolation there (m).
     pub deviation: f64,
 }
 
@@ -18,16 +18,17 @@ pub struct Thinned {
 struct Stretch {
     from: usize,
     to: usize,
-    /// Row that is furthest off, and how far (m), a change of hands counted.
+    /// Row with the largest error.
     worst: usize,
+    /// Error of that row (m): edge displacement, or [`CHANGE_OF_HANDS`] if that is larger there.
     off: f64,
-    /// Displacement of the rim alone (m).
-    rim: f64,
+    /// Largest edge displacement between a row and the interpolation (m).
+    edge: f64,
 }
 
-/// At most `most` rows of traces that have theirs at the same times. A third are spread evenly, for
-/// what walks; the others go where the rim of a load of `radius` (m) would be furthest off without
-/// them, grasps and releases included.
+/// At most `most` rows of traces whose rows are at the same times. A third are spread evenly, so
+/// that walking ants move smoothly. The others are where interpolation would have the largest edge
+/// displacement from a load of `radius` (m), or next to a grasp or release.
 pub fn thinned(traces: &[&Trace], radius: f64, most: usize) -> Thinned {
     let n = traces.iter().map(|trace| trace.rows.len()).min().unwrap_or(0);
     if n <= most.max(2) {
@@ -43,22 +44,22 @@ pub fn thinned(traces: &[&Trace], radius: f64, most: usize) -> Thinned {
         stretches.extend([stretch(from, worst), stretch(worst, to)]);
     }
     rows.sort_unstable();
-    Thinned { rows, deviation: stretches.iter().map(|stretch| stretch.rim).fold(0.0, f64::max) }
+    Thinned { rows, deviation: stretches.iter().map(|stretch| stretch.edge).fold(0.0, f64::max) }
 }
 
-/// What a change of hands in the midst of a stretch counts, over the load's radius (1).
+/// Error of a left-out grasp or release, over the load's radius (1).
 const CHANGE_OF_HANDS: f64 = 0.1;
 
 impl Stretch {
     fn of(traces: &[&Trace], radius: f64, from: usize, to: usize) -> Self {
-        let mut found = Self { from, to, worst: from + (to - from) / 2, off: 0.0, rim: 0.0 };
+        let mut found = Self { from, to, worst: from + (to - from) / 2, off: 0.0, edge: 0.0 };
         for rows in traces.iter().map(|trace| &trace.rows[from..=to]) {
             let (first, last) = (&rows[0], &rows[rows.len() - 1]);
             for (at, row) in rows.iter().enumerate().take(rows.len() - 1).skip(1) {
-                let rim = rim_off(first, last, row, radius);
+                let edge = edge_displacement(first, last, row, radius);
                 let changed = !same_hands(&rows[at - 1], row) || at + 2 == rows.len() && !same_hands(row, last);
-                let off = if changed { rim.max(CHANGE_OF_HANDS * radius) } else { rim };
-                found.rim = found.rim.max(rim);
+                let off = if changed { edge.max(CHANGE_OF_HANDS * radius) } else { edge };
+                found.edge = found.edge.max(edge);
                 if off > found.off {
                     (found.off, found.worst) = (off, from + at);
                 }
@@ -68,8 +69,8 @@ impl Stretch {
     }
 }
 
-/// How far the rim at `row` is from where it would be on the straight way between two others (m).
-fn rim_off(first: &Row, last: &Row, row: &Row, radius: f64) -> f64 {
+/// Edge displacement between `row` and the linear interpolation between two other rows (m).
+fn edge_displacement(first: &Row, last: &Row, row: &Row, radius: f64) -> f64 {
     let share = (row.time - first.time) / (last.time - first.time);
     let (a, b, here) = (&first.motion.pose, &last.motion.pose, &row.motion.pose);
     let position = a.position + share * (b.position - a.position) - here.position;
@@ -95,7 +96,7 @@ impl PartialOrd for Stretch {
     }
 }
 
-/// By how far it is off; of equals the earlier one is the larger.
+/// Orders by the error. Of two equal errors the earlier stretch is the larger.
 impl Ord for Stretch {
     fn cmp(&self, other: &Self) -> Ordering {
         self.off.total_cmp(&other.off).then(other.from.cmp(&self.from))
@@ -123,7 +124,7 @@ mod tests {
         for pair in thinned.rows.windows(2) {
             for trace in &traces {
                 let rows = &trace.rows;
-                let off = |at: usize| rim_off(&rows[pair[0]], &rows[pair[1]], &rows[at], RADIUS);
+                let off = |at: usize| edge_displacement(&rows[pair[0]], &rows[pair[1]], &rows[at], RADIUS);
                 largest = (pair[0] + 1..pair[1]).map(off).fold(largest, f64::max);
             }
         }
@@ -131,7 +132,7 @@ mod tests {
         let even: Vec<usize> = (0..600).map(|k| k * 3999 / 599).collect();
         let off_evenly = even.windows(2).flat_map(|pair| {
             let rows = &traces[1].rows;
-            (pair[0] + 1..pair[1]).map(move |at| rim_off(&rows[pair[0]], &rows[pair[1]], &rows[at], RADIUS))
+            (pair[0] + 1..pair[1]).map(move |at| edge_displacement(&rows[pair[0]], &rows[pair[1]], &rows[at], RADIUS))
         });
         assert!(thinned.deviation < off_evenly.fold(0.0, f64::max), "better than as many rows spread evenly");
     }

@@ -1,0 +1,44 @@
+//! What figures are drawn of: traces with their names, and the surroundings of the load.
+
+use crate::math::Vec2;
+use crate::scenario::{Drive, Scenario};
+use crate::simulation::Trace;
+
+/// Print units over those of a trace: mm, mN, mJ.
+pub const MILLI: f64 = 1e3;
+
+/// A trace and its name in legends.
+#[derive(Clone, Copy, Debug)]
+pub struct Labelled<'a> {
+    pub label: &'a str,
+    pub trace: &'a Trace,
+}
+
+/// Surroundings of a trace in its figures. Entries that are zero or `None` are not drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Radius of the load's outline (m).
+    pub load_radius: f64,
+    /// Sum of the slip limits: the net pull that moves the load (N).
+    pub slip_limit: f64,
+    pub nest: Option<Nest>,
+}
+
+/// Where ants take the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nest {
+    /// (m, world)
+    pub position: Vec2,
+    /// (m)
+    pub arrival_radius: f64,
+}
+
+impl Scene {
+    pub fn of(scenario: &Scenario) -> Self {
+        let nest = match &scenario.drive {
+            Drive::Ants(ants) => Some(Nest { position: ants.nest_position, arrival_radius: ants.arrival_radius }),
+            Drive::Tips(_) => None,
+        };
+        Self { load_radius: scenario.system.load.radius, slip_limit: scenario.system.total_slip_limit(), nest }
+    }
+}
