@@ -277,7 +277,7 @@ fn ant_values() -> Vec<Bad> {
 
 #[test]
 fn a_wrong_shape_is_told_and_the_schema_refuses_it_too() {
-    let schema = jsonschema::validator_for(&format::schema()).unwrap();
+    let schema = jsonschema::validator_for(format::schema()).unwrap();
     assert!(schema.is_valid(&tips()));
     for row in shapes() {
         assert_told(&tips(), &row);
@@ -466,7 +466,7 @@ fn pointers(value: &Value, at: &str) -> Vec<String> {
 /// is accepted fits the schema and survives its expansion.
 #[test]
 fn odd_values_anywhere_are_answered() {
-    let schema = jsonschema::validator_for(&format::schema()).unwrap();
+    let schema = jsonschema::validator_for(format::schema()).unwrap();
     let odd = [
         json!(null),
         json!(true),

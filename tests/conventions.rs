@@ -100,7 +100,7 @@ fn quiet_commands_print_errors_only_and_colour_is_as_asked() {
     assert_eq!(is_coloured(&["run", SCENE, "--integrator", "euler"]), (false, false));
     assert_eq!(is_coloured(&["run", SCENE, "--integrator", "euler", "--color", "always"]), (true, true));
     assert_eq!(is_coloured(&["--color=always", "run", "--help"]), (true, false));
-    assert_eq!(is_coloured(&["run", SCENE, "--json", "--color", "always"]).0, false);
+    assert!(!is_coloured(&["run", SCENE, "--json", "--color", "always"]).0);
     assert_eq!(call(&["run", SCENE, "--color", "sometimes"]).status.code(), Some(2));
 }
 

@@ -135,13 +135,16 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     Ok(if outcome.steps.status == Status::Failed || !summary.run.is_accurate() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
+/// What follows a run to estimate the inertia effect, if anything does.
+type SharedEstimator = Option<Rc<RefCell<Estimator>>>;
+
 /// The run, as far as it got, and what follows it to estimate the inertia effect.
 fn computed<'a>(
     args: &RunArgs,
     scenario: &'a Scenario,
     options: &BackendOptions,
     writer: &mut Option<RunWriter>,
-) -> Result<(Simulation<'a>, Option<Rc<RefCell<Estimator>>>), CliError> {
+) -> Result<(Simulation<'a>, SharedEstimator), CliError> {
     let keep = if writer.is_some() { Keep::Trace } else { Keep::Outcome };
     let saved = saved(options, args.state.as_deref())?;
     let (backend, mut estimator) = backend(scenario, saved.as_ref().map_or(options, |saved| &saved.options), args.no_estimate);
@@ -213,7 +216,7 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
 }
 
 /// The backend, and what follows a quasi-static one to estimate the inertia effect.
-fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> (Box<dyn Backend>, Option<Rc<RefCell<Estimator>>>) {
+fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> (Box<dyn Backend>, SharedEstimator) {
     if options.kind != BackendKind::QuasiStatic || no_estimate {
         return (build(&scenario.system, scenario.start, options), None);
     }
@@ -239,7 +242,7 @@ fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRu
 
 /// Differences between the options of a saved run and those asked for.
 fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
-    let [saved, asked] = [saved, asked].map(|options| json::plain(options));
+    let [saved, asked] = [saved, asked].map(json::plain);
     let names = saved.as_object().into_iter().chain(asked.as_object()).flat_map(|object| object.keys()).collect::<BTreeSet<_>>();
     let differing = names.into_iter().filter(|name| saved.get(name) != asked.get(name));
     let of = |options: &Value, name: &str| options.get(name).map_or("none".to_owned(), Value::to_string);

@@ -54,9 +54,11 @@ impl RandomStreams {
         [Open01.sample(&mut draws), Open01.sample(&mut draws)]
     }
 
-    /// One uniform draw in (0, 1).
+    /// One uniform draw in (0, 1): the first of [`RandomStreams::uniform_pair`].
+    #[inline]
     pub fn uniform(&self, stream: Stream, agent: u32, tick: u64) -> f64 {
-        Open01.sample(&mut self.draws(stream, agent, tick))
+        let [draw] = self.uniforms(stream, agent, tick);
+        draw
     }
 
     /// Draws of [`RandomStreams::uniform`] at `N` successive ticks from this one on, computed side
@@ -181,7 +183,7 @@ mod tests {
         for first in [0, 77, (1 << 32) - 5, u64::MAX - 2] {
             let together: [f64; 16] = streams.uniforms(Stream::Release, 2, first);
             for (k, drawn) in together.into_iter().enumerate() {
-                assert_eq!(drawn, streams.uniform(Stream::Release, 2, first.wrapping_add(k as u64)), "{first} {k}");
+                assert_eq!(drawn, streams.uniform_pair(Stream::Release, 2, first.wrapping_add(k as u64))[0], "{first} {k}");
             }
         }
     }

@@ -27,7 +27,8 @@ const WIDTH: usize = 24;
 /// A table that is being written to `out`.
 pub struct Lines<W> {
     out: W,
-    names: Vec<String>,
+    /// Names of the columns, with commas between them.
+    head: String,
     block: Vec<u8>,
     /// How much of the block is filled.
     filled: usize,
@@ -79,11 +80,16 @@ impl<W: Write> Lines<W> {
     /// # Errors
     /// When `out` fails.
     pub fn new(mut out: W, names: &[impl AsRef<str>]) -> io::Result<Self> {
-        let names: Vec<String> = names.iter().map(|name| name.as_ref().to_owned()).collect();
-        writeln!(out, "{}", names.join(","))?;
+        let mut head = String::new();
+        for name in names {
+            head.push_str(name.as_ref());
+            head.push(',');
+        }
+        head.pop();
+        writeln!(out, "{head}")?;
         let n_columns = names.len();
         let block = vec![0; BLOCK + n_columns * (WIDTH + 1) + PIECE];
-        Ok(Self { out, names, block, filled: 0, last: vec![Field::EMPTY; n_columns], column: 0 })
+        Ok(Self { out, head, block, filled: 0, last: vec![Field::EMPTY; n_columns], column: 0 })
     }
 
     /// Begins a line.
@@ -127,7 +133,8 @@ impl<W: Write> Lines<W> {
 
     fn not_finite(&self, values: &[f64]) -> NotFinite {
         let at = values.iter().position(|value| !value.is_finite()).expect("one is not");
-        NotFinite { path: self.names[self.column + at].clone(), value: values[at] }
+        let name = self.head.split(',').nth(self.column + at).expect("every field has a column");
+        NotFinite { path: name.to_owned(), value: values[at] }
     }
 
     /// All texts are made before the first is copied into the block: a processor waits where it

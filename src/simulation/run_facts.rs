@@ -63,7 +63,7 @@ pub enum Value {
 /// Every number of a run, in the order of tables.
 pub const FACTS: [Fact; 51] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
-    number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", |r| time_to_nest(r)),
+    number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
     number("final.position_m[0]", "x_m", "Position of the load along x at the end.", |r| Number(r.outcome.motion.pose.position.x)),
     number("final.position_m[1]", "y_m", "Position of the load along y at the end.", |r| Number(r.outcome.motion.pose.position.y)),
@@ -82,7 +82,7 @@ pub const FACTS: [Fact; 51] = [
     number("path_length_m", "path_length_m", "Length of the load's path, straight between control instants.", |r| {
         r.path_length.map_or(Absent, Number)
     }),
-    number("mean_speed_m_per_s", "mean_speed_m_per_s", "Distance from start to end over the time of the run.", |r| mean_speed(r)),
+    number("mean_speed_m_per_s", "mean_speed_m_per_s", "Distance from start to end over the time of the run.", mean_speed),
     number("pull_force_n.mean", "pull_mean_n", "Mean pull at the ants' grasps (zero) and decisions.", |r| r.pulls(|p| Number(p.mean())))
         .of_pulls(1),
     number("pull_force_n.sd", "pull_sd_n", "Standard deviation of these pulls.", |r| r.pulls(|p| Number(p.sd()))).of_pulls(2),
@@ -108,7 +108,7 @@ pub const FACTS: [Fact; 51] = [
         "energy.defect_parts.numerical_damping_j",
         "defect_numerical_damping_j",
         "Part of the defect from the integration method.",
-        |r| numerical_damping(r),
+        numerical_damping,
     ),
     number("energy.defect_parts.quadrature_j", "", "Part of the defect from the sums of work.", |r| {
         Number(r.outcome.energy.defect_parts().quadrature)
@@ -138,7 +138,7 @@ pub const FACTS: [Fact; 51] = [
     flag("accuracy.is_met", "", "Whether the errors are small enough and every step converged.", |r| {
         r.accuracy(|_, _| Flag(r.is_accurate()))
     }),
-    number("steps.residual", "residual", "Largest relative residual of a step.", |r| residual(r)).not_reproducible(),
+    number("steps.residual", "residual", "Largest relative residual of a step.", residual).not_reproducible(),
     count("steps.n_steps", "n_steps", "Number of steps.", |r| Count(r.outcome.steps.n_steps)),
     count("steps.n_solves", "n_solves", "Number of solves.", |r| Count(r.outcome.steps.n_solves)),
     count("steps.n_iterations", "n_iterations", "Number of iterations of all solves.", |r| Count(r.outcome.steps.n_iterations))
@@ -146,7 +146,7 @@ pub const FACTS: [Fact; 51] = [
     count("steps.n_skipped", "n_skipped", "Number of steps that needed no solve.", |r| Count(r.outcome.steps.n_skipped)),
     count("steps.n_not_converged", "n_not_converged", "Number of steps that did not converge.", |r| Count(r.outcome.steps.n_not_converged)),
     count("steps.n_rejected", "n_rejected", "Number of macro-steps that error control rejected.", |r| Count(r.outcome.steps.n_rejected)),
-    number("steps.share_skipped", "", "Skipped steps over all steps.", |r| share_skipped(r)),
+    number("steps.share_skipped", "", "Skipped steps over all steps.", share_skipped),
     count("steps.skipped.free_load", "", "Number of steps skipped without an attached spring.", |r| {
         Count(r.outcome.steps.skipped.free_load)
     }),

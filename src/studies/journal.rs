@@ -345,7 +345,11 @@ mod tests {
 
     fn records(journal: &Journal) -> Vec<String> {
         let mut records = Vec::new();
-        journal.visit(|record| Ok::<(), JournalError>(records.push(record.to_owned()))).unwrap();
+        let mut keep = |record: &str| -> Result<(), JournalError> {
+            records.push(record.to_owned());
+            Ok(())
+        };
+        journal.visit(&mut keep).unwrap();
         records
     }
 

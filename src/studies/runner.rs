@@ -182,8 +182,8 @@ impl<R: Serialize + DeserializeOwned> Records<R> {
     ///
     /// # Errors
     /// With itself, when a record is missing.
-    pub fn complete(self, n: usize) -> Result<(Vec<R>, Option<Journal>), Self> {
-        if self.done.len() < n { Err(self) } else { Ok((self.done.into_values().collect(), self.journal)) }
+    pub fn complete(self, n: usize) -> Result<(Vec<R>, Option<Journal>), Box<Self>> {
+        if self.done.len() < n { Err(Box::new(self)) } else { Ok((self.done.into_values().collect(), self.journal)) }
     }
 }
 

@@ -128,6 +128,10 @@ fn wrapped(text: &str) -> String {
 /// The type of a value in words, a definition as a link.
 fn kind(value: &Value) -> String {
     if let Some(name) = value["$ref"].as_str() {
+        // A kind has one value only, which its description names.
+        if name.ends_with("Kind") {
+            return "string".to_owned();
+        }
         let title = title(name.trim_start_matches("#/$defs/"));
         return format!("[{title}](#{})", title.to_lowercase().replace(' ', "-"));
     }

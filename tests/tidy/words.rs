@@ -100,7 +100,7 @@ fn matches(text: &str, phrase: &str) -> Vec<usize> {
     let is_part = |char: char| char.is_alphanumeric() || char == '_' || char == '-';
     let is_whole = |at: &usize| {
         let ends_in_word = phrase.ends_with(is_part);
-        !text[..*at].ends_with(is_part) && !(ends_in_word && text[at + phrase.len()..].starts_with(is_part))
+        !(text[..*at].ends_with(is_part) || ends_in_word && text[at + phrase.len()..].starts_with(is_part))
     };
     text.match_indices(phrase).map(|(at, _)| at).filter(is_whole).collect()
 }

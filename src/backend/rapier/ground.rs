@@ -132,9 +132,13 @@ fn polygon(supports: &[Support]) -> Vec<FrictionJoint> {
     supports.iter().flat_map(|support| directions.clone().map(|axis| support.joint(axis, [share * support.limit; 2]))).collect()
 }
 
-/// Solution of the engine's step as a friction problem for the body-twist increment `h v`: (M / h^2
-/// + K + D / h) x - (M v_n / h + W) + friction = 0. The search starts from the last twist, which is
-/// near for a load that keeps slipping.
+/// Solution of the engine's step as a friction problem for the body-twist increment `x = h v`:
+///
+/// ```text
+/// (M / h^2 + K + D / h) x - (M v_n / h + W) + friction = 0
+/// ```
+///
+/// The search starts from the last twist, which is near for a load that keeps slipping.
 fn solve(solver: &mut FrictionSolver, system: &System, motion: &Motion, facing: &Vec2, sum: &SpringSum, duration: f64) -> FrictionSolution {
     let mass = Vec3::new(system.load.mass, system.load.mass, system.load.inertia);
     let mut slope = sum.stiffness + sum.damping / duration;

@@ -62,5 +62,5 @@ pub fn work(
             prepared.as_mut()?.line(cell, &go_on).map(Ok)
         }
     };
-    pool.install(|| runner::work(&take, &worker, &go_on, |cell, line: String| keep(cell, &line)))
+    pool.install(|| runner::work(take, worker, &go_on, |cell, line: String| keep(cell, &line)))
 }

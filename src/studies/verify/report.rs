@@ -215,7 +215,7 @@ fn summary(found: &Verification) -> String {
         0 => String::new(),
         n => format!("{n} rows of rapier with its engine defaults are shown and not judged.\n"),
     };
-    format!("{answer}: {} of {} rows ({}).\n{shown}", found.n_held, found.n_judged, quantity(found.wall_s, "s"))
+    format!("{answer}: {} of {} rows.\n{shown}wall time {}\n", found.n_held, found.n_judged, quantity(found.wall_s, "s"))
 }
 
 /// Names of the cases and what they ask.
