@@ -44,11 +44,14 @@ impl RandomStreams {
     }
 
     /// Generator of the draws of one agent at one tick.
+    #[inline]
     pub fn draws(&self, stream: Stream, agent: u32, tick: u64) -> Draws {
-        Draws { key: self.key(), counter: [tick, tick >> 32, agent.into(), stream as u64], words: [0; 4], n_left: 0 }
+        let (key, counter) = (self.key(), [tick, tick >> 32, agent.into(), stream as u64]);
+        Draws { key, counter, words: block(counter, key), n_used: 0 }
     }
 
     /// Two independent uniform draws in (0, 1) with 52 random bits each.
+    #[inline]
     pub fn uniform_pair(&self, stream: Stream, agent: u32, tick: u64) -> [f64; 2] {
         let mut draws = self.draws(stream, agent, tick);
         [Open01.sample(&mut draws), Open01.sample(&mut draws)]
@@ -92,7 +95,15 @@ pub struct Draws {
     /// Low and high word of the tick, agent, and stream plus 256 for each block that was drawn.
     counter: [u64; 4],
     words: [u32; 4],
-    n_left: usize,
+    n_used: usize,
+}
+
+impl Draws {
+    #[cold]
+    fn next_block(&mut self) {
+        self.counter[3] += 256;
+        (self.words, self.n_used) = (block(self.counter, self.key), 0);
+    }
 }
 
 impl TryRng for Draws {
@@ -100,13 +111,11 @@ impl TryRng for Draws {
 
     #[inline]
     fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        if self.n_left == 0 {
-            self.words = philox4x32_10(self.counter.map(|word| [word]), self.key).map(|[word]| word as u32);
-            self.counter[3] += 256;
-            self.n_left = self.words.len();
+        if self.n_used == self.words.len() {
+            self.next_block();
         }
-        self.n_left -= 1;
-        Ok(self.words[self.words.len() - 1 - self.n_left])
+        self.n_used += 1;
+        Ok(self.words[self.n_used - 1])
     }
 
     /// The first of two words is the high one.
@@ -130,6 +139,12 @@ fn open_unit(high: u32, low: u32) -> f64 {
     // The bits are the digits of a number from 1 to 2.
     const ONE: u64 = 1f64.to_bits();
     f64::from_bits(ONE | bits) - (1.0 - 0.5 * f64::EPSILON)
+}
+
+/// Block of one counter.
+#[inline]
+fn block(counter: [u64; 4], key: [u32; 2]) -> [u32; 4] {
+    philox4x32_10(counter.map(|word| [word]), key).map(|[word]| word as u32)
 }
 
 /// Blocks of N counters, computed side by side. Words stand in the low halves; what is above them
