@@ -234,8 +234,8 @@ fn prescribed_tips_start_at_rest() {
 
 /// Opposed springs load each other to 2.5 times the slip limit f, so their sum never moves the
 /// load; letting one go leaves the net force F_0 = 2.5 f. Then a method without inertia moves
-/// by (F_0 - f) / k = 1.5 f / k, and an undamped load by 2 (F_0 - f) / k = 3 f / k. There the spring
-/// pushes back with half of f, which friction holds: no second swing.
+/// by (F_0 - f) / k = 1.5 f / k, and an undamped load by 2 (F_0 - f) / k = 3 f / k. There the
+/// spring pushes back with half of f, which friction holds: no second swing.
 #[test]
 fn the_release_jump_leaves_two_and_a_half_slip_limits() {
     let scenario = read("analytic/release-jump.json");

@@ -170,7 +170,7 @@ fn the_program_prints_a_table_or_one_object_and_lists_its_cases() {
     assert_eq!(text(&brief.stderr), "");
     let lines: Vec<&str> = text(&brief.stdout).lines().collect();
     assert!(lines[0].starts_with("All known answers hold: "), "{}", text(&brief.stdout));
-    assert!(lines.len() == 5 && lines[3].starts_with("  slide ") && lines[4].starts_with("  towing "), "{lines:?}");
+    assert!(lines.len() == 6 && lines[4].starts_with("  slide ") && lines[5].starts_with("  towing "), "{lines:?}");
     assert!(lines.iter().all(|line| line.chars().count() <= 80), "{lines:?}");
 
     let found = Verification::new(&[named("slide-1-m-s")], &rows(named("slide-1-m-s"), Method::RAPIER), Effort::Full, 0.1);

@@ -6,8 +6,8 @@
 //!
 //! A backend that observes another one, or adds to what it does, is a [`Wrapped`] with a [`Hook`].
 
-mod build;
-pub(crate) mod exact;
+mod default_step;
+mod exact;
 pub mod friction;
 pub mod increment;
 mod interface;
@@ -26,7 +26,7 @@ mod transition;
 mod wrapped;
 
 pub use crate::model::Motion;
-pub use build::{build, default_step, step_of};
+pub use default_step::{default_step, step_of};
 pub use exact::Integrator;
 pub use friction::ConeSolver;
 pub use interface::Backend;
@@ -44,7 +44,33 @@ pub use transition::{Transition, TransitionCounts, TransitionKind};
 pub use wrapped::{Hook, Wrapped};
 
 use crate::model::System;
-use exact::Exact;
+use default_step::settling_time;
+use exact::{Column, Control, Exact};
+use tandem::tandem;
+use tolerance::CHECK_SHARE;
+
+/// Backend that the options ask for.
+///
+/// # Panics
+/// When the step or the tolerance is not positive, or when a backend without error control is given
+/// a tolerance.
+pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
+    assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
+    let Some(tolerance) = &options.tolerance else { return with_stepping(system, start, options, Stepping::Fixed(options.step_s)) };
+    let Tolerance { position_m, heading_rad, .. } = tolerance;
+    assert!(*position_m > 0.0 && *heading_rad > 0.0, "tolerances must be positive, found {position_m} m and {heading_rad} rad");
+    assert!(options.kind.is_exact(), "{} has no error control", options.kind.name());
+    let controlled = |control| with_stepping(system, start, options, Stepping::Controlled(control));
+    let answer = tolerance.control(system, settling_time(options.kind, system));
+    let check = Control {
+        position: CHECK_SHARE * answer.position,
+        heading: CHECK_SHARE * answer.heading,
+        energy: CHECK_SHARE * answer.energy,
+        keeps: Column::LastButOne,
+        ..answer
+    };
+    Box::new(tandem(controlled(answer), controlled(check)))
+}
 
 /// Backend with this stepping: the only place that maps kinds to code. Options of fixed steps are
 /// ignored under error control.

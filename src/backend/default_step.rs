@@ -1,9 +1,6 @@
-//! From options to a backend, and the steps that are taken by default.
+//! Steps that are taken by default, and the time scale of error control.
 
-use super::exact::{Column, Control};
-use super::tandem::tandem;
-use super::tolerance::CHECK_SHARE;
-use super::{Backend, BackendKind, BackendOptions, Motion, Stepping, Tolerance, with_stepping};
+use super::BackendKind;
 use crate::model::System;
 
 /// Shortest default step (s). A scene may be too stiff to resolve in reasonable time, and all
@@ -30,34 +27,11 @@ pub fn step_of(requested: Option<f64>, kind: BackendKind, system: &System, contr
     requested.map_or_else(|| default_step(kind, system, control_period), |step| step.min(control_period))
 }
 
-/// Backend that the options ask for.
-///
-/// # Panics
-/// When the step or the tolerance is not positive, or when a backend without error control is given
-/// a tolerance.
-pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
-    assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
-    let Some(tolerance) = &options.tolerance else { return with_stepping(system, start, options, Stepping::Fixed(options.step_s)) };
-    let Tolerance { position_m, heading_rad, .. } = tolerance;
-    assert!(*position_m > 0.0 && *heading_rad > 0.0, "tolerances must be positive, found {position_m} m and {heading_rad} rad");
-    assert!(options.kind.is_exact(), "{} has no error control", options.kind.name());
-    let controlled = |control| with_stepping(system, start, options, Stepping::Controlled(control));
-    let answer = tolerance.control(system, settling_time(options.kind, system));
-    let check = Control {
-        position: CHECK_SHARE * answer.position,
-        heading: CHECK_SHARE * answer.heading,
-        energy: CHECK_SHARE * answer.energy,
-        keeps: Column::LastButOne,
-        ..answer
-    };
-    Box::new(tandem(controlled(answer), controlled(check)))
-}
-
 /// Time over which a wrong speed makes the position wrong (s): one radian of the slowest
 /// oscillation, or the time in which friction stops a load that crosses its radius, whichever is
 /// shorter. `None` for a method without inertia. Without springs and friction speeds stay right, up
 /// to 1e9 s.
-fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
+pub fn settling_time(kind: BackendKind, system: &System) -> Option<f64> {
     if !kind.has_inertia() {
         return None;
     }
