@@ -169,7 +169,7 @@ impl<W: Write> Lines<W> {
         self.part();
     }
 
-    /// Writes the next field: a word of at most [`WIDTH`] letters that needs no quotes.
+    /// Writes the next field: a word of at most 24 letters that needs no quotes.
     pub fn word(&mut self, word: &str) {
         self.block[self.filled..][..word.len()].copy_from_slice(word.as_bytes());
         self.filled += word.len();

@@ -2,7 +2,7 @@
 //! made for, and the result of each backend in every cell.
 //!
 //! A [`Map`] is a grid of two parameters over a base scene and what is known of its answer. Each
-//! cell is run on every [`Method`] of the backends, observed at every step, and ends as one
+//! cell is run on every method of the backends, observed at every step, and ends as one
 //! [`Row`]: an [`Outcome`], the cause in words of every one but `finished`, and the numbers behind
 //! both. Panics are caught cell by cell, numbers that are not finite are looked for in everything
 //! that a backend reports, and whatever has no cause counts as unexplained.
