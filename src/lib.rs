@@ -88,7 +88,10 @@ pub use backend::{
 };
 pub use math::{Interval, Pose, Summary, Twist, Vec2, Wrench};
 pub use model::behaviour::{GraspPace, HalfAngle, ReleaseLaw, ReleasePace};
-pub use model::{Ground, Load, PolarSpring, Reaction, SpringDesign, SpringShape, SupportPoint, System, interaction_force};
+pub use model::{
+    Ground, Load, Obstacle, ObstaclePath, Outline, OutlinePart, PolarSpring, Reaction, SpringDesign, SpringShape, SupportPoint, System,
+    World, interaction_force,
+};
 pub use scenario::{AntDrive, Drive, Finding, Scenario, ScenarioError, TipPath, Waypoint};
 pub use simulation::{
     Ants, Commands, Controller, Event, EventKind, Keep, MakeBackend, Outcome, Replay, Row, SavedRun, Simulation, Tips, Trace, View,

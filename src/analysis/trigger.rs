@@ -12,6 +12,9 @@ pub struct Trigger {
     /// Support that was pinned or unpinned; left out for other triggers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support: Option<usize>,
+    /// Obstacle that the load touched or left; left out for other triggers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obstacle: Option<usize>,
     /// Time at which it happened (s).
     pub time_s: f64,
 }
@@ -33,6 +36,8 @@ pub enum TriggerKind {
     Unpinning,
     /// The quasi-static load jumps.
     Jump,
+    /// The load touches, hits or leaves an obstacle, or begins to stick or slide there.
+    Contact,
     /// The tips drive the load, or stop.
     Driving,
 }
@@ -50,7 +55,7 @@ pub struct ByTrigger {
 
 impl Trigger {
     pub fn new(kind: TriggerKind, time_s: f64) -> Self {
-        Self { kind, spring: None, support: None, time_s }
+        Self { kind, spring: None, support: None, obstacle: None, time_s }
     }
 
     /// Plain name, such as `release of spring 1`.
@@ -64,11 +69,13 @@ impl Trigger {
             TriggerKind::Pinning => "pinning",
             TriggerKind::Unpinning => "unpinning",
             TriggerKind::Jump => "quasi-static jump",
+            TriggerKind::Contact => "contact",
             TriggerKind::Driving => "change of speed",
         };
-        match (self.spring, self.support) {
-            (Some(spring), _) => format!("{kind} of spring {spring}"),
-            (_, Some(support)) => format!("{kind} of support {support}"),
+        match (self.spring, self.support, self.obstacle) {
+            (Some(spring), _, _) => format!("{kind} of spring {spring}"),
+            (_, Some(support), _) => format!("{kind} of support {support}"),
+            (_, _, Some(obstacle)) => format!("{kind} with obstacle {obstacle}"),
             _ => kind.to_owned(),
         }
     }

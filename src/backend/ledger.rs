@@ -2,6 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+fn is_zero(energy: &f64) -> bool {
+    *energy == 0.0
+}
+
 /// Energy of a run, by where it is and where it went (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyLedger {
@@ -11,12 +15,21 @@ pub struct EnergyLedger {
     pub kinetic: f64,
     /// Energy lost to friction so far.
     pub friction: f64,
+    /// Energy lost to side friction with obstacles so far.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub side_friction: f64,
+    /// Energy lost in impacts on obstacles so far.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub impacts: f64,
     /// Energy lost in the dashpots of the springs so far.
     pub damping: f64,
     /// Energy of the springs that were released so far. A free spring relaxes at once.
     pub released: f64,
     /// Work on the tips so far, with that of attaching deformed springs.
     pub tip_work: f64,
+    /// Work of moving obstacles on the load so far.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub obstacle_work: f64,
     /// Kinetic energy at the start.
     pub initial: f64,
     /// Energy lost in jumps of a load without inertia so far. With inertia it would become motion.
@@ -57,15 +70,15 @@ impl EnergyLedger {
         self.elastic = elastic;
     }
 
-    /// Energy lost to friction, damping and released springs (J).
+    /// Energy lost to friction, impacts, damping and released springs (J).
     pub fn dissipated(&self) -> f64 {
-        self.friction + self.damping + self.released
+        self.friction + self.side_friction + self.impacts + self.damping + self.released
     }
 
     /// Energy that appeared from nowhere (J). It is negative by numerical damping, and by jumps of
     /// a method without inertia.
     pub fn defect(&self) -> f64 {
-        self.elastic + self.kinetic + self.dissipated() - self.tip_work - self.initial
+        self.elastic + self.kinetic + self.dissipated() - self.tip_work - self.obstacle_work - self.initial
     }
 
     /// Defect by its causes.

@@ -1,5 +1,5 @@
 //! Instants at which the motion of the load is not smooth: slip onset, stop, pinning to a support,
-//! unpinning, and jump.
+//! unpinning, jump, and what happens at obstacles.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,20 @@ pub enum TransitionKind {
     Pinning { support: usize },
     /// The support that the load turned about slips.
     Unpinning { support: usize },
+    /// The load touches an obstacle that it did not touch.
+    Touch { obstacle: usize },
+    /// The load parts from an obstacle.
+    Separation { obstacle: usize },
+    /// A contact with an obstacle begins to stick or to roll.
+    SideStick { obstacle: usize },
+    /// A contact with an obstacle begins to slide.
+    SideSlip { obstacle: usize },
+    /// The load hits an obstacle with a finite speed.
+    Impact {
+        obstacle: usize,
+        /// Energy lost (J).
+        energy: f64,
+    },
     /// A load without inertia moves by a finite displacement in no time.
     Jump {
         /// Shift of the load's origin (m).
@@ -45,10 +59,24 @@ pub struct TransitionCounts {
     pub n_stop: u64,
     pub n_pinning: u64,
     pub n_unpinning: u64,
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_touch: u64,
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_separation: u64,
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_side_stick: u64,
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_side_slip: u64,
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_impacts: u64,
     pub n_jumps: u64,
     /// Largest shift in a jump (m); `None` without any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub largest_jump: Option<f64>,
+}
+
+fn is_none(count: &u64) -> bool {
+    *count == 0
 }
 
 impl TransitionCounts {
@@ -58,6 +86,11 @@ impl TransitionCounts {
             TransitionKind::Stop => self.n_stop += 1,
             TransitionKind::Pinning { .. } => self.n_pinning += 1,
             TransitionKind::Unpinning { .. } => self.n_unpinning += 1,
+            TransitionKind::Touch { .. } => self.n_touch += 1,
+            TransitionKind::Separation { .. } => self.n_separation += 1,
+            TransitionKind::SideStick { .. } => self.n_side_stick += 1,
+            TransitionKind::SideSlip { .. } => self.n_side_slip += 1,
+            TransitionKind::Impact { .. } => self.n_impacts += 1,
             TransitionKind::Jump { shift, .. } => {
                 self.n_jumps += 1;
                 self.largest_jump = Some(self.largest_jump.map_or(*shift, |largest| largest.max(*shift)));
@@ -86,6 +119,11 @@ impl TransitionKind {
             TransitionKind::Stop => "stop",
             TransitionKind::Pinning { .. } => "pinning",
             TransitionKind::Unpinning { .. } => "unpinning",
+            TransitionKind::Touch { .. } => "touch",
+            TransitionKind::Separation { .. } => "separation",
+            TransitionKind::SideStick { .. } => "side_stick",
+            TransitionKind::SideSlip { .. } => "side_slip",
+            TransitionKind::Impact { .. } => "impact",
             TransitionKind::Jump { .. } => "jump",
         }
     }

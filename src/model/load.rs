@@ -1,6 +1,6 @@
 //! The load, and the whole mechanism a backend moves: load, ground and springs.
 
-use super::{Ground, PolarSpring};
+use super::{Ground, PolarSpring, World};
 use crate::math::Twist;
 
 /// A rigid body in the plane. The origin of its frame is its centre of mass.
@@ -10,8 +10,8 @@ pub struct Load {
     pub mass: f64,
     /// Moment of inertia about the origin (kg m^2).
     pub inertia: f64,
-    /// Radius of the outline, a disc (m). It has no effect on forces; it sets the default inertia
-    /// and the measure of displacements.
+    /// Largest distance of the outline from the origin (m), the radius of a disc. It is the measure
+    /// of displacements.
     pub radius: f64,
 }
 
@@ -22,7 +22,7 @@ impl Load {
     }
 }
 
-/// The mechanism that a backend moves: load, ground and springs. Nothing in it changes during a
+/// The mechanism that a backend moves: load, ground, springs and obstacles. Nothing in it changes during a
 /// run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct System {
@@ -32,6 +32,8 @@ pub struct System {
     pub ground: Ground,
     /// Springs of the load. A spring is named by its index.
     pub springs: Vec<PolarSpring>,
+    /// Outline of the load and obstacles.
+    pub world: World,
 }
 
 impl System {

@@ -31,6 +31,7 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             initial: 1e-9,
             jumps: 2e-7,
             numerical_damping: 3e-8,
+            ..EnergyLedger::default()
         },
         steps: StepReport {
             status: Status::Converged,

@@ -59,7 +59,7 @@ impl TraceColumns {
 pub const EVENT_COLUMNS: [&str; 6] = ["time_s", "event", "spring", "ant", "tip_x_m", "tip_y_m"];
 
 /// Columns of `transitions.csv`.
-pub const TRANSITION_COLUMNS: [&str; 6] = ["time_s", "transition", "support", "shift_m", "turn_rad", "energy_j"];
+pub const TRANSITION_COLUMNS: [&str; 7] = ["time_s", "transition", "support", "shift_m", "turn_rad", "energy_j", "obstacle"];
 
 /// Writer of a `trace.csv`.
 pub struct TraceTable<W> {
@@ -155,8 +155,8 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
 }
 
 /// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: slip onsets, stops,
-/// pinnings and unpinnings of supports, and jumps. The last three columns belong to jumps: shift,
-/// turn, and the energy that a load with inertia would have converted to kinetic energy.
+/// pinnings and unpinnings of supports, jumps, and what happens at obstacles. Shift and turn belong to
+/// jumps. The energy is what a jump would have given to a load with inertia, or what an impact lost.
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.
@@ -169,13 +169,26 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
         match kind {
             TransitionKind::Pinning { support } | TransitionKind::Unpinning { support } => {
                 lines.count(*support);
-                lines.nothing(3);
+                lines.nothing(4);
             }
             TransitionKind::Jump { shift, turn, energy } => {
                 lines.nothing(1);
                 lines.numbers(&[*shift, *turn, *energy])?;
+                lines.nothing(1);
             }
-            TransitionKind::SlipOnset | TransitionKind::Stop => lines.nothing(4),
+            TransitionKind::Touch { obstacle }
+            | TransitionKind::Separation { obstacle }
+            | TransitionKind::SideStick { obstacle }
+            | TransitionKind::SideSlip { obstacle } => {
+                lines.nothing(4);
+                lines.count(*obstacle);
+            }
+            TransitionKind::Impact { obstacle, energy } => {
+                lines.nothing(3);
+                lines.numbers(&[*energy])?;
+                lines.count(*obstacle);
+            }
+            TransitionKind::SlipOnset | TransitionKind::Stop => lines.nothing(5),
         }
         lines.end();
     }
@@ -276,7 +289,9 @@ mod tests {
             TransitionKind::SlipOnset,
             TransitionKind::Pinning { support: 2 },
             TransitionKind::Unpinning { support: 2 },
+            TransitionKind::Touch { obstacle: 1 },
             TransitionKind::Jump { shift: 4e-3, turn: -0.1, energy: 2.5e-5 },
+            TransitionKind::Impact { obstacle: 0, energy: 0.5 },
             TransitionKind::Stop,
         ];
         let transitions = kinds.map(|kind| Transition { time: 0.1 + 0.2, kind }).to_vec();
@@ -285,11 +300,19 @@ mod tests {
         write_transitions(&trace, &mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         let time = "0.30000000000000004";
-        let rows = ["slip_onset,,,,", "pinning,2,,,", "unpinning,2,,,", "jump,,0.004,-0.1,0.000025", "stop,,,,"]
-            .map(|row| format!("{time},{row}\n"));
+        let rows = [
+            "slip_onset,,,,,",
+            "pinning,2,,,,",
+            "unpinning,2,,,,",
+            "touch,,,,,1",
+            "jump,,0.004,-0.1,0.000025,",
+            "impact,,,,0.5,0",
+            "stop,,,,,",
+        ]
+        .map(|row| format!("{time},{row}\n"));
         assert_eq!(text, format!("{}\n{}", TRANSITION_COLUMNS.join(","), rows.concat()));
 
-        trace.transitions[3].kind = TransitionKind::Jump { shift: 0.0, turn: f64::NAN, energy: 0.0 };
+        trace.transitions[4].kind = TransitionKind::Jump { shift: 0.0, turn: f64::NAN, energy: 0.0 };
         assert!(write_transitions(&trace, Vec::new()).unwrap_err().to_string().starts_with("turn_rad is NaN"));
     }
 

@@ -153,7 +153,9 @@ impl<'a> Simulation<'a> {
         self.controller.decide(&View { scenario, backend: self.backend.as_ref(), motion, tips, time, tick, skips }, &mut self.commands);
         self.act();
         self.record(motion);
-        let until = self.clock.next(self.controller.next_instant(time));
+        let corner = Some(scenario.system.world.next_corner(time)).filter(|corner| corner.is_finite());
+        let instants = [self.controller.next_instant(time), corner];
+        let until = self.clock.next(instants.into_iter().flatten().reduce(f64::min));
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.controller.targets(&view, until);
         self.totals.steps.add(&self.backend.advance(targets, until - time));

@@ -3,7 +3,7 @@
 
 use cohaul::backend::BackendKind;
 use cohaul::math::{Pose, Vec2, Vec3};
-use cohaul::model::{Ground, Load, System};
+use cohaul::model::{Ground, Load, System, World};
 use cohaul::studies::verify::tripod::{Pinning, STARTS, Start};
 
 use crate::common::*;
@@ -13,6 +13,7 @@ fn system(chi: f64) -> System {
         load: Load { mass: 1.0, inertia: chi, radius: 1.0 },
         ground: Ground { friction_coefficient: 1.0, supports: tripod(1.0, 1.0) },
         springs: Vec::new(),
+        world: World::default(),
     }
 }
 

@@ -3,7 +3,7 @@
 use cohaul::backend::rapier::{FrictionModel, RapierOptions};
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, build};
 use cohaul::math::{Pose, Twist, Vec2, direction};
-use cohaul::model::{Ground, Load, PolarSpring, SupportPoint, System};
+use cohaul::model::{Ground, Load, PolarSpring, SupportPoint, System, World};
 
 pub const GRAVITY: f64 = 9.81;
 pub const MU: f64 = 1.4;
@@ -28,6 +28,7 @@ fn tripod(radius: f64, support_radius: f64) -> System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * radius * radius, radius },
         ground: Ground { friction_coefficient: MU, supports: supports.to_vec() },
         springs: Vec::new(),
+        world: World::default(),
     }
 }
 

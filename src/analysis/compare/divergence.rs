@@ -177,12 +177,17 @@ fn of_event(event: &Event) -> Trigger {
 }
 
 fn of_transition(transition: &Transition) -> Trigger {
-    let (kind, support) = match transition.kind {
-        TransitionKind::SlipOnset => (TriggerKind::SlipOnset, None),
-        TransitionKind::Stop => (TriggerKind::Stop, None),
-        TransitionKind::Pinning { support } => (TriggerKind::Pinning, Some(support)),
-        TransitionKind::Unpinning { support } => (TriggerKind::Unpinning, Some(support)),
-        TransitionKind::Jump { .. } => (TriggerKind::Jump, None),
-    };
-    Trigger { support, ..Trigger::new(kind, transition.time) }
+    let trigger = |kind| Trigger::new(kind, transition.time);
+    match transition.kind {
+        TransitionKind::SlipOnset => trigger(TriggerKind::SlipOnset),
+        TransitionKind::Stop => trigger(TriggerKind::Stop),
+        TransitionKind::Pinning { support } => Trigger { support: Some(support), ..trigger(TriggerKind::Pinning) },
+        TransitionKind::Unpinning { support } => Trigger { support: Some(support), ..trigger(TriggerKind::Unpinning) },
+        TransitionKind::Touch { obstacle }
+        | TransitionKind::Separation { obstacle }
+        | TransitionKind::SideStick { obstacle }
+        | TransitionKind::SideSlip { obstacle }
+        | TransitionKind::Impact { obstacle, .. } => Trigger { obstacle: Some(obstacle), ..trigger(TriggerKind::Contact) },
+        TransitionKind::Jump { .. } => trigger(TriggerKind::Jump),
+    }
 }

@@ -265,7 +265,7 @@ mod tests {
     use crate::backend::shortcuts::Skips;
     use crate::backend::stepping::Stepping;
     use crate::math::{Pose, RandomStreams, Stream, Twist};
-    use crate::model::{Ground, Load};
+    use crate::model::{Ground, Load, World};
 
     /// A method with an answer, or with another one at each step and no convergence.
     struct Drifting {
@@ -309,6 +309,7 @@ mod tests {
             load: Load { mass: 1.0, radius: 1.0, inertia: 0.5 },
             ground: Ground { friction_coefficient: 0.0, supports: Vec::new() },
             springs: Vec::new(),
+            world: World::default(),
         };
         let start = Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO };
         let control = Control { position: 1e-6, heading: 1e-6, energy: 1e-6, settling_time: None, keeps: Column::Last };

@@ -16,7 +16,7 @@ use super::format::{DriveEntry, GroundEntry, LoadEntry, ScenarioFile, SpringsEnt
 use super::json::join;
 use super::{Drive, Scenario};
 use crate::math::{Pose, Twist};
-use crate::model::{Load, Motion, System};
+use crate::model::{Load, Motion, Outline, System, World};
 
 /// Largest number of ticks (1): more would neither end nor fit into memory.
 const MOST_TICKS: f64 = 1e9;
@@ -136,7 +136,12 @@ fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
         duration: draft.duration?,
         control_period: draft.control_period?,
         seed: draft.seed.unwrap_or(1),
-        system: System { load, ground: ground?, springs: springs? },
+        system: System {
+            load,
+            ground: ground?,
+            springs: springs?,
+            world: World { outline: Outline::disc(load.radius), obstacles: Vec::new() },
+        },
         start,
         drive: drive?,
     })

@@ -10,7 +10,7 @@ use super::clock::{Clock, Timing};
 use super::fit::{Line, PowerLaw, line, power_law};
 use crate::backend::{BackendKind, BackendOptions, Motion, build, default_step};
 use crate::math::{Pose, Twist, Vec2, direction};
-use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, paper};
+use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, World, paper};
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Keep, Simulation};
 
@@ -145,6 +145,7 @@ fn dragged(n_springs: usize, n_supports: usize) -> System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * RADIUS * RADIUS, radius: RADIUS },
         ground: Ground { friction_coefficient: paper::FRICTION_COEFFICIENT, supports: (0..n_supports).map(support).collect() },
         springs: (0..n_springs).map(spring).collect(),
+        world: World::default(),
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::backend::{Backend, BackendOptions, Motion, StepReport, Tolerance, build, n_steps_in};
 use crate::math::{Pose, Twist, Vec2, direction};
-use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, paper};
+use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, World, paper};
 
 /// (m/s^2)
 pub const GRAVITY: f64 = 9.81;
@@ -46,6 +46,7 @@ pub fn paper_system(springs: Vec<PolarSpring>) -> System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * LOAD_RADIUS * LOAD_RADIUS, radius: LOAD_RADIUS },
         ground: Ground { friction_coefficient: MU, supports: tripod(SUPPORT_RADIUS, MASS * GRAVITY) },
         springs,
+        world: World::default(),
     }
 }
 
@@ -77,6 +78,7 @@ pub fn peers_system(springs: Vec<PolarSpring>) -> System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * radius * radius, radius },
         ground: Ground { friction_coefficient: MU, supports: tripod(0.02, MASS * GRAVITY) },
         springs,
+        world: World::default(),
     }
 }
 

@@ -1,0 +1,134 @@
+//! What the load can touch: its own outline, obstacles, and the laws of their contact.
+
+use super::Outline;
+use crate::math::{Pose, Twist, Vec2};
+
+/// Outline of the load, the obstacles about it, and the laws of their contact. Nothing in it
+/// changes during a run; obstacles move along paths that are given.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct World {
+    /// Outline of the load.
+    pub outline: Outline,
+    /// Obstacles. An obstacle is named by its index.
+    pub obstacles: Vec<Obstacle>,
+}
+
+/// A body that the load cannot push away: it stands still or moves along a given path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Name in reports.
+    pub name: String,
+    /// Shape in the obstacle's frame.
+    pub outline: Outline,
+    /// Coulomb's coefficient of friction between load and obstacle, combined from both (1).
+    pub friction_coefficient: f64,
+    /// Coefficient of restitution of an impact of the load on it, from 0 to 1 (1).
+    pub restitution: f64,
+    /// Motion of the obstacle's frame.
+    pub path: ObstaclePath,
+}
+
+/// Poses over time: straight in position and heading between the waypoints, constant before the
+/// first and after the last one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObstaclePath {
+    /// Times (s), strictly increasing, and poses (m, rad, world); at least one.
+    pub waypoints: Vec<(f64, Pose)>,
+}
+
+/// Combination of the coefficients of side friction of the load and an obstacle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SideFrictionRule {
+    /// Square root of the product.
+    #[default]
+    GeometricMean,
+    /// Arithmetic mean.
+    Average,
+    /// The smaller one.
+    Min,
+    /// The product.
+    Multiply,
+    /// The larger one.
+    Max,
+}
+
+impl SideFrictionRule {
+    /// Coefficient of the contact of two bodies with these coefficients (1).
+    pub fn combine(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::GeometricMean => (a * b).sqrt(),
+            Self::Average => 0.5 * (a + b),
+            Self::Min => a.min(b),
+            Self::Multiply => a * b,
+            Self::Max => a.max(b),
+        }
+    }
+}
+
+impl World {
+    /// Whether there is nothing that the load could touch.
+    pub fn is_empty(&self) -> bool {
+        self.obstacles.is_empty()
+    }
+
+    /// First time after `time` at which an obstacle changes its velocity; infinite without one (s).
+    pub fn next_corner(&self, time: f64) -> f64 {
+        let corners = self.obstacles.iter().filter(|obstacle| obstacle.path.moves()).flat_map(|obstacle| &obstacle.path.waypoints);
+        corners.map(|(at, _)| *at).filter(|at| *at > time).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl ObstaclePath {
+    /// An obstacle that stands still.
+    pub fn fixed(pose: Pose) -> Self {
+        Self { waypoints: vec![(0.0, pose)] }
+    }
+
+    /// Whether the obstacle ever moves.
+    pub fn moves(&self) -> bool {
+        self.waypoints.len() > 1
+    }
+
+    /// Waypoints around `time` (s): those before and after it, the same one before the first and
+    /// after the last.
+    fn around(&self, time: f64) -> (&(f64, Pose), &(f64, Pose)) {
+        let next = self.waypoints.partition_point(|(at, _)| *at <= time);
+        let last = self.waypoints.len() - 1;
+        (&self.waypoints[next.saturating_sub(1)], &self.waypoints[next.min(last)])
+    }
+
+    /// Pose at `time` (s).
+    pub fn pose_at(&self, time: f64) -> Pose {
+        let ((from, a), (to, b)) = self.around(time);
+        if to <= from {
+            return *a;
+        }
+        let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
+        Pose { position: a.position + share * (b.position - a.position), heading: a.heading + share * (b.heading - a.heading) }
+    }
+
+    /// Twist just after `time` (s).
+    pub fn twist_after(&self, time: f64) -> Twist {
+        let ((from, a), (to, b)) = self.around(time);
+        if to <= from || time < *from {
+            return Twist { linear: Vec2::zeros(), angular: 0.0 };
+        }
+        Twist { linear: (b.position - a.position) / (to - from), angular: (b.heading - a.heading) / (to - from) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_obstacle_stands_before_and_after_its_path() {
+        let path = ObstaclePath { waypoints: vec![(1.0, Pose::new(0.0, 0.0, 0.0)), (3.0, Pose::new(2.0, -1.0, 0.5))] };
+        assert_eq!(path.pose_at(0.0), Pose::new(0.0, 0.0, 0.0));
+        assert_eq!(path.pose_at(2.0), Pose::new(1.0, -0.5, 0.25));
+        assert_eq!(path.pose_at(9.0), Pose::new(2.0, -1.0, 0.5));
+        assert_eq!(path.twist_after(0.5), Twist::ZERO);
+        assert_eq!(path.twist_after(1.0), Twist { linear: Vec2::new(1.0, -0.5), angular: 0.25 });
+        assert_eq!(path.twist_after(3.0), Twist::ZERO);
+    }
+}
