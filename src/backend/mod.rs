@@ -6,6 +6,7 @@
 //!
 //! A backend that observes another one, or adds to what it does, is a [`Wrapped`] with a [`Hook`].
 
+pub mod contact;
 mod default_step;
 mod exact;
 pub mod friction;

@@ -7,6 +7,7 @@
 //! point among the supports. About the origin the slips would be small differences of large
 //! numbers.
 
+use crate::backend::contact::ContactRow;
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
@@ -14,7 +15,7 @@ use crate::model::support::{slip_velocity, wrench_of};
 /// Cones of one ground. Supports on the same point act as one with the sum of their limits; those
 /// without a limit do not act at all.
 #[derive(Clone, Debug)]
-pub(super) struct Cones {
+pub(in crate::backend) struct Cones {
     /// Positions from `centre` over `length`.
     pub offsets: Vec<Vec2>,
     /// Limits over `force`; their sum is one.
@@ -161,6 +162,25 @@ impl Cones {
         self.centre.map_or(twist, |centre| slip_velocity(&-centre, &twist).push(twist.z))
     }
 
+    /// Side contact whose gap and slip are in units of `length`, per scaled twist.
+    pub fn scaled_row(&self, row: &ContactRow) -> ContactRow {
+        // A wrench in units of `force` is dual to a scaled twist, and its virtual work is in units
+        // of `force` times `length`.
+        let scaled = |derivative: &Vec3| self.force * self.scaled_gradient(derivative);
+        ContactRow {
+            normal: scaled(&row.normal),
+            tangent: scaled(&row.tangent),
+            gap: row.gap / self.length,
+            slip: row.slip / self.length,
+            friction_coefficient: row.friction_coefficient,
+        }
+    }
+
+    /// Unit of force (N).
+    pub fn unit_of_force(&self) -> f64 {
+        self.force
+    }
+
     /// Scaled twist from one of the load about its origin (m, m, rad).
     pub fn scaled_twist(&self, twist: &Vec3) -> Vec3 {
         let at_centre = self.centre.map_or(twist.xy(), |centre| slip_velocity(&centre, twist));
@@ -170,6 +190,16 @@ impl Cones {
     /// Index in the ground of the first support of a cone.
     pub fn first_support_of(&self, cone: usize) -> usize {
         self.shares.iter().position(|share| share.is_some_and(|(k, _)| k == cone)).expect("a cone comes from a support")
+    }
+
+    /// Cone of a support; `None` without a limit.
+    pub fn cone_of(&self, support: usize) -> Option<usize> {
+        self.shares[support].map(|(cone, _)| cone)
+    }
+
+    /// Number of supports, with those that have no limit (1).
+    pub fn n_supports(&self) -> usize {
+        self.shares.len()
     }
 
     /// Writes the friction forces on the supports (N, load axes) from the cones' f_i.
@@ -264,6 +294,6 @@ impl Frame {
 }
 
 /// B'B of one support at `offset`.
-pub(super) fn slip_gram(offset: &Vec2) -> Mat3 {
+pub(in crate::backend) fn slip_gram(offset: &Vec2) -> Mat3 {
     Mat3::new(1.0, 0.0, -offset.y, 0.0, 1.0, offset.x, -offset.y, offset.x, offset.norm_squared())
 }

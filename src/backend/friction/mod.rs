@@ -20,7 +20,7 @@
 //! off the origin, they work about a point among the supports (`cones`).
 
 pub mod clarabel;
-mod cones;
+pub(super) mod cones;
 mod corrector;
 mod exact;
 mod problem;

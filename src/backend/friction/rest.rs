@@ -27,7 +27,7 @@ const MARGIN: f64 = 1e-9;
 
 /// Outcome of the search for forces at rest close to the edge of slipping.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Pressed {
+pub(in crate::backend) enum Pressed {
     /// Forces were found: the load rests.
     Rests,
     /// No forces exist, as this twist proves.

@@ -140,6 +140,18 @@ impl FrictionSolver {
         self.support_forces.iter().map(|force| turn * force).collect()
     }
 
+    /// The supports as cones.
+    pub(in crate::backend) fn cones(&self) -> &Cones {
+        &self.cones
+    }
+
+    /// Takes an answer that was found with forces besides the drive as the last one: a twist, a
+    /// mode that names a cone, and the forces of the cones (all scaled).
+    pub(in crate::backend) fn keep_scaled(&mut self, twist: Vec3, mode: ContactMode, forces: &[Vec2]) {
+        self.last.forces.copy_from_slice(forces);
+        self.keep(&Candidate { twist, mode });
+    }
+
     /// Whether no support has a slip limit.
     pub fn is_frictionless(&self) -> bool {
         self.cones.is_empty()

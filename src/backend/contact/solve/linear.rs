@@ -1,0 +1,68 @@
+//! Small dense linear systems.
+
+use crate::math::Vec3;
+
+/// Unknowns at most: a twist and three forces.
+pub const MOST: usize = 6;
+
+/// A system with its right-hand side in the column after the last unknown.
+pub struct System {
+    entries: [[f64; MOST + 1]; MOST],
+    n: usize,
+}
+
+impl System {
+    /// A system of `n` unknowns with zeros everywhere.
+    pub fn new(n: usize) -> Self {
+        Self { entries: [[0.0; MOST + 1]; MOST], n }
+    }
+
+    pub fn set(&mut self, i: usize, j: usize, value: f64) {
+        self.entries[i][j] = value;
+    }
+
+    pub fn set_right(&mut self, i: usize, value: f64) {
+        self.entries[i][self.n] = value;
+    }
+
+    /// Solution by elimination with scaled rows and partial pivoting; `None` where it is not
+    /// finite.
+    pub fn solve(mut self) -> Option<[f64; MOST]> {
+        let n = self.n;
+        for row in &mut self.entries[..n] {
+            let size = row[..n].iter().fold(0.0f64, |size, v| size.max(v.abs()));
+            if size > 0.0 {
+                row[..=n].iter_mut().for_each(|v| *v /= size);
+            }
+        }
+        for j in 0..n {
+            let pivot = (j..n).max_by(|a, b| self.entries[*a][j].abs().total_cmp(&self.entries[*b][j].abs()))?;
+            self.entries.swap(j, pivot);
+            let leading = self.entries[j];
+            for i in j + 1..n {
+                let share = self.entries[i][j] / leading[j];
+                for (entry, above) in self.entries[i][j..=n].iter_mut().zip(&leading[j..=n]) {
+                    *entry -= share * above;
+                }
+            }
+        }
+        let mut x = [0.0; MOST];
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|j| self.entries[i][j] * x[j]).sum();
+            x[i] = (self.entries[i][n] - known) / self.entries[i][i];
+        }
+        x[..n].iter().all(|v| v.is_finite()).then_some(x)
+    }
+}
+
+/// Part of a row across all of these orthonormal ones.
+pub fn across(row: &Vec3, basis: &[Vec3]) -> Vec3 {
+    let mut rest = *row;
+    // Twice, because once leaves roundings of what was taken off.
+    for _ in 0..2 {
+        for unit in basis {
+            rest -= unit.dot(&rest) * unit;
+        }
+    }
+    rest
+}

@@ -1,0 +1,275 @@
+//! Newton's method in modes that do not change.
+//!
+//! With the supports split into those that slip and those that stick, and the contacts into open,
+//! sticking and sliding ones, the conditions of the step are equations in the increment x and one
+//! force r_j per row:
+//!
+//! ```text
+//! H x - w + sum_slipping c_i B_i' u_i - sum_j d_j r_j = 0        a_j x = b_j
+//! ```
+//!
+//! A closed contact has the row of its gap, with the direction `d = n - sign(s) mu t` where it
+//! slides. A sticking contact has two rows, n and t, and a sticking support the two of B_i. Rows
+//! that depend on the others have forces that are not unique. They keep theirs, and the others do
+//! the rest.
+
+use smallvec::SmallVec;
+
+use super::linear::{MOST, System, across};
+use super::problem::{Candidate, PerCone, Problem};
+use super::types::{PerContact, SideForce, SideMode};
+use crate::backend::friction::ContactMode;
+use crate::math::{Mat3, Vec2, Vec3};
+
+/// Where a search starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    pub twist: &'a Vec3,
+    pub ground_forces: &'a [Vec2],
+    pub forces: &'a [SideForce],
+}
+
+/// Iterations at most; a start that needs more was not near.
+const MOST_ITERATIONS: u32 = 14;
+/// Residual at which nothing is left to gain (1).
+const ROUNDED: f64 = 1e-15;
+/// Residual below which a rise is rounding (1).
+const CLOSE: f64 = 1e-11;
+/// Length of the part of a unit row across the others below which it depends on them (1).
+const DEPENDENT: f64 = 1e-9;
+/// Size of an increment that is rounding, over that which is looked for (1).
+const RESTS: f64 = 1e-13;
+/// Ridge that stands for the stiffness of directions without any, over the largest one (1).
+const RIDGE: f64 = 1e-10;
+/// Stiffness that stands for a support that sticks, over the largest one (1).
+const PIN: f64 = 1e8;
+
+/// What the force of a row belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Owner {
+    Normal(usize),
+    Tangent(usize),
+    Support(usize, usize),
+}
+
+/// An equation `row . x = target` and the force that sees to it.
+#[derive(Clone, Copy, Debug)]
+struct Equation {
+    owner: Owner,
+    row: Vec3,
+    direction: Vec3,
+    target: f64,
+    force: f64,
+    /// How far the force may change before it meets a limit.
+    room: f64,
+}
+
+/// Answer in these modes near `start`; `None` where Newton's method does not lead to one. It need
+/// not satisfy any inequality.
+pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start: &Start) -> Option<Candidate> {
+    let pin = match ground {
+        ContactMode::Stick => return super::rest::balance(problem, modes, start),
+        ContactMode::Pinned(cone) => Some(cone),
+        ContactMode::Slip => None,
+    };
+    let equations = equations(problem, pin, modes, start);
+    let (chosen, others) = independent(equations);
+    let fixed: Vec3 = others.iter().map(|other| other.force * other.direction).sum();
+    let mut search = Search { problem, pin, equations: chosen, fixed, twist: *start.twist };
+    let (n_iterations, slopes) = search.run()?;
+    let is_stable = search.is_stable(&slopes, modes);
+    Some(search.candidate(ground, modes, &others, is_stable, n_iterations))
+}
+
+/// Direction of the force of a closed contact per normal force.
+pub fn direction_of(problem: &Problem, k: usize, mode: SideMode) -> Vec3 {
+    let row = &problem.rows[k];
+    match mode {
+        SideMode::Slide { forward } => row.normal - if forward { 1.0 } else { -1.0 } * row.friction_coefficient * row.tangent,
+        SideMode::Open | SideMode::Stick => row.normal,
+    }
+}
+
+fn equations(problem: &Problem, pin: Option<usize>, modes: &[SideMode], start: &Start) -> SmallVec<[Equation; 8]> {
+    let mut equations = SmallVec::new();
+    if let Some(cone) = pin {
+        let (offset, force) = (problem.cones.offsets[cone], start.ground_forces[cone]);
+        let room = (problem.cones.limits[cone] - force.norm()).max(0.0);
+        for (axis, row) in [Vec3::new(1.0, 0.0, -offset.y), Vec3::new(0.0, 1.0, offset.x)].into_iter().enumerate() {
+            equations.push(Equation { owner: Owner::Support(cone, axis), row, direction: -row, target: 0.0, force: force[axis], room });
+        }
+    }
+    for (k, mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != SideMode::Open) {
+        let (row, SideForce { normal, tangential }) = (&problem.rows[k], start.forces[k]);
+        let direction = direction_of(problem, k, *mode);
+        equations.push(Equation {
+            owner: Owner::Normal(k),
+            row: row.normal,
+            direction,
+            target: -row.gap,
+            force: normal,
+            room: normal.max(0.0),
+        });
+        if *mode == SideMode::Stick {
+            let room = (row.friction_coefficient * normal - tangential.abs()).max(0.0);
+            let (row, target) = (row.tangent, -row.slip);
+            equations.push(Equation { owner: Owner::Tangent(k), row, direction: row, target, force: tangential, room });
+        }
+    }
+    equations
+}
+
+/// Splits the equations into independent ones, those with most room first, and the others.
+fn independent(mut equations: SmallVec<[Equation; 8]>) -> (SmallVec<[Equation; 3]>, SmallVec<[Equation; 8]>) {
+    if equations.len() > 1 {
+        equations.sort_by(|a, b| b.room.total_cmp(&a.room));
+    }
+    let mut basis: SmallVec<[Vec3; 3]> = SmallVec::new();
+    let (mut chosen, mut others) = (SmallVec::new(), SmallVec::new());
+    for equation in equations {
+        let rest = across(&equation.row, &basis);
+        if basis.len() < 3 && rest.norm() > DEPENDENT * equation.row.norm() {
+            basis.push(rest.normalize());
+            chosen.push(equation);
+        } else {
+            others.push(equation);
+        }
+    }
+    (chosen, others)
+}
+
+struct Search<'a> {
+    problem: &'a Problem<'a>,
+    pin: Option<usize>,
+    equations: SmallVec<[Equation; 3]>,
+    /// Wrench of the forces that do not change.
+    fixed: Vec3,
+    twist: Vec3,
+}
+
+impl Search<'_> {
+    /// Runs Newton's method; returns the number of iterations and the derivative of the imbalance.
+    fn run(&mut self) -> Option<(u32, Mat3)> {
+        let (mut best, mut best_size) = ((self.twist, self.equations.clone()), f64::INFINITY);
+        let mut n = 0;
+        loop {
+            let mut slopes = self.problem.h;
+            let imbalance = self.imbalance(Some(&mut slopes))?;
+            let size = self.size(&imbalance);
+            if size < best_size {
+                best = (self.twist, self.equations.clone());
+            }
+            let is_over = size <= ROUNDED || size >= best_size && best_size <= CLOSE || n == MOST_ITERATIONS;
+            best_size = best_size.min(size);
+            if is_over {
+                (self.twist, self.equations) = best;
+                let moves = self.twist.amax() > RESTS * self.problem.extent;
+                return (moves && best_size.is_finite()).then_some((n, slopes));
+            }
+            n += 1;
+            self.step(&imbalance, &slopes)?;
+        }
+    }
+
+    fn imbalance(&self, mut slopes: Option<&mut Mat3>) -> Option<Vec3> {
+        let Problem { cones, h, w, .. } = self.problem;
+        let mut sum = h * self.twist - w - self.fixed;
+        for (k, (offset, limit)) in cones.offsets.iter().zip(&cones.limits).enumerate() {
+            if self.pin == Some(k) {
+                continue;
+            }
+            let slip = cones.slip(k, &self.twist);
+            let speed = slip.norm();
+            let moves = speed > 0.0;
+            if !moves {
+                return None;
+            }
+            let unit = slip / speed;
+            sum += *limit * Vec3::new(unit.x, unit.y, offset.perp(&unit));
+            if let Some(slopes) = &mut slopes {
+                let turned = Vec3::new(-unit.y, unit.x, offset.dot(&unit));
+                **slopes += (limit / speed) * turned * turned.transpose();
+            }
+        }
+        Some(self.equations.iter().fold(sum, |sum, equation| sum - equation.force * equation.direction))
+    }
+
+    /// Largest residual, forces over the forces and lengths over the increment (1).
+    fn size(&self, imbalance: &Vec3) -> f64 {
+        let forces = self.equations.iter().map(|equation| equation.force.abs()).fold(self.problem.force, f64::max);
+        let lengths = self.problem.extent.max(self.twist.amax());
+        let gaps = self.equations.iter().map(|equation| (equation.row.dot(&self.twist) - equation.target).abs() / lengths);
+        gaps.fold(imbalance.amax() / forces, f64::max)
+    }
+
+    fn step(&mut self, imbalance: &Vec3, slopes: &Mat3) -> Option<()> {
+        let n = 3 + self.equations.len();
+        let mut system = System::new(n);
+        // Forces in units in which the entries of rows and slopes are alike.
+        let unit = slopes.amax().max(f64::MIN_POSITIVE);
+        for i in 0..3 {
+            for j in 0..3 {
+                system.set(i, j, slopes[(i, j)]);
+            }
+            system.set_right(i, -imbalance[i]);
+        }
+        for (j, equation) in self.equations.iter().enumerate() {
+            for i in 0..3 {
+                system.set(i, 3 + j, -unit * equation.direction[i]);
+                system.set(3 + j, i, equation.row[i]);
+            }
+            system.set_right(3 + j, equation.target - equation.row.dot(&self.twist));
+        }
+        let step: [f64; MOST] = system.solve()?;
+        self.twist += Vec3::new(step[0], step[1], step[2]);
+        self.equations.iter_mut().zip(&step[3..]).for_each(|(equation, change)| equation.force += unit * change);
+        Some(())
+    }
+
+    /// Whether all principal minors of `R C D'` are positive, with C the inverse of the `slopes`:
+    /// a small violation of any of the rows is then driven back by its force.
+    fn is_stable(&self, slopes: &Mat3, modes: &[SideMode]) -> bool {
+        let slides = |k: usize| matches!(modes[k], SideMode::Slide { .. }) && self.problem.rows[k].friction_coefficient > 0.0;
+        let (pinned, rows): (SmallVec<[&Equation; 3]>, SmallVec<[&Equation; 3]>) =
+            self.equations.iter().partition(|equation| matches!(equation.owner, Owner::Support(..)));
+        if !rows.iter().any(|row| matches!(row.owner, Owner::Normal(k) if slides(k))) {
+            return true;
+        }
+        let size = slopes.amax();
+        let mut all = slopes + Mat3::from_diagonal_element(RIDGE * size);
+        for pin in pinned {
+            all += PIN * size * pin.row * pin.row.transpose();
+        }
+        let Some(inverse) = all.try_inverse() else { return false };
+        let entry = |i: usize, j: usize| rows[i].row.dot(&(inverse * rows[j].direction));
+        let n = rows.len();
+        let pair = |i: usize, j: usize| entry(i, i) * entry(j, j) - entry(i, j) * entry(j, i);
+        (0..n).all(|i| entry(i, i) > 0.0)
+            && (0..n).all(|i| (0..i).all(|j| pair(i, j) > 0.0))
+            && (n < 3 || Mat3::from_fn(entry).determinant() > 0.0)
+    }
+
+    fn candidate(self, ground: ContactMode, modes: &[SideMode], others: &[Equation], is_stable: bool, n_iterations: u32) -> Candidate {
+        let cones = self.problem.cones;
+        let slip_force = |k: usize| (cones.limits[k] / cones.slip(k, &self.twist).norm()) * cones.slip(k, &self.twist);
+        let force_of = |k: usize| if self.pin == Some(k) { Vec2::zeros() } else { slip_force(k) };
+        let mut ground_forces: PerCone<Vec2> = (0..cones.len()).map(force_of).collect();
+        let mut forces: PerContact<SideForce> = SmallVec::from_elem(SideForce::default(), modes.len());
+        for Equation { owner, force, .. } in self.equations.iter().chain(others) {
+            match *owner {
+                Owner::Normal(k) => forces[k].normal = *force,
+                Owner::Tangent(k) => forces[k].tangential = *force,
+                Owner::Support(k, axis) => ground_forces[k][axis] = *force,
+            }
+        }
+        let modes: PerContact<SideMode> = modes.into();
+        for (k, mode) in modes.iter().enumerate() {
+            if let SideMode::Slide { forward } = mode {
+                let sign = if *forward { 1.0 } else { -1.0 };
+                forces[k].tangential = -sign * self.problem.rows[k].friction_coefficient * forces[k].normal;
+            }
+        }
+        let are_forces_unique = others.is_empty();
+        Candidate { twist: self.twist, ground, ground_forces, forces, modes, are_forces_unique, is_stable, n_iterations }
+    }
+}

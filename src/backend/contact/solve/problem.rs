@@ -1,0 +1,108 @@
+//! The step in the units of the cones, with the sizes that its tolerances refer to.
+
+use smallvec::SmallVec;
+
+use super::types::{ContactRow, ContactSystem, PerContact, SideForce, SideMode};
+use crate::backend::friction::ContactMode;
+use crate::backend::friction::cones::Cones;
+use crate::math::{Mat3, Vec2, Vec3};
+
+/// One entry per cone.
+pub type PerCone<T> = SmallVec<[T; 8]>;
+
+/// The step in units of the cones.
+#[derive(Clone, Debug)]
+pub struct Problem<'a> {
+    pub cones: &'a Cones,
+    pub h: Mat3,
+    pub w: Vec3,
+    pub rows: PerContact<ContactRow>,
+    /// Size of the increment that is looked for: what lengths are compared with.
+    pub extent: f64,
+    /// Size of the forces: the drive, the limits, and what closing gaps takes.
+    pub force: f64,
+}
+
+/// An answer in units of the cones.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    pub twist: Vec3,
+    /// Contact mode with the ground; a pinned support is named by its cone.
+    pub ground: ContactMode,
+    pub ground_forces: PerCone<Vec2>,
+    pub forces: PerContact<SideForce>,
+    pub modes: PerContact<SideMode>,
+    pub are_forces_unique: bool,
+    /// Whether a small disturbance of this branch decays.
+    pub is_stable: bool,
+    pub n_iterations: u32,
+}
+
+/// Change of the increment beyond which a slip has a direction, over the size of the increment (1).
+const NO_SLIP: f64 = 1e-13;
+
+impl<'a> Problem<'a> {
+    /// The step in units of `cones`; `free` is the increment without contacts (scaled), if there is
+    /// one.
+    pub fn new(cones: &'a Cones, system: &ContactSystem, free: Option<Vec3>) -> Self {
+        let (h, w) = cones.scaled(system.hessian, system.drive);
+        let rows: PerContact<ContactRow> = system.rows.iter().map(|row| cones.scaled_row(row)).collect();
+        let overlap = rows.iter().map(|row| -row.gap).fold(0.0, f64::max);
+        let moved = free.map_or(0.0, |free| free.amax());
+        let smallest = || rows.iter().map(|row| row.gap.abs()).filter(|gap| *gap > 0.0).fold(f64::INFINITY, f64::min);
+        let extent = Some(moved + overlap).filter(|size| *size > 0.0).unwrap_or_else(smallest);
+        let extent = if extent.is_finite() { extent } else { 1.0 };
+        let limits: f64 = cones.limits.iter().sum();
+        let force = w.amax() + limits + h.diagonal().amax() * overlap;
+        Self { cones, h, w, rows, extent, force: if force > 0.0 { force } else { 1.0 } }
+    }
+
+    /// The step with other coefficients of side friction.
+    pub fn frictionless(&self) -> Self {
+        let rows = self.rows.iter().map(|row| ContactRow { friction_coefficient: 0.0, ..*row }).collect();
+        Self { rows, ..self.clone() }
+    }
+
+    /// Gap of contact k after an increment.
+    pub fn gap(&self, k: usize, twist: &Vec3) -> f64 {
+        self.rows[k].gap + self.rows[k].normal.dot(twist)
+    }
+
+    /// Slip of contact k in the step after an increment.
+    pub fn slip(&self, k: usize, twist: &Vec3) -> f64 {
+        self.rows[k].slip + self.rows[k].tangent.dot(twist)
+    }
+
+    /// Wrench of the obstacles on the load.
+    pub fn side_wrench(&self, forces: &[SideForce]) -> Vec3 {
+        self.rows.iter().zip(forces).map(|(row, force)| force.normal * row.normal + force.tangential * row.tangent).sum()
+    }
+
+    /// Largest violation of the conditions of the step, forces over the forces in it and lengths
+    /// over the size of the increment (1).
+    pub fn residual(&self, twist: &Vec3, ground_forces: &[Vec2], forces: &[SideForce]) -> f64 {
+        let ground = self.cones.residual(&self.h, &(self.w + self.side_wrench(forces)), twist, ground_forces);
+        let side = (0..self.rows.len()).map(|k| self.side_residual(k, twist, &forces[k]));
+        let worst = side.fold(ground, f64::max);
+        if worst.is_nan() { f64::INFINITY } else { worst }
+    }
+
+    fn side_residual(&self, k: usize, twist: &Vec3, force: &SideForce) -> f64 {
+        let (gap, slip) = (self.gap(k, twist) / self.extent, self.slip(k, twist) / self.extent);
+        let (p, tau) = (force.normal / self.force, force.tangential / self.force);
+        let limit = self.rows[k].friction_coefficient * p;
+        let complementary = p.max(0.0).min(gap.max(0.0));
+        let against = if slip.abs() > NO_SLIP { limit + tau * slip.signum() } else { 0.0 };
+        [-gap, -p, complementary, tau.abs() - limit.max(0.0), against].into_iter().fold(0.0, f64::max)
+    }
+
+    /// Residual of a candidate (1).
+    pub fn residual_of(&self, candidate: &Candidate) -> f64 {
+        self.residual(&candidate.twist, &candidate.ground_forces, &candidate.forces)
+    }
+
+    /// Value of the frictionless objective, `1/2 x'Hx - w'x + sum c_i |B_i x|`.
+    pub fn objective(&self, twist: &Vec3) -> f64 {
+        0.5 * twist.dot(&(self.h * twist)) - self.w.dot(twist) + self.cones.loss(twist)
+    }
+}

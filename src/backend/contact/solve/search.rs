@@ -1,0 +1,301 @@
+//! The order of the methods.
+//!
+//! 1. `guess`: contacts that the increment without contacts overlaps are closed, and Newton's
+//!    method does the rest.
+//! 2. `frictionless`: the convex step without side friction, then Newton's method with the signs of
+//!    its slips.
+//! 3. `rest_or_slide`: the convex step with friction cones, which is exact if nothing slides. It is
+//!    accepted if it is stable: the step with slip offsets of a thousandth of the increment slips
+//!    by less than these. Else, and where something slides, Newton's method on the offsets.
+//! 4. `smoothed`: Coulomb's law itself, smoothed.
+//! 5. `enumerate`: all modes.
+
+use nalgebra::{DMatrix, DVector};
+use smallvec::SmallVec;
+
+use super::cones::Relaxed;
+use super::modes::{Start, newton};
+use super::path::{Path, follow, sides_of};
+use super::problem::{Candidate, PerCone, Problem};
+use super::types::{PerContact, SideForce, SideMode, Stage};
+use crate::backend::friction::ContactMode;
+use crate::math::{Vec2, Vec3};
+
+/// Residual up to which an answer is taken without looking for a better one (1).
+pub const ACCEPTED: f64 = 1e-12;
+/// Slip offset over the size of the increment at which rest is asked whether it is stable (1).
+const DISTURBANCE: f64 = 1e-3;
+/// Slips beyond the offsets that are rounding, over the offsets (1).
+const ROUNDED: f64 = 1e-6;
+/// Changes of modes at most in one walk.
+const MOST_CHANGES: u32 = 6;
+/// Rounds of Newton's method on the offsets.
+const MOST_ROUNDS: u32 = 40;
+/// Rounds after which steps are shortened: Newton's method goes to and fro.
+const LONG_ROUNDS: u32 = 25;
+/// Growth of the slip by its offset from which on the offset is not near its root (1).
+const STEEP: f64 = 0.9;
+/// Slip over the size of the increment below which a contact sticks (1).
+const SLOW: f64 = 1e-7;
+/// Contacts up to which all combinations of modes are tried.
+const FEW: usize = 5;
+
+pub struct Search<'a> {
+    problem: &'a Problem<'a>,
+    pub best: Option<(Candidate, f64)>,
+    pub n_solves: u32,
+    pub n_iterations: u32,
+    /// Ends of paths, from which the enumeration starts.
+    starts: Vec<(Vec3, PerCone<Vec2>, PerContact<SideForce>)>,
+}
+
+/// Modes in which a search starts.
+struct Guess {
+    ground: ContactMode,
+    modes: PerContact<SideMode>,
+}
+
+impl<'a> Search<'a> {
+    pub fn new(problem: &'a Problem<'a>) -> Self {
+        Self { problem, best: None, n_solves: 0, n_iterations: 0, starts: Vec::new() }
+    }
+
+    /// Runs all methods until one finds an answer. `free` is the answer without contacts.
+    pub fn run(&mut self, free: Option<&Candidate>) -> Stage {
+        if free.is_some_and(|free| self.guess(free)) {
+            return Stage::Guess;
+        }
+        self.frictionless()
+            .or_else(|| self.rest_or_slide())
+            .or_else(|| self.smoothed().then_some(Stage::Smoothed))
+            .or_else(|| self.enumerate().then_some(Stage::Enumeration))
+            .unwrap_or(Stage::Failed)
+    }
+
+    /// Takes a candidate if it is better than the best; returns whether it is an answer.
+    fn consider(&mut self, candidate: Candidate) -> bool {
+        let residual = self.problem.residual_of(&candidate);
+        let is_answer = residual <= ACCEPTED && candidate.is_stable;
+        if is_answer || self.best.as_ref().is_none_or(|(_, best)| residual < *best) {
+            self.best = Some((candidate, residual));
+        }
+        is_answer
+    }
+
+    fn newton(&mut self, guess: &Guess, start: &Start) -> Option<Candidate> {
+        let found = newton(self.problem, guess.ground, &guess.modes, start)?;
+        self.n_iterations += found.n_iterations;
+        Some(found)
+    }
+
+    fn guess(&mut self, free: &Candidate) -> bool {
+        if free.ground == ContactMode::Stick {
+            return false;
+        }
+        let modes = (0..self.problem.rows.len()).map(|k| self.mode_by_gap(k, &free.twist)).collect();
+        let start = Start { twist: &free.twist, ground_forces: &free.ground_forces, forces: &free.forces };
+        self.walk(Guess { ground: free.ground, modes }, &start)
+    }
+
+    fn mode_by_gap(&self, k: usize, twist: &Vec3) -> SideMode {
+        let overlaps = self.problem.gap(k, twist) < 0.0;
+        if overlaps { SideMode::Slide { forward: self.problem.slip(k, twist) >= 0.0 } } else { SideMode::Open }
+    }
+
+    /// Newton's method, with modes changed where their inequalities are violated.
+    fn walk(&mut self, mut guess: Guess, start: &Start) -> bool {
+        let Some(mut found) = self.newton(&guess, start) else { return false };
+        for _ in 0..MOST_CHANGES {
+            let modes: PerContact<SideMode> = (0..guess.modes.len()).map(|k| self.changed(k, &found)).collect();
+            if self.consider(found.clone()) {
+                return true;
+            }
+            if modes == guess.modes {
+                return false;
+            }
+            guess.modes = modes;
+            let start = Start { twist: &found.twist, ground_forces: &found.ground_forces, forces: &found.forces };
+            let Some(next) = self.newton(&guess, &start) else { return false };
+            found = next;
+        }
+        self.consider(found)
+    }
+
+    /// Mode of contact k after an answer that violates its conditions.
+    fn changed(&self, k: usize, found: &Candidate) -> SideMode {
+        let friction = self.problem.rows[k].friction_coefficient;
+        let SideForce { normal, tangential } = found.forces[k];
+        let slip = self.problem.slip(k, &found.twist);
+        match found.modes[k] {
+            SideMode::Open => self.mode_by_gap(k, &found.twist),
+            _ if normal < 0.0 => SideMode::Open,
+            SideMode::Stick if tangential.abs() > friction * normal => SideMode::Slide { forward: tangential < 0.0 },
+            SideMode::Slide { forward } if friction > 0.0 && (slip > 0.0) != forward => SideMode::Stick,
+            mode => mode,
+        }
+    }
+
+    fn frictionless(&mut self) -> Option<Stage> {
+        let smooth = self.problem.frictionless();
+        let path = self.follow(&smooth);
+        let modes = self.modes_of(&smooth, &path);
+        let found = polish(&smooth, &path, &sides_of(&path.forces), modes)?;
+        self.n_iterations += found.n_iterations;
+        if self.consider(found.clone()) {
+            return Some(Stage::Frictionless);
+        }
+        let start = Start { twist: &found.twist, ground_forces: &found.ground_forces, forces: &found.forces };
+        self.walk(Guess { ground: found.ground, modes: found.modes.clone() }, &start).then_some(Stage::Modes)
+    }
+
+    fn follow(&mut self, problem: &Problem) -> Path {
+        let path = follow(problem, &problem.rows);
+        self.count(&path);
+        self.starts.push((path.twist, path.ground_forces.clone(), sides_of(&path.forces)));
+        path
+    }
+
+    fn count(&mut self, path: &Path) {
+        self.n_solves += 1;
+        self.n_iterations += path.n_iterations;
+    }
+
+    fn modes_of(&self, problem: &Problem, path: &Path) -> PerContact<SideMode> {
+        let mode = |k: usize| {
+            let slip = problem.slip(k, &path.twist);
+            if !path.is_closed[k] {
+                SideMode::Open
+            } else if problem.rows[k].friction_coefficient > 0.0 && slip.abs() < SLOW * problem.extent {
+                SideMode::Stick
+            } else {
+                SideMode::Slide { forward: slip >= 0.0 }
+            }
+        };
+        (0..problem.rows.len()).map(mode).collect()
+    }
+
+    /// Answer of a convex step and the exact one in the modes that it shows.
+    fn relaxed(&mut self, offsets: &[f64]) -> (Relaxed, Option<Candidate>) {
+        let relaxed = Relaxed::new(self.problem, offsets);
+        self.count(&relaxed.path);
+        let forces = relaxed.forces(self.problem);
+        let found = polish(self.problem, &relaxed.path, &forces, relaxed.modes(self.problem));
+        self.n_iterations += found.as_ref().map_or(0, |found| found.n_iterations);
+        self.starts.push((relaxed.path.twist, relaxed.path.ground_forces.clone(), forces));
+        (relaxed, found)
+    }
+
+    fn rest_or_slide(&mut self) -> Option<Stage> {
+        let n = self.problem.rows.len();
+        let (first, found) = self.relaxed(&SmallVec::<[f64; 4]>::from_elem(0.0, n));
+        let rest = found.filter(|found| self.problem.residual_of(found) <= ACCEPTED);
+        let Some(rest) = rest else { return self.climb(PerContact::from_elem(0.0, n), first).then_some(Stage::Offsets) };
+        let sticks: PerContact<bool> = rest.modes.iter().map(|mode| *mode == SideMode::Stick).collect();
+        if !sticks.contains(&true) {
+            return if self.consider(rest) {
+                Some(Stage::Offsets)
+            } else {
+                self.climb(PerContact::from_elem(0.0, n), first).then_some(Stage::Offsets)
+            };
+        }
+        let offsets: PerContact<f64> = sticks.iter().map(|sticks| if *sticks { DISTURBANCE * self.problem.extent } else { 0.0 }).collect();
+        let (disturbed, _) = self.relaxed(&offsets);
+        let slip = |k: usize| self.problem.slip(k, &disturbed.path.twist).abs();
+        let is_stable = (0..n).all(|k| !sticks[k] || slip(k) <= offsets[k] * (1.0 + ROUNDED));
+        if is_stable {
+            return self.consider(rest).then_some(Stage::StableRest);
+        }
+        if self.climb(offsets, disturbed) {
+            return Some(Stage::Offsets);
+        }
+        self.consider(rest).then_some(Stage::UnstableRest)
+    }
+
+    /// Newton's method on the slip offsets.
+    fn climb(&mut self, mut offsets: PerContact<f64>, mut relaxed: Relaxed) -> bool {
+        for round in 0..MOST_ROUNDS {
+            let forces = relaxed.forces(self.problem);
+            let found = polish(self.problem, &relaxed.path, &forces, relaxed.modes(self.problem));
+            if found.is_some_and(|found| self.consider(found)) {
+                return true;
+            }
+            let Some(step) = self.offset_step(&relaxed, &offsets, round) else { return false };
+            offsets.iter_mut().zip(&step).for_each(|(offset, step)| *offset = (*offset + step).max(0.0));
+            relaxed = self.relaxed(&offsets).0;
+        }
+        false
+    }
+
+    fn offset_step(&self, relaxed: &Relaxed, offsets: &[f64], round: u32) -> Option<PerContact<f64>> {
+        let n = offsets.len();
+        let slips: PerContact<f64> = (0..n).map(|k| self.problem.slip(k, &relaxed.path.twist)).collect();
+        let missing = DVector::from_fn(n, |k, _| slips[k].abs() - offsets[k]);
+        let slope = DMatrix::from_fn(n, n, |k, l| slips[k].signum() * relaxed.slip_by_offset(self.problem, k, l));
+        if !slope.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let steepest = slope.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
+        let step = if round < LONG_ROUNDS && steepest < STEEP {
+            (DMatrix::identity(n, n) - slope).lu().solve(&missing)?
+        } else {
+            missing * if round < LONG_ROUNDS { 4.0 } else { 0.5 }
+        };
+        Some(step.iter().copied().collect())
+    }
+
+    fn smoothed(&mut self) -> bool {
+        let problem = self.problem;
+        let path = self.follow(problem);
+        let modes = self.modes_of(problem, &path);
+        let found = polish(problem, &path, &sides_of(&path.forces), modes);
+        self.n_iterations += found.as_ref().map_or(0, |found| found.n_iterations);
+        found.is_some_and(|found| self.consider(found))
+    }
+
+    fn enumerate(&mut self) -> bool {
+        let n = self.problem.rows.len();
+        if n > FEW {
+            return false;
+        }
+        let grounds = [ContactMode::Slip, ContactMode::Stick].into_iter().chain((0..self.problem.cones.len()).map(ContactMode::Pinned));
+        let starts = std::mem::take(&mut self.starts);
+        for ground in grounds {
+            for code in 0..4usize.pow(n as u32) {
+                let mode = |k: usize| match code / 4usize.pow(k as u32) % 4 {
+                    0 => SideMode::Slide { forward: true },
+                    1 => SideMode::Slide { forward: false },
+                    2 => SideMode::Open,
+                    _ => SideMode::Stick,
+                };
+                let guess = Guess { ground, modes: (0..n).map(mode).collect() };
+                for (twist, ground_forces, forces) in &starts {
+                    let found = self.newton(&guess, &Start { twist, ground_forces, forces });
+                    if found.is_some_and(|found| self.consider(found)) {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
+    }
+}
+
+/// Exact answer in the modes that the end of a path shows. Where the mode with the ground is not
+/// plain there, others are tried.
+fn polish(problem: &Problem, path: &Path, forces: &[SideForce], modes: PerContact<SideMode>) -> Option<Candidate> {
+    let start = Start { twist: &path.twist, ground_forces: &path.ground_forces, forces };
+    let shown = path.ground_mode();
+    let others = [ContactMode::Slip, ContactMode::Stick].into_iter().filter(|other| *other != shown);
+    let mut best: Option<(Candidate, f64)> = None;
+    for ground in [shown].into_iter().chain(others) {
+        let Some(found) = newton(problem, ground, &modes, &start) else { continue };
+        let residual = problem.residual_of(&found);
+        if best.as_ref().is_none_or(|(_, least)| residual < *least) {
+            best = Some((found, residual));
+        }
+        if residual <= ACCEPTED {
+            break;
+        }
+    }
+    best.map(|(found, _)| found)
+}
