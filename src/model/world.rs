@@ -78,6 +78,16 @@ impl World {
     }
 }
 
+impl Obstacle {
+    /// Bound of the displacement of any point of the obstacle between two times (m).
+    pub fn displacement(&self, from: f64, to: f64) -> f64 {
+        if !self.path.moves() || from == to {
+            return 0.0;
+        }
+        self.path.pose_at(to).edge_displacement(&self.path.pose_at(from), self.outline.extent())
+    }
+}
+
 impl ObstaclePath {
     /// An obstacle that stands still.
     pub fn fixed(pose: Pose) -> Self {

@@ -1,7 +1,26 @@
-//! Contact of a load with obstacles beside it.
+//! Contact of the load with obstacles, for the exact backends.
+//!
+//! ```text
+//! features      corners and edges of an outline
+//! gap           gap and slip of two features, with all derivatives
+//! surroundings  which features may touch, and how far the obstacles are
+//! solve         one linear step with contacts, exactly
+//! step          one nonlinear step with contacts
+//! obstacles     when a step needs them, and the contacts between two steps
+//! ```
 
+mod features;
+mod gap;
+mod impact;
+mod linear;
+mod obstacles;
 mod solve;
+mod step;
+mod surroundings;
 
+pub use impact::{Reflection, Strike};
+pub use obstacles::{Obstacles, SideWork, Task, Touching, transitions};
 pub use solve::{
     ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, mode_newton, solve_contacts,
 };
+pub use surroundings::PairKey;

@@ -44,6 +44,7 @@ impl<M: Method> Backend for Exact<M> {
         let mut report = StepReport::default();
         M::restore_balance(self, &mut report);
         if self.skip_rest(tip_targets, duration, &mut report) {
+            self.pass(duration);
             return report;
         }
         let mut from = std::mem::take(&mut self.from);
@@ -58,6 +59,7 @@ impl<M: Method> Backend for Exact<M> {
             }
         }
         self.from = from;
+        self.pass(duration);
         report
     }
 
@@ -112,6 +114,7 @@ impl<M: Method> Backend for Exact<M> {
         let Saved::<M::Memory> { state, springs, pace, warm_start } = state.read()?;
         M::check(&state.memory, &self.system)?;
         state.certificate.check(&self.solver)?;
+        state.side.check(&self.system)?;
         let springs = AttachedSprings::restored(springs, &self.system.springs, &state.motion.pose)?;
         self.solver.set_warm_start(warm_start)?;
         (self.state, self.springs, self.pace) = (state, springs, pace);

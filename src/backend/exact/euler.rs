@@ -3,22 +3,35 @@
 //! ```text
 //! minimise over x    1/2 |q exp x - q - h v|^2_M / h^2 + U(q exp x, tips at the end) + dashpots + sum_i c_i |B_i x|
 //! ```
+//!
+//! The conditions of contact hold at the end of the step as well, for a load that touches an
+//! obstacle.
 
 use super::one_step::{Problem, Stepped};
 use crate::backend::Motion;
+use crate::backend::contact::{SideWork, Task};
 use crate::backend::friction::FrictionSolver;
-use crate::backend::increment::{Coasting, Increment, Potential, minimise};
+use crate::backend::increment::{Coasting, Increment, Potential, Step, minimise};
 use crate::backend::springs::Place;
-use crate::math::{Pose, Twist};
+use crate::math::{Pose, Twist, Vec3};
 
 pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
-    let Problem { system, start: Motion { pose: before, twist }, springs, dashpots, forecast, step, .. } = problem;
+    let Problem { system, start: Motion { pose: before, twist }, springs, dashpots, forecast, touching, step, .. } = problem;
     let inertia = Some(Coasting::of(&system.load, &twist, step));
     let potential = Potential { dashpots, inertia, ..Potential::of(springs, Place::of(&before)) };
-    let found = minimise(potential, &system.ground, solver, system.load.radius, forecast.increment(step));
+    let guess = forecast.increment(step);
+    let (found, side) = match touching {
+        None => (minimise(potential, &system.ground, solver, system.load.radius, guess), SideWork::default()),
+        Some((obstacles, contacts, end)) => {
+            let mut at_end = Step { potential, ground: &system.ground, length: system.load.radius };
+            obstacles.find(system, &mut at_end, solver, contacts, &Task { from: end - step, to: end, guess, has_inertia: true })
+        }
+    };
     forecast.learn(&found, step);
     let Increment { twist: increment, shift, friction, mode, report } = found;
     let pose = Pose { position: before.position + shift, heading: before.heading + increment.z };
+    let out = side.push_out;
+    let pose = if out == Vec3::zeros() { pose } else { pose.moved_by(&out) };
     let twist = Twist { linear: shift / step, angular: increment.z / step };
-    Stepped { motion: Motion { pose, twist }, stage: pose, friction, mode, past: None, report }
+    Stepped { motion: Motion { pose, twist }, stage: pose, friction, mode, past: None, side, report }
 }

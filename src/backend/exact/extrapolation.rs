@@ -88,6 +88,7 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
                     shortest *= FORCED_GROWTH;
                     had_answers &= report.n_not_converged == n_not_converged;
                 }
+                load.note_contacts(&start.state.side.touching, to * duration);
                 let kind = TransitionKind::between(before, load.state.contact.last());
                 let kinds = complete_snap_through(load, &start, &mut report).into_iter().chain(kind);
                 load.transitions.extend(kinds.map(|kind| Transition { time: to * duration, kind }));
@@ -222,17 +223,17 @@ fn row<M: Method>(load: &mut Exact<M>, paths: &TipPaths, start: &Snapshot<M::Mem
     load.reset(start);
     let share = |i: usize| if i == n { to } else { from + (to - from) * i as f64 / n as f64 };
     let (mut cost, mut changed_in) = (StepReport::default(), None);
-    let (mut mode, mut slips) = (load.mode(), slips_of(load));
+    let (mut mode, mut slips, mut sides) = (load.mode(), slips_of(load), load.contacts());
     let macro_step = (to - from) * paths.duration;
     let support = M::begin_row(load, macro_step, n);
     for i in 1..=n {
         cost.add(&M::step(load, paths, share(i - 1), share(i)));
-        let (mode_now, slips_now) = (load.mode(), slips_of(load));
+        let (mode_now, slips_now, sides_now) = (load.mode(), slips_of(load), load.contacts());
         let reverses = || slips.iter().zip(&slips_now).any(|(before, now)| before.dot(now) < 0.0);
-        if mode.is_some_and(|before| mode_now != Some(before) || reverses()) {
+        if mode.is_some_and(|before| mode_now != Some(before) || reverses()) || sides != sides_now {
             changed_in = changed_in.or(Some(i));
         }
-        (mode, slips) = (mode_now, slips_now);
+        (mode, slips, sides) = (mode_now, slips_now, sides_now);
     }
     M::end_row(load, support, macro_step / n as f64);
     Row { flow: load.flow(), cost, changed_in }

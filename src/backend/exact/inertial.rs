@@ -33,7 +33,7 @@ const SLOW_SUPPORT: f64 = 2.0;
 
 /// The methods with inertia.
 pub struct Inertial {
-    integrator: Integrator,
+    pub(super) integrator: Integrator,
     resolving_step: f64,
     is_damped: bool,
     dashpots: Dashpots,
@@ -47,6 +47,13 @@ pub struct Memory {
     /// springs.
     dashpot_on_tip: Vec<Vec2>,
     past: Option<PastFriction>,
+}
+
+impl Memory {
+    /// Forgets the friction of the last steps, after a change of velocity.
+    pub(super) fn forget_friction(&mut self) {
+        self.past = None;
+    }
 }
 
 impl Exact<Inertial> {
@@ -73,8 +80,60 @@ impl Exact<Inertial> {
         energy.kinetic = kinetic;
     }
 
+    /// Takes a step of a load that touches nothing.
+    pub(super) fn step_freely(&mut self, paths: &TipPaths, from: f64, to: f64) -> StepReport {
+        self.step_by(self.method.integrator, paths, [from, to])
+    }
+
+    /// Takes a step of a load that touches obstacles, with the contacts that are closed. It is one of
+    /// implicit Euler.
+    pub(super) fn step_touching(&mut self, paths: &TipPaths, span: [f64; 2]) -> StepReport {
+        self.step_by(Integrator::Euler, paths, span)
+    }
+
+    fn step_by(&mut self, integrator: Integrator, paths: &TipPaths, [from, to]: [f64; 2]) -> StepReport {
+        let step = (to - from) * paths.duration;
+        let Exact { method, system, springs, state, solver, obstacles, .. } = self;
+        let stage_at = match integrator {
+            Integrator::Euler => to,
+            Integrator::Midpoint => 0.5 * (from + to),
+        };
+        springs.refresh(&system.springs, &state.motion.pose);
+        springs.place_tips(paths, stage_at);
+        if method.is_damped {
+            let time = step * (stage_at - from) / (to - from);
+            method.dashpots.renew(system, springs, &state.motion.pose, time);
+        }
+        let side = &mut state.side;
+        let end = side.time + to * paths.duration;
+        let problem = Problem {
+            system,
+            start: state.motion,
+            past: state.memory.past,
+            springs: springs.blocks(),
+            dashpots: method.dashpots.blocks(),
+            forecast: &mut state.forecast,
+            touching: obstacles.as_mut().filter(|_| !side.touching.is_empty()).map(|obstacles| (obstacles, &mut side.touching, end)),
+            step,
+            resolving_step: method.resolving_step,
+        };
+        let stepped = match integrator {
+            Integrator::Euler => euler::step(problem, solver),
+            Integrator::Midpoint => midpoint::step(problem, solver),
+        };
+        if !stepped.motion.pose.is_finite() || !stepped.motion.twist.is_finite() {
+            springs.invalidate();
+            return StepReport { status: Status::Failed, ..stepped.report };
+        }
+        if stage_at != to {
+            springs.place_tips(paths, to);
+        }
+        self.accept(&stepped, step);
+        stepped.report
+    }
+
     /// Accepts a step (s) and adds its energies to the ledger.
-    fn accept(&mut self, Stepped { motion, stage, friction, mode, past, .. }: &Stepped, step: f64) {
+    fn accept(&mut self, Stepped { motion, stage, friction, mode, past, side, .. }: &Stepped, step: f64) {
         let Self { method: Inertial { dashpots, .. }, state, springs, .. } = self;
         let damping = dashpots.loss(stage, step);
         let mut on_dashpots = 0.0;
@@ -89,10 +148,12 @@ impl Exact<Inertial> {
         (state.motion, state.memory.past) = (*motion, *past);
         let energy = &mut state.energy;
         energy.friction += friction;
+        energy.side_friction += side.friction;
+        energy.obstacle_work += side.of_obstacles;
         energy.damping += damping;
         energy.add_tip_work(accepted.of_tips + on_dashpots, accepted.elastic);
         // A dashpot stores nothing: the work on its tip goes to the load, less what it dissipates.
-        let on_load = accepted.on_load + on_dashpots - damping;
+        let on_load = accepted.on_load + on_dashpots - damping + (side.of_obstacles - side.friction);
         energy.numerical_damping += on_load - friction - (kinetic - energy.kinetic);
         energy.kinetic = kinetic;
     }
@@ -102,41 +163,7 @@ impl Method for Inertial {
     type Memory = Memory;
 
     fn step(load: &mut Exact<Self>, paths: &TipPaths, from: f64, to: f64) -> StepReport {
-        let step = (to - from) * paths.duration;
-        let Exact { method, system, springs, state, solver, .. } = load;
-        let stage_at = match method.integrator {
-            Integrator::Euler => to,
-            Integrator::Midpoint => 0.5 * (from + to),
-        };
-        springs.refresh(&system.springs, &state.motion.pose);
-        springs.place_tips(paths, stage_at);
-        if method.is_damped {
-            let time = step * (stage_at - from) / (to - from);
-            method.dashpots.renew(system, springs, &state.motion.pose, time);
-        }
-        let problem = Problem {
-            system,
-            start: state.motion,
-            past: state.memory.past,
-            springs: springs.blocks(),
-            dashpots: method.dashpots.blocks(),
-            forecast: &mut state.forecast,
-            step,
-            resolving_step: method.resolving_step,
-        };
-        let stepped = match method.integrator {
-            Integrator::Euler => euler::step(problem, solver),
-            Integrator::Midpoint => midpoint::step(problem, solver),
-        };
-        if !stepped.motion.pose.is_finite() || !stepped.motion.twist.is_finite() {
-            springs.invalidate();
-            return StepReport { status: Status::Failed, ..stepped.report };
-        }
-        if stage_at != to {
-            springs.place_tips(paths, to);
-        }
-        load.accept(&stepped, step);
-        stepped.report
+        if load.obstacles.is_some() { load.step_among_obstacles(paths, from, to) } else { load.step_freely(paths, from, to) }
     }
 
     fn rest(load: &mut Exact<Self>) -> bool {

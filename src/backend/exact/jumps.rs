@@ -46,7 +46,7 @@ impl Exact<QuasiStatic> {
         let (mut report, mut last) = (StepReport::default(), None);
         for _ in 0..MOST_ITERATIONS {
             let before = self.state.motion.pose;
-            report.add(&self.balance(None));
+            report.add(&self.balance(None, [self.state.side.now; 2]));
             let length = self.edge_displacement(&before);
             let next = last.map_or(length, |last: f64| length * (length / last).powi(2));
             if next <= rounding {
@@ -132,7 +132,7 @@ mod tests {
             let mut last = end;
             for _ in 0..MOST_ITERATIONS {
                 last = backend.state.motion.pose;
-                backend.balance(None);
+                backend.balance(None, [0.0; 2]);
             }
             // Rounding of where tips are.
             let (rounding, further) =

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::GroundContact;
 use super::control::Pace;
+use super::side::SideState;
+use crate::backend::contact::{Obstacles, SideForce};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::shortcuts::{Forecast, Skip, Skips, StickCertificate};
 use crate::backend::springs::{AttachedSprings, Attachment, Attachments, TipPaths};
@@ -82,6 +84,8 @@ pub struct Exact<M: Method> {
     pub(super) skips: Skips,
     pub(super) solver: FrictionSolver,
     pub(super) springs: AttachedSprings,
+    /// Obstacles, if there are any.
+    pub(super) obstacles: Option<Obstacles>,
     pub(super) state: State<M::Memory>,
     pub(super) pace: Pace,
     /// Attachments at the start of an advance.
@@ -97,6 +101,8 @@ pub struct State<H> {
     pub contact: GroundContact,
     pub forecast: Forecast,
     pub certificate: StickCertificate,
+    #[serde(default, skip_serializing_if = "SideState::is_initial")]
+    pub side: SideState,
     pub memory: H,
 }
 
@@ -124,6 +130,7 @@ impl<M: Method> Exact<M> {
             contact: GroundContact::Unknown { last, jump_is_pending: false },
             forecast: Forecast::default(),
             certificate: StickCertificate::default(),
+            side: SideState::default(),
             memory,
         };
         Self {
@@ -132,6 +139,7 @@ impl<M: Method> Exact<M> {
             skips,
             solver: FrictionSolver::new(&system.ground, system.load.radius),
             springs: AttachedSprings::default(),
+            obstacles: Obstacles::of(&system),
             state,
             pace: Pace::default(),
             from: Vec::new(),
@@ -143,7 +151,7 @@ impl<M: Method> Exact<M> {
     /// Skips an advance in which no tip moves and the load stays at rest.
     pub(super) fn skip_rest(&mut self, tip_targets: &[Vec2], duration: f64, report: &mut StepReport) -> bool {
         let why = if self.springs.is_empty() { Skip::FreeLoad } else { Skip::StillTips };
-        let rests = self.skips.has(why) && self.springs.tips_are_at(tip_targets) && M::rest(self);
+        let rests = self.skips.has(why) && self.springs.tips_are_at(tip_targets) && !self.is_pushed(duration) && M::rest(self);
         if rests {
             let n_steps = match self.stepping {
                 Stepping::Fixed(longest) => n_steps_in(duration, longest),
@@ -158,11 +166,15 @@ impl<M: Method> Exact<M> {
     pub(super) fn take_steps(&mut self, paths: &TipPaths, n_steps: u64, report: &mut StepReport) {
         let share = |n: u64| n as f64 / n_steps as f64;
         let mut done = 0;
+        let is_free = self.is_free(paths.duration);
         while done < n_steps {
-            done += self.skip_certain_steps(paths, [done, n_steps], report);
+            if is_free {
+                done += self.skip_certain_steps(paths, [done, n_steps], report);
+            }
             if done == n_steps {
                 break;
             }
+            let touching = self.state.side.touching.clone();
             let (start, last) = (self.state.snap_start(), self.state.contact.last());
             report.add(&M::step(self, paths, share(done), share(done + 1)));
             done += 1;
@@ -170,6 +182,7 @@ impl<M: Method> Exact<M> {
             let jump = M::complete_snap_through(self, &start, |load| load.springs.last_work_error(), report);
             self.transitions.extend(jump.map(|kind| Transition { time, kind }));
             self.note_mode_change(last, time);
+            self.note_contacts(&touching, time);
         }
     }
 
@@ -225,7 +238,8 @@ impl<M: Method> Exact<M> {
     pub(super) fn flow(&self) -> Vec<f64> {
         let State { motion, energy, .. } = &self.state;
         let common = motion.entries().into_iter().chain([energy.friction, energy.tip_work]);
-        common.chain(M::extra_flow(&self.state)).collect()
+        let flow = common.chain(M::extra_flow(&self.state));
+        if self.obstacles.is_some() { flow.chain(self.state.side_flow()).collect() } else { flow.collect() }
     }
 
     /// Replaces these quantities.
@@ -236,10 +250,31 @@ impl<M: Method> Exact<M> {
         springs.accept_outside(&system.springs, &state.motion.pose);
         state.energy.elastic = springs.energy(&system.springs, &state.motion.pose);
         M::set_extra_flow(state, system, &flow[8..]);
+        if self.obstacles.is_some() {
+            let n_extra = M::extra_flow(state).len();
+            state.set_side_flow(&flow[8 + n_extra..]);
+        }
     }
 }
 
 impl<H> State<H> {
+    /// Energies at the obstacles (J), and the forces of closed contacts (N).
+    fn side_flow(&self) -> impl Iterator<Item = f64> + '_ {
+        let forces = self.side.touching.iter().flat_map(|touching| [touching.force.normal, touching.force.tangential]);
+        [self.energy.side_friction, self.energy.obstacle_work].into_iter().chain(forces)
+    }
+
+    /// Replaces these quantities; forces only of the same contacts.
+    fn set_side_flow(&mut self, flow: &[f64]) {
+        let [friction, work, forces @ ..] = flow else { return };
+        (self.energy.side_friction, self.energy.obstacle_work) = (*friction, *work);
+        if forces.len() == 2 * self.side.touching.len() {
+            for (touching, force) in self.side.touching.iter_mut().zip(forces.chunks_exact(2)) {
+                touching.force = SideForce { normal: force[0].max(0.0), tangential: force[1] };
+            }
+        }
+    }
+
     pub fn snap_start(&self) -> SnapStart {
         SnapStart { pose: self.motion.pose, defect: self.energy.defect() }
     }

@@ -28,6 +28,7 @@
 //! ends in another mode than that of its correction is taken without it.
 
 use super::one_step::{PastFriction, Problem, Stepped};
+use crate::backend::contact::SideWork;
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
 use crate::backend::springs::Place;
@@ -45,7 +46,7 @@ const MIDPOINT: f64 = 0.25;
 const LARGEST_CHANGE: f64 = 0.5;
 
 pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
-    let Problem { system, start: Motion { pose: before, twist: old }, past, springs, mut dashpots, forecast, step, resolving_step } =
+    let Problem { system, start: Motion { pose: before, twist: old }, past, springs, mut dashpots, forecast, step, resolving_step, .. } =
         problem;
     let half_way = drifted(&before, &old, 0.5 * step);
     let start = Place::of(&half_way);
@@ -79,7 +80,15 @@ pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let friction = (-resistance.dot(&moved)).max(0.0);
     let in_world = start.turn * half_turn(increment.z) * resistance.xy();
     let past = friction_after(past, mode, in_world.push(resistance.z), step);
-    Stepped { motion: Motion { pose, twist }, stage: stage.place(&start, &increment).0.pose, friction, mode, past, report }
+    Stepped {
+        motion: Motion { pose, twist },
+        stage: stage.place(&start, &increment).0.pose,
+        friction,
+        mode,
+        past,
+        side: SideWork::default(),
+        report,
+    }
 }
 
 /// Friction after a further step; `None` for a load at rest.

@@ -5,7 +5,7 @@
 //! quasi_static   balance at every instant, after the paper;  jumps: where the balance is lost
 //! bdf2           its step of second order
 //! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
-//! contact        what is known of the load's contact with the ground
+//! contact        what is known of the load's contact with the ground;  side: with obstacles
 //! extrapolation  macro-steps under error control;  control: their tolerances and errors
 //! ```
 
@@ -16,12 +16,14 @@ mod control;
 mod dashpots;
 mod euler;
 mod extrapolation;
+mod impacts;
 mod inertial;
 mod jumps;
 mod load;
 mod midpoint;
 mod one_step;
 mod quasi_static;
+mod side;
 
 pub use control::{Column, Control};
 pub use load::Exact;

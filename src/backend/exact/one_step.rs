@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::contact::{Obstacles, SideWork, Task, Touching};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Forecast;
 use crate::backend::springs::SpringBlocks;
@@ -30,6 +31,9 @@ pub struct Problem<'a> {
     /// Dashpots as springs of this step.
     pub dashpots: Option<&'a mut SpringBlocks>,
     pub forecast: &'a mut Forecast,
+    /// Obstacles, the contacts with them, and the time at the end of the step (s), for a load that
+    /// touches one.
+    pub touching: Option<(&'a mut Obstacles, &'a mut Vec<Touching>, f64)>,
     /// (s)
     pub step: f64,
     /// Longest step that takes an undamped load through one radian of its fastest oscillation (s);
@@ -47,6 +51,8 @@ pub struct Stepped {
     pub mode: ContactMode,
     /// Friction for the next step.
     pub past: Option<PastFriction>,
+    /// Work at the obstacles.
+    pub side: SideWork,
     pub report: StepReport,
 }
 

@@ -13,8 +13,9 @@ use serde::{Deserialize, Serialize};
 use super::bdf2::{self, Past};
 use super::contact::GroundContact;
 use super::load::{Exact, Method, SnapStart, State};
+use crate::backend::contact::{SideWork, Task};
 use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::increment::{Increment, Potential, minimise};
+use crate::backend::increment::{Increment, Potential, Step, minimise};
 use crate::backend::shortcuts::{Skip, Skips};
 use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
@@ -25,6 +26,9 @@ use crate::model::System;
 /// Longest displacement of a tip in one macro-step while the load is at rest, over its radius (1).
 /// A load that slips only between the nodes of a macro-step is not seen to slip.
 const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
+
+/// Largest number of legs of a path that obstacles divide (1).
+const MOST_LEGS: usize = 1024;
 
 /// The quasi-static method.
 pub struct QuasiStatic {
@@ -58,11 +62,27 @@ impl Exact<QuasiStatic> {
 
     /// Moves the load to the balance for the tips as the springs have them, or leaves it where it
     /// is when there is no finite answer. `step` measures the path of the tips; `None` when they
-    /// stand.
-    pub(super) fn balance(&mut self, step: Option<f64>) -> StepReport {
+    /// stand. Obstacles move between two `times` (s), and divide a path that would pass through one.
+    pub(super) fn balance(&mut self, step: Option<f64>, times: [f64; 2]) -> StepReport {
+        let (mut report, mut work) = self.leg(step, times);
+        let [mut from, to] = times;
+        self.state.side.now = to;
+        for _ in 0..MOST_LEGS {
+            let Some(share) = work.cut else { return report };
+            from += share * (to - from);
+            let (next, next_work) = self.leg(None, [from, to]);
+            report.add(&StepReport { n_steps: 0, ..next });
+            work = SideWork { uncertainty: work.uncertainty + next_work.uncertainty, ..next_work };
+        }
+        report
+    }
+
+    /// One leg of the path to a balance.
+    fn leg(&mut self, step: Option<f64>, times: [f64; 2]) -> (StepReport, SideWork) {
         let before = self.state.motion.pose;
-        let increment = self.increment(step);
+        let (increment, work) = self.increment(step, times);
         let Self { state, springs, .. } = self;
+        state.side.uncertainty = work.uncertainty;
         match step {
             Some(step) => state.forecast.learn(&increment, step),
             None => state.forecast.forget(),
@@ -75,6 +95,8 @@ impl Exact<QuasiStatic> {
         if pose.is_finite() {
             state.contact = GroundContact::Known(mode);
             state.energy.friction += friction;
+            state.energy.side_friction += work.friction;
+            state.energy.obstacle_work += work.of_obstacles;
         } else {
             report.status = Status::Failed;
             pose = before;
@@ -85,27 +107,35 @@ impl Exact<QuasiStatic> {
             && self.skips.stick_certificate
             && pose == before
             && report.status == Status::Converged
+            && state.side.touching.is_empty()
         {
             state.certificate.renew(&self.system.springs, springs, &self.solver);
         } else {
             state.certificate.forget();
         }
         state.motion.pose = pose;
-        report
+        (report, work)
     }
 
-    /// Increment of the pose, of second order where that is possible.
-    fn increment(&mut self, step: Option<f64>) -> Increment {
+    /// Increment of the pose, of second order where that is possible, and the work at obstacles.
+    fn increment(&mut self, step: Option<f64>, [from, to]: [f64; 2]) -> (Increment, SideWork) {
         let start = *self.springs.place();
         let guess = step.and_then(|step| self.state.forecast.increment(step));
-        let Self { springs, system, solver, .. } = self;
-        if let (Some(past), Some(duration), Some(guess)) = (&self.state.memory.past, step, &guess) {
+        let Self { springs, system, solver, obstacles, state, .. } = self;
+        let radius = system.load.radius;
+        if let Some(obstacles) = obstacles {
+            let potential = Potential::of(springs.blocks(), start);
+            let mut step = Step { potential, ground: &system.ground, length: radius };
+            let task = Task { from, to, guess, has_inertia: false };
+            return obstacles.find(system, &mut step, solver, &mut state.side.touching, &task);
+        }
+        if let (Some(past), Some(duration), Some(guess)) = (&state.memory.past, step, &guess) {
             let found = bdf2::step(system, (&start, past), duration, guess, springs.blocks(), solver);
             if let Some(found) = found {
-                return found;
+                return (found, SideWork::default());
             }
         }
-        minimise(Potential::of(springs.blocks(), start), &system.ground, solver, system.load.radius, guess)
+        (minimise(Potential::of(springs.blocks(), start), &system.ground, solver, radius, guess), SideWork::default())
     }
 }
 
@@ -120,7 +150,8 @@ impl Method for QuasiStatic {
         let step = (to - from) * paths.duration;
         // Shares of the path keep the answer the same to the last bit at another speed of the tips.
         // The second order needs the time.
-        let report = load.balance(Some(if load.method.second_order { step } else { to - from }));
+        let times = [from, to].map(|share| load.state.side.time + share * paths.duration);
+        let report = load.balance(Some(if load.method.second_order { step } else { to - from }), times);
         let state = &mut load.state;
         let after = state.motion.pose;
         state.motion.twist = Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };

@@ -9,9 +9,14 @@ use crate::model::Ground;
 /// Increment that minimises potential plus friction. `length` (m) is the extent of the load, which
 /// makes turns and shifts comparable.
 pub fn minimise(potential: Potential, ground: &Ground, solver: &mut FrictionSolver, length: f64, guess: Option<Vec3>) -> Increment {
-    let mut step = Step { potential, ground, length };
+    minimise_step(&mut Step { potential, ground, length }, solver, guess)
+}
+
+/// [`minimise`] for a step that is kept.
+pub fn minimise_step(step: &mut Step, solver: &mut FrictionSolver, guess: Option<Vec3>) -> Increment {
+    let length = step.length;
     let guess = guess.filter(|_| solver.accuracy() == 0.0);
-    if let Some(found) = guess.and_then(|guess| correct(&mut step, solver, length, guess, None, Wanted::Only)) {
+    if let Some(found) = guess.and_then(|guess| correct(step, solver, length, guess, None, Wanted::Only)) {
         return step.found(&found.at, found.mode, found.report);
     }
     step.rest(solver).unwrap_or_else(|| step.descend_from_rest(solver))

@@ -30,6 +30,7 @@ mod potential;
 
 pub(super) use corrector::{Corrected, Wanted, correct};
 pub use descent::positive_definite;
-pub use minimise::minimise;
-pub(super) use objective::{Objective, rounding_of_places};
-pub use potential::{Coasting, Increment, Potential, Stage, friction_loss, in_body_increments};
+pub use minimise::{minimise, minimise_step};
+pub use objective::Objective;
+pub(super) use objective::rounding_of_places;
+pub use potential::{Coasting, Increment, Potential, Stage, Step, by_increment, friction_loss, in_body_increments};

@@ -81,15 +81,15 @@ pub struct Increment {
 }
 
 /// A step to be found.
-pub(super) struct Step<'a> {
-    pub(super) potential: Potential<'a>,
-    pub(super) ground: &'a Ground,
+pub struct Step<'a> {
+    pub potential: Potential<'a>,
+    pub ground: &'a Ground,
     /// Extent of the load (m).
-    pub(super) length: f64,
+    pub length: f64,
 }
 
 impl Step<'_> {
-    pub(super) fn found(&self, twist: &Vec3, mode: ContactMode, report: StepReport) -> Increment {
+    pub fn found(&self, twist: &Vec3, mode: ContactMode, report: StepReport) -> Increment {
         Increment {
             twist: *twist,
             shift: shift_of(&self.potential.start.turn, twist),
@@ -100,7 +100,7 @@ impl Step<'_> {
     }
 
     /// Size of a body twist: shift over the extent of the load plus turn (1).
-    pub(super) fn size(&self, twist: &Vec3) -> f64 {
+    pub fn size(&self, twist: &Vec3) -> f64 {
         twist.xy().norm() / self.length + twist.z.abs()
     }
 
@@ -197,7 +197,7 @@ fn slope_by_increment(gradient: &Vec3, arc: &Arc, shift: &Vec2) -> Vec3 {
 /// Derivatives by shifts along the load's axes and by its turn, transformed to derivatives by the
 /// increment (u, delta) of `x = x_0 + R V(delta) u`, `heading = heading_0 + delta` along `arc`,
 /// with u the `shift` (m).
-fn by_increment(local: &Reaction, arc: &Arc, shift: &Vec2) -> Reaction {
+pub fn by_increment(local: &Reaction, arc: &Arc, shift: &Vec2) -> Reaction {
     // Seen from the end, where the axes have turned by delta, V is its own transpose.
     let mean = arc.mean_rotation();
     let first = arc.first_at_end();

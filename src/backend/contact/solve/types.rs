@@ -1,5 +1,6 @@
 //! What is asked of the contact solver, and what it answers.
 
+use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use crate::backend::friction::ContactMode;
@@ -24,7 +25,8 @@ pub struct ContactRow {
 }
 
 /// What a side contact does in a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum SideMode {
     /// Nothing touches.
     Open,
@@ -38,7 +40,7 @@ pub enum SideMode {
 }
 
 /// Force of an obstacle on the load at one contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SideForce {
     /// Force along the row's normal (N), positive where the obstacle pushes.
     pub normal: f64,

@@ -1,0 +1,182 @@
+//! Impacts of a load with inertia on obstacles.
+//!
+//! ```text
+//! minimise over v    1/2 |v - v_before|^2_M    with    n.(v - v_o) >= -e n.(v_before - v_o)
+//! ```
+//!
+//! with Coulomb's law for the impulses along the surface. v_o is the velocity of the obstacle at the
+//! load, e the coefficient of restitution. The ground's friction is bounded and gives no impulse.
+//! With side friction and a restitution near one this law (Newton's, in Moreau's form) may gain
+//! energy. Where it would, the impulses of a plastic impact are scaled by 1 + e instead (Poisson's
+//! law), which never gains any: the kinetic energy along that line is least at 1 or beyond.
+
+use super::obstacles::{Obstacles, Touching};
+use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
+use super::surroundings::{Pair, Surroundings};
+use crate::backend::Motion;
+use crate::backend::friction::FrictionSolver;
+use crate::backend::springs::Place;
+use crate::math::{Mat3, Pose, Twist, Vec2, Vec3};
+use crate::model::{Ground, System};
+
+/// A pair of features that the load is about to touch by.
+pub type Strike = Pair;
+
+/// Velocity after an impact.
+pub struct Reflection {
+    pub twist: Twist,
+    /// Energy lost (J).
+    pub loss: f64,
+    /// Work of moving obstacles on the load (J).
+    pub of_obstacles: f64,
+    /// Obstacle that the load hit, one of them.
+    pub obstacle: usize,
+}
+
+/// Speed of separation over the largest speed at which a contact counts as closed (1).
+const STAYS: f64 = 1e-9;
+
+impl Obstacles {
+    /// Features that a load passes through between two poses within two times (s), besides those
+    /// that it touches, and the share of the way by whose end it has; `None` for a free way.
+    pub fn strikes(
+        &mut self,
+        system: &System,
+        start: &Place,
+        end: &Pose,
+        [from, to]: [f64; 2],
+        touching: &[Touching],
+    ) -> Option<(Vec<Strike>, f64)> {
+        let twist = increment_between(start, end);
+        let is_known = |pair: &Pair, _: usize| touching.iter().any(|touching| touching.key == pair.key);
+        self.hits(system, start, &twist, [from, to], is_known).map(|(pairs, [_, share])| (pairs, share))
+    }
+
+    /// Gap of two features (m) and the rate at which it grows (m/s).
+    pub fn gap_and_rate(&self, system: &System, pair: &Strike, motion: &Motion, time: f64) -> (f64, f64) {
+        let place = Place::of(&motion.pose);
+        let at = Surroundings::relative(&place, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
+        let gap = pair.features.gap_with_derivatives(&at);
+        (gap.energy, gap.gradient.dot(&relative_twist(system, pair.key.obstacle, motion, &place, time)))
+    }
+
+    /// Velocity of a load that touches by the features `strikes`, and by those that were closed
+    /// before. An approach that would rebound at less than `softest` (m/s) does not.
+    pub fn reflect(
+        &mut self,
+        system: &System,
+        touching: &mut Vec<Touching>,
+        strikes: &[Strike],
+        motion: &Motion,
+        (time, softest): (f64, f64),
+    ) -> Reflection {
+        let place = Place::of(&motion.pose);
+        let pairs: Vec<Pair> = self.closed_pairs(system, &place, time, strikes, touching);
+        let obstacle = strikes.first().map_or(0, |pair| pair.key.obstacle);
+        let mass = Mat3::from_diagonal(&Vec3::new(system.load.mass, system.load.mass, system.load.inertia));
+        let before = relative_twist(system, obstacle, motion, &place, time);
+        let rows: PerContact<(ContactRow, f64)> =
+            pairs.iter().map(|pair| self.row(system, pair, obstacle, motion, &place, (time, softest))).collect();
+        let ground = Ground { friction_coefficient: 0.0, supports: Vec::new() };
+        let mut solver = FrictionSolver::new(&ground, system.load.radius);
+        let mut solved = |restitution: f64| {
+            let rows: PerContact<ContactRow> =
+                rows.iter().map(|(row, rebound)| ContactRow { gap: row.gap + restitution * rebound, ..*row }).collect();
+            let drive = mass * before;
+            let answer = solve_contacts(&ContactSystem { hessian: &mass, drive: &drive, rows: &rows }, &mut solver, None);
+            (answer.ending == Ending::Converged).then_some(answer)
+        };
+        let energy = |twist: &Vec3| 0.5 * twist.dot(&(mass * twist));
+        let mut after = solved(1.0).map(|answer| answer.increment).filter(|after| energy(after) <= energy(&before) * (1.0 + 1e-12));
+        if after.is_none() {
+            let restitution = pairs.iter().map(|pair| pair.restitution).fold(0.0, f64::max);
+            after = solved(0.0).map(|plastic| before + (1.0 + restitution) * (plastic.increment - before));
+        }
+        let after = after.unwrap_or(before);
+        *touching = self.closed_after(system, &pairs, &rows, &after, &place, time);
+        let loss = (energy(&before) - energy(&after)).max(0.0);
+        let change = after - before;
+        let linear = motion.twist.linear + place.turn * change.xy();
+        let twist = Twist { linear, angular: motion.twist.angular + change.z };
+        let of_obstacles = system.load.kinetic_energy(&twist) - system.load.kinetic_energy(&motion.twist) + loss;
+        let is_moved = system.world.obstacles[obstacle].path.moves();
+        Reflection { twist, loss, of_obstacles: if is_moved { of_obstacles } else { 0.0 }, obstacle }
+    }
+
+    /// Pairs that are closed at an impact.
+    fn closed_pairs(&mut self, system: &System, place: &Place, time: f64, strikes: &[Strike], touching: &[Touching]) -> Vec<Pair> {
+        let mut pairs = self.pairs_within(system, place, time, 0.0);
+        pairs.retain(|pair| touching.iter().any(|touching| touching.key == pair.key));
+        pairs.extend(strikes.iter().filter(|pair| self.is_closed(system, pair, place, time)));
+        pairs
+    }
+
+    /// Row of a pair for the velocity relative to that of one obstacle, and its rebound, the change
+    /// of its gap by restitution.
+    fn row(
+        &self,
+        system: &System,
+        pair: &Pair,
+        reference: usize,
+        motion: &Motion,
+        place: &Place,
+        (time, softest): (f64, f64),
+    ) -> (ContactRow, f64) {
+        let obstacle = &system.world.obstacles[pair.key.obstacle];
+        let at = Surroundings::relative(place, &obstacle.path.pose_at(time));
+        let (gap, slip) = (pair.features.gap_with_derivatives(&at), pair.features.slip_with_derivatives(&at, 0.0));
+        let own = relative_twist(system, pair.key.obstacle, motion, place, time);
+        let seen = relative_twist(system, reference, motion, place, time);
+        let approach = gap.gradient.dot(&own);
+        let rebounds = approach < 0.0 && -pair.restitution * approach > softest;
+        let row = ContactRow {
+            normal: gap.gradient,
+            tangent: slip.gradient,
+            gap: gap.gradient.dot(&(own - seen)),
+            slip: slip.gradient.dot(&(own - seen)),
+            friction_coefficient: pair.friction_coefficient,
+        };
+        (row, if rebounds { pair.restitution * approach } else { 0.0 })
+    }
+
+    /// Contacts that stay closed at this relative twist.
+    fn closed_after(
+        &self,
+        system: &System,
+        pairs: &[Pair],
+        rows: &[(ContactRow, f64)],
+        after: &Vec3,
+        place: &Place,
+        time: f64,
+    ) -> Vec<Touching> {
+        let speed = after.xy().norm() + system.load.radius * after.z.abs();
+        let stays = |(_, (row, _)): &(&Pair, &(ContactRow, f64))| row.gap + row.normal.dot(after) <= STAYS * speed;
+        let touching = |(pair, (row, _)): (&Pair, &(ContactRow, f64))| {
+            let slip = row.slip + row.tangent.dot(after);
+            let mode = if slip.abs() <= STAYS * speed { SideMode::Stick } else { SideMode::Slide { forward: slip > 0.0 } };
+            let obstacle = system.world.obstacles[pair.key.obstacle].path.pose_at(time);
+            let at = Surroundings::relative(place, &obstacle);
+            let force = SideForce::default();
+            let on_load = super::obstacles::on_load(&pair.features, &force, &at, &obstacle);
+            Touching { key: pair.key, mode: pair.mode(mode), force, slip: pair.features.slip(&at, 0.0), on_load }
+        };
+        pairs.iter().zip(rows).filter(stays).map(touching).collect()
+    }
+}
+
+/// Twist of the load relative to an obstacle (m/s, m/s, rad/s; load axes).
+fn relative_twist(system: &System, obstacle: usize, motion: &Motion, place: &Place, time: f64) -> Vec3 {
+    let path = &system.world.obstacles[obstacle].path;
+    let of_obstacle = path.twist_after(time);
+    let arm: Vec2 = motion.pose.position - path.pose_at(time).position;
+    let linear = place.turn.tr_mul(&(motion.twist.linear - of_obstacle.velocity_at(&arm)));
+    linear.push(motion.twist.angular - of_obstacle.angular)
+}
+
+/// Pose `end` seen from `start` as a body-twist increment.
+fn increment_between(start: &Place, end: &Pose) -> Vec3 {
+    let turn = end.heading - start.pose.heading;
+    let along = start.turn.tr_mul(&(end.position - start.pose.position));
+    let mean = crate::math::Arc::of(turn).mean_rotation();
+    mean.try_inverse().map_or(along, |inverse| inverse * along).push(turn)
+}

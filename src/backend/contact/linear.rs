@@ -1,0 +1,122 @@
+//! Equations of a step in given contact modes: three of balance and up to three of contact.
+
+use smallvec::SmallVec;
+
+use crate::math::{Mat3, Vec3};
+
+/// Largest number of equations.
+const MOST: usize = 6;
+
+/// Linear equations for the change of an increment and of contact forces, in scaled units.
+pub struct Linear {
+    length: f64,
+    force: f64,
+    displacement: f64,
+    gradient: Vec3,
+    hessian: Mat3,
+    /// Derivative of each constraint, direction of its force, and its violation (m).
+    rows: SmallVec<[(Vec3, Vec3, f64); 3]>,
+}
+
+impl Linear {
+    /// For a load of this `length` (m) under forces of the size `force` (N), that moves by about
+    /// `displacement` (m).
+    pub fn new(length: f64, force: f64, displacement: f64) -> Self {
+        Self { length, force, displacement, gradient: Vec3::zeros(), hessian: Mat3::zeros(), rows: SmallVec::new() }
+    }
+
+    /// Adds a constraint with the derivative `row` (1, 1, m), a force along `along`, and the
+    /// violation (m).
+    pub fn push(&mut self, row: Vec3, along: Vec3, violation: f64) {
+        self.rows.push((row, along, violation));
+    }
+
+    /// Sets the forces out of balance (N, N, N m) and their derivative.
+    pub fn set_balance(&mut self, gradient: Vec3, hessian: Mat3) {
+        (self.gradient, self.hessian) = (gradient, hessian);
+    }
+
+    /// Largest violation over the scales (1).
+    pub fn residual(&self) -> f64 {
+        let torque = self.gradient.z / self.length;
+        let balance = self.gradient.xy().amax().max(torque.abs()) / self.force;
+        self.rows.iter().map(|(_, _, violation)| violation.abs() / self.displacement).fold(balance, f64::max)
+    }
+
+    /// Change of the increment (m, m, rad), then of the force of each constraint (N). `None` where
+    /// there is none.
+    pub fn solve(&self) -> Option<SmallVec<[f64; MOST]>> {
+        let n = 3 + self.rows.len();
+        let units = [1.0, 1.0, 1.0 / self.length];
+        let stiffness = self.force / self.length;
+        let mut a = [[0.0; MOST + 1]; MOST];
+        for i in 0..3 {
+            for j in 0..3 {
+                a[i][j] = self.hessian[(i, j)] * units[i] * units[j] / stiffness;
+            }
+            a[i][n] = -self.gradient[i] * units[i] / self.force;
+        }
+        for (k, (row, along, violation)) in self.rows.iter().enumerate() {
+            for i in 0..3 {
+                a[i][3 + k] = -along[i] * units[i];
+                a[3 + k][i] = row[i] * units[i];
+            }
+            a[3 + k][n] = -violation / self.length;
+        }
+        let x = eliminated(&mut a, n)?;
+        let scale = |i: usize| if i < 3 { self.length * units[i] } else { self.force };
+        Some((0..n).map(|i| x[i] * scale(i)).collect())
+    }
+
+    /// Whether the branch is stable: all principal minors of N C A' are positive, with C the inverse
+    /// of the Hessian, N the constraints and A the directions of their forces.
+    pub fn is_stable(&self) -> bool {
+        if self.rows.is_empty() {
+            return true;
+        }
+        let units = Vec3::new(self.length, self.length, 1.0);
+        let mut hessian = Mat3::from_fn(|i, j| self.hessian[(i, j)] * units[i] * units[j]);
+        // A load without springs resists no motion along its slip.
+        let least = 1e-9 * hessian.amax();
+        (0..3).for_each(|i| hessian[(i, i)] += least);
+        let Some(inverse) = hessian.try_inverse() else { return false };
+        let n = self.rows.len();
+        let mut w = [[0.0; 3]; 3];
+        for i in 0..n {
+            for j in 0..n {
+                let (row, along) = (self.rows[i].0.component_mul(&units), self.rows[j].1.component_mul(&units));
+                w[i][j] = row.dot(&(inverse * along));
+            }
+        }
+        let pair = |i: usize, j: usize| w[i][i] * w[j][j] - w[i][j] * w[j][i];
+        let single = (0..n).all(|i| w[i][i] > 0.0);
+        let double = (0..n).all(|i| (0..i).all(|j| pair(i, j) > 0.0));
+        let whole = n < 3
+            || w[0][0] * pair(1, 2) - w[0][1] * (w[1][0] * w[2][2] - w[1][2] * w[2][0]) + w[0][2] * (w[1][0] * w[2][1] - w[1][1] * w[2][0])
+                > 0.0;
+        single && double && whole
+    }
+}
+
+/// Gauss's elimination with row pivots; the right side stands in column n.
+fn eliminated(a: &mut [[f64; MOST + 1]; MOST], n: usize) -> Option<[f64; MOST]> {
+    for column in 0..n {
+        let pivot = (column..n).max_by(|i, j| a[*i][column].abs().total_cmp(&a[*j][column].abs()))?;
+        a.swap(column, pivot);
+        if a[column][column] == 0.0 || !a[column][column].is_finite() {
+            return None;
+        }
+        for i in column + 1..n {
+            let factor = a[i][column] / a[column][column];
+            for j in column..=n {
+                a[i][j] -= factor * a[column][j];
+            }
+        }
+    }
+    let mut x = [0.0; MOST];
+    for i in (0..n).rev() {
+        let rest: f64 = (i + 1..n).map(|j| a[i][j] * x[j]).sum();
+        x[i] = (a[i][n] - rest) / a[i][i];
+    }
+    x.iter().all(|value| value.is_finite()).then_some(x)
+}

@@ -1,0 +1,364 @@
+//! The obstacles about a load: which steps need them, and the contacts that a step leaves behind.
+//!
+//! A step is first taken as if there were no obstacles, unless the load touches one. It stands where
+//! the load cannot reach any obstacle in it, by a bound of its distance (the free-space certificate)
+//! or by a look at the features near its end. Elsewhere it is solved with the features within reach.
+//! Displacements that could pass over a feature are looked at piece by piece, and cut before the
+//! first one that they would pass.
+
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+
+use super::gap::FeaturePair;
+use super::solve::{SideForce, SideMode};
+use super::step::{CLOSED, Candidate, ContactStep, Found, Sides};
+use super::surroundings::{Pair, PairKey, Surroundings};
+use crate::backend::friction::FrictionSolver;
+use crate::backend::increment::{Increment, Step, minimise_step};
+use crate::backend::springs::Place;
+use crate::backend::{Status, StepReport, TransitionKind};
+use crate::math::{Vec2, Vec3};
+use crate::model::System;
+
+/// A contact that is closed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Touching {
+    pub key: PairKey,
+    pub mode: SideMode,
+    pub force: SideForce,
+    /// Slip coordinate (m).
+    pub slip: f64,
+    /// Force on the load (N, world) and where it acts (m, world).
+    pub on_load: [Vec2; 2],
+}
+
+/// What a step did at the obstacles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SideWork {
+    /// Energy lost to side friction (J).
+    pub friction: f64,
+    /// Work of moving obstacles on the load (J).
+    pub of_obstacles: f64,
+    /// Bound of the energy that a step of first order mistakes (J).
+    pub uncertainty: f64,
+    /// Share of the step at which it ends before an obstacle that it would have passed; `None` for a
+    /// whole step.
+    pub cut: Option<f64>,
+    /// Shift along the load's axes at the end, and turn, that close overlaps by rounding (m, m, rad).
+    pub push_out: Vec3,
+}
+
+/// A step: when it begins and ends, and the guess of its increment.
+pub struct Task {
+    /// (s)
+    pub from: f64,
+    /// (s)
+    pub to: f64,
+    pub guess: Option<Vec3>,
+    /// Whether the load has inertia: only the contacts that are closed are looked at, and an overlap
+    /// by rounding is closed without a speed.
+    pub has_inertia: bool,
+}
+
+/// The obstacles, with what is known of their distance.
+#[derive(Debug)]
+pub struct Obstacles {
+    surroundings: Surroundings,
+    /// Place and time of a distance from all obstacles (m).
+    clear: Option<(Place, f64, f64)>,
+}
+
+/// Share of the smallest feature that a load moves by in one piece (1).
+const PIECE: f64 = 0.25;
+/// Most pieces of a displacement (1).
+const MOST_PIECES: usize = 4096;
+/// Reach of the first look for features, over the load's radius (1).
+const REACH: f64 = 0.01;
+/// Most attempts with farther and farther features (1).
+const MOST_ATTEMPTS: usize = 12;
+
+impl Obstacles {
+    /// The obstacles of a system; `None` without any.
+    pub fn of(system: &System) -> Option<Self> {
+        (!system.world.is_empty()).then(|| Self { surroundings: Surroundings::new(system), clear: None })
+    }
+
+    /// The step, with the contacts that it ends in.
+    pub fn find(
+        &mut self,
+        system: &System,
+        step: &mut Step,
+        solver: &mut FrictionSolver,
+        touching: &mut Vec<Touching>,
+        task: &Task,
+    ) -> (Increment, SideWork) {
+        if touching.is_empty() {
+            let warm_start = solver.warm_start().clone();
+            let free = minimise_step(step, solver, task.guess);
+            if self.is_free(system, &step.potential.start, &free.twist, task) {
+                return (free, SideWork::default());
+            }
+            solver.set_warm_start(warm_start).expect("it is the solver's own");
+        }
+        self.find_with_contacts(system, step, solver, touching, task)
+    }
+
+    /// Distance that the load is certainly away from all obstacles (m), at the start of the task.
+    fn known_clearance(&self, system: &System, at: &Place, time: f64) -> f64 {
+        let Some((place, since, clearance)) = &self.clear else { return 0.0 };
+        clearance - at.pose.edge_displacement(&place.pose, system.load.radius) - displacement(system, *since, time)
+    }
+
+    /// Whether nothing can touch a load that stands still at `at` between two times (s).
+    pub fn is_far(&mut self, system: &System, at: &Place, [from, to]: [f64; 2]) -> bool {
+        let shift = displacement(system, from, to);
+        if self.known_clearance(system, at, from) > shift {
+            return true;
+        }
+        let clearance = self.surroundings.clearance(system, at, from);
+        self.clear = Some((*at, from, clearance));
+        clearance > shift
+    }
+
+    /// Whether an increment touches nothing.
+    fn is_free(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task) -> bool {
+        let moved = twist.xy().norm() + system.load.radius * twist.z.abs() + displacement(system, task.from, task.to);
+        if self.known_clearance(system, start, task.from) > moved {
+            return true;
+        }
+        let is_free = self.first_hit(system, start, twist, task, &[]).is_none();
+        if is_free {
+            let end = start.moved_by(twist);
+            self.clear = Some((end, task.to, self.surroundings.clearance(system, &end, task.to)));
+        }
+        is_free
+    }
+
+    /// Share of an increment after which a load meets a feature, at the start of the piece in which it
+    /// does; `None` for a free path. The `known` features are left out where the end of the increment
+    /// says all of them, and those that touch anywhere.
+    fn first_hit(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task, known: &[(PairKey, bool)]) -> Option<f64> {
+        let is_known = |pair: &Pair, n_pieces: usize| known.iter().any(|(key, touches)| *key == pair.key && (*touches || n_pieces == 1));
+        let (_, [share, _]) = self.hits(system, start, twist, [task.from, task.to], is_known)?;
+        Some(share)
+    }
+
+    /// Features that a load passes through along an increment between two times (s), but the known
+    /// ones, in the first piece in which it does, with the shares between which this piece lies.
+    /// Whether a pair is known may depend on the number of pieces. `None` for a free path.
+    pub(super) fn hits(
+        &mut self,
+        system: &System,
+        start: &Place,
+        twist: &Vec3,
+        [from, to]: [f64; 2],
+        is_known: impl Fn(&Pair, usize) -> bool,
+    ) -> Option<(Vec<Pair>, [f64; 2])> {
+        let moved = twist.xy().norm() + system.load.radius * twist.z.abs() + displacement(system, from, to);
+        if self.known_clearance(system, start, from) > moved {
+            return None;
+        }
+        let n_pieces = (moved / (PIECE * self.surroundings.fineness())).ceil().clamp(1.0, MOST_PIECES as f64) as usize;
+        let closed = CLOSED * system.load.radius;
+        let mut pairs = Vec::new();
+        let at = |piece: usize| {
+            let share = piece as f64 / n_pieces as f64;
+            (start.moved_by(&(share * twist)), from + share * (to - from))
+        };
+        for piece in 0..n_pieces {
+            let ((here, now), (there, then)) = (at(piece), at(piece + 1));
+            pairs.clear();
+            self.surroundings.pairs(system, &here, now, 1.001 * moved / n_pieces as f64 + closed, &mut pairs);
+            let is_hit = |pair: &Pair| {
+                let end = Surroundings::relative(&there, &system.world.obstacles[pair.key.obstacle].path.pose_at(then));
+                pair.features.gap(&end) < -closed && self.surroundings.beyond(pair, &end) <= 0.0
+            };
+            pairs.retain(|pair| !is_known(pair, n_pieces) && is_hit(pair));
+            if !pairs.is_empty() {
+                return Some((pairs, [piece, piece + 1].map(|piece| piece as f64 / n_pieces as f64)));
+            }
+        }
+        None
+    }
+
+    /// Pairs that a load may touch within `reach` (m).
+    pub(super) fn pairs_within(&mut self, system: &System, at: &Place, time: f64, reach: f64) -> Vec<Pair> {
+        let mut pairs = Vec::new();
+        self.surroundings.pairs(system, at, time, reach + 10.0 * CLOSED * system.load.radius, &mut pairs);
+        pairs
+    }
+
+    /// Whether a pair is closed.
+    pub(super) fn is_closed(&self, system: &System, pair: &Pair, at: &Place, time: f64) -> bool {
+        let seen = Surroundings::relative(at, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
+        let closed = 10.0 * CLOSED * system.load.radius;
+        pair.features.gap(&seen) <= closed && self.surroundings.beyond(pair, &seen) <= closed
+    }
+
+    /// The step with the features within reach, which is widened until it suffices.
+    fn find_with_contacts(
+        &mut self,
+        system: &System,
+        step: &mut Step,
+        solver: &mut FrictionSolver,
+        touching: &mut Vec<Touching>,
+        task: &Task,
+    ) -> (Increment, SideWork) {
+        let (start, radius) = (step.potential.start, system.load.radius);
+        let shift = displacement(system, task.from, task.to);
+        let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
+        let mut reach = 2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size));
+        let warm_start = solver.warm_start().clone();
+        let mut report = StepReport::default();
+        let mut attempt = 0;
+        loop {
+            let candidates = self.candidates(system, &start, task, reach, touching);
+            let suggested = suggested(&candidates, touching);
+            let mut contact = ContactStep { step, surroundings: &self.surroundings, candidates: &candidates };
+            let mut found = contact.find(solver, &suggested, task.guess);
+            report.n_solves += found.increment.report.n_solves;
+            report.n_iterations += found.increment.report.n_iterations;
+            let touches = |key: &PairKey, force: &SideForce| force.normal > 0.0 || touching.iter().any(|touching| touching.key == *key);
+            let known: Vec<_> =
+                candidates.iter().zip(&found.sides).map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
+            let hit = if task.has_inertia { None } else { self.first_hit(system, &start, &found.increment.twist, task, &known) };
+            attempt += 1;
+            if hit == Some(0.0) && attempt < MOST_ATTEMPTS {
+                reach *= 4.0;
+                solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
+                continue;
+            }
+            found.increment.report.n_solves = report.n_solves;
+            found.increment.report.n_iterations = report.n_iterations;
+            return match hit {
+                Some(share) if share > 0.0 => {
+                    let twist = share * found.increment.twist;
+                    let report = found.increment.report;
+                    touching.clear();
+                    (step.found(&twist, found.increment.mode, report), SideWork { cut: Some(share), ..SideWork::default() })
+                }
+                hit => {
+                    if hit.is_some() {
+                        found.increment.report.status = found.increment.report.status.max(Status::NotConverged);
+                        found.increment.report.n_not_converged = 1;
+                    }
+                    let work = self.accept(system, &start, task, &candidates, &found, touching);
+                    (found.increment, work)
+                }
+            };
+        }
+    }
+
+    fn candidates(&mut self, system: &System, start: &Place, task: &Task, reach: f64, touching: &[Touching]) -> Vec<Candidate> {
+        let mut pairs = Vec::new();
+        self.surroundings.pairs(system, start, task.from, reach, &mut pairs);
+        if task.has_inertia {
+            pairs.retain(|pair| touching.iter().any(|touching| touching.key == pair.key));
+        }
+        let candidate = |pair: Pair| {
+            let path = &system.world.obstacles[pair.key.obstacle].path;
+            let near = touching.iter().find(|touching| touching.key == pair.key).map_or(0.0, |touching| touching.slip);
+            let at_start = Surroundings::relative(start, &path.pose_at(task.from));
+            let slip = pair.features.slip(&at_start, near);
+            let least_gap = if task.has_inertia { pair.features.gap(&at_start).min(0.0) } else { 0.0 };
+            Candidate { pair, start: Surroundings::relative(start, &path.pose_at(task.to)), slip, least_gap }
+        };
+        pairs.into_iter().map(candidate).collect()
+    }
+
+    /// Keeps the closed contacts of a step and returns its work at the obstacles.
+    fn accept(
+        &mut self,
+        system: &System,
+        start: &Place,
+        task: &Task,
+        candidates: &[Candidate],
+        found: &Found,
+        touching: &mut Vec<Touching>,
+    ) -> SideWork {
+        let closed = 10.0 * CLOSED * system.load.radius;
+        let mut work = SideWork::default();
+        let last = std::mem::take(touching);
+        for (candidate, (mode, force)) in candidates.iter().zip(&found.sides) {
+            let Candidate { pair: Pair { key, features, .. }, start: moved, slip, .. } = candidate;
+            let end = moved.moved_by(&found.increment.twist);
+            let (gap_at_end, slip_at_end) = (features.gap(&end), features.slip(&end, *slip));
+            let obstacle = system.world.obstacles[key.obstacle].path.pose_at(task.to);
+            if force.normal > 0.0 {
+                let before = last.iter().find(|touching| touching.key == *key).map_or(SideForce::default(), |touching| touching.force);
+                let slipped = slip_at_end - slip;
+                work.friction += (-force.tangential * slipped).max(0.0);
+                let gap_at_start = features.gap(moved);
+                work.uncertainty += force.normal * gap_at_start.max(0.0) + (force.tangential - before.tangential).abs() * slipped.abs();
+                if system.world.obstacles[key.obstacle].path.moves() {
+                    let standing = Surroundings::relative(start, &system.world.obstacles[key.obstacle].path.pose_at(task.from));
+                    let approach = features.gap(&standing) - gap_at_start;
+                    let drag = slip - features.slip(moved, *slip);
+                    let mean = |a: f64, b: f64| 0.5 * (a + b);
+                    let (normal, tangential) = (mean(before.normal, force.normal), mean(before.tangential, force.tangential));
+                    work.of_obstacles += normal * approach + tangential * drag;
+                    work.uncertainty += (force.normal - before.normal).abs() * approach.abs();
+                }
+            }
+            if candidate.least_gap < 0.0 && gap_at_end < 0.0 {
+                let normal = features.gap_with_derivatives(&end).gradient;
+                let mobility = Vec3::new(1.0, 1.0, system.load.mass / system.load.inertia);
+                let along = normal.component_mul(&mobility);
+                work.push_out += (-gap_at_end - normal.dot(&work.push_out)).max(0.0) / normal.dot(&along) * along;
+            }
+            if gap_at_end <= closed && self.surroundings.beyond(&candidate.pair, &end) <= closed {
+                let on_load = on_load(features, force, &end, &obstacle);
+                touching.push(Touching { key: *key, mode: *mode, force: *force, slip: slip_at_end, on_load });
+            }
+        }
+        self.clear = None;
+        work
+    }
+}
+
+/// Force of a contact on the load (N, world) and where it acts (m, world), for a load at `at` in the
+/// frame of an obstacle.
+pub(super) fn on_load(features: &FeaturePair, force: &SideForce, at: &Place, obstacle: &crate::math::Pose) -> [Vec2; 2] {
+    let normal = features.normal(at);
+    let in_frame = force.normal * normal + force.tangential * crate::math::perpendicular(&normal);
+    [crate::math::rotation(obstacle.heading) * in_frame, obstacle.to_world(&features.contact_point(at))]
+}
+
+/// Bound of the displacement of all obstacles between two times (m).
+fn displacement(system: &System, from: f64, to: f64) -> f64 {
+    if from == to {
+        return 0.0;
+    }
+    system.world.obstacles.iter().map(|obstacle| obstacle.displacement(from, to)).fold(0.0, f64::max)
+}
+
+/// Modes and forces of the candidates in the last step.
+fn suggested(candidates: &[Candidate], touching: &[Touching]) -> Sides {
+    let last = |candidate: &Candidate| touching.iter().find(|touching| touching.key == candidate.pair.key);
+    candidates
+        .iter()
+        .map(|candidate| last(candidate).map_or((SideMode::Open, SideForce::default()), |last| (last.mode, last.force)))
+        .collect()
+}
+
+/// What happened at the obstacles between two sets of contacts.
+pub fn transitions(before: &[Touching], after: &[Touching]) -> SmallVec<[TransitionKind; 2]> {
+    let mut kinds = SmallVec::new();
+    let of = |touching: &[Touching], obstacle: usize| {
+        let mine = || touching.iter().filter(move |touching| touching.key.obstacle == obstacle);
+        (mine().count() > 0).then(|| mine().any(|touching| touching.mode == SideMode::Stick))
+    };
+    let mut obstacles: SmallVec<[usize; 4]> = before.iter().chain(after).map(|touching| touching.key.obstacle).collect();
+    obstacles.sort_unstable();
+    obstacles.dedup();
+    for obstacle in obstacles {
+        kinds.extend(match (of(before, obstacle), of(after, obstacle)) {
+            (None, Some(_)) => Some(TransitionKind::Touch { obstacle }),
+            (Some(_), None) => Some(TransitionKind::Separation { obstacle }),
+            (Some(false), Some(true)) => Some(TransitionKind::SideStick { obstacle }),
+            (Some(true), Some(false)) => Some(TransitionKind::SideSlip { obstacle }),
+            _ => None,
+        });
+    }
+    kinds
+}

@@ -1,0 +1,337 @@
+//! One time-incremental step of a load that touches obstacles.
+//!
+//! ```text
+//! balance    dE/dx + sum_i B_i' f_i = sum_k p_k dgap_k/dx + tau_k dslip_k/dx
+//! contact    gap_k >= 0, p_k >= 0, p_k gap_k = 0 at the end of the step
+//! friction   |tau_k| <= mu_k p_k, against the slip of the step where there is any
+//! ```
+//!
+//! A guess of the contact modes makes this a system of equations, which Newton's method solves with
+//! the curvature of springs, gaps and slips (`glide`). Elsewhere, and for a load of which a support
+//! sticks, the step is linearised again and again, and each linear step is solved for good
+//! (`solve_contacts`).
+
+use smallvec::SmallVec;
+
+use super::linear::Linear;
+use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
+use super::surroundings::{Pair, Surroundings};
+use crate::backend::friction::{ContactMode, FrictionSolver};
+use crate::backend::increment::{Increment, Objective, Step, by_increment, positive_definite};
+use crate::backend::springs::Place;
+use crate::backend::{Status, StepReport};
+use crate::math::{Arc, Mat3, Vec2, Vec3};
+use crate::model::support::{slip_velocity, wrench_of};
+use crate::model::{Ground, Reaction};
+
+/// A pair of features that may touch in a step.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    pub pair: Pair,
+    /// The load at the start of the step in the frame of the obstacle at its end.
+    pub start: Place,
+    /// Slip coordinate at the start, with the obstacle there (m).
+    pub slip: f64,
+    /// Least gap at the end (m): zero, or for a load with inertia that overlaps by rounding at the
+    /// start, as much as there. To close an overlap within a step would take a speed.
+    pub least_gap: f64,
+}
+
+/// Contacts of a step: one entry a candidate.
+pub type Sides = SmallVec<[(SideMode, SideForce); 4]>;
+
+/// What a step with contacts found.
+pub struct Found {
+    pub increment: Increment,
+    pub sides: Sides,
+}
+
+/// Largest number of linear steps.
+const MOST_STEPS: usize = 60;
+/// Number of linear steps after which only half of each is taken, where the whole ones do not settle.
+const STEPS_IN_FULL: usize = 20;
+/// Largest number of Newton iterations of a glide.
+const MOST_ITERATIONS: usize = 12;
+/// Residual over the forces at which a glide is done (1), and up to which it may end where it no
+/// longer improves.
+const DONE: f64 = 3e-14;
+const STALLED: f64 = 1e-11;
+/// Gap over the load's radius that is rounding (1).
+pub const CLOSED: f64 = 1e-11;
+
+/// A step to be found: everything but the contacts, and the candidates.
+pub struct ContactStep<'a, 'b> {
+    pub step: &'a mut Step<'b>,
+    pub surroundings: &'a Surroundings,
+    pub candidates: &'a [Candidate],
+}
+
+/// Gap and slip of a candidate with their derivatives by the increment.
+struct Local {
+    gap: Reaction,
+    slip: Reaction,
+    /// See [`Surroundings::beyond`] (m).
+    beyond: f64,
+}
+
+impl ContactStep<'_, '_> {
+    /// The step, from what the last one suggests: its modes and forces, and a guess of the increment.
+    pub fn find(&mut self, solver: &mut FrictionSolver, suggested: &Sides, guess: Option<Vec3>) -> Found {
+        if solver.was_at_rest() {
+            if let Some(found) = self.rest(solver, suggested) {
+                return found;
+            }
+        } else if let Some(guess) = guess
+            && let Some(found) = self.glide(solver, suggested, guess)
+        {
+            return found;
+        }
+        self.descend(solver)
+    }
+
+    /// Zero increment, for a load at rest that the last contact forces still hold there.
+    fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
+        let closed = CLOSED * self.step.length;
+        let mut gradient = self.step.gradient(&Vec3::zeros());
+        let mut sides = Sides::new();
+        for ((mode, force), local) in last.iter().zip(self.locals(&Vec3::zeros())) {
+            if local.gap.energy < -closed && local.beyond <= 0.0 || local.gap.energy > closed && force.normal > 0.0 {
+                return None;
+            }
+            gradient -= force.normal * local.gap.gradient + force.tangential * local.slip.gradient;
+            sides.push((*mode, *force));
+        }
+        let residual = solver.rest(&gradient)?;
+        let report = StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() };
+        Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides })
+    }
+
+    /// Gaps and slips at an increment.
+    fn locals(&self, at: &Vec3) -> SmallVec<[Local; 4]> {
+        let arc = Arc::of(at.z);
+        let shift = at.xy();
+        let local = |candidate: &Candidate| {
+            let place = candidate.start.moved(&shift, &arc);
+            let Pair { features, .. } = &candidate.pair;
+            let mut gap = by_increment(&features.gap_with_derivatives(&place), &arc, &shift);
+            gap.energy -= candidate.least_gap;
+            Local {
+                gap,
+                slip: by_increment(&features.slip_with_derivatives(&place, candidate.slip), &arc, &shift),
+                beyond: self.surroundings.beyond(&candidate.pair, &place),
+            }
+        };
+        self.candidates.iter().map(local).collect()
+    }
+
+    /// Newton's method on the whole step from a guess, for a load that slips on all supports in these
+    /// contact modes. `None` where it does not lead to an answer, or to another one.
+    fn glide(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
+        let n_unknown: usize = sides.iter().map(|(mode, _)| n_forces(*mode)).sum();
+        if n_unknown > 3 || guess == Vec3::zeros() {
+            return None;
+        }
+        let (mut at, mut sides) = (guess, sides.clone());
+        let mut last = f64::INFINITY;
+        for iteration in 0..MOST_ITERATIONS {
+            let (system, locals) = self.newton_system(&at, &sides)?;
+            let residual = system.residual();
+            let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
+            if is_done {
+                if !system.is_stable() || !self.is_admissible(&sides, &locals) {
+                    return None;
+                }
+                let mode = solver.keep_gliding(&at);
+                let n_iterations = iteration as u64;
+                let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
+                return Some(Found { increment: self.step.found(&at, mode, report), sides });
+            }
+            last = residual;
+            let change = system.solve()?;
+            let moved = Vec3::new(change[0], change[1], change[2]);
+            if self.step.size(&moved) > 3.0 * self.step.size(&at) {
+                return None;
+            }
+            at += moved;
+            let mut forces = change[3..].iter();
+            for ((mode, force), candidate) in sides.iter_mut().zip(self.candidates) {
+                match mode {
+                    SideMode::Open => *force = SideForce::default(),
+                    SideMode::Stick => {
+                        force.normal += forces.next().expect("a force for each row");
+                        force.tangential += forces.next().expect("a force for each row");
+                    }
+                    SideMode::Slide { forward } => {
+                        force.normal += forces.next().expect("a force for each row");
+                        let sign = if *forward { -1.0 } else { 1.0 };
+                        force.tangential = sign * candidate.pair.friction_coefficient * force.normal;
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// Equations of the modes at an increment with these forces. `None` where a support stands still.
+    fn newton_system(&mut self, at: &Vec3, sides: &Sides) -> Option<(Linear, SmallVec<[Local; 4]>)> {
+        let length = self.step.length;
+        let locals = self.locals(at);
+        let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
+        let force_scale = add_ground_friction(self.step.ground, at, &mut gradient, &mut hessian)?;
+        let mut system = Linear::new(length, force_scale + gradient.xy().norm(), self.step.size(at) * length);
+        for (((mode, force), local), candidate) in sides.iter().zip(&locals).zip(self.candidates) {
+            if *mode == SideMode::Open {
+                continue;
+            }
+            gradient -= force.normal * local.gap.gradient + force.tangential * local.slip.gradient;
+            hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;
+            let friction = candidate.pair.friction_coefficient;
+            match mode {
+                SideMode::Slide { forward } => {
+                    let sign = if *forward { -1.0 } else { 1.0 };
+                    let along = local.gap.gradient + sign * friction * local.slip.gradient;
+                    system.push(local.gap.gradient, along, local.gap.energy);
+                }
+                _ => {
+                    system.push(local.gap.gradient, local.gap.gradient, local.gap.energy);
+                    system.push(local.slip.gradient, local.slip.gradient, local.slip.energy - candidate.slip);
+                }
+            }
+        }
+        system.set_balance(gradient, hessian);
+        Some((system, locals))
+    }
+
+    /// Whether the forces push, the signs of slip are those of the modes, and no other pair of
+    /// features overlaps.
+    fn is_admissible(&self, sides: &Sides, locals: &[Local]) -> bool {
+        let closed = CLOSED * self.step.length;
+        sides.iter().zip(locals).zip(self.candidates).all(|(((mode, force), local), candidate)| {
+            let slip = local.slip.energy - candidate.slip;
+            let friction = candidate.pair.friction_coefficient;
+            let touches = local.beyond <= closed && force.normal >= 0.0;
+            match mode {
+                SideMode::Open => local.gap.energy >= -closed || local.beyond > 0.0,
+                SideMode::Stick => touches && force.tangential.abs() <= friction * force.normal,
+                SideMode::Slide { forward } => touches && (friction == 0.0 || (slip >= 0.0) == *forward || slip.abs() <= closed),
+            }
+        })
+    }
+
+    /// Linear steps from no increment.
+    fn descend(&mut self, solver: &mut FrictionSolver) -> Found {
+        let length = self.step.length;
+        let (mut at, mut sides) = (Vec3::zeros(), Sides::new());
+        let mut report = StepReport { n_steps: 1, ..StepReport::default() };
+        let mut mode = ContactMode::Stick;
+        for round in 0..MOST_STEPS {
+            let local = self.step.at(&at);
+            let locals = self.locals(&at);
+            let mut hessian = local.hessian;
+            for ((_, force), local) in sides.iter().zip(&locals) {
+                hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;
+            }
+            let hessian = if local.hessian == Mat3::zeros() { local.hessian } else { positive_definite(&hessian, length) };
+            let (rows, row_of) = self.rows(&at, &locals);
+            let drive = hessian * at - local.gradient;
+            let solution = solve_contacts(&ContactSystem { hessian: &hessian, drive: &drive, rows: &rows }, solver, None);
+            report.n_solves += u64::from(solution.n_solves);
+            report.n_iterations += u64::from(solution.n_iterations);
+            mode = solution.ground_mode;
+            report.residual = solution.residual;
+            if solution.ending == Ending::Infeasible {
+                return self.ended(
+                    Vec3::zeros(),
+                    ContactMode::Stick,
+                    self.open(),
+                    StepReport { status: Status::Failed, residual: 1.0, ..report },
+                );
+            }
+            sides = self.open();
+            for (row, candidate) in row_of.iter().enumerate() {
+                sides[*candidate] = (self.candidates[*candidate].pair.mode(solution.modes[row]), solution.forces[row]);
+            }
+            let next = solution.increment;
+            if round == 0 && next == Vec3::zeros() {
+                let status = if solution.ending == Ending::Converged { Status::Converged } else { Status::NotConverged };
+                return self.ended(next, mode, sides, StepReport { status, ..report });
+            }
+            if mode == ContactMode::Slip
+                && let Some(found) = self.glide(solver, &sides, next)
+            {
+                let report = StepReport { residual: found.increment.report.residual, ..report };
+                return Found { increment: Increment { report, ..found.increment }, ..found };
+            }
+            let change = next - at;
+            at = if round < STEPS_IN_FULL { next } else { at + 0.5 * change };
+            if self.step.size(&change) <= 1e-12 * self.step.size(&at) + 1e-15 {
+                let status = if solution.ending == Ending::Converged { Status::Converged } else { Status::NotConverged };
+                return self.ended(at, mode, sides, StepReport { status, ..report });
+            }
+        }
+        self.ended(at, mode, sides, StepReport { status: Status::NotConverged, residual: report.residual.max(1e-9), ..report })
+    }
+
+    fn open(&self) -> Sides {
+        self.candidates.iter().map(|_| (SideMode::Open, SideForce::default())).collect()
+    }
+
+    fn ended(&self, at: Vec3, mode: ContactMode, sides: Sides, report: StepReport) -> Found {
+        let n_not_converged = u64::from(report.status != Status::Converged);
+        Found { increment: self.step.found(&at, mode, StepReport { n_not_converged, ..report }), sides }
+    }
+
+    /// Rows of the candidates that can touch near an increment, and the candidate of each.
+    fn rows(&self, at: &Vec3, locals: &[Local]) -> (PerContact<ContactRow>, PerContact<usize>) {
+        let closed = CLOSED * self.step.length;
+        let (mut rows, mut row_of) = (SmallVec::new(), SmallVec::new());
+        for (index, (local, candidate)) in locals.iter().zip(self.candidates).enumerate() {
+            if local.beyond > closed {
+                continue;
+            }
+            let gap = if local.gap.energy.abs() <= 1e-13 * self.step.length { 0.0 } else { local.gap.energy };
+            rows.push(ContactRow {
+                normal: local.gap.gradient,
+                tangent: local.slip.gradient,
+                gap: gap - local.gap.gradient.dot(at),
+                slip: local.slip.energy - candidate.slip - local.slip.gradient.dot(at),
+                friction_coefficient: candidate.pair.friction_coefficient,
+            });
+            row_of.push(index);
+        }
+        (rows, row_of)
+    }
+}
+
+/// Adds the friction of the ground of a load that slips on all supports, and its derivative. Returns
+/// the sum of the slip limits (N); `None` where a support stands still.
+fn add_ground_friction(ground: &Ground, at: &Vec3, gradient: &mut Vec3, hessian: &mut Mat3) -> Option<f64> {
+    let mut total = 0.0;
+    for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
+        if limit == 0.0 {
+            continue;
+        }
+        let slip = slip_velocity(&support.offset, at);
+        let speed = slip.norm();
+        if speed == 0.0 {
+            return None;
+        }
+        let direction: Vec2 = slip / speed;
+        *gradient += wrench_of(&support.offset, &(limit * direction));
+        // B' (1 - u u') B = b b' with b the row of B across the slip.
+        let across = Vec2::new(-direction.y, direction.x);
+        let row = wrench_of(&support.offset, &across);
+        *hessian += limit / speed * row * row.transpose();
+        total += limit;
+    }
+    Some(total)
+}
+
+/// Number of unknown forces of a contact.
+fn n_forces(mode: SideMode) -> usize {
+    match mode {
+        SideMode::Open => 0,
+        SideMode::Stick => 2,
+        SideMode::Slide { .. } => 1,
+    }
+}

@@ -1,0 +1,248 @@
+//! Which features of the load and of the obstacles may touch, and how far apart the bodies are.
+
+use serde::{Deserialize, Serialize};
+
+use super::features::{Corner, Edge, Features};
+use super::gap::FeaturePair;
+use super::solve::SideMode;
+use crate::backend::springs::Place;
+use crate::math::{Pose, Vec2, rotation};
+use crate::model::{Obstacle, System};
+
+/// Features of a pair by their indices, by which contacts are recognised from step to step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairKey {
+    pub obstacle: usize,
+    pub kind: PairKind,
+    /// Index of the load's corner, or of its edge for [`PairKind::LineOnPoint`].
+    pub of_load: usize,
+    /// Index of the obstacle's edge for [`PairKind::PointOnLine`], or of its corner.
+    pub of_obstacle: usize,
+}
+
+/// Kind of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PairKind {
+    /// The load touches the side of an edge to whose left, or right, it lies.
+    PointOnLine {
+        is_left: bool,
+    },
+    PointOnPoint,
+    LineOnPoint,
+}
+
+/// A pair of features with what does not change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    pub key: PairKey,
+    pub features: FeaturePair,
+    /// Coefficient of side friction (1).
+    pub friction_coefficient: f64,
+    /// Coefficient of restitution (1).
+    pub restitution: f64,
+}
+
+impl Pair {
+    /// The mode in which a contact is named: without friction nothing tells sticking from sliding.
+    pub fn mode(&self, mode: SideMode) -> SideMode {
+        if self.friction_coefficient == 0.0 && mode != SideMode::Open { SideMode::Slide { forward: true } } else { mode }
+    }
+}
+
+/// The features of all bodies, and the obstacles near the load.
+#[derive(Debug)]
+pub struct Surroundings {
+    load: Features,
+    /// Radius of the load about its origin (m).
+    radius: f64,
+    bodies: Vec<Body>,
+    /// Smallest extent of a part that matters when a long displacement is searched for contacts
+    /// (m).
+    fineness: f64,
+    near: Near,
+}
+
+#[derive(Debug)]
+struct Body {
+    features: Features,
+    /// Radius of the obstacle about its origin (m).
+    radius: f64,
+}
+
+/// Obstacles within `margin` (m) of a load at `about`, at `time` (s).
+#[derive(Debug, Default)]
+struct Near {
+    obstacles: Vec<usize>,
+    about: Option<(Pose, f64)>,
+    margin: f64,
+}
+
+/// Penetration over the load's radius that a load may have at the start of a step (1): rounding of
+/// many steps. Deeper features lie on the other side of the load.
+const DEEPEST_START: f64 = 1e-6;
+/// Margin of the list of near obstacles over the load's radius (1).
+const MARGIN: f64 = 0.5;
+
+impl Surroundings {
+    pub fn new(system: &System) -> Self {
+        let body = |obstacle: &Obstacle| Body { features: Features::of(&obstacle.outline), radius: obstacle.outline.extent() };
+        let bodies: Vec<Body> = system.world.obstacles.iter().map(body).collect();
+        let load = Features::of(&system.world.outline);
+        let sizes = bodies.iter().map(|body| &body.features).chain([&load]).flat_map(Features::sizes);
+        Self { fineness: sizes.fold(system.load.radius, f64::min), load, radius: system.load.radius, bodies, near: Near::default() }
+    }
+
+    /// Length (m) in which a load that moves farther may pass over a feature.
+    pub fn fineness(&self) -> f64 {
+        self.fineness
+    }
+
+    /// Place of the load at `load` in the frame of an obstacle at `obstacle`.
+    pub fn relative(load: &Place, obstacle: &Pose) -> Place {
+        let back = rotation(-obstacle.heading);
+        let pose = Pose { position: back * (load.pose.position - obstacle.position), heading: load.pose.heading - obstacle.heading };
+        if obstacle.heading == 0.0 { Place { pose, turn: load.turn } } else { Place::turned(pose, back * load.turn.column(0)) }
+    }
+
+    /// Lower bound of the distance between load and obstacles (m) at `time` (s), exact where it is
+    /// less than a share of the load's radius.
+    pub fn clearance(&mut self, system: &System, load: &Place, time: f64) -> f64 {
+        self.update_near(system, load, time);
+        let mut least = self.near.margin;
+        for obstacle in &self.near.obstacles {
+            let at = Self::relative(load, &system.world.obstacles[*obstacle].path.pose_at(time));
+            least = least.min(self.distance(*obstacle, &at));
+        }
+        least
+    }
+
+    /// Renews the list of near obstacles where the load or an obstacle has moved too far for it.
+    fn update_near(&mut self, system: &System, load: &Place, time: f64) {
+        let margin = MARGIN * self.radius;
+        let obstacles = &system.world.obstacles;
+        let moved = |(pose, since): &(Pose, f64)| {
+            let of_obstacles =
+                if *since == time { 0.0 } else { obstacles.iter().map(|o| o.displacement(*since, time)).fold(0.0, f64::max) };
+            load.pose.edge_displacement(pose, self.radius) + of_obstacles
+        };
+        if self.near.about.as_ref().is_some_and(|about| moved(about) <= margin) {
+            return;
+        }
+        let is_near = |index: &usize| {
+            let at = obstacles[*index].path.pose_at(time).position;
+            (at - load.pose.position).norm() - self.radius - self.bodies[*index].radius <= 2.0 * margin
+        };
+        self.near = Near { obstacles: (0..obstacles.len()).filter(is_near).collect(), about: Some((load.pose, time)), margin };
+    }
+
+    /// Distance of the load from an obstacle in whose frame it is `at` (m). It is exact, but for a
+    /// load that overlaps the obstacle.
+    fn distance(&self, obstacle: usize, at: &Place) -> f64 {
+        let body = &self.bodies[obstacle].features;
+        let mut least = f64::INFINITY;
+        for corner in &self.load.corners {
+            let point = at.pose.position + at.turn * corner.at;
+            let of_edges = body.edges.iter().map(|edge| edge.distance(&point));
+            let of_corners = body.corners.iter().map(|other| (other.at - point).norm() - other.rounding);
+            least = of_edges.chain(of_corners).fold(least, |least, distance| least.min(distance - corner.rounding));
+        }
+        for other in &body.corners {
+            let point = at.turn.tr_mul(&(other.at - at.pose.position));
+            let of_edges = self.load.edges.iter().map(|edge| edge.distance(&point));
+            least = of_edges.fold(least, |least, distance| least.min(distance - other.rounding));
+        }
+        least
+    }
+
+    /// Pairs of features that a load at `load` (world) may touch within a displacement of `reach`
+    /// (m) relative to the near obstacles, which stand as at `time` (s).
+    pub fn pairs(&mut self, system: &System, load: &Place, time: f64, reach: f64, pairs: &mut Vec<Pair>) {
+        self.update_near(system, load, time);
+        for index in &self.near.obstacles {
+            let obstacle = &system.world.obstacles[*index];
+            let at = Self::relative(load, &obstacle.path.pose_at(time));
+            self.pairs_with(*index, obstacle, &at, reach, pairs);
+        }
+    }
+
+    fn pairs_with(&self, index: usize, obstacle: &Obstacle, at: &Place, reach: f64, pairs: &mut Vec<Pair>) {
+        let body = &self.bodies[index].features;
+        let deepest = -DEEPEST_START * self.radius;
+        let mut add = |kind, of_load, of_obstacle, features: FeaturePair| {
+            let pair = Pair {
+                key: PairKey { obstacle: index, kind, of_load, of_obstacle },
+                features,
+                friction_coefficient: obstacle.friction_coefficient,
+                restitution: obstacle.restitution,
+            };
+            if (deepest..=reach).contains(&features.gap(at)) && self.beyond(&pair, at) <= reach {
+                pairs.push(pair);
+            }
+        };
+        for (i, corner) in self.load.corners.iter().enumerate() {
+            let point = at.pose.position + at.turn * corner.at;
+            for (j, edge) in body.edges.iter().enumerate() {
+                // A load on the line itself lies where its origin lies.
+                let side =
+                    if edge.side(&point).abs() > corner.rounding - deepest { edge.side(&point) } else { edge.side(&at.pose.position) };
+                let kind = PairKind::PointOnLine { is_left: edge.has_two_sides && side > 0.0 };
+                add(kind, i, j, point_on_line(corner, edge, kind));
+            }
+            for (j, other) in body.corners.iter().enumerate().filter(|(_, other)| corner.rounding + other.rounding > 0.0) {
+                let reach = corner.rounding + other.rounding;
+                let features = FeaturePair::PointOnPoint { point: corner.at, rounding: corner.rounding, centre: other.at, reach };
+                add(PairKind::PointOnPoint, i, j, features);
+            }
+        }
+        for (j, other) in body.corners.iter().enumerate() {
+            for (i, edge) in self.load.edges.iter().enumerate() {
+                let normal = edge.normal();
+                let (offset, rounding) = (normal.dot(&edge.from), other.rounding);
+                add(PairKind::LineOnPoint, i, j, FeaturePair::LineOnPoint { normal, offset, centre: other.at, rounding });
+            }
+        }
+    }
+
+    /// Distance by which the features of a pair lie beside each other (m) for a load at this place
+    /// in the obstacle's frame; the pair touches where the gap is closed and this is not positive.
+    pub fn beyond(&self, pair: &Pair, at: &Place) -> f64 {
+        let PairKey { obstacle, kind, of_load, of_obstacle } = pair.key;
+        let body = &self.bodies[obstacle].features;
+        match kind {
+            PairKind::PointOnLine { .. } => body.edges[of_obstacle].beyond(&(at.pose.position + at.turn * self.load.corners[of_load].at)),
+            PairKind::PointOnPoint => {
+                let (corner, other) = (&self.load.corners[of_load], &body.corners[of_obstacle]);
+                let seen = at.turn.tr_mul(&(other.at - at.pose.position));
+                other.beside(&(at.pose.position + at.turn * corner.at)).max(corner.beside(&seen))
+            }
+            PairKind::LineOnPoint => self.load.edges[of_load].beyond(&at.turn.tr_mul(&(body.corners[of_obstacle].at - at.pose.position))),
+        }
+    }
+}
+
+fn point_on_line(corner: &Corner, edge: &Edge, kind: PairKind) -> FeaturePair {
+    let is_left = matches!(kind, PairKind::PointOnLine { is_left: true });
+    let normal = if is_left { -edge.normal() } else { edge.normal() };
+    FeaturePair::PointOnLine { point: corner.at, rounding: corner.rounding, normal, offset: normal.dot(&edge.from) }
+}
+
+impl Edge {
+    /// Distance of a point from the line (m), positive on the left.
+    fn side(&self, point: &Vec2) -> f64 {
+        self.along.perp(&(point - self.from))
+    }
+
+    /// Distance of a point from the edge (m).
+    fn distance(&self, point: &Vec2) -> f64 {
+        self.beyond(point).max(0.0).hypot(self.side(point))
+    }
+}
+
+impl Features {
+    /// Lengths of edges and diameters of discs (m).
+    fn sizes(&self) -> impl Iterator<Item = f64> + '_ {
+        let discs = self.corners.iter().filter(|corner| corner.rounding > 0.0).map(|corner| 2.0 * corner.rounding);
+        self.edges.iter().map(|edge| edge.length).chain(discs)
+    }
+}

@@ -1,0 +1,140 @@
+//! Steps with inertia among obstacles.
+//!
+//! While the load touches nothing it moves as without obstacles. A step in which it would pass
+//! through one ends where it touches: the instant is located to rounding, and the impact law of
+//! `contact::impact` changes the velocity there.
+//!
+//! Steps of a load that touches an obstacle are those of implicit Euler with the conditions of
+//! contact at their end. One whole step and two halves are extrapolated to second order where the
+//! contact modes are the same.
+
+use super::inertial::Inertial;
+use super::load::Exact;
+use super::one_step::Integrator;
+use super::side::Impact;
+use crate::backend::contact::{Reflection, Strike};
+use crate::backend::springs::{Place, TipPaths};
+use crate::backend::{Motion, Status, StepReport};
+
+/// Largest number of touches in one step (1). The rest of the step is taken without bounces.
+const MOST_TOUCHES: usize = 64;
+/// Largest number of attempts to locate a touch, the first ones by Newton's method (1).
+const MOST_ATTEMPTS: usize = 80;
+const MOST_NEWTON_ATTEMPTS: usize = 20;
+/// Gap over the load's radius at which a touch is located (1).
+const LOCATED: f64 = 1e-13;
+
+impl Exact<Inertial> {
+    /// Takes a step among obstacles.
+    pub(super) fn step_among_obstacles(&mut self, paths: &TipPaths, from: f64, to: f64) -> StepReport {
+        let mut report = StepReport::default();
+        let (mut at, mut n_touches) = (from, 0);
+        while at < to {
+            let (next, part) = self.move_to_touch(paths, [at, to], n_touches);
+            report.add(&part);
+            if part.status == Status::Failed {
+                break;
+            }
+            (at, n_touches) = (next, n_touches + 1);
+        }
+        StepReport { n_steps: 1, ..report }
+    }
+
+    /// Time at a share of the paths (s).
+    fn time_at(&self, paths: &TipPaths, share: f64) -> f64 {
+        self.state.side.time + share * paths.duration
+    }
+
+    /// Moves the load up to the next touch, or to the end. Returns the share of the paths there.
+    fn move_to_touch(&mut self, paths: &TipPaths, [from, to]: [f64; 2], n_touches: usize) -> (f64, StepReport) {
+        let start = self.snapshot();
+        let place = Place::of(&start.state.motion.pose);
+        let mut report = self.move_on(paths, [from, to]);
+        let times = [from, to].map(|share| self.time_at(paths, share));
+        let Self { obstacles, system, state, .. } = self;
+        let Some(obstacles) = obstacles else { return (to, report) };
+        let before = &start.state.side.touching;
+        let Some((strikes, share)) = obstacles.strikes(system, &place, &state.motion.pose, times, before) else { return (to, report) };
+        if report.status == Status::Failed {
+            return (to, report);
+        }
+        let (mut free, mut hit) = (from, from + share * (to - from));
+        let mut end = hit;
+        for attempt in 0..MOST_ATTEMPTS {
+            self.reset(&start);
+            if end <= from {
+                break;
+            }
+            let part = self.move_on(paths, [from, end]);
+            report.n_solves += part.n_solves;
+            report.n_iterations += part.n_iterations;
+            report.status = report.status.max(part.status);
+            let (gap, speed) = self.nearest(&strikes, self.time_at(paths, end));
+            if gap.abs() <= LOCATED * self.system.load.radius || hit - free <= f64::EPSILON * (to - from) {
+                break;
+            }
+            *(if gap > 0.0 { &mut free } else { &mut hit }) = end;
+            let newton = end - gap / (speed * paths.duration);
+            let is_between = newton > free && newton < hit;
+            end = if attempt < MOST_NEWTON_ATTEMPTS && is_between { newton } else { 0.5 * (free + hit) };
+        }
+        let is_last = n_touches >= MOST_TOUCHES;
+        self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, (self.time_at(paths, end), is_last));
+        (end, report)
+    }
+
+    /// Least gap of the features that are about to touch (m), and the speed at which it grows (m/s).
+    fn nearest(&self, strikes: &[Strike], time: f64) -> (f64, f64) {
+        let Self { obstacles: Some(obstacles), system, state, .. } = self else { return (0.0, 0.0) };
+        let of_pair = |strike: &Strike| obstacles.gap_and_rate(system, strike, &state.motion, time);
+        strikes.iter().map(of_pair).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
+    }
+
+    /// Applies the impact law where the load touches. It has moved there from `before`, within a step
+    /// of `duration` (s).
+    fn strike(&mut self, strikes: &[Strike], before: &Motion, duration: f64, (time, is_last): (f64, bool)) {
+        let Self { obstacles, system, state, springs, .. } = self;
+        let Some(obstacles) = obstacles else { return };
+        // A bounce that would end within a step is none.
+        let change = (state.motion.twist.linear - before.twist.linear).norm()
+            + system.load.radius * (state.motion.twist.angular - before.twist.angular).abs();
+        let softest = if is_last { f64::INFINITY } else { change.max(1e-12 * system.load.radius / duration) };
+        let Reflection { twist, loss, of_obstacles, obstacle } =
+            obstacles.reflect(system, &mut state.side.touching, strikes, &state.motion, (time, softest));
+        let kinetic = system.load.kinetic_energy(&twist);
+        state.motion.twist = twist;
+        state.energy.kinetic = kinetic;
+        state.energy.impacts += loss;
+        state.energy.obstacle_work += of_obstacles;
+        state.memory.forget_friction();
+        state.forecast.forget();
+        if loss > 0.0 {
+            state.side.impacts.push(Impact { time, obstacle, loss });
+        }
+        springs.refresh(&system.springs, &state.motion.pose);
+    }
+
+    /// Moves the load without regard to what it does not touch yet.
+    fn move_on(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> StepReport {
+        if self.state.side.touching.is_empty() {
+            return self.step_freely(paths, from, to);
+        }
+        if self.method.integrator == Integrator::Euler {
+            return self.step_touching(paths, [from, to]);
+        }
+        let start = self.snapshot();
+        let mut report = self.step_touching(paths, [from, to]);
+        let whole = (self.flow(), self.contacts(), self.state.contact.last());
+        self.reset(&start);
+        let middle = 0.5 * (from + to);
+        report.add(&self.step_touching(paths, [from, middle]));
+        let half = (self.contacts(), self.state.contact.last());
+        report.add(&self.step_touching(paths, [middle, to]));
+        let halves = (self.flow(), self.contacts(), self.state.contact.last());
+        if (&whole.1, &whole.2) == (&halves.1, &halves.2) && (half.0, half.1) == (whole.1, whole.2) {
+            let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();
+            self.set_flow(&flow);
+        }
+        StepReport { n_steps: 1, ..report }
+    }
+}

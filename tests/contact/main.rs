@@ -1,0 +1,5 @@
+//! Known answers of loads that touch obstacles.
+
+mod inertial;
+mod quasi_static;
+mod scenes;
