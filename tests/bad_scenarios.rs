@@ -79,7 +79,6 @@ fn shapes() -> Vec<Bad> {
     vec![
         bad("/name", Value::Null, "name", "is required", "nothing"),
         bad("/load", Value::Null, "load", "is required", "nothing"),
-        bad("/load/mass_kg", Value::Null, "load.mass_kg", "is required", "nothing"),
         bad("/ground/supports", Value::Null, "ground.supports", "is required", "nothing"),
         bad("/springs/1/rest_length_m", Value::Null, "springs[1].rest_length_m", "is required", "nothing"),
         bad("/springs/2/ring/n", Value::Null, "springs[2].ring.n", "is required", "nothing"),
@@ -127,6 +126,10 @@ fn values() -> Vec<Bad> {
         bad("/control_period_s", json!(2.0000001), "control_period_s", "must not be longer than the duration", "2.0000001"),
         bad("/load/mass_kg", json!(-0.0016), "load.mass_kg", "must be positive", "-0.0016"),
         bad("/load/mass_kg", json!(0), "load.mass_kg", "must be positive", "0.0"),
+        bad("/load/mass_kg", Value::Null, "load.mass_kg", "is required unless density_kg_per_m2 is given", "nothing"),
+        bad("/load/density_kg_per_m2", json!(1), "load.density_kg_per_m2", "must not be given together with mass_kg", "both"),
+        bad("/load/radius_m", Value::Null, "load.radius_m", "is required unless outline is given", "nothing"),
+        bad("/load/outline", json!({ "disc": { "radius_m": 1 } }), "load.outline", "must not be given together with radius_m", "both"),
         bad("/name", json!("\u{1b}[31m"), "name", "must not contain control characters", "\"\\u{1b}[31m\""),
         bad("/name", json!("a\u{202e}b"), "name", "must not contain control characters", "\"a\\u{202e}b\""),
         bad("/load/position_m", json!([0, -1.1e50]), "load.position_m[1]", "must be at most 1e50 in size", "-1.1e50"),
@@ -432,7 +435,7 @@ fn a_missing_file_and_a_folder_are_told_by_name() {
 fn numbers_that_are_not_finite_are_told_when_a_file_is_built_in_code() {
     let good = Scenario::parse(&tips().to_string(), "good.json").unwrap().expanded();
     let mut file = good.clone();
-    file.load.mass_kg = f64::NAN;
+    file.load.mass_kg = Some(f64::NAN);
     file.load.position_m[1] = f64::INFINITY;
     file.duration_s = f64::INFINITY;
     file.ground.friction_coefficient = f64::NAN;

@@ -6,6 +6,7 @@
 
 pub mod ant;
 pub mod behaviour;
+pub mod geometry;
 pub mod interaction;
 pub mod load;
 mod motion;
@@ -15,6 +16,7 @@ pub mod spring;
 pub mod spring_design;
 pub mod support;
 pub mod team;
+pub mod uniform_supports;
 mod world;
 
 pub use interaction::interaction_force;

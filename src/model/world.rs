@@ -1,5 +1,8 @@
 //! What the load can touch: its own outline, obstacles, and the laws of their contact.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::Outline;
 use crate::math::{Pose, Twist, Vec2};
 
@@ -37,7 +40,8 @@ pub struct ObstaclePath {
 }
 
 /// Combination of the coefficients of side friction of the load and an obstacle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum SideFrictionRule {
     /// Square root of the product.
     #[default]

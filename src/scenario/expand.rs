@@ -6,17 +6,19 @@ use std::fmt::Write;
 use sha2::{Digest, Sha256};
 
 use super::format::{
-    AntsEntry, AntsKind, DriveEntry, GroundEntry, LoadEntry, PathEntry, ScenarioFile, SpringEntry, SpringsEntry, SupportEntry,
-    SupportsEntry, TipsEntry, TipsKind,
+    AntsEntry, AntsKind, CompoundEntry, DiscEntry, DriveEntry, GroundEntry, LoadEntry, ObstacleEntry, ObstaclePathEntry, OutlineEntry,
+    PartEntry, PathEntry, PolygonEntry, PolylineEntry, ScenarioFile, SpringEntry, SpringsEntry, SupportEntry, SupportsEntry, TipsEntry,
+    TipsKind,
 };
 use super::json::plain;
 use super::{AntDrive, Drive, Scenario, TipPath};
-use crate::math::Vec2;
-use crate::model::Ground;
+use crate::math::{Pose, Vec2};
+use crate::model::{Ground, Obstacle, Outline, OutlinePart, SideFrictionRule};
 
 impl Scenario {
     /// The file that states the whole scenario without defaults. It reads as an equal scenario. It
-    /// has no gravity, which only replaces missing normal loads.
+    /// has no gravity, which only replaces missing normal loads. Obstacles have the combined
+    /// coefficients of their contact with the load, which the rule "max" leaves as they are.
     pub fn expanded(&self) -> ScenarioFile {
         ScenarioFile {
             schema: None,
@@ -27,6 +29,11 @@ impl Scenario {
             load: self.load_entry(),
             ground: ground_entry(&self.system.ground),
             springs: self.system.springs.iter().map(|spring| SpringsEntry::One(SpringEntry::of(spring))).collect(),
+            obstacles: self.system.world.obstacles.iter().map(obstacle_entry).collect(),
+            side_friction_rule: match self.system.world.is_empty() {
+                true => SideFrictionRule::default(),
+                false => SideFrictionRule::Max,
+            },
             drive: match &self.drive {
                 Drive::Tips(paths) => DriveEntry::Tips(TipsEntry { kind: TipsKind::Tips, paths: paths.iter().map(path_entry).collect() }),
                 Drive::Ants(ants) => DriveEntry::Ants(Box::new(ants_entry(ants))),
@@ -46,10 +53,18 @@ impl Scenario {
 
     fn load_entry(&self) -> LoadEntry {
         let (load, start) = (&self.system.load, &self.start);
+        let (radius_m, outline) = match centred_disc(&self.system.world.outline) {
+            Some(radius) => (Some(plain(radius)), None),
+            None => (None, Some(outline_entry(&self.system.world.outline))),
+        };
         LoadEntry {
-            mass_kg: plain(load.mass),
+            mass_kg: Some(plain(load.mass)),
+            density_kg_per_m2: None,
             inertia_kg_m2: Some(plain(load.inertia)),
-            radius_m: plain(load.radius),
+            radius_m,
+            outline,
+            side_friction_coefficient: 0.0,
+            restitution: 0.0,
             position_m: pair(&start.pose.position),
             heading_rad: plain(start.pose.heading),
             velocity_m_per_s: pair(&start.twist.linear),
@@ -67,6 +82,53 @@ fn ground_entry(ground: &Ground) -> GroundEntry {
         friction_coefficient: plain(ground.friction_coefficient),
         gravity_m_per_s2: None,
         supports: SupportsEntry::List(supports.collect()),
+    }
+}
+
+/// Radius of an outline that is one disc about the origin (m).
+fn centred_disc(outline: &Outline) -> Option<f64> {
+    match outline.parts.as_slice() {
+        [OutlinePart::Disc { centre, radius }] if centre.norm() == 0.0 => Some(*radius),
+        _ => None,
+    }
+}
+
+/// One part as it is, several as a compound.
+fn outline_entry(outline: &Outline) -> OutlineEntry {
+    match outline.parts.as_slice() {
+        [OutlinePart::Disc { .. }] if centred_disc(outline).is_none() => compound(&outline.parts),
+        [only] => part_entry(only).outline,
+        parts => compound(parts),
+    }
+}
+
+fn compound(parts: &[OutlinePart]) -> OutlineEntry {
+    OutlineEntry::Compound(CompoundEntry { parts: parts.iter().map(part_entry).collect() })
+}
+
+fn part_entry(part: &OutlinePart) -> PartEntry {
+    let points = |list: &[Vec2]| list.iter().map(pair).collect();
+    let (outline, position_m) = match part {
+        OutlinePart::Disc { centre, radius } => (OutlineEntry::Disc(DiscEntry { radius_m: plain(*radius) }), pair(centre)),
+        OutlinePart::Polygon { corners } => (OutlineEntry::Polygon(PolygonEntry { points_m: points(corners) }), [0.0; 2]),
+        OutlinePart::Polyline { points: ends } => (OutlineEntry::Polyline(PolylineEntry { points_m: points(ends) }), [0.0; 2]),
+    };
+    PartEntry { outline, position_m, heading_rad: 0.0 }
+}
+
+fn obstacle_entry(obstacle: &Obstacle) -> ObstacleEntry {
+    let waypoints = &obstacle.path.waypoints;
+    let (_, start) = waypoints[0];
+    let row = |(time, pose): &(f64, Pose)| [*time, pose.position.x, pose.position.y, pose.heading].map(plain);
+    let moves = obstacle.path.moves();
+    ObstacleEntry {
+        name: obstacle.name.clone(),
+        outline: outline_entry(&obstacle.outline),
+        position_m: (!moves).then(|| pair(&start.position)),
+        heading_rad: (!moves).then(|| plain(start.heading)),
+        friction_coefficient: plain(obstacle.friction_coefficient),
+        restitution: plain(obstacle.restitution),
+        path: moves.then(|| ObstaclePathEntry { waypoints: waypoints.iter().map(row).collect() }),
     }
 }
 

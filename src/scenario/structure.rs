@@ -57,8 +57,13 @@ impl<'a> Comparison<'a> {
                 self.misfit(&join(path, key), "is required", "nothing");
             }
         }
-        for (key, value) in map {
+        for (key, value) in map.iter_mut() {
             self.visit(&properties[key], value, &join(path, key));
+        }
+        if schema["maxProperties"].as_u64().is_some_and(|n| n != map.len() as u64) {
+            let keys = |map: &Map<String, Value>| map.keys().cloned().collect::<Vec<_>>().join(", ");
+            let found = if map.is_empty() { "none".to_owned() } else { keys(map) };
+            self.misfit(path, &format!("must have exactly one of the keys {}", keys(properties)), &found);
         }
     }
 

@@ -20,7 +20,7 @@
 use std::f64::consts::{PI, TAU};
 
 use cohaul::math::{RandomStreams, Stream, Vec2, direction, wrap_to_pi};
-use cohaul::model::paper;
+use cohaul::model::{SideFrictionRule, paper};
 use cohaul::scenario::Scenario;
 use cohaul::scenario::format::{
     DriveEntry, GroundEntry, LoadEntry, PathEntry, ScenarioFile, SpringEntry, SpringsEntry, SupportEntry, SupportsEntry, TipsEntry,
@@ -85,44 +85,49 @@ impl Draws {
 fn file(seed: u64, name: String, kind: Kind, draws: &mut Draws) -> ScenarioFile {
     let duration_s = if kind == Kind::Ants { draws.between(4.0, 8.0) } else { draws.between(1.5, 4.0) };
     let control_period_s = draws.one_of([1e-3, 2.5e-3, 5e-3]);
-    let mut load = load(draws);
+    let (mut load, mut radius) = load(draws);
     if kind == Kind::Ants {
-        load.radius_m = paper::LOAD_RADIUS_M;
+        radius = paper::LOAD_RADIUS_M;
+        load.radius_m = Some(radius);
         load.inertia_kg_m2 = None;
     }
-    let (ground, limit) = ground(&load, kind, draws);
-    let mut springs = springs(load.radius_m, kind, draws);
+    let (ground, limit) = ground(&load, radius, kind, draws);
+    let mut springs = springs(radius, kind, draws);
     let drive = match kind {
         Kind::Haul => haul(&mut springs, &load, limit, duration_s, draws),
         Kind::Spread => spread(&mut springs, &load, limit, duration_s, draws),
         Kind::Ants => ants(&mut springs, draws),
     };
     let springs = springs.into_iter().map(SpringsEntry::One).collect();
-    ScenarioFile { schema: None, name, duration_s, control_period_s, seed, load, ground, springs, drive }
+    let (obstacles, side_friction_rule) = (Vec::new(), SideFrictionRule::default());
+    ScenarioFile { schema: None, name, duration_s, control_period_s, seed, load, ground, springs, obstacles, side_friction_rule, drive }
 }
 
-fn load(draws: &mut Draws) -> LoadEntry {
+/// The load, and its radius (m).
+fn load(draws: &mut Draws) -> (LoadEntry, f64) {
     let (mass_kg, radius_m) = (draws.log_between(3e-5, 0.3), draws.log_between(6e-3, 25e-3));
     let inertia = draws.between(0.3, 1.0) * mass_kg * radius_m * radius_m;
     let position_m = [draws.between(-0.1, 0.1), draws.between(-0.1, 0.1)];
     let heading_rad = draws.between(-PI, PI);
     let moves = draws.happens(1.0 / 6.0);
     let (speed, way, turn_rate) = (draws.log_between(3e-3, 0.2), draws.between(0.0, TAU), draws.between(-3.0, 3.0));
-    LoadEntry {
-        mass_kg,
+    let load = LoadEntry {
+        mass_kg: Some(mass_kg),
         inertia_kg_m2: Some(inertia),
-        radius_m,
+        radius_m: Some(radius_m),
         position_m,
         heading_rad,
         velocity_m_per_s: if moves { (speed * direction(way)).into() } else { [0.0; 2] },
         turn_rate_rad_per_s: if moves { turn_rate } else { 0.0 },
-    }
+        ..LoadEntry::default()
+    };
+    (load, radius_m)
 }
 
-/// The ground, and the friction force that it can take (N).
-fn ground(load: &LoadEntry, kind: Kind, draws: &mut Draws) -> (GroundEntry, f64) {
+/// The ground below a load of this radius (m), and the friction force that it can take (N).
+fn ground(load: &LoadEntry, load_radius: f64, kind: Kind, draws: &mut Draws) -> (GroundEntry, f64) {
     const GRAVITY: f64 = 9.81;
-    let weight = load.mass_kg * GRAVITY;
+    let weight = load.mass_kg.expect("it is given") * GRAVITY;
     let is_fixed = draws.happens(0.5);
     let (limit, friction) = (draws.log_between(0.01, 0.05), draws.log_between(0.2, 1.5));
     let friction_coefficient = match (kind, is_fixed) {
@@ -131,7 +136,7 @@ fn ground(load: &LoadEntry, kind: Kind, draws: &mut Draws) -> (GroundEntry, f64)
         (_, false) => friction,
     };
     let n = if draws.happens(0.5) { 3 } else { draws.count(3, 6) };
-    let (first, radius) = (draws.between(0.0, TAU), draws.between(0.4, 0.9) * load.radius_m);
+    let (first, radius) = (draws.between(0.0, TAU), draws.between(0.4, 0.9) * load_radius);
     let (jitter, unequal) = (if draws.happens(0.5) { 0.3 } else { 0.0 }, if draws.happens(0.5) { 0.5 } else { 0.0 });
     let mut offsets = Vec::new();
     let mut shares = Vec::new();
@@ -201,7 +206,7 @@ fn rest_tip(spring: &SpringEntry, load: &LoadEntry, shift: Vec2) -> Vec2 {
 
 /// Length that deformations are measured by (m).
 fn extent(springs: &[SpringEntry], load: &LoadEntry) -> f64 {
-    springs.iter().map(|spring| spring.rest_length_m).fold(load.radius_m, f64::max)
+    springs.iter().map(|spring| spring.rest_length_m).fold(load.radius_m.unwrap_or(0.0), f64::max)
 }
 
 /// Corners of the way that all tips go: time (s) and displacement (m).

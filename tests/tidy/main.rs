@@ -29,7 +29,7 @@ const FENCES: [(&str, &[&str]); 5] = [
     ("clap", &["src/cli/", "src/main.rs"]),
     ("clarabel", &["src/backend/friction/clarabel.rs"]),
     ("rapier2d", &["src/backend/rapier/"]),
-    ("parry2d", &["src/backend/contact/"]),
+    ("parry2d", &["src/backend/contact/", "src/model/geometry/"]),
     ("kuva", &["src/output/chart/"]),
 ];
 

@@ -17,7 +17,7 @@ pub struct GroundEntry {
     #[schemars(with = "f64", extend("default" = STANDARD_GRAVITY))]
     pub gravity_m_per_s2: Option<f64>,
     /// Points at which the load stands on the ground: a list, or a short form for points at equal
-    /// angles.
+    /// angles or under a uniform pressure.
     pub supports: SupportsEntry,
 }
 
@@ -32,6 +32,8 @@ pub enum SupportsEntry {
     Tripod(TripodForm),
     /// Short form for equal supports on a circle.
     Ring(RingOfSupportsForm),
+    /// Short form for a weight that is spread over the outline.
+    Uniform(UniformSupportsForm),
     /// Supports one by one.
     List(Vec<SupportEntry>),
 }
@@ -94,6 +96,23 @@ pub struct RingOfSupports {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub normal_load_n: Option<f64>,
+}
+
+/// Short form for a weight that is spread over the outline.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UniformSupportsForm {
+    /// The weight, spread uniformly over the outline.
+    pub uniform: UniformSupports,
+}
+
+/// Supports that stand for a uniform pressure on the whole outline. They carry the weight, with its
+/// centre below the centre of mass. The centroid of the outline must be the origin.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UniformSupports {
+    /// Number of supports (1). The program takes the nearest number that fills the outline evenly.
+    pub n: usize,
 }
 
 fn quarter_turn() -> f64 {

@@ -6,16 +6,25 @@
 mod drive;
 mod ground;
 mod spring;
+mod world;
 
 pub use drive::{AntsEntry, AntsKind, DriveEntry, PathEntry, TipsEntry, TipsKind};
-pub use ground::{GroundEntry, RingOfSupports, RingOfSupportsForm, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod, TripodForm};
+pub use ground::{
+    GroundEntry, RingOfSupports, RingOfSupportsForm, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod, TripodForm, UniformSupports,
+    UniformSupportsForm,
+};
 pub use spring::{RingOfSprings, RingOfSpringsForm, SpringEntry, SpringsEntry};
+pub use world::{
+    CompoundEntry, DiscEntry, ObstacleEntry, ObstaclePathEntry, OutlineEntry, PartEntry, PolygonEntry, PolylineEntry, RectangleEntry,
+};
 
 use std::sync::LazyLock;
 
 use schemars::{JsonSchema, schema_for};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+use crate::model::SideFrictionRule;
 
 /// One run of collective transport. All units are SI units. Angles are in radians and
 /// counter-clockwise.
@@ -44,23 +53,51 @@ pub struct ScenarioFile {
     /// Springs of the load. A spring is named by its index, from 0. A group takes as many indices
     /// as it has springs.
     pub springs: Vec<SpringsEntry>,
+    /// Bodies that the load can touch but not push away. The default is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<ObstacleEntry>,
+    /// Rule that combines the coefficients of side friction of the load and an obstacle. The
+    /// default is "geometric-mean".
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub side_friction_rule: SideFrictionRule,
     /// The motion of the tips: prescribed paths, or ants.
     pub drive: DriveEntry,
 }
 
-/// The load, a rigid disc in the plane. The origin of its frame is its centre of mass.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// The load, a rigid body in the plane. The origin of its frame is its centre of mass.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadEntry {
-    /// Mass (kg).
-    pub mass_kg: f64,
-    /// Moment of inertia about the centre of mass (kg m^2). The default is that of a uniform disc,
-    /// m R^2 / 2.
+    /// Mass (kg). Either this or `density_kg_per_m2` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub mass_kg: Option<f64>,
+    /// Mass per area of the outline (kg/m^2), in place of `mass_kg`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub density_kg_per_m2: Option<f64>,
+    /// Moment of inertia about the centre of mass (kg m^2). The default is that of a mass spread
+    /// uniformly over the outline, m R^2 / 2 for a disc. The centroid of the outline must then be
+    /// the origin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub inertia_kg_m2: Option<f64>,
-    /// Radius of the outline (m).
-    pub radius_m: f64,
+    /// Radius of a disc about the origin (m), the short form of such an `outline`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub radius_m: Option<f64>,
+    /// Outline, which obstacles touch. Either this or `radius_m` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "OutlineEntry")]
+    pub outline: Option<OutlineEntry>,
+    /// Coulomb's coefficient of side friction of the load's edge (1). `side_friction_rule` combines
+    /// it with that of an obstacle. The default is 0.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub side_friction_coefficient: f64,
+    /// Coefficient of restitution of the load, from 0 for plastic impacts to 1 for elastic ones
+    /// (1). Impacts have the larger one of this and that of the obstacle. The default is 0.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub restitution: f64,
     /// Position of the origin at the start (m, world axes). The default is [0, 0].
     #[serde(default)]
     pub position_m: [f64; 2],
@@ -97,6 +134,10 @@ fn join_lines(schema: &mut Value) {
         Value::Array(list) => list.iter_mut().for_each(join_lines),
         _ => {}
     }
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 fn first_seed() -> u64 {

@@ -1,25 +1,34 @@
 //! Rules of the ground: friction, supports and normal loads.
 
+use super::load::{CheckedLoad, require_centred};
 use super::shared::{MOST_IN_RING, bearings, polar};
 use crate::math::Vec2;
 use crate::model::support::normal_loads_of_three;
+use crate::model::uniform_supports::uniform_supports;
 use crate::model::{Ground, SupportPoint};
 use crate::scenario::error::{Findings, number};
-use crate::scenario::format::{GroundEntry, RingOfSupports, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod};
+use crate::scenario::format::{GroundEntry, RingOfSupports, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod, UniformSupports};
 
 /// Negative normal load over the weight that counts as rounding of offsets: the centre of mass is
 /// then on the edge of the supports (1).
 const TIPPING_SLACK: f64 = 1e-12;
 
-/// Ground under a load of `mass` (kg), where that is known. Unknown normal loads are NaN.
-pub fn ground(entry: &GroundEntry, mass: Option<f64>, findings: &mut Findings) -> Ground {
+/// Smallest number of supports of a uniform pressure (1): fewer do not resist every motion.
+const LEAST_UNIFORM: usize = 3;
+/// Largest number of supports of a uniform pressure (1). The error of friction is then far below
+/// what is known of real pressures.
+const MOST_UNIFORM: usize = 10_000;
+
+/// Ground under a load, where that is known. Unknown normal loads are NaN.
+pub fn ground(entry: &GroundEntry, load: Option<&CheckedLoad>, findings: &mut Findings) -> Ground {
     findings.not_negative("ground.friction_coefficient", entry.friction_coefficient);
     let gravity = entry.gravity_m_per_s2.unwrap_or(STANDARD_GRAVITY);
     findings.positive("ground.gravity_m_per_s2", gravity);
-    let weight = weight(mass, gravity, findings);
+    let weight = weight(load.map(|load| load.load.mass), gravity, findings);
     let supports = match &entry.supports {
         SupportsEntry::Tripod(form) => tripod(&form.tripod, weight, findings),
         SupportsEntry::Ring(form) => ring(&form.ring, weight, findings),
+        SupportsEntry::Uniform(form) => uniform(&form.uniform, load, weight, findings),
         SupportsEntry::List(list) => listed(list, weight, findings),
     };
     Ground { friction_coefficient: entry.friction_coefficient, supports }
@@ -60,6 +69,21 @@ fn ring(ring: &RingOfSupports, weight: Option<f64>, findings: &mut Findings) -> 
         return Vec::new();
     }
     on_circle(ring.n, ring.radius_m, ring.first_bearing_rad, ring.normal_load_n.unwrap_or(third_of(weight)))
+}
+
+fn uniform(uniform: &UniformSupports, load: Option<&CheckedLoad>, weight: Option<f64>, findings: &mut Findings) -> Vec<SupportPoint> {
+    let path = "ground.supports.uniform.n";
+    if !(MOST_UNIFORM >= uniform.n && uniform.n >= LEAST_UNIFORM) {
+        findings.report(path, format!("must be from {LEAST_UNIFORM} to {MOST_UNIFORM}"), uniform.n);
+        return Vec::new();
+    }
+    let (Some(outline), Some(weight)) = (load.and_then(|load| load.outline.as_ref()), weight) else { return Vec::new() };
+    // The same fault is found where the inertia follows from the outline.
+    let is_known = findings.0.iter().any(|finding| finding.path == "load.outline");
+    if is_known || !require_centred("load.outline", outline, findings) {
+        return Vec::new();
+    }
+    uniform_supports(outline, uniform.n, weight)
 }
 
 fn on_circle(n: usize, radius: f64, first_bearing: f64, normal_load: f64) -> Vec<SupportPoint> {

@@ -4,19 +4,22 @@
 
 mod ants;
 mod ground;
+mod load;
+mod outline;
 mod shared;
 mod springs;
 mod tips;
+mod world;
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::error::{Finding, Findings, ScenarioError};
-use super::format::{DriveEntry, GroundEntry, LoadEntry, ScenarioFile, SpringsEntry};
+use super::format::{DriveEntry, GroundEntry, LoadEntry, ObstacleEntry, ScenarioFile, SpringsEntry};
 use super::json::join;
 use super::{Drive, Scenario};
-use crate::math::{Pose, Twist};
-use crate::model::{Load, Motion, Outline, System, World};
+use crate::model::{SideFrictionRule, System};
+use shared::is_control;
 
 /// Largest number of ticks (1): more would neither end nor fit into memory.
 const MOST_TICKS: f64 = 1e9;
@@ -29,6 +32,8 @@ pub struct Draft {
     load: Option<LoadEntry>,
     ground: Option<GroundEntry>,
     springs: Option<Vec<SpringsEntry>>,
+    obstacles: Option<Vec<ObstacleEntry>>,
+    side_friction_rule: Option<SideFrictionRule>,
     drive: Option<DriveEntry>,
 }
 
@@ -44,6 +49,8 @@ impl Draft {
             load: source.take("load"),
             ground: source.take("ground"),
             springs: source.take("springs"),
+            obstacles: source.take("obstacles"),
+            side_friction_rule: source.take("side_friction_rule"),
             drive: source.take("drive"),
         }
     }
@@ -59,6 +66,8 @@ impl From<ScenarioFile> for Draft {
             load: Some(file.load),
             ground: Some(file.ground),
             springs: Some(file.springs),
+            obstacles: Some(file.obstacles),
+            side_friction_rule: Some(file.side_friction_rule),
             drive: Some(file.drive),
         }
     }
@@ -111,38 +120,30 @@ pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Fi
     }
 }
 
-/// Whether a letter controls a terminal or the direction of text.
-fn is_control(letter: char) -> bool {
-    letter.is_control() || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
-
 /// The scenario; `None` when a section is missing.
 fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
     if let Some(name) = draft.name.as_deref().filter(|name| name.chars().any(is_control)) {
         findings.report("name", "must not contain control characters", format_args!("{name:?}"));
     }
     check_clock(draft.duration, draft.control_period, findings);
-    let load = draft.load.map(|entry| load(&entry, findings));
-    let ground = draft.ground.map(|entry| ground::ground(&entry, load.map(|(load, _)| load.mass), findings));
+    let load = draft.load.map(|entry| load::load(&entry, findings));
+    let ground = draft.ground.map(|entry| ground::ground(&entry, load.as_ref(), findings));
+    let (obstacles, rule) = (draft.obstacles.unwrap_or_default(), draft.side_friction_rule.unwrap_or_default());
+    let world = world::world(&obstacles, rule, load.as_ref(), draft.control_period, findings);
     let n_springs = draft.springs.as_deref().map(springs::n_springs);
     let springs = draft.springs.map(|entries| springs::springs(&entries, findings));
     let drive = draft.drive.map(|entry| match entry {
         DriveEntry::Tips(entry) => Drive::Tips(tips::paths(&entry, n_springs, findings)),
         DriveEntry::Ants(entry) => Drive::Ants(ants::ants(&entry, n_springs, draft.control_period, findings)),
     });
-    let (load, start) = load?;
+    let load = load?;
     Some(Scenario {
         name: draft.name?,
         duration: draft.duration?,
         control_period: draft.control_period?,
         seed: draft.seed.unwrap_or(1),
-        system: System {
-            load,
-            ground: ground?,
-            springs: springs?,
-            world: World { outline: Outline::disc(load.radius), obstacles: Vec::new() },
-        },
-        start,
+        system: System { load: load.load, ground: ground?, springs: springs?, world },
+        start: load.start,
         drive: drive?,
     })
 }
@@ -160,35 +161,4 @@ fn check_clock(duration: Option<f64>, control_period: Option<f64>, findings: &mu
     }
     findings.require(period <= duration, "control_period_s", "must not be longer than the duration", period);
     findings.require(duration <= MOST_TICKS * period, "duration_s", &format!("must be at most {MOST_TICKS:e} control periods"), duration);
-}
-
-fn load(entry: &LoadEntry, findings: &mut Findings) -> (Load, Motion) {
-    findings.positive("load.mass_kg", entry.mass_kg);
-    findings.positive("load.radius_m", entry.radius_m);
-    findings.finite_vector("load.position_m", &entry.position_m);
-    findings.finite("load.heading_rad", entry.heading_rad);
-    findings.finite_vector("load.velocity_m_per_s", &entry.velocity_m_per_s);
-    findings.finite("load.turn_rate_rad_per_s", entry.turn_rate_rad_per_s);
-    let load = Load { mass: entry.mass_kg, inertia: inertia(entry, findings), radius: entry.radius_m };
-    let pose = Pose { position: entry.position_m.into(), heading: entry.heading_rad };
-    let twist = Twist { linear: entry.velocity_m_per_s.into(), angular: entry.turn_rate_rad_per_s };
-    (load, Motion { pose, twist })
-}
-
-/// Moment of inertia as given, or that of a uniform disc (kg m^2).
-fn inertia(entry: &LoadEntry, findings: &mut Findings) -> f64 {
-    let disc = 0.5 * entry.mass_kg * entry.radius_m * entry.radius_m;
-    match entry.inertia_kg_m2 {
-        Some(given) => findings.positive("load.inertia_kg_m2", given),
-        // A wrong mass or radius has its own finding; this is for a product that floats cannot
-        // hold.
-        None if entry.mass_kg > 0.0 && entry.radius_m > 0.0 => {
-            let rule = "must be given: m R^2 / 2 of this mass and radius is out of the range of floating-point numbers";
-            if !(disc > 0.0 && disc.is_finite()) && entry.mass_kg.is_finite() && entry.radius_m.is_finite() {
-                findings.report("load.inertia_kg_m2", rule, "nothing");
-            }
-        }
-        None => {}
-    }
-    entry.inertia_kg_m2.unwrap_or(disc)
 }

@@ -9,6 +9,11 @@ pub const MOST_IN_RING: usize = 100_000;
 /// Largest number of ants (1).
 pub const MOST_ANTS: usize = 1_000_000;
 
+/// Whether a letter controls a terminal or the direction of text.
+pub fn is_control(letter: char) -> bool {
+    letter.is_control() || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// Point at `bearing` (rad) and `radius` (m).
 pub fn polar(radius: f64, bearing: f64) -> Vec2 {
     radius * direction(bearing)

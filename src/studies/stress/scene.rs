@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::map::{Asked, Cell};
 use crate::math::{Vec2, direction};
+use crate::model::SideFrictionRule;
 use crate::scenario::format::{
     DriveEntry, GroundEntry, LoadEntry, PathEntry, ScenarioFile, SpringEntry, SpringsEntry, SupportEntry, SupportsEntry, TipsEntry,
     TipsKind,
@@ -69,6 +70,8 @@ impl Scene {
                 supports: SupportsEntry::List(self.supports),
             },
             springs: self.springs.into_iter().map(SpringsEntry::One).collect(),
+            obstacles: Vec::new(),
+            side_friction_rule: SideFrictionRule::default(),
             drive: DriveEntry::Tips(TipsEntry { kind: TipsKind::Tips, paths: self.paths }),
         }
     }
@@ -76,15 +79,7 @@ impl Scene {
 
 /// A disc of the paper's radius at rest at the origin.
 pub fn load(mass: f64) -> LoadEntry {
-    LoadEntry {
-        mass_kg: mass,
-        inertia_kg_m2: None,
-        radius_m: LOAD_RADIUS,
-        position_m: [0.0, 0.0],
-        heading_rad: 0.0,
-        velocity_m_per_s: [0.0, 0.0],
-        turn_rate_rad_per_s: 0.0,
-    }
+    LoadEntry { mass_kg: Some(mass), radius_m: Some(LOAD_RADIUS), ..LoadEntry::default() }
 }
 
 /// `n` supports on a circle of `radius` (m), the first on the x axis, that share `total` (N) of

@@ -47,8 +47,8 @@ fn scaled(length: f64, mass: f64) -> Cell {
     let mut file = base();
     file.duration_s *= t;
     file.control_period_s *= t;
-    file.load.mass_kg *= m;
-    file.load.radius_m *= l;
+    file.load.mass_kg = file.load.mass_kg.map(|mass| m * mass);
+    file.load.radius_m = file.load.radius_m.map(|radius| l * radius);
     file.load.velocity_m_per_s = file.load.velocity_m_per_s.map(|speed| speed * l / t);
     file.load.turn_rate_rad_per_s /= t;
     if let SupportsEntry::List(supports) = &mut file.ground.supports {

@@ -1,0 +1,128 @@
+//! Rules of outlines, and the parts of short forms and compounds.
+
+use std::fmt::Display;
+
+use crate::math::{Pose, Vec2};
+use crate::model::geometry::{convex_pieces, first_crossing, turned_counter_clockwise};
+use crate::model::{Outline, OutlinePart};
+use crate::scenario::error::{Findings, number};
+use crate::scenario::format::{OutlineEntry, PartEntry};
+
+/// Largest number of parts, corners and ends of walls of one outline (1). Every pair of them is
+/// compared.
+const MOST_POINTS: usize = 1000;
+
+/// The outline at `path`; `None` where it breaks a rule.
+pub fn outline(entry: &OutlineEntry, path: &str, findings: &mut Findings) -> Option<Outline> {
+    let n_before = findings.0.len();
+    let n_points = n_points(entry);
+    if n_points > MOST_POINTS {
+        findings.report(path, format!("must have at most {MOST_POINTS} points and parts in all"), n_points);
+        return None;
+    }
+    let mut parts = Vec::new();
+    add_parts(entry, path, &Pose::new(0.0, 0.0, 0.0), &mut parts, findings);
+    (findings.0.len() == n_before).then_some(Outline { parts })
+}
+
+/// Number of discs, corners and ends of walls, with those of parts (1).
+fn n_points(entry: &OutlineEntry) -> usize {
+    match entry {
+        OutlineEntry::Disc(_) => 1,
+        OutlineEntry::Rectangle(_) => 4,
+        OutlineEntry::Polygon(polygon) => polygon.points_m.len(),
+        OutlineEntry::Polyline(polyline) => polyline.points_m.len(),
+        OutlineEntry::Compound(compound) => compound.parts.iter().map(|part| n_points(&part.outline)).sum(),
+    }
+}
+
+/// Adds the parts of an outline whose frame is at the pose `at` in that of the body.
+fn add_parts(entry: &OutlineEntry, path: &str, at: &Pose, parts: &mut Vec<OutlinePart>, findings: &mut Findings) {
+    let placed = |points: &[[f64; 2]]| points.iter().map(|point| at.to_world(&Vec2::from(*point))).collect::<Vec<_>>();
+    match entry {
+        OutlineEntry::Disc(disc) => {
+            findings.positive(format_args!("{path}.disc.radius_m"), disc.radius_m);
+            parts.push(OutlinePart::Disc { centre: at.position, radius: disc.radius_m });
+        }
+        OutlineEntry::Rectangle(rectangle) => {
+            for (axis, length) in rectangle.size_m.iter().enumerate() {
+                findings.positive(format_args!("{path}.rectangle.size_m[{axis}]"), *length);
+            }
+            let [x, y] = rectangle.size_m.map(|length| 0.5 * length);
+            parts.push(OutlinePart::Polygon { corners: placed(&[[-x, -y], [x, -y], [x, y], [-x, y]]) });
+        }
+        OutlineEntry::Polygon(polygon) => {
+            if check_polygon(&polygon.points_m, &format!("{path}.polygon.points_m"), findings) {
+                parts.push(OutlinePart::Polygon { corners: turned_counter_clockwise(placed(&polygon.points_m)) });
+            }
+        }
+        OutlineEntry::Polyline(polyline) => {
+            check_polyline(&polyline.points_m, &format!("{path}.polyline.points_m"), findings);
+            parts.push(OutlinePart::Polyline { points: placed(&polyline.points_m) });
+        }
+        OutlineEntry::Compound(compound) => {
+            if compound.parts.is_empty() {
+                findings.report(format_args!("{path}.compound.parts"), "must have at least one part", "none");
+            }
+            for (index, part) in compound.parts.iter().enumerate() {
+                add_part(part, &format!("{path}.compound.parts[{index}]"), at, parts, findings);
+            }
+        }
+    }
+}
+
+fn add_part(part: &PartEntry, path: &str, at: &Pose, parts: &mut Vec<OutlinePart>, findings: &mut Findings) {
+    findings.finite_vector(format_args!("{path}.position_m"), &part.position_m);
+    findings.finite(format_args!("{path}.heading_rad"), part.heading_rad);
+    let inner = Pose { position: at.to_world(&part.position_m.into()), heading: at.heading + part.heading_rad };
+    add_parts(&part.outline, &format!("{path}.outline"), &inner, parts, findings);
+}
+
+/// Whether the points are corners of a polygon that does not cross itself.
+fn check_polygon(points: &[[f64; 2]], path: &str, findings: &mut Findings) -> bool {
+    let n_before = findings.0.len();
+    if points.len() < 3 {
+        findings.report(path, "must have at least 3 corners", points.len());
+    }
+    check_points(points, path, findings);
+    if let Some(at) = (0..points.len()).find(|at| points[*at] == points[(at + 1) % points.len()]).filter(|_| points.len() > 2) {
+        let next = (at + 1) % points.len();
+        findings.report(format_args!("{path}[{next}]"), "must not be the same point as the corner before it", pair(&points[next]));
+    }
+    if findings.0.len() > n_before {
+        return false;
+    }
+    let corners: Vec<Vec2> = points.iter().copied().map(Vec2::from).collect();
+    if let Some((one, other)) = first_crossing(&corners) {
+        let rule = "must not cross or touch itself";
+        findings.report(path, rule, format_args!("the sides from corners {one} and {other} that do"));
+    } else if convex_pieces(&Outline { parts: vec![OutlinePart::Polygon { corners: turned_counter_clockwise(corners) }] }).is_none() {
+        findings.report(path, "must enclose an area wide enough to be cut into convex pieces", "one that is too narrow");
+    }
+    findings.0.len() == n_before
+}
+
+fn check_polyline(points: &[[f64; 2]], path: &str, findings: &mut Findings) {
+    if points.len() < 2 {
+        findings.report(path, "must have at least 2 points", points.len());
+    }
+    check_points(points, path, findings);
+    if let Some(at) = (1..points.len()).find(|at| points[*at] == points[at - 1]) {
+        findings.report(format_args!("{path}[{at}]"), "must not be the same point as the one before it", pair(&points[at]));
+    }
+}
+
+fn check_points(points: &[[f64; 2]], path: &str, findings: &mut Findings) {
+    for (index, point) in points.iter().enumerate() {
+        findings.finite_vector(format_args!("{path}[{index}]"), point);
+    }
+}
+
+fn pair(point: &[f64; 2]) -> String {
+    format!("[{}, {}]", number(point[0]), number(point[1]))
+}
+
+/// Rule of a coefficient of restitution (1).
+pub fn restitution(path: impl Display, found: f64, findings: &mut Findings) {
+    findings.require((0.0..=1.0).contains(&found), path, "must be from 0 to 1", found);
+}
