@@ -46,6 +46,20 @@ fn ants() -> Value {
     file
 }
 
+/// A box between two obstacles, of which one moves.
+fn world() -> Value {
+    json!({
+        "name": "a box", "duration_s": 2.0, "control_period_s": 0.01,
+        "load": { "mass_kg": 0.0016, "outline": { "rectangle": { "size_m": [0.02, 0.01] } } },
+        "ground": { "friction_coefficient": 1.4, "supports": { "tripod": { "radius_m": 0.004 } } },
+        "springs": [],
+        "obstacles": [
+            { "name": "wall", "outline": { "polyline": { "points_m": [[-1, 0], [1, 0]] } }, "position_m": [0, -0.005] },
+            { "name": "post", "outline": { "disc": { "radius_m": 0.002 } }, "path": { "waypoints": [[0, 0, 1, 0], [1, 0, 2, 0]] } } ],
+        "drive": { "kind": "tips", "paths": [] }
+    })
+}
+
 /// Sets what a JSON pointer names, in the last step also a new key; null takes the key out.
 fn changed(mut file: Value, at: &str, put: Value) -> Value {
     let (parent, key) = at.rsplit_once('/').unwrap();
@@ -278,6 +292,145 @@ fn ant_values() -> Vec<Bad> {
     ]
 }
 
+/// Outlines that break a rule, with the place within the outline.
+fn outlines() -> Vec<(Value, &'static str, &'static str, &'static str)> {
+    let polygon = |points: Value| json!({ "polygon": { "points_m": points } });
+    let polyline = |points: Value| json!({ "polyline": { "points_m": points } });
+    let keys = "must have exactly one of the keys compound, disc, polygon, polyline, rectangle";
+    let many: Vec<[f64; 2]> = (0..1001).map(|at| [at as f64, 0.0]).collect();
+    vec![
+        (json!({}), "", keys, "none"),
+        (json!({ "disc": { "radius_m": 1 }, "rectangle": { "size_m": [1, 1] } }), "", keys, "disc, rectangle"),
+        (json!({ "disc": { "radius_m": 0 } }), ".disc.radius_m", "must be positive", "0.0"),
+        (json!({ "disc": {} }), ".disc.radius_m", "is required", "nothing"),
+        (json!({ "rectangle": { "size_m": [1, -1] } }), ".rectangle.size_m[1]", "must be positive", "-1.0"),
+        (json!({ "rectangle": { "size_m": 1 } }), ".rectangle.size_m", "must be a list", "1"),
+        (json!({ "compound": { "parts": [] } }), ".compound.parts", "must have at least one part", "none"),
+        (
+            json!({ "compound": { "parts": [{ "outline": { "disc": { "radius_m": -1 } } }] } }),
+            ".compound.parts[0].outline.disc.radius_m",
+            "must be positive",
+            "-1.0",
+        ),
+        (
+            json!({ "compound": { "parts": [{ "outline": { "disc": { "radius_m": 1 } }, "position_m": [1e51, 0] }] } }),
+            ".compound.parts[0].position_m[0]",
+            "must be at most 1e50 in size",
+            "1e51",
+        ),
+        (polygon(json!([[0, 0], [1, 0]])), ".polygon.points_m", "must have at least 3 corners", "2"),
+        (polygon(json!([[0, 0], [1, 0], [1, 0], [0, 1]])), ".polygon.points_m[2]", "must not be the same point", "[1.0, 0.0]"),
+        (polygon(json!([[0, 0], [1, 0], [0, 1], [0, 0]])), ".polygon.points_m[0]", "must not be the same point", "[0.0, 0.0]"),
+        (polygon(json!([[0, 0], [1, 1], [1, 0], [0, 1]])), ".polygon.points_m", "must not cross", "the sides from corners 0 and 2 that do"),
+        (polygon(json!([[0, 0], [2, 0], [1, 0]])), ".polygon.points_m", "must not cross", "the sides from corners 0 and 1 that do"),
+        (polyline(json!([[0, 0]])), ".polyline.points_m", "must have at least 2 points", "1"),
+        (polyline(json!([[0, 0], [0, 0]])), ".polyline.points_m[1]", "must not be the same point", "[0.0, 0.0]"),
+        (polyline(json!(many)), "", "must have at most 1000 points and parts in all", "1001"),
+    ]
+}
+
+/// Other rules of a load with an outline and of obstacles.
+fn world_values() -> Vec<Bad> {
+    let part = |at: f64| json!({ "outline": { "rectangle": { "size_m": [0.5, 0.5] } }, "position_m": [at, 4] });
+    let parts = |at: f64| json!({ "compound": { "parts": [part(-at), part(at)] } });
+    let corner = json!({ "polygon": { "points_m": [[0, 0], [0.03, 0], [0, 0.03]] } });
+    let wall = json!({ "polyline": { "points_m": [[-1, 1], [1, 1]] } });
+    let mixed = json!({ "compound": { "parts": [{ "outline": wall }, part(0.0)] } });
+    let jump = "must be reached with at most 0.0223606797749979";
+    vec![
+        bad("/load/outline", wall.clone(), "load.outline", "must enclose an area", "a polyline"),
+        bad("/load/outline", mixed, "load.outline", "must enclose an area", "a polyline"),
+        bad(
+            "/load/outline",
+            parts(0.1875),
+            "load.outline",
+            "must have parts that do not overlap",
+            "parts 0 and 1, which overlap by 1.250e-1 m",
+        ),
+        bad("/load/outline", parts(0.25), "load.outline", "must have its centroid at the origin", "the centroid [0.0, 4.0]"),
+        bad("/load/outline", corner, "load.outline", "give mass_kg, inertia_kg_m2 and supports", "the centroid [0.01, 0.01]"),
+        bad("/load/side_friction_coefficient", json!(-0.1), "load.side_friction_coefficient", "must not be negative", "-0.1"),
+        bad("/load/restitution", json!(1.1), "load.restitution", "must be from 0 to 1", "1.1"),
+        bad("/load/restitution", json!(-0.1), "load.restitution", "must be from 0 to 1", "-0.1"),
+        bad("/ground/supports", json!({ "uniform": { "n": 2 } }), "ground.supports.uniform.n", "must be from 3 to 10000", "2"),
+        bad("/ground/supports", json!({ "uniform": { "n": 10_001 } }), "ground.supports.uniform.n", "must be from 3 to 10000", "10001"),
+        bad("/side_friction_rule", json!("median"), "side_friction_rule", "must be one of \"geometric-mean\", \"average\"", "\"median\""),
+        bad("/obstacles/0/name", json!(" "), "obstacles[0].name", "must not be empty", "\" \""),
+        bad("/obstacles/0/name", json!("\u{7}"), "obstacles[0].name", "must not contain control characters", "\"\\u{7}\""),
+        bad("/obstacles/1/name", json!("wall"), "obstacles[1].name", "must not be the name of another obstacle, obstacles[0]", "\"wall\""),
+        bad("/obstacles/0/outline", Value::Null, "obstacles[0].outline", "is required", "nothing"),
+        bad("/obstacles/0/friction_coefficient", json!(-1), "obstacles[0].friction_coefficient", "must not be negative", "-1.0"),
+        bad("/obstacles/0/restitution", json!(2), "obstacles[0].restitution", "must be from 0 to 1", "2.0"),
+        bad(
+            "/obstacles/0/position_m",
+            json!([0, -0.004]),
+            "obstacles[0]",
+            "must not overlap the load at the start, as \"wall\" does",
+            "a depth of 1.000e-3 m",
+        ),
+        bad("/obstacles/1/heading_rad", json!(0), "obstacles[1].path", "must not be given together with position_m", "both"),
+        bad("/obstacles/1/path/waypoints", json!([]), "obstacles[1].path.waypoints", "must have at least one waypoint", "none"),
+        bad("/obstacles/1/path/waypoints/0/0", json!(-1), "obstacles[1].path.waypoints[0][0]", "must not be negative", "-1.0"),
+        bad("/obstacles/1/path/waypoints/1/0", json!(0), "obstacles[1].path.waypoints[1][0]", "must be later than the previous", "0.0"),
+        bad("/obstacles/1/path/waypoints/1/2", json!(3.3), "obstacles[1].path.waypoints[1]", jump, "0.023 m"),
+        bad(
+            "/obstacles/1/path/waypoints/0",
+            json!([0, 0, 0, 0]),
+            "obstacles[1]",
+            "must not overlap the load at the start",
+            "a depth of 7.000e-3 m",
+        ),
+    ]
+}
+
+#[test]
+fn a_wrong_outline_is_told_of_obstacles_and_loads() {
+    for (outline, place, rule, found) in outlines() {
+        for base in ["/load/outline", "/obstacles/0/outline"] {
+            let told = error_of(&changed(world(), base, outline.clone()));
+            let path = format!("bad.json: {}{place}: ", if base == "/load/outline" { "load.outline" } else { "obstacles[0].outline" });
+            assert_eq!(told.lines().count(), 1, "{outline}:\n{told}");
+            assert!(told.starts_with(&path) && told.contains(rule), "`{told}` lacks `{path}` or `{rule}`");
+            assert!(told.ends_with(&format!(", found {found}")), "`{told}` does not end with `{found}`");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_world_is_told() {
+    world_values().iter().for_each(|row| assert_told(&world(), row));
+}
+
+#[test]
+fn a_world_a_hair_inside_of_each_threshold_is_accepted() {
+    let square = |at: f64| json!({ "outline": { "rectangle": { "size_m": [0.01, 0.01] } }, "position_m": [at, 0] });
+    let inside = [
+        ("/load/restitution", json!(1)),
+        ("/load/restitution", json!(0)),
+        // Parts that share an edge, and a load that touches the wall.
+        ("/load/outline", json!({ "compound": { "parts": [square(-0.005), square(0.005)] } })),
+        // A centroid off by rounding.
+        (
+            "/load/outline",
+            json!({ "polygon": { "points_m": [[-0.1, -0.0049], [0.1, -0.0049], [0.1, 0.004900000000001], [-0.1, 0.0049]] } }),
+        ),
+        // Clockwise corners.
+        ("/load/outline", json!({ "polygon": { "points_m": [[-0.1, -0.004], [-0.1, 0.004], [0.1, 0.004], [0.1, -0.004]] } })),
+        ("/ground/supports", json!({ "uniform": { "n": 3 } })),
+        ("/ground/supports", json!({ "uniform": { "n": 10_000 } })),
+        ("/side_friction_rule", json!("multiply")),
+        ("/obstacles", json!([])),
+        ("/obstacles/0/position_m", json!([0, -0.0050000001])),
+        ("/obstacles/1/path/waypoints/1/2", json!(3.236)),
+        ("/obstacles/1/path/waypoints", json!([[5, 0, 1, 0]])),
+        ("/obstacles/0/heading_rad", json!(std::f64::consts::PI)),
+    ];
+    for (at, put) in inside {
+        let file = changed(world(), at, put.clone());
+        Scenario::parse(&file.to_string(), "good.json").unwrap_or_else(|error| panic!("{at} {put}: {error}"));
+    }
+}
+
 #[test]
 fn a_wrong_shape_is_told_and_the_schema_refuses_it_too() {
     let schema = jsonschema::validator_for(format::schema()).unwrap();
@@ -489,7 +642,11 @@ fn odd_values_anywhere_are_answered() {
         json!({ "ring": {} }),
     ];
     let (mut n_accepted, mut n_refused) = (0, 0);
-    for base in [tips(), ants()] {
+    let mut shapes = world();
+    let part = json!({ "outline": { "polygon": { "points_m": [[-1, -1], [1, -1], [0, 2]] } }, "position_m": [0, 9] });
+    shapes["load"]["outline"] = json!({ "compound": { "parts": [part] } });
+    shapes["load"]["inertia_kg_m2"] = json!(1);
+    for base in [tips(), ants(), world(), shapes] {
         for at in pointers(&base, "") {
             for value in &odd {
                 let mut file = base.clone();

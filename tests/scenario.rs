@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use cohaul::math::Vec2;
 use cohaul::model::behaviour::{GraspPace, ReleasePace};
+use cohaul::model::{Outline, OutlinePart};
 use cohaul::scenario::presets::{self, Preset};
 use cohaul::scenario::{AntDrive, Drive, Scenario, ScenarioError, TipPath, format};
 use serde_json::{Value, json};
@@ -36,7 +37,7 @@ fn every_file() -> Vec<PathBuf> {
     files.sort();
     // A wrong folder would pass every test below; the number is that of the files that were
     // written.
-    assert!(files.len() >= 26, "{files:?}");
+    assert!(files.len() >= 46, "{files:?}");
     files
 }
 
@@ -191,6 +192,114 @@ fn loads_left_out_follow_from_the_centre_of_mass() {
     assert_eq!(Scenario::parse(&file(ring), "ring").unwrap().system, short.system);
 }
 
+/// A scene of one load, `load`, without anything else but `obstacles`.
+fn of_load(load: Value, supports: Value, obstacles: Value) -> Result<Scenario, ScenarioError> {
+    let text = json!({
+        "name": "a load", "duration_s": 1, "control_period_s": 0.01, "load": load,
+        "ground": { "friction_coefficient": 0.5, "gravity_m_per_s2": 10, "supports": supports },
+        "springs": [], "obstacles": obstacles, "drive": { "kind": "tips", "paths": [] }
+    });
+    Scenario::parse(&text.to_string(), "load.json")
+}
+
+fn tripod() -> Value {
+    json!({ "tripod": { "radius_m": 0.1 } })
+}
+
+/// m (w^2 + h^2) / 12 of a rectangle, m R^2 / 2 of a disc, and Steiner's theorem for two discs.
+#[test]
+fn mass_and_inertia_follow_from_the_outline() {
+    let load = |load: Value| of_load(load, tripod(), json!([])).unwrap_or_else(|error| panic!("{error}")).system.load;
+    let rectangle = load(json!({ "density_kg_per_m2": 2.0, "outline": { "rectangle": { "size_m": [3, 1] } } }));
+    assert!((rectangle.mass - 6.0).abs() < 1e-15 && (rectangle.inertia - 5.0).abs() < 1e-14, "{rectangle:?}");
+    assert_eq!(rectangle.radius, 1.5f64.hypot(0.5));
+    let (short, long) =
+        (json!({ "mass_kg": 0.0016, "radius_m": 0.0122 }), json!({ "mass_kg": 0.0016, "outline": { "disc": { "radius_m": 0.0122 } } }));
+    assert_eq!(load(short), load(long));
+    let disc = load(json!({ "density_kg_per_m2": 3.0, "radius_m": 2 }));
+    assert!((disc.mass / (12.0 * std::f64::consts::PI) - 1.0).abs() < 1e-15 && disc.inertia == 0.5 * disc.mass * 2.0 * 2.0);
+    let disc_at = |x: f64| json!({ "outline": { "disc": { "radius_m": 1 } }, "position_m": [x, 0] });
+    let two = load(json!({ "mass_kg": 2, "outline": { "compound": { "parts": [disc_at(-2.0), disc_at(2.0)] } } }));
+    assert!((two.inertia - 2.0 * (0.5 + 4.0)).abs() < 1e-14 && two.radius == 3.0, "{two:?}");
+    // A load that is not uniform may have its centre of mass anywhere.
+    let hammer = load(json!({ "mass_kg": 1, "inertia_kg_m2": 0.1, "outline": { "polygon": { "points_m": [[0, 0], [3, 0], [0, 1]] } } }));
+    assert_eq!((hammer.inertia, hammer.radius), (0.1, 3.0));
+}
+
+#[test]
+fn outlines_are_placed_and_turned_counter_clockwise() {
+    let load = json!({ "mass_kg": 1, "inertia_kg_m2": 1, "outline": { "compound": { "parts": [{
+        "outline": { "polygon": { "points_m": [[0, 0], [0, 1], [2, 1], [2, 0]] } },
+        "position_m": [1, 0], "heading_rad": std::f64::consts::FRAC_PI_2 }] } } });
+    let scenario = of_load(load, tripod(), json!([])).unwrap();
+    let [OutlinePart::Polygon { corners }] = scenario.system.world.outline.parts.as_slice() else { panic!("one polygon is expected") };
+    for (corner, by_hand) in corners.iter().zip([[1.0, 0.0], [1.0, 2.0], [0.0, 2.0], [0.0, 0.0]]) {
+        assert!((corner - Vec2::from(by_hand)).norm() < 1e-15, "{corners:?}");
+    }
+    assert_eq!(read("paper/four-ants-four-springs.json").system.world.outline, Outline::disc(0.0122));
+}
+
+/// Each rule combines 0.2 and 0.8 to another number.
+#[test]
+fn side_friction_is_combined_by_the_rule_and_restitution_is_the_larger_one() {
+    let found = |rule: &str| {
+        let text = json!({
+            "name": "a wall", "duration_s": 1, "control_period_s": 0.01,
+            "load": { "mass_kg": 1, "radius_m": 1, "side_friction_coefficient": 0.2, "restitution": 0.3 },
+            "ground": { "friction_coefficient": 0.5, "supports": tripod() }, "springs": [], "side_friction_rule": rule,
+            "obstacles": [
+                { "name": "a", "outline": { "disc": { "radius_m": 1 } }, "position_m": [5, 0], "friction_coefficient": 0.8 },
+                { "name": "b", "outline": { "disc": { "radius_m": 1 } }, "position_m": [-5, 0], "restitution": 0.7 } ],
+            "drive": { "kind": "tips", "paths": [] }
+        });
+        let scenario = Scenario::parse(&text.to_string(), rule).unwrap();
+        assert_eq!(scenario.expanded().checked("again").unwrap(), scenario);
+        let [a, b] = scenario.system.world.obstacles.as_slice() else { panic!("two obstacles are expected") };
+        assert_eq!((a.restitution, b.restitution), (0.3, 0.7));
+        a.friction_coefficient
+    };
+    for (rule, by_hand) in [("geometric-mean", 0.4), ("average", 0.5), ("min", 0.2), ("multiply", 0.16), ("max", 0.8)] {
+        assert!((found(rule) - by_hand).abs() < 1e-16, "{rule}: {}", found(rule));
+    }
+}
+
+/// Every form of an outline and of a motion survives expansion, and without obstacles nothing of
+/// the world stands in the expanded file, so that hashes of such scenes stay.
+#[test]
+fn a_world_survives_expansion() {
+    let wall = json!({ "polyline": { "points_m": [[-9, -9], [9, -9], [9, 9]] } });
+    let part = |x: f64| json!({ "outline": { "disc": { "radius_m": 0.5 } }, "position_m": [x, 0], "heading_rad": 0.7 });
+    let obstacles = json!([
+        { "name": "wall", "outline": wall, "friction_coefficient": 0.3, "restitution": 0.5 },
+        { "name": "post aside", "outline": { "compound": { "parts": [part(4.0)] } }, "heading_rad": 1.0 },
+        { "name": "both", "outline": { "compound": { "parts": [part(4.0), { "outline": wall }] } } },
+        { "name": "box", "outline": { "rectangle": { "size_m": [1, 1] } }, "path": { "waypoints": [[0, 5, 5, 0], [1000, 5, 6, 1]] } },
+        { "name": "late", "outline": { "disc": { "radius_m": 1 } }, "path": { "waypoints": [[7, -5, 5, 1]] } }
+    ]);
+    let load = json!({ "density_kg_per_m2": 1, "outline": { "compound": { "parts": [part(-1.0), part(1.0)] } } });
+    let scenario = of_load(load.clone(), json!({ "uniform": { "n": 16 } }), obstacles).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scenario.system.world.obstacles.len(), 5);
+    let expansion = serde_json::to_string(&scenario.expanded()).unwrap();
+    let again = Scenario::parse(&expansion, "expansion").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((again.hash(), &again), (scenario.hash(), &scenario));
+    let alone = of_load(json!({ "mass_kg": 1, "radius_m": 1, "side_friction_coefficient": 0.3 }), tripod(), json!([])).unwrap();
+    let expansion = serde_json::to_string(&alone.expanded()).unwrap();
+    assert!(["obstacles", "side", "restitution", "outline"].iter().all(|key| !expansion.contains(key)), "{expansion}");
+}
+
+#[test]
+fn uniform_supports_carry_the_weight_below_the_centre_of_mass() {
+    let uniform = json!({ "uniform": { "n": 16 } });
+    let load = json!({ "mass_kg": 2, "outline": { "rectangle": { "size_m": [0.4, 0.4] } } });
+    let supports = of_load(load, uniform.clone(), json!([])).unwrap().system.ground.supports;
+    assert_eq!(supports.len(), 16);
+    assert!(supports.iter().all(|support| (support.normal_load - 20.0 / 16.0).abs() < 1e-14));
+    // Mass and inertia of a load that is not uniform do not tell its pressure.
+    let corner = json!({ "mass_kg": 1, "inertia_kg_m2": 0.1, "outline": { "polygon": { "points_m": [[0, 0], [3, 0], [0, 3]] } } });
+    let error = of_load(corner, uniform, json!([])).unwrap_err().to_string();
+    assert!(error.contains("load.outline: must have its centroid at the origin") && error.lines().count() == 1, "{error}");
+}
+
 #[test]
 fn a_group_of_springs_stands_in_place_and_points_outwards() {
     let springs = read("paper/ten-ants-ten-springs.json").system.springs;
@@ -214,14 +323,32 @@ fn the_paper_load_has_the_derived_constants() {
     assert!((system.load.inertia / (system.load.mass * arm * arm) - 1.125).abs() < 1e-14);
 }
 
+/// Known answers of contact are for the paper's mass, friction and stiffness, with the tip on the
+/// centre of the load, and for obstacles that the load does not overlap at the start.
+#[test]
+fn scenes_of_contact_have_the_numbers_of_their_known_answers() {
+    let files: Vec<_> = every_file().into_iter().filter(|file| file.parent().unwrap().ends_with("contact")).collect();
+    assert!(files.len() >= 12, "{files:?}");
+    for file in files {
+        let Scenario { system, .. } = Scenario::read(&file).unwrap();
+        assert!(!system.world.is_empty() && (system.total_slip_limit() - SLIP_LIMIT).abs() < 1e-15, "{}", file.display());
+        assert!(system.springs.iter().all(|spring| spring.radial_stiffness == STIFFNESS && spring.rest_length == 0.0));
+    }
+    // Twice the slip limit pulls the load of the jump.
+    let jump = read("contact/jump-to-wall.json");
+    let pull = STIFFNESS * tip_paths(&jump)[0].waypoints[0].position.x;
+    assert!((pull - 2.0 * SLIP_LIMIT).abs() < 1e-16, "{pull}");
+}
+
 /// Springs that are held from the start have no slack there: their tips begin at the rest shape, or
-/// at the root of an isotropic spring, unless the scene says otherwise by its name.
+/// at the root of an isotropic spring, unless the scene says otherwise by its name. Scenes of
+/// contact start where their known answers do.
 #[test]
 fn prescribed_tips_start_at_rest() {
     for file in every_file() {
         let scenario = Scenario::read(&file).unwrap();
         let Drive::Tips(paths) = &scenario.drive else { continue };
-        if file.file_name().unwrap().to_str().unwrap().starts_with("hold-") {
+        if file.file_name().unwrap().to_str().unwrap().starts_with("hold-") || file.parent().unwrap().ends_with("contact") {
             continue;
         }
         for path in paths.iter().filter(|path| path.waypoints[0].time == 0.0) {

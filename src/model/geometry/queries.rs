@@ -25,9 +25,12 @@ pub struct Closest {
 /// # Panics
 /// When a polygon crosses itself.
 pub fn overlap_depth(a: &Outline, at_a: &Pose, b: &Outline, at_b: &Pose) -> Option<f64> {
-    let size = a.extent().min(b.extent()).max(f64::MIN_POSITIVE);
+    let sizes = [a.extent(), b.extent()];
+    if (at_a.position - at_b.position).norm() > sizes[0] + sizes[1] {
+        return None;
+    }
     let [pieces_a, pieces_b] = [a, b].map(|outline| convex_pieces(outline).expect("polygons do not cross themselves"));
-    depth_of_pieces(&pieces_a, at_a, &pieces_b, at_b, size)
+    depth_of_pieces(&pieces_a, at_a, &pieces_b, at_b, sizes)
 }
 
 /// Indices of two parts of an outline that overlap, with the depth (m).
@@ -36,32 +39,38 @@ pub fn overlap_depth(a: &Outline, at_a: &Pose, b: &Outline, at_b: &Pose) -> Opti
 /// When a polygon crosses itself.
 pub fn overlap_of_parts(outline: &Outline) -> Option<(usize, usize, f64)> {
     let pieces: Vec<_> = outline.parts.iter().map(|part| pieces::of_part(part).expect("polygons do not cross themselves")).collect();
-    let (still, size) = (Pose::new(0.0, 0.0, 0.0), outline.extent());
+    let (still, sizes) = (Pose::new(0.0, 0.0, 0.0), [outline.extent(); 2]);
     let pairs = (0..pieces.len()).flat_map(|one| (one + 1..pieces.len()).map(move |other| (one, other)));
     pairs.into_iter().find_map(|(one, other)| {
-        let depth = depth_of_pieces(&pieces[one], &still, &pieces[other], &still, size)?;
+        let depth = depth_of_pieces(&pieces[one], &still, &pieces[other], &still, sizes)?;
         Some((one, other, depth))
     })
 }
 
-/// Depth over the smaller size up to which outlines count as touching (1): the error of distances
-/// of parry2d is about 5e-9.
-const TOUCH: f64 = 1e-7;
+/// Depth over the larger size up to which outlines count as touching (1): the error of distances of
+/// parry2d is about 5e-9.
+const TOUCH: f64 = 2e-8;
+/// Smallest size over the larger one that is still resolved (1).
+const FINEST: f64 = 1e-9;
 
-fn depth_of_pieces(a: &[ConvexPiece], at_a: &Pose, b: &[ConvexPiece], at_b: &Pose, size: f64) -> Option<f64> {
+/// Largest depth of two lists of pieces of bodies with these `sizes` (m).
+fn depth_of_pieces(a: &[ConvexPiece], at_a: &Pose, b: &[ConvexPiece], at_b: &Pose, sizes: [f64; 2]) -> Option<f64> {
     // Positions relative to the first body and sizes of order one keep all digits.
+    let larger = sizes[0].max(sizes[1]);
+    let size = sizes[0].min(sizes[1]).max(FINEST * larger).max(f64::MIN_POSITIVE);
     let scale = 1.0 / size;
     let origin = at_a.position;
     let placed = |piece: &ConvexPiece, at: &Pose| Placed::new(piece, at, &origin, scale);
     let placed_b: Vec<Placed> = b.iter().map(|piece| placed(piece, at_b)).collect();
-    let mut deepest = TOUCH;
+    let touch = TOUCH * larger * scale;
+    let mut deepest = touch;
     for one in a.iter().map(|piece| placed(piece, at_a)) {
         for other in &placed_b {
             let found = contact(&one.pose, &*one.shape, &other.pose, &*other.shape, 0.0).expect("parry2d knows all pairs of pieces");
             deepest = found.map_or(deepest, |found| deepest.max(-found.dist));
         }
     }
-    (deepest > TOUCH).then_some(deepest * size)
+    (deepest > touch).then_some(deepest * size)
 }
 
 /// First point at which the segment `from` - `to` (m, world) meets an outline, as its fraction of

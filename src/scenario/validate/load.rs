@@ -68,6 +68,11 @@ fn of_solid(outline: Outline, findings: &mut Findings) -> Option<Outline> {
         findings.report("load.outline", "must enclose an area: only obstacles have walls without thickness", "a polyline");
         return None;
     }
+    let area = area_moments(&outline).area;
+    if !area.is_normal() {
+        findings.report("load.outline", "must have an area in the range of floating-point numbers", format_args!("{} m^2", number(area)));
+        return None;
+    }
     if let Some((one, other, depth)) = overlap_of_parts(&outline) {
         let rule = "must have parts that do not overlap, since the mass would count twice there";
         findings.report("load.outline", rule, format_args!("parts {one} and {other}, which overlap by {depth:.3e} m"));

@@ -12,6 +12,9 @@ use crate::scenario::format::{OutlineEntry, PartEntry};
 /// compared.
 const MOST_POINTS: usize = 1000;
 
+/// Distance of neighbouring corners over the size of a polygon that counts as one point (1).
+const SAME_POINT: f64 = 1e-9;
+
 /// The outline at `path`; `None` where it breaks a rule.
 pub fn outline(entry: &OutlineEntry, path: &str, findings: &mut Findings) -> Option<Outline> {
     let n_before = findings.0.len();
@@ -22,7 +25,11 @@ pub fn outline(entry: &OutlineEntry, path: &str, findings: &mut Findings) -> Opt
     }
     let mut parts = Vec::new();
     add_parts(entry, path, &Pose::new(0.0, 0.0, 0.0), &mut parts, findings);
-    (findings.0.len() == n_before).then_some(Outline { parts })
+    let outline = Outline { parts };
+    if findings.0.len() == n_before && convex_pieces(&outline).is_none() {
+        findings.report(path, "must enclose an area that can be cut into convex pieces", "one that is too small or too narrow");
+    }
+    (findings.0.len() == n_before).then_some(outline)
 }
 
 /// Number of discs, corners and ends of walls, with those of parts (1).
@@ -85,19 +92,18 @@ fn check_polygon(points: &[[f64; 2]], path: &str, findings: &mut Findings) -> bo
         findings.report(path, "must have at least 3 corners", points.len());
     }
     check_points(points, path, findings);
-    if let Some(at) = (0..points.len()).find(|at| points[*at] == points[(at + 1) % points.len()]).filter(|_| points.len() > 2) {
-        let next = (at + 1) % points.len();
-        findings.report(format_args!("{path}[{next}]"), "must not be the same point as the corner before it", pair(&points[next]));
-    }
     if findings.0.len() > n_before {
         return false;
     }
+    let n = points.len();
     let corners: Vec<Vec2> = points.iter().copied().map(Vec2::from).collect();
-    if let Some((one, other)) = first_crossing(&corners) {
+    let size = corners.iter().map(|corner| (corner - corners[0]).norm()).fold(0.0, f64::max);
+    if let Some(at) = (0..n).find(|at| (corners[*at] - corners[(at + 1) % n]).norm() <= SAME_POINT * size) {
+        let next = (at + 1) % n;
+        findings.report(format_args!("{path}[{next}]"), "must not be the same point as the corner before it", pair(&points[next]));
+    } else if let Some((one, other)) = first_crossing(&corners) {
         let rule = "must not cross or touch itself";
         findings.report(path, rule, format_args!("the sides from corners {one} and {other} that do"));
-    } else if convex_pieces(&Outline { parts: vec![OutlinePart::Polygon { corners: turned_counter_clockwise(corners) }] }).is_none() {
-        findings.report(path, "must enclose an area wide enough to be cut into convex pieces", "one that is too narrow");
     }
     findings.0.len() == n_before
 }
