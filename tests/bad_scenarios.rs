@@ -323,6 +323,12 @@ fn outlines() -> Vec<(Value, &'static str, &'static str, &'static str)> {
         (polygon(json!([[0, 0], [1, 0], [0, 1], [0, 0]])), ".polygon.points_m[0]", "must not be the same point", "[0.0, 0.0]"),
         (polygon(json!([[0, 0], [1, 1], [1, 0], [0, 1]])), ".polygon.points_m", "must not cross", "the sides from corners 0 and 2 that do"),
         (polygon(json!([[0, 0], [2, 0], [1, 0]])), ".polygon.points_m", "must not cross", "the sides from corners 0 and 1 that do"),
+        (
+            json!({ "rectangle": { "size_m": [1e9, 0.9] } }),
+            ".rectangle.size_m",
+            "must have no side below 1e-9 of the other",
+            "[1000000000.0, 0.9]",
+        ),
         (polyline(json!([[0, 0]])), ".polyline.points_m", "must have at least 2 points", "1"),
         (polyline(json!([[0, 0], [0, 0]])), ".polyline.points_m[1]", "must not be the same point", "[0.0, 0.0]"),
         (polyline(json!(many)), "", "must have at most 1000 points and parts in all", "1001"),
@@ -333,10 +339,10 @@ fn outlines() -> Vec<(Value, &'static str, &'static str, &'static str)> {
 fn world_values() -> Vec<Bad> {
     let part = |at: f64| json!({ "outline": { "rectangle": { "size_m": [0.5, 0.5] } }, "position_m": [at, 4] });
     let parts = |at: f64| json!({ "compound": { "parts": [part(-at), part(at)] } });
-    let corner = json!({ "polygon": { "points_m": [[0, 0], [0.03, 0], [0, 0.03]] } });
+    let corner = json!({ "polygon": { "points_m": [[0, 4], [3, 4], [0, 7]] } });
     let wall = json!({ "polyline": { "points_m": [[-1, 1], [1, 1]] } });
     let mixed = json!({ "compound": { "parts": [{ "outline": wall }, part(0.0)] } });
-    let jump = "must be reached with at most 0.0223606797749979";
+    let jump = "must be reached with at most 0.02236";
     vec![
         bad("/load/outline", wall.clone(), "load.outline", "must enclose an area", "a polyline"),
         bad("/load/outline", mixed, "load.outline", "must enclose an area", "a polyline"),
@@ -348,7 +354,7 @@ fn world_values() -> Vec<Bad> {
             "parts 0 and 1, which overlap by 1.250e-1 m",
         ),
         bad("/load/outline", parts(0.25), "load.outline", "must have its centroid at the origin", "the centroid [0.0, 4.0]"),
-        bad("/load/outline", corner, "load.outline", "give mass_kg, inertia_kg_m2 and supports", "the centroid [0.01, 0.01]"),
+        bad("/load/outline", corner, "load.outline", "give mass_kg, inertia_kg_m2 and supports", "the centroid [1.0, 5.0]"),
         bad("/load/side_friction_coefficient", json!(-0.1), "load.side_friction_coefficient", "must not be negative", "-0.1"),
         bad("/load/restitution", json!(1.1), "load.restitution", "must be from 0 to 1", "1.1"),
         bad("/load/restitution", json!(-0.1), "load.restitution", "must be from 0 to 1", "-0.1"),

@@ -111,7 +111,8 @@ pub struct UniformSupportsForm {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UniformSupports {
-    /// Number of supports (1). The program takes the nearest number that fills the outline evenly.
+    /// Number of supports, at least 3 (1). The program takes a number near it that fills the
+    /// outline evenly. The error of friction is about 1.5 / n of the weight's at worst.
     pub n: usize,
 }
 

@@ -55,10 +55,12 @@ pub struct ScenarioFile {
     pub springs: Vec<SpringsEntry>,
     /// Bodies that the load can touch but not push away. The default is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
     pub obstacles: Vec<ObstacleEntry>,
     /// Rule that combines the coefficients of side friction of the load and an obstacle. The
     /// default is "geometric-mean".
     #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("default" = SideFrictionRule::default()))]
     pub side_friction_rule: SideFrictionRule,
     /// The motion of the tips: prescribed paths, or ants.
     pub drive: DriveEntry,
@@ -86,17 +88,20 @@ pub struct LoadEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub radius_m: Option<f64>,
-    /// Outline, which obstacles touch. Either this or `radius_m` is given.
+    /// Outline in the load's frame, which obstacles touch. Either this or `radius_m` is given. Its
+    /// centroid must be the origin unless mass, inertia and supports say where the mass is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "OutlineEntry")]
     pub outline: Option<OutlineEntry>,
     /// Coulomb's coefficient of side friction of the load's edge (1). `side_friction_rule` combines
     /// it with that of an obstacle. The default is 0.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("default" = 0.0))]
     pub side_friction_coefficient: f64,
     /// Coefficient of restitution of the load, from 0 for plastic impacts to 1 for elastic ones
     /// (1). Impacts have the larger one of this and that of the obstacle. The default is 0.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("default" = 0.0))]
     pub restitution: f64,
     /// Position of the origin at the start (m, world axes). The default is [0, 0].
     #[serde(default)]

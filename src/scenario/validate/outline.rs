@@ -56,16 +56,21 @@ fn add_parts(entry: &OutlineEntry, path: &str, at: &Pose, parts: &mut Vec<Outlin
                 findings.positive(format_args!("{path}.rectangle.size_m[{axis}]"), *length);
             }
             let [x, y] = rectangle.size_m.map(|length| 0.5 * length);
-            parts.push(OutlinePart::Polygon { corners: placed(&[[-x, -y], [x, -y], [x, y], [-x, y]]) });
+            let corners = placed(&[[-x, -y], [x, -y], [x, y], [-x, y]]);
+            if rectangle.size_m.iter().all(|length| *length > 0.0) && corners.iter().flatten().all(|value| value.is_finite()) {
+                check_rectangle(&corners, &rectangle.size_m, &format!("{path}.rectangle.size_m"), findings);
+            }
+            parts.push(OutlinePart::Polygon { corners });
         }
         OutlineEntry::Polygon(polygon) => {
-            if check_polygon(&polygon.points_m, &format!("{path}.polygon.points_m"), findings) {
-                parts.push(OutlinePart::Polygon { corners: turned_counter_clockwise(placed(&polygon.points_m)) });
-            }
+            let corners = placed(&polygon.points_m);
+            check_polygon(&polygon.points_m, &corners, &format!("{path}.polygon.points_m"), findings);
+            parts.push(OutlinePart::Polygon { corners: turned_counter_clockwise(corners) });
         }
         OutlineEntry::Polyline(polyline) => {
-            check_polyline(&polyline.points_m, &format!("{path}.polyline.points_m"), findings);
-            parts.push(OutlinePart::Polyline { points: placed(&polyline.points_m) });
+            let ends = placed(&polyline.points_m);
+            check_polyline(&polyline.points_m, &ends, &format!("{path}.polyline.points_m"), findings);
+            parts.push(OutlinePart::Polyline { points: ends });
         }
         OutlineEntry::Compound(compound) => {
             if compound.parts.is_empty() {
@@ -85,35 +90,59 @@ fn add_part(part: &PartEntry, path: &str, at: &Pose, parts: &mut Vec<OutlinePart
     add_parts(&part.outline, &format!("{path}.outline"), &inner, parts, findings);
 }
 
-/// Whether the points are corners of a polygon that does not cross itself.
-fn check_polygon(points: &[[f64; 2]], path: &str, findings: &mut Findings) -> bool {
+/// What makes corners no simple polygon.
+enum Fault {
+    /// This corner is the same point as the one before it.
+    SamePoint(usize),
+    /// The sides from these two corners cross or touch.
+    Crossing(usize, usize),
+}
+
+fn fault_of(corners: &[Vec2]) -> Option<Fault> {
+    let n = corners.len();
+    let size = corners.iter().map(|corner| (corner - corners[0]).norm()).fold(0.0, f64::max);
+    let repeated = (0..n).find(|at| (corners[*at] - corners[(at + 1) % n]).norm() <= SAME_POINT * size);
+    match repeated {
+        Some(at) => Some(Fault::SamePoint((at + 1) % n)),
+        None => first_crossing(corners).map(|(one, other)| Fault::Crossing(one, other)),
+    }
+}
+
+fn check_rectangle(corners: &[Vec2], size: &[f64; 2], path: &str, findings: &mut Findings) {
+    if fault_of(corners).is_some() {
+        findings.report(path, format!("must have no side below {SAME_POINT:e} of the other or of its distance"), pair(size));
+    }
+}
+
+/// Rules of the `points` of a polygon, which are `corners` in the frame of the body.
+fn check_polygon(points: &[[f64; 2]], corners: &[Vec2], path: &str, findings: &mut Findings) {
     let n_before = findings.0.len();
     if points.len() < 3 {
         findings.report(path, "must have at least 3 corners", points.len());
     }
     check_points(points, path, findings);
-    if findings.0.len() > n_before {
-        return false;
+    if findings.0.len() > n_before || !corners.iter().flatten().all(|value| value.is_finite()) {
+        return;
     }
-    let n = points.len();
-    let corners: Vec<Vec2> = points.iter().copied().map(Vec2::from).collect();
-    let size = corners.iter().map(|corner| (corner - corners[0]).norm()).fold(0.0, f64::max);
-    if let Some(at) = (0..n).find(|at| (corners[*at] - corners[(at + 1) % n]).norm() <= SAME_POINT * size) {
-        let next = (at + 1) % n;
-        findings.report(format_args!("{path}[{next}]"), "must not be the same point as the corner before it", pair(&points[next]));
-    } else if let Some((one, other)) = first_crossing(&corners) {
-        let rule = "must not cross or touch itself";
-        findings.report(path, rule, format_args!("the sides from corners {one} and {other} that do"));
+    match fault_of(corners) {
+        Some(Fault::SamePoint(at)) => {
+            findings.report(format_args!("{path}[{at}]"), "must not be the same point as the corner before it", pair(&points[at]));
+        }
+        Some(Fault::Crossing(one, other)) => {
+            let found = format!("the sides from corners {one} and {other} that do");
+            findings.report(path, "must not cross or touch itself", found);
+        }
+        None => {}
     }
-    findings.0.len() == n_before
 }
 
-fn check_polyline(points: &[[f64; 2]], path: &str, findings: &mut Findings) {
+/// Rules of the `points` of a polyline, which are `ends` of walls in the frame of the body.
+fn check_polyline(points: &[[f64; 2]], ends: &[Vec2], path: &str, findings: &mut Findings) {
     if points.len() < 2 {
         findings.report(path, "must have at least 2 points", points.len());
     }
     check_points(points, path, findings);
-    if let Some(at) = (1..points.len()).find(|at| points[*at] == points[at - 1]) {
+    if let Some(at) = (1..points.len()).find(|at| ends[*at] == ends[at - 1]) {
         findings.report(format_args!("{path}[{at}]"), "must not be the same point as the one before it", pair(&points[at]));
     }
 }
