@@ -21,7 +21,7 @@ Examples:
   cohaul regime --quick
   cohaul regime --scene haul --out out/regime
 
-Files in DIR: maps (SVG), cells.csv, summary and manifest. The state of an
+Files in DIR: maps (SVG), regime.csv, summary and manifest. The state of an
 interrupted run is kept in DIR.journal.")]
 pub struct RegimeArgs {
     /// Only these scenes; without it, all

@@ -44,6 +44,18 @@ impl Lines {
     }
 }
 
+/// Markdown whose paragraphs and list items, a line each in `page`, continue below themselves at
+/// 100 columns. Headings, tables and pictures keep their lines.
+pub fn wrapped_markdown(page: &str) -> String {
+    const WIDTH: usize = 100;
+    let line = |line: &str| match line.strip_prefix("- ") {
+        _ if line.starts_with(['#', '|', '!']) => format!("{line}\n"),
+        Some(item) => format!("- {}\n", wrapped(item, 2, WIDTH - 2)),
+        None => format!("{}\n", wrapped(line, 0, WIDTH)),
+    };
+    page.lines().map(line).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,5 +68,20 @@ mod tests {
         let expected =
             format!("  label             {}word\n{}word\n  a label that is too long  value\n", "word ".repeat(11), " ".repeat(20));
         assert_eq!(lines.text, expected);
+    }
+
+    #[test]
+    fn prose_wraps_and_tables_do_not() {
+        let (words, table) = ("word ".repeat(30), format!("| {} |", "cell ".repeat(30)));
+        let page = wrapped_markdown(&format!("# Title\n\n{}\n- {}\n\n{table}\n", words.trim(), words.trim()));
+        let (first, second) = ("word ".repeat(20), "word ".repeat(19));
+        let expected = format!(
+            "# Title\n\n{}\n{}\n- {}\n  {}\n\n{table}\n",
+            first.trim(),
+            "word ".repeat(10).trim(),
+            second.trim(),
+            "word ".repeat(11).trim()
+        );
+        assert_eq!(page, expected);
     }
 }

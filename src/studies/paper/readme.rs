@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::math::Interval;
 use crate::output::quantity::{number, quantity};
+use crate::output::text::wrapped_markdown;
 use crate::studies::paper::report::Paper;
 use crate::studies::paper::{Claim, Conclusion, Estimate, Replayed};
 
@@ -56,7 +57,7 @@ pub fn paper_readme(found: &Paper) -> String {
     );
     text.push_str("\nBest place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance.\n");
     write!(text, "\n## Files\n\n{FILES}").expect("a string takes all");
-    text
+    wrapped_markdown(&text)
 }
 
 /// A table under its title; nothing without lines.

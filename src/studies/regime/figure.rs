@@ -5,8 +5,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::output::chart::cells::{CROSSED, CellAxis, CellMap, DOTTED, HATCHED, Key, Level, Size, cell_maps, place, viridis};
 use crate::output::chart::panel::Style;
-use crate::studies::regime::theory::SOUND;
-use crate::studies::regime::{AGREEMENT, Cell, Grid, Law, PAPER_PHIS, PAPER_SPEEDS, Scene, epsilon_of, theory};
+use crate::studies::regime::theory::{EPSILON_MAX, PHI_MIN, ZETA_MIN};
+use crate::studies::regime::{Cell, Grid, Law, PAPER_PHIS, PAPER_SPEEDS, RELATIVE_TOLERANCE, Scene, epsilon_of, theory};
 
 const SIZE: Size = Size { width: 226.0, height: 196.0, left: 66.0, least_columns: 4 };
 
@@ -53,7 +53,7 @@ pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
 
 /// Measured over theory, a row a law.
 pub fn disagreement(grids: &[Grid], cells: &[Cell]) -> String {
-    const LAWS: [Law; 4] = [Law::Ramp, Law::UndampedExcursion, Law::Release, Law::Hold];
+    const LAWS: [Law; 4] = [Law::Ramp, Law::UndampedExcursion, Law::Release, Law::Driving];
     let row = |law: &Law| {
         let grid = grids.iter().find(|grid| grid.scene == law.scene())?;
         let panel = |zeta: &f64| {
@@ -85,14 +85,14 @@ pub fn disagreement(grids: &[Grid], cells: &[Cell]) -> String {
 }
 
 fn distance(grid: &Grid, zeta: f64, cells: &[&Cell]) -> CellMap {
-    let over = |share: f64| (share / AGREEMENT).log10();
-    let measured = field(grid, cells, &|cell| cell.share().map(over));
+    let over = |share: f64| (share / RELATIVE_TOLERANCE).log10();
+    let measured = field(grid, cells, &|cell| cell.distance_ratio().map(over));
     let expected = match grid.scene {
-        Scene::Excursion => formula(grid, |phi, epsilon| over(theory::excursion_share(phi, epsilon, zeta))),
-        _ => field(grid, cells, &|cell| cell.predicted_share().map(over)),
+        Scene::Excursion => formula(grid, |phi, epsilon| over(theory::excursion_distance_ratio(phi, epsilon, zeta))),
+        _ => field(grid, cells, &|cell| cell.predicted_distance_ratio().map(over)),
     };
-    let fill = |cell: &&Cell| match cell.share() {
-        Some(_) if !cell.is_resolved() => HATCHED.to_owned(),
+    let fill = |cell: &&Cell| match cell.distance_ratio() {
+        Some(_) if !cell.is_conclusive() => HATCHED.to_owned(),
         Some(share) => share_color(share),
         None => blank(cell),
     };
@@ -121,7 +121,7 @@ fn displacement(grid: &Grid, zeta: f64, cells: &[&Cell]) -> CellMap {
     }
     let at = |phi: f64, above: f64| at(grid, phi, 1.35 * above * grid.epsilons[0]);
     // A haul has no such halves.
-    let words = if zeta < SOUND.2 && grid.scene != Scene::Haul {
+    let words = if zeta < ZETA_MIN && grid.scene != Scene::Haul {
         vec![
             ("inertia".to_owned(), vec![at(0.72, 2.0)]),
             ("suppresses".to_owned(), vec![at(0.72, 1.25)]),
@@ -146,8 +146,8 @@ fn plane(grid: &Grid, zeta: f64) -> CellMap {
     let (lowest, highest) = (0.5 * grid.epsilons[0], 2.0 * grid.epsilons[grid.epsilons.len() - 1]);
     let at = |phi: f64, epsilon: f64| at(grid, phi, epsilon);
     let mut lines = vec![(vec![at(FRAC_PI_2, lowest), at(FRAC_PI_2, highest)], RULE)];
-    if zeta >= SOUND.2 {
-        lines.push((vec![at(SOUND.1, lowest), at(SOUND.1, SOUND.0), at(last, SOUND.0)], RULE));
+    if zeta >= ZETA_MIN {
+        lines.push((vec![at(PHI_MIN, lowest), at(PHI_MIN, EPSILON_MAX), at(last, EPSILON_MAX)], RULE));
     }
     let bar = |speed| [PAPER_PHIS[0], PAPER_PHIS[PAPER_PHIS.len() - 1]].map(|phi| at(phi, epsilon_of(speed)));
     CellMap {
@@ -197,7 +197,7 @@ fn blank(cell: &Cell) -> String {
 
 /// What stands for cells without a number, and for the paper's ants.
 fn without_number() -> Vec<Key> {
-    let patterns = [(HATCHED, "below the reference error"), (DOTTED, "nothing moves"), (CROSSED, "no path found")];
+    let patterns = [(HATCHED, "inconclusive"), (DOTTED, "nothing moves"), (CROSSED, "no path found")];
     let patterns = patterns.map(|(fill, name)| Key::Swatch(fill.to_owned(), name.to_owned()));
     patterns.into_iter().chain([Key::Bar("the paper's ants: 30, 40, 80 mm/s".to_owned())]).collect()
 }

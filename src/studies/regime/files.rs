@@ -11,12 +11,12 @@ use crate::studies::regime::page::page;
 use crate::studies::regime::report::{CellLine, Regime};
 use crate::studies::regime::tables;
 
-/// Panels in numbers, measurement over theory, and the rule of thumb, as text.
+/// Text of the tables: panels, measurement over theory, and the rule of thumb.
 pub fn regime_text(found: &Regime) -> String {
     format!(
         "paths agree up to {} % of the path length\n{}measured / theory\n{}rule of thumb: quasi-static is valid for epsilon <= 0.05, Phi >= 2 pi, \
          zeta >= 0.5\n{}{} cells in {}\n",
-        100.0 * found.agreement,
+        100.0 * found.relative_tolerance,
         tables::panels(found).text(),
         tables::laws(found).text(),
         tables::rule(found).text(),

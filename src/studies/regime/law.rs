@@ -1,4 +1,4 @@
-//! Laws of theory against the measurement, and why they part.
+//! Laws of theory compared with the measurement, and the causes of their differences.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -9,11 +9,11 @@ use super::cell::Cell;
 use super::scene::Scene;
 use super::theory;
 
-/// What theory says of one number of one scene.
+/// A law of theory for one number of one scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
-    /// Largest distance of an excursion: epsilon f / k, which is 1 / Phi of the way.
+    /// Largest distance of an excursion: epsilon f / k, which is 1 / Phi of the path length.
     Ramp,
     /// Displacement of an excursion without dashpots.
     UndampedExcursion,
@@ -21,13 +21,14 @@ pub enum Law {
     Excursion,
     /// Displacement of the tug of war: the mean of release factor and excursion.
     Release,
-    /// The same with the speed of the jump, the first stop and the second onset.
+    /// Displacement of the tug of war, with the speed of the jump, the first stop and the second
+    /// slip onset.
     ReleaseInFull,
-    /// Largest distance in the haul: 2 epsilon f / k.
-    Hold,
+    /// Largest distance in the haul under continuous driving: 2 epsilon f / k.
+    Driving,
 }
 
-/// Why a cell is not where a law has it.
+/// Why the measurement in a cell differs from a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
@@ -39,41 +40,41 @@ pub enum Cause {
     Jump,
     Rotation,
     SeveralEvents,
-    /// None of these: a law that should hold does not.
+    /// None of the other causes applies: a law that should hold fails.
     Unknown,
 }
 
-/// How a law stands in the cells of one damping.
+/// How well a law agrees with the cells of one damping ratio.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Standing {
+pub struct LawOutcome {
     pub law: Law,
     pub zeta: f64,
-    /// Cells that have both numbers, with an own error below a tenth.
+    /// Cells that have both numbers, with a reference error below a tenth of the measured number.
     pub n_cells: usize,
-    /// Of these, measured over theory from 0.8 to 1.25.
+    /// Cells among these in which measured over theory lies between 0.8 and 1.25.
     pub n_within: usize,
     /// Measured over theory: the least, the median and the largest; `null` without cells.
     pub ratio: Option<[f64; 3]>,
-    /// Of the others, how many for which reason.
+    /// Number of the other cells for each cause.
     pub causes: BTreeMap<Cause, usize>,
 }
 
 /// Measured over theory (1) that counts as agreement.
 const WITHIN: [f64; 2] = [0.8, 1.25];
-/// Own error over what is measured (1), above which a cell says nothing of a law.
-const LARGEST_OWN_ERROR: f64 = 0.1;
+/// Reference error over the measured number (1), above which a cell is not compared with a law.
+const REFERENCE_ERROR_MAX: f64 = 0.1;
 
-/// Tips so slow that nothing coasts.
+/// Epsilon of tips so slow that the coast is negligible (1).
 const NO_COAST: f64 = 1e-12;
 
 impl Law {
-    pub const ALL: [Law; 6] = [Law::Ramp, Law::UndampedExcursion, Law::Excursion, Law::Release, Law::ReleaseInFull, Law::Hold];
+    pub const ALL: [Law; 6] = [Law::Ramp, Law::UndampedExcursion, Law::Excursion, Law::Release, Law::ReleaseInFull, Law::Driving];
 
     pub fn scene(self) -> Scene {
         match self {
             Law::Ramp | Law::UndampedExcursion | Law::Excursion => Scene::Excursion,
             Law::Release | Law::ReleaseInFull => Scene::TugOfWar,
-            Law::Hold => Scene::Haul,
+            Law::Driving => Scene::Haul,
         }
     }
 
@@ -84,11 +85,11 @@ impl Law {
             Law::Excursion => "displacement, damped",
             Law::Release => "displacement: release factor and excursion",
             Law::ReleaseInFull => "displacement, with coast, stop and wait",
-            Law::Hold => "distance: 2 epsilon f / k",
+            Law::Driving => "distance: 2 epsilon f / k",
         }
     }
 
-    /// For the title of a panel.
+    /// Name in the title of a panel.
     pub fn short_name(self) -> &'static str {
         match self {
             Law::Ramp => "epsilon f / k",
@@ -96,16 +97,17 @@ impl Law {
             Law::Excursion => "damped law",
             Law::Release => "release law",
             Law::ReleaseInFull => "release in full",
-            Law::Hold => "2 epsilon f / k",
+            Law::Driving => "2 epsilon f / k",
         }
     }
 
-    /// Whether the law is about the displacement at the end, and not the largest distance on the
-    /// way.
+    /// Whether the law predicts the displacement at the end. The other laws predict the largest
+    /// distance.
     pub fn is_displacement(self) -> bool {
-        !matches!(self, Law::Ramp | Law::Hold)
+        !matches!(self, Law::Ramp | Law::Driving)
     }
 
+    /// Predicted number of the law in a cell; `None` where it has none.
     pub fn predicted(self, cell: &Cell) -> Option<f64> {
         let Cell { phi, epsilon, zeta, .. } = *cell;
         match self {
@@ -114,45 +116,46 @@ impl Law {
             Law::Excursion => Some(theory::excursion(phi, epsilon, zeta)),
             Law::Release => Some(theory::release(phi, epsilon, zeta)),
             Law::ReleaseInFull => theory::release_exact(phi, epsilon, zeta),
-            Law::Hold => cell.predicted_share(),
+            Law::Driving => cell.predicted_distance_ratio(),
         }
     }
 
-    /// Measured over theory; `None` where one of the two is missing, or not resolved.
+    /// Measured over theory (1). `None` where one of the two is missing, or where the reference
+    /// error exceeds a tenth of the measured number.
     pub fn ratio(self, cell: &Cell) -> Option<f64> {
         let (measured, length) = match self.is_displacement() {
-            true => (cell.displacement_ratio()?, cell.shift_inertial_m.abs()),
-            false => (cell.share()?, cell.distance_m),
+            true => (cell.displacement_ratio()?, cell.displacement_inertial_m.abs()),
+            false => (cell.distance_ratio()?, cell.distance_m),
         };
-        let is_resolved = cell.own_error_m <= LARGEST_OWN_ERROR * length;
-        self.predicted(cell).filter(|predicted| is_resolved && *predicted > 0.0).map(|predicted| measured / predicted)
+        let is_accurate = cell.reference_error_m <= REFERENCE_ERROR_MAX * length;
+        self.predicted(cell).filter(|predicted| is_accurate && *predicted > 0.0).map(|predicted| measured / predicted)
     }
 
     pub fn holds(ratio: f64) -> bool {
         (WITHIN[0]..=WITHIN[1]).contains(&ratio)
     }
 
-    /// Why a cell that is off is off.
+    /// Why a cell in which the law fails differs from it.
     pub fn cause(self, cell: &Cell) -> Cause {
         let Cell { phi, epsilon, zeta, .. } = *cell;
         match self {
-            // Without the coast, which is all that epsilon does here.
-            Law::Ramp if Law::holds(phi * theory::excursion_share(phi, NO_COAST, zeta)) => Cause::Coasting,
+            // The coast is all that epsilon changes here.
+            Law::Ramp if Law::holds(phi * theory::excursion_distance_ratio(phi, NO_COAST, zeta)) => Cause::Coasting,
             Law::Ramp if zeta > 0.0 => Cause::Dashpot,
             Law::Ramp if phi < FRAC_PI_2 => Cause::FirstSwing,
             Law::UndampedExcursion if zeta > 0.0 => Cause::Dashpot,
             Law::Release => cause_after_release(cell),
             Law::ReleaseInFull if theory::release_exact(phi, epsilon, zeta).is_none() => Cause::TurnedBack,
-            Law::Hold if cell.turn_share > 0.5 => Cause::Rotation,
-            Law::Hold if cell.jump_m > 0.5 * cell.distance_m => Cause::Jump,
-            Law::Hold if epsilon > 0.2 => Cause::Coasting,
-            Law::Hold => Cause::SeveralEvents,
+            Law::Driving if cell.turn_share > 0.5 => Cause::Rotation,
+            Law::Driving if cell.jump_m > 0.5 * cell.distance_m => Cause::Jump,
+            Law::Driving if epsilon > 0.2 => Cause::Coasting,
+            Law::Driving => Cause::SeveralEvents,
             _ => Cause::Unknown,
         }
     }
 }
 
-/// What the sum of jump and drive leaves out.
+/// Which effect the sum of jump and drive neglects in a cell of the tug of war.
 fn cause_after_release(cell: &Cell) -> Cause {
     let Cell { phi, epsilon, zeta, .. } = *cell;
     let Some(whole) = theory::release_exact(phi, epsilon, zeta) else { return Cause::TurnedBack };
@@ -162,7 +165,7 @@ fn cause_after_release(cell: &Cell) -> Cause {
     if theory::first_stop(zeta, [phi, 1.0], phi).is_some() {
         return Cause::Waiting;
     }
-    // Without a stop epsilon is in the coast alone.
+    // Without a stop epsilon changes the coast alone.
     let still = theory::release_exact(phi, NO_COAST, zeta).unwrap_or(whole);
     if Law::holds(still / theory::release(phi, epsilon, zeta)) { Cause::Coasting } else { Cause::Dashpot }
 }
@@ -194,38 +197,38 @@ impl Cause {
         }
     }
 
-    /// In a sentence.
+    /// Explanation of the cause.
     pub fn what(self) -> &'static str {
         match self {
             Cause::Dashpot => {
-                "A dashpot helps the spring over the slip limit 2 zeta / omega_n before the load without inertia moves, and lets the ripple die out; the undamped law has neither."
+                "A dashpot adds to the spring force, so that slip begins 2 zeta / omega_n earlier than without inertia, and it damps the ripple. The undamped law has neither."
             }
-            Cause::FirstSwing => {
-                "Let go within a quarter of a period the load has not yet fallen behind by all of v / omega_n: only by sin Phi of it."
-            }
+            Cause::FirstSwing => "A load released within a quarter of a period lags behind by only sin Phi times v / omega_n.",
             Cause::Coasting => {
-                "Let go at up to twice the speed of the tip, or faster after a jump, the load coasts by epsilon / 2 of its speed squared."
+                "A load released at up to twice the speed of the tip, or faster after a jump, coasts by epsilon / 2 times its speed squared."
             }
             Cause::Waiting => {
-                "A load that has overshot stands until the tip has made up for it: the overshoot is lent, not gained, and what is left at the end is the ripple of the second onset."
+                "A load that has overshot rests until the tip has caught up, so that the overshoot is lost again. What remains at the end is the ripple of the second slip onset."
             }
             Cause::TurnedBack => {
-                "After a jump of more than twice f / k (epsilon Phi > 2) the spring, compressed by the overshoot, pushes the load back."
+                "After a jump of more than twice f / k (epsilon Phi > 2), the overshoot compresses the spring, which pushes the load back."
             }
             Cause::Jump => {
-                "At a release the load without inertia jumps and the other stays where it is: as long as it swings the two are a jump apart, whatever the speed of the tips."
+                "At a release the quasi-static load jumps, while the inertial load starts from rest. Their distance is then the whole jump, whatever the speed of the tips."
             }
-            Cause::Rotation => "More than half of the distance is turn, of which a law for one spring through the centre knows nothing.",
+            Cause::Rotation => {
+                "More than half of the distance comes from the heading, which a law for one spring through the centre does not contain."
+            }
             Cause::SeveralEvents => {
-                "Some grasps change the pull before the load has slipped by v / omega_n, so that it stays nearer than the law has it, and what is left of earlier ones adds to it or takes off."
+                "Some grasps change the pull before the load lags behind by v / omega_n, so that the distance stays below the law. Remainders of earlier events add to it or subtract from it."
             }
-            Cause::Unknown => "The law should hold here and does not.",
+            Cause::Unknown => "The law should hold here, but it fails.",
         }
     }
 }
 
-impl Standing {
-    /// Of every law at every damping, in that order.
+impl LawOutcome {
+    /// Outcome of every law at every damping ratio, in that order.
     pub fn all(cells: &[Cell]) -> Vec<Self> {
         let mut zetas: Vec<f64> = cells.iter().map(|cell| cell.zeta).collect();
         zetas.sort_by(f64::total_cmp);

@@ -15,7 +15,7 @@ pub enum Effort {
     Quick,
 }
 
-/// Points of one scene: Phi is the fastest, zeta the slowest.
+/// Points of one scene, in an order in which Phi changes fastest and zeta slowest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     pub scene: Scene,
@@ -39,7 +39,7 @@ impl Grid {
         Self { scene, phis: by_factors(0.3, longest, n), epsilons: by_factors(slowest, 1.0, n), zetas }
     }
 
-    /// Where the paper's ants work: tips at 30, 40 and 80 mm/s, held for 0.1 to 0.3 s.
+    /// Where the paper's ants work: tips at 30, 40 and 80 mm/s, attached for 0.1 to 0.3 s.
     pub fn paper(scene: Scene) -> Self {
         Self { scene, phis: PAPER_PHIS.to_vec(), epsilons: PAPER_SPEEDS.map(epsilon_of).to_vec(), zetas: vec![0.0] }
     }
@@ -56,7 +56,7 @@ impl Grid {
 
 /// Speeds of the paper's tips (m/s).
 pub const PAPER_SPEEDS: [f64; 3] = [0.03, 0.04, 0.08];
-/// omega_n T_e of the paper's ants, from their shortest to their longest hold.
+/// omega_n T_e of the paper's ants, from their shortest to their longest attachment.
 pub const PAPER_PHIS: [f64; 3] = [2.0, 4.0, 6.0];
 
 /// Epsilon of the paper's load with tips at this speed (m/s).

@@ -1,15 +1,17 @@
-//! The page that stands beside the files of a regime map: what was done, and where theory and
-//! measurement part.
+//! The README in the folder of a regime map: the method, the figures, and where theory and
+//! measurement disagree.
 
 use std::fmt::Write;
 use std::path::Path;
 
 use crate::output::quantity::{number, quantity};
+use crate::output::text::wrapped_markdown;
 use crate::studies::regime::report::{CellLine, Regime};
 use crate::studies::regime::tables;
 use crate::studies::regime::{Cause, Cell, Law};
 use crate::studies::verify::scenes::{SLIP_STRETCH, natural_rate};
 
+/// The page in Markdown, for the output folder `target`.
 pub(crate) fn page(found: &Regime, target: &Path) -> String {
     let folder = target.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let quick = if found.quick { " --quick" } else { "" };
@@ -24,26 +26,38 @@ pub(crate) fn page(found: &Regime, target: &Path) -> String {
     page.push_str(&causes(found));
     page.push_str(&rule(found));
     page.push_str(&paper(found));
-    page
+    wrapped_markdown(&page)
 }
 
+/// What a cell is, and the scenes.
+const METHOD: &str = "\
+Every cell is one scene run twice, with inertia and without. Both runs are under error control, to 1e-4 of the path \
+length of a tip between two events (1e-3 in the haul).
+
+- **Distance** is the largest edge displacement between the two paths, over the path length without inertia. Below 1 % \
+the paths count as the same.
+- **Displacement** is the displacement along x with inertia, over that without.
+
+Load, friction and stiffness are the paper's: f / k = {f / k} and omega_n = {omega_n} rad/s. The speed of the tips sets \
+epsilon, and the time between events sets Phi. Other masses at the same friction give the same cells, which a test \
+shows. The product epsilon Phi is the path length of a tip between two events over f / k. A load without inertia \
+depends on this product alone. A change of mass or speed moves a scene along a line on which the product stays the same.
+
+- **excursion**: a spring through the centre, for which exact theory exists. Phi counts from the slip onset without \
+inertia. The time before it, 1 / epsilon from the rest shape, moves nothing unless a dashpot helps.
+- **tug-of-war**: two ants on springs through the centre, one of which pulls with f / k more than the other would need. \
+They pull apart for T_e. Then the rear ant releases, and the load jumps by the displacement of the tips. The front ant \
+pulls on for T_e and releases. Jump and drive are equally long, and the jump is epsilon Phi f / k.
+- **haul**: the paper's load on its own four springs. Every T_e one ant grasps a tip at rest shape, and one releases \
+after three T_e, two rounds in all. They pull to +x, but at most pi / 3 from their spring, so that the rear ant pulls \
+back and aside. Theory has a law for continuous driving only. Where epsilon Phi exceeds about one, tips move several \
+rest lengths between events and springs swing about their roots. Some steps do not converge there, and such cells say \
+`no path found`.
+
+";
+
 fn method() -> String {
-    format!(
-        "Every cell is one scene run twice, with inertia and without, both under error control to 1e-4 of the way of a tip between two events (in the haul 1e-3). **Distance** is the largest \
-         distance of the load's rim (shift plus radius times turn) over the length of the way without inertia; below 1 % paths count as the same. **Displacement** is the \
-         shift along x with inertia over that without. Load, friction and stiffness are the paper's: f / k = {}, omega_n = {} rad/s; epsilon is set by the speed of the \
-         tips and Phi by the time between events. Other masses at the same friction give the same cells (a test). epsilon Phi is the way of a tip between two events over \
-         f / k, all that a load without inertia can see; a change of mass or pace moves a scene along a line on which it stays the same.\n\n\
-         - **excursion**: a spring through the centre, as theory has it. Phi counts from the onset of slip without inertia; what goes before, 1 / epsilon from the rest shape, moves \
-         nothing unless a dashpot helps. Exact theory exists.\n\
-         - **tug-of-war**: two ants on springs through the centre, one of which holds f / k more than the other would need; they pull apart for T_e, the one astern lets go, and the \
-         load jumps by what the tips have gone; the one ahead pulls on for T_e and lets go. Jump and drive are equally long, and the jump is epsilon Phi f / k.\n\
-         - **haul**: the paper's load on its own four springs. Every T_e one ant grasps a tip at rest shape, where its load is, and one lets go after three T_e, two rounds in all; they pull to \
-         +x, but no further than pi/3 from their spring, so that the one astern pulls back and aside. Theory has a law for continuous driving only. Where epsilon Phi exceeds about one, tips go several rest lengths between events and springs swing about their \
-         roots: some steps do not converge there, and such cells say `no path found`.\n\n",
-        quantity(SLIP_STRETCH, "m"),
-        number(natural_rate())
-    )
+    METHOD.replace("{f / k}", &quantity(SLIP_STRETCH, "m")).replace("{omega_n}", &number(natural_rate()))
 }
 
 fn figures(found: &Regime) -> String {
@@ -57,7 +71,7 @@ fn figures(found: &Regime) -> String {
 }
 
 fn maps(found: &Regime) -> String {
-    let what = "The reference error is the largest of all cells, over the path length. Cells are unresolved where the distance is smaller than it.";
+    let what = "The reference error is the largest of all cells, over the path length. A cell is inconclusive where the distance is below three times its reference error.";
     format!("## Cells\n\n{what}\n\n{}\n", tables::panels(found).markdown())
 }
 
@@ -67,9 +81,9 @@ fn laws(found: &Regime) -> String {
     format!("## Where theory and measurement disagree\n\n{what}\n\n{}\n", tables::laws(found).markdown())
 }
 
-/// What is behind each cause, with its worst cell.
+/// Each cause of a difference, with the cell that differs most.
 fn causes(found: &Regime) -> String {
-    let mut text = "| why | cells | the furthest off | |\n|---|---|---|---|\n".to_owned();
+    let mut text = "| cause | cells | largest difference | explanation |\n|---|---|---|---|\n".to_owned();
     for cause in Cause::ALL {
         let off: Vec<(f64, Law, &Cell)> = Law::ALL
             .iter()
@@ -96,13 +110,19 @@ fn paper(found: &Regime) -> String {
     let mut text = "## Where the paper's ants work\n\nUndamped; displacement by theory in brackets.\n\n\
                     | scene | Phi | epsilon | distance | displacement |\n|---|---|---|---|---|\n"
         .to_owned();
-    let percent = |share: Option<f64>| share.map_or("nothing moves".to_owned(), |share| format!("{:.1} %", 100.0 * share));
+    let percent = |ratio: Option<f64>| ratio.map_or("nothing moves".to_owned(), |ratio| format!("{:.1} %", 100.0 * ratio));
     let plain = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| format!("{ratio:.3}"));
-    for CellLine { scene, phi, epsilon, share, displacement_ratio, predicted_displacement_ratio, .. } in &found.paper {
+    for CellLine { scene, phi, epsilon, distance_ratio, displacement_ratio, predicted_displacement_ratio, .. } in &found.paper {
         let expected = predicted_displacement_ratio.map_or_else(String::new, |ratio| format!(" ({ratio:.3})"));
-        let expected = if share.is_some() { expected } else { String::new() };
-        writeln!(text, "| {} | {phi} | {epsilon:.4} | {} | {}{expected} |", scene.name(), percent(*share), plain(*displacement_ratio))
-            .expect("a string takes all");
+        let expected = if distance_ratio.is_some() { expected } else { String::new() };
+        writeln!(
+            text,
+            "| {} | {phi} | {epsilon:.4} | {} | {}{expected} |",
+            scene.name(),
+            percent(*distance_ratio),
+            plain(*displacement_ratio)
+        )
+        .expect("a string takes all");
     }
     text
 }

@@ -1,28 +1,28 @@
-//! The regime map for programs, for people and as files.
+//! Results of the regime map as numbers, for `--json`, the tables and the files.
 
 use serde::Serialize;
 
-use crate::studies::regime::theory::SOUND;
-use crate::studies::regime::{AGREEMENT, Cell, Grid, Law, Scene, Standing};
+use crate::studies::regime::theory::{EPSILON_MAX, PHI_MIN, ZETA_MIN};
+use crate::studies::regime::{Cell, Grid, Law, LawOutcome, RELATIVE_TOLERANCE, Scene};
 
 /// What `regime --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Regime {
-    /// The laws that are exact hold in every cell that resolves them.
+    /// Whether the exact laws hold in every cell that is compared with them.
     pub holds: bool,
     pub quick: bool,
-    /// Share of the way up to which paths count as the same (1).
-    pub agreement: f64,
+    /// Tolerance divided by the quasi-static path length (1): paths that differ by less agree.
+    pub relative_tolerance: f64,
     pub n_cells: usize,
     pub wall_s: f64,
     pub maps: Vec<MapLine>,
-    pub laws: Vec<Standing>,
+    pub laws: Vec<LawOutcome>,
     pub rule: Vec<RuleLine>,
     /// Where the paper's ants work.
     pub paper: Vec<CellLine>,
     #[serde(skip)]
     pub grids: Vec<Grid>,
-    /// Of the maps, in the order of the grids.
+    /// Cells of the maps, in the order of the grids.
     #[serde(skip)]
     pub cells: Vec<Cell>,
 }
@@ -33,26 +33,27 @@ pub struct MapLine {
     pub scene: Scene,
     pub zeta: f64,
     pub n_cells: usize,
-    /// The load without inertia goes somewhere.
+    /// Cells in which the load moves without inertia.
     pub n_moving: usize,
-    /// Paths stay together within the agreement.
+    /// Cells in which the distance stays within the tolerance.
     pub n_agree: usize,
-    /// The distance is lost in the paths' own errors.
-    pub n_unresolved: usize,
+    /// Cells in which the distance is smaller than three times the reference error.
+    pub n_inconclusive: usize,
+    /// Cells in which a step did not converge.
     pub n_not_converged: usize,
-    /// Largest own error over the way of all cells that move (1).
-    pub own_error_max_share: f64,
+    /// Largest reference error over the path length, of all cells that move (1).
+    pub reference_error_max_ratio: f64,
 }
 
-/// The rule of thumb that inertia may be neglected where epsilon <= 0.05, Phi >= 2 pi and zeta >=
-/// 0.5, against the measurement.
+/// Counts of moving cells by the rule of thumb and by the measurement. The rule says that
+/// quasi-static is valid where epsilon <= 0.05, Phi >= 2 pi and zeta >= 0.5.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RuleLine {
     pub scene: Scene,
-    pub n_sound_and_agree: usize,
-    pub n_sound_but_apart: usize,
-    pub n_unsound_but_agree: usize,
-    pub n_unsound_and_apart: usize,
+    pub n_valid_and_agree: usize,
+    pub n_valid_but_differ: usize,
+    pub n_not_valid_but_agree: usize,
+    pub n_not_valid_and_differ: usize,
 }
 
 /// A row of `regime.csv`; empty fields where there is no number.
@@ -62,37 +63,37 @@ pub struct CellLine {
     pub zeta: f64,
     pub phi: f64,
     pub epsilon: f64,
-    pub share: Option<f64>,
-    pub own_error_share: Option<f64>,
+    pub distance_ratio: Option<f64>,
+    pub reference_error_ratio: Option<f64>,
     pub displacement_ratio: Option<f64>,
-    pub predicted_share: Option<f64>,
+    pub predicted_distance_ratio: Option<f64>,
     pub predicted_displacement_ratio: Option<f64>,
-    pub way_m: f64,
+    pub path_length_m: f64,
     pub distance_m: f64,
-    pub own_error_m: f64,
+    pub reference_error_m: f64,
     pub turn_share: f64,
     pub jump_m: f64,
-    pub shift_quasi_static_m: f64,
-    pub shift_inertial_m: f64,
+    pub displacement_quasi_static_m: f64,
+    pub displacement_inertial_m: f64,
     pub end_speed_m_per_s: f64,
-    pub is_resolved: bool,
+    pub is_conclusive: bool,
     pub is_converged: bool,
 }
 
-/// Where the rule of thumb takes a load without inertia for sound.
-pub fn is_sound_by_rule(cell: &Cell) -> bool {
-    cell.epsilon <= SOUND.0 && cell.phi >= SOUND.1 && cell.zeta >= SOUND.2
+/// Whether quasi-static is valid in this cell by the rule of thumb.
+pub fn is_valid_by_rule(cell: &Cell) -> bool {
+    cell.epsilon <= EPSILON_MAX && cell.phi >= PHI_MIN && cell.zeta >= ZETA_MIN
 }
 
 impl Regime {
-    /// Of the `cells` of `grids` and those at the paper's points, in their order.
+    /// Results for the `cells` of `grids` and the cells at the paper's points, in their order.
     pub fn new(grids: &[Grid], cells: Vec<Cell>, paper: &[Cell], quick: bool, wall_s: f64) -> Self {
-        let laws = Standing::all(&cells);
-        let is_exact = |standing: &&Standing| matches!(standing.law, Law::Excursion | Law::ReleaseInFull);
+        let laws = LawOutcome::all(&cells);
+        let is_exact = |outcome: &&LawOutcome| matches!(outcome.law, Law::Excursion | Law::ReleaseInFull);
         Self {
-            holds: laws.iter().filter(is_exact).all(|standing| standing.n_within == standing.n_cells),
+            holds: laws.iter().filter(is_exact).all(|outcome| outcome.n_within == outcome.n_cells),
             quick,
-            agreement: AGREEMENT,
+            relative_tolerance: RELATIVE_TOLERANCE,
             n_cells: cells.len(),
             wall_s,
             maps: grids.iter().flat_map(|grid| grid.zetas.iter().map(|zeta| MapLine::of(grid.scene, *zeta, &cells))).collect(),
@@ -114,10 +115,10 @@ impl MapLine {
             zeta,
             n_cells: cells.len(),
             n_moving: count(&Cell::moves),
-            n_agree: count(&|cell| cell.share().is_some_and(|share| share <= AGREEMENT)),
-            n_unresolved: count(&|cell| cell.share().is_some() && !cell.is_resolved()),
+            n_agree: count(&|cell| cell.distance_ratio().is_some_and(|ratio| ratio <= RELATIVE_TOLERANCE)),
+            n_inconclusive: count(&|cell| cell.distance_ratio().is_some() && !cell.is_conclusive()),
             n_not_converged: count(&|cell| !cell.is_converged),
-            own_error_max_share: cells.iter().filter_map(|cell| cell.own_share()).fold(0.0, f64::max),
+            reference_error_max_ratio: cells.iter().filter_map(|cell| cell.reference_error_ratio()).fold(0.0, f64::max),
         }
     }
 }
@@ -127,15 +128,15 @@ impl RuleLine {
         let judged: Vec<(bool, bool)> = cells
             .iter()
             .filter(|cell| cell.scene == scene)
-            .filter_map(|cell| Some((is_sound_by_rule(cell), cell.share()? <= AGREEMENT)))
+            .filter_map(|cell| Some((is_valid_by_rule(cell), cell.distance_ratio()? <= RELATIVE_TOLERANCE)))
             .collect();
         let count = |what: (bool, bool)| judged.iter().filter(|cell| **cell == what).count();
         Self {
             scene,
-            n_sound_and_agree: count((true, true)),
-            n_sound_but_apart: count((true, false)),
-            n_unsound_but_agree: count((false, true)),
-            n_unsound_and_apart: count((false, false)),
+            n_valid_and_agree: count((true, true)),
+            n_valid_but_differ: count((true, false)),
+            n_not_valid_but_agree: count((false, true)),
+            n_not_valid_and_differ: count((false, false)),
         }
     }
 }
@@ -148,20 +149,20 @@ impl CellLine {
             zeta: cell.zeta,
             phi: cell.phi,
             epsilon: cell.epsilon,
-            share: finite(cell.share()),
-            own_error_share: finite(cell.own_share()),
+            distance_ratio: finite(cell.distance_ratio()),
+            reference_error_ratio: finite(cell.reference_error_ratio()),
             displacement_ratio: finite(cell.displacement_ratio()),
-            predicted_share: finite(cell.predicted_share()),
-            predicted_displacement_ratio: finite(cell.predicted_ratio()),
-            way_m: cell.way_m,
+            predicted_distance_ratio: finite(cell.predicted_distance_ratio()),
+            predicted_displacement_ratio: finite(cell.predicted_displacement_ratio()),
+            path_length_m: cell.path_length_m,
             distance_m: cell.distance_m,
-            own_error_m: cell.own_error_m,
+            reference_error_m: cell.reference_error_m,
             turn_share: cell.turn_share,
             jump_m: cell.jump_m,
-            shift_quasi_static_m: cell.shift_quasi_static_m,
-            shift_inertial_m: cell.shift_inertial_m,
+            displacement_quasi_static_m: cell.displacement_quasi_static_m,
+            displacement_inertial_m: cell.displacement_inertial_m,
             end_speed_m_per_s: cell.end_speed_m_per_s,
-            is_resolved: cell.is_resolved(),
+            is_conclusive: cell.is_conclusive(),
             is_converged: cell.is_converged,
         }
     }

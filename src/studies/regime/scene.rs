@@ -1,7 +1,7 @@
 //! The scenes at one point of the plane, on the paper's load, friction and stiffness.
 //!
-//! Epsilon is set by the speed of the tips and Phi by the time between events. That is no loss:
-//! with other masses at the same friction the same numbers give the same shares (`mass_factor`).
+//! The speed of the tips sets epsilon, and the time between events sets Phi. Other masses at the
+//! same friction (`mass_factor`) give the same ratios at the same epsilon, Phi and zeta.
 
 use std::f64::consts::PI;
 
@@ -14,17 +14,17 @@ use crate::model::PolarSpring;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::verify::scenes::{LOAD_RADIUS, SLIP_STRETCH, at_rest, isotropic, natural_rate, paper_springs, paper_system};
 
-/// What happens to the load.
+/// Which grasps and releases the load is subject to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scene {
-    /// One ant on a spring through the centre pulls for T_e since the onset of slip and lets go.
+    /// One ant on a spring through the centre pulls for T_e since the slip onset, then releases.
     Excursion,
-    /// Two ants pull apart, one ahead and one astern; the one astern lets go, and T_e later the
-    /// other.
+    /// Two ants pull apart, one to the front and one to the rear. The rear ant releases, and T_e
+    /// later the front ant.
     TugOfWar,
-    /// Four ants around the paper's load on its own springs; each T_e one grasps and one lets go,
-    /// whose spring it has held for three.
+    /// Four ants around the paper's load, on its own springs. Every T_e one ant grasps, and one
+    /// releases after an attachment of three T_e.
     Haul,
 }
 
@@ -43,26 +43,26 @@ pub struct Setting {
 pub struct Staged {
     pub scenario: Scenario,
     pub cues: Vec<Cue>,
-    /// Error that paths may have on the rim (m).
+    /// Tolerance of the error control for the edge displacement (m).
     pub tolerance_m: f64,
 }
 
-/// Longest tick (rad of the load on its spring): paths are compared at ticks, and a distance that
-/// turns between two is seen to an eighth of its square.
+/// Longest tick (rad of the load on its spring). Paths are compared at ticks, so that a largest
+/// distance between two ticks is missed by an eighth of the square of the tick.
 const TICK: f64 = 0.1;
-/// The same in the haul, which is a thousand times the work.
+/// Longest tick in the haul (rad), which takes a thousand times the work.
 const HAUL_TICK: f64 = 0.25;
 /// Fewest ticks between two events.
 const FEWEST_TICKS: f64 = 16.0;
-/// Error of paths over the way of a tip between events (1): a hundredth of what counts as
-/// agreement.
+/// Tolerance of the error control over the path length of a tip between events (1): a hundredth of
+/// the relative tolerance of the map.
 const TOLERANCE: f64 = 1e-4;
-/// The same in the haul: a tenth. Its load stops and starts with every ripple, and each of those is
-/// located.
+/// Tolerance of the error control in the haul (1): a tenth of the relative tolerance of the map.
+/// The load stops and starts with every ripple, and each of these events is located.
 const HAUL_TOLERANCE: f64 = 1e-3;
 /// Grasps in the haul: two rounds.
 const N_GRASPS: u64 = 8;
-/// Springs of the haul in the order in which they are grasped: ahead, astern, left, right.
+/// Springs of the haul in the order in which they are grasped: front, rear, left, right.
 const ROUND: [usize; 4] = [0, 2, 1, 3];
 /// Directions in which their ants pull (rad): to the nest on the x axis, but no further than pi/3
 /// from the spring.
@@ -81,9 +81,9 @@ impl Scene {
 
     pub fn what(self) -> &'static str {
         match self {
-            Scene::Excursion => "one ant pulls through the centre for T_e since the onset of slip and lets go",
-            Scene::TugOfWar => "two ants pull apart; one lets go, and T_e later the other",
-            Scene::Haul => "four ants around the paper's load; every T_e one grasps and one lets go",
+            Scene::Excursion => "one ant pulls through the centre for T_e since the slip onset, then releases",
+            Scene::TugOfWar => "two ants pull apart; one releases, and T_e later the other",
+            Scene::Haul => "four ants around the paper's load; every T_e one grasps and one releases",
         }
     }
 
@@ -99,7 +99,7 @@ impl Scene {
 }
 
 impl Setting {
-    /// Way of a tip between two events (m).
+    /// Path length of a tip between two events (m).
     pub fn stroke(&self) -> f64 {
         self.epsilon * self.phi * SLIP_STRETCH
     }
@@ -111,24 +111,24 @@ impl Staged {
     }
 }
 
-/// The pull begins a radian before anything moves, or at the rest shape if that comes later.
+/// The pull begins a radian before the load moves, or at the rest shape if that comes later.
 fn excursion(at: &Setting, rate: f64, speed: f64) -> Staged {
     let lead = (2.0 * at.zeta + 1.0).min(1.0 / at.epsilon);
     let pull = lead + at.phi;
     let n = n_ticks(pull, TICK);
-    let ahead = Vec2::new(1.0, 0.0);
-    let stretch = (SLIP_STRETCH - speed * lead / rate) * ahead;
-    let cues = vec![grasp(0, 0, stretch, speed * ahead), release(n, 0)];
+    let forward = Vec2::new(1.0, 0.0);
+    let stretch = (SLIP_STRETCH - speed * lead / rate) * forward;
+    let cues = vec![grasp(0, 0, stretch, speed * forward), release(n, 0)];
     staged(at, vec![isotropic(Vec2::zeros(), at.zeta)], cues, [pull / n as f64 / rate, rate], n, coast_time(at, 2.0 + 2.0 * at.zeta))
 }
 
-/// Both springs begin at f / k, balanced, so that the one left behind is at its slip limit and what
-/// the tips have gone meanwhile is the jump.
+/// Both springs begin in balance at the stretch f / k. The remaining spring is therefore at the
+/// slip limit plus the displacement of the tips, which is the jump.
 fn tug_of_war(at: &Setting, rate: f64, speed: f64) -> Staged {
     let n = n_ticks(at.phi, TICK);
-    let ahead = Vec2::new(1.0, 0.0);
+    let forward = Vec2::new(1.0, 0.0);
     let pulled = |spring: usize, side: Vec2| grasp(0, spring, SLIP_STRETCH * side, speed * side);
-    let cues = vec![pulled(0, ahead), pulled(1, -ahead), release(n, 1), release(2 * n, 0)];
+    let cues = vec![pulled(0, forward), pulled(1, -forward), release(n, 1), release(2 * n, 0)];
     let springs = vec![isotropic(Vec2::zeros(), at.zeta); 2];
     staged(at, springs, cues, [at.phi / n as f64 / rate, rate], 2 * n, coast_time(at, 2.0 + at.phi))
 }
@@ -149,7 +149,7 @@ fn haul(at: &Setting, rate: f64, speed: f64) -> Staged {
     Staged { tolerance_m: HAUL_TOLERANCE / TOLERANCE * haul.tolerance_m, ..haul }
 }
 
-/// Radians until a load that is let go at `speed` over that of the tips stands still.
+/// Time (rad) until a load rests that is released at `speed`, in units of the speed of the tips.
 fn coast_time(at: &Setting, speed: f64) -> f64 {
     at.epsilon * speed
 }
@@ -166,7 +166,7 @@ fn release(tick: u64, spring: usize) -> Cue {
     Cue { tick, spring, act: Act::Release }
 }
 
-/// `n` ticks of this length (s), and as many more as the load coasts for `coast` (rad).
+/// A scene of `n` ticks of this length (s), and as many more as a coast of `coast` (rad) takes.
 fn staged(at: &Setting, springs: Vec<PolarSpring>, cues: Vec<Cue>, [tick, rate]: [f64; 2], n: u64, coast: f64) -> Staged {
     let n_coasting = (coast / rate / tick).ceil() as u64 + 2;
     let mut system = paper_system(springs);
@@ -179,7 +179,7 @@ fn staged(at: &Setting, springs: Vec<PolarSpring>, cues: Vec<Cue>, [tick, rate]:
         seed: 0,
         system,
         start: at_rest(),
-        // Nothing of its own: a script drives it.
+        // A script drives the scene in place of its own tips.
         drive: Drive::Tips(Vec::new()),
     };
     Staged { scenario, cues, tolerance_m: (TOLERANCE * at.stroke()).min(1e-2 * LOAD_RADIUS) }

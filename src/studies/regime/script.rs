@@ -1,12 +1,13 @@
-//! Grasps and releases at given ticks, tips at given velocities. Where a tip is grasped follows the
-//! load: paths with and without inertia have their own.
+//! A controller that grasps and releases at given ticks and moves tips at given velocities. A tip
+//! is grasped where the load is at that time, which differs between the paths with and without
+//! inertia.
 
 use crate::backend::Motion;
 use crate::math::Vec2;
 use crate::math::rotation;
 use crate::simulation::{Commands, Controller, Event, EventKind, View};
 
-/// Something to do to one spring.
+/// A grasp or a release of one spring at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cue {
     pub tick: u64,
@@ -16,7 +17,7 @@ pub struct Cue {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
-    /// Takes the tip of the undeformed spring, moved by `stretch` (m, world), and leaves with it at
+    /// Takes the tip of the undeformed spring, displaced by `stretch` (m, world), and moves it at
     /// `velocity` (m/s, world).
     Grasp {
         stretch: Vec2,
@@ -25,29 +26,30 @@ pub enum Act {
     Release,
 }
 
-/// Follows cues, which stand in the order of their ticks, releases of a tick first.
+/// Controller that follows cues. They are in the order of their ticks, releases of a tick first.
 pub struct Script {
     cues: Vec<Cue>,
     /// Number of the next cue.
     next: usize,
     /// Attached tips, an entry for each spring.
-    held: Vec<Option<Held>>,
+    attached: Vec<Option<Attached>>,
     targets: Vec<Vec2>,
 }
 
-/// A tip on its way.
+/// The motion of an attached tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Held {
-    /// (s)
+struct Attached {
+    /// Time of the grasp (s).
     since: f64,
-    /// (m, world)
+    /// Position of the tip at the grasp (m, world).
     from: Vec2,
-    /// (m/s, world)
+    /// Velocity of the tip (m/s, world).
     velocity: Vec2,
 }
 
-impl Held {
-    /// From the grasp in one product, so that no rounding grows.
+impl Attached {
+    /// Position of the tip (m, world), by one product from the grasp, so that rounding does not
+    /// accumulate.
     fn position(&self, time: f64) -> Vec2 {
         self.from + (time - self.since) * self.velocity
     }
@@ -55,7 +57,7 @@ impl Held {
 
 impl Script {
     pub fn new(cues: Vec<Cue>, n_springs: usize) -> Self {
-        Self { cues, next: 0, held: vec![None; n_springs], targets: vec![Vec2::zeros(); n_springs] }
+        Self { cues, next: 0, attached: vec![None; n_springs], targets: vec![Vec2::zeros(); n_springs] }
     }
 }
 
@@ -63,13 +65,13 @@ impl Controller for Script {
     fn decide(&mut self, view: &View, commands: &mut Commands) {
         let Motion { pose, .. } = view.motion;
         while let Some(cue) = self.cues.get(self.next).filter(|cue| view.tick == Some(cue.tick)) {
-            let (time, held) = (view.time, &mut self.held[cue.spring]);
+            let (time, attached) = (view.time, &mut self.attached[cue.spring]);
             let (tip, kind) = match cue.act {
-                Act::Release => (held.take().map_or(Vec2::zeros(), |held| held.position(time)), EventKind::Release),
+                Act::Release => (attached.take().map_or(Vec2::zeros(), |attached| attached.position(time)), EventKind::Release),
                 Act::Grasp { stretch, velocity } => {
                     let rest = rotation(pose.heading) * view.scenario.system.springs[cue.spring].rest_tip();
                     let from = pose.position + rest + stretch;
-                    *held = Some(Held { since: time, from, velocity });
+                    *attached = Some(Attached { since: time, from, velocity });
                     (from, EventKind::Grasp)
                 }
             };
@@ -79,8 +81,8 @@ impl Controller for Script {
     }
 
     fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
-        for (target, held) in self.targets.iter_mut().zip(&self.held) {
-            *target = held.map_or(*target, |held| held.position(until));
+        for (target, attached) in self.targets.iter_mut().zip(&self.attached) {
+            *target = attached.map_or(*target, |attached| attached.position(until));
         }
         &self.targets
     }

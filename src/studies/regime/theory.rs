@@ -1,21 +1,25 @@
-//! What theory expects of the scenes, in units of 1 / omega_n, v / omega_n and v.
+//! Predictions of theory for the scenes, in units of 1 / omega_n, v / omega_n and v.
 //!
 //! While a load on one spring slips forward under a tip at speed v, the stretch beyond f / k is a
-//! free oscillation s of the load, whatever friction is, and the load stands s behind the one
-//! without inertia. With a dashpot it slips at `k s + c v = f` already, that is at s = -2 zeta,
-//! unless the dashpot alone pulls harder than friction holds: then at the grasp, at s = -1 /
-//! epsilon. A load let go at speed u coasts `epsilon u^2 / 2`.
+//! free oscillation s of the load, whatever the friction. The load then lags the quasi-static one
+//! by s. With a dashpot the load slips from `k s + c v = f` on, that is from s = -2 zeta. Where the
+//! force of the dashpot alone exceeds friction, it slips from the grasp on, at s = -1 / epsilon. A
+//! load released at speed u coasts by `epsilon u^2 / 2`.
 //!
-//! The tug of war starts its slip from s = Phi, since both tips have gone that far, at the rate 1.
-//! Where its load stops (s' = 1) it stays until the tip has made up for it.
+//! In the tug of war slip starts at s = Phi, by which both tips have moved, at the rate 1. A load
+//! that stops (s' = 1) rests until the tip has caught up.
 
 use std::f64::consts::{PI, TAU};
 
-/// The rule of thumb: quasi-static is valid up to this epsilon, from this Phi and this zeta on.
-pub const SOUND: (f64, f64, f64) = (0.05, TAU, 0.5);
+/// Largest epsilon at which the rule of thumb calls quasi-static valid (1).
+pub const EPSILON_MAX: f64 = 0.05;
+/// Smallest Phi at which the rule of thumb calls quasi-static valid (rad).
+pub const PHI_MIN: f64 = TAU;
+/// Smallest zeta at which the rule of thumb calls quasi-static valid (1).
+pub const ZETA_MIN: f64 = 0.5;
 
-/// Stretch beyond f / k and its rate `time` after they were `start`, without forces but spring and
-/// dashpot.
+/// Stretch beyond f / k and its rate, `time` after the values of `start`, under spring and dashpot
+/// alone.
 pub fn stretch(zeta: f64, [stretch, rate]: [f64; 2], time: f64) -> [f64; 2] {
     let damped = (1.0 - zeta * zeta).abs().sqrt();
     let (cos, sin) = match zeta {
@@ -27,34 +31,36 @@ pub fn stretch(zeta: f64, [stretch, rate]: [f64; 2], time: f64) -> [f64; 2] {
     [decay * (stretch * cos + (rate + zeta * stretch) * sin), decay * (rate * cos - (stretch + zeta * rate) * sin)]
 }
 
-/// Stretch beyond f / k at which a load at rest on a dashpot and a spring, pulled from the rest
-/// shape on, begins to slip.
+/// Stretch beyond f / k at which a load at rest begins to slip, when spring and dashpot pull it
+/// from the rest shape on.
 pub fn onset(epsilon: f64, zeta: f64) -> f64 {
     -(2.0 * zeta).min(1.0 / epsilon)
 }
 
-/// Way of a load pulled for Phi since its quasi-static onset and then let go, over the way without
-/// inertia, undamped: `[phi - sin phi + (epsilon / 2) (1 - cos phi)^2] / phi`.
+/// Displacement of a load that is pulled for Phi since the quasi-static slip onset and then
+/// released, over the displacement without inertia, undamped: `[phi - sin phi + (epsilon / 2) (1 -
+/// cos phi)^2] / phi`.
 pub fn excursion_undamped(phi: f64, epsilon: f64) -> f64 {
     (phi - phi.sin() + 0.5 * epsilon * (1.0 - phi.cos()).powi(2)) / phi
 }
 
-/// The same with a dashpot.
+/// Displacement ratio as in [`excursion_undamped`], with a dashpot.
 pub fn excursion(phi: f64, epsilon: f64, zeta: f64) -> f64 {
     let [behind, rate] = excursion_stretch(phi, epsilon, zeta);
     (phi - behind + coast(epsilon, 1.0 - rate)) / phi
 }
 
-/// Largest distance of that load from the one without inertia, over the way of the latter.
-pub fn excursion_share(phi: f64, epsilon: f64, zeta: f64) -> f64 {
+/// Largest distance of the load of [`excursion`] from the quasi-static one, over the path length of
+/// the latter.
+pub fn excursion_distance_ratio(phi: f64, epsilon: f64, zeta: f64) -> f64 {
     const INTERVAL: f64 = 0.02;
     let early = onset(epsilon, zeta);
     let n = ((phi - early) / INTERVAL).ceil();
-    let apart = |i: usize| {
+    let distance = |i: usize| {
         let time = early + (phi - early) * i as f64 / n;
         (time.min(0.0) - excursion_stretch(time, epsilon, zeta)[0]).abs()
     };
-    let driven = (0..=n as usize).map(apart).fold(0.0, f64::max);
+    let driven = (0..=n as usize).map(distance).fold(0.0, f64::max);
     driven.max(phi * (excursion(phi, epsilon, zeta) - 1.0).abs()) / phi
 }
 
@@ -63,35 +69,38 @@ fn excursion_stretch(time: f64, epsilon: f64, zeta: f64) -> [f64; 2] {
     stretch(zeta, [early, 1.0], time - early)
 }
 
-/// Way after a force has stepped up, over the way without inertia, when the next event comes after
-/// Phi: a first swing, cut short where Phi leaves no time for it. Undamped `1 - cos phi`, and 2 at
-/// most; after a whole swing `1 + exp(-pi zeta / sqrt(1 - zeta^2))`.
+/// Displacement after a step of the force, over the displacement without inertia, when the next
+/// event comes after Phi. The load makes one half swing, or a part of it where Phi is shorter.
+/// Undamped the factor is `1 - cos phi`, at most 2. After the half swing it is `1 + exp(-pi zeta /
+/// sqrt(1 - zeta^2))`.
 pub fn release_factor(phi: f64, zeta: f64) -> f64 {
     let half_swing = if zeta < 1.0 { PI / (1.0 - zeta * zeta).sqrt() } else { f64::INFINITY };
     1.0 - stretch(zeta, [1.0, 0.0], phi.min(half_swing))[0]
 }
 
-/// Way of the tug of war's load over the way without inertia, jump and drive each by its own law.
+/// Displacement of the load in the tug of war over that without inertia: the mean of the laws for
+/// jump and drive.
 pub fn release(phi: f64, epsilon: f64, zeta: f64) -> f64 {
     0.5 * (release_factor(phi, zeta) + excursion(phi, epsilon, zeta))
 }
 
-/// The same in closed form, with the first stop, the wait and the second onset; `None` where
-/// friction turns the load back.
+/// Displacement ratio of the tug of war in closed form, with the first stop, the wait and the
+/// second slip onset. `None` where the spring pushes the load back.
 pub fn release_exact(phi: f64, epsilon: f64, zeta: f64) -> Option<f64> {
     let start = [phi, 1.0];
-    let way = |time: f64, behind: f64| (time + phi - behind) / (2.0 * phi);
-    let let_go = |[behind, rate]: [f64; 2]| way(phi, behind) + coast(epsilon, 1.0 - rate) / (2.0 * phi);
-    let Some(stop) = first_stop(zeta, start, phi) else { return Some(let_go(stretch(zeta, start, phi))) };
+    let ratio = |time: f64, behind: f64| (time + phi - behind) / (2.0 * phi);
+    let released = |[behind, rate]: [f64; 2]| ratio(phi, behind) + coast(epsilon, 1.0 - rate) / (2.0 * phi);
+    let Some(stop) = first_stop(zeta, start, phi) else { return Some(released(stretch(zeta, start, phi))) };
     let [stopped, _] = stretch(zeta, start, stop);
     if stopped + 2.0 * zeta < -2.0 / epsilon {
         return None;
     }
     let again = stop - 2.0 * zeta - stopped;
-    Some(if phi <= again { way(stop, stopped) } else { let_go(stretch(zeta, [-2.0 * zeta, 1.0], phi - again)) })
+    Some(if phi <= again { ratio(stop, stopped) } else { released(stretch(zeta, [-2.0 * zeta, 1.0], phi - again)) })
 }
 
-/// When the tug of war's load first stops after the release, if that is before `until`.
+/// Time at which the load of the tug of war first stops after the release; `None` if that is not
+/// before `until`.
 pub fn first_stop(zeta: f64, start: [f64; 2], until: f64) -> Option<f64> {
     const INTERVAL: f64 = 0.01;
     let speed = |time: f64| 1.0 - stretch(zeta, start, time)[1];
@@ -106,7 +115,7 @@ pub fn first_stop(zeta: f64, start: [f64; 2], until: f64) -> Option<f64> {
     (high < until).then_some(high)
 }
 
-/// Way of a load that is let go at this speed.
+/// Displacement of a load that is released at this speed.
 fn coast(epsilon: f64, speed: f64) -> f64 {
     0.5 * epsilon * speed * speed
 }
