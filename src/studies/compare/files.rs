@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::backend::BackendKind;
+use super::COMPARED;
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
@@ -35,8 +35,7 @@ pub fn write_comparison(target: &Path, comparison: &Comparison, scenario: &Scena
 
 fn write_tier(folder: &mut OutputFolder, tier: &str, traces: &[&Trace], scenario: &Scenario) -> Result<(), FolderError> {
     let columns = TraceColumns::Full { n_springs: scenario.system.springs.len() };
-    let labelled: Vec<Labelled> =
-        BackendKind::ALL.into_iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
+    let labelled: Vec<Labelled> = COMPARED.into_iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
     for Labelled { label, trace } in &labelled {
         folder.write(&format!("trace-{tier}-{label}.csv"), |out| trace_csv::write_trace(trace, columns, out))?;
         folder.write(&format!("events-{tier}-{label}.csv"), |out| trace_csv::write_events(trace, out))?;

@@ -1,7 +1,7 @@
 //! The HTML page of a comparison: the answer, the replay, and the evidence.
 
+use super::COMPARED;
 use crate::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise};
-use crate::backend::BackendKind;
 use crate::output::chart::bars::{self, Bar, Spread, SpreadLine};
 use crate::output::chart::{self, Labelled, Scene, trace_color};
 use crate::output::manifest::Manifest;
@@ -95,7 +95,7 @@ fn overview(shown: &[Shown], scenario: &Scenario, caption: &str) -> Block {
 }
 
 fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
-    let shown: Vec<Shown> = backend_names().into_iter().zip(&found.traces).map(|(label, trace)| Shown { label, trace }).collect();
+    let shown: Vec<Shown> = COMPARED.iter().zip(&found.traces).map(|(kind, trace)| Shown { label: kind.name(), trace }).collect();
     let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| format!("at {}", quantity(time, "s")));
     let first = &found.first_different_decision;
     let (quasi_static, rapier) = (time(first.quasi_static_s), time(first.rapier_s));
@@ -131,7 +131,7 @@ fn spread(measure: &Measure) -> Spread {
     let (name, unit) = name_and_unit(measure.name);
     let of = [&measure.quasi_static, &measure.inertial, &measure.rapier];
     let line = |(at, found): (usize, &Distribution)| SpreadLine {
-        name: backend_names()[at].to_owned(),
+        name: COMPARED[at].name().to_owned(),
         color: trace_color(at),
         values: measure.values.iter().filter_map(|values| values[at]).collect(),
         mean: if found.n > 0 { found.mean } else { f64::NAN },
@@ -139,9 +139,4 @@ fn spread(measure: &Measure) -> Spread {
         text: if found.n > 0 { format!("{} ± {}", quantity(found.mean, unit), quantity(found.sd, unit)) } else { "none".to_owned() },
     };
     Spread { name, unit, lines: of.into_iter().enumerate().map(line).collect() }
-}
-
-/// Names of the backends, in their order.
-fn backend_names() -> [&'static str; 3] {
-    BackendKind::ALL.map(BackendKind::name)
 }
