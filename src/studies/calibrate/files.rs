@@ -5,62 +5,56 @@ use std::path::Path;
 use super::figure;
 use super::fit::Calibration;
 use super::forces::{Force, TipForces};
-use super::measurements::Measurements;
+use super::measurements::{Measurements, Trial};
 use super::report::{DesignReport, ForcesReport};
 use super::text::fit_text;
 use crate::output::folder::{FolderError, OutputFolder};
-use crate::output::json;
-use crate::output::lines::TableError;
 use crate::output::manifest::Manifest;
+use crate::output::table::Table;
 
 /// Columns of `forces.csv`. The model column is empty beyond the range of Eq. (1), the last two for
 /// tips in the frame of their root.
-pub const FORCE_COLUMNS: [&str; 12] = [
-    "time_s",
-    "spring",
-    "length_m",
-    "swing_rad",
-    "radial_n",
-    "tangential_n",
-    "force_n",
-    "force_sd_n",
-    "force_sd_of_tip_n",
-    "radial_by_model_n",
-    "force_x_n",
-    "force_y_n",
-];
-
-fn write_forces(forces: &[Force], out: impl std::io::Write) -> Result<(), TableError> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-    writer.write_record(FORCE_COLUMNS)?;
-    for force in forces {
-        let numbers = [force.shape.length, force.shape.swing, force.radial, force.tangential, force.size, force.size_sd, force.tip_part];
-        let world = [force.in_world.map(|force| force.x), force.in_world.map(|force| force.y)];
-        let row = (force.time, force.spring, numbers, force.radial_by_model, world);
-        json::check(&row)?;
-        writer.serialize(row)?;
-    }
-    writer.flush()?;
-    Ok(())
+fn force_table(forces: &[Force]) -> Table {
+    Table::of(
+        forces,
+        &[
+            ("time", "s", &|force| force.time.into()),
+            ("spring", "", &|force| force.spring.into()),
+            ("length", "m", &|force| force.shape.length.into()),
+            ("swing", "rad", &|force| force.shape.swing.into()),
+            ("radial", "N", &|force| force.radial.into()),
+            ("tangential", "N", &|force| force.tangential.into()),
+            ("force", "N", &|force| force.size.into()),
+            ("force sd", "N", &|force| force.size_sd.into()),
+            ("force sd of tip", "N", &|force| force.tip_part.into()),
+            ("radial by model", "N", &|force| force.radial_by_model.into()),
+            ("force x", "N", &|force| force.in_world.map(|world| world.x).into()),
+            ("force y", "N", &|force| force.in_world.map(|world| world.y).into()),
+        ],
+    )
 }
 
 /// Readings beside both laws.
-fn write_residuals(found: &Calibration, measurements: &Measurements, out: impl std::io::Write) -> Result<(), csv::Error> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-    let columns = ["case", "trial", "displacement_m", "swing_rad", "force_n", "force_sd_n", "model_n", "linear_n", "is_in_range"];
-    writer.write_record(columns)?;
+fn residuals(found: &Calibration, measurements: &Measurements) -> Table {
     let unit = found.dimensions.of_material(1.0);
-    for trial in &measurements.trials {
-        let linear = found.linear.iter().find(|fit| fit.case == trial.case);
-        for point in &trial.points {
-            let (stretch, swing) = if trial.case.is_radial() { (Some(point.at), None) } else { (None, Some(point.at)) };
-            let model = found.youngs_modulus_pa.value * trial.case.force(&unit, point.at);
-            let by_line = linear.map(|fit| fit.stiffness.value * trial.case.linear(&unit, point.at));
-            let is_in_range = linear.is_some_and(|fit| (fit.range[0]..=fit.range[1]).contains(&point.at.abs()));
-            writer.serialize((trial.case.name(), &trial.name, stretch, swing, point.force, point.sd, model, by_line, is_in_range))?;
-        }
-    }
-    Ok(writer.flush()?)
+    let line = |trial: &Trial| found.linear.iter().find(|fit| fit.case == trial.case);
+    let readings = measurements.trials.iter().flat_map(|trial| trial.points.iter().map(move |point| (trial, point)));
+    Table::of(
+        &readings.collect::<Vec<_>>(),
+        &[
+            ("case", "", &|(trial, _)| trial.case.name().into()),
+            ("trial", "", &|(trial, _)| trial.name.as_str().into()),
+            ("displacement", "m", &|(trial, point)| trial.case.is_radial().then_some(point.at).into()),
+            ("swing", "rad", &|(trial, point)| (!trial.case.is_radial()).then_some(point.at).into()),
+            ("force", "N", &|(_, point)| point.force.into()),
+            ("force sd", "N", &|(_, point)| point.sd.into()),
+            ("model", "N", &|(trial, point)| (found.youngs_modulus_pa.value * trial.case.force(&unit, point.at)).into()),
+            ("linear", "N", &|(trial, point)| line(trial).map(|fit| fit.stiffness.value * trial.case.linear(&unit, point.at)).into()),
+            ("is in range", "", &|(trial, point)| {
+                line(trial).is_some_and(|fit| (fit.range[0]..=fit.range[1]).contains(&point.at.abs())).into()
+            }),
+        ],
+    )
 }
 
 /// Writes `calibration.json`, `calibration.txt`, `residuals.csv`, `calibration.svg` and
@@ -73,7 +67,7 @@ pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Meas
     let mut folder = OutputFolder::create(target)?;
     folder.write_json("calibration.json", found)?;
     folder.write("calibration.txt", |out| out.write_all(fit_text(found).as_bytes()))?;
-    folder.write("residuals.csv", |out| write_residuals(found, measurements, out))?;
+    folder.write("residuals.csv", |out| residuals(found, measurements).write_csv(out))?;
     folder.write("calibration.svg", |out| out.write_all(figure::calibration(found, measurements).as_bytes()))?;
     folder.finish(manifest)
 }
@@ -96,7 +90,7 @@ pub fn write_design(target: &Path, found: &DesignReport, manifest: &Manifest) ->
 /// As [`write_calibration`].
 pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &TipForces, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("forces.csv", |out| write_forces(&forces.forces, out))?;
+    folder.write("forces.csv", |out| force_table(&forces.forces).write_csv(out))?;
     folder.write_json("forces.json", found)?;
     folder.write("forces.svg", |out| out.write_all(figure::tip_forces(forces).as_bytes()))?;
     folder.finish(manifest)

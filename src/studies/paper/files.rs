@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
 use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::json;
 use crate::output::manifest::Manifest;
+use crate::output::table::{Field, Kind, Table, write_rows};
 use crate::studies::paper::readme::paper_readme;
-use crate::studies::paper::report::Paper;
+use crate::studies::paper::report::{Paper, TableRow};
 use crate::studies::paper::text::paper_text;
-use crate::studies::paper::{Estimate, RunFacts, Trial};
+use crate::studies::paper::{Estimate, Grade, RunFacts, Trial};
 
 /// Figures by the name of their file.
 pub type Figures = Vec<(&'static str, String)>;
@@ -29,14 +29,21 @@ pub fn write_paper(
     manifest: &Manifest,
 ) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    write_lines(&mut folder, "table.csv", table_lines(found))?;
-    write_lines(&mut folder, "claims.csv", claim_lines(found))?;
-    write_lines(&mut folder, "group-size.csv", size_lines(found))?;
-    write_lines(&mut folder, "transitions.csv", found.transitions.iter())?;
-    write_lines(&mut folder, "conclusions.csv", conclusion_lines(found))?;
-    write_lines(&mut folder, "replayed.csv", replayed_lines(found))?;
-    write_lines(&mut folder, "fit.csv", fit_lines(found))?;
-    write_lines(&mut folder, "runs.csv", run_lines(found, runs))?;
+    let tables = [
+        ("table.csv", quantities(found)),
+        ("claims.csv", claims(found)),
+        ("group-size.csv", group_sizes(found)),
+        ("conclusions.csv", conclusions(found)),
+        ("replayed.csv", replayed(found)),
+        ("fit.csv", fit(found)),
+        ("runs.csv", run_table(found, runs)),
+    ];
+    for (name, table) in tables.iter().filter(|(_, table)| !table.rows.is_empty()) {
+        folder.write(name, |out| table.write_csv(out))?;
+    }
+    if !found.transitions.is_empty() {
+        folder.write("transitions.csv", |out| write_rows(&found.transitions, out))?;
+    }
     for (name, svg) in figures {
         folder.write(&format!("{name}.svg"), |out| out.write_all(svg.as_bytes()))?;
     }
@@ -46,286 +53,175 @@ pub fn write_paper(
     folder.finish(manifest)
 }
 
-/// Writes a table with the names of its columns, unless it has no rows.
-fn write_lines<T: Serialize>(folder: &mut OutputFolder, name: &str, rows: impl Iterator<Item = T>) -> Result<(), FolderError> {
-    let mut rows = rows.peekable();
-    if rows.peek().is_none() {
-        return Ok(());
-    }
-    folder.write(name, |out| -> Result<(), csv::Error> {
-        let mut writer = csv::Writer::from_writer(out);
-        rows.try_for_each(|row| writer.serialize(row))?;
-        Ok(writer.flush()?)
-    })
+fn value(estimate: &Option<Estimate>) -> Field {
+    estimate.map(|estimate| estimate.value).into()
 }
 
-/// A number with its interval, as cells.
-#[derive(Serialize, Default)]
-struct Cells {
-    value: Option<f64>,
-    low_95: Option<f64>,
-    high_95: Option<f64>,
-    n_seeds: usize,
+fn low(estimate: &Option<Estimate>) -> Field {
+    estimate.and_then(|estimate| estimate.interval_95).map(|interval| interval.low).into()
 }
 
-impl Cells {
-    fn of(estimate: Option<Estimate>) -> Self {
-        estimate.map_or_else(Self::default, |estimate| Self {
-            value: Some(estimate.value),
-            low_95: estimate.interval_95.map(|interval| interval.low),
-            high_95: estimate.interval_95.map(|interval| interval.high),
-            n_seeds: estimate.n_units,
-        })
-    }
+fn high(estimate: &Option<Estimate>) -> Field {
+    estimate.and_then(|estimate| estimate.interval_95).map(|interval| interval.high).into()
 }
 
-#[derive(Serialize)]
-struct TableLine<'a> {
-    quantity: &'a str,
-    unit: &'a str,
-    printed: Option<f64>,
+/// A quantity on one set of runs.
+struct OnSet<'a> {
+    row: &'a TableRow,
     set: &'a str,
-    value: Option<f64>,
-    low_95: Option<f64>,
-    high_95: Option<f64>,
-    n_seeds: usize,
-    grade: &'a str,
-    minus_first: Option<f64>,
-    minus_first_low_95: Option<f64>,
-    minus_first_high_95: Option<f64>,
+    found: Option<Estimate>,
+    grade: Option<Grade>,
+    minus_first: Option<Estimate>,
     why: &'a str,
 }
 
-/// One line for each quantity and set.
-fn table_lines(found: &Paper) -> impl Iterator<Item = TableLine<'_>> {
-    found.table.iter().flat_map(|row| {
-        let line = move |set, value: Option<Estimate>, grade: Option<crate::studies::paper::Grade>, minus: Option<Estimate>, why| {
-            let (cells, minus) = (Cells::of(value), Cells::of(minus));
-            TableLine {
-                quantity: &row.quantity,
-                unit: row.unit,
-                printed: row.printed,
-                set,
-                value: cells.value,
-                low_95: cells.low_95,
-                high_95: cells.high_95,
-                n_seeds: cells.n_seeds,
-                grade: grade.map_or("", |grade| grade.name()),
-                minus_first: minus.value,
-                minus_first_low_95: minus.low_95,
-                minus_first_high_95: minus.high_95,
-                why,
-            }
-        };
-        let first = line(&found.sets[0].name[..], row.ours, row.grade, None, &row.why[..]);
-        let others = row.on_others.iter().map(move |other| line(&other.set[..], other.value, other.grade, other.minus_first, ""));
+/// One row for each quantity and set.
+fn quantities(found: &Paper) -> Table {
+    let on_sets = |row| {
+        let &TableRow { ours, grade, ref why, ref on_others, .. } = row;
+        let first = OnSet { row, set: &found.sets[0].name, found: ours, grade, minus_first: None, why };
+        let others = on_others.iter();
+        let others =
+            others.map(move |it| OnSet { row, set: &it.set, found: it.value, grade: it.grade, minus_first: it.minus_first, why: "" });
         std::iter::once(first).chain(others)
-    })
+    };
+    Table::of(
+        &found.table.iter().flat_map(on_sets).collect::<Vec<_>>(),
+        &[
+            ("quantity", "", &|it| it.row.quantity.as_str().into()),
+            ("unit", "", &|it| it.row.unit.into()),
+            ("printed", "", &|it| it.row.printed.into()),
+            ("set", "", &|it| it.set.into()),
+            ("value", "", &|it| value(&it.found)),
+            ("low 95", "", &|it| low(&it.found)),
+            ("high 95", "", &|it| high(&it.found)),
+            ("n seeds", "", &|it| it.found.map_or(0, |estimate| estimate.n_units).into()),
+            ("grade", "", &|it| it.grade.map_or("", |grade| grade.name()).into()),
+            ("minus first", "", &|it| value(&it.minus_first)),
+            ("minus first low 95", "", &|it| low(&it.minus_first)),
+            ("minus first high 95", "", &|it| high(&it.minus_first)),
+            ("why", "", &|it| it.why.into()),
+        ],
+    )
 }
 
-#[derive(Serialize)]
-struct ClaimLine<'a> {
-    claim: &'a str,
-    statistic: &'a str,
-    side: &'a str,
-    limit: f64,
-    value: Option<f64>,
-    low_95: Option<f64>,
-    high_95: Option<f64>,
-    holds: Option<bool>,
+fn claims(found: &Paper) -> Table {
+    Table::of(
+        &found.claims,
+        &[
+            ("claim", "", &|claim| claim.claim.into()),
+            ("statistic", "", &|claim| claim.statistic.as_str().into()),
+            ("side", "", &|claim| if claim.below { "below" } else { "above" }.into()),
+            ("limit", "", &|claim| claim.limit.into()),
+            ("value", "", &|claim| value(&claim.found)),
+            ("low 95", "", &|claim| low(&claim.found)),
+            ("high 95", "", &|claim| high(&claim.found)),
+            ("holds", "", &|claim| claim.holds.into()),
+        ],
+    )
 }
 
-fn claim_lines(found: &Paper) -> impl Iterator<Item = ClaimLine<'_>> {
-    found.claims.iter().map(|claim| {
-        let cells = Cells::of(claim.found);
-        ClaimLine {
-            claim: claim.claim,
-            statistic: &claim.statistic,
-            side: if claim.below { "below" } else { "above" },
-            limit: claim.limit,
-            value: cells.value,
-            low_95: cells.low_95,
-            high_95: cells.high_95,
-            holds: claim.holds,
-        }
-    })
+fn group_sizes(found: &Paper) -> Table {
+    Table::of(
+        &found.load_speed,
+        &[
+            ("n_transporting", "", &|it| it.n_transporting.into()),
+            ("trial", "", &|it| it.trial.name().into()),
+            ("load speed", "m/s", &|it| value(&it.load_speed_m_per_s)),
+            ("low 95", "", &|it| low(&it.load_speed_m_per_s)),
+            ("high 95", "", &|it| high(&it.load_speed_m_per_s)),
+            ("sd over runs", "m/s", &|it| it.sd_over_runs_m_per_s.into()),
+            ("load speed by tick", "m/s", &|it| it.load_speed_by_tick_m_per_s.into()),
+            ("time", "s", &|it| it.time_s.into()),
+            ("n instants", "", &|it| it.n_instants.into()),
+            ("printed instants", "", &|it| it.printed_instants.into()),
+            ("headway", "m/s", &|it| value(&it.headway_m_per_s)),
+            ("headway low 95", "", &|it| low(&it.headway_m_per_s)),
+            ("headway high 95", "", &|it| high(&it.headway_m_per_s)),
+        ],
+    )
 }
 
-#[derive(Serialize)]
-struct SizeLine {
-    n_transporting: usize,
-    trial: Trial,
-    load_speed_m_per_s: Option<f64>,
-    low_95: Option<f64>,
-    high_95: Option<f64>,
-    sd_over_runs_m_per_s: Option<f64>,
-    load_speed_by_tick_m_per_s: Option<f64>,
-    time_s: f64,
-    n_instants: u64,
-    printed_instants: Option<u64>,
-    headway_m_per_s: Option<f64>,
-    headway_low_95: Option<f64>,
-    headway_high_95: Option<f64>,
+/// One row for each conclusion and set.
+fn conclusions(found: &Paper) -> Table {
+    let on_sets = found.conclusions.iter().flat_map(|conclusion| conclusion.on.iter().map(move |on| (conclusion, on)));
+    Table::of(
+        &on_sets.collect::<Vec<_>>(),
+        &[
+            ("conclusion", "", &|(conclusion, _)| conclusion.conclusion.as_str().into()),
+            ("set", "", &|(_, on)| on.set.as_str().into()),
+            ("value", "", &|(_, on)| on.value.into()),
+            ("holds", "", &|(_, on)| on.holds.into()),
+            ("is changed", "", &|(conclusion, on)| conclusion.changed_on.contains(&on.set).into()),
+        ],
+    )
 }
 
-fn size_lines(found: &Paper) -> impl Iterator<Item = SizeLine> + '_ {
-    found.load_speed.iter().map(|speeds| {
-        let (cells, headway) = (Cells::of(speeds.load_speed_m_per_s), Cells::of(speeds.headway_m_per_s));
-        SizeLine {
-            n_transporting: speeds.n_transporting,
-            trial: speeds.trial,
-            load_speed_m_per_s: cells.value,
-            low_95: cells.low_95,
-            high_95: cells.high_95,
-            sd_over_runs_m_per_s: speeds.sd_over_runs_m_per_s,
-            load_speed_by_tick_m_per_s: speeds.load_speed_by_tick_m_per_s,
-            time_s: speeds.time_s,
-            n_instants: speeds.n_instants,
-            printed_instants: speeds.printed_instants,
-            headway_m_per_s: headway.value,
-            headway_low_95: headway.low_95,
-            headway_high_95: headway.high_95,
-        }
-    })
+fn replayed(found: &Paper) -> Table {
+    Table::of(
+        &found.replayed,
+        &[
+            ("trial", "", &|one| one.trial.name().into()),
+            ("seed", "", &|one| one.seed.into()),
+            ("duration", "s", &|one| one.duration_s.into()),
+            ("verdict", "", &|one| one.verdict.as_str().into()),
+            ("inertia effect", "m", &|one| one.inertia_effect_m.into()),
+            ("engine error", "m", &|one| one.engine_error_m.into()),
+            ("reference error", "m", &|one| one.reference_error_m.into()),
+            ("path length", "m", &|one| one.path_length_m.into()),
+            ("tolerance", "m", &|one| one.tolerance_m.into()),
+            ("first divergence", "s", &|one| one.first_divergence_s.into()),
+        ],
+    )
 }
 
-#[derive(Serialize)]
-struct ConclusionLine<'a> {
-    conclusion: &'a str,
-    set: &'a str,
-    value: Option<f64>,
-    holds: Option<bool>,
-    is_changed: bool,
+fn fit(found: &Paper) -> Table {
+    Table::of(
+        &found.fit,
+        &[
+            ("preset", "", &|row| row.point.preset.map_or("", |preset| preset.name()).into()),
+            ("release pace", "", &|row| Field::of_value(&json::plain(&row.point.release_pace), Kind::Word)),
+            ("pull speed", "m/s", &|row| row.point.pull_speed_m_per_s.into()),
+            ("release decision period", "s", &|row| row.point.release_decision_period_s.into()),
+            ("steering half angle", "rad", &|row| row.point.steering_half_angle_rad.into()),
+            ("sensing range", "m", &|row| row.point.sensing_range_m.into()),
+            ("score", "", &|row| row.score.into()),
+            ("pull mean", "N", &|row| row.found.pull_mean_n.into()),
+            ("pull sd", "N", &|row| row.found.pull_sd_n.into()),
+            ("pull max", "N", &|row| row.found.pull_max_n.into()),
+            ("n pulls", "", &|row| row.found.n_pulls.into()),
+            ("share of 6", "", &|row| row.found.size_shares[0].into()),
+            ("share of 7", "", &|row| row.found.size_shares[1].into()),
+            ("share of 8", "", &|row| row.found.size_shares[2].into()),
+            ("share of 9", "", &|row| row.found.size_shares[3].into()),
+            ("share of 10", "", &|row| row.found.size_shares[4].into()),
+            ("time four", "s", &|row| row.found.time_four_s.into()),
+            ("time five", "s", &|row| row.found.time_five_s.into()),
+            ("time ten", "s", &|row| row.found.time_ten_s.into()),
+        ],
+    )
 }
 
-fn conclusion_lines(found: &Paper) -> impl Iterator<Item = ConclusionLine<'_>> {
-    found.conclusions.iter().flat_map(|conclusion| {
-        conclusion.on.iter().map(|standing| ConclusionLine {
-            conclusion: &conclusion.conclusion,
-            set: &standing.set,
-            value: standing.value,
-            holds: standing.holds,
-            is_changed: conclusion.changed_on.contains(&standing.set),
-        })
-    })
-}
-
-#[derive(Serialize)]
-struct ReplayedLine<'a> {
-    trial: Trial,
-    seed: u64,
-    duration_s: f64,
-    verdict: &'a str,
-    inertia_effect_m: f64,
-    engine_error_m: f64,
-    reference_error_m: f64,
-    path_length_m: f64,
-    tolerance_m: f64,
-    first_divergence_s: Option<f64>,
-}
-
-fn replayed_lines(found: &Paper) -> impl Iterator<Item = ReplayedLine<'_>> {
-    found.replayed.iter().map(|one| ReplayedLine {
-        trial: one.trial,
-        seed: one.seed,
-        duration_s: one.duration_s,
-        verdict: &one.verdict,
-        inertia_effect_m: one.inertia_effect_m,
-        engine_error_m: one.engine_error_m,
-        reference_error_m: one.reference_error_m,
-        path_length_m: one.path_length_m,
-        tolerance_m: one.tolerance_m,
-        first_divergence_s: one.first_divergence_s,
-    })
-}
-
-#[derive(Serialize)]
-struct FitLine {
-    preset: &'static str,
-    release_pace: crate::model::behaviour::ReleasePace,
-    pull_speed_m_per_s: f64,
-    release_decision_period_s: f64,
-    steering_half_angle_rad: f64,
-    sensing_range_m: f64,
-    score: f64,
-    pull_mean_n: f64,
-    pull_sd_n: f64,
-    pull_max_n: f64,
-    n_pulls: u64,
-    share_of_6: f64,
-    share_of_7: f64,
-    share_of_8: f64,
-    share_of_9: f64,
-    share_of_10: f64,
-    time_four_s: f64,
-    time_five_s: f64,
-    time_ten_s: f64,
-}
-
-fn fit_lines(found: &Paper) -> impl Iterator<Item = FitLine> + '_ {
-    found.fit.iter().map(|row| {
-        let (point, fitted) = (&row.point, &row.found);
-        let [share_of_6, share_of_7, share_of_8, share_of_9, share_of_10] = fitted.size_shares;
-        FitLine {
-            preset: point.preset.map_or("", |preset| preset.name()),
-            release_pace: point.release_pace,
-            pull_speed_m_per_s: point.pull_speed_m_per_s,
-            release_decision_period_s: point.release_decision_period_s,
-            steering_half_angle_rad: point.steering_half_angle_rad,
-            sensing_range_m: point.sensing_range_m,
-            score: row.score,
-            pull_mean_n: fitted.pull_mean_n,
-            pull_sd_n: fitted.pull_sd_n,
-            pull_max_n: fitted.pull_max_n,
-            n_pulls: fitted.n_pulls,
-            share_of_6,
-            share_of_7,
-            share_of_8,
-            share_of_9,
-            share_of_10,
-            time_four_s: fitted.time_four_s,
-            time_five_s: fitted.time_five_s,
-            time_ten_s: fitted.time_ten_s,
-        }
-    })
-}
-
-#[derive(Serialize)]
-struct RunLine<'a> {
-    set: &'a str,
-    trial: Trial,
-    seed: u64,
-    arrived: bool,
-    time_s: f64,
-    displacement_m: f64,
-    n_grasps: u64,
-    pull_mean_n: f64,
-    pull_sd_n: f64,
-    pull_max_n: f64,
-    n_pulls: u64,
-    /// Over time, not over decisions.
-    pull_mean_by_time_n: f64,
-    pull_sd_by_time_n: f64,
-    speed_changes_at_s: Option<f64>,
-    speed_change_p: Option<f64>,
-}
-
-fn run_lines<'a>(found: &'a Paper, runs: &'a [(usize, Trial, u64, &RunFacts)]) -> impl Iterator<Item = RunLine<'a>> {
-    runs.iter().map(|(set, trial, seed, facts)| RunLine {
-        set: &found.sets[*set].name,
-        trial: *trial,
-        seed: *seed,
-        arrived: facts.arrived,
-        time_s: facts.time_s,
-        displacement_m: facts.displacement_m,
-        n_grasps: facts.n_grasps,
-        pull_mean_n: facts.pulls.mean(),
-        pull_sd_n: facts.pulls.sd(),
-        pull_max_n: facts.pulls.max(),
-        n_pulls: facts.pulls.n(),
-        pull_mean_by_time_n: facts.pulls_by_time.mean(),
-        pull_sd_by_time_n: facts.pulls_by_time.sd(),
-        speed_changes_at_s: facts.changes.speed.map(|change| change.time_s),
-        speed_change_p: facts.changes.speed.map(|change| change.change.p_value),
-    })
+fn run_table(found: &Paper, runs: &[(usize, Trial, u64, &RunFacts)]) -> Table {
+    Table::of(
+        runs,
+        &[
+            ("set", "", &|(set, ..)| found.sets[*set].name.as_str().into()),
+            ("trial", "", &|(_, trial, ..)| trial.name().into()),
+            ("seed", "", &|(_, _, seed, _)| (*seed).into()),
+            ("arrived", "", &|(.., facts)| facts.arrived.into()),
+            ("time", "s", &|(.., facts)| facts.time_s.into()),
+            ("displacement", "m", &|(.., facts)| facts.displacement_m.into()),
+            ("n grasps", "", &|(.., facts)| facts.n_grasps.into()),
+            ("pull mean", "N", &|(.., facts)| facts.pulls.mean().into()),
+            ("pull sd", "N", &|(.., facts)| facts.pulls.sd().into()),
+            ("pull max", "N", &|(.., facts)| facts.pulls.max().into()),
+            ("n pulls", "", &|(.., facts)| facts.pulls.n().into()),
+            // Over control ticks, where the columns before are over decisions.
+            ("pull mean by time", "N", &|(.., facts)| facts.pulls_by_time.mean().into()),
+            ("pull sd by time", "N", &|(.., facts)| facts.pulls_by_time.sd().into()),
+            ("speed changes at", "s", &|(.., facts)| facts.changes.speed.map(|change| change.time_s).into()),
+            ("speed change p", "", &|(.., facts)| facts.changes.speed.map(|change| change.change.p_value).into()),
+        ],
+    )
 }

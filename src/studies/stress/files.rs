@@ -2,45 +2,14 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
 use super::heat_map::heat_map;
 use super::page::stress_page;
 use super::report::Stress;
 use super::{Map, Row};
 use crate::output::folder::{FolderError, OutputFolder};
-use crate::output::lines::TableError;
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
-use crate::output::table::write_rows;
-
-/// A row of `cells.csv`; empty fields where there is no number. Parameters of unlike maps have
-/// unlike names, so those stand beside them.
-#[derive(Serialize)]
-struct Line<'a> {
-    map: &'a str,
-    x_name: &'a str,
-    x: f64,
-    y_name: &'a str,
-    y: f64,
-    y_label: &'a str,
-    backend: &'static str,
-    outcome: &'static str,
-    cause: &'a str,
-    residual: Option<f64>,
-    not_converged_share: Option<f64>,
-    defect_j: Option<f64>,
-    defect_share: Option<f64>,
-    creep_radii: Option<f64>,
-    drift_share: Option<f64>,
-    error_share: Option<f64>,
-    step_radians: Option<f64>,
-    shortest_share: Option<f64>,
-    swing_rad: Option<f64>,
-    n_steps: u64,
-    n_solves: u64,
-    n_iterations: u64,
-}
+use crate::output::table::Table;
 
 /// Writes `report.html`, `cells.csv`, a heat map a map as SVG, `summary.json` and `manifest.json`
 /// to the folder `target`, all or nothing.
@@ -50,7 +19,7 @@ struct Line<'a> {
 pub fn write_stress(target: &Path, found: &Stress, maps: &[Map], rows: &[Row], manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     folder.write(REPORT, |out| out.write_all(stress_page(found, maps, rows, manifest).to_html().as_bytes()))?;
-    folder.write("cells.csv", |out| write_csv(maps, rows, out))?;
+    folder.write("cells.csv", |out| cells(maps, rows).write_csv(out))?;
     for map in maps {
         let of_map: Vec<&Row> = rows.iter().filter(|row| row.map == map.name).collect();
         folder.write(&format!("{}.svg", map.name), |out| out.write_all(heat_map(map, &of_map).as_bytes()))?;
@@ -59,36 +28,40 @@ pub fn write_stress(target: &Path, found: &Stress, maps: &[Map], rows: &[Row], m
     folder.finish(manifest)
 }
 
-fn write_csv(maps: &[Map], rows: &[Row], out: impl std::io::Write) -> Result<(), TableError> {
-    let of = |row: &Row| maps.iter().find(|map| map.name == row.map);
-    write_rows(rows.iter().filter_map(|row| Some(line(of(row)?, row))), out)
+/// Columns of `cells.csv`. Parameters of different maps have different names, which are fields too.
+fn cells(maps: &[Map], rows: &[Row]) -> Table {
+    let of_map = rows.iter().filter_map(|row| Some((maps.iter().find(|map| map.name == row.map)?, row)));
+    Table::of(
+        &of_map.collect::<Vec<(&Map, &Row)>>(),
+        &[
+            ("map", "", &|(map, _)| map.name.into()),
+            ("x name", "", &|(map, _)| map.x.name.into()),
+            ("x", "", &|(_, row)| row.x.into()),
+            ("y name", "", &|(map, _)| map.y.name.into()),
+            ("y", "", &|(_, row)| row.y.into()),
+            ("y label", "", &|(map, row)| y_label(map, row).into()),
+            ("backend", "", &|(_, row)| row.method.key.into()),
+            ("outcome", "", &|(_, row)| row.outcome.name().into()),
+            ("cause", "", &|(_, row)| row.cause.as_str().into()),
+            ("residual", "", &|(_, row)| row.numbers.residual.into()),
+            ("not converged share", "", &|(_, row)| row.numbers.not_converged_share.into()),
+            ("defect", "J", &|(_, row)| row.numbers.defect_j.into()),
+            ("defect share", "", &|(_, row)| row.numbers.defect_share.into()),
+            ("creep radii", "", &|(_, row)| row.numbers.creep_radii.into()),
+            ("drift share", "", &|(_, row)| row.numbers.drift_share.into()),
+            ("error share", "", &|(_, row)| row.numbers.error_share.into()),
+            ("step radians", "", &|(_, row)| row.numbers.step_radians.into()),
+            ("shortest share", "", &|(_, row)| row.numbers.shortest_share.into()),
+            ("swing", "rad", &|(_, row)| row.numbers.swing_rad.into()),
+            ("n steps", "", &|(_, row)| row.numbers.n_steps.into()),
+            ("n solves", "", &|(_, row)| row.numbers.n_solves.into()),
+            ("n iterations", "", &|(_, row)| row.numbers.n_iterations.into()),
+        ],
+    )
 }
 
-fn line<'a>(map: &'a Map, row: &'a Row) -> Line<'a> {
+/// Name of the row's value on the y axis; empty where the values are numbers.
+fn y_label(map: &Map, row: &Row) -> &'static str {
     let at = map.y.values.iter().position(|value| *value == row.y);
-    let numbers = &row.numbers;
-    Line {
-        map: map.name,
-        x_name: map.x.name,
-        x: row.x,
-        y_name: map.y.name,
-        y: row.y,
-        y_label: at.and_then(|at| map.y.names.get(at)).copied().unwrap_or_default(),
-        backend: row.method.key,
-        outcome: row.outcome.name(),
-        cause: &row.cause,
-        residual: numbers.residual,
-        not_converged_share: numbers.not_converged_share,
-        defect_j: numbers.defect_j,
-        defect_share: numbers.defect_share,
-        creep_radii: numbers.creep_radii,
-        drift_share: numbers.drift_share,
-        error_share: numbers.error_share,
-        step_radians: numbers.step_radians,
-        shortest_share: numbers.shortest_share,
-        swing_rad: numbers.swing_rad,
-        n_steps: numbers.n_steps,
-        n_solves: numbers.n_solves,
-        n_iterations: numbers.n_iterations,
-    }
+    at.and_then(|at| map.y.names.get(at)).copied().unwrap_or_default()
 }
