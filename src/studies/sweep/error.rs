@@ -13,6 +13,9 @@ pub enum SweepError {
     Point { values: String, source: ScenarioError },
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The disk failed.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
     #[error(transparent)]
     Journal(#[from] JournalError),
     /// Shards that do not make one table, every fault.

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 use super::column::Table;
 use super::error::SweepError;
 use super::plan::{FORMAT, Identity};
+use crate::output::sibling::write_whole;
 use crate::studies::journal::{Header, Journal, JournalError, at, marked, task_of, unmarked};
 
 /// Part `index` of `n`, counted from 1.
@@ -61,29 +62,26 @@ fn end_of(n_rows: u64, hash: Sha256) -> String {
 /// # Errors
 /// When the disk fails.
 pub fn finish_shard(path: &Path, header: &Header, journal: &Journal) -> Result<(), SweepError> {
-    let partial = path.with_extension(format!("partial-{}", std::process::id()));
-    let written = write_shard(&partial, header, journal).and_then(|()| fs::rename(&partial, path).map_err(|error| at(path)(error).into()));
-    if written.is_err() {
-        // What is left of it is of no use, and the error says why.
-        let _ = fs::remove_file(&partial);
-    }
-    written
+    write_whole(path, |file| write_shard(file, header, journal)).map_err(|error| match error {
+        SweepError::Io(source) => at(path)(source).into(),
+        of_journal => of_journal,
+    })
 }
 
-fn write_shard(path: &Path, header: &Header, journal: &Journal) -> Result<(), SweepError> {
-    let mut out = BufWriter::new(File::create(path).map_err(at(path))?);
+fn write_shard(file: &mut File, header: &Header, journal: &Journal) -> Result<(), SweepError> {
+    let mut out = BufWriter::new(file);
     let (mut hash, mut n_rows) = (Sha256::new(), 0);
     let mut put = |line: &str| {
         hash.update(line);
-        out.write_all(line.as_bytes()).map_err(at(path)).map_err(SweepError::from)
+        out.write_all(line.as_bytes())
     };
     put(&header.line())?;
     journal.visit(|row| {
         n_rows += 1;
-        put(&marked(row))
+        Ok::<_, SweepError>(put(&marked(row))?)
     })?;
-    out.write_all(marked(&end_of(n_rows, hash)).as_bytes()).map_err(at(path))?;
-    Ok(out.flush().and_then(|()| out.get_ref().sync_all()).map_err(at(path))?)
+    out.write_all(marked(&end_of(n_rows, hash)).as_bytes())?;
+    Ok(out.flush()?)
 }
 
 /// Whether the finished shard at `path` is whole and belongs to what is asked; `false` when there
