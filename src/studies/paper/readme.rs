@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::math::Interval;
 use crate::output::quantity::{number, quantity};
+use crate::output::table::Table;
 use crate::output::text::wrapped_markdown;
 use crate::studies::paper::report::Paper;
 use crate::studies::paper::{Claim, Conclusion, Estimate, Replayed};
@@ -62,14 +63,9 @@ pub fn paper_readme(found: &Paper) -> String {
 
 /// A table under its title; nothing without lines.
 fn table(title: &str, heads: &[impl AsRef<str>], lines: Vec<Vec<String>>, text: &mut String) {
-    if lines.is_empty() {
-        return;
-    }
-    let heads: Vec<&str> = heads.iter().map(AsRef::as_ref).collect();
-    let rule = "---|".repeat(heads.len());
-    write!(text, "\n## {title}\n\n| {} |\n|{rule}\n", heads.join(" | ")).expect("a string takes all");
-    for line in lines {
-        writeln!(text, "| {} |", line.join(" | ")).expect("a string takes all");
+    if !lines.is_empty() {
+        let table = Table::new("", heads.iter().map(AsRef::as_ref)).with_rows(lines);
+        write!(text, "\n## {title}\n\n{}", table.markdown()).expect("a string takes all");
     }
 }
 

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::output::quantity::{number, quantity};
+use crate::output::table::Table;
 use crate::output::text::wrapped_markdown;
 use crate::studies::regime::report::{CellLine, Regime};
 use crate::studies::regime::tables;
@@ -83,7 +84,7 @@ fn laws(found: &Regime) -> String {
 
 /// Each cause of a difference, with the cell that differs most.
 fn causes(found: &Regime) -> String {
-    let mut text = "| cause | cells | largest difference | explanation |\n|---|---|---|---|\n".to_owned();
+    let mut table = Table::new("", ["cause", "cells", "largest difference", "explanation"]);
     for cause in Cause::ALL {
         let off: Vec<(f64, Law, &Cell)> = Law::ALL
             .iter()
@@ -94,10 +95,9 @@ fn causes(found: &Regime) -> String {
         let Some((ratio, law, cell)) = off.iter().max_by(|a, b| a.0.ln().abs().total_cmp(&b.0.ln().abs())) else { continue };
         let Cell { phi, epsilon, zeta, .. } = cell;
         let at = format!("{} times ({}, Phi {phi:.3}, epsilon {epsilon:.4}, zeta {zeta})", number(*ratio), law.scene().name());
-        writeln!(text, "| {} | {} | {at} | {} |", cause.name(), off.len(), cause.what()).expect("a string takes all");
+        table.push([cause.name(), &off.len().to_string(), &at, cause.what()]);
     }
-    text.push('\n');
-    text
+    table.markdown() + "\n"
 }
 
 fn rule(found: &Regime) -> String {
@@ -107,22 +107,14 @@ fn rule(found: &Regime) -> String {
 }
 
 fn paper(found: &Regime) -> String {
-    let mut text = "## Where the paper's ants work\n\nUndamped; displacement by theory in brackets.\n\n\
-                    | scene | Phi | epsilon | distance | displacement |\n|---|---|---|---|---|\n"
-        .to_owned();
     let percent = |ratio: Option<f64>| ratio.map_or("nothing moves".to_owned(), |ratio| format!("{:.1} %", 100.0 * ratio));
     let plain = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| format!("{ratio:.3}"));
+    let expected = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| format!(" ({ratio:.3})"));
+    let mut table = Table::new("", ["scene", "Phi", "epsilon", "distance", "displacement"]);
     for CellLine { scene, phi, epsilon, distance_ratio, displacement_ratio, predicted_displacement_ratio, .. } in &found.paper {
-        let expected = predicted_displacement_ratio.map_or_else(String::new, |ratio| format!(" ({ratio:.3})"));
-        let expected = if distance_ratio.is_some() { expected } else { String::new() };
-        writeln!(
-            text,
-            "| {} | {phi} | {epsilon:.4} | {} | {}{expected} |",
-            scene.name(),
-            percent(*distance_ratio),
-            plain(*displacement_ratio)
-        )
-        .expect("a string takes all");
+        let predicted = predicted_displacement_ratio.filter(|_| distance_ratio.is_some());
+        let displacement = plain(*displacement_ratio) + &expected(predicted);
+        table.push([scene.name().to_owned(), phi.to_string(), format!("{epsilon:.4}"), percent(*distance_ratio), displacement]);
     }
-    text
+    format!("## Where the paper's ants work\n\nUndamped; displacement by theory in brackets.\n\n{}", table.markdown())
 }
