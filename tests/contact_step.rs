@@ -283,3 +283,36 @@ fn random_steps_satisfy_the_conditions_of_coulombs_law() {
     let all = survey(0..n);
     assert_eq!(all.n_failed, 0);
 }
+
+#[test]
+fn debug_one() {
+    let Some(list) = std::env::var("CASES").ok() else { return };
+    for i in list.split(',').map(|i| i.parse().unwrap()) {
+        let step = random_step(i);
+        let solution = step.solve();
+        let solver = FrictionSolver::new(&step.ground, step.size);
+        let free = solver.clone().solve(&step.hessian, &step.drive);
+        println!(
+            "{i} {:?} size {:.1e} own residual {:.1e} certificate {:.1e}",
+            class(i),
+            step.size,
+            solution.residual,
+            step.certificate(&solution)
+        );
+        println!("  free {:?} {:.1e} {:?}", free.mode, free.residual, free.increment.as_slice());
+        println!("  {:?} {:?} {:?} {:?}", solution.stage, solution.ground_mode, solution.modes, solution.increment.as_slice());
+        for (row, force) in step.rows.iter().zip(&solution.forces) {
+            let gap = row.gap + row.normal.dot(&solution.increment);
+            println!(
+                "  g {:.3e} n {:.3?} gap {gap:.3e} slip {:.3e} p {:.3e} tau {:.3e}",
+                row.gap,
+                row.normal.as_slice(),
+                row.tangent.dot(&solution.increment),
+                force.normal,
+                force.tangential
+            );
+        }
+        println!("  limits {:?}", step.ground.slip_limits().collect::<Vec<_>>());
+        println!("  forces {:?}", solution.ground_forces.iter().map(|f| f.norm()).collect::<Vec<_>>());
+    }
+}

@@ -39,6 +39,7 @@ pub fn solve_contacts(system: &ContactSystem, solver: &mut FrictionSolver, warm:
         forces: SmallVec::from_elem(SideForce::default(), system.rows.len()),
         modes: SmallVec::from_elem(SideMode::Open, system.rows.len()),
         are_forces_unique: true,
+        is_consistent: true,
         is_stable: true,
         n_iterations: 0,
     };
@@ -53,7 +54,7 @@ pub fn solve_contacts(system: &ContactSystem, solver: &mut FrictionSolver, warm:
         (solution.ending, solution.conflict) = (Ending::Infeasible, conflict);
         return solution;
     }
-    let mut search = Search::new(&problem);
+    let mut search = Search::new(problem);
     let stage = search.run(is_free.then_some(&start));
     counts.n_solves += search.n_solves;
     counts.n_iterations += search.n_iterations;
@@ -70,7 +71,7 @@ fn from_last(problem: &Problem, solver: &FrictionSolver, warm: &ContactSolution,
     let found = newton(problem, mode_by_cone(problem.cones, warm.ground_mode), &warm.modes, &start)?;
     *n_iterations += found.n_iterations;
     let residual = problem.residual_of(&found);
-    (found.is_stable && residual <= ACCEPTED).then_some((found, residual))
+    (found.is_stable && found.is_consistent && residual <= ACCEPTED).then_some((found, residual))
 }
 
 /// Largest violation of the conditions of a step by an increment (m, m, rad), the friction force on

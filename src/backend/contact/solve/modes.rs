@@ -16,7 +16,7 @@
 use smallvec::SmallVec;
 
 use super::linear::{MOST, System, across};
-use super::problem::{Candidate, PerCone, Problem};
+use super::problem::{Candidate, PerCone, Problem, RESTS};
 use super::types::{PerContact, SideForce, SideMode};
 use crate::backend::friction::ContactMode;
 use crate::math::{Mat3, Vec2, Vec3};
@@ -37,8 +37,9 @@ const ROUNDED: f64 = 1e-15;
 const CLOSE: f64 = 1e-11;
 /// Length of the part of a unit row across the others below which it depends on them (1).
 const DEPENDENT: f64 = 1e-9;
-/// Size of an increment that is rounding, over that which is looked for (1).
-const RESTS: f64 = 1e-13;
+/// Error of an equation that depends on others, over the size of the increment, that is rounding
+/// (1).
+pub const CONSISTENT: f64 = 1e-11;
 /// Ridge that stands for the stiffness of directions without any, over the largest one (1).
 const RIDGE: f64 = 1e-10;
 /// Stiffness that stands for a support that sticks, over the largest one (1).
@@ -64,6 +65,12 @@ struct Equation {
     room: f64,
 }
 
+impl Equation {
+    fn error(&self, twist: &Vec3) -> f64 {
+        self.row.dot(twist) - self.target
+    }
+}
+
 /// Answer in these modes near `start`; `None` where Newton's method does not lead to one. It need
 /// not satisfy any inequality.
 pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start: &Start) -> Option<Candidate> {
@@ -73,7 +80,7 @@ pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start:
         ContactMode::Slip => None,
     };
     let equations = equations(problem, pin, modes, start);
-    let (chosen, others) = independent(equations);
+    let (chosen, others) = independent(equations, start.twist);
     let fixed: Vec3 = others.iter().map(|other| other.force * other.direction).sum();
     let mut search = Search { problem, pin, equations: chosen, fixed, twist: *start.twist };
     let (n_iterations, slopes) = search.run()?;
@@ -119,10 +126,11 @@ fn equations(problem: &Problem, pin: Option<usize>, modes: &[SideMode], start: &
     equations
 }
 
-/// Splits the equations into independent ones, those with most room first, and the others.
-fn independent(mut equations: SmallVec<[Equation; 8]>) -> (SmallVec<[Equation; 3]>, SmallVec<[Equation; 8]>) {
+/// Splits the equations into independent ones, those with most room or else most overlap first, and
+/// the others.
+fn independent(mut equations: SmallVec<[Equation; 8]>, twist: &Vec3) -> (SmallVec<[Equation; 3]>, SmallVec<[Equation; 8]>) {
     if equations.len() > 1 {
-        equations.sort_by(|a, b| b.room.total_cmp(&a.room));
+        equations.sort_by(|a, b| b.room.total_cmp(&a.room).then_with(|| a.error(twist).total_cmp(&b.error(twist))));
     }
     let mut basis: SmallVec<[Vec3; 3]> = SmallVec::new();
     let (mut chosen, mut others) = (SmallVec::new(), SmallVec::new());
@@ -197,8 +205,9 @@ impl Search<'_> {
     /// Largest residual, forces over the forces and lengths over the increment (1).
     fn size(&self, imbalance: &Vec3) -> f64 {
         let forces = self.equations.iter().map(|equation| equation.force.abs()).fold(self.problem.force, f64::max);
-        let lengths = self.problem.extent.max(self.twist.amax());
-        let gaps = self.equations.iter().map(|equation| (equation.row.dot(&self.twist) - equation.target).abs() / lengths);
+        let targets = self.equations.iter().map(|equation| equation.target.abs());
+        let lengths = targets.fold(self.twist.amax(), f64::max).max(f64::MIN_POSITIVE);
+        let gaps = self.equations.iter().map(|equation| equation.error(&self.twist).abs() / lengths);
         gaps.fold(imbalance.amax() / forces, f64::max)
     }
 
@@ -218,7 +227,7 @@ impl Search<'_> {
                 system.set(i, 3 + j, -unit * equation.direction[i]);
                 system.set(3 + j, i, equation.row[i]);
             }
-            system.set_right(3 + j, equation.target - equation.row.dot(&self.twist));
+            system.set_right(3 + j, -equation.error(&self.twist));
         }
         let step: [f64; MOST] = system.solve()?;
         self.twist += Vec3::new(step[0], step[1], step[2]);
@@ -269,7 +278,8 @@ impl Search<'_> {
                 forces[k].tangential = -sign * self.problem.rows[k].friction_coefficient * forces[k].normal;
             }
         }
+        let is_consistent = others.iter().all(|other| other.error(&self.twist).abs() <= CONSISTENT * self.problem.lengths(&self.twist));
         let are_forces_unique = others.is_empty();
-        Candidate { twist: self.twist, ground, ground_forces, forces, modes, are_forces_unique, is_stable, n_iterations }
+        Candidate { twist: self.twist, ground, ground_forces, forces, modes, are_forces_unique, is_consistent, is_stable, n_iterations }
     }
 }

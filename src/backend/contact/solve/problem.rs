@@ -19,6 +19,8 @@ pub struct Problem<'a> {
     pub rows: PerContact<ContactRow>,
     /// Size of the increment that is looked for: what lengths are compared with.
     pub extent: f64,
+    /// Largest overlap without an increment.
+    overlap: f64,
     /// Size of the forces: the drive, the limits, and what closing gaps takes.
     pub force: f64,
 }
@@ -33,6 +35,8 @@ pub struct Candidate {
     pub forces: PerContact<SideForce>,
     pub modes: PerContact<SideMode>,
     pub are_forces_unique: bool,
+    /// Whether the increment satisfies the equations of all its modes.
+    pub is_consistent: bool,
     /// Whether a small disturbance of this branch decays.
     pub is_stable: bool,
     pub n_iterations: u32,
@@ -40,6 +44,11 @@ pub struct Candidate {
 
 /// Change of the increment beyond which a slip has a direction, over the size of the increment (1).
 const NO_SLIP: f64 = 1e-13;
+
+/// Size of an increment that is rest, over that which is looked for (1).
+pub const RESTS: f64 = 1e-11;
+/// Rounding of the slip of a support, over the size of the increment (1).
+const ROUNDED_SLIP: f64 = 1e-13;
 
 impl<'a> Problem<'a> {
     /// The step in units of `cones`; `free` is the increment without contacts (scaled), if there is
@@ -54,13 +63,24 @@ impl<'a> Problem<'a> {
         let extent = if extent.is_finite() { extent } else { 1.0 };
         let limits: f64 = cones.limits.iter().sum();
         let force = w.amax() + limits + h.diagonal().amax() * overlap;
-        Self { cones, h, w, rows, extent, force: if force > 0.0 { force } else { 1.0 } }
+        Self { cones, h, w, rows, extent, overlap, force: if force > 0.0 { force } else { 1.0 } }
     }
 
-    /// The step with other coefficients of side friction.
+    /// The step with tolerances for an increment of another size (scaled).
+    pub fn resized(self, extent: f64) -> Self {
+        Self { extent, ..self }
+    }
+
+    /// The step without side friction.
     pub fn frictionless(&self) -> Self {
         let rows = self.rows.iter().map(|row| ContactRow { friction_coefficient: 0.0, ..*row }).collect();
         Self { rows, ..self.clone() }
+    }
+
+    /// What the lengths after an increment are compared with: its size, unless it is rounding.
+    pub fn lengths(&self, twist: &Vec3) -> f64 {
+        let size = twist.amax();
+        if size > RESTS * self.extent { size.max(self.overlap) } else { self.extent }
     }
 
     /// Gap of contact k after an increment.
@@ -81,14 +101,28 @@ impl<'a> Problem<'a> {
     /// Largest violation of the conditions of the step, forces over the forces in it and lengths
     /// over the size of the increment (1).
     pub fn residual(&self, twist: &Vec3, ground_forces: &[Vec2], forces: &[SideForce]) -> f64 {
-        let ground = self.cones.residual(&self.h, &(self.w + self.side_wrench(forces)), twist, ground_forces);
+        let pushes = self.w + self.side_wrench(forces);
+        let scale = self.cones.force_scale(&self.h, &pushes, twist);
+        let balance = (self.h * twist - pushes + self.cones.wrench(ground_forces)).amax() / scale;
+        let ground = (0..self.cones.len()).map(|k| self.ground_residual(k, twist, &ground_forces[k]) / scale);
         let side = (0..self.rows.len()).map(|k| self.side_residual(k, twist, &forces[k]));
-        let worst = side.fold(ground, f64::max);
-        if worst.is_nan() { f64::INFINITY } else { worst }
+        let all = ground.chain(side);
+        // Not a number is a violation.
+        all.fold(balance, |worst, each| if each <= worst { worst } else { each }).abs()
+    }
+
+    /// Force of support k beyond its limit, or across its slip. Slips within rounding have no
+    /// direction, and those not far above have one up to an angle.
+    fn ground_residual(&self, k: usize, twist: &Vec3, force: &Vec2) -> f64 {
+        let (slip, limit) = (self.cones.slip(k, twist), self.cones.limits[k]);
+        let (speed, above) = (slip.norm(), force.norm() - limit);
+        let angle = ROUNDED_SLIP * self.lengths(twist) / speed;
+        if speed == 0.0 || angle >= 1.0 { above } else { above.max(limit - force.dot(&slip) / speed - 0.5 * angle * angle * limit) }
     }
 
     fn side_residual(&self, k: usize, twist: &Vec3, force: &SideForce) -> f64 {
-        let (gap, slip) = (self.gap(k, twist) / self.extent, self.slip(k, twist) / self.extent);
+        let lengths = self.lengths(twist);
+        let (gap, slip) = (self.gap(k, twist) / lengths, self.slip(k, twist) / lengths);
         let (p, tau) = (force.normal / self.force, force.tangential / self.force);
         let limit = self.rows[k].friction_coefficient * p;
         let complementary = p.max(0.0).min(gap.max(0.0));

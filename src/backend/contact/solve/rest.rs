@@ -47,6 +47,7 @@ pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start) -> Option<C
         forces: forces.sides,
         modes: modes.into(),
         are_forces_unique: !is_touched,
+        is_consistent: true,
         is_stable: true,
         n_iterations,
     })

@@ -14,9 +14,9 @@ use nalgebra::{DMatrix, DVector};
 use smallvec::SmallVec;
 
 use super::cones::Relaxed;
-use super::modes::{Start, newton};
+use super::modes::{CONSISTENT, Start, newton};
 use super::path::{Path, follow, sides_of};
-use super::problem::{Candidate, PerCone, Problem};
+use super::problem::{Candidate, PerCone, Problem, RESTS};
 use super::types::{PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::ContactMode;
 use crate::math::{Vec2, Vec3};
@@ -37,11 +37,14 @@ const LONG_ROUNDS: u32 = 25;
 const STEEP: f64 = 0.9;
 /// Slip over the size of the increment below which a contact sticks (1).
 const SLOW: f64 = 1e-7;
+/// Size of the increment, over that without contacts, below which it becomes what lengths are
+/// compared with (1).
+const SMALL: f64 = 0.1;
 /// Contacts up to which all combinations of modes are tried.
 const FEW: usize = 5;
 
 pub struct Search<'a> {
-    problem: &'a Problem<'a>,
+    problem: Problem<'a>,
     pub best: Option<(Candidate, f64)>,
     pub n_solves: u32,
     pub n_iterations: u32,
@@ -56,7 +59,7 @@ struct Guess {
 }
 
 impl<'a> Search<'a> {
-    pub fn new(problem: &'a Problem<'a>) -> Self {
+    pub fn new(problem: Problem<'a>) -> Self {
         Self { problem, best: None, n_solves: 0, n_iterations: 0, starts: Vec::new() }
     }
 
@@ -75,7 +78,7 @@ impl<'a> Search<'a> {
     /// Takes a candidate if it is better than the best; returns whether it is an answer.
     fn consider(&mut self, candidate: Candidate) -> bool {
         let residual = self.problem.residual_of(&candidate);
-        let is_answer = residual <= ACCEPTED && candidate.is_stable;
+        let is_answer = residual <= ACCEPTED && candidate.is_stable && candidate.is_consistent;
         if is_answer || self.best.as_ref().is_none_or(|(_, best)| residual < *best) {
             self.best = Some((candidate, residual));
         }
@@ -83,7 +86,7 @@ impl<'a> Search<'a> {
     }
 
     fn newton(&mut self, guess: &Guess, start: &Start) -> Option<Candidate> {
-        let found = newton(self.problem, guess.ground, &guess.modes, start)?;
+        let found = newton(&self.problem, guess.ground, &guess.modes, start)?;
         self.n_iterations += found.n_iterations;
         Some(found)
     }
@@ -128,7 +131,7 @@ impl<'a> Search<'a> {
         let slip = self.problem.slip(k, &found.twist);
         match found.modes[k] {
             SideMode::Open => self.mode_by_gap(k, &found.twist),
-            _ if normal < 0.0 => SideMode::Open,
+            _ if normal < 0.0 || self.problem.gap(k, &found.twist) > CONSISTENT * self.problem.lengths(&found.twist) => SideMode::Open,
             SideMode::Stick if tangential.abs() > friction * normal => SideMode::Slide { forward: tangential < 0.0 },
             SideMode::Slide { forward } if friction > 0.0 && (slip > 0.0) != forward => SideMode::Stick,
             mode => mode,
@@ -136,8 +139,16 @@ impl<'a> Search<'a> {
     }
 
     fn frictionless(&mut self) -> Option<Stage> {
-        let smooth = self.problem.frictionless();
-        let path = self.follow(&smooth);
+        let mut smooth = self.problem.frictionless();
+        let mut path = self.follow(&smooth);
+        // Where obstacles hold the load back, the increment may be far smaller than without them.
+        let size = path.twist.amax();
+        if path.is_converged && size < SMALL * smooth.extent && size > RESTS * smooth.extent {
+            smooth = smooth.resized(size);
+            self.problem.extent = size;
+            self.starts.clear();
+            path = self.follow(&smooth);
+        }
         let modes = self.modes_of(&smooth, &path);
         let found = polish(&smooth, &path, &sides_of(&path.forces), modes)?;
         self.n_iterations += found.n_iterations;
@@ -176,10 +187,10 @@ impl<'a> Search<'a> {
 
     /// Answer of a convex step and the exact one in the modes that it shows.
     fn relaxed(&mut self, offsets: &[f64]) -> (Relaxed, Option<Candidate>) {
-        let relaxed = Relaxed::new(self.problem, offsets);
+        let relaxed = Relaxed::new(&self.problem, offsets);
         self.count(&relaxed.path);
-        let forces = relaxed.forces(self.problem);
-        let found = polish(self.problem, &relaxed.path, &forces, relaxed.modes(self.problem));
+        let forces = relaxed.forces(&self.problem);
+        let found = polish(&self.problem, &relaxed.path, &forces, relaxed.modes(&self.problem));
         self.n_iterations += found.as_ref().map_or(0, |found| found.n_iterations);
         self.starts.push((relaxed.path.twist, relaxed.path.ground_forces.clone(), forces));
         (relaxed, found)
@@ -214,8 +225,8 @@ impl<'a> Search<'a> {
     /// Newton's method on the slip offsets.
     fn climb(&mut self, mut offsets: PerContact<f64>, mut relaxed: Relaxed) -> bool {
         for round in 0..MOST_ROUNDS {
-            let forces = relaxed.forces(self.problem);
-            let found = polish(self.problem, &relaxed.path, &forces, relaxed.modes(self.problem));
+            let forces = relaxed.forces(&self.problem);
+            let found = polish(&self.problem, &relaxed.path, &forces, relaxed.modes(&self.problem));
             if found.is_some_and(|found| self.consider(found)) {
                 return true;
             }
@@ -230,7 +241,7 @@ impl<'a> Search<'a> {
         let n = offsets.len();
         let slips: PerContact<f64> = (0..n).map(|k| self.problem.slip(k, &relaxed.path.twist)).collect();
         let missing = DVector::from_fn(n, |k, _| slips[k].abs() - offsets[k]);
-        let slope = DMatrix::from_fn(n, n, |k, l| slips[k].signum() * relaxed.slip_by_offset(self.problem, k, l));
+        let slope = DMatrix::from_fn(n, n, |k, l| slips[k].signum() * relaxed.slip_by_offset(&self.problem, k, l));
         if !slope.iter().all(|v| v.is_finite()) {
             return None;
         }
@@ -244,10 +255,10 @@ impl<'a> Search<'a> {
     }
 
     fn smoothed(&mut self) -> bool {
-        let problem = self.problem;
-        let path = self.follow(problem);
-        let modes = self.modes_of(problem, &path);
-        let found = polish(problem, &path, &sides_of(&path.forces), modes);
+        let problem = self.problem.clone();
+        let path = self.follow(&problem);
+        let modes = self.modes_of(&problem, &path);
+        let found = polish(&problem, &path, &sides_of(&path.forces), modes);
         self.n_iterations += found.as_ref().map_or(0, |found| found.n_iterations);
         found.is_some_and(|found| self.consider(found))
     }
@@ -281,14 +292,20 @@ impl<'a> Search<'a> {
 }
 
 /// Exact answer in the modes that the end of a path shows. Where the mode with the ground is not
-/// plain there, others are tried.
+/// plain there, others are tried, and at last rest on all obstacles that touch.
 fn polish(problem: &Problem, path: &Path, forces: &[SideForce], modes: PerContact<SideMode>) -> Option<Candidate> {
     let start = Start { twist: &path.twist, ground_forces: &path.ground_forces, forces };
     let shown = path.ground_mode();
-    let others = [ContactMode::Slip, ContactMode::Stick].into_iter().filter(|other| *other != shown);
+    let closed = |k: usize| if problem.rows[k].friction_coefficient > 0.0 { SideMode::Stick } else { SideMode::Slide { forward: true } };
+    let touching = |k: usize| if problem.rows[k].gap == 0.0 { closed(k) } else { SideMode::Open };
+    let caged: PerContact<SideMode> = (0..modes.len()).map(touching).collect();
+    let guesses = [(shown, &modes), (ContactMode::Slip, &modes), (ContactMode::Stick, &modes), (ContactMode::Stick, &caged)];
     let mut best: Option<(Candidate, f64)> = None;
-    for ground in [shown].into_iter().chain(others) {
-        let Some(found) = newton(problem, ground, &modes, &start) else { continue };
+    for (at, (ground, modes)) in guesses.into_iter().enumerate() {
+        if at > 0 && ground == shown && *modes == *guesses[0].1 {
+            continue;
+        }
+        let Some(found) = newton(problem, ground, modes, &start) else { continue };
         let residual = problem.residual_of(&found);
         if best.as_ref().is_none_or(|(_, least)| residual < *least) {
             best = Some((found, residual));
