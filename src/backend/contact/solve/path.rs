@@ -4,11 +4,12 @@
 //!
 //! ```text
 //! f_i sqrt(|v_i|^2 + e^2) = c_i v_i           support i with the slip v_i = B_i x
-//! p_k y_k = e                                 contact k with the gap y_k > 0
+//! p_k y_k = e                                 contact k; y_k > 0 is its gap plus e p_k
 //! tau_k sqrt(s_k^2 + e^2) = -mu_k p_k s_k     its friction at the slip s_k
 //! ```
 //!
-//! replace the conditions of the step. Newton's method on these products, with the forces as
+//! replace the conditions of the step. The term e p_k keeps forces finite where obstacles hold the
+//! load from all sides. Newton's method on these products, with the forces as
 //! unknowns of their own, follows the path down to e near rounding in some twenty iterations
 //! (Andersen, Christiansen, Conn and Overton 2000, for sums of norms). Without side friction the
 //! step is convex and the path leads to its answer from anywhere. With side friction it starts at
@@ -135,9 +136,9 @@ impl<'a> State<'a> {
         self.rows[j].slip + self.rows[j].tangent.dot(&self.twist)
     }
 
-    /// Overlap of the gap variable of row j with the gap at the twist.
-    fn gap_error(&self, j: usize) -> f64 {
-        self.rows[j].gap + self.rows[j].normal.dot(&self.twist) - self.gaps[j]
+    /// What is missing in the gap variable of row j at the twist and at its force.
+    fn gap_error(&self, j: usize, smoothing: f64) -> f64 {
+        self.rows[j].gap + self.rows[j].normal.dot(&self.twist) + smoothing * self.sides[j].normal - self.gaps[j]
     }
 
     /// Newton step of the twist, and the inverse of the derivative of the imbalance by the twist.
@@ -174,8 +175,8 @@ impl<'a> State<'a> {
     /// Force of row j without a step of the twist, and its derivatives.
     fn side(&self, j: usize, smoothing: f64) -> Side {
         let (SideForce { normal, tangential }, gap, friction) = (self.sides[j], self.gaps[j], self.rows[j].friction_coefficient);
-        let stiffness = normal / gap;
-        let without = smoothing / gap - stiffness * self.gap_error(j);
+        let stiffness = normal / (gap + smoothing * normal);
+        let without = normal + (smoothing - normal * (gap + self.gap_error(j, smoothing))) / (gap + smoothing * normal);
         if friction == 0.0 {
             return Side { normal: without, tangential: 0.0, stiffness, by_slip: 0.0, coupling: 0.0 };
         }
@@ -198,8 +199,8 @@ impl<'a> State<'a> {
         for (j, row) in self.rows.iter().enumerate() {
             let (along, across) = (row.normal.dot(step), row.tangent.dot(step));
             let side = self.side(j, smoothing);
-            let gap = along + self.gap_error(j);
             let normal = side.normal - side.stiffness * along - self.sides[j].normal;
+            let gap = along + smoothing * normal + self.gap_error(j, smoothing);
             let tangential = side.tangential - side.by_slip * across + side.coupling * along - self.sides[j].tangential;
             if gap < 0.0 {
                 share = share.min(-SHARE * self.gaps[j] / gap);
@@ -244,7 +245,7 @@ impl<'a> State<'a> {
             is_converged,
             n_iterations,
             inverse,
-            stiffness: self.sides.iter().zip(&self.gaps).map(|(side, gap)| side.normal / gap).collect(),
+            stiffness: self.sides.iter().zip(&self.gaps).map(|(side, gap)| side.normal / (gap + smoothing * side.normal)).collect(),
         }
     }
 }

@@ -72,7 +72,7 @@ impl<'a> Search<'a> {
             .or_else(|| self.rest_or_slide())
             .or_else(|| self.smoothed().then_some(Stage::Smoothed))
             .or_else(|| self.enumerate().then_some(Stage::Enumeration))
-            .unwrap_or(Stage::Failed)
+            .unwrap_or(if self.best.as_ref().is_some_and(|(_, residual)| *residual <= ACCEPTED) { Stage::Unstable } else { Stage::Failed })
     }
 
     /// Takes a candidate if it is better than the best; returns whether it is an answer.
@@ -185,21 +185,25 @@ impl<'a> Search<'a> {
         (0..problem.rows.len()).map(mode).collect()
     }
 
-    /// Answer of a convex step and the exact one in the modes that it shows.
-    fn relaxed(&mut self, offsets: &[f64]) -> (Relaxed, Option<Candidate>) {
+    /// Answer of a convex step.
+    fn relaxed(&mut self, offsets: &[f64]) -> Relaxed {
         let relaxed = Relaxed::new(&self.problem, offsets);
         self.count(&relaxed.path);
-        let forces = relaxed.forces(&self.problem);
-        let found = polish(&self.problem, &relaxed.path, &forces, relaxed.modes(&self.problem));
-        self.n_iterations += found.as_ref().map_or(0, |found| found.n_iterations);
-        self.starts.push((relaxed.path.twist, relaxed.path.ground_forces.clone(), forces));
-        (relaxed, found)
+        relaxed
+    }
+
+    /// Exact answer in the modes that a convex step shows.
+    fn polished(&mut self, relaxed: &Relaxed) -> Option<Candidate> {
+        let found = polish(&self.problem, &relaxed.path, &relaxed.forces(&self.problem), relaxed.modes(&self.problem))?;
+        self.n_iterations += found.n_iterations;
+        Some(found)
     }
 
     fn rest_or_slide(&mut self) -> Option<Stage> {
         let n = self.problem.rows.len();
-        let (first, found) = self.relaxed(&SmallVec::<[f64; 4]>::from_elem(0.0, n));
-        let rest = found.filter(|found| self.problem.residual_of(found) <= ACCEPTED);
+        let first = self.relaxed(&PerContact::from_elem(0.0, n));
+        self.starts.push((first.path.twist, first.path.ground_forces.clone(), first.forces(&self.problem)));
+        let rest = self.polished(&first).filter(|found| self.problem.residual_of(found) <= ACCEPTED);
         let Some(rest) = rest else { return self.climb(PerContact::from_elem(0.0, n), first).then_some(Stage::Offsets) };
         let sticks: PerContact<bool> = rest.modes.iter().map(|mode| *mode == SideMode::Stick).collect();
         if !sticks.contains(&true) {
@@ -210,7 +214,7 @@ impl<'a> Search<'a> {
             };
         }
         let offsets: PerContact<f64> = sticks.iter().map(|sticks| if *sticks { DISTURBANCE * self.problem.extent } else { 0.0 }).collect();
-        let (disturbed, _) = self.relaxed(&offsets);
+        let disturbed = self.relaxed(&offsets);
         let slip = |k: usize| self.problem.slip(k, &disturbed.path.twist).abs();
         let is_stable = (0..n).all(|k| !sticks[k] || slip(k) <= offsets[k] * (1.0 + ROUNDED));
         if is_stable {
@@ -219,20 +223,18 @@ impl<'a> Search<'a> {
         if self.climb(offsets, disturbed) {
             return Some(Stage::Offsets);
         }
-        self.consider(rest).then_some(Stage::UnstableRest)
+        self.consider(rest).then_some(Stage::Unstable)
     }
 
     /// Newton's method on the slip offsets.
     fn climb(&mut self, mut offsets: PerContact<f64>, mut relaxed: Relaxed) -> bool {
         for round in 0..MOST_ROUNDS {
-            let forces = relaxed.forces(&self.problem);
-            let found = polish(&self.problem, &relaxed.path, &forces, relaxed.modes(&self.problem));
-            if found.is_some_and(|found| self.consider(found)) {
+            if self.polished(&relaxed).is_some_and(|found| self.consider(found)) {
                 return true;
             }
             let Some(step) = self.offset_step(&relaxed, &offsets, round) else { return false };
             offsets.iter_mut().zip(&step).for_each(|(offset, step)| *offset = (*offset + step).max(0.0));
-            relaxed = self.relaxed(&offsets).0;
+            relaxed = self.relaxed(&offsets);
         }
         false
     }

@@ -77,12 +77,13 @@ pub enum Stage {
     StableRest,
     /// The convex step with friction cones and slip offsets.
     Offsets,
-    /// As `StableRest`, but without its stability, where no sliding answer was found.
-    UnstableRest,
     /// The smoothed conditions of Coulomb's law.
     Smoothed,
     /// Newton's method in every combination of modes.
     Enumeration,
+    /// Any method. The answer satisfies all conditions, but a small disturbance of it grows, and no
+    /// stable answer was found.
+    Unstable,
     /// No method.
     Failed,
 }
