@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 use cohaul::backend::contact::{ContactRow, ContactSolution, ContactSystem, Ending, SideMode, Stage, certificate, solve_contacts};
+use cohaul::backend::friction::clarabel;
 use cohaul::backend::friction::{ContactMode, FrictionSolver};
 use cohaul::math::{Mat3, RandomStreams, Stream, Vec2, Vec3, direction, perpendicular};
 use cohaul::model::support::{slip_velocity, wrench_of};
@@ -315,4 +316,229 @@ fn debug_one() {
         println!("  limits {:?}", step.ground.slip_limits().collect::<Vec<_>>());
         println!("  forces {:?}", solution.ground_forces.iter().map(|f| f.norm()).collect::<Vec<_>>());
     }
+}
+
+/// Value of `1/2 x'Hx - w'x + sum_i c_i |B_i x|` (J).
+fn objective(step: &Step, x: &Vec3) -> f64 {
+    let slip = |support: &SupportPoint| slip_velocity(&support.offset, x).norm();
+    let loss: f64 = step.ground.supports.iter().zip(step.ground.slip_limits()).map(|(support, limit)| limit * slip(support)).sum();
+    0.5 * x.dot(&(step.hessian * x)) - step.drive.dot(x) + loss
+}
+
+/// Clarabel's own increments may overlap by its tolerance, which lowers their objective by about
+/// 1e-12 of the energies in it.
+#[test]
+fn without_side_friction_no_increment_has_less_energy_than_ours() {
+    let (mut n_solved, mut worst) = (0, f64::NEG_INFINITY);
+    for i in 0..600 {
+        let mut step = random_step(i);
+        step.rows.iter_mut().for_each(|row| row.friction_coefficient = 0.0);
+        let solution = step.solve();
+        assert!(solution.residual < 1e-11);
+        let other = clarabel::step_with_contacts(&step.ground, step.size, &step.hessian, &step.drive, &step.rows);
+        let overlap = step.rows.iter().map(|row| -(row.gap + row.normal.dot(&other.increment))).fold(0.0, f64::max);
+        let (ours, theirs) = (objective(&step, &solution.increment), objective(&step, &other.increment));
+        let pushed: f64 = solution.forces.iter().map(|force| force.normal).sum();
+        let size = step.drive.component_mul(&other.increment).amax() + objective(&step, &other.increment).abs();
+        worst = worst.max((ours - theirs - pushed * overlap) / size);
+        n_solved += u32::from(other.solved);
+    }
+    println!("solved {n_solved}, worst {worst:e}");
+    assert!(worst < 1e-12);
+    assert!(n_solved > 300);
+}
+
+/// The drive of a step grows by 2 %, and the search starts from its answer.
+#[test]
+fn a_similar_step_takes_three_or_four_iterations() {
+    let (mut n, mut n_warm, mut n_iterations) = (0, 0, 0);
+    for i in 0..2400 {
+        let mut step = random_step(i);
+        let mut solver = FrictionSolver::new(&step.ground, step.size);
+        let solution = solve_contacts(&step.system(), &mut solver, None);
+        if solution.forces.iter().all(|force| force.normal == 0.0) || solution.ground_mode == ContactMode::Stick {
+            continue;
+        }
+        step.drive *= 1.02;
+        let next = solve_contacts(&step.system(), &mut solver, Some(&solution));
+        assert!(step.certificate(&next) < 1e-11, "{i}");
+        n += 1;
+        if next.stage == Stage::Warm {
+            n_warm += 1;
+            n_iterations += next.n_iterations;
+        }
+    }
+    println!("warm {n_warm} of {n}, {:.2} iterations", f64::from(n_iterations) / f64::from(n_warm));
+    assert!(n_warm * 10 > n * 9);
+    assert!(n_iterations <= 4 * n_warm);
+}
+
+fn difference(a: &ContactSolution, b: &Vec3, size: f64) -> f64 {
+    let units = Vec3::new(1.0, 1.0, size);
+    (a.increment - b).component_mul(&units).norm() / (b.component_mul(&units).norm() + f64::MIN_POSITIVE)
+}
+
+#[test]
+fn the_order_of_contacts_does_not_matter() {
+    let mut n_other = 0;
+    for i in 0..2400 {
+        let mut step = random_step(i);
+        let first = step.solve();
+        step.rows.reverse();
+        let second = step.solve();
+        let is_same =
+            difference(&second, &first.increment, step.size) < 1e-9 || first.increment.amax() == 0.0 && second.increment.amax() == 0.0;
+        if !is_same {
+            println!("{i} {:?} {:?} {:?} {:?} {:?}", class(i), first.stage, second.stage, first.modes, second.modes);
+        }
+        n_other += u32::from(!is_same);
+    }
+    assert_eq!(n_other, 0);
+}
+
+/// Everything turned by an angle, and mirrored on the x-axis.
+#[test]
+fn turned_and_mirrored_steps_have_turned_and_mirrored_answers() {
+    let mut n_other = 0;
+    for i in 0..2400 {
+        let step = random_step(i);
+        let first = step.solve();
+        let (sin, cos) = (0.3 + i as f64).sin_cos();
+        for is_mirrored in [false, true] {
+            let flip = if is_mirrored { -1.0 } else { 1.0 };
+            let map = Mat3::new(cos, -sin * flip, 0.0, sin, cos * flip, 0.0, 0.0, 0.0, flip);
+            let mut other = step.clone();
+            other.hessian = map * step.hessian * map.transpose();
+            other.hessian = 0.5 * (other.hessian + other.hessian.transpose());
+            other.drive = map * step.drive;
+            for support in &mut other.ground.supports {
+                support.offset = (map * support.offset.push(0.0)).xy();
+            }
+            for row in &mut other.rows {
+                (row.normal, row.tangent) = (map * row.normal, map * row.tangent);
+            }
+            let second = other.solve();
+            let want = map * first.increment;
+            let is_same = difference(&second, &want, step.size) < 1e-8 || want.amax() == 0.0 && second.increment.amax() == 0.0;
+            if !is_same {
+                println!(
+                    "{i} {:?} {is_mirrored} {:?} {:?} {:?} {:?} {:e}",
+                    class(i),
+                    first.stage,
+                    second.stage,
+                    first.modes,
+                    second.modes,
+                    difference(&second, &want, step.size)
+                );
+            }
+            n_other += u32::from(!is_same);
+        }
+    }
+    assert_eq!(n_other, 0);
+}
+
+/// A load without springs on a random ground, pushed by obstacles that overlap it at first.
+fn pushed_step(i: u64) -> Step {
+    let mut draws = Draws::new(1_000_000 + i);
+    let size = draws.log_between(1e-6, 1e3);
+    let mut ground = ground(&mut draws, size);
+    while ground.supports.len() < 2 {
+        ground = self::ground(&mut draws, size);
+    }
+    let n = 1 + (i % 3) as usize;
+    let normal = draws.direction();
+    let depth = size * draws.log_between(1e-9, 1e-2);
+    let friction = [0.0, 0.3, 1.0][draws.below(3)];
+    let rows = (0..n).map(|_| {
+        let at = size * (draws.between(-1.0, 1.0) * perpendicular(&normal) - 0.7 * normal);
+        let mut row = row(at, normal, -depth * draws.between(0.5, 1.0), friction);
+        row.slip = depth * draws.between(-0.3, 0.3);
+        row
+    });
+    Step { rows: rows.collect(), ground, size, hessian: Mat3::zeros(), drive: Vec3::zeros() }
+}
+
+#[test]
+fn pushed_loads_without_springs_satisfy_coulombs_law() {
+    let mut tally = Tally::default();
+    for i in 0..3000 {
+        let step = pushed_step(i);
+        let solution = step.solve();
+        let residual = step.certificate(&solution);
+        if residual > 1e-11 {
+            println!(
+                "{i} {:?} {} {residual:.1e} {:?} {:?} {:?}",
+                solution.ending, step.rows[0].friction_coefficient, solution.stage, solution.ground_mode, solution.modes
+            );
+        }
+        tally.add(&solution, residual);
+    }
+    tally.print("pushed");
+    assert_eq!(tally.n_failed, 0);
+}
+
+/// Springs that resist in one or two directions only, drawn taut by a drive along these.
+#[test]
+fn loads_on_few_springs_satisfy_coulombs_law() {
+    let mut tally = Tally::default();
+    for i in 0..3000 {
+        let mut step = random_step(i);
+        if step.ground.supports.len() < 2 {
+            continue;
+        }
+        let mut draws = Draws::new(2_000_000 + i);
+        let stiffness = step.hessian.m11.max(step.hessian.m22);
+        step.hessian = Mat3::zeros();
+        step.drive = Vec3::zeros();
+        let total: f64 = step.ground.slip_limits().sum();
+        for _ in 0..1 + draws.below(2) {
+            let (at, along) = (step.size * draws.unit() * draws.direction(), draws.direction());
+            let row = wrench_of(&at, &along);
+            step.hessian += stiffness * row * row.transpose();
+            step.drive += total * draws.log_between(0.1, 10.0) * row;
+        }
+        let solution = step.solve();
+        let residual = step.certificate(&solution);
+        if residual > 1e-11 {
+            println!(
+                "{i} {:?} {} {residual:.1e} {:?} {:?} {:?}",
+                solution.ending, step.rows[0].friction_coefficient, solution.stage, solution.ground_mode, solution.modes
+            );
+        }
+        tally.add(&solution, residual);
+    }
+    tally.print("few springs");
+    assert_eq!(tally.n_failed, 0);
+}
+
+/// Obstacles on all sides, some of which overlap so far that the gaps contradict each other.
+#[test]
+fn squeezes_are_recognised_and_named() {
+    let mut n_squeezed = 0;
+    for i in 0..1200 {
+        let mut step = random_step(i);
+        let mut draws = Draws::new(3_000_000 + i);
+        let n = 2 + draws.below(3);
+        let n = if n == 4 { 3 } else { n };
+        // Normals whose sum with positive shares is zero, through one point.
+        let (at, turn) = (step.size * draws.unit() * draws.direction(), TAU * draws.unit());
+        let reach = step.ground.slip_limits().sum::<f64>() / step.hessian.m11;
+        let off = draws.sign() * reach * draws.log_between(1e-9, 1.0);
+        step.rows = (0..n).map(|k| row(at, direction(turn + TAU * k as f64 / n as f64), 0.0, 0.3)).collect();
+        let shift = Vec3::new(draws.between(-1.0, 1.0) * reach, draws.between(-1.0, 1.0) * reach, 0.0);
+        step.rows.iter_mut().for_each(|row| row.gap = off - row.normal.dot(&shift));
+        step.rows.push(row(at, direction(turn + 0.1), 10.0 * reach, 0.3));
+        let solution = step.solve();
+        if off < 0.0 {
+            n_squeezed += 1;
+            assert_eq!(solution.ending, Ending::Infeasible, "{i} {n} {off:e} {reach:e}");
+            assert_eq!(solution.conflict.to_vec(), (0..n).collect::<Vec<_>>(), "{i}");
+        } else {
+            assert_ne!(solution.ending, Ending::Infeasible, "{i}");
+            if solution.residual > 1e-11 {
+                println!("{i} {n} {:?} {:e} {:e}", solution.stage, off / reach, solution.residual);
+            }
+        }
+    }
+    assert!(n_squeezed > 400);
 }
