@@ -289,7 +289,11 @@ fn random_steps_satisfy_the_conditions_of_coulombs_law() {
 fn debug_one() {
     let Some(list) = std::env::var("CASES").ok() else { return };
     for i in list.split(',').map(|i| i.parse().unwrap()) {
-        let step = random_step(i);
+        let step = match std::env::var("KIND").as_deref() {
+            Ok("few") => step_on_few_springs(i),
+            Ok("pushed") => pushed_step(i),
+            _ => random_step(i),
+        };
         let solution = step.solve();
         let solver = FrictionSolver::new(&step.ground, step.size);
         let free = solver.clone().solve(&step.hessian, &step.drive);
@@ -477,26 +481,28 @@ fn pushed_loads_without_springs_satisfy_coulombs_law() {
     assert_eq!(tally.n_failed, 0);
 }
 
-/// Springs that resist in one or two directions only, drawn taut by a drive along these.
+/// A step whose springs resist in one or two directions only, drawn taut by a drive along these.
+fn step_on_few_springs(i: u64) -> Step {
+    let mut step = random_step(i);
+    let mut draws = Draws::new(2_000_000 + i);
+    let stiffness = step.hessian.m11.max(step.hessian.m22);
+    step.hessian = Mat3::zeros();
+    step.drive = Vec3::zeros();
+    let total: f64 = step.ground.slip_limits().sum();
+    for _ in 0..1 + draws.below(2) {
+        let (at, along) = (step.size * draws.unit() * draws.direction(), draws.direction());
+        let row = wrench_of(&at, &along);
+        step.hessian += stiffness * row * row.transpose();
+        step.drive += total * draws.log_between(0.1, 10.0) * row;
+    }
+    step
+}
+
 #[test]
 fn loads_on_few_springs_satisfy_coulombs_law() {
     let mut tally = Tally::default();
-    for i in 0..3000 {
-        let mut step = random_step(i);
-        if step.ground.supports.len() < 2 {
-            continue;
-        }
-        let mut draws = Draws::new(2_000_000 + i);
-        let stiffness = step.hessian.m11.max(step.hessian.m22);
-        step.hessian = Mat3::zeros();
-        step.drive = Vec3::zeros();
-        let total: f64 = step.ground.slip_limits().sum();
-        for _ in 0..1 + draws.below(2) {
-            let (at, along) = (step.size * draws.unit() * draws.direction(), draws.direction());
-            let row = wrench_of(&at, &along);
-            step.hessian += stiffness * row * row.transpose();
-            step.drive += total * draws.log_between(0.1, 10.0) * row;
-        }
+    for i in (0..3000).filter(|i| random_step(*i).ground.supports.len() > 1) {
+        let step = step_on_few_springs(i);
         let solution = step.solve();
         let residual = step.certificate(&solution);
         if residual > 1e-11 {

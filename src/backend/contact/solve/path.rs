@@ -28,6 +28,10 @@ const MOST_ITERATIONS: u32 = 80;
 const END: f64 = 1e-13;
 /// Imbalance at the end (1).
 const BALANCED: f64 = 1e-11;
+/// Error of a condition over the smoothing that does not matter (1).
+const NEAR: f64 = 10.0;
+/// Rounding of a gap, over the gap (1).
+const ROUNDED: f64 = 1e-15;
 /// Share of the way to a limit that a step may go (1).
 const SHARE: f64 = 0.97;
 
@@ -79,7 +83,7 @@ pub fn follow(problem: &Problem, rows: &[ContactRow]) -> Path {
         let Some((step, found)) = state.newton_step(smoothing) else { break };
         inverse = found;
         let share = state.advance(&step, smoothing);
-        if smoothing <= END && state.imbalance().amax() <= BALANCED {
+        if smoothing <= END && state.is_solved(smoothing) {
             is_converged = true;
             break;
         }
@@ -130,6 +134,23 @@ impl<'a> State<'a> {
     fn imbalance(&self) -> Vec3 {
         let sides: Vec3 = self.rows.iter().zip(&self.sides).map(|(row, f)| f.normal * row.normal + f.tangential * row.tangent).sum();
         self.h * self.twist - self.w + self.problem.cones.wrench(&self.ground) - sides
+    }
+
+    /// Whether all conditions of the smoothed step hold, as far as it matters.
+    fn is_solved(&self, smoothing: f64) -> bool {
+        let near = NEAR * smoothing;
+        let support = |k: usize| {
+            let slip = self.problem.cones.slip(k, &self.twist);
+            let speed = (slip.norm_squared() + smoothing * smoothing).sqrt();
+            (self.ground[k] * speed - self.limits[k] * slip).norm() <= near * self.limits[k]
+        };
+        let row = |j: usize| {
+            let (SideForce { normal, tangential }, gap, friction) = (self.sides[j], self.gaps[j], self.rows[j].friction_coefficient);
+            let slip = self.slip_of(j);
+            let slips = tangential * slip.hypot(smoothing) + friction * normal * slip;
+            normal * gap <= near && self.gap_error(j, smoothing).abs() <= near + ROUNDED * gap && slips.abs() <= near * normal.max(1.0)
+        };
+        self.imbalance().amax() <= BALANCED && (0..self.ground.len()).all(support) && (0..self.rows.len()).all(row)
     }
 
     fn slip_of(&self, j: usize) -> f64 {
