@@ -475,6 +475,9 @@ fn pushed_loads_without_springs_satisfy_coulombs_law() {
                 solution.ending, step.rows[0].friction_coefficient, solution.stage, solution.ground_mode, solution.modes
             );
         }
+        if solution.stage >= Stage::Smoothed {
+            println!("push {i} {} {:?} {:?} {:?}", step.rows[0].friction_coefficient, solution.stage, solution.ground_mode, solution.modes);
+        }
         tally.add(&solution, residual);
     }
     tally.print("pushed");

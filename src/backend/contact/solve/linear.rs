@@ -29,6 +29,24 @@ impl System {
     /// finite.
     pub fn solve(mut self) -> Option<[f64; MOST]> {
         let n = self.n;
+        self.eliminate();
+        let mut x = [0.0; MOST];
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|j| self.entries[i][j] * x[j]).sum();
+            x[i] = (self.entries[i][n] - known) / self.entries[i][i];
+        }
+        x[..n].iter().all(|v| v.is_finite()).then_some(x)
+    }
+
+    /// Sign of the determinant.
+    pub fn sign(mut self) -> f64 {
+        let sign = self.eliminate();
+        (0..self.n).map(|i| self.entries[i][i]).fold(sign, |sign, pivot| if pivot == 0.0 { 0.0 } else { sign * pivot.signum() })
+    }
+
+    /// Makes the matrix upper triangular; returns the sign of the exchanges of rows.
+    fn eliminate(&mut self) -> f64 {
+        let (n, mut sign) = (self.n, 1.0);
         for row in &mut self.entries[..n] {
             let size = row[..n].iter().fold(0.0f64, |size, v| size.max(v.abs()));
             if size > 0.0 {
@@ -36,9 +54,16 @@ impl System {
             }
         }
         for j in 0..n {
-            let pivot = (j..n).max_by(|a, b| self.entries[*a][j].abs().total_cmp(&self.entries[*b][j].abs()))?;
-            self.entries.swap(j, pivot);
+            let larger = |a: usize, b: usize| if self.entries[b][j].abs() > self.entries[a][j].abs() { b } else { a };
+            let pivot = (j..n).fold(j, larger);
+            if pivot != j {
+                self.entries.swap(j, pivot);
+                sign = -sign;
+            }
             let leading = self.entries[j];
+            if leading[j] == 0.0 {
+                continue;
+            }
             for i in j + 1..n {
                 let share = self.entries[i][j] / leading[j];
                 for (entry, above) in self.entries[i][j..=n].iter_mut().zip(&leading[j..=n]) {
@@ -46,12 +71,7 @@ impl System {
                 }
             }
         }
-        let mut x = [0.0; MOST];
-        for i in (0..n).rev() {
-            let known: f64 = (i + 1..n).map(|j| self.entries[i][j] * x[j]).sum();
-            x[i] = (self.entries[i][n] - known) / self.entries[i][i];
-        }
-        x[..n].iter().all(|v| v.is_finite()).then_some(x)
+        sign
     }
 }
 

@@ -41,10 +41,7 @@ const DEPENDENT: f64 = 1e-9;
 /// (1).
 pub const CONSISTENT: f64 = 1e-11;
 /// Ridge that stands for the stiffness of directions without any, over the largest one (1).
-const RIDGE: f64 = 1e-10;
-/// Stiffness that stands for a support that sticks, over the largest one (1).
-const PIN: f64 = 1e8;
-
+const RIDGE: f64 = 1e-12;
 /// What the force of a row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Owner {
@@ -235,27 +232,46 @@ impl Search<'_> {
         Some(())
     }
 
-    /// Whether all principal minors of `R C D'` are positive, with C the inverse of the `slopes`:
-    /// a small violation of any of the rows is then driven back by its force.
+    /// Whether all principal minors of `R C D'` are positive, with C the inverse of the `slopes`
+    /// where the sticking support lets the load move: a small violation of any of the rows is then
+    /// driven back by its force.
     fn is_stable(&self, slopes: &Mat3, modes: &[SideMode]) -> bool {
-        let slides = |k: usize| matches!(modes[k], SideMode::Slide { .. }) && self.problem.rows[k].friction_coefficient > 0.0;
-        let (pinned, rows): (SmallVec<[&Equation; 3]>, SmallVec<[&Equation; 3]>) =
-            self.equations.iter().partition(|equation| matches!(equation.owner, Owner::Support(..)));
-        if !rows.iter().any(|row| matches!(row.owner, Owner::Normal(k) if slides(k))) {
-            return true;
+        let rows = 0..self.equations.len();
+        let is_of_support = |j: &usize| matches!(self.equations[*j].owner, Owner::Support(..));
+        let slides = |j: &usize| {
+            let Owner::Normal(k) = self.equations[*j].owner else { return false };
+            matches!(modes[k], SideMode::Slide { .. }) && self.problem.rows[k].friction_coefficient > 0.0
+        };
+        let contacts: SmallVec<[usize; 3]> = rows.clone().filter(|j| !is_of_support(j)).collect();
+        let supports: SmallVec<[usize; 3]> = rows.filter(is_of_support).collect();
+        (1..1usize << contacts.len()).all(|group| {
+            let mut chosen: SmallVec<[usize; 3]> =
+                contacts.iter().enumerate().filter(|(bit, _)| group >> bit & 1 == 1).map(|(_, j)| *j).collect();
+            // Rows whose forces act along them have positive minors.
+            if !chosen.iter().any(slides) {
+                return true;
+            }
+            let sign = if supports.len() % 2 == 0 { 1.0 } else { -1.0 };
+            chosen.extend(supports.iter().copied());
+            sign * self.bordered(slopes, &chosen).sign() > 0.0
+        })
+    }
+
+    /// The `slopes` with the rows of some equations below, and their directions beside. Its
+    /// determinant has the sign of that of `R C D'`, times -1 for each row of a support.
+    fn bordered(&self, slopes: &Mat3, chosen: &[usize]) -> System {
+        let mut system = System::new(3 + chosen.len());
+        let size = slopes.amax().max(f64::MIN_POSITIVE);
+        for i in 0..3 {
+            for j in 0..3 {
+                system.set(i, j, slopes[(i, j)] / size + if i == j { RIDGE } else { 0.0 });
+            }
+            for (j, equation) in chosen.iter().map(|j| &self.equations[*j]).enumerate() {
+                system.set(i, 3 + j, -equation.direction[i]);
+                system.set(3 + j, i, equation.row[i]);
+            }
         }
-        let size = slopes.amax();
-        let mut all = slopes + Mat3::from_diagonal_element(RIDGE * size);
-        for pin in pinned {
-            all += PIN * size * pin.row * pin.row.transpose();
-        }
-        let Some(inverse) = all.try_inverse() else { return false };
-        let entry = |i: usize, j: usize| rows[i].row.dot(&(inverse * rows[j].direction));
-        let n = rows.len();
-        let pair = |i: usize, j: usize| entry(i, i) * entry(j, j) - entry(i, j) * entry(j, i);
-        (0..n).all(|i| entry(i, i) > 0.0)
-            && (0..n).all(|i| (0..i).all(|j| pair(i, j) > 0.0))
-            && (n < 3 || Mat3::from_fn(entry).determinant() > 0.0)
+        system
     }
 
     fn candidate(self, ground: ContactMode, modes: &[SideMode], others: &[Equation], is_stable: bool, n_iterations: u32) -> Candidate {
