@@ -205,11 +205,18 @@ fn random_step(i: u64) -> Step {
     let drive = drive(&mut draws, class.load, &ground, size, &hessian);
     let reach = total / stiffness;
     let friction = [0.0, 0.3, 1.0, 2.0][draws.below(4)];
+    // All obstacles together move by this twist in the step, in a third of the steps.
+    let motion = if draws.unit() < 0.3 {
+        reach * Vec3::new(draws.between(-1.0, 1.0), draws.between(-1.0, 1.0), draws.between(-1.0, 1.0) / size)
+    } else {
+        Vec3::zeros()
+    };
     let rows = contacts(&mut draws, class.geometry, class.n, size)
         .into_iter()
         .map(|(point, normal)| {
             let gap = if class.is_closed { 0.0 } else { reach * draws.log_between(1e-3, 3.0) };
-            row(point, normal, gap, friction)
+            let row = row(point, normal, gap, friction);
+            ContactRow { gap: gap - row.normal.dot(&motion), slip: -row.tangent.dot(&motion), ..row }
         })
         .collect();
     Step { ground, size, hessian, drive, rows }
@@ -292,6 +299,7 @@ fn debug_one() {
         let step = match std::env::var("KIND").as_deref() {
             Ok("few") => step_on_few_springs(i),
             Ok("pushed") => pushed_step(i),
+            Ok("over") => overlapped_step(i),
             _ => random_step(i),
         };
         let solution = step.solve();
@@ -482,6 +490,43 @@ fn pushed_loads_without_springs_satisfy_coulombs_law() {
     }
     tally.print("pushed");
     assert_eq!(tally.n_failed, 0);
+}
+
+/// Obstacles that overlap the load at first, as after a step of their own.
+fn overlapped_step(i: u64) -> Step {
+    let mut step = random_step(i);
+    let mut draws = Draws::new(4_000_000 + i);
+    let reach = step.ground.slip_limits().sum::<f64>() / step.hessian.m11;
+    step.rows.iter_mut().for_each(|row| row.gap = -reach * draws.log_between(1e-4, 1.0));
+    step
+}
+
+#[test]
+fn overlapped_steps_satisfy_coulombs_law_where_anything_does() {
+    let (mut tally, mut n_squeezed) = (Tally::default(), 0);
+    for i in 0..4800 {
+        let step = overlapped_step(i);
+        let solution = step.solve();
+        if solution.ending == Ending::Infeasible {
+            n_squeezed += 1;
+            continue;
+        }
+        let residual = step.certificate(&solution);
+        if residual > 1e-11 {
+            println!(
+                "over {i} {:?} {:?} {} {residual:.1e} {:?} {:?} {:?}",
+                class(i),
+                solution.ending,
+                step.rows[0].friction_coefficient,
+                solution.stage,
+                solution.ground_mode,
+                solution.modes
+            );
+        }
+        tally.add(&solution, residual);
+    }
+    println!("squeezed {n_squeezed}");
+    tally.print("overlapped");
 }
 
 /// A step whose springs resist in one or two directions only, drawn taut by a drive along these.
