@@ -4,6 +4,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+use nalgebra::{DMatrix, DVector};
+
 use cohaul::backend::contact::{ContactRow, ContactSolution, ContactSystem, Ending, SideMode, Stage, certificate, solve_contacts};
 use cohaul::backend::friction::clarabel;
 use cohaul::backend::friction::{ContactMode, FrictionSolver};
@@ -527,6 +529,83 @@ fn overlapped_steps_satisfy_coulombs_law_where_anything_does() {
     }
     println!("squeezed {n_squeezed}");
     tally.print("overlapped");
+}
+
+/// Whether any modes of the contacts satisfy all conditions of a step without ground friction, in
+/// which each combination of modes is a linear problem.
+fn has_linear_answer(step: &Step) -> bool {
+    let n = step.rows.len();
+    (0..4usize.pow(n as u32)).any(|code| {
+        let modes: Vec<usize> = (0..n).map(|k| code / 4usize.pow(k as u32) % 4).collect();
+        let (mut rows, mut directions, mut targets) = (Vec::new(), Vec::new(), Vec::new());
+        for (row, mode) in step.rows.iter().zip(&modes) {
+            let sign = [0.0, 0.0, 1.0, -1.0][*mode];
+            if *mode > 0 {
+                rows.push(row.normal);
+                directions.push(row.normal - sign * row.friction_coefficient * row.tangent);
+                targets.push(-row.gap);
+            }
+            if *mode == 1 {
+                rows.push(row.tangent);
+                directions.push(row.tangent);
+                targets.push(-row.slip);
+            }
+        }
+        let (m, inverse) = (rows.len(), step.hessian.try_inverse().unwrap());
+        let matrix: DMatrix<f64> = DMatrix::from_fn(m, m, |i, j| rows[i].dot(&(inverse * directions[j])));
+        let size = if m > 0 { matrix.amax() } else { 0.0 };
+        let right = DVector::from_fn(m, |i, _| targets[i] - rows[i].dot(&(inverse * step.drive)));
+        let forces = if m > 0 { matrix.svd(true, true).solve(&right, 1e-10 * size).unwrap() } else { right };
+        let pushes: Vec3 = directions.iter().zip(forces.iter()).map(|(direction, force)| *force * direction).sum();
+        let x = inverse * (step.drive + pushes);
+        let (length, force) = (1e-7 * step.rows.iter().map(|row| row.gap.abs()).fold(0.0, f64::max), 1e-7 * forces.amax());
+        let holds = rows.iter().zip(&targets).all(|(row, target)| (row.dot(&x) - target).abs() < length);
+        let mut next = forces.iter();
+        holds
+            && step.rows.iter().zip(&modes).all(|(row, mode)| {
+                let (gap, slip) = (row.gap + row.normal.dot(&x), row.slip + row.tangent.dot(&x));
+                if *mode == 0 {
+                    return gap > -length;
+                }
+                let normal = *next.next().unwrap();
+                let agrees = match mode {
+                    1 => next.next().unwrap().abs() <= row.friction_coefficient * normal + force,
+                    2 => slip > -length,
+                    _ => slip < length,
+                };
+                normal > -force && agrees
+            })
+    })
+}
+
+/// Obstacles that move independently may wedge the load so that no increment satisfies Coulomb's
+/// law, even where one keeps all gaps open. Without ground friction every combination of modes is a
+/// linear problem, which tells.
+#[test]
+fn wedged_loads_without_ground_friction_are_solved_exactly_where_they_can_be() {
+    let (mut n_solved, mut n_without) = (0, 0);
+    for i in 0..4800 {
+        let mut step = overlapped_step(i);
+        if step.rows.len() > 3 {
+            continue;
+        }
+        step.ground.friction_coefficient = 0.0;
+        let solution = step.solve();
+        let is_solved = solution.ending == Ending::Converged;
+        if is_solved != has_linear_answer(&step) {
+            println!(
+                "wedge {i} {:?} mu {} {:?} {:?} {:e}",
+                class(i),
+                step.rows[0].friction_coefficient,
+                solution.ending,
+                solution.stage,
+                solution.residual
+            );
+        }
+        n_solved += u32::from(is_solved);
+        n_without += u32::from(!is_solved);
+    }
+    println!("wedged: solved {n_solved}, without an answer {n_without}");
 }
 
 /// A step whose springs resist in one or two directions only, drawn taut by a drive along these.

@@ -8,7 +8,7 @@ use super::problem::{Candidate, PerCone, Problem};
 use super::search::{ACCEPTED, Search};
 use super::types::{ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::cones::Cones;
-use crate::backend::friction::{ContactMode, FrictionSolver};
+use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver};
 use crate::math::{Vec2, Vec3};
 
 /// Residual up to which an answer is reported as one (1).
@@ -18,39 +18,24 @@ const CONVERGED: f64 = 1e-11;
 /// last answer becomes this one. `warm` is the answer of a similar step, from which the search
 /// starts.
 pub fn solve_contacts(system: &ContactSystem, solver: &mut FrictionSolver, warm: Option<&ContactSolution>) -> ContactSolution {
-    let mut n_iterations = 0;
-    if let Some(warm) = warm.filter(|warm| warm.modes.len() == system.rows.len()) {
-        let problem = Problem::new(solver.cones(), system, Some(solver.cones().scaled_twist(&warm.increment)));
-        if let Some((candidate, residual)) = from_last(&problem, solver, warm, &mut n_iterations) {
-            let counts = Counts { n_solves: 0, n_iterations };
-            return Answer { candidate, residual, stage: Stage::Warm, counts }.keep(solver);
-        }
+    let mut counts = Counts { n_solves: 0, n_iterations: 0 };
+    let warm = warm.filter(|warm| warm.modes.len() == system.rows.len());
+    if let Some((candidate, residual)) = warm.and_then(|warm| from_last(system, solver.cones(), warm, &mut counts)) {
+        return Answer { candidate, residual, stage: Stage::Warm, counts }.keep(solver);
     }
     let free = solver.solve(system.hessian, system.drive);
-    let mut counts = Counts { n_solves: 1, n_iterations: n_iterations + free.n_iterations };
-    let cones = solver.cones().clone();
+    counts = Counts { n_solves: 1, n_iterations: counts.n_iterations + free.n_iterations };
+    let start = untouched(&free, solver, system.rows.len());
     let is_free = free.residual <= ACCEPTED;
-    let twist = is_free.then(|| cones.scaled_twist(&free.increment));
-    let problem = Problem::new(&cones, system, twist);
-    let mut start = Candidate {
-        twist: cones.scaled_twist(&free.increment),
-        ground: mode_by_cone(&cones, free.mode),
-        ground_forces: solver.warm_start().forces.iter().copied().collect(),
-        forces: SmallVec::from_elem(SideForce::default(), system.rows.len()),
-        modes: SmallVec::from_elem(SideMode::Open, system.rows.len()),
-        are_forces_unique: true,
-        is_consistent: true,
-        is_stable: true,
-        n_iterations: 0,
-    };
+    let problem = Problem::new(solver.cones(), system, is_free.then_some(start.twist));
     let residual = problem.residual_of(&start);
     if residual <= ACCEPTED {
         return Answer { candidate: start, residual, stage: Stage::Free, counts }.keep(solver);
     }
     let conflict = conflict(&problem);
     if !conflict.is_empty() {
-        start.twist = Vec3::zeros();
-        let mut solution = Answer { candidate: start, residual: f64::INFINITY, stage: Stage::Failed, counts }.keep(solver);
+        let candidate = Candidate { twist: Vec3::zeros(), ..start };
+        let mut solution = Answer { candidate, residual: f64::INFINITY, stage: Stage::Failed, counts }.keep(solver);
         (solution.ending, solution.conflict) = (Ending::Infeasible, conflict);
         return solution;
     }
@@ -58,20 +43,49 @@ pub fn solve_contacts(system: &ContactSystem, solver: &mut FrictionSolver, warm:
     let stage = search.run(is_free.then_some(&start));
     counts.n_solves += search.n_solves;
     counts.n_iterations += search.n_iterations;
-    let (candidate, residual) = search.best.take().map_or((start, f64::INFINITY), |(candidate, residual)| (candidate, residual));
+    let (candidate, residual) = search.best.take().unwrap_or((start, f64::INFINITY));
     Answer { candidate, residual, stage, counts }.keep(solver)
 }
 
+/// The answer of the cone problem as one in which nothing touches.
+fn untouched(free: &FrictionSolution, solver: &FrictionSolver, n_contacts: usize) -> Candidate {
+    let cones = solver.cones();
+    Candidate {
+        twist: cones.scaled_twist(&free.increment),
+        ground: mode_by_cone(cones, free.mode),
+        ground_forces: solver.warm_start().forces.iter().copied().collect(),
+        forces: SmallVec::from_elem(SideForce::default(), n_contacts),
+        modes: SmallVec::from_elem(SideMode::Open, n_contacts),
+        are_forces_unique: true,
+        is_consistent: true,
+        is_stable: true,
+        n_iterations: 0,
+    }
+}
+
 /// Newton's method in the modes of the last answer; an answer only where all conditions hold.
-fn from_last(problem: &Problem, solver: &FrictionSolver, warm: &ContactSolution, n_iterations: &mut u32) -> Option<(Candidate, f64)> {
-    let forces: PerContact<SideForce> = warm.forces.iter().map(|force| scaled_force(problem.cones, force)).collect();
-    let ground_forces = cone_forces(problem.cones, &warm.ground_forces);
-    let twist = solver.cones().scaled_twist(&warm.increment);
-    let start = Start { twist: &twist, ground_forces: &ground_forces, forces: &forces };
-    let found = newton(problem, mode_by_cone(problem.cones, warm.ground_mode), &warm.modes, &start)?;
-    *n_iterations += found.n_iterations;
+fn from_last(system: &ContactSystem, cones: &Cones, last: &ContactSolution, counts: &mut Counts) -> Option<(Candidate, f64)> {
+    let (problem, found) = newton_from(system, cones, last.ground_mode, &last.modes, last)?;
+    counts.n_iterations += found.n_iterations;
     let residual = problem.residual_of(&found);
     (found.is_stable && found.is_consistent && residual <= ACCEPTED).then_some((found, residual))
+}
+
+/// Newton's method from `start` in given modes.
+fn newton_from<'a>(
+    system: &ContactSystem,
+    cones: &'a Cones,
+    ground_mode: ContactMode,
+    modes: &[SideMode],
+    start: &ContactSolution,
+) -> Option<(Problem<'a>, Candidate)> {
+    let twist = cones.scaled_twist(&start.increment);
+    let problem = Problem::new(cones, system, Some(twist));
+    let forces: PerContact<SideForce> = start.forces.iter().map(|force| scaled_force(cones, force)).collect();
+    let ground_forces = cone_forces(cones, &start.ground_forces);
+    let start = Start { twist: &twist, ground_forces: &ground_forces, forces: &forces };
+    let found = newton(&problem, mode_by_cone(cones, ground_mode), modes, &start)?;
+    Some((problem, found))
 }
 
 /// Largest violation of the conditions of a step by an increment (m, m, rad), the friction force on
@@ -95,12 +109,7 @@ pub fn mode_newton(
     start: &ContactSolution,
 ) -> Option<ContactSolution> {
     let cones = solver.cones();
-    let twist = cones.scaled_twist(&start.increment);
-    let problem = Problem::new(cones, system, Some(twist));
-    let forces: PerContact<SideForce> = start.forces.iter().map(|force| scaled_force(cones, force)).collect();
-    let ground_forces = cone_forces(cones, &start.ground_forces);
-    let start = Start { twist: &twist, ground_forces: &ground_forces, forces: &forces };
-    let candidate = newton(&problem, mode_by_cone(cones, ground_mode), modes, &start)?;
+    let (problem, candidate) = newton_from(system, cones, ground_mode, modes, start)?;
     let counts = Counts { n_solves: 0, n_iterations: candidate.n_iterations };
     let residual = problem.residual_of(&candidate);
     Some(Answer { candidate, residual, stage: Stage::Warm, counts }.solution(cones))

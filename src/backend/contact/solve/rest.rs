@@ -13,30 +13,19 @@ use crate::backend::friction::cones::slip_gram;
 use crate::math::{Mat3, PositiveDefinite, Vec2, Vec3};
 use crate::model::support::slip_velocity;
 
-/// Rounds at most. The room changes with the forces, and each round takes it anew.
-const MOST_ROUNDS: u32 = 8;
-/// Imbalance over the forces that is rounding (1).
-const ROUNDED: f64 = 1e-16;
+/// Rounds: the second one balances what rounding has left.
+const N_ROUNDS: u32 = 2;
 /// Least room, over the limit (1).
 const LEAST_ROOM: f64 = 1e-9;
-/// Share of its limit to which a force beyond it is moved back (1).
-const WITHIN: f64 = 0.999;
+/// Ridge for forces that do not span all wrenches, over the largest entry (1).
+const RIDGE: f64 = 1e-15;
 
 /// Rest with forces near those of `start`; `None` where they cannot balance.
 pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start) -> Option<Candidate> {
     let mut forces =
         Forces { problem, modes, ground: start.ground_forces.iter().copied().collect(), sides: start.forces.iter().copied().collect() };
     forces.open();
-    let mut n_iterations = 0;
-    for round in 0..MOST_ROUNDS {
-        let missing = forces.missing();
-        if missing.amax() <= ROUNDED * problem.force {
-            break;
-        }
-        if round > 0 && !forces.are_within() {
-            forces.move_back();
-        }
-        n_iterations += 1;
+    for _ in 0..N_ROUNDS {
         forces.change(&forces.missing())?;
     }
     let is_touched = modes.iter().any(|mode| *mode != SideMode::Open);
@@ -49,7 +38,7 @@ pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start) -> Option<C
         are_forces_unique: !is_touched,
         is_consistent: true,
         is_stable: true,
-        n_iterations,
+        n_iterations: N_ROUNDS,
     })
 }
 
@@ -86,32 +75,6 @@ impl Forces<'_> {
         self.problem.w + self.problem.side_wrench(&self.sides) - self.problem.cones.wrench(&self.ground)
     }
 
-    fn are_within(&self) -> bool {
-        let limits = &self.problem.cones.limits;
-        self.ground.iter().zip(limits).all(|(force, limit)| force.norm() <= *limit)
-            && (0..self.sides.len()).all(|k| {
-                let SideForce { normal, tangential } = self.sides[k];
-                normal >= 0.0 && tangential.abs() <= self.friction(k) * normal
-            })
-    }
-
-    fn move_back(&mut self) {
-        for (force, limit) in self.ground.iter_mut().zip(&self.problem.cones.limits) {
-            let size = force.norm();
-            if size > *limit {
-                *force *= WITHIN * limit / size;
-            }
-        }
-        for k in 0..self.sides.len() {
-            let friction = self.friction(k);
-            let side = &mut self.sides[k];
-            side.normal = side.normal.max(0.0);
-            if side.tangential.abs() > friction * side.normal {
-                side.tangential = WITHIN * friction * side.normal * side.tangential.signum();
-            }
-        }
-    }
-
     /// Adds the least change that balances `missing`, in units of the room of each force.
     fn change(&mut self, missing: &Vec3) -> Option<()> {
         let Problem { cones, rows, force, .. } = self.problem;
@@ -135,7 +98,7 @@ impl Forces<'_> {
         for (_, _, column, room) in &columns {
             gram += *room * column * column.transpose();
         }
-        gram += Mat3::from_diagonal_element(1e-15 * gram.amax());
+        gram += Mat3::from_diagonal_element(RIDGE * gram.amax());
         let twist = PositiveDefinite::new(&gram)?.solve(missing);
         for ((force, offset), room) in self.ground.iter_mut().zip(&cones.offsets).zip(&ground_room) {
             *force += *room * slip_velocity(offset, &twist);

@@ -41,7 +41,7 @@ const SLOW: f64 = 1e-7;
 /// compared with (1).
 const SMALL: f64 = 0.1;
 /// Contacts up to which all combinations of modes are tried.
-const FEW: usize = 5;
+const FEW: usize = 4;
 
 pub struct Search<'a> {
     problem: Problem<'a>,
