@@ -4,14 +4,13 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{DMatrix, DVector};
-
 use cohaul::backend::contact::{ContactRow, ContactSolution, ContactSystem, Ending, SideMode, Stage, certificate, solve_contacts};
 use cohaul::backend::friction::clarabel;
 use cohaul::backend::friction::{ContactMode, FrictionSolver};
 use cohaul::math::{Mat3, RandomStreams, Stream, Vec2, Vec3, direction, perpendicular};
 use cohaul::model::support::{slip_velocity, wrench_of};
 use cohaul::model::{Ground, SupportPoint};
+use nalgebra::{DMatrix, DVector};
 
 /// Uniform draws in (0, 1), one after the other.
 struct Draws {
@@ -191,7 +190,7 @@ fn class(i: u64) -> Class {
     Class {
         geometry: [Geometry::Flat, Geometry::Corner, Geometry::Wedge, Geometry::Posts][i % 4],
         load: [Load::Driven, Load::NearRest, Load::Pinned][i / 4 % 3],
-        is_closed: i / 12 % 2 == 0,
+        is_closed: (i / 12).is_multiple_of(2),
         n: 1 + i / 24 % 4,
     }
 }
@@ -623,7 +622,7 @@ fn a_box_drawn_along_a_wall_moves_and_presses_as_known() {
 fn a_box_that_can_slide_does_not_rest() {
     let (limit, pressure, friction, stiffness) = (21.9744, 13.28, 0.3, 0.664);
     let at_onset = (limit + friction * pressure) / stiffness;
-    let at_most = (limit * (1.0 + friction * friction as f64).sqrt() + friction * pressure) / stiffness;
+    let at_most = (limit * (1.0 + f64::powi(friction, 2)).sqrt() + friction * pressure) / stiffness;
     for beyond in [-1e-3, 1e-6, 1e-3, 0.1, 1.0] {
         assert!(at_onset + beyond < at_most);
         let found = tripod(Vec2::new(at_onset + beyond, -20.0), box_on_a_wall(friction)).solve();

@@ -15,12 +15,12 @@
 //! (`rest_or_slide`).
 
 mod answer;
-mod cones;
 mod feasible;
 mod linear;
 mod modes;
 mod path;
 mod problem;
+mod relaxed;
 mod rest;
 mod search;
 mod types;

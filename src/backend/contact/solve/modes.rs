@@ -251,7 +251,7 @@ impl Search<'_> {
             if !chosen.iter().any(slides) {
                 return true;
             }
-            let sign = if supports.len() % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if supports.len().is_multiple_of(2) { 1.0 } else { -1.0 };
             chosen.extend(supports.iter().copied());
             sign * self.bordered(slopes, &chosen).sign() > 0.0
         })

@@ -134,9 +134,4 @@ impl<'a> Problem<'a> {
     pub fn residual_of(&self, candidate: &Candidate) -> f64 {
         self.residual(&candidate.twist, &candidate.ground_forces, &candidate.forces)
     }
-
-    /// Value of the frictionless objective, `1/2 x'Hx - w'x + sum c_i |B_i x|`.
-    pub fn objective(&self, twist: &Vec3) -> f64 {
-        0.5 * twist.dot(&(self.h * twist)) - self.w.dot(twist) + self.cones.loss(twist)
-    }
 }

@@ -11,12 +11,11 @@
 //! 5. `enumerate`: all modes.
 
 use nalgebra::{DMatrix, DVector};
-use smallvec::SmallVec;
 
-use super::cones::Relaxed;
 use super::modes::{CONSISTENT, Start, newton};
 use super::path::{Path, follow, sides_of};
 use super::problem::{Candidate, PerCone, Problem, RESTS};
+use super::relaxed::Relaxed;
 use super::types::{PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::ContactMode;
 use crate::math::{Vec2, Vec3};
@@ -75,11 +74,17 @@ impl<'a> Search<'a> {
             .unwrap_or(if self.best.as_ref().is_some_and(|(_, residual)| *residual <= ACCEPTED) { Stage::Unstable } else { Stage::Failed })
     }
 
-    /// Takes a candidate if it is better than the best; returns whether it is an answer.
+    /// Takes a candidate if it is better than the best; returns whether it is a stable answer. Of
+    /// unstable answers the first one is kept.
     fn consider(&mut self, candidate: Candidate) -> bool {
         let residual = self.problem.residual_of(&candidate);
-        let is_answer = residual <= ACCEPTED && candidate.is_stable && candidate.is_consistent;
-        if is_answer || self.best.as_ref().is_none_or(|(_, best)| residual < *best) {
+        let is_accepted = residual <= ACCEPTED && candidate.is_consistent;
+        let is_answer = is_accepted && candidate.is_stable;
+        let is_best = |(best, least): &(Candidate, f64)| {
+            let is_known = *least <= ACCEPTED && best.is_consistent;
+            !is_known && (is_accepted || residual < *least)
+        };
+        if is_answer || self.best.as_ref().is_none_or(is_best) {
             self.best = Some((candidate, residual));
         }
         is_answer
