@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use cohaul::backend::contact::{ContactRow, ContactSolution, ContactSystem, Ending, SideMode, Stage, certificate, solve_contacts};
+use cohaul::backend::contact::{
+    ContactRow, ContactSolution, ContactSystem, Ending, SideMode, Stage, certificate, mode_newton, solve_contacts,
+};
 use cohaul::backend::friction::clarabel;
 use cohaul::backend::friction::{ContactMode, FrictionSolver};
 use cohaul::math::{Mat3, RandomStreams, Stream, Vec2, Vec3, direction, perpendicular};
@@ -284,8 +286,9 @@ fn random_steps_satisfy_coulombs_law_at_the_obstacles_and_on_the_ground() {
     assert_eq!(all.n_failed, 0, "{all:?}");
     // The cost is pinned: most steps need Newton's method only, and hardly any all combinations.
     assert!(all.n_iterations < 60 * u64::from(all.n), "{all:?}");
-    let late: u32 = all.stages.range(Stage::Smoothed..).map(|(_, n)| n).sum();
-    assert!(late * 100 < all.n, "{all:?}");
+    let count = |stage: Stage| all.stages.get(&stage).copied().unwrap_or(0);
+    assert!((count(Stage::Smoothed) + count(Stage::Enumeration)) * 200 < all.n, "{all:?}");
+    assert!(count(Stage::Unstable) * 50 < all.n, "{all:?}");
     assert_eq!(all.stages.get(&Stage::Failed), None);
 }
 
@@ -570,6 +573,31 @@ fn squeezes_are_recognised_and_named() {
         }
     }
     assert!(n_squeezed > 400);
+}
+
+/// In these steps rest satisfies Coulomb's law, but a small slip would go on. The answer slides.
+#[test]
+fn rest_that_is_not_stable_is_left() {
+    for i in [75, 121, 242] {
+        let solution = random_step(i).solve();
+        assert_eq!(solution.stage, Stage::Offsets, "{i}");
+        assert!(solution.increment.amax() > 0.0 && solution.residual < 1e-11, "{i}");
+    }
+}
+
+/// In these steps a contact that slides backward satisfies Coulomb's law, but a small overlap would
+/// pull it in further: a principal minor of `N C (N - sigma mu T)'` is negative. The answer sticks.
+#[test]
+fn slides_that_are_not_stable_are_not_taken() {
+    let back = SideMode::Slide { forward: false };
+    for (i, unstable) in [(626, vec![back, SideMode::Stick, SideMode::Open]), (705, vec![SideMode::Stick, back])] {
+        let step = random_step(i);
+        let solver = FrictionSolver::new(&step.ground, step.size);
+        let solution = step.solve();
+        assert!(solution.modes.iter().all(|mode| *mode == SideMode::Stick), "{i}");
+        let slide = mode_newton(&step.system(), &solver, ContactMode::Slip, &unstable, &solution).unwrap();
+        assert!(slide.residual < 1e-11, "{i} {slide:?}");
+    }
 }
 
 /// The tripod load of the analytic scenes in millimetres and millinewtons: spring 0.664 N/m at the

@@ -3,8 +3,8 @@
 use smallvec::SmallVec;
 
 use super::feasible::conflict;
-use super::modes::{Start, newton};
-use super::problem::{Candidate, PerCone, Problem};
+use super::modes::newton;
+use super::problem::{Candidate, PerCone, Problem, Start};
 use super::search::{ACCEPTED, Search};
 use super::types::{ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::cones::Cones;

@@ -16,18 +16,10 @@
 use smallvec::SmallVec;
 
 use super::linear::{MOST, System, across};
-use super::problem::{Candidate, PerCone, Problem, RESTS};
+use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
 use super::types::{PerContact, SideForce, SideMode};
 use crate::backend::friction::ContactMode;
 use crate::math::{Mat3, Vec2, Vec3};
-
-/// Where a search starts.
-#[derive(Clone, Copy, Debug)]
-pub struct Start<'a> {
-    pub twist: &'a Vec3,
-    pub ground_forces: &'a [Vec2],
-    pub forces: &'a [SideForce],
-}
 
 /// Iterations at most; a start that needs more was not near.
 const MOST_ITERATIONS: u32 = 14;
@@ -85,15 +77,6 @@ pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start:
     Some(search.candidate(ground, modes, &others, is_stable, n_iterations))
 }
 
-/// Direction of the force of a closed contact per normal force.
-pub fn direction_of(problem: &Problem, k: usize, mode: SideMode) -> Vec3 {
-    let row = &problem.rows[k];
-    match mode {
-        SideMode::Slide { forward } => row.normal - if forward { 1.0 } else { -1.0 } * row.friction_coefficient * row.tangent,
-        SideMode::Open | SideMode::Stick => row.normal,
-    }
-}
-
 fn equations(problem: &Problem, pin: Option<usize>, modes: &[SideMode], start: &Start) -> SmallVec<[Equation; 8]> {
     let mut equations = SmallVec::new();
     if let Some(cone) = pin {
@@ -105,7 +88,7 @@ fn equations(problem: &Problem, pin: Option<usize>, modes: &[SideMode], start: &
     }
     for (k, mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != SideMode::Open) {
         let (row, SideForce { normal, tangential }) = (&problem.rows[k], start.forces[k]);
-        let direction = direction_of(problem, k, *mode);
+        let direction = problem.direction_of(k, *mode);
         equations.push(Equation {
             owner: Owner::Normal(k),
             row: row.normal,

@@ -32,7 +32,7 @@ const BALANCED: f64 = 1e-11;
 const NEAR: f64 = 10.0;
 /// Rounding of a gap, over the gap (1).
 const ROUNDED: f64 = 1e-15;
-/// Share of the way to a limit that a step may go (1).
+/// Share of the distance to a limit that a step may go (1).
 const SHARE: f64 = 0.97;
 
 /// One row of the smoothed step: a gap or a facet of a friction cone.

@@ -25,6 +25,14 @@ pub struct Problem<'a> {
     pub force: f64,
 }
 
+/// Where a search starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    pub twist: &'a Vec3,
+    pub ground_forces: &'a [Vec2],
+    pub forces: &'a [SideForce],
+}
+
 /// An answer in units of the cones.
 #[derive(Clone, Debug)]
 pub struct Candidate {
@@ -93,6 +101,20 @@ impl<'a> Problem<'a> {
         self.rows[k].slip + self.rows[k].tangent.dot(twist)
     }
 
+    /// Whether the slip of contact k is more than rounding.
+    pub fn slips(&self, k: usize, twist: &Vec3) -> bool {
+        self.slip(k, twist).abs() > NO_SLIP * self.lengths(twist)
+    }
+
+    /// Wrench on the load per normal force of a closed contact.
+    pub fn direction_of(&self, k: usize, mode: SideMode) -> Vec3 {
+        let row = &self.rows[k];
+        match mode {
+            SideMode::Slide { forward } => row.normal - if forward { 1.0 } else { -1.0 } * row.friction_coefficient * row.tangent,
+            SideMode::Open | SideMode::Stick => row.normal,
+        }
+    }
+
     /// Wrench of the obstacles on the load.
     pub fn side_wrench(&self, forces: &[SideForce]) -> Vec3 {
         self.rows.iter().zip(forces).map(|(row, force)| force.normal * row.normal + force.tangential * row.tangent).sum()
@@ -126,7 +148,7 @@ impl<'a> Problem<'a> {
         let (p, tau) = (force.normal / self.force, force.tangential / self.force);
         let limit = self.rows[k].friction_coefficient * p;
         let complementary = p.max(0.0).min(gap.max(0.0));
-        let against = if slip.abs() > NO_SLIP { limit + tau * slip.signum() } else { 0.0 };
+        let against = if self.slips(k, twist) { limit + tau * slip.signum() } else { 0.0 };
         [-gap, -p, complementary, tau.abs() - limit.max(0.0), against].into_iter().fold(0.0, f64::max)
     }
 

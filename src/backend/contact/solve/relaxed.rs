@@ -1,9 +1,9 @@
 //! Convex steps that stand for side friction: the cone of each contact as two facets.
 //!
-//! For given slip offsets z_k the rows `(n_k -+ mu_k t_k) x >= -g_k - mu_k z_k` bound the increment,
-//! and their forces lie in the friction cones (Anitescu 2006). The answer of this convex step is
-//! one by Coulomb's law exactly where `z_k = |s_k|` at all closed contacts (Acary, Cadoux, Lemarechal
-//! and Malick 2011).
+//! For given slip offsets z_k the rows `(n_k -+ mu_k t_k) x >= -g_k - mu_k z_k` bound the
+//! increment, and their forces lie in the friction cones (Anitescu 2006). The answer of this convex
+//! step is one by Coulomb's law exactly where `z_k = |s_k|` at all closed contacts (Acary, Cadoux,
+//! Lemarechal and Malick 2011).
 
 use smallvec::SmallVec;
 

@@ -5,8 +5,7 @@
 
 use smallvec::SmallVec;
 
-use super::modes::{Start, direction_of};
-use super::problem::{Candidate, PerCone, Problem};
+use super::problem::{Candidate, PerCone, Problem, Start};
 use super::types::{PerContact, SideForce, SideMode};
 use crate::backend::friction::ContactMode;
 use crate::backend::friction::cones::slip_gram;
@@ -22,8 +21,18 @@ const RIDGE: f64 = 1e-15;
 
 /// Rest with forces near those of `start`; `None` where they cannot balance.
 pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start) -> Option<Candidate> {
-    let mut forces =
-        Forces { problem, modes, ground: start.ground_forces.iter().copied().collect(), sides: start.forces.iter().copied().collect() };
+    // A contact that has not slipped sticks.
+    let at_rest = |(k, mode): (usize, &SideMode)| match mode {
+        SideMode::Slide { .. } if problem.rows[k].friction_coefficient > 0.0 && !problem.slips(k, &Vec3::zeros()) => SideMode::Stick,
+        mode => *mode,
+    };
+    let modes: PerContact<SideMode> = modes.iter().enumerate().map(at_rest).collect();
+    let mut forces = Forces {
+        problem,
+        modes: &modes,
+        ground: start.ground_forces.iter().copied().collect(),
+        sides: start.forces.iter().copied().collect(),
+    };
     forces.open();
     for _ in 0..N_ROUNDS {
         forces.change(&forces.missing())?;
@@ -34,7 +43,7 @@ pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start) -> Option<C
         ground: ContactMode::Stick,
         ground_forces: forces.ground,
         forces: forces.sides,
-        modes: modes.into(),
+        modes,
         are_forces_unique: !is_touched,
         is_consistent: true,
         is_stable: true,
@@ -85,7 +94,7 @@ impl Forces<'_> {
         for k in (0..rows.len()).filter(|k| self.modes[*k] != SideMode::Open) {
             let SideForce { normal, tangential } = self.sides[k];
             let room = normal.max(LEAST_ROOM * force);
-            columns.push((k, true, -direction_of(self.problem, k, self.modes[k]), room * room));
+            columns.push((k, true, -self.problem.direction_of(k, self.modes[k]), room * room));
             if self.modes[k] == SideMode::Stick {
                 let room = (self.friction(k) * normal - tangential.abs()).max(LEAST_ROOM * self.friction(k) * room);
                 columns.push((k, false, -rows[k].tangent, room * room));

@@ -12,9 +12,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::modes::{CONSISTENT, Start, newton};
+use super::modes::{CONSISTENT, newton};
 use super::path::{Path, follow, sides_of};
-use super::problem::{Candidate, PerCone, Problem, RESTS};
+use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
 use super::relaxed::Relaxed;
 use super::types::{PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::ContactMode;
@@ -30,6 +30,10 @@ const ROUNDED: f64 = 1e-6;
 const MOST_CHANGES: u32 = 6;
 /// Rounds of Newton's method on the offsets.
 const MOST_ROUNDS: u32 = 40;
+/// Rounds of Newton's method away from a rest that is not stable.
+const FEW_ROUNDS: u32 = 12;
+/// Difference of two increments over their size that is rounding (1).
+const SAME: f64 = 1e-9;
 /// Rounds after which steps are shortened: Newton's method goes to and fro.
 const LONG_ROUNDS: u32 = 25;
 /// Growth of the slip by its offset from which on the offset is not near its root (1).
@@ -209,13 +213,13 @@ impl<'a> Search<'a> {
         let first = self.relaxed(&PerContact::from_elem(0.0, n));
         self.starts.push((first.path.twist, first.path.ground_forces.clone(), first.forces(&self.problem)));
         let rest = self.polished(&first).filter(|found| self.problem.residual_of(found) <= ACCEPTED);
-        let Some(rest) = rest else { return self.climb(PerContact::from_elem(0.0, n), first).then_some(Stage::Offsets) };
+        let Some(rest) = rest else { return self.climb(PerContact::from_elem(0.0, n), first, None).then_some(Stage::Offsets) };
         let sticks: PerContact<bool> = rest.modes.iter().map(|mode| *mode == SideMode::Stick).collect();
         if !sticks.contains(&true) {
             return if self.consider(rest) {
                 Some(Stage::Offsets)
             } else {
-                self.climb(PerContact::from_elem(0.0, n), first).then_some(Stage::Offsets)
+                self.climb(PerContact::from_elem(0.0, n), first, None).then_some(Stage::Offsets)
             };
         }
         let offsets: PerContact<f64> = sticks.iter().map(|sticks| if *sticks { DISTURBANCE * self.problem.extent } else { 0.0 }).collect();
@@ -225,16 +229,19 @@ impl<'a> Search<'a> {
         if is_stable {
             return self.consider(rest).then_some(Stage::StableRest);
         }
-        if self.climb(offsets, disturbed) {
+        if self.climb(offsets, disturbed, Some(&rest)) {
             return Some(Stage::Offsets);
         }
         self.consider(rest).then_some(Stage::Unstable)
     }
 
-    /// Newton's method on the slip offsets.
-    fn climb(&mut self, mut offsets: PerContact<f64>, mut relaxed: Relaxed) -> bool {
-        for round in 0..MOST_ROUNDS {
-            if self.polished(&relaxed).is_some_and(|found| self.consider(found)) {
+    /// Newton's method on the slip offsets; it leads away from a `rest` that is not stable.
+    fn climb(&mut self, mut offsets: PerContact<f64>, mut relaxed: Relaxed, rest: Option<&Candidate>) -> bool {
+        let is_rest = |found: &Candidate, same: f64| rest.is_some_and(|rest| (found.twist - rest.twist).amax() <= same);
+        for round in 0..if rest.is_some() { FEW_ROUNDS } else { MOST_ROUNDS } {
+            let same = SAME * self.problem.extent;
+            let found = self.polished(&relaxed).filter(|found| !is_rest(found, same));
+            if found.is_some_and(|found| self.consider(found)) {
                 return true;
             }
             let Some(step) = self.offset_step(&relaxed, &offsets, round) else { return false };
