@@ -1,7 +1,7 @@
 //! Known answers with inertia.
 
 use cohaul::backend::BackendKind::Inertial;
-use cohaul::backend::{Backend, BackendOptions, Integrator, Status, build};
+use cohaul::backend::{BackendOptions, Integrator, Status, build};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::Motion;
 

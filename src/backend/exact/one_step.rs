@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::contact::{Obstacles, SideWork, Task, Touching};
+use crate::backend::contact::{Obstacles, SideWork, Touching};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Forecast;
 use crate::backend::springs::SpringBlocks;
