@@ -2,81 +2,96 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::aggregate::fold;
+use super::contact_ledger::Touch;
+use super::contacts::{ContactPoint, ObstacleStep};
 use super::ground::GroundFriction;
 use super::joints::{BodyState, Engine, SpringJoint};
-use super::ledger::{add_friction, add_springs};
-use super::options::{EngineSettings, RapierOptions, SpringModel};
-use super::residual::residual;
+use super::options::{EngineSettings, RapierOptions};
 use super::rest::is_at_rest;
-use super::springs::{PreparedSpring, SpringState, SpringSum};
+use super::springs::{PreparedSpring, SpringState};
 use super::step::Step;
 use crate::backend::friction::WarmStart;
 use crate::backend::springs::{Attachment, Attachments};
 use crate::backend::{
-    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SaveError, SavedState, Skip, Skips, Status, StepReport, n_steps_in,
+    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SaveError, SavedState, Skip, Skips, Status, StepReport, Transition,
+    TransitionKind, n_steps_in,
 };
 use crate::math::{Pose, Twist, Vec2, Wrench};
-use crate::model::System;
+use crate::model::{ObstaclePath, System};
 
 /// A load under rapier.
 pub struct Rapier {
-    system: System,
+    pub(super) system: System,
     /// Largest friction force of all supports together (N).
-    slip_limit: f64,
-    springs: Vec<PreparedSpring>,
+    pub(super) slip_limit: f64,
+    pub(super) springs: Vec<PreparedSpring>,
     /// Longest step (s).
-    step: f64,
-    options: RapierOptions,
-    skips: Skips,
-    engine: Box<dyn Engine>,
-    friction: GroundFriction,
+    pub(super) step: f64,
+    pub(super) options: RapierOptions,
+    pub(super) skips: Skips,
+    pub(super) engine: Box<dyn Engine>,
+    pub(super) friction: GroundFriction,
     /// Whether the joints of the engine do not belong to the present attachments.
-    is_stale: bool,
-    state: State,
+    pub(super) is_stale: bool,
+    pub(super) state: State,
     /// Attached springs at the pose of the state, in the order of the attachments.
-    attached: Vec<SpringState>,
-    work: Work,
+    pub(super) attached: Vec<SpringState>,
+    pub(super) transitions: Vec<Transition>,
+    pub(super) work: Work,
 }
 
 /// Buffers that are reused from step to step. All lists of springs have the order of the
 /// attachments.
 #[derive(Default)]
-struct Work {
+pub(super) struct Work {
     /// Attachments at the start of the advance.
-    begin: Vec<Attachment>,
+    pub(super) begin: Vec<Attachment>,
     /// Attachments at the start of the step.
-    from: Vec<Attachment>,
-    joints: Vec<SpringJoint>,
-    folded: Vec<SpringJoint>,
+    pub(super) from: Vec<Attachment>,
+    pub(super) joints: Vec<SpringJoint>,
+    pub(super) folded: Vec<SpringJoint>,
     /// Attached springs at the end of the step.
-    attached: Vec<SpringState>,
+    pub(super) attached: Vec<SpringState>,
     /// Force of each attached spring's dashpots on its tip (N, world).
-    dashpots: Vec<Vec2>,
-    wrenches: Vec<Wrench>,
+    pub(super) dashpots: Vec<Vec2>,
+    pub(super) wrenches: Vec<Wrench>,
+    pub(super) obstacles: Vec<ObstacleStep>,
+    /// Contacts of the step with the forces of the engine.
+    pub(super) contacts: Vec<ContactPoint>,
+    /// Contacts of the step with the forces that count.
+    pub(super) counted: Vec<ContactPoint>,
+    /// What the step found at each obstacle.
+    pub(super) touches: Vec<Touch>,
+    pub(super) happened: Vec<TransitionKind>,
 }
 
 /// State of a run without that of the friction solver.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct State {
-    body: BodyState,
+pub(super) struct State {
+    pub(super) body: BodyState,
     /// Heading with its whole turns, which the engine does not count (rad).
-    heading: f64,
-    attachments: Attachments,
+    pub(super) heading: f64,
+    pub(super) attachments: Attachments,
     /// Energy of the run without its elastic and kinetic part.
-    ledger: EnergyLedger,
+    pub(super) ledger: EnergyLedger,
     /// Friction force on each support of the ground (N, world).
-    friction_forces: Vec<Vec2>,
+    pub(super) friction_forces: Vec<Vec2>,
     /// Force of each spring's dashpots on its tip in the last step (N, world); zero for free
     /// springs.
-    dashpot_on_tip: Vec<Vec2>,
+    pub(super) dashpot_on_tip: Vec<Vec2>,
     /// Whether a step had no finite answer: nothing moves any more.
-    has_failed: bool,
+    pub(super) has_failed: bool,
     /// Whether the load was at rest in the last step, and stays so until an attachment or a tip
     /// changes.
     #[serde(default)]
-    is_at_rest: bool,
+    pub(super) is_at_rest: bool,
+    /// Sum of the durations of all advances (s): the time of the paths of obstacles.
+    #[serde(default)]
+    pub(super) elapsed: f64,
+    /// What the last steps found at each obstacle.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) touches: Vec<Touch>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -85,12 +100,15 @@ struct Saved {
     options: RapierOptions,
     state: State,
     warm_start: Option<WarmStart>,
+    /// What the engine keeps from step to step, where it keeps contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    memory: Option<String>,
 }
 
 /// Residual above which a step counts as not converged (1). A thousandth of the forces is less than
 /// the error of a step of a millisecond. Converged iterations end near 1e-15 in f64. In f32 they
 /// end near 1e-5, and at 1e-3 for a step of 10 us.
-const TOLERANCE: f64 = 1e-3;
+pub(super) const TOLERANCE: f64 = 1e-3;
 
 /// Speed below which a load is at rest (m/s, rad/s): the engine's iterations shrink a speed to the
 /// smallest numbers there are, not to zero. At this speed a load moves less than the diameter of a
@@ -98,7 +116,7 @@ const TOLERANCE: f64 = 1e-3;
 const REST_SPEED: f64 = 1e-30;
 
 /// Motion at the end of a step without a finite answer.
-const NOT_FINITE: Motion = Motion {
+pub(super) const NOT_FINITE: Motion = Motion {
     pose: Pose { position: Vec2::new(f64::NAN, f64::NAN), heading: f64::NAN },
     twist: Twist { linear: Vec2::new(f64::NAN, f64::NAN), angular: f64::NAN },
 };
@@ -115,6 +133,8 @@ impl Rapier {
             dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()],
             has_failed: false,
             is_at_rest: false,
+            elapsed: 0.0,
+            touches: vec![Touch::default(); system.world.obstacles.len()],
         };
         state.ledger.initial = system.load.kinetic_energy(&state.motion().twist);
         Self {
@@ -128,14 +148,24 @@ impl Rapier {
             is_stale: true,
             state,
             attached: Vec::new(),
+            transitions: Vec::new(),
             work: Work::default(),
             system,
         }
     }
 
+    /// Whether an obstacle touches the load or moves at the time `start` (s) or later.
+    fn is_disturbed(&self, start: f64) -> bool {
+        let moves = |path: &ObstaclePath| path.moves() && path.waypoints.last().is_some_and(|(end, _)| *end > start);
+        self.state.touches.iter().any(Touch::is_closed) || self.system.world.obstacles.iter().any(|obstacle| moves(&obstacle.path))
+    }
+
     /// Reason why all further steps of an advance are known. `tips_stay` states whether the advance
-    /// moves no attached tip.
-    fn known(&self, tips_stay: bool) -> Option<Skip> {
+    /// moves no attached tip, and `start` is the time of the next step (s).
+    fn known(&self, tips_stay: bool, start: f64) -> Option<Skip> {
+        if self.is_disturbed(start) {
+            return None;
+        }
         let State { attachments, body, is_at_rest, .. } = &self.state;
         if attachments.is_empty() {
             // Nothing pulls at a load at rest: it stays at rest under any friction law.
@@ -154,96 +184,17 @@ impl Rapier {
         report
     }
 
-    /// Makes one step of `duration` (s), from the tips of `work.from` to those of the state.
-    fn advance_one(&mut self, work: &mut Work, duration: f64) -> StepReport {
-        let mut report = StepReport { n_steps: 1, ..StepReport::default() };
-        let start = self.state.motion();
-        let facing = self.state.body.facing();
-        let sum = self.set_joints(work, &start, &facing, duration, &mut report);
-        let is_finite = self.step_engine(work, duration, &sum);
-        let body = self.engine.body();
-        let end = if is_finite { body.motion(self.state.heading) } else { NOT_FINITE };
-        let facing_at_end = body.facing();
-        work.attached.clear();
-        work.attached.extend(self.state.attachments.iter().map(|attachment| self.state_of(attachment, &body, &facing_at_end)));
-        let step = Step {
-            duration,
-            start,
-            end,
-            facing,
-            from: &work.from,
-            to: &self.state.attachments,
-            springs: [&self.attached, &work.attached],
-            joints: &work.joints,
-            sum: &sum,
-            is_explicit: self.options.springs == SpringModel::Force,
-            friction: self.friction.joints(),
-            wrenches: &work.wrenches,
-        };
-        let mut ledger = self.state.ledger;
-        add_friction(&mut ledger, &self.system.load, &step);
-        add_springs(&mut ledger, &step, &mut work.dashpots);
-        report.residual = report.residual.max(residual(&self.system.load, self.slip_limit, &step));
-        let is_at_rest = report.residual <= TOLERANCE && self.repeats(&step, &body);
-        if !self.accept(work, body, end.pose.heading, ledger) {
-            return StepReport { status: Status::Failed, n_not_converged: 1, n_steps: 1, residual: 0.0, ..report };
-        }
-        self.state.is_at_rest = is_at_rest;
-        if report.residual > TOLERANCE {
-            report.status = Status::NotConverged;
-            report.n_not_converged = 1;
-        }
-        report
-    }
-
     /// Whether a converged `step` to the state `after` repeats itself.
-    fn repeats(&self, step: &Step, after: &BodyState) -> bool {
+    pub(super) fn repeats(&self, step: &Step, after: &BodyState) -> bool {
         self.options.settings == EngineSettings::Recommended
             && self.friction.may_rest()
             && step.from.iter().zip(step.to).all(|(before, after)| before.tip == after.tip)
             && is_at_rest(step, &self.state.body, after, self.system.load.radius)
     }
 
-    /// Writes the joints of a step to `work` and returns the sum of the springs.
-    fn set_joints(&mut self, work: &mut Work, start: &Motion, facing: &Vec2, duration: f64, report: &mut StepReport) -> SpringSum {
-        work.joints.clear();
-        for (attachment, before) in self.state.attachments.iter().zip(&work.from) {
-            let tip_velocity = (attachment.tip - before.tip) / duration;
-            work.joints.push(self.springs[attachment.spring].joint(attachment, &tip_velocity, &start.pose.position, facing));
-        }
-        let sum = match self.options.springs {
-            SpringModel::Joint | SpringModel::Aggregate => SpringSum::of(&work.joints),
-            SpringModel::Force => SpringSum::explicit(&work.joints, &start.twist),
-        };
-        self.friction.set_joints(&self.system, start, facing, &sum, duration, report);
-        sum
-    }
-
-    /// Makes a step of the engine and reads the wrenches of friction. Returns `false` when the
-    /// engine found no finite state.
-    fn step_engine(&mut self, work: &mut Work, duration: f64, sum: &SpringSum) -> bool {
-        work.folded.clear();
-        let (springs, push) = match self.options.springs {
-            SpringModel::Joint => (&work.joints, None),
-            SpringModel::Aggregate => {
-                work.folded.extend((!work.joints.is_empty()).then(|| fold(sum, duration)));
-                (&work.folded, None)
-            }
-            SpringModel::Force => (&work.folded, Some(&sum.wrench)),
-        };
-        let friction = self.friction.joints();
-        if std::mem::take(&mut self.is_stale) {
-            self.engine.rebuild(&self.state.body, friction.len(), springs.len());
-        }
-        let is_finite = self.engine.step(duration, friction, springs, push);
-        work.wrenches.clear();
-        work.wrenches.extend((0..friction.len()).map(|joint| self.engine.friction_wrench(joint)));
-        is_finite
-    }
-
     /// Takes the end of a step as the new state. Returns `false` for an end that is not finite: it
     /// is not taken, and nothing moves from then on.
-    fn accept(&mut self, work: &mut Work, body: BodyState, heading: f64, ledger: EnergyLedger) -> bool {
+    pub(super) fn accept(&mut self, work: &mut Work, body: BodyState, heading: f64, ledger: EnergyLedger) -> bool {
         let is_finite = body.is_finite()
             && heading.is_finite()
             && self.state.attachments.iter().all(|attachment| attachment.tip.x.is_finite() && attachment.tip.y.is_finite())
@@ -263,6 +214,7 @@ impl Rapier {
         for (attachment, force) in state.attachments.iter().zip(&work.dashpots) {
             state.dashpot_on_tip[attachment.spring] = *force;
         }
+        std::mem::swap(&mut state.touches, &mut work.touches);
         state.friction_forces.fill(Vec2::zeros());
         for (joint, wrench) in self.friction.joints().iter().zip(&work.wrenches) {
             state.friction_forces[joint.support] += joint.stuck_force.unwrap_or(wrench.force);
@@ -271,7 +223,7 @@ impl Rapier {
         true
     }
 
-    fn state_of(&self, attachment: &Attachment, body: &BodyState, facing: &Vec2) -> SpringState {
+    pub(super) fn state_of(&self, attachment: &Attachment, body: &BodyState, facing: &Vec2) -> SpringState {
         self.springs[attachment.spring].state(attachment, &body.position, facing)
     }
 
@@ -279,6 +231,19 @@ impl Rapier {
     fn with_present_energy(&self, ledger: EnergyLedger, attached: &[SpringState], motion: &Motion) -> EnergyLedger {
         let elastic = attached.iter().fold(0.0, |sum, spring| sum + spring.energy);
         EnergyLedger { elastic, kinetic: self.system.load.kinetic_energy(&motion.twist), ..ledger }
+    }
+
+    /// Whether the engine keeps contacts from step to step. With the recommended settings each step
+    /// finds them anew.
+    fn keeps_contacts(&self) -> bool {
+        self.options.settings == EngineSettings::EngineDefaults && !self.system.world.is_empty()
+    }
+
+    /// Obstacles where they are now.
+    fn obstacles_now(&self) -> Vec<ObstacleStep> {
+        let mut steps = Vec::new();
+        ObstacleStep::all(&self.system.world, [self.state.elapsed; 2], 1.0, &mut steps);
+        steps
     }
 
     /// The engine needs other joints, and a load at rest may start to move.
@@ -289,7 +254,7 @@ impl Rapier {
 }
 
 impl State {
-    fn motion(&self) -> Motion {
+    pub(super) fn motion(&self) -> Motion {
         self.body.motion_at(self.heading)
     }
 }
@@ -318,6 +283,9 @@ impl Backend for Rapier {
         }
         let n_steps = n_steps_in(duration, self.step);
         let step = duration / n_steps as f64;
+        let begin = self.state.elapsed;
+        let time_after = |done: u64| begin + duration * (done as f64 / n_steps as f64);
+        self.transitions.clear();
         let mut work = std::mem::take(&mut self.work);
         work.begin.clear();
         work.begin.extend_from_slice(&self.state.attachments);
@@ -328,20 +296,29 @@ impl Backend for Rapier {
                 report.status = Status::Failed;
                 break;
             }
-            if let Some(why) = self.known(tips_stay) {
+            let start = time_after(done - 1);
+            if let Some(why) = self.known(tips_stay, start) {
                 report.add(&self.skip(why, n_steps + 1 - done));
                 break;
             }
             work.from.clear();
             work.from.extend_from_slice(&self.state.attachments);
             self.state.attachments.place_tips(&work.begin, tip_targets, done as f64 / n_steps as f64);
+            ObstacleStep::all(&self.system.world, [start, time_after(done)], step, &mut work.obstacles);
             report.add(&self.advance_one(&mut work, step));
+            let time = time_after(done) - begin;
+            self.transitions.extend(work.happened.drain(..).map(|kind| Transition { time, kind }));
             if self.state.has_failed {
                 self.state.attachments.as_mut_slice().copy_from_slice(&work.from);
             }
         }
+        self.state.elapsed += duration;
         self.work = work;
         report
+    }
+
+    fn transitions(&self) -> &[Transition] {
+        &self.transitions
     }
 
     fn motion(&self) -> Motion {
@@ -366,7 +343,9 @@ impl Backend for Rapier {
     }
 
     fn save(&self) -> Result<SavedState, SaveError> {
-        Ok(SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start: self.friction.warm_start().cloned() }))
+        let warm_start = self.friction.warm_start().cloned();
+        let memory = (self.keeps_contacts() && !self.is_stale).then(|| self.engine.memory());
+        Ok(SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start, memory }))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
@@ -381,12 +360,19 @@ impl Backend for Rapier {
         if saved.state.dashpot_on_tip.len() != self.system.springs.len() {
             return misfit("it has another number of springs");
         }
+        if saved.state.touches.len() != self.system.world.obstacles.len() {
+            return misfit("it has another number of obstacles");
+        }
         saved.state.attachments.check(&self.system.springs)?;
         self.friction.set_warm_start(saved.warm_start)?;
         self.state = saved.state;
         let (body, facing) = (&self.state.body, self.state.body.facing());
         self.attached = self.state.attachments.iter().map(|attachment| self.state_of(attachment, body, &facing)).collect();
         self.is_stale = true;
+        if let Some(memory) = &saved.memory {
+            self.rebuild(&self.obstacles_now());
+            self.engine.recall(memory).map_err(|error| RestoreError(error.to_string()))?;
+        }
         Ok(())
     }
 }

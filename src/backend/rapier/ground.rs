@@ -20,7 +20,9 @@
 use std::f64::consts::PI;
 
 use super::FrictionModel;
+use super::contacts::ContactPoint;
 use super::joints::FrictionJoint;
+use super::prediction::{self, Problem};
 use super::springs::{SpringSum, seen_from, turned};
 use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver, WarmStart};
 use crate::backend::{Motion, RestoreError, StepReport};
@@ -32,6 +34,8 @@ pub struct GroundFriction {
     supports: Vec<Support>,
     model: Model,
     joints: Vec<FrictionJoint>,
+    /// Forces of the contacts under a load that all supports stop (normal and tangent, N).
+    held: Vec<[f64; 2]>,
 }
 
 #[derive(Clone, Copy)]
@@ -47,6 +51,19 @@ enum Model {
     Aligned(Box<FrictionSolver>, ContactMode),
     /// Joints that are the same in every step.
     Fixed,
+}
+
+/// What drives the load in a step.
+#[derive(Clone, Copy)]
+pub struct Drive<'a> {
+    /// Motion at the start.
+    pub motion: &'a Motion,
+    /// Unit vector of the load's x axis.
+    pub facing: &'a Vec2,
+    pub sum: &'a SpringSum,
+    /// (s)
+    pub duration: f64,
+    pub contacts: &'a [ContactPoint],
 }
 
 /// Number of axes of the polygon in a half turn (1).
@@ -65,7 +82,7 @@ impl GroundFriction {
             FrictionModel::Polygon => (Model::Fixed, polygon(&supports)),
             FrictionModel::Box => (Model::Fixed, supports.iter().map(|support| support.joint(Vec2::x(), [support.limit; 2])).collect()),
         };
-        Self { supports, model, joints }
+        Self { supports, model, joints, held: Vec::new() }
     }
 
     /// Whether the load may have been at rest in the last step, up to the engine's rounding. For
@@ -74,20 +91,38 @@ impl GroundFriction {
         !matches!(self.model, Model::Aligned(_, ContactMode::Slip | ContactMode::Pinned(_)))
     }
 
+    /// Number of joints of a step.
+    pub fn n_joints(&self) -> usize {
+        match self.model {
+            Model::Aligned(..) => self.supports.len(),
+            Model::Fixed => self.joints.len(),
+        }
+    }
+
+    /// Forces of the contacts in the last step (normal and tangent, N) under a load that all
+    /// supports stop; empty under any other. The engine's joint then bears whatever the contacts
+    /// would bear, and its contact forces are zero.
+    pub fn held(&self) -> &[[f64; 2]] {
+        &self.held
+    }
+
     /// Joints of the last step.
     pub fn joints(&self) -> &[FrictionJoint] {
         &self.joints
     }
 
-    /// Sets the joints of a step of `duration` (s) from `motion`, with the load's x axis along
-    /// `facing`, under the springs of `sum`. Adds the work to `report`.
-    pub fn set_joints(&mut self, system: &System, motion: &Motion, facing: &Vec2, sum: &SpringSum, duration: f64, report: &mut StepReport) {
+    /// Sets the joints of a step under `drive`. Adds the work to `report`.
+    pub fn set_joints(&mut self, system: &System, drive: &Drive, report: &mut StepReport) {
         let Model::Aligned(solver, mode) = &mut self.model else { return };
         if self.supports.is_empty() {
             return;
         }
-        let solution = solve(solver, system, motion, facing, sum, duration);
+        let facing = drive.facing;
+        let solution = solve(solver, system, drive, &mut self.held);
         *mode = solution.mode;
+        if solution.mode != ContactMode::Stick {
+            self.held.clear();
+        }
         report.n_solves += 1;
         report.n_iterations += u64::from(solution.n_iterations);
         report.residual = report.residual.max(solution.residual);
@@ -139,7 +174,8 @@ fn polygon(supports: &[Support]) -> Vec<FrictionJoint> {
 /// ```
 ///
 /// The search starts from the last twist, which is near for a load that keeps slipping.
-fn solve(solver: &mut FrictionSolver, system: &System, motion: &Motion, facing: &Vec2, sum: &SpringSum, duration: f64) -> FrictionSolution {
+fn solve(solver: &mut FrictionSolver, system: &System, step: &Drive, contact_forces: &mut Vec<[f64; 2]>) -> FrictionSolution {
+    let Drive { motion, facing, sum, duration, contacts } = *step;
     let mass = Vec3::new(system.load.mass, system.load.mass, system.load.inertia);
     let mut slope = sum.stiffness + sum.damping / duration;
     for i in 0..3 {
@@ -150,6 +186,11 @@ fn solve(solver: &mut FrictionSolver, system: &System, motion: &Motion, facing: 
     let in_load = |v: &Vec3| seen_from(facing, &v.xy()).push(v.z);
     let (hessian, drive) = (in_load_axes(&slope, facing), in_load(&drive));
     let near = duration * in_load(&twist.linear.push(twist.angular));
+    if !contacts.is_empty() {
+        let problem = Problem { hessian: &hessian, drive: &drive, near: &near, facing, duration, radius: system.load.radius };
+        return prediction::solve(solver, &problem, contacts, contact_forces);
+    }
+    contact_forces.clear();
     solver.slide(&hessian, &drive, &near).unwrap_or_else(|| solver.solve(&hessian, &drive))
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::contacts::{ContactPoint, ObstacleStep};
 use crate::backend::Motion;
 use crate::math::{Pose, Twist, Vec2, Vec3, Wrench, direction, perpendicular, unwrap_near};
 
@@ -116,17 +117,44 @@ impl BodyState {
     }
 }
 
+/// What acts on the load in a step.
+pub struct StepInputs<'a> {
+    pub friction: &'a [FrictionJoint],
+    pub springs: &'a [SpringJoint],
+    /// Additional wrench about the load's origin (N, N, N m).
+    pub push: Option<&'a Vec3>,
+    pub obstacles: &'a [ObstacleStep],
+    /// Factor on the number of the solver's sweeps under the recommended settings (1).
+    pub more_sweeps: usize,
+}
+
 /// A world of rapier with one load.
 pub trait Engine {
     fn body(&self) -> BodyState;
 
-    /// Starts a new world with the load in this state and with these numbers of joints. No earlier
-    /// step affects it.
-    fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize);
+    /// Starts a new world with the load in this state, with these numbers of joints and with the
+    /// obstacles where their steps begin. No earlier step affects it.
+    fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize, obstacles: &[ObstacleStep]);
 
-    /// Sets all joints and moves the load for `duration` (s), with an additional wrench `push`
-    /// about its origin (N, N, N m). Returns `false` when the engine found no finite state.
-    fn step(&mut self, duration: f64, friction: &[FrictionJoint], springs: &[SpringJoint], push: Option<&Vec3>) -> bool;
+    /// Writes the contacts that the next step meets within `reach` (m) to `contacts`, without
+    /// forces.
+    fn find_contacts(&mut self, reach: f64, obstacles: &[ObstacleStep], contacts: &mut Vec<ContactPoint>);
+
+    /// Sets all joints and moves the load and the obstacles for `duration` (s). Returns `false`
+    /// when the engine found no finite state.
+    fn step(&mut self, duration: f64, inputs: &StepInputs) -> bool;
+
+    /// Writes the contacts of the last step, with its mean forces, to `contacts`.
+    fn read_contacts(&self, obstacles: &[ObstacleStep], contacts: &mut Vec<ContactPoint>);
+
+    /// What the engine keeps from step to step beside the state of the load, as JSON.
+    fn memory(&self) -> String;
+
+    /// Starts a world with the load in this state from what another one kept.
+    ///
+    /// # Errors
+    /// When `memory` is not that of such a world.
+    fn recall(&mut self, memory: &str) -> Result<(), serde_json::Error>;
 
     /// Force of a friction joint on the load (N, world) and its moment about the point where it
     /// acts (N m) in the last substep.

@@ -19,15 +19,16 @@ use crate::math::{Vec2, perpendicular};
 use crate::model::Load;
 
 /// Adds the losses of friction in a step, and the part of the change of motion of `load` that
-/// neither friction nor springs explain.
-pub fn add_friction(ledger: &mut EnergyLedger, load: &Load, step: &Step) {
+/// neither friction nor contacts nor springs explain. `from_contacts` is the energy that the load
+/// got at contacts, less what it lost there (J).
+pub fn add_friction(ledger: &mut EnergyLedger, load: &Load, step: &Step, from_contacts: f64) {
     let before = ledger.friction;
     for (joint, wrench) in step.friction.iter().zip(step.wrenches) {
         let slip_velocity = step.end.twist.velocity_at(&turned(&step.facing, &joint.offset));
         ledger.friction -= step.duration * (wrench.force.dot(&slip_velocity) + wrench.torque * step.end.twist.angular);
     }
     let [start, end] = [&step.start, &step.end].map(|motion| load.kinetic_energy(&motion.twist));
-    ledger.numerical_damping -= ledger.friction - before + end - start;
+    ledger.numerical_damping -= ledger.friction - before - from_contacts + end - start;
 }
 
 /// Adds dashpots and tips of a step, and writes the force of each attached spring's dashpots on its

@@ -18,11 +18,15 @@
 
 mod aggregate;
 mod backend;
+mod contact_ledger;
+mod contacts;
 mod double;
 mod ground;
 mod joints;
 mod ledger;
+mod one_step;
 mod options;
+mod prediction;
 mod residual;
 mod rest;
 #[cfg(feature = "rapier-f32")]
@@ -39,9 +43,9 @@ use crate::model::System;
 pub fn build(system: System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     let body = joints::BodyState::of(&start);
     let engine: Box<dyn joints::Engine> = match options.rapier.precision {
-        Precision::F64 => Box::new(double::World::new(&system.load, &body, &options.rapier)),
+        Precision::F64 => Box::new(double::World::new(&system, &body, &options.rapier)),
         #[cfg(feature = "rapier-f32")]
-        Precision::F32 => Box::new(single::World::new(&system.load, &body, &options.rapier)),
+        Precision::F32 => Box::new(single::World::new(&system, &body, &options.rapier)),
     };
     Box::new(backend::Rapier::new(system, start, options, engine))
 }

@@ -1,5 +1,6 @@
 //! Residual of the engine's solver: violation of the equations of a step.
 
+use super::contacts::ContactPoint;
 use super::joints::FrictionJoint;
 use super::springs::turned;
 use super::step::Step;
@@ -8,26 +9,70 @@ use crate::model::Load;
 use crate::model::support::wrench_of;
 
 /// Largest violation of the equations of a step, relative to the forces in them (1). The sum of all
-/// slip limits, `slip_limit` (N), is one of these forces. The iterations keep each impulse in
+/// slip limits, `slip_limit` (N), is one of these forces. A penetration counts by its share of the
+/// load's extent where that is more. The iterations keep each impulse in
 /// balance with the twist. The rest of the error has two forms: springs whose force belongs to an
 /// older twist, which leaves a gap in the balance of all forces, and supports that slip below their
 /// limit.
 pub fn residual(load: &Load, slip_limit: f64, step: &Step) -> f64 {
+    let (violation, deepest) = (violation(load, slip_limit, step), deepest(step) / load.radius);
+    // A violation that is not a number stays one.
+    if deepest > violation { deepest } else { violation }
+}
+
+/// The part of [`residual`] that more iterations make smaller (1).
+pub fn violation(load: &Load, slip_limit: f64, step: &Step) -> f64 {
     let mut gap = balance_without_friction(load, step);
     let gyration = (load.inertia / load.mass).sqrt();
     let mut worst: f64 = 0.0;
+    let rate = load.mass / step.duration;
+    for contact in step.contacts {
+        gap -= wrench_of(&contact.arm, &contact.force());
+        worst = worst.max(rate * contact_violation(contact, step));
+    }
+    let bounced = step.bounced();
     for (joint, wrench) in step.friction.iter().zip(step.wrenches) {
         let arm = turned(&step.facing, &joint.offset);
         gap -= wrench_of(&arm, &wrench.force) + Vec3::z() * wrench.torque;
         let slip = step.end.twist.velocity_at(&arm);
-        worst = worst.max(slip_below_limit(joint, &slip, &wrench.force, load.mass / step.duration));
+        if bounced {
+            // Friction belongs to the motion before the bounce: an error of the step, not of the
+            // iterations.
+            continue;
+        }
+        worst = worst.max(slip_below_limit(joint, &slip, &wrench.force, rate));
         if joint.turning_limit > 0.0 {
             worst = worst.max(load.inertia / gyration / step.duration * step.end.twist.angular.abs());
         }
     }
     worst = worst.max(gap.xy().norm()).max(gap.z.abs() / gyration);
-    relative(worst, slip_limit + step.sum.force_scale)
+    let pushes = step.contacts.iter().fold(0.0, |sum, contact| sum + contact.push);
+    relative(worst, slip_limit + step.sum.force_scale + pushes)
 }
+
+/// Largest penetration at the start of a step (m).
+fn deepest(step: &Step) -> f64 {
+    step.contacts.iter().fold(0.0, |deepest, contact| deepest.max(-contact.gap))
+}
+
+/// Violation of the laws of a contact: the change of velocity that they require (m/s). A contact
+/// that pushes closes its gap within the step or bounces, one that does not push leaves no
+/// penetration, and friction opposes the slip.
+fn contact_violation(contact: &ContactPoint, step: &Step) -> f64 {
+    let ([before, _], [after, slip]) = (contact.velocity_of(&step.start.twist), contact.velocity_of(&step.end.twist));
+    let closing = after + contact.gap / step.duration;
+    if contact.push <= 0.0 {
+        return (-closing).max(0.0);
+    }
+    if contact.restitution > 0.0 && before < 0.0 {
+        return closing.abs().min((after + contact.restitution * before).abs());
+    }
+    let is_at_limit = contact.rub.abs() >= contact.friction * contact.push * (1.0 - LIMIT) && contact.rub * slip <= 0.0;
+    closing.abs().max(if is_at_limit { 0.0 } else { slip.abs() })
+}
+
+/// Share of the friction limit that counts as all of it (1): a rounding in f32.
+const LIMIT: f64 = 1e-6;
 
 /// `violation` (N) over `forces` (N). Without forces it is zero for no violation, and else one.
 fn relative(violation: f64, forces: f64) -> f64 {

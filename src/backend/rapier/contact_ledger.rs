@@ -1,0 +1,65 @@
+//! Energy and transitions of contacts with obstacles.
+
+use serde::{Deserialize, Serialize};
+
+use super::step::Step;
+use crate::backend::{EnergyLedger, TransitionKind};
+
+/// What the last steps found at one obstacle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Touch {
+    /// Number of steps since the load touched the obstacle, up to [`N_IMPACT_STEPS`].
+    n_steps: u8,
+    /// Energy lost since then, as long as it counts as an impact (J).
+    energy: f64,
+}
+
+/// Number of steps in which the load may lose its speed towards an obstacle. In the first one it
+/// closes the gap exactly, in the second one it stops. What it loses against an obstacle later is
+/// an error of the steps.
+const N_IMPACT_STEPS: u8 = 2;
+
+impl Touch {
+    pub fn is_closed(&self) -> bool {
+        self.n_steps > 0
+    }
+}
+
+/// Adds the losses and the work at the contacts of `step` to `ledger`, and writes what happened to
+/// `happened`. Returns the energy that the load got there, less what it lost (J).
+///
+/// The normal force works at the mean of the speeds before and after the step, which gives the loss
+/// of an impact exactly. Side friction works at the speed after it, as friction with the ground
+/// does.
+pub fn add_contacts(ledger: &mut EnergyLedger, step: &Step, touches: &mut [Touch], happened: &mut Vec<TransitionKind>) -> f64 {
+    happened.clear();
+    let net = |ledger: &EnergyLedger| ledger.obstacle_work - ledger.side_friction - ledger.impacts;
+    let at_first = net(ledger);
+    for (obstacle, touch) in touches.iter_mut().enumerate() {
+        let contacts = step.contacts.iter().filter(|contact| contact.obstacle == obstacle && contact.push > 0.0);
+        let (mut is_closed, mut loss) = (false, 0.0);
+        for contact in contacts {
+            is_closed = true;
+            let ([before, _], [after, slip]) = (contact.velocity_of(&step.start.twist), contact.velocity_of(&step.end.twist));
+            ledger.obstacle_work += step.duration * contact.force().dot(&contact.velocity);
+            ledger.side_friction -= step.duration * contact.rub * slip;
+            loss -= step.duration * contact.push * 0.5 * (before + after);
+        }
+        if is_closed && !touch.is_closed() {
+            happened.push(TransitionKind::Touch { obstacle });
+        }
+        if is_closed && touch.n_steps < N_IMPACT_STEPS && loss > 0.0 {
+            ledger.impacts += loss;
+            touch.energy += loss;
+        }
+        let has_ended = touch.is_closed() && !is_closed;
+        touch.n_steps = if is_closed { (touch.n_steps + 1).min(N_IMPACT_STEPS) } else { 0 };
+        if (has_ended || touch.n_steps == N_IMPACT_STEPS) && touch.energy > 0.0 {
+            happened.push(TransitionKind::Impact { obstacle, energy: std::mem::take(&mut touch.energy) });
+        }
+        if has_ended {
+            happened.push(TransitionKind::Separation { obstacle });
+        }
+    }
+    net(ledger) - at_first
+}
