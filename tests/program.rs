@@ -371,6 +371,31 @@ fn one_wrong_file_among_good_ones_makes_a_check_fail() {
     assert!(text(&output.stderr).contains("bad.json"));
 }
 
+/// Two posts whose centres are 8 mm apart, each of 5 mm: they overlap by 2 mm.
+#[test]
+fn obstacles_inside_each_other_are_warned_about() {
+    let room = Room::new();
+    let mut scene: Value = serde_json::from_str(&fs::read_to_string(room.tips()).unwrap()).unwrap();
+    let post = |name: &str, x: f64| json!({ "name": name, "outline": { "disc": { "radius_m": 0.005 } }, "position_m": [x, 0.3] });
+    scene["obstacles"] = json!([post("left", 0.0), post("right", 0.008)]);
+    let odd = room.write("odd.json", &scene.to_string());
+    let warning =
+        "obstacles[1]: should not overlap another obstacle, as \"right\" does at the start, found a depth of 2.000e-3 m in \"left\"";
+    for command in [&["scenario", "check"][..], &["run"]] {
+        let output = call(&[command, &[&odd]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(&format!("warning: {odd}: {warning}")), "{}", text(&output.stderr));
+    }
+    let output = call(&["scenario", "check", "--json", &odd, &room.tips()]);
+    let found: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    assert_eq!((&found["scenarios"][0]["ok"], &found["scenarios"][0]["warnings"][0]["path"]), (&json!(true), &json!("obstacles[1]")));
+    assert_eq!(found["scenarios"][1]["warnings"], json!([]));
+    // A hair apart there is nothing to warn of.
+    scene["obstacles"] = json!([post("left", 0.0), post("right", 0.010000001)]);
+    let apart = call(&["scenario", "check", &room.write("apart.json", &scene.to_string())]);
+    assert!(apart.stderr.is_empty(), "{}", text(&apart.stderr));
+}
+
 #[test]
 fn nonsense_on_the_command_line_is_usage() {
     let room = Room::new();

@@ -1,7 +1,7 @@
 //! The contract that everything which moves a load keeps.
 
 use super::springs::AttachedTip;
-use super::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, StepReport, Transition};
+use super::{EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::Vec2;
 
 /// A method that moves the load.
@@ -65,6 +65,12 @@ pub trait Backend {
     /// Friction force of the ground on each support (N, world), averaged over the last step; empty
     /// for a backend that does not compute it.
     fn friction_forces(&self) -> Vec<Vec2> {
+        Vec::new()
+    }
+
+    /// Closed contacts with obstacles, with their forces in the last step; empty for a backend that
+    /// does not compute them.
+    fn side_contacts(&self) -> Vec<SideContact> {
         Vec::new()
     }
 

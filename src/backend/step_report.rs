@@ -35,9 +35,21 @@ pub struct StepReport {
     pub n_not_converged: u64,
     /// Macro-steps that error control rejected as too long.
     pub n_rejected: u64,
+    /// Largest residual of a step in which an obstacle pushed the load, relative to the forces in it
+    /// (1).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub contact_residual: f64,
+    /// Whether the contact forces of some step were statically indeterminate: other forces balance
+    /// the load just as well.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_indeterminate: bool,
     /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
+}
+
+fn is_zero(residual: &f64) -> bool {
+    *residual == 0.0
 }
 
 impl StepReport {
@@ -68,6 +80,8 @@ impl StepReport {
         self.n_skipped += other.n_skipped;
         self.n_not_converged += other.n_not_converged;
         self.n_rejected += other.n_rejected;
+        self.contact_residual = self.contact_residual.max(other.contact_residual);
+        self.is_indeterminate |= other.is_indeterminate;
         self.skipped.add(&other.skipped);
     }
 }

@@ -112,6 +112,18 @@ impl TransitionKind {
         }
     }
 
+    /// Obstacle at which it happens; `None` for a transition of the load on the ground.
+    pub fn obstacle(&self) -> Option<usize> {
+        match self {
+            TransitionKind::Touch { obstacle }
+            | TransitionKind::Separation { obstacle }
+            | TransitionKind::SideStick { obstacle }
+            | TransitionKind::SideSlip { obstacle }
+            | TransitionKind::Impact { obstacle, .. } => Some(*obstacle),
+            _ => None,
+        }
+    }
+
     /// Name of the kind in plain words.
     pub fn name(&self) -> &'static str {
         match self {

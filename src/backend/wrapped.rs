@@ -1,7 +1,7 @@
 //! A backend around another one, which observes or adds to some of the calls.
 
 use super::springs::AttachedTip;
-use super::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, StepReport, Transition};
+use super::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::Vec2;
 
 /// What a [`Wrapped`] backend does besides passing a call on. Each default only passes it on.
@@ -72,6 +72,10 @@ impl<H: Hook> Backend for Wrapped<H> {
 
     fn friction_forces(&self) -> Vec<Vec2> {
         self.inside.friction_forces()
+    }
+
+    fn side_contacts(&self) -> Vec<SideContact> {
+        self.inside.side_contacts()
     }
 
     fn read_tips(&self, tips: &mut [AttachedTip]) {

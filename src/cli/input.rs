@@ -34,6 +34,12 @@ pub fn read_scenario(path: &Path, seed: Option<u64>) -> Result<Scenario, CliErro
     Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })
 }
 
+/// Prints the warnings about a scenario.
+pub fn warn_of_scenario(path: &Path, scenario: &Scenario) {
+    let warnings: Vec<String> = scenario.warnings().iter().map(|warning| format!("{}: {warning}", name_of(path))).collect();
+    console::warn_all(&warnings);
+}
+
 /// How messages name the file.
 pub fn name_of(path: &Path) -> String {
     if is_stdin(path) { "standard input".to_owned() } else { path.display().to_string() }

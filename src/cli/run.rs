@@ -14,7 +14,7 @@ use super::choice::{choice, positive, seconds};
 use super::console::{self, Tone};
 use super::engine::{EngineArgs, warn_idle, warn_of_idle};
 use super::error::{CliError, at_file};
-use super::input::{check_step, read_scenario};
+use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, manifest_of};
 use super::resumable::stopped;
 use super::watch::watched_by;
@@ -101,6 +101,7 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
+    warn_of_scenario(&args.scenario, &scenario);
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
     if args.no_estimate && options.kind != BackendKind::QuasiStatic {
         warn_idle("--no-estimate", "quasi-static", options.kind.name());

@@ -1,15 +1,17 @@
 //! `cohaul scenario show|check|schema`.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Subcommand;
+use serde::Serialize;
 
 use super::console::{self, print};
 use super::error::CliError;
-use super::input::{name_of, read_scenario};
+use super::input::{name_of, read_scenario, warn_of_scenario};
 use crate::output::json;
-use crate::scenario::format;
+use crate::scenario::{Finding, format};
 
 #[derive(Subcommand)]
 pub enum ScenarioCommand {
@@ -19,12 +21,15 @@ pub enum ScenarioCommand {
         /// Scenario file; - for standard input
         scenario: PathBuf,
     },
-    /// Check scenario files and list every fault
+    /// Check scenario files and list every fault and warning
     #[command(after_help = "Example:\n  cohaul scenario check scenarios/*/*.json")]
     Check {
         /// Scenario files; - for standard input
         #[arg(required = true, value_name = "SCENARIO")]
         scenarios: Vec<PathBuf>,
+        /// Print one JSON object with names, hashes, faults and warnings instead of text
+        #[arg(long)]
+        json: bool,
     },
     /// Print the JSON Schema of the scenario format
     #[command(after_help = "Example:\n  cohaul scenario schema > scenario.schema.json")]
@@ -35,21 +40,52 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
     match command {
         ScenarioCommand::Show { scenario } => print(&json::pretty(&read_scenario(scenario, None)?.expanded())?)?,
         ScenarioCommand::Schema => print(&json::pretty(&format::schema())?)?,
-        ScenarioCommand::Check { scenarios } => return check(scenarios),
+        ScenarioCommand::Check { scenarios, json } => return check(scenarios, *json),
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn check(paths: &[PathBuf]) -> Result<ExitCode, CliError> {
-    let mut code = ExitCode::SUCCESS;
+/// What is reported of one file.
+#[derive(Default, Serialize)]
+struct Checked {
+    file: String,
+    /// Whether a run can use it.
+    ok: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hash: Option<String>,
+    /// Why the file cannot be used, in one text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    faults: Vec<Finding>,
+    warnings: Vec<Finding>,
+}
+
+fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
+    let (mut code, mut all) = (ExitCode::SUCCESS, Vec::new());
     for path in paths {
+        let file = name_of(path);
         match read_scenario(path, None) {
-            Ok(scenario) => print(&format!("{}: ok, \"{}\", hash {}\n", name_of(path), scenario.name, scenario.hash()))?,
+            Ok(scenario) => {
+                warn_of_scenario(path, &scenario);
+                let hash = scenario.hash();
+                if !as_json {
+                    print(&format!("{file}: ok, \"{}\", hash {hash}\n", scenario.name))?;
+                }
+                let warnings = scenario.warnings();
+                all.push(Checked { file, ok: true, name: Some(scenario.name), hash: Some(hash), warnings, ..Checked::default() });
+            }
             Err(error) => {
+                let faults = if let CliError::Scenario(error) = &error { error.findings().to_vec() } else { Vec::new() };
+                all.push(Checked { file, error: Some(error.to_string()), faults, ..Checked::default() });
                 console::error(error);
                 code = ExitCode::from(2);
             }
         }
+    }
+    if as_json {
+        print(&json::pretty(&BTreeMap::from([("scenarios", all)]))?)?;
     }
     Ok(code)
 }

@@ -17,3 +17,4 @@ pub mod table;
 pub mod text;
 pub mod tips_csv;
 pub mod trace_csv;
+pub mod transition_words;

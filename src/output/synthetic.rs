@@ -42,9 +42,12 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             n_skipped: 22_830,
             n_not_converged: 0,
             n_rejected: 0,
+            contact_residual: 0.0,
+            is_indeterminate: false,
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },
         },
         transitions: TransitionCounts { n_slip_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },
+        contact_transitions: Vec::new(),
         error: None,
         arrived,
         pulls,
@@ -60,7 +63,14 @@ pub fn trace(n_rows: usize, lag: f64) -> Trace {
         let time = k as f64 * TICK;
         let tips = tips(time, lag);
         record_events(&mut trace, time, &tips);
-        trace.rows.push(Row { time, motion: motion(time, lag), energy: energy(time, lag), tips: tips.into(), error: None });
+        trace.rows.push(Row {
+            time,
+            motion: motion(time, lag),
+            energy: energy(time, lag),
+            tips: tips.into(),
+            contacts: Vec::new(),
+            error: None,
+        });
     }
     trace
 }

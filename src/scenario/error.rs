@@ -3,8 +3,10 @@
 use std::fmt::{self, Display};
 use std::io;
 
-/// One broken rule.
-#[derive(Clone, Debug, PartialEq, Eq)]
+use serde::Serialize;
+
+/// One broken rule, or for a warning, one that is better kept.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// Place of the fault: keys joined by points, with indices in brackets, as in
     /// `springs[2].rest_length_m`. It is empty for the whole file.

@@ -8,6 +8,7 @@ pub(crate) mod json;
 mod read;
 mod structure;
 mod validate;
+mod warnings;
 
 pub mod format;
 pub mod presets;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
-use super::trace::{Event, EventKind, Keep, Outcome, Row, Trace};
+use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Trace};
 use crate::backend::{
     AttachedTip, AttachedTips, Backend, BackendOptions, Motion, PoseError, StepReport, Transition, TransitionCounts, build,
 };
@@ -29,12 +29,14 @@ pub struct Simulation<'a> {
 }
 
 /// What is added up over the advances of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Totals {
     pub steps: StepReport,
     /// Largest estimated error of the pose so far; `None` where the backend estimates none.
     pub error: Option<PoseError>,
     pub transitions: TransitionCounts,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contact_transitions: Vec<Transition>,
 }
 
 impl<'a> Simulation<'a> {
@@ -199,6 +201,7 @@ impl<'a> Simulation<'a> {
             energy: self.backend.energy(),
             steps: self.totals.steps,
             transitions: self.totals.transitions,
+            contact_transitions: self.totals.contact_transitions.clone(),
             error: self.totals.error,
             arrived: self.controller.arrived(&motion),
             pulls: self.controller.pulls(),
@@ -244,9 +247,14 @@ impl<'a> Simulation<'a> {
             self.totals.error = Some(self.totals.error.unwrap_or_default().max(&now));
         }
         for transition in self.backend.transitions() {
+            let transition = Transition { time: self.clock.time + transition.time, ..*transition };
             self.totals.transitions.add(&transition.kind);
+            let contacts = &mut self.totals.contact_transitions;
+            if transition.kind.obstacle().is_some() && contacts.len() < MOST_CONTACT_TRANSITIONS {
+                contacts.push(transition);
+            }
             if self.keep == Keep::Trace {
-                self.trace.transitions.push(Transition { time: self.clock.time + transition.time, ..*transition });
+                self.trace.transitions.push(transition);
             }
         }
     }
@@ -255,7 +263,8 @@ impl<'a> Simulation<'a> {
     fn record(&mut self, motion: Motion) {
         if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
             let (energy, error) = (self.backend.energy(), self.backend.pose_error());
-            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), error });
+            let contacts = self.backend.side_contacts();
+            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
             // The row is long, so its tips are written in place.
             self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
         }

@@ -61,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 51] = [
+pub const FACTS: [Fact; 61] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -90,17 +90,27 @@ pub const FACTS: [Fact; 51] = [
     count("pull_force_n.n", "n_pulls", "Number of these pulls.", |r| r.pulls(|p| Count(p.n()))),
     number("energy.elastic_j", "elastic_j", "Energy stored in the springs at the end.", |r| Number(r.outcome.energy.elastic)),
     number("energy.kinetic_j", "kinetic_j", "Kinetic energy of the load at the end.", |r| Number(r.outcome.energy.kinetic)),
-    number("energy.dissipated_j", "", "Sum of the energies lost to friction, damping and release.", |r| {
+    number("energy.dissipated_j", "", "Sum of the energies lost to friction, impacts, damping and release.", |r| {
         Number(r.outcome.energy.dissipated())
     }),
     number("energy.friction_j", "friction_j", "Energy lost to friction with the ground.", |r| Number(r.outcome.energy.friction)),
+    number("energy.side_friction_j", "side_friction_j", "Energy lost to friction with obstacles.", |r| {
+        r.at_obstacles(|o| Number(o.energy.side_friction))
+    }),
+    number("energy.impact_j", "impact_j", "Energy lost in impacts on obstacles.", |r| r.at_obstacles(|o| Number(o.energy.impacts))),
     number("energy.damping_j", "damping_j", "Energy lost to the damping of springs.", |r| Number(r.outcome.energy.damping)),
     number("energy.released_j", "released_j", "Energy lost with springs that were let go.", |r| Number(r.outcome.energy.released)),
     number("energy.tip_work_j", "tip_work_j", "Work that the tips did on the springs.", |r| Number(r.outcome.energy.tip_work)),
-    number("energy.initial_j", "initial_j", "Energy at the start.", |r| Number(r.outcome.energy.initial)),
-    number("energy.defect_j", "defect_j", "Stored and dissipated energy less tip work and initial energy.", |r| {
-        Number(r.outcome.energy.defect())
+    number("energy.obstacle_work_j", "obstacle_work_j", "Work of moving obstacles on the load.", |r| {
+        r.at_obstacles(|o| Number(o.energy.obstacle_work))
     }),
+    number("energy.initial_j", "initial_j", "Energy at the start.", |r| Number(r.outcome.energy.initial)),
+    number(
+        "energy.defect_j",
+        "defect_j",
+        "Stored and dissipated energy less the work of tips and obstacles and the initial energy.",
+        |r| Number(r.outcome.energy.defect()),
+    ),
     number("energy.defect_parts.jumps_j", "defect_jumps_j", "Part of the defect from quasi-static jumps.", |r| {
         Number(r.outcome.energy.defect_parts().jumps)
     }),
@@ -126,6 +136,26 @@ pub const FACTS: [Fact; 51] = [
     count("transitions.n_jumps", "n_jumps", "Number of jumps of the quasi-static path.", |r| r.transitions(|t| Count(t.n_jumps))),
     number("transitions.largest_jump_m", "largest_jump_m", "Largest displacement in a jump.", |r| {
         r.transitions(|t| t.largest_jump.map_or(Absent, Number))
+    }),
+    count("contacts.n_touch", "n_touch", "Number of times the load touched an obstacle.", |r| {
+        r.at_obstacles(|o| Count(o.transitions.n_touch))
+    }),
+    count("contacts.n_separation", "n_separation", "Number of times the load separated from an obstacle.", |r| {
+        r.at_obstacles(|o| Count(o.transitions.n_separation))
+    }),
+    count("contacts.n_side_stick", "n_side_stick", "Number of times a contact began to stick or to roll.", |r| {
+        r.at_obstacles_exactly(|o| Count(o.transitions.n_side_stick))
+    }),
+    count("contacts.n_side_slip", "n_side_slip", "Number of times a contact began to slide.", |r| {
+        r.at_obstacles_exactly(|o| Count(o.transitions.n_side_slip))
+    }),
+    count("contacts.n_impacts", "n_impacts", "Number of impacts on obstacles.", |r| r.at_obstacles(|o| Count(o.transitions.n_impacts))),
+    number("contacts.residual", "contact_residual", "Largest relative residual of a step with a contact force.", |r| {
+        r.at_obstacles_exactly(|o| Number(o.steps.contact_residual))
+    })
+    .not_reproducible(),
+    flag("contacts.forces_unique", "contact_forces_unique", "Whether the contact forces were unique in every step.", |r| {
+        r.at_obstacles_exactly(|o| Flag(!o.steps.is_indeterminate))
     }),
     number("accuracy.asked_m", "", "Error of the position that was allowed.", |r| r.accuracy(|asked, _| Number(asked.position_m))),
     number("accuracy.asked_rad", "", "Error of the heading that was allowed.", |r| r.accuracy(|asked, _| Number(asked.heading_rad))),
@@ -246,7 +276,17 @@ impl Run<'_> {
         if self.outcome.arrived.is_some() { get(&self.outcome.pulls) } else { Absent }
     }
 
-    /// An engine does not report transitions.
+    /// A number of a scene with obstacles.
+    fn at_obstacles(&self, get: fn(&Outcome) -> Value) -> Value {
+        if self.scenario.system.world.is_empty() { Absent } else { get(self.outcome) }
+    }
+
+    /// A number of a scene with obstacles that an engine does not compute.
+    fn at_obstacles_exactly(&self, get: fn(&Outcome) -> Value) -> Value {
+        if self.options.kind.is_exact() { self.at_obstacles(get) } else { Absent }
+    }
+
+    /// An engine does not report transitions of the load on the ground.
     fn transitions(&self, get: fn(&TransitionCounts) -> Value) -> Value {
         if self.options.kind.is_exact() { get(&self.outcome.transitions) } else { Absent }
     }

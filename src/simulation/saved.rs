@@ -40,7 +40,7 @@ impl<'a> Simulation<'a> {
             n_parts: self.clock.n_parts,
             finished: self.finished,
             keep: self.keep,
-            totals: self.totals,
+            totals: self.totals.clone(),
             controller: self.controller.save()?,
             backend: self.backend.save()?,
             trace: self.trace.clone(),
@@ -83,7 +83,7 @@ impl<'a> Simulation<'a> {
         resumed.clock.tick = saved.tick;
         resumed.clock.time = saved.time;
         resumed.finished = saved.finished;
-        resumed.totals = saved.totals;
+        resumed.totals = saved.totals.clone();
         resumed.trace = saved.trace.clone();
         Ok(resumed)
     }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::backend::{AttachedTips, EnergyLedger, Motion, PoseError, StepReport, Transition, TransitionCounts};
+use crate::backend::{AttachedTips, EnergyLedger, Motion, PoseError, SideContact, StepReport, Transition, TransitionCounts};
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
 
@@ -36,6 +36,9 @@ pub struct Row {
     /// Attached tips in the order of their springs.
     #[serde(serialize_with = "as_slice", deserialize_with = "from_list")]
     pub tips: AttachedTips,
+    /// Closed contacts with obstacles, with their forces in the step before the instant.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<SideContact>,
     /// Estimated error of the pose; `None` where the backend estimates none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
@@ -78,6 +81,10 @@ pub enum EventKind {
     Release,
 }
 
+/// Largest number of transitions at obstacles that an outcome keeps (1): enough to read, and a
+/// bound of its memory.
+pub const MOST_CONTACT_TRANSITIONS: usize = 50;
+
 /// Result of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
@@ -89,6 +96,9 @@ pub struct Outcome {
     /// Counts of the transitions that the backend reported.
     #[serde(default)]
     pub transitions: TransitionCounts,
+    /// What happened at obstacles: the first [`MOST_CONTACT_TRANSITIONS`] such transitions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contact_transitions: Vec<Transition>,
     /// Largest estimated error of the pose; `None` where the backend estimates none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,

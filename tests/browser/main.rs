@@ -179,6 +179,33 @@ fn looks(browser: &Browser) {
     browser.picture("narrow");
 }
 
+/// A jammed disc is drawn with the two points at which it touches the walls of the notch. They are
+/// inclined by 45 degrees, so that the points lie R / sqrt(2) beside and below the centre.
+#[test]
+#[ignore = "needs Chromium and ChromeDriver"]
+fn contacts_are_drawn_where_the_load_touches() {
+    let browser = Browser::start();
+    browser.size(1280, 800);
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/contact/notch-jam.json");
+    let room = tempdir().unwrap();
+    let out = written(&room, &["run", scene.to_str().unwrap(), "--report"]);
+    browser.open(&out.join("report.html"));
+    browser.run("document.querySelector('.replay canvas').focus()");
+    browser.press(END);
+    browser.picture("notch-jam");
+    let drawn = browser.run("return JSON.parse(document.querySelector('.replay canvas').dataset.contacts)");
+    let mut points: Vec<[f64; 2]> = serde_json::from_value(drawn["quasi-static"].clone()).unwrap();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let away = 0.0122 / 2_f64.sqrt();
+    let expected = [[-away, 0.017253405461 - away], [away, 0.017253405461 - away]];
+    // 16 bits over some 40 mm.
+    let is_near = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-6;
+    assert!(points.len() == 2 && points.iter().zip(&expected).all(is_near), "{points:?}");
+    let table = browser.run("return document.body.textContent.includes('touches notch')");
+    assert_eq!(table, true);
+    assert_eq!(browser.console(), [""; 0]);
+}
+
 /// Reports of runs: with ants, without springs, and with more parts than are drawn.
 #[test]
 #[ignore = "needs Chromium and ChromeDriver"]

@@ -242,6 +242,11 @@ impl Obstacles {
                         found.increment.report.status = found.increment.report.status.max(Status::NotConverged);
                         found.increment.report.n_not_converged = 1;
                     }
+                    let report = &mut found.increment.report;
+                    report.is_indeterminate = !found.are_forces_unique;
+                    if found.sides.iter().any(|(_, force)| force.normal > 0.0) {
+                        report.contact_residual = report.residual;
+                    }
                     let work = self.accept(system, &start, task, &candidates, &found, touching);
                     (found.increment, work)
                 }

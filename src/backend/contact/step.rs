@@ -44,6 +44,8 @@ pub type Sides = SmallVec<[(SideMode, SideForce); 4]>;
 pub struct Found {
     pub increment: Increment,
     pub sides: Sides,
+    /// Whether no other contact forces balance the load.
+    pub are_forces_unique: bool,
 }
 
 /// Largest number of linear steps.
@@ -103,7 +105,9 @@ impl ContactStep<'_, '_> {
         }
         let residual = solver.rest(&gradient)?;
         let report = StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() };
-        Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides })
+        // The friction of the ground may take the place of any contact force.
+        let are_forces_unique = sides.iter().all(|(_, force)| force.normal == 0.0);
+        Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique })
     }
 
     /// Gaps and slips at an increment.
@@ -144,7 +148,7 @@ impl ContactStep<'_, '_> {
                 let mode = solver.keep_gliding(&at);
                 let n_iterations = iteration as u64;
                 let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
-                return Some(Found { increment: self.step.found(&at, mode, report), sides });
+                return Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique: true });
             }
             last = residual;
             let change = system.solve()?;
@@ -239,6 +243,7 @@ impl ContactStep<'_, '_> {
             report.n_iterations += u64::from(solution.n_iterations);
             mode = solution.ground_mode;
             report.residual = solution.residual;
+            report.is_indeterminate = !solution.are_forces_unique && solution.forces.iter().any(|force| force.normal > 0.0);
             if solution.ending == Ending::Infeasible {
                 return self.ended(
                     Vec3::zeros(),
@@ -259,7 +264,8 @@ impl ContactStep<'_, '_> {
             if mode == ContactMode::Slip
                 && let Some(found) = self.glide(solver, &sides, next)
             {
-                let report = StepReport { residual: found.increment.report.residual, ..report };
+                let residual = found.increment.report.residual;
+                let report = StepReport { residual, is_indeterminate: false, ..report };
                 return Found { increment: Increment { report, ..found.increment }, ..found };
             }
             let change = next - at;
@@ -278,7 +284,8 @@ impl ContactStep<'_, '_> {
 
     fn ended(&self, at: Vec3, mode: ContactMode, sides: Sides, report: StepReport) -> Found {
         let n_not_converged = u64::from(report.status != Status::Converged);
-        Found { increment: self.step.found(&at, mode, StepReport { n_not_converged, ..report }), sides }
+        let are_forces_unique = !report.is_indeterminate;
+        Found { increment: self.step.found(&at, mode, StepReport { n_not_converged, ..report }), sides, are_forces_unique }
     }
 
     /// Rows of the candidates that can touch near an increment, and the candidate of each.

@@ -8,7 +8,7 @@ use super::load::{Exact, Method, State};
 use crate::backend::friction::WarmStart;
 use crate::backend::springs::{AttachedSprings, AttachedTip, SavedSprings, TipPaths, pulls_with};
 use crate::backend::stepping::{Stepping, n_steps_in};
-use crate::backend::{Backend, EnergyLedger, Motion, RestoreError, SaveError, SavedState, StepReport, Transition};
+use crate::backend::{Backend, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::{Vec2, Vec3, rotation};
 
 #[derive(Serialize, Deserialize)]
@@ -90,6 +90,10 @@ impl<M: Method> Backend for Exact<M> {
         let in_load = rotation(pose.heading).tr_mul(&pulls.xy());
         let drive = Vec3::new(in_load.x, in_load.y, pulls.z);
         solver.at_rest_under(&drive, state.certificate.forces()).forces_in_world(pose.heading)
+    }
+
+    fn side_contacts(&self) -> Vec<SideContact> {
+        self.side_forces().collect()
     }
 
     fn energy(&self) -> EnergyLedger {

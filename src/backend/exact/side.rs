@@ -5,8 +5,7 @@ use smallvec::SmallVec;
 
 use super::load::{Exact, Method};
 use crate::backend::contact::{PairKey, SideMode, Touching, transitions};
-use crate::backend::{RestoreError, Transition, TransitionKind};
-use crate::math::Vec2;
+use crate::backend::{RestoreError, SideContact, Transition, TransitionKind};
 use crate::model::System;
 
 /// Contacts with obstacles between two steps.
@@ -98,8 +97,12 @@ impl<M: Method> Exact<M> {
         (touching.iter().map(|touching| (touching.key, touching.mode)).collect(), impacts.len())
     }
 
-    /// Forces of the obstacles on the load (N, world) and where they act (m, world).
-    pub(super) fn side_forces(&self) -> impl Iterator<Item = [Vec2; 2]> + '_ {
-        self.state.side.touching.iter().map(|touching| touching.on_load)
+    /// Closed contacts with their forces.
+    pub(super) fn side_forces(&self) -> impl Iterator<Item = SideContact> + '_ {
+        self.state.side.touching.iter().map(|Touching { key, on_load: [force, point], .. }| SideContact {
+            obstacle: key.obstacle,
+            point: *point,
+            force: *force,
+        })
     }
 }

@@ -13,8 +13,8 @@ use super::step::Step;
 use crate::backend::friction::WarmStart;
 use crate::backend::springs::{Attachment, Attachments};
 use crate::backend::{
-    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SaveError, SavedState, Skip, Skips, Status, StepReport, Transition,
-    TransitionKind, n_steps_in,
+    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, Skip, Skips, Status, StepReport,
+    Transition, TransitionKind, n_steps_in,
 };
 use crate::math::{Pose, Twist, Vec2, Wrench};
 use crate::model::{ObstaclePath, System};
@@ -92,6 +92,9 @@ pub(super) struct State {
     /// What the last steps found at each obstacle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) touches: Vec<Touch>,
+    /// Contacts that pushed the load in the last step.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) contacts: Vec<SideContact>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -135,6 +138,7 @@ impl Rapier {
             is_at_rest: false,
             elapsed: 0.0,
             touches: vec![Touch::default(); system.world.obstacles.len()],
+            contacts: Vec::new(),
         };
         state.ledger.initial = system.load.kinetic_energy(&state.motion().twist);
         Self {
@@ -215,6 +219,9 @@ impl Rapier {
             state.dashpot_on_tip[attachment.spring] = *force;
         }
         std::mem::swap(&mut state.touches, &mut work.touches);
+        state.contacts.clear();
+        let pushing = work.counted.iter().filter(|contact| contact.push > 0.0);
+        state.contacts.extend(pushing.map(|contact| contact.at(&state.body.motion_at(heading).pose)));
         state.friction_forces.fill(Vec2::zeros());
         for (joint, wrench) in self.friction.joints().iter().zip(&work.wrenches) {
             state.friction_forces[joint.support] += joint.stuck_force.unwrap_or(wrench.force);
@@ -336,6 +343,10 @@ impl Backend for Rapier {
 
     fn friction_forces(&self) -> Vec<Vec2> {
         self.state.friction_forces.clone()
+    }
+
+    fn side_contacts(&self) -> Vec<SideContact> {
+        self.state.contacts.clone()
     }
 
     fn energy(&self) -> EnergyLedger {

@@ -1,5 +1,6 @@
 //! Contacts of the load with obstacles as plain data in f64 and world axes.
 
+use crate::backend::SideContact;
 use crate::math::{Pose, Twist, Vec2, perpendicular};
 use crate::model::World;
 
@@ -55,6 +56,11 @@ impl ContactPoint {
     /// Force on the load in the step (N).
     pub fn force(&self) -> Vec2 {
         self.push * self.normal + self.rub * self.tangent()
+    }
+
+    /// The contact of a load whose origin is at `pose` after the step.
+    pub fn at(&self, pose: &Pose) -> SideContact {
+        SideContact { obstacle: self.obstacle, point: pose.position + self.arm, force: self.force() }
     }
 
     /// Velocity of a load with `twist` at the point, relative to the obstacle: along the normal and

@@ -17,7 +17,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 
 use crate::output::chart::axis::{Axis, power_label};
-use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
+use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Sample, Scale, Shape, Style};
 use crate::output::chart::thin;
 use crate::output::quantity::quantity;
 
@@ -344,7 +344,14 @@ fn add_legend(scene: &mut Scene, legend: &[Vec<Entry>]) -> f64 {
 
 fn add_sample(scene: &mut Scene, entry: &Entry, x: f64, y: f64) {
     let middle = x + 0.5 * SAMPLE;
-    let (x1, y1, x2, y2) = if entry.upright { (middle, y - 8.0, middle, y + 8.0) } else { (x, y, x + SAMPLE, y) };
+    let (x1, y1, x2, y2) = match entry.sample {
+        Sample::Line => (x, y, x + SAMPLE, y),
+        Sample::Upright => (middle, y - 8.0, middle, y + 8.0),
+        Sample::Dot => {
+            let fill = Color::from(entry.style.color);
+            return scene.add(Primitive::Circle { cx: middle, cy: y, r: 2.6, fill, fill_opacity: None, stroke: None, stroke_width: None });
+        }
+    };
     let dash = (!entry.style.dash.is_empty()).then(|| entry.style.dash.to_owned());
     let stroke = Color::from(entry.style.color);
     scene.add(Primitive::Line { x1, y1, x2, y2, stroke, stroke_width: entry.style.width, stroke_dasharray: dash });

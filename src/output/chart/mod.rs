@@ -10,6 +10,7 @@
 //! ```text
 //! scene.rs       a trace with its name, and its surroundings
 //! shown.rs       rows -> what is shown of them, in print units
+//! outline.rs     outlines of loads and obstacles as lines
 //! panels.rs      traces -> panels: what is shown
 //! difference.rs  distance of two traces over time
 //! panel.rs       a panel as data: labels, curves, marks
@@ -23,6 +24,7 @@ pub mod bars;
 pub mod canvas;
 pub mod cells;
 pub mod difference;
+pub mod outline;
 pub mod panel;
 pub mod panels;
 mod scene;
@@ -43,10 +45,12 @@ pub(crate) fn trace_color(index: usize) -> &'static str {
 }
 
 /// Path of the load's origin in the plane, equal scales, with the load's outline at the start
-/// (grey) and at each end. The radius in an outline points along the heading.
+/// (grey) and at each end, and the obstacles that are near. The line from the origin of an outline
+/// points along the heading.
 pub fn path(traces: &[Labelled], scene: &Scene) -> String {
-    let panel = panels::path(&Seen::all(traces), scene);
-    let legend = vec![panels::trace_entries(traces), panels::scene_entries(scene)];
+    let seen = Seen::all(traces);
+    let panel = panels::path(&seen, scene);
+    let legend = vec![panels::trace_entries(traces), panels::scene_entries(&seen, scene)];
     alone(&panel, legend, canvas::natural_height(&panel, WIDTH))
 }
 
@@ -78,8 +82,8 @@ pub fn attachments(traces: &[Labelled]) -> String {
 }
 
 /// Energy over time (mJ) of one trace: done by the tips, dissipated, elastic.
-pub fn energy(trace: &Labelled) -> String {
-    alone(&panels::energy(&Seen::of(trace)), vec![panels::energy_entries(), panels::event_entries(&[*trace])], TIME_HEIGHT)
+pub fn energy(trace: &Labelled, scene: &Scene) -> String {
+    alone(&panels::energy(&Seen::of(trace), scene), vec![panels::energy_entries(scene), panels::event_entries(&[*trace])], TIME_HEIGHT)
 }
 
 /// Distance of the load's positions between traces over time (m, log axis): all pairs of up to
@@ -115,7 +119,7 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
     add(&panels::path(seen, scene), 0.0, 0.0, 2.0);
     if let [one] = seen {
         add(&panels::total_pull(seen), 0.0, 2.0, 1.0);
-        add(&panels::energy(one), 0.0, 3.0, 1.0);
+        add(&panels::energy(one, scene), 0.0, 3.0, 1.0);
     } else {
         add(&panels::position_difference(traces), 0.0, 2.0, 1.0);
         add(&panels::heading_difference(traces), 0.0, 3.0, 1.0);
@@ -124,8 +128,8 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
     add(&panels::speed(seen), COLUMN_WIDTH, 1.0, 1.0);
     add(&panels::net_pull(seen, scene), COLUMN_WIDTH, 2.0, 1.0);
     add(&panels::attachments(seen), COLUMN_WIDTH, 3.0, 1.0);
-    let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries() };
-    let marks = [panels::scene_entries(scene), panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
+    let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries(scene) };
+    let marks = [panels::scene_entries(seen, scene), panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
     sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
 }
 
@@ -141,7 +145,7 @@ pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
         let (left, top) = (column * COLUMN_WIDTH, row * ROW_HEIGHT);
         sheet.add(&Cell { panel, left, top, width: COLUMN_WIDTH, height: ROW_HEIGHT });
     }
-    let marks = [panels::scene_entries(scene), panels::event_entries(traces)].concat();
+    let marks = [panels::scene_entries(&seen, scene), panels::event_entries(traces)].concat();
     sheet.into_svg(&[panels::trace_entries(traces), panels::pair_entries(traces), marks])
 }
 

@@ -91,8 +91,16 @@ pub struct Style {
 pub struct Entry {
     pub label: String,
     pub style: Style,
-    /// Whether the sample stands upright, as the lines it explains.
-    pub upright: bool,
+    pub sample: Sample,
+}
+
+/// What stands before a label of the legend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sample {
+    Line,
+    /// A line that stands upright, as those that it explains.
+    Upright,
+    Dot,
 }
 
 const DASHES: [&str; 4] = ["", "7 3", "2 2.5", "9 3 2 3"];
@@ -118,6 +126,11 @@ impl Style {
 
     pub const START: Style = Style { color: "#888888", dash: "", width: 1.2 };
     pub const NEST: Style = Style { color: "#009E73", dash: "2 2", width: 1.4 };
+    pub const OBSTACLE: Style = Style { color: "#555555", dash: "", width: 1.6 };
+    pub const HATCHING: Style = Style { color: "#aaaaaa", dash: "", width: 0.6 };
+    pub const OBSTACLE_START: Style = Style { color: "#888888", dash: "3 3", width: 1.0 };
+    pub const OBSTACLE_PATH: Style = Style { color: "#888888", dash: "1.5 2.5", width: 1.0 };
+    pub const CONTACT: Style = Style { color: "#CC3311", dash: "", width: 1.0 };
     pub const SLIP_LIMIT: Style = Style { color: "#666666", dash: "10 4", width: 1.0 };
     pub const GRASP: Style = Style { color: "#999999", dash: "1.5 2.5", width: 0.9 };
     pub const RELEASE: Style = Style { color: "#bbbbbb", dash: "", width: 0.9 };
@@ -125,10 +138,14 @@ impl Style {
 
 impl Entry {
     pub fn line(label: impl Into<String>, style: Style) -> Self {
-        Self { label: label.into(), style, upright: false }
+        Self { label: label.into(), style, sample: Sample::Line }
     }
 
     pub fn upright(label: impl Into<String>, style: Style) -> Self {
-        Self { label: label.into(), style, upright: true }
+        Self { label: label.into(), style, sample: Sample::Upright }
+    }
+
+    pub fn dot(label: impl Into<String>, style: Style) -> Self {
+        Self { label: label.into(), style, sample: Sample::Dot }
     }
 }

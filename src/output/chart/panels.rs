@@ -1,9 +1,9 @@
 //! Traces -> panels: what each figure shows, in print units.
 
-use std::f64::consts::TAU;
-
-use crate::math::{Pose, Vec2, direction};
+use crate::math::{Pose, Vec2};
+use crate::model::Obstacle;
 use crate::output::chart::difference::{self, Difference};
+use crate::output::chart::outline::{View, circle, edges, front, hatching, radius_of};
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use crate::output::chart::scene::{Labelled, MILLI, Scene};
 use crate::output::chart::shown::{Quantity, Seen};
@@ -18,16 +18,22 @@ const MOST_EVENTS: usize = 40;
 pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
     let mut panel = Panel::new("x (mm)", "y (mm)", Scale::Plane);
     if let Some(nest) = scene.nest {
-        panel.add(circle(nest.position, nest.arrival_radius), Style::NEST, Shape::Path);
+        panel.add(in_mm(circle(&nest.position, nest.arrival_radius, 0.0)), Style::NEST, Shape::Path);
+    }
+    for obstacle in &scene.world.obstacles {
+        add_obstacle(&mut panel, obstacle, traces, scene);
     }
     for (index, one) in traces.iter().enumerate() {
         let Some([first, last]) = &one.rows.ends else { continue };
         if index == 0 {
-            panel.add(outline(first, scene.load_radius), Style::START, Shape::Path);
+            panel.add(load(first, scene), Style::START, Shape::Path);
         }
         let style = Style::of_trace(index);
         panel.add(one.rows.path(), style, Shape::Path);
-        panel.add(outline(last, scene.load_radius), style.thin(), Shape::Path);
+        panel.add(load(last, scene), style.thin(), Shape::Path);
+        if !one.rows.touched.is_empty() {
+            panel.add(in_mm(one.rows.touched.iter().copied()), Style::CONTACT, Shape::Dots);
+        }
     }
     panel
 }
@@ -58,10 +64,11 @@ pub fn attachments(traces: &[Seen]) -> Panel {
     of_rows(traces, "attached springs", Scale::Count, Shape::Steps, Quantity::Attachments)
 }
 
-pub fn energy(one: &Seen) -> Panel {
+pub fn energy(one: &Seen, scene: &Scene) -> Panel {
     let mut panel = Panel::new("time (s)", "energy (mJ)", Scale::FromZero);
     panel.mark_events([one.events]);
-    for (kind, energy) in [Quantity::TipWork, Quantity::Dissipated, Quantity::Elastic].into_iter().enumerate() {
+    let of_obstacles = moves(scene).then_some(Quantity::ObstacleWork);
+    for (kind, energy) in [Quantity::TipWork, Quantity::Dissipated, Quantity::Elastic].into_iter().chain(of_obstacles).enumerate() {
         panel.add_columns(one.rows.columns(energy), Style::of_pair(kind), Shape::Graph);
     }
     panel
@@ -86,15 +93,29 @@ pub fn pair_entries(traces: &[Labelled]) -> Vec<Entry> {
     pairs(traces.len()).into_iter().enumerate().map(|(index, pair)| Entry::line(label(pair), Style::of_pair(index))).collect()
 }
 
-pub fn energy_entries() -> Vec<Entry> {
-    let names = ["work of the tips", "dissipated", "elastic"];
-    names.into_iter().enumerate().map(|(index, name)| Entry::line(name, Style::of_pair(index))).collect()
+/// Whether an obstacle moves.
+fn moves(scene: &Scene) -> bool {
+    scene.world.obstacles.iter().any(|obstacle| obstacle.path.moves())
 }
 
-pub fn scene_entries(scene: &Scene) -> Vec<Entry> {
-    let start = (scene.load_radius > 0.0).then(|| Entry::line("load at start", Style::START));
+pub fn energy_entries(scene: &Scene) -> Vec<Entry> {
+    let names = ["work of the tips", "dissipated", "elastic"];
+    names
+        .into_iter()
+        .chain(moves(scene).then_some("work of obstacles"))
+        .enumerate()
+        .map(|(index, name)| Entry::line(name, Style::of_pair(index)))
+        .collect()
+}
+
+pub fn scene_entries(traces: &[Seen], scene: &Scene) -> Vec<Entry> {
+    let start = (!scene.world.outline.parts.is_empty()).then(|| Entry::line("load at start", Style::START));
     let nest = scene.nest.map(|_| Entry::line("nest", Style::NEST));
-    start.into_iter().chain(nest).collect()
+    let obstacle = (!scene.world.is_empty()).then(|| Entry::line("obstacle", Style::OBSTACLE));
+    let path = moves(scene).then(|| Entry::line("path of an obstacle", Style::OBSTACLE_PATH));
+    let touches = traces.iter().any(|one| !one.rows.touched.is_empty());
+    let contact = touches.then(|| Entry::dot("contact at the end", Style::CONTACT));
+    start.into_iter().chain(nest).chain(obstacle).chain(path).chain(contact).collect()
 }
 
 pub fn slip_limit_entry(scene: &Scene) -> Vec<Entry> {
@@ -157,18 +178,59 @@ fn event_marks<'a>(of_traces: impl IntoIterator<Item = &'a [Event]>) -> Vec<Mark
     events.into_iter().map(|(time, grasp)| Mark { at: Across::Vertical(time), style: style(grasp) }).collect()
 }
 
-fn in_mm(point: Vec2) -> [f64; 2] {
-    [MILLI * point.x, MILLI * point.y]
+fn in_mm(points: impl IntoIterator<Item = Vec2>) -> Vec<[f64; 2]> {
+    points.into_iter().map(|point| [MILLI * point.x, MILLI * point.y]).collect()
 }
 
-fn circle(centre: Vec2, radius: f64) -> Vec<[f64; 2]> {
-    (0..=72).map(|k| in_mm(centre + radius * direction(TAU * f64::from(k) / 72.0))).collect()
+/// Ends a line, so that the next point begins another one.
+const GAP: [f64; 2] = [f64::NAN; 2];
+
+/// Outline of the load, and a line from its origin along its heading (mm).
+fn load(pose: &Pose, scene: &Scene) -> Vec<[f64; 2]> {
+    let outline = &scene.world.outline;
+    let tip = pose.to_world(&Vec2::new(front(outline), 0.0));
+    let mut lines: Vec<Vec<[f64; 2]>> = edges(outline, pose).into_iter().map(in_mm).collect();
+    match (&mut lines[..], radius_of(outline)) {
+        // A circle ends in the direction of the heading.
+        ([circle], Some(_)) => circle.extend(in_mm([pose.position])),
+        _ => lines.push(in_mm([tip, pose.position])),
+    }
+    lines.join(&GAP)
 }
 
-/// Outline of the load and the radius along its heading, in one line (mm).
-fn outline(pose: &Pose, radius: f64) -> Vec<[f64; 2]> {
-    let edge = (0..=72).map(|k| pose.position + radius * direction(pose.heading + TAU * f64::from(k) / 72.0));
-    edge.chain([pose.position]).map(in_mm).collect()
+/// Distance of the lines of a hatching, over the larger side of what is seen (1).
+const HATCHING: f64 = 0.018;
+
+/// Adds what is seen of an obstacle: a path of the load in it would be small beside a long wall, so
+/// that it is cut an extent of the load away from all that the load touches.
+fn add_obstacle(panel: &mut Panel, obstacle: &Obstacle, traces: &[Seen], scene: &Scene) {
+    let ends = traces.iter().filter_map(|one| one.rows.ends.as_ref());
+    let loads = ends.flatten().flat_map(|pose| edges(&scene.world.outline, pose)).flatten();
+    let paths = traces.iter().flat_map(|one| one.rows.path()).map(|[x, y]| Vec2::new(x, y) / MILLI);
+    let margin = scene.world.outline.extent();
+    let Some(view) = View::around(loads.chain(paths)).map(|view| view.widened(margin)) else { return };
+    let size = (view.0[1] - view.0[0]).amax();
+    let [from, to] = traces.iter().fold([f64::INFINITY, 0.0_f64], |[from, to], one| [from.min(one.rows.span[0]), to.max(one.rows.span[1])]);
+    let cut = |lines: Vec<[Vec2; 2]>| -> Vec<[f64; 2]> {
+        lines.into_iter().filter_map(|line| view.clip(line)).flat_map(|line| in_mm(line).into_iter().chain([GAP])).collect()
+    };
+    let sides = |edge: &Vec<Vec2>| edge.windows(2).map(|ends| [ends[0], ends[1]]).collect::<Vec<_>>();
+    let at = |time: f64| edges(&obstacle.outline, &obstacle.path.pose_at(time));
+    let mut add = |lines: Vec<[Vec2; 2]>, style| {
+        let points = cut(lines);
+        if !points.is_empty() {
+            panel.add(points, style, Shape::Path);
+        }
+    };
+    let is_closed = |edge: &&Vec<Vec2>| edge.len() > 3 && edge.first() == edge.last();
+    add(at(to).iter().filter(is_closed).flat_map(|edge| hatching(edge, HATCHING * size)).collect(), Style::HATCHING);
+    if obstacle.path.moves() {
+        add(at(from).iter().flat_map(sides).collect(), Style::OBSTACLE_START);
+        let corners = obstacle.path.waypoints.iter().map(|(time, _)| time.clamp(from, to));
+        let path: Vec<Vec2> = [from].into_iter().chain(corners).chain([to]).map(|time| obstacle.path.pose_at(time).position).collect();
+        add(sides(&path), Style::OBSTACLE_PATH);
+    }
+    add(at(to).iter().flat_map(sides).collect(), Style::OBSTACLE);
 }
 
 impl Panel {

@@ -1,6 +1,7 @@
 //! What figures are drawn of: traces with their names, and the surroundings of the load.
 
 use crate::math::Vec2;
+use crate::model::World;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
 
@@ -15,10 +16,10 @@ pub struct Labelled<'a> {
 }
 
 /// Surroundings of a trace in its figures. Entries that are zero or `None` are not drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Radius of the load's outline (m).
-    pub load_radius: f64,
+    /// Outline of the load, and obstacles.
+    pub world: World,
     /// Sum of the slip limits: the net pull that moves the load (N).
     pub slip_limit: f64,
     pub nest: Option<Nest>,
@@ -39,6 +40,6 @@ impl Scene {
             Drive::Ants(ants) => Some(Nest { position: ants.nest_position, arrival_radius: ants.arrival_radius }),
             Drive::Tips(_) => None,
         };
-        Self { load_radius: scenario.system.load.radius, slip_limit: scenario.system.total_slip_limit(), nest }
+        Self { world: scenario.system.world.clone(), slip_limit: scenario.system.total_slip_limit(), nest }
     }
 }

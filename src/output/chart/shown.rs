@@ -25,6 +25,10 @@ pub struct SeenRows {
     path: Path,
     /// The load's pose at both ends; none without rows.
     pub(crate) ends: Option<[Pose; 2]>,
+    /// Times of the first and the last row (s).
+    pub(crate) span: [f64; 2],
+    /// Where the load touches obstacles at the end (m, world).
+    pub(crate) touched: Vec<Vec2>,
 }
 
 /// What is shown over time.
@@ -45,10 +49,12 @@ pub(crate) enum Quantity {
     Dissipated,
     /// (mJ)
     Elastic,
+    /// Work of moving obstacles (mJ).
+    ObstacleWork,
 }
 
 impl Quantity {
-    const COUNT: usize = 8;
+    const COUNT: usize = 9;
 
     /// Values of all quantities of a row, in the order of the variants.
     fn of(row: &Row) -> [f64; Self::COUNT] {
@@ -56,10 +62,13 @@ impl Quantity {
         for tip in &row.tips {
             (net, total) = (net + tip.pull, total + tip.pull.norm());
         }
-        let energies = [row.energy.tip_work, row.energy.dissipated(), row.energy.elastic].map(|energy| MILLI * energy);
+        let energy = &row.energy;
+        let energies = [energy.tip_work, energy.dissipated(), energy.elastic, energy.obstacle_work].map(|energy| MILLI * energy);
         let speed = MILLI * row.motion.twist.linear.norm();
-        let [tip_work, dissipated, elastic] = energies;
-        [row.motion.pose.heading, speed, MILLI * net.norm(), MILLI * total, row.tips.len() as f64, tip_work, dissipated, elastic]
+        let [tip_work, dissipated, elastic, of_obstacles] = energies;
+        let pulls = [MILLI * net.norm(), MILLI * total, row.tips.len() as f64];
+        let [net, total, n_attached] = pulls;
+        [row.motion.pose.heading, speed, net, total, n_attached, tip_work, dissipated, elastic, of_obstacles]
     }
 }
 
@@ -118,7 +127,7 @@ impl<'a> Seen<'a> {
 
 impl Default for SeenRows {
     fn default() -> Self {
-        Self { groups: Vec::new(), n_each: 1, n_last: 1, path: Path::default(), ends: None }
+        Self { groups: Vec::new(), n_each: 1, n_last: 1, path: Path::default(), ends: None, span: [0.0; 2], touched: Vec::new() }
     }
 }
 
@@ -127,6 +136,8 @@ impl SeenRows {
     pub fn add(&mut self, rows: &[Row]) {
         let Some(last) = rows.last() else { return };
         let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
+        self.span = [if self.ends.is_some() { self.span[0] } else { rows[0].time }, last.time];
+        self.touched = last.contacts.iter().map(|contact| contact.point).collect();
         self.ends = Some([first, last.motion.pose]);
         for row in rows {
             let own = Group::of(row.time, Quantity::of(row));

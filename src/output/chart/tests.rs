@@ -1,11 +1,13 @@
-use crate::math::Vec2;
+use crate::math::{Pose, Vec2};
+use crate::model::{Obstacle, ObstaclePath, Outline, OutlinePart, World};
 use crate::output::chart::*;
 use crate::output::synthetic;
 use crate::simulation::Trace;
 
 fn scene() -> Scene {
     let nest = Nest { position: Vec2::new(0.2625, 0.0), arrival_radius: 0.01 };
-    Scene { load_radius: 0.0122, slip_limit: 0.022, nest: Some(nest) }
+    let world = World { outline: Outline::disc(0.0122), obstacles: Vec::new() };
+    Scene { world, slip_limit: 0.022, nest: Some(nest) }
 }
 
 fn all(traces: &[Labelled]) -> Vec<(&'static str, String)> {
@@ -75,4 +77,27 @@ fn nothing_and_broken_rows_are_drawn_as_gaps() {
             assert!(svg.starts_with("<svg") && !svg.contains("NaN") && !svg.contains("inf\""), "{name}");
         }
     }
+}
+
+/// A wall of ten metres beside a path of a few hundred millimetres leaves the axes to the path: it
+/// is cut one radius of the load from where the load was.
+#[test]
+fn a_long_wall_is_cut_near_the_path() {
+    let trace = synthetic::trace(800, 1.0);
+    let seen = Seen::all(&[Labelled { label: "one", trace: &trace }]);
+    let wall = OutlinePart::Polyline { points: vec![Vec2::new(-5.0, -0.05), Vec2::new(5.0, -0.05)] };
+    let path = ObstaclePath::fixed(Pose::new(0.0, 0.0, 0.0));
+    let outline = Outline { parts: vec![wall] };
+    let wall = Obstacle { name: "wall".into(), outline, friction_coefficient: 0.0, restitution: 0.0, path };
+    let scene = |obstacles| Scene { world: World { outline: Outline::disc(0.0122), obstacles }, ..scene() };
+    let range = |scene: &Scene| {
+        let panel = panels::path(&seen, scene);
+        let xs: Vec<f64> =
+            panel.curves.iter().filter(|curve| curve.style != Style::NEST).flat_map(|curve| &curve.points).map(|point| point[0]).collect();
+        let finite = || xs.iter().copied().filter(|x| x.is_finite());
+        [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let ([low, high], [low_with, high_with]) = (range(&scene(Vec::new())), range(&scene(vec![wall])));
+    // Roundings of millimetres.
+    assert!((low - low_with - 12.2).abs() < 1e-9 && (high_with - high - 12.2).abs() < 1e-9, "{low_with} {high_with}");
 }

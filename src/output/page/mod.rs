@@ -22,6 +22,7 @@
 //! html.rs       a page as text; page.css is its look
 //! provenance.rs scenario, versions, machine and command
 //! replay.rs     what a replay shows: traces with as many rows as an eye needs; replay.js draws it
+//! replay_world.rs  outlines, obstacles and contacts of a replay
 //! thinning.rs   which rows of traces are shown
 //! packed.rs     series of numbers as fixed point in base64
 //! ```
@@ -31,6 +32,7 @@ mod html;
 pub mod packed;
 mod provenance;
 pub mod replay;
+mod replay_world;
 pub mod thinning;
 
 pub use content::{Answer, Block, Headline, Number, Page, Section};

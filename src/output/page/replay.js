@@ -2,7 +2,7 @@
 'use strict';
 (() => {
   const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
-  const REMARKABLE = ['grasp', 'release', 'onset', 'stop', 'capture', 'freed', 'jump'];
+  const REMARKABLE = ['grasp', 'release', 'slip_onset', 'stop', 'pinning', 'unpinning', 'jump', 'touch', 'separation', 'side_stick', 'side_slip', 'impact'];
   const NO_VALUE = { 16: -32768, 32: -2147483648 };
   // Springs from slack to the largest pull: light to dark on paper, dark to light on a dark page.
   const RAMP = [[86, 180, 233], [0, 158, 115], [230, 159, 0], [213, 94, 0], [160, 20, 70]];
@@ -24,7 +24,7 @@
     const all = (packed) => (Array.isArray(packed) ? packed.map(all) : unpack(packed));
     for (const stage of data.stages) for (const name of ['times', 'tips', 'ants']) stage[name] = all(stage[name]);
     for (const run of data.runs) {
-      for (const name of ['times', 'x', 'y', 'heading', 'vx', 'vy', 'turn_rate', 'pulls']) run[name] = all(run[name]);
+      for (const name of ['times', 'x', 'y', 'heading', 'vx', 'vy', 'turn_rate', 'pulls', 'contacts']) run[name] = all(run[name]);
     }
     return data;
   }
@@ -115,7 +115,7 @@
         }
       });
       for (const run of this.data.runs) {
-        for (const [time, kind] of run.transitions) marks.push({ time, kind, text: `${run.label}: ${kind}` });
+        for (const [time, kind, words] of run.transitions) marks.push({ time, kind, text: `${run.label}: ${words}` });
       }
       return marks.sort((a, b) => a.time - b.time);
     }
@@ -130,6 +130,7 @@
       for (const run of this.data.runs) run.x.forEach((x, i) => add(x, run.y[i], 1.3 * this.data.radius));
       for (const stage of this.data.stages) for (const [x, y] of stage.tips) x.forEach((value, i) => add(value, y[i], 0));
       if (this.data.nest) add(...this.data.nest);
+      for (const { path } of this.data.obstacles) if (path.length > 1) for (const [, x, y] of path) add(x, y, 0.5 * this.data.radius);
       return box;
     }
 
@@ -196,6 +197,10 @@
         const pen = canvas.getContext('2d');
         for (let x = 0; x < 90; x++) { pen.fillStyle = rampColor(x / 89); pen.fillRect(x, 0, 1, 10); }
         signs.push(element('span', {}, 'pull on a spring 0', canvas, withPrefix(this.data.largest_pull, 'N')));
+      }
+      if (this.data.obstacles.length) {
+        signs.push(sign(drawn('<path d="M3 13V3H23V13Z" fill="none" stroke="#777" stroke-width="1.5"/><path d="M3 9l6-6M4 13L14 3M9 13L19 3M14 13l9-9M19 13l4-4" stroke="#999" stroke-width="0.8"/>'), 'obstacle'));
+        if (this.data.force_unit > 0) signs.push(sign(drawn('<path d="M6 8H23" stroke="#7b3fa0" stroke-width="2.5"/><path d="M17 3l7 5-7 5z" fill="#7b3fa0"/><circle cx="5" cy="8" r="3.5" fill="#7b3fa0"/>'), 'contact, force of an obstacle on the load'));
       }
       if (this.data.has_ants) {
         signs.push(sign(drawn('<ellipse cx="8" cy="8" rx="5" ry="3.4" fill="#a04000"/><circle cx="17" cy="8" r="2.6" fill="#a04000"/>'), 'ant that pulls'));
@@ -326,6 +331,7 @@
         // What moves is told by the instant before, as tips hold or not.
         vx: run.vx[place.from], vy: run.vy[place.from], rate: run.turn_rate[place.from],
         pulls: run.pulls.map((series) => between(series, place)),
+        contacts: run.contacts.map((series) => series.map((values) => between(values, place))),
         place,
       };
     }
@@ -344,6 +350,7 @@
       // Loads at the same tips stay together; others are followed one by one.
       const scale = this.scaleOf(this.data.stages.length > 1 ? shown[0] : first, width, height);
       this.drawScene(pen, scale, width, height);
+      this.drawObstacles(pen, scale);
       // Below all else, as it may not hide springs or ants.
       if (this.follows) this.drawMap(pen, shown, width, height);
       for (const state of shown) this.drawTrail(pen, state, scale, this.follows ? 0.35 : 0.6);
@@ -354,6 +361,7 @@
         this.drawLoad(pen, state, scale);
         this.drawHeld(pen, state, scale);
         if (!this.isOverlaid) this.drawSupports(pen, state, scale);
+        this.drawContacts(pen, state, scale);
       }
       const isShared = this.data.stages.length === 1;
       if (isShared) this.drawAnts(pen, top, scale); else for (const state of shown) this.drawAnts(pen, state, scale, this.isOverlaid && this.colorOf(state.run));
@@ -411,26 +419,107 @@
       pen.globalAlpha = 1;
     }
 
+    // Adds the parts of an outline at a pose to the path of the pen.
+    trace(pen, outline, pose, scale) {
+      for (const part of outline) {
+        if (part.disc) {
+          const [x, y] = scale.to(...this.placed(pose, part.disc[0], part.disc[1]));
+          const radius = part.disc[2] * scale.per;
+          pen.moveTo(x + radius, y);
+          pen.arc(x, y, radius, 0, 2 * Math.PI);
+          continue;
+        }
+        (part.polygon || part.polyline).forEach(([px, py], i) => {
+          const [x, y] = scale.to(...this.placed(pose, px, py));
+          if (i === 0) pen.moveTo(x, y); else pen.lineTo(x, y);
+        });
+        if (part.polygon) pen.closePath();
+      }
+    }
+
+    // Pose of an obstacle now.
+    poseOf(obstacle) {
+      const { path } = obstacle;
+      const { from, to, share } = placeIn(path.map((waypoint) => waypoint[0]), this.time);
+      const [x, y, heading] = [1, 2, 3].map((i) => path[from][i] + share * (path[to][i] - path[from][i]));
+      return { x, y, heading };
+    }
+
+    // Obstacles that stand still are hatched, those that move are grey, with their path.
+    drawObstacles(pen, scale) {
+      for (const obstacle of this.data.obstacles) {
+        const pose = this.poseOf(obstacle);
+        if (obstacle.path.length > 1) {
+          pen.strokeStyle = this.look.soft;
+          pen.lineWidth = 1;
+          pen.setLineDash([2, 3]);
+          pen.beginPath();
+          obstacle.path.forEach(([, x, y], i) => (i ? pen.lineTo(...scale.to(x, y)) : pen.moveTo(...scale.to(x, y))));
+          pen.stroke();
+          pen.setLineDash([]);
+        }
+        const closed = obstacle.outline.filter((part) => !part.polyline);
+        pen.beginPath();
+        this.trace(pen, closed, pose, scale);
+        pen.fillStyle = obstacle.path.length > 1 ? this.look.faint : this.hatching(pen);
+        pen.fill('nonzero');
+        pen.beginPath();
+        this.trace(pen, obstacle.outline, pose, scale);
+        pen.strokeStyle = this.look.soft;
+        pen.lineWidth = 1.8;
+        pen.stroke();
+      }
+    }
+
+    // Lines of 45 degrees as a pattern.
+    hatching(pen) {
+      const size = 8;
+      const tile = element('canvas', { width: size, height: size });
+      const inner = tile.getContext('2d');
+      inner.strokeStyle = this.look.soft;
+      inner.lineWidth = 0.7;
+      inner.beginPath();
+      for (const shift of [-size, 0, size]) { inner.moveTo(shift - 1, size + 1); inner.lineTo(shift + size + 1, -1); }
+      inner.stroke();
+      return pen.createPattern(tile, 'repeat');
+    }
+
+    // A dot where the load touches, and an arrow of the force on the load.
+    drawContacts(pen, state, scale) {
+      const unit = this.data.radius * scale.per;
+      const color = this.dark ? '#c79ae0' : '#7b3fa0';
+      for (const [px, py, fx, fy] of state.contacts) {
+        if (Number.isNaN(px)) continue;
+        const [x, y] = scale.to(px, py);
+        const force = Math.hypot(fx, fy);
+        const share = force / (this.data.force_unit || 1);
+        if (share * unit > 3) this.arrow(pen, x, y, fx / force, -fy / force, unit * Math.min(share, 1), color, 2.5, share > 1.001);
+        pen.fillStyle = color;
+        pen.beginPath();
+        pen.arc(x, y, 4, 0, 2 * Math.PI);
+        pen.fill();
+      }
+    }
+
     drawOutline(pen, state, scale, color, dash) {
       const [x, y] = scale.to(state.x, state.y);
-      const radius = this.data.radius * scale.per;
+      const front = this.data.front * scale.per;
       pen.strokeStyle = color;
       pen.lineWidth = 1.5;
       pen.setLineDash(dash);
       pen.beginPath();
-      pen.arc(x, y, radius, 0, 2 * Math.PI);
+      this.trace(pen, this.data.outline, state, scale);
       pen.moveTo(x, y);
-      pen.lineTo(x + radius * Math.cos(state.heading), y - radius * Math.sin(state.heading));
+      pen.lineTo(x + front * Math.cos(state.heading), y - front * Math.sin(state.heading));
       pen.stroke();
       pen.setLineDash([]);
     }
 
     drawLoad(pen, state, scale) {
-      const [x, y] = scale.to(state.x, state.y);
       pen.fillStyle = this.colorOf(state.run);
       pen.globalAlpha = 0.14;
       pen.beginPath();
-      pen.arc(x, y, this.data.radius * scale.per, 0, 2 * Math.PI);
+      this.trace(pen, this.data.outline, state, scale);
       pen.fill();
       pen.globalAlpha = 1;
       this.drawOutline(pen, state, scale, this.colorOf(state.run), []);
@@ -570,6 +659,19 @@
       pen.lineWidth = 1;
       pen.strokeStyle = this.look.faint;
       pen.strokeRect(left + 0.5, top + 0.5, side - 1, side - 1);
+      if (this.data.obstacles.length) {
+        pen.save();
+        pen.beginPath();
+        pen.rect(left, top, side, side);
+        pen.clip();
+        pen.strokeStyle = this.look.soft;
+        for (const obstacle of this.data.obstacles) {
+          pen.beginPath();
+          this.trace(pen, obstacle.outline, this.poseOf(obstacle), { per, to });
+          pen.stroke();
+        }
+        pen.restore();
+      }
       if (this.data.nest) {
         pen.strokeStyle = '#009e73';
         pen.beginPath();
@@ -643,7 +745,7 @@
       const pen = layer.getContext('2d');
       pen.fillStyle = this.look.back;
       pen.fillRect(0, 0, width, 18);
-      const colors = { grasp: '#0072b2', release: '#d55e00', jump: '#cc79a7' };
+      const colors = { grasp: '#0072b2', release: '#d55e00', jump: '#cc79a7', touch: '#7b3fa0', impact: '#cc3311' };
       for (const kind of REMARKABLE) {
         pen.fillStyle = colors[kind] || this.look.soft;
         pen.globalAlpha = kind === 'grasp' || kind === 'release' ? 0.75 : 0.4;
@@ -664,6 +766,8 @@
       if (this.said.textContent !== said) this.said.textContent = said;
       this.scrub.setAttribute('aria-valuetext', time);
       this.canvas.dataset.time = this.time;
+      const touched = ({ contacts }) => contacts.filter(([x]) => !Number.isNaN(x)).map(([x, y]) => [x, y]);
+      this.canvas.dataset.contacts = JSON.stringify(Object.fromEntries(states.map((state) => [state.run.label, touched(state)])));
       this.canvas.dataset.poses = JSON.stringify(Object.fromEntries(states.map(({ run, x, y, heading }) => [run.label, [x, y, heading]])));
     }
   }

@@ -1,5 +1,5 @@
-//! What a replay shows: load, supports, springs, ants and nest of one run, or of several side by
-//! side.
+//! What a replay shows: load, supports, springs, ants, nest and obstacles of one run, or of several
+//! side by side.
 //!
 //! Traces are thinned to what an eye needs (`thinning.rs`) and packed (`packed.rs`); runs that meet
 //! the same tips share them. Nothing is invented: a support's friction is shown where it slips, mu
@@ -13,10 +13,13 @@ use serde::Serialize;
 
 use crate::math::{Vec2, perpendicular};
 use crate::model::ant::{Ant, Mode};
+use crate::output::chart::outline::front;
 use crate::output::chart::{Scene, trace_color};
 use crate::output::page::packed::Packed;
+use crate::output::page::replay_world::{ContactSlots, Shape, ShownObstacle, obstacles, shapes};
 use crate::output::page::thinning::{Thinned, thinned};
 use crate::output::quantity::quantity;
+use crate::output::transition_words::in_words;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{EventKind, Row, Trace, follow_ants};
 
@@ -39,6 +42,13 @@ pub struct Replay {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Data {
     radius: f64,
+    /// Outline in the load's frame.
+    outline: Vec<Shape>,
+    /// Where the heading leaves the outline.
+    front: f64,
+    obstacles: Vec<ShownObstacle>,
+    /// Force of an obstacle whose arrow is as long as the load's radius.
+    force_unit: f64,
     /// x, y and radius of arrival.
     nest: Option<[f64; 3]>,
     /// x, y in the load's frame, and mu N.
@@ -80,7 +90,10 @@ struct Run {
     turn_rate: Packed,
     /// Size of the pull of each spring that is shown.
     pulls: Vec<Packed>,
-    transitions: Vec<(f64, &'static str)>,
+    /// x, y, and force along x and y of each contact; no value while it is open.
+    contacts: Vec<[Packed; 4]>,
+    /// Time, kind, and what the load did.
+    transitions: Vec<(f64, &'static str, String)>,
     /// Slip slower than this is sticking.
     sticks_below: f64,
 }
@@ -116,6 +129,10 @@ impl Replay {
         };
         let data = Data {
             radius: system.load.radius,
+            outline: shapes(&system.world.outline),
+            front: front(&system.world.outline),
+            obstacles: obstacles(&system.world),
+            force_unit: seldom_exceeded(forces(runs)),
             nest: Scene::of(scenario).nest.map(|nest| [nest.position.x, nest.position.y, nest.arrival_radius]),
             supports: parts
                 .supports
@@ -125,7 +142,7 @@ impl Replay {
                 .collect(),
             springs: parts.springs.iter().map(|i| (*i, ends(&system.springs[*i]))).collect(),
             largest_pull: largest_pull(runs),
-            slip_unit: common_slip(scenario, runs),
+            slip_unit: seldom_exceeded(runs.iter().flat_map(|run| slips(scenario, run.trace))),
             opens_at,
             has_ants: parts.n_ants > 0,
             stages: stages.collect(),
@@ -146,6 +163,7 @@ struct Parts {
     springs: Vec<usize>,
     supports: Vec<usize>,
     n_ants: usize,
+    contacts: ContactSlots,
     /// All there are.
     n_all: [usize; 3],
 }
@@ -162,13 +180,14 @@ impl Parts {
         springs.extend(evenly(&others, MOST_PARTS - springs.len()));
         springs.sort_unstable();
         let supports = evenly(&(0..n_all[1]).collect::<Vec<_>>(), MOST_PARTS);
-        Self { springs, supports, n_ants: n_ants.min(MOST_PARTS), n_all }
+        let contacts = ContactSlots::of(runs.iter().map(|run| run.trace));
+        Self { springs, supports, n_ants: n_ants.min(MOST_PARTS), contacts, n_all }
     }
 
     /// Of all runs together, at every row.
     fn bytes_a_row(&self, n_runs: usize, shared: bool) -> usize {
         let n_stages = if shared { 1 } else { n_runs };
-        n_runs * (22 + 2 * self.springs.len()) + n_stages * (4 + 4 * self.springs.len() + 6 * self.n_ants)
+        n_runs * (22 + 2 * self.springs.len() + 8 * self.contacts.len()) + n_stages * (4 + 4 * self.springs.len() + 6 * self.n_ants)
     }
 }
 
@@ -238,7 +257,11 @@ fn run_of(scenario: &Scenario, run: &Shown, at: usize, stage: usize, thinned: &T
         vy: short(&|row| row.motion.twist.linear.y),
         turn_rate: short(&|row| row.motion.twist.angular),
         pulls: parts.springs.iter().map(|spring| pull(*spring)).collect(),
-        transitions: evenly(&run.trace.transitions, MOST_MARKS).iter().map(|it| (it.time, it.kind.name())).collect(),
+        contacts: parts.contacts.series(&rows),
+        transitions: evenly(&run.trace.transitions, MOST_MARKS)
+            .iter()
+            .map(|it| (it.time, it.kind.name(), in_words(&it.kind, &scenario.system.world)))
+            .collect(),
         sticks_below: STICKS_BELOW * slips(scenario, run.trace).fold(0.0, f64::max),
     }
 }
@@ -257,12 +280,18 @@ fn slips<'a>(scenario: &'a Scenario, trace: &'a Trace) -> impl Iterator<Item = f
     trace.rows.iter().map(slip)
 }
 
-/// A slip speed that is seldom exceeded (m/s): arrows of it fit, and those of most others can be
+/// A value that few of those above zero exceed: arrows of it fit, and those of most others can be
 /// seen.
-fn common_slip(scenario: &Scenario, runs: &[Shown]) -> f64 {
-    let mut speeds: Vec<f64> = runs.iter().flat_map(|run| slips(scenario, run.trace).filter(|speed| *speed > 0.0)).collect();
-    speeds.sort_by(f64::total_cmp);
-    speeds.get(speeds.len() * 95 / 100).copied().unwrap_or(0.0)
+fn seldom_exceeded(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.filter(|value| *value > 0.0).collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() * 95 / 100).copied().unwrap_or(0.0)
+}
+
+/// Sizes of the forces of obstacles on the loads (N).
+fn forces<'a>(runs: &'a [Shown]) -> impl Iterator<Item = f64> + 'a {
+    let contacts = runs.iter().flat_map(|run| &run.trace.rows).flat_map(|row| &row.contacts);
+    contacts.map(|contact| contact.force.norm()).filter(|force| force.is_finite())
 }
 
 fn largest_pull(runs: &[Shown]) -> f64 {
@@ -281,6 +310,10 @@ fn caption(parts: &Parts, rows: &[Thinned], data: &Data) -> Vec<String> {
         );
         let unit = quantity(data.slip_unit, "m/s");
         notes.push(format!("Slip of {unit} has an arrow as long as the load's radius; faster slip is cut there and has a second head."));
+    }
+    if data.force_unit > 0.0 {
+        let unit = quantity(data.force_unit, "N");
+        notes.push(format!("A force of {unit} from an obstacle has an arrow as long as the load's radius; a larger one is cut there."));
     }
     if data.has_ants {
         notes.push("Searching ants are walked again from the run's own draws; those that pull stand at the recorded tips.".to_owned());

@@ -28,7 +28,7 @@ struct Stretch {
 
 /// At most `most` rows of traces whose rows are at the same times. A third are spread evenly, so
 /// that walking ants move smoothly. The others are where interpolation would have the largest edge
-/// displacement from a load of `radius` (m), or next to a grasp or release.
+/// displacement from a load of `radius` (m), or next to a grasp, a release, a touch or a separation.
 pub fn thinned(traces: &[&Trace], radius: f64, most: usize) -> Thinned {
     let n = traces.iter().map(|trace| trace.rows.len()).min().unwrap_or(0);
     if n <= most.max(2) {
@@ -47,7 +47,7 @@ pub fn thinned(traces: &[&Trace], radius: f64, most: usize) -> Thinned {
     Thinned { rows, deviation: stretches.iter().map(|stretch| stretch.edge).fold(0.0, f64::max) }
 }
 
-/// Error of a left-out grasp or release, over the load's radius (1).
+/// Error of a left-out grasp, release, touch or separation, over the load's radius (1).
 const CHANGE_OF_HANDS: f64 = 0.1;
 
 impl Stretch {
@@ -78,8 +78,12 @@ fn edge_displacement(first: &Row, last: &Row, row: &Row, radius: f64) -> f64 {
     position.norm() + radius * heading.abs()
 }
 
+/// Whether the same springs are attached, and the load touches the same obstacles.
 fn same_hands(one: &Row, other: &Row) -> bool {
-    one.tips.len() == other.tips.len() && one.tips.iter().zip(&other.tips).all(|(a, b)| a.spring == b.spring)
+    let has_same_tips = one.tips.len() == other.tips.len() && one.tips.iter().zip(&other.tips).all(|(a, b)| a.spring == b.spring);
+    has_same_tips
+        && one.contacts.len() == other.contacts.len()
+        && one.contacts.iter().zip(&other.contacts).all(|(a, b)| a.obstacle == b.obstacle)
 }
 
 impl PartialEq for Stretch {

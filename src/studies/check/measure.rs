@@ -123,7 +123,14 @@ pub fn row_of(row: &simulation::Row) -> Row {
 pub fn moving_row(row: &Row) -> simulation::Row {
     let [time, x, y, heading, vx, vy, angular, ..] = *row;
     let motion = Motion { pose: Pose::new(x, y, heading), twist: Twist { linear: Vec2::new(vx, vy), angular } };
-    simulation::Row { time, motion, energy: EnergyLedger::default(), tips: simulation::AttachedTips::new(), error: None }
+    simulation::Row {
+        time,
+        motion,
+        energy: EnergyLedger::default(),
+        tips: simulation::AttachedTips::new(),
+        contacts: Vec::new(),
+        error: None,
+    }
 }
 
 /// Row of a trace at `time` (s), interpolated where there is none at that time; `None` after the

@@ -9,6 +9,7 @@ use crate::output::text::Detail;
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 use crate::studies::run::answer::{is_negligible, sentence};
+use crate::studies::run::contacts::contact_table;
 use crate::studies::run::summary::RunSummary;
 use crate::studies::run::text::{run_text, steps};
 
@@ -21,9 +22,10 @@ pub fn run_page(summary: &RunSummary, trace: &Trace, scenario: &Scenario, manife
     let overview = chart::overview(&[Labelled { label, trace }], &Scene::of(scenario));
     let caption = "Path, pulls, energy, heading, speed, net pull and attached springs over time.";
     let headline = Headline::new(is_negligible(run, estimate), sentence(run, estimate)).with(Block::Numbers(numbers(summary)));
+    let contacts = contact_table(run).map(Block::Table);
     Page::new(&scenario.name, headline)
         .from(manifest)
-        .section("The run", vec![Block::Replay(Box::new(replay))])
+        .section("The run", [Block::Replay(Box::new(replay))].into_iter().chain(contacts).collect())
         .section("Over time", vec![Block::figure(overview, caption)])
         .section("Numbers", vec![Block::Code(run_text(summary, Detail::Full))])
         .section("Terms", vec![Block::Terms])

@@ -7,6 +7,7 @@ use crate::output::quantity::{number, quantity, short, short_quantity};
 use crate::output::text::{Detail, Lines};
 use crate::simulation::run_facts::{FACTS, Run, Value, unit_of};
 use crate::studies::run::answer::{sentence, tolerance};
+use crate::studies::run::contacts::add_contacts;
 use crate::studies::run::summary::RunSummary;
 
 /// The answer, then the evidence, in lines of at most 80 columns.
@@ -24,6 +25,7 @@ pub fn run_text(summary: &RunSummary, detail: Detail) -> String {
         let n_jumps = run.outcome.transitions.n_jumps;
         lines.row("jumps", &format!("{n_jumps}, the largest {}", short_quantity(largest, "m")));
     }
+    add_contacts(run, detail, &mut lines);
     match detail {
         Detail::Brief => brief(run, &mut lines),
         Detail::Full => full(run, &mut lines),

@@ -1,0 +1,40 @@
+//! Transitions in plain words.
+
+use crate::backend::TransitionKind;
+use crate::model::World;
+use crate::output::quantity::short_quantity;
+
+/// What the load did, as the end of a sentence that begins with the load. Obstacles have the names
+/// of the `world`.
+pub fn in_words(kind: &TransitionKind, world: &World) -> String {
+    let name = kind.obstacle().and_then(|obstacle| world.obstacles.get(obstacle)).map_or("an obstacle", |obstacle| &obstacle.name);
+    match kind {
+        TransitionKind::SlipOnset => "slip onset".to_owned(),
+        TransitionKind::Stop => "stop".to_owned(),
+        TransitionKind::Pinning { support } => format!("pinning to support {support}"),
+        TransitionKind::Unpinning { support } => format!("unpinning from support {support}"),
+        TransitionKind::Touch { .. } => format!("touches {name}"),
+        TransitionKind::Separation { .. } => format!("separates from {name}"),
+        TransitionKind::SideStick { .. } => format!("begins to stick to {name}, or to roll on it"),
+        TransitionKind::SideSlip { .. } => format!("begins to slide along {name}"),
+        TransitionKind::Impact { energy, .. } => format!("hits {name} and loses {}", short_quantity(*energy, "J")),
+        TransitionKind::Jump { shift, .. } => format!("jump of {}", short_quantity(*shift, "m")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Pose;
+    use crate::model::{Obstacle, ObstaclePath, Outline};
+
+    #[test]
+    fn contacts_are_told_with_the_name_of_the_obstacle() {
+        let path = ObstaclePath::fixed(Pose::new(0.0, 0.0, 0.0));
+        let post = Obstacle { name: "left post".into(), outline: Outline::disc(0.005), friction_coefficient: 0.0, restitution: 0.0, path };
+        let world = World { outline: Outline::disc(0.0122), obstacles: vec![post] };
+        assert_eq!(in_words(&TransitionKind::Touch { obstacle: 0 }, &world), "touches left post");
+        let hit = TransitionKind::Impact { obstacle: 0, energy: 7.17e-5 };
+        assert_eq!(in_words(&hit, &world), "hits left post and loses 71.7 µJ");
+    }
+}
