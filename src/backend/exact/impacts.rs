@@ -14,6 +14,7 @@ use super::one_step::Integrator;
 use super::side::Impact;
 use crate::backend::contact::{Reflection, Strike};
 use crate::backend::springs::{Place, TipPaths};
+use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
 
 /// Largest number of touches in one step (1). The rest of the step is taken without bounces.
@@ -93,12 +94,18 @@ impl Exact<Inertial> {
     /// Applies the impact law where the load touches. It has moved there from `before`, within a step
     /// of `duration` (s).
     fn strike(&mut self, strikes: &[Strike], before: &Motion, duration: f64, (time, is_last): (f64, bool)) {
-        let Self { obstacles, system, state, springs, .. } = self;
+        let Self { obstacles, system, state, springs, stepping, .. } = self;
         let Some(obstacles) = obstacles else { return };
-        // A bounce that would end within a step is none.
+        // A bounce that would end within a step is none, and neither is one that would not lead
+        // farther than a macro-step may be wrong: a load that is pressed against an obstacle bounces
+        // infinitely often before it stays there.
         let change = (state.motion.twist.linear - before.twist.linear).norm()
             + system.load.radius * (state.motion.twist.angular - before.twist.angular).abs();
-        let softest = if is_last { f64::INFINITY } else { change.max(1e-12 * system.load.radius / duration) };
+        let negligible = match stepping {
+            Stepping::Fixed(_) => 0.0,
+            Stepping::Controlled(control) => (2.0 * control.position * change / duration).sqrt(),
+        };
+        let softest = if is_last { f64::INFINITY } else { change.max(negligible).max(1e-12 * system.load.radius / duration) };
         let Reflection { twist, loss, of_obstacles, obstacle } =
             obstacles.reflect(system, &mut state.side.touching, strikes, &state.motion, (time, softest));
         let kinetic = system.load.kinetic_energy(&twist);
