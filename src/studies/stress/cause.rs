@@ -8,6 +8,7 @@
 use std::fmt::Write;
 
 use super::judge::{Outcome, step_radians};
+use super::map::Asked;
 use super::run::Run;
 use crate::model::SupportPoint;
 use crate::scenario::Scenario;
@@ -38,6 +39,7 @@ const LOST_DIGITS: f64 = 1e3;
 /// What is known of a run that did not finish.
 pub struct Facts<'a> {
     pub scenario: &'a Scenario,
+    pub asked: &'a Asked,
     pub method: Method,
     pub run: &'a Run,
     pub error: Option<f64>,
@@ -51,7 +53,8 @@ impl Facts<'_> {
         // What follows from the scene alone comes first: where springs at rest are not resolved,
         // all that happens later is no cause but an effect.
         let cause = self
-            .on_one_point()
+            .squeezed()
+            .or_else(|| self.on_one_point())
             .or_else(|| self.unresolved(step_radians(self.scenario), "at rest"))
             .or_else(|| self.near_root())
             .or_else(|| self.far_in_a_step())
@@ -66,6 +69,12 @@ impl Facts<'_> {
         let residual = self.run.seen.report.residual;
         let has_residual = outcome == Outcome::NotConverged || self.method.has_engine_defaults();
         Some(if has_residual { format!("{cause}; residual {residual:.1e}") } else { cause })
+    }
+
+    /// Without springs nothing gives way.
+    fn squeezed(&self) -> Option<String> {
+        let lack = self.asked.squeeze?;
+        Some(format!("a squeeze without a solution: obstacles leave the load {lack:.1e} m less room than it needs"))
     }
 
     /// The law of a spring with torsion has no limit at its root.

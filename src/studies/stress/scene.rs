@@ -6,8 +6,8 @@ use super::map::{Asked, Cell};
 use crate::math::{Vec2, direction};
 use crate::model::SideFrictionRule;
 use crate::scenario::format::{
-    DriveEntry, GroundEntry, LoadEntry, PathEntry, ScenarioFile, SpringEntry, SpringsEntry, SupportEntry, SupportsEntry, TipsEntry,
-    TipsKind,
+    DiscEntry, DriveEntry, GroundEntry, LoadEntry, ObstacleEntry, ObstaclePathEntry, OutlineEntry, PathEntry, PolylineEntry, ScenarioFile,
+    SpringEntry, SpringsEntry, SupportEntry, SupportsEntry, TipsEntry, TipsKind,
 };
 use crate::studies::verify::scenes::{GRAVITY, LOAD_RADIUS, MASS, MU, RADIAL, REST_LENGTH, SUPPORT_RADIUS, TORSIONAL};
 
@@ -19,6 +19,7 @@ pub struct Scene {
     pub supports: Vec<SupportEntry>,
     pub springs: Vec<SpringEntry>,
     pub paths: Vec<PathEntry>,
+    pub obstacles: Vec<ObstacleEntry>,
     /// (s)
     pub step: f64,
     pub n_steps: u32,
@@ -34,6 +35,7 @@ impl Scene {
             supports: ring(3, SUPPORT_RADIUS, MASS * GRAVITY),
             springs: Vec::new(),
             paths: Vec::new(),
+            obstacles: Vec::new(),
             step,
             n_steps,
         }
@@ -49,6 +51,32 @@ impl Scene {
         let waypoints = waypoints.iter().map(|(steps, at)| [steps * self.step, at.x, at.y]).collect();
         self.paths.push(PathEntry { spring: self.springs.len(), waypoints, release_s: None });
         self.springs.push(spring);
+        self
+    }
+
+    /// Adds an obstacle at rest with its origin at `position` (m) and a coefficient of `friction` (1).
+    pub fn among(mut self, outline: OutlineEntry, position: Vec2, friction: f64) -> Self {
+        let name = format!("obstacle {}", self.obstacles.len());
+        let obstacle = ObstacleEntry {
+            name,
+            outline,
+            position_m: Some(position.into()),
+            heading_rad: None,
+            friction_coefficient: friction,
+            restitution: 0.0,
+            path: None,
+        };
+        self.obstacles.push(obstacle);
+        self
+    }
+
+    /// Adds a pusher that goes from `start` to `end` (m) within all steps, with a coefficient of
+    /// `friction` (1).
+    pub fn pushed(mut self, outline: OutlineEntry, [start, end]: [Vec2; 2], friction: f64) -> Self {
+        let waypoints = vec![[0.0, start.x, start.y, 0.0], [self.duration(), end.x, end.y, 0.0]];
+        self = self.among(outline, start, friction);
+        let pusher = self.obstacles.last_mut().expect("it was added");
+        (pusher.position_m, pusher.path) = (None, Some(ObstaclePathEntry { waypoints }));
         self
     }
 
@@ -70,8 +98,8 @@ impl Scene {
                 supports: SupportsEntry::List(self.supports),
             },
             springs: self.springs.into_iter().map(SpringsEntry::One).collect(),
-            obstacles: Vec::new(),
-            side_friction_rule: SideFrictionRule::default(),
+            obstacles: self.obstacles,
+            side_friction_rule: SideFrictionRule::Max,
             drive: DriveEntry::Tips(TipsEntry { kind: TipsKind::Tips, paths: self.paths }),
         }
     }
@@ -80,6 +108,16 @@ impl Scene {
 /// A disc of the paper's radius at rest at the origin.
 pub fn load(mass: f64) -> LoadEntry {
     LoadEntry { mass_kg: Some(mass), radius_m: Some(LOAD_RADIUS), ..LoadEntry::default() }
+}
+
+/// A disc about its origin (m).
+pub fn disc(radius: f64) -> OutlineEntry {
+    OutlineEntry::Disc(DiscEntry { radius_m: radius })
+}
+
+/// A chain of straight walls through `points` (m).
+pub fn walls(points: &[Vec2]) -> OutlineEntry {
+    OutlineEntry::Polyline(PolylineEntry { points_m: points.iter().map(|point| (*point).into()).collect() })
 }
 
 /// `n` supports on a circle of `radius` (m), the first on the x axis, that share `total` (N) of

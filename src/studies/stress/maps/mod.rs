@@ -1,5 +1,6 @@
 //! The maps: what is varied, over which scene, and what is known of its answer.
 
+mod contact;
 mod ground;
 mod hours;
 mod scales;
@@ -10,5 +11,5 @@ use super::map::Map;
 
 /// All maps.
 pub fn all() -> Vec<Map> {
-    [steps::maps(), ground::maps(), springs::maps(), scales::maps(), hours::maps()].concat()
+    [steps::maps(), ground::maps(), springs::maps(), scales::maps(), hours::maps(), contact::maps()].concat()
 }

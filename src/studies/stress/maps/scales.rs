@@ -4,7 +4,7 @@
 use super::super::map::{Answer, Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, load, rest_tip, spring};
 use crate::math::Vec2;
-use crate::scenario::format::{DriveEntry, ScenarioFile, SpringsEntry, SupportsEntry};
+use crate::scenario::format::{DriveEntry, OutlineEntry, ScenarioFile, SpringsEntry, SupportsEntry};
 use crate::studies::verify::scenes::{LOAD_RADIUS, MASS, SLIP_STRETCH};
 
 pub fn maps() -> Vec<Map> {
@@ -42,6 +42,11 @@ fn base() -> ScenarioFile {
 /// With the radius of the load as the length. Gravity stays, so times go with the root of lengths,
 /// and forces with masses.
 fn scaled(length: f64, mass: f64) -> Cell {
+    in_units(&base, length, mass)
+}
+
+/// The scene of `base` in units in which the load has this radius (m) and this mass (kg).
+pub(super) fn in_units(base: &dyn Fn() -> ScenarioFile, length: f64, mass: f64) -> Cell {
     let (l, m) = (length / LOAD_RADIUS, mass / MASS);
     let t = l.sqrt();
     let mut file = base();
@@ -68,6 +73,14 @@ fn scaled(length: f64, mass: f64) -> Cell {
         for path in &mut tips.paths {
             path.waypoints.iter_mut().for_each(|[time, x, y]| (*time, *x, *y) = (*time * t, *x * l, *y * l));
             path.release_s = path.release_s.map(|time| time * t);
+        }
+    }
+    for obstacle in &mut file.obstacles {
+        obstacle.position_m = obstacle.position_m.map(|position| position.map(|place| place * l));
+        match &mut obstacle.outline {
+            OutlineEntry::Disc(disc) => disc.radius_m *= l,
+            OutlineEntry::Polyline(walls) => walls.points_m.iter_mut().for_each(|point| *point = point.map(|place| place * l)),
+            other => panic!("discs and walls are scaled, found {other:?}"),
         }
     }
     let base = base().checked("base").expect("the base scene obeys the rules of the format");
