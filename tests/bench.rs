@@ -76,6 +76,21 @@ fn closed_forms_are_met_under_error_control() {
     assert_eq!(n_known, 6);
 }
 
+/// A box that slides along a rough wall is 9 mm short of the closed form without the wall. A load
+/// without springs that a post pushes has a path without inertia too.
+#[test]
+fn references_among_obstacles_know_the_obstacles() {
+    let wall = reference(&scene("box-wall-friction"), BackendKind::QuasiStatic);
+    let end = wall.poses.last().unwrap().position;
+    // K2 of the known answers, at a tolerance of 1e-8 of the path length.
+    assert!((end.x - 20.906024096e-3).abs() < 1e-9 && end.y.abs() < 1e-12, "{end}");
+    assert!(wall.source.starts_with("quasi-static within"), "{}", wall.source);
+    let pushed = scene("push-aside");
+    assert!(METHODS.iter().all(|method| pushed.asks(method)));
+    let path = reference(&pushed, BackendKind::QuasiStatic);
+    assert!(path.poses.last().unwrap().heading < -0.5, "the box turns off the post");
+}
+
 fn end_of(scenario: &Scenario, cone_solver: ConeSolver) -> cohaul::simulation::Outcome {
     let options = BackendOptions { cone_solver, ..BackendOptions::new(BackendKind::QuasiStatic, 0.04) };
     let mut run = Simulation::new(scenario, &options, Keep::Outcome);

@@ -36,8 +36,12 @@ pub fn pulled_after_onset(speed: f64, rate: f64, time: f64) -> f64 {
 /// supports (1).
 const BALANCED: f64 = 1e-12;
 
-/// The path of the scenario's load without inertia or with it, if it has a closed form.
+/// The path of the scenario's load without inertia or with it, if it has a closed form. None is
+/// known among obstacles.
 pub fn known(scenario: &Scenario, kind: BackendKind) -> Option<Known> {
+    if !scenario.system.world.is_empty() {
+        return None;
+    }
     let Drive::Tips(paths) = &scenario.drive else { return None };
     match paths.as_slice() {
         [] if kind.has_inertia() => slide(scenario).or_else(|| spin(scenario)),

@@ -82,13 +82,15 @@ impl Scene {
     }
 
     /// Whether `method` can answer: without inertia a load that starts with a speed has none, and
-    /// one without springs no path.
+    /// one that neither springs nor moving obstacles act on has no path.
     pub fn asks(&self, method: &Method) -> bool {
         method.kind.has_inertia() || self.moves_without_inertia()
     }
 
     fn moves_without_inertia(&self) -> bool {
-        self.scenario.start.twist == Twist::ZERO && !self.scenario.system.springs.is_empty()
+        let system = &self.scenario.system;
+        let is_pushed = system.world.obstacles.iter().any(|obstacle| obstacle.path.moves());
+        self.scenario.start.twist == Twist::ZERO && (is_pushed || !system.springs.is_empty())
     }
 
     /// Steps or tolerances at which `method` is tried, the coarsest first; a quick benchmark takes

@@ -1,5 +1,5 @@
 //! The scenes of a benchmark that is asked for no others, in the program itself: all analytic ones,
-//! and the paper's load with prescribed tips.
+//! the paper's load with prescribed tips, and loads that are pushed or slide along obstacles.
 
 use super::scene::Scene;
 use crate::scenario::Scenario;
@@ -18,6 +18,10 @@ pub const STANDARD: &[(&str, &str)] = &[
     ("tripod-spin-pinned", include_str!("../../../scenarios/analytic/tripod-spin-pinned.json")),
     ("four-tips-held", include_str!("../../../scenarios/paper/four-tips-held.json")),
     ("four-tips-prescribed", include_str!("../../../scenarios/paper/four-tips-prescribed.json")),
+    ("box-wall-friction", include_str!("../../../scenarios/contact/box-wall-friction.json")),
+    ("post-arc", include_str!("../../../scenarios/contact/post-arc.json")),
+    ("push-aside", include_str!("../../../scenarios/contact/push-aside.json")),
+    ("pusher-uniform", include_str!("../../../scenarios/contact/pusher-uniform.json")),
 ];
 
 /// The standard scenes.
