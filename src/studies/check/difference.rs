@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::measure::{MEASURES, Measure, Quantity, Row, row_at};
-use super::record::{Ending, Event, Record, stored_facts};
+use super::record::{CONTACT_ENERGIES, Ending, Event, Record, stored_facts};
 use super::tolerance::Tolerances;
 use crate::backend::Status;
 use crate::simulation::Trace;
@@ -178,7 +178,12 @@ fn at_end<'a>(stored: &'a Ending, now: &'a Ending, tolerances: &'a Tolerances) -
         let n_steps = if fact.name.starts_with("pull_force_n.") { 0.0 } else { stored.number("n_steps").unwrap_or(0.0) };
         Some(count(fact.column, expected, found, expected.max(n_steps)))
     });
-    [end, events].into_iter().chain(numbers)
+    let of_contacts = CONTACT_ENERGIES.iter().filter_map(move |(column, _)| {
+        let (expected, found) = (stored.number(column), now.number(column));
+        let energy = |side: Option<f64>| side.unwrap_or(0.0);
+        (expected.or(found).is_some()).then(|| once(column, Quantity::Energy, energy(expected), energy(found), tolerances.energy_j))
+    });
+    [end, events].into_iter().chain(numbers).chain(of_contacts)
 }
 
 /// First stored row that exceeds a tolerance, in the measure that exceeds it most.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::measure::{COLUMNS, Row, row_of};
-use crate::backend::Status;
+use crate::backend::{EnergyLedger, Status};
 use crate::simulation::run_facts::{FACTS, Fact, Kind, Run, Value};
 use crate::simulation::{EventKind, Trace};
 
@@ -80,6 +80,16 @@ pub fn stored_facts() -> impl Iterator<Item = &'static Fact> {
         .filter(|fact| fact.is_reproducible && fact.kind != Kind::Flag && !fact.column.is_empty() && !COLUMNS.contains(&fact.column))
 }
 
+/// Column of an energy, and its value in a ledger (J).
+pub type ContactEnergy = (&'static str, fn(&EnergyLedger) -> f64);
+
+/// Energies of a load among obstacles. A baseline stores those that are not zero.
+pub const CONTACT_ENERGIES: [ContactEnergy; 3] = [
+    ("side_friction_j", |ledger| ledger.side_friction),
+    ("impacts_j", |ledger| ledger.impacts),
+    ("obstacle_work_j", |ledger| ledger.obstacle_work),
+];
+
 impl Record {
     /// Record of a run with at most `n_rows` rows: the start, the end, and ticks between them as
     /// evenly as possible. A run of more than one row keeps two at least.
@@ -127,12 +137,15 @@ impl Ending {
             Value::Count(value) => Some((fact.column.to_owned(), Number::Count(value))),
             _ => None,
         };
+        let of_contacts = CONTACT_ENERGIES.iter().map(|(column, value)| (*column, value(&run.outcome.energy)));
+        let of_contacts = of_contacts.filter(|(_, energy)| *energy != 0.0);
+        let of_contacts = of_contacts.map(|(column, energy)| (column.to_owned(), Number::Number(energy)));
         Self {
             time_s: run.outcome.time,
             arrived: run.outcome.arrived,
             n_events: trace.events.len() as u64,
             steps: Steps { status: run.outcome.steps.status, numbers: stored_facts().filter(of_steps).filter_map(entry).collect() },
-            numbers: stored_facts().filter(|fact| !of_steps(fact)).filter_map(entry).collect(),
+            numbers: stored_facts().filter(|fact| !of_steps(fact)).filter_map(entry).chain(of_contacts).collect(),
         }
     }
 

@@ -3,7 +3,7 @@
 
 use super::format::{Faults, PathEntry};
 use super::measure::COLUMNS;
-use super::record::{Ending, Event, MOST_EVENTS, stored_facts};
+use super::record::{CONTACT_ENERGIES, Ending, Event, MOST_EVENTS, stored_facts};
 use super::tolerance::Tolerances;
 use crate::backend::{BackendOptions, Status};
 use crate::scenario::{Drive, Scenario};
@@ -78,8 +78,9 @@ fn numbers(at: usize, event: &Event, scenario: &Scenario, faults: &mut Faults) {
 }
 
 pub fn ending(ending: &Ending, scenario: Option<&Scenario>, faults: &mut Faults) {
+    let is_known = |key: &str| stored_facts().any(|fact| fact.column == key) || CONTACT_ENERGIES.iter().any(|(column, _)| *column == key);
     for (place, numbers) in [("ending", &ending.numbers), ("ending.steps", &ending.steps.numbers)] {
-        for (key, value) in numbers.iter().filter(|(key, _)| stored_facts().all(|fact| fact.column != *key)) {
+        for (key, value) in numbers.iter().filter(|(key, _)| !is_known(key)) {
             faults.report(&format!("{place}.{key}"), "is an unknown key", value.as_f64().to_string());
         }
     }

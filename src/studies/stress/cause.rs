@@ -35,6 +35,10 @@ const ONE_POINT: f64 = 1e-6;
 const ROUNDING: f64 = 1e-12;
 /// Last digits of f32 that a run may lose.
 const LOST_DIGITS: f64 = 1e3;
+/// Last digits of f32 by which the gap of a contact is known.
+const GAP_DIGITS: f64 = 10.0;
+/// Residual of a step among obstacles that is close to its tolerance.
+const CLOSE: f64 = 1e-8;
 
 /// What is known of a run that did not finish.
 pub struct Facts<'a> {
@@ -63,6 +67,8 @@ impl Facts<'_> {
             .or_else(|| self.stops_at_once(outcome))
             .or_else(|| self.unlike_inertia(outcome))
             .or_else(|| self.few_digits())
+            .or_else(|| self.gap_in_single(outcome))
+            .or_else(|| self.close(outcome))
             .or_else(|| self.not_convex(outcome))
             .or_else(|| self.engine_defaults())
             .or_else(|| self.step())?;
@@ -164,6 +170,27 @@ impl Facts<'_> {
             _ if speeds < 10.0 * LOST_DIGITS => Some(format!("f32: forces change the speed by {speeds:.1e} last digits in a step")),
             _ => None,
         }
+    }
+
+    /// A contact closes its gap within a step, by a speed that is known to a last digit of the
+    /// position over the step.
+    fn gap_in_single(&self, outcome: Outcome) -> Option<String> {
+        let (system, seen) = (&self.scenario.system, &self.run.seen);
+        if !self.method.options(1.0).is_single_precision() || system.world.is_empty() || outcome != Outcome::NotConverged {
+            return None;
+        }
+        let digit = f64::from(f32::EPSILON) * (seen.farthest + system.load.radius);
+        let force = GAP_DIGITS * digit * system.load.mass / self.scenario.control_period.powi(2);
+        let share = force / (system.total_slip_limit() + seen.peak_force);
+        (seen.report.residual <= share)
+            .then(|| format!("f32: {GAP_DIGITS} last digits of a gap in one step are {share:.1e} of the friction limit"))
+    }
+
+    /// A step among obstacles that misses its tolerance by little has an answer with as many digits.
+    fn close(&self, outcome: Outcome) -> Option<String> {
+        let is_contact = self.method.kind.is_exact() && !self.scenario.system.world.is_empty();
+        let is_close = self.run.seen.report.residual <= CLOSE && outcome == Outcome::NotConverged;
+        (is_contact && is_close).then(|| "a step among obstacles ended close above its tolerance".to_owned())
     }
 
     /// Where the energy is not convex there is more than one balance, and small differences choose.

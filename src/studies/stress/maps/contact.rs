@@ -65,7 +65,7 @@ fn against_walls(friction: &dyn Fn(usize) -> Axis, gap: &dyn Fn(usize) -> Axis) 
             name: "contact-restitution",
             what: "a load is thrown at a wall and bounces off, 200 steps; closed answer",
             x: Axis::linear("restitution", 0.0, 1.0, 21),
-            y: Axis::linear("gap_over_stopping_distance", 0.0, 0.98, 25),
+            y: Axis::linear("gap_over_stopping_distance", 0.02, 0.98, 25),
             cell: bouncing,
         },
         Map {
@@ -90,7 +90,7 @@ fn against_others(friction: &dyn Fn(usize) -> Axis) -> Vec<Map> {
         Map {
             name: "contact-polygon",
             what: "a spring pulls a polygon along a rough wall and into it, 40 steps; exact answer at finer steps",
-            x: Axis::counts("n_corners", 3.0, 300.0, 18),
+            x: Axis::counts("n_corners", 3.0, 40.0, 18),
             y: friction(19),
             cell: polygon,
         },
