@@ -74,6 +74,11 @@ fn stored_runs_cover_every_backend_and_stay_small() {
     assert!(has(&|options| is_rapier(options) && options.rapier.precision == Precision::F32));
     assert!(has(&|options| options.kind == BackendKind::Inertial && options.integrator == Integrator::Midpoint));
     assert!(baselines.iter().any(|baseline| matches!(baseline.scenario.drive, Drive::Ants(_)) && baseline.record.events.len() > 20));
+    // Each energy of a contact, on each backend that has it.
+    for (column, n) in [("side_friction_j", 3), ("impacts_j", 2), ("obstacle_work_j", 3)] {
+        let stored = baselines.iter().filter(|baseline| baseline.record.ending.number(column).is_some_and(|energy| energy > 0.0));
+        assert!(stored.count() >= n, "{column}");
+    }
     let size: u64 = fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().metadata().unwrap().len()).sum();
     assert!(size < 500_000, "{size} bytes");
 }
@@ -126,6 +131,23 @@ fn a_changed_waypoint_is_caught_where_it_first_acts() {
         assert!(check.difference.first_different_decision.is_none(), "prescribed tips decide nothing");
         let said = text(vec![check]);
         assert!(said.contains("first in ") && said.contains("grasp of spring 1 at 0.0512 s"), "{said}");
+    }
+}
+
+/// Side friction goes with its coefficient, and the loss at an impact with 1 - e^2: a change of
+/// either shows in the energy that it belongs to.
+#[test]
+fn a_changed_contact_is_caught_in_its_energy() {
+    for (name, pointer, value, column) in [
+        ("box-wall-friction-quasi-static", "/obstacles/0/friction_coefficient", 0.3 * (1.0 + 1e-5), "side_friction_j"),
+        ("rebound-inertial", "/obstacles/0/restitution", 0.6 * (1.0 + 1e-5), "impacts_j"),
+        ("push-aside-quasi-static", "/obstacles/0/friction_coefficient", 0.3 * (1.0 + 1e-5), "obstacle_work_j"),
+    ] {
+        let baseline = stored(name);
+        let check = against(&baseline, changed(&baseline.scenario, pointer, value));
+        let deviation = check.difference.deviations.iter().find(|deviation| deviation.measure == column).unwrap();
+        assert!(deviation.difference > deviation.tolerance, "{name}: {deviation:?}");
+        assert_eq!(check_one(&baseline).verdict, Verdict::Agrees, "{name}");
     }
 }
 
