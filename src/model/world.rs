@@ -83,12 +83,20 @@ impl World {
 }
 
 impl Obstacle {
-    /// Bound of the displacement of any point of the obstacle between two times (m).
-    pub fn displacement(&self, from: f64, to: f64) -> f64 {
+    /// Bound of the path length of any point of the obstacle between two times (m).
+    pub fn path_length(&self, from: f64, to: f64) -> f64 {
         if !self.path.moves() || from == to {
             return 0.0;
         }
-        self.path.pose_at(to).edge_displacement(&self.path.pose_at(from), self.outline.extent())
+        let (from, to, extent) = (from.min(to), from.max(to), self.outline.extent());
+        let mut last = self.path.pose_at(from);
+        let mut length = 0.0;
+        let corners = self.path.waypoints.iter().filter(|(time, _)| *time > from && *time < to).map(|(_, pose)| *pose);
+        for next in corners.chain([self.path.pose_at(to)]) {
+            length += next.edge_displacement(&last, extent);
+            last = next;
+        }
+        length
     }
 }
 

@@ -2,4 +2,5 @@
 
 mod inertial;
 mod quasi_static;
+mod random;
 mod scenes;

@@ -7,7 +7,7 @@ use crate::model::{Outline, OutlinePart};
 
 /// Sine of the angle between two edges below which they are one (1): the corner between them can
 /// not be touched before they are.
-const STRAIGHT: f64 = 1e-9;
+pub const STRAIGHT: f64 = 1e-9;
 
 /// A convex corner, or the centre of a disc.
 #[derive(Clone, Debug, PartialEq)]

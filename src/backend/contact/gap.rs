@@ -14,6 +14,7 @@
 //! creeps. A body twist of the load is the same in the frame of a moving obstacle, so that the
 //! derivatives by an increment hold there as well.
 
+use super::features::STRAIGHT;
 use crate::backend::springs::Place;
 use crate::math::{Mat3, Vec2, Vec3, perpendicular, unwrap_near};
 use crate::model::Reaction;
@@ -38,6 +39,24 @@ impl FeaturePair {
             Self::PointOnLine { point, rounding, normal, offset } => normal.dot(&world(at, point)) - offset - rounding,
             Self::PointOnPoint { point, centre, reach, .. } => (world(at, point) - centre).norm() - reach,
             Self::LineOnPoint { normal, offset, centre, rounding } => normal.dot(&body(at, centre)) - offset - rounding,
+        }
+    }
+
+    /// Distance of the features (m) where they lie `beside` each other (m) and their `gap` (m) is one
+    /// to the line beyond the edge.
+    pub fn distance_beside(&self, gap: f64, beside: f64) -> f64 {
+        match self {
+            Self::PointOnLine { rounding, .. } | Self::LineOnPoint { rounding, .. } => (gap + rounding).hypot(beside) - rounding,
+            Self::PointOnPoint { .. } => gap,
+        }
+    }
+
+    /// Whether two pairs have the same line.
+    pub fn is_in_line(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::PointOnLine { normal, .. }, Self::PointOnLine { normal: other, .. })
+            | (Self::LineOnPoint { normal, .. }, Self::LineOnPoint { normal: other, .. }) => (normal - other).norm() <= STRAIGHT,
+            _ => false,
         }
     }
 

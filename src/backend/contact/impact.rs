@@ -52,11 +52,17 @@ impl Obstacles {
         self.hits(system, start, &twist, [from, to], is_known).map(|(pairs, [_, share])| (pairs, share))
     }
 
-    /// Gap of two features (m) and the rate at which it grows (m/s).
-    pub fn gap_and_rate(&self, system: &System, pair: &Strike, motion: &Motion, time: f64) -> (f64, f64) {
+    /// Distance of two features (m), negative for an overlap, and the rate at which it grows (m/s).
+    /// Where they lie beside each other, it is at least the distance by which they do, and the rate
+    /// is not a number.
+    pub fn distance_and_rate(&self, system: &System, pair: &Strike, motion: &Motion, time: f64) -> (f64, f64) {
         let place = Place::of(&motion.pose);
         let at = Surroundings::relative(&place, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
         let gap = pair.features.gap_with_derivatives(&at);
+        let beyond = self.beyond(pair, &at);
+        if beyond > gap.energy.max(0.0) {
+            return (beyond, f64::NAN);
+        }
         (gap.energy, gap.gradient.dot(&relative_twist(system, pair.key.obstacle, motion, &place, time)))
     }
 

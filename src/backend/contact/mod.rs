@@ -19,7 +19,7 @@ mod step;
 mod surroundings;
 
 pub use impact::{Reflection, Strike};
-pub use obstacles::{Obstacles, SideWork, Task, Touching, transitions};
+pub use obstacles::{Obstacles, Scope, SideWork, Task, Touching, transitions};
 pub use solve::{
     ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, mode_newton, solve_contacts,
 };

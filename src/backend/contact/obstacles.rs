@@ -55,9 +55,18 @@ pub struct Task {
     /// (s)
     pub to: f64,
     pub guess: Option<Vec3>,
-    /// Whether the load has inertia: only the contacts that are closed are looked at, and an overlap
-    /// by rounding is closed without a speed.
+    /// Whether the load has inertia: an overlap by rounding is closed without a speed.
     pub has_inertia: bool,
+    pub scope: Scope,
+}
+
+/// Features that a step looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// Those that touch at the start, and those that the load slides on to from there.
+    Touching,
+    /// All within reach.
+    Near,
 }
 
 /// The obstacles, with what is known of their distance.
@@ -106,12 +115,12 @@ impl Obstacles {
     /// Distance that the load is certainly away from all obstacles (m), at the start of the task.
     fn known_clearance(&self, system: &System, at: &Place, time: f64) -> f64 {
         let Some((place, since, clearance)) = &self.clear else { return 0.0 };
-        clearance - at.pose.edge_displacement(&place.pose, system.load.radius) - displacement(system, *since, time)
+        clearance - at.pose.edge_displacement(&place.pose, system.load.radius) - self.surroundings.longest_path(system, *since, time)
     }
 
     /// Whether nothing can touch a load that stands still at `at` between two times (s).
     pub fn is_far(&mut self, system: &System, at: &Place, [from, to]: [f64; 2]) -> bool {
-        let shift = displacement(system, from, to);
+        let shift = self.surroundings.longest_path(system, from, to);
         if self.known_clearance(system, at, from) > shift {
             return true;
         }
@@ -122,7 +131,7 @@ impl Obstacles {
 
     /// Whether an increment touches nothing.
     fn is_free(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task) -> bool {
-        let moved = twist.xy().norm() + system.load.radius * twist.z.abs() + displacement(system, task.from, task.to);
+        let moved = twist.xy().norm() + system.load.radius * twist.z.abs() + self.surroundings.longest_path(system, task.from, task.to);
         if self.known_clearance(system, start, task.from) > moved {
             return true;
         }
@@ -154,7 +163,8 @@ impl Obstacles {
         [from, to]: [f64; 2],
         is_known: impl Fn(&Pair, usize) -> bool,
     ) -> Option<(Vec<Pair>, [f64; 2])> {
-        let moved = twist.xy().norm() + system.load.radius * twist.z.abs() + displacement(system, from, to);
+        let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
+        let moved = of_load + self.surroundings.longest_path(system, from, to);
         if self.known_clearance(system, start, from) > moved {
             return None;
         }
@@ -168,10 +178,14 @@ impl Obstacles {
         for piece in 0..n_pieces {
             let ((here, now), (there, then)) = (at(piece), at(piece + 1));
             pairs.clear();
-            self.surroundings.pairs(system, &here, now, 1.001 * moved / n_pieces as f64 + closed, &mut pairs);
+            let reach = 1.001 * (of_load / n_pieces as f64 + self.surroundings.longest_path(system, now, then)) + closed;
+            self.surroundings.pairs(system, &here, now, reach, &mut pairs);
             let is_hit = |pair: &Pair| {
-                let end = Surroundings::relative(&there, &system.world.obstacles[pair.key.obstacle].path.pose_at(then));
-                pair.features.gap(&end) < -closed && self.surroundings.beyond(pair, &end) <= 0.0
+                let path = &system.world.obstacles[pair.key.obstacle].path;
+                let start = Surroundings::relative(&here, &path.pose_at(now));
+                let end = Surroundings::relative(&there, &path.pose_at(then));
+                let (gap, beyond) = (pair.features.gap(&end), self.surroundings.beyond(pair, &end));
+                gap < -closed && beyond <= 0.0 && !self.surroundings.passes_end(pair, &start, &end)
             };
             pairs.retain(|pair| !is_known(pair, n_pieces) && is_hit(pair));
             if !pairs.is_empty() {
@@ -186,6 +200,11 @@ impl Obstacles {
         let mut pairs = Vec::new();
         self.surroundings.pairs(system, at, time, reach + 10.0 * CLOSED * system.load.radius, &mut pairs);
         pairs
+    }
+
+    /// See [`Surroundings::beyond`].
+    pub(super) fn beyond(&self, pair: &Pair, at: &Place) -> f64 {
+        self.surroundings.beyond(pair, at)
     }
 
     /// Whether a pair is closed.
@@ -205,7 +224,7 @@ impl Obstacles {
         task: &Task,
     ) -> (Increment, SideWork) {
         let (start, radius) = (step.potential.start, system.load.radius);
-        let shift = displacement(system, task.from, task.to);
+        let shift = self.surroundings.longest_path(system, task.from, task.to);
         let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
         let mut reach = 2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size));
         let warm_start = solver.warm_start().clone();
@@ -221,9 +240,10 @@ impl Obstacles {
             let touches = |key: &PairKey, force: &SideForce| force.normal > 0.0 || touching.iter().any(|touching| touching.key == *key);
             let known: Vec<_> =
                 candidates.iter().zip(&found.sides).map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
-            let hit = if task.has_inertia { None } else { self.first_hit(system, &start, &found.increment.twist, task, &known) };
+            let hit = if task.scope == Scope::Touching { None } else { self.first_hit(system, &start, &found.increment.twist, task, &known) };
             attempt += 1;
-            if hit == Some(0.0) && attempt < MOST_ATTEMPTS {
+            // A load with inertia takes the whole step.
+            if (hit == Some(0.0) || task.has_inertia && hit.is_some()) && attempt < MOST_ATTEMPTS {
                 reach *= 4.0;
                 solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
                 continue;
@@ -231,7 +251,7 @@ impl Obstacles {
             found.increment.report.n_solves = report.n_solves;
             found.increment.report.n_iterations = report.n_iterations;
             return match hit {
-                Some(share) if share > 0.0 => {
+                Some(share) if share > 0.0 && !task.has_inertia => {
                     let twist = share * found.increment.twist;
                     let report = found.increment.report;
                     touching.clear();
@@ -257,15 +277,18 @@ impl Obstacles {
     fn candidates(&mut self, system: &System, start: &Place, task: &Task, reach: f64, touching: &[Touching]) -> Vec<Candidate> {
         let mut pairs = Vec::new();
         self.surroundings.pairs(system, start, task.from, reach, &mut pairs);
-        if task.has_inertia {
-            pairs.retain(|pair| touching.iter().any(|touching| touching.key == pair.key));
+        if task.scope == Scope::Touching {
+            let touches = |pair: &Pair| touching.iter().any(|touching| touching.key == pair.key);
+            let closed: SmallVec<[Pair; 4]> = pairs.iter().filter(|pair| touches(pair)).copied().collect();
+            pairs.retain(|pair| touches(pair) || closed.iter().any(|closed| self.surroundings.continues(closed, pair)));
         }
         let candidate = |pair: Pair| {
             let path = &system.world.obstacles[pair.key.obstacle].path;
             let near = touching.iter().find(|touching| touching.key == pair.key).map_or(0.0, |touching| touching.slip);
             let at_start = Surroundings::relative(start, &path.pose_at(task.from));
             let slip = pair.features.slip(&at_start, near);
-            let least_gap = if task.has_inertia { pair.features.gap(&at_start).min(0.0) } else { 0.0 };
+            let overlaps = task.has_inertia && self.surroundings.beyond(&pair, &at_start) <= 0.0;
+            let least_gap = if overlaps { pair.features.gap(&at_start).min(0.0) } else { 0.0 };
             Candidate { pair, start: Surroundings::relative(start, &path.pose_at(task.to)), slip, least_gap }
         };
         pairs.into_iter().map(candidate).collect()
@@ -327,14 +350,6 @@ pub(super) fn on_load(features: &FeaturePair, force: &SideForce, at: &Place, obs
     let normal = features.normal(at);
     let in_frame = force.normal * normal + force.tangential * crate::math::perpendicular(&normal);
     [crate::math::rotation(obstacle.heading) * in_frame, obstacle.to_world(&features.contact_point(at))]
-}
-
-/// Bound of the displacement of all obstacles between two times (m).
-fn displacement(system: &System, from: f64, to: f64) -> f64 {
-    if from == to {
-        return 0.0;
-    }
-    system.world.obstacles.iter().map(|obstacle| obstacle.displacement(from, to)).fold(0.0, f64::max)
 }
 
 /// Modes and forces of the candidates in the last step.

@@ -57,6 +57,8 @@ pub struct Surroundings {
     /// Radius of the load about its origin (m).
     radius: f64,
     bodies: Vec<Body>,
+    /// Obstacles that move.
+    moving: Vec<usize>,
     /// Smallest extent of a part that matters when a long displacement is searched for contacts
     /// (m).
     fineness: f64,
@@ -90,7 +92,17 @@ impl Surroundings {
         let bodies: Vec<Body> = system.world.obstacles.iter().map(body).collect();
         let load = Features::of(&system.world.outline);
         let sizes = bodies.iter().map(|body| &body.features).chain([&load]).flat_map(Features::sizes);
-        Self { fineness: sizes.fold(system.load.radius, f64::min), load, radius: system.load.radius, bodies, near: Near::default() }
+        let moves = |index: &usize| system.world.obstacles[*index].path.moves();
+        let moving = (0..bodies.len()).filter(moves).collect();
+        Self { fineness: sizes.fold(system.load.radius, f64::min), load, radius: system.load.radius, bodies, moving, near: Near::default() }
+    }
+
+    /// Bound of the path lengths of all obstacles between two times (m).
+    pub fn longest_path(&self, system: &System, from: f64, to: f64) -> f64 {
+        if from == to {
+            return 0.0;
+        }
+        self.moving.iter().map(|index| system.world.obstacles[*index].path_length(from, to)).fold(0.0, f64::max)
     }
 
     /// Length (m) in which a load that moves farther may pass over a feature.
@@ -121,11 +133,8 @@ impl Surroundings {
     fn update_near(&mut self, system: &System, load: &Place, time: f64) {
         let margin = MARGIN * self.radius;
         let obstacles = &system.world.obstacles;
-        let moved = |(pose, since): &(Pose, f64)| {
-            let of_obstacles =
-                if *since == time { 0.0 } else { obstacles.iter().map(|o| o.displacement(*since, time)).fold(0.0, f64::max) };
-            load.pose.edge_displacement(pose, self.radius) + of_obstacles
-        };
+        let moved =
+            |(pose, since): &(Pose, f64)| load.pose.edge_displacement(pose, self.radius) + self.longest_path(system, *since, time);
         if self.near.about.as_ref().is_some_and(|about| moved(about) <= margin) {
             return;
         }
@@ -176,7 +185,9 @@ impl Surroundings {
                 friction_coefficient: obstacle.friction_coefficient,
                 restitution: obstacle.restitution,
             };
-            if (deepest..=reach).contains(&features.gap(at)) && self.beyond(&pair, at) <= reach {
+            let (gap, beyond) = (features.gap(at), self.beyond(&pair, at));
+            let is_near = if beyond > 0.0 { features.distance_beside(gap, beyond) <= reach } else { (deepest..=reach).contains(&gap) };
+            if is_near {
                 pairs.push(pair);
             }
         };
@@ -202,6 +213,37 @@ impl Surroundings {
                 add(PairKind::LineOnPoint, i, j, FeaturePair::LineOnPoint { normal, offset, centre: other.at, rounding });
             }
         }
+    }
+
+    /// Whether the features that touch change from one pair to the other while the load slides or
+    /// rolls on smoothly: a disc from an edge to its corner, or a corner from an edge to the next one
+    /// on the same line.
+    pub fn continues(&self, one: &Pair, other: &Pair) -> bool {
+        use PairKind::{LineOnPoint, PointOnLine, PointOnPoint};
+        let (a, b) = (&one.key, &other.key);
+        if a.obstacle != b.obstacle {
+            return false;
+        }
+        match (a.kind, b.kind) {
+            (PointOnPoint, PointOnLine { .. }) | (PointOnLine { .. }, PointOnPoint) => a.of_load == b.of_load,
+            (PointOnPoint, LineOnPoint) | (LineOnPoint, PointOnPoint) => a.of_obstacle == b.of_obstacle,
+            (PointOnLine { .. }, PointOnLine { .. }) => a.of_load == b.of_load && one.features.is_in_line(&other.features),
+            (LineOnPoint, LineOnPoint) => a.of_obstacle == b.of_obstacle && one.features.is_in_line(&other.features),
+            _ => false,
+        }
+    }
+
+    /// Whether a point of the load, with its rounding, that has moved straight on from `start` to the
+    /// other side of an edge has passed around the end of the edge.
+    pub fn passes_end(&self, pair: &Pair, start: &Place, end: &Place) -> bool {
+        let PairKey { obstacle, kind, of_load, of_obstacle } = pair.key;
+        let has_two_sides = matches!(kind, PairKind::PointOnLine { .. }) && self.bodies[obstacle].features.edges[of_obstacle].has_two_sides;
+        let side = |at: &Place| pair.features.gap(at) + self.load.corners[of_load].rounding;
+        if !has_two_sides || side(start) <= 0.0 || side(end) >= 0.0 {
+            return false;
+        }
+        let share = side(start) / (side(start) - side(end));
+        self.beyond(pair, start) + share * (self.beyond(pair, end) - self.beyond(pair, start)) > 0.0
     }
 
     /// Distance by which the features of a pair lie beside each other (m) for a load at this place

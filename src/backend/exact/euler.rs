@@ -7,7 +7,7 @@
 //! The conditions of contact hold at the end of the step as well, for a load that touches an
 //! obstacle.
 
-use super::one_step::{Problem, Stepped};
+use super::one_step::{Among, Problem, Stepped};
 use crate::backend::Motion;
 use crate::backend::contact::{SideWork, Task};
 use crate::backend::friction::FrictionSolver;
@@ -16,15 +16,16 @@ use crate::backend::springs::Place;
 use crate::math::{Pose, Twist, Vec3};
 
 pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
-    let Problem { system, start: Motion { pose: before, twist }, springs, dashpots, forecast, touching, step, .. } = problem;
+    let Problem { system, start: Motion { pose: before, twist }, springs, dashpots, forecast, among, step, .. } = problem;
     let inertia = Some(Coasting::of(&system.load, &twist, step));
     let potential = Potential { dashpots, inertia, ..Potential::of(springs, Place::of(&before)) };
     let guess = forecast.increment(step);
-    let (found, side) = match touching {
+    let (found, side) = match among {
         None => (minimise(potential, &system.ground, solver, system.load.radius, guess), SideWork::default()),
-        Some((obstacles, contacts, end)) => {
+        Some(Among { obstacles, touching, end, scope }) => {
             let mut at_end = Step { potential, ground: &system.ground, length: system.load.radius };
-            obstacles.find(system, &mut at_end, solver, contacts, &Task { from: end - step, to: end, guess, has_inertia: true })
+            let task = Task { from: end - step, to: end, guess, has_inertia: true, scope };
+            obstacles.find(system, &mut at_end, solver, touching, &task)
         }
     };
     forecast.learn(&found, step);

@@ -12,13 +12,16 @@ use super::inertial::Inertial;
 use super::load::Exact;
 use super::one_step::Integrator;
 use super::side::Impact;
-use crate::backend::contact::{Reflection, Strike};
+use crate::backend::contact::{Reflection, Scope, Strike};
 use crate::backend::springs::{Place, TipPaths};
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
 
-/// Largest number of touches in one step (1). The rest of the step is taken without bounces.
+/// Largest number of touches in one step (1). The rest of the step is taken as one of implicit Euler
+/// that regards all features within reach, and without bounces.
 const MOST_TOUCHES: usize = 64;
+/// Number of touches that one without any motion before it counts for (1).
+const STANDSTILL: usize = 8;
 /// Largest number of attempts to locate a touch, the first ones by Newton's method (1).
 const MOST_ATTEMPTS: usize = 80;
 const MOST_NEWTON_ATTEMPTS: usize = 20;
@@ -31,12 +34,17 @@ impl Exact<Inertial> {
         let mut report = StepReport::default();
         let (mut at, mut n_touches) = (from, 0);
         while at < to {
-            let (next, part) = self.move_to_touch(paths, [at, to], n_touches);
+            if n_touches >= MOST_TOUCHES {
+                report.add(&self.step_touching(paths, [at, to], Scope::Near));
+                break;
+            }
+            let (next, part) = self.move_to_touch(paths, [at, to]);
             report.add(&part);
             if part.status == Status::Failed {
                 break;
             }
-            (at, n_touches) = (next, n_touches + 1);
+            n_touches += if next > at { 1 } else { STANDSTILL };
+            at = next;
         }
         StepReport { n_steps: 1, ..report }
     }
@@ -47,7 +55,7 @@ impl Exact<Inertial> {
     }
 
     /// Moves the load up to the next touch, or to the end. Returns the share of the paths there.
-    fn move_to_touch(&mut self, paths: &TipPaths, [from, to]: [f64; 2], n_touches: usize) -> (f64, StepReport) {
+    fn move_to_touch(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> (f64, StepReport) {
         let start = self.snapshot();
         let place = Place::of(&start.state.motion.pose);
         let mut report = self.move_on(paths, [from, to]);
@@ -79,21 +87,21 @@ impl Exact<Inertial> {
             let is_between = newton > free && newton < hit;
             end = if attempt < MOST_NEWTON_ATTEMPTS && is_between { newton } else { 0.5 * (free + hit) };
         }
-        let is_last = n_touches >= MOST_TOUCHES;
-        self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, (self.time_at(paths, end), is_last));
+        self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, self.time_at(paths, end));
         (end, report)
     }
 
-    /// Least gap of the features that are about to touch (m), and the speed at which it grows (m/s).
+    /// Least distance of the features that are about to touch (m), negative for an overlap, and the
+    /// speed at which it grows (m/s).
     fn nearest(&self, strikes: &[Strike], time: f64) -> (f64, f64) {
         let Self { obstacles: Some(obstacles), system, state, .. } = self else { return (0.0, 0.0) };
-        let of_pair = |strike: &Strike| obstacles.gap_and_rate(system, strike, &state.motion, time);
+        let of_pair = |strike: &Strike| obstacles.distance_and_rate(system, strike, &state.motion, time);
         strikes.iter().map(of_pair).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
     }
 
     /// Applies the impact law where the load touches. It has moved there from `before`, within a step
     /// of `duration` (s).
-    fn strike(&mut self, strikes: &[Strike], before: &Motion, duration: f64, (time, is_last): (f64, bool)) {
+    fn strike(&mut self, strikes: &[Strike], before: &Motion, duration: f64, time: f64) {
         let Self { obstacles, system, state, springs, stepping, .. } = self;
         let Some(obstacles) = obstacles else { return };
         // A bounce that would end within a step is none, and neither is one that would not lead
@@ -105,7 +113,7 @@ impl Exact<Inertial> {
             Stepping::Fixed(_) => 0.0,
             Stepping::Controlled(control) => (2.0 * control.position * change / duration).sqrt(),
         };
-        let softest = if is_last { f64::INFINITY } else { change.max(negligible).max(1e-12 * system.load.radius / duration) };
+        let softest = change.max(negligible).max(1e-12 * system.load.radius / duration);
         let Reflection { twist, loss, of_obstacles, obstacle } =
             obstacles.reflect(system, &mut state.side.touching, strikes, &state.motion, (time, softest));
         let kinetic = system.load.kinetic_energy(&twist);
@@ -127,16 +135,16 @@ impl Exact<Inertial> {
             return self.step_freely(paths, from, to);
         }
         if self.method.integrator == Integrator::Euler {
-            return self.step_touching(paths, [from, to]);
+            return self.step_touching(paths, [from, to], Scope::Touching);
         }
         let start = self.snapshot();
-        let mut report = self.step_touching(paths, [from, to]);
+        let mut report = self.step_touching(paths, [from, to], Scope::Touching);
         let whole = (self.flow(), self.contacts(), self.state.contact.last());
         self.reset(&start);
         let middle = 0.5 * (from + to);
-        report.add(&self.step_touching(paths, [from, middle]));
+        report.add(&self.step_touching(paths, [from, middle], Scope::Touching));
         let half = (self.contacts(), self.state.contact.last());
-        report.add(&self.step_touching(paths, [middle, to]));
+        report.add(&self.step_touching(paths, [middle, to], Scope::Touching));
         let halves = (self.flow(), self.contacts(), self.state.contact.last());
         if (&whole.1, &whole.2) == (&halves.1, &halves.2) && (half.0, half.1) == (whole.1, whole.2) {
             let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();

@@ -14,8 +14,9 @@ use serde::{Deserialize, Serialize};
 use super::contact::GroundContact;
 use super::dashpots::Dashpots;
 use super::load::{Exact, Method, State};
-use super::one_step::{Integrator, PastFriction, Problem, Stepped};
+use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped};
 use super::{euler, midpoint};
+use crate::backend::contact::Scope;
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
 use crate::backend::springs::TipPaths;
@@ -82,16 +83,16 @@ impl Exact<Inertial> {
 
     /// Takes a step of a load that touches nothing.
     pub(super) fn step_freely(&mut self, paths: &TipPaths, from: f64, to: f64) -> StepReport {
-        self.step_by(self.method.integrator, paths, [from, to])
+        self.step_by(self.method.integrator, paths, [from, to], None)
     }
 
-    /// Takes a step of a load that touches obstacles, with the contacts that are closed. It is one of
+    /// Takes a step of a load that touches obstacles, with the features in `scope`. It is one of
     /// implicit Euler.
-    pub(super) fn step_touching(&mut self, paths: &TipPaths, span: [f64; 2]) -> StepReport {
-        self.step_by(Integrator::Euler, paths, span)
+    pub(super) fn step_touching(&mut self, paths: &TipPaths, span: [f64; 2], scope: Scope) -> StepReport {
+        self.step_by(Integrator::Euler, paths, span, Some(scope))
     }
 
-    fn step_by(&mut self, integrator: Integrator, paths: &TipPaths, [from, to]: [f64; 2]) -> StepReport {
+    fn step_by(&mut self, integrator: Integrator, paths: &TipPaths, [from, to]: [f64; 2], scope: Option<Scope>) -> StepReport {
         let step = (to - from) * paths.duration;
         let Exact { method, system, springs, state, solver, obstacles, .. } = self;
         let stage_at = match integrator {
@@ -113,7 +114,7 @@ impl Exact<Inertial> {
             springs: springs.blocks(),
             dashpots: method.dashpots.blocks(),
             forecast: &mut state.forecast,
-            touching: obstacles.as_mut().filter(|_| !side.touching.is_empty()).map(|obstacles| (obstacles, &mut side.touching, end)),
+            among: obstacles.as_mut().zip(scope).map(|(obstacles, scope)| Among { obstacles, touching: &mut side.touching, end, scope }),
             step,
             resolving_step: method.resolving_step,
         };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::contact::{Obstacles, SideWork, Touching};
+use crate::backend::contact::{Obstacles, Scope, SideWork, Touching};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Forecast;
 use crate::backend::springs::SpringBlocks;
@@ -31,14 +31,23 @@ pub struct Problem<'a> {
     /// Dashpots as springs of this step.
     pub dashpots: Option<&'a mut SpringBlocks>,
     pub forecast: &'a mut Forecast,
-    /// Obstacles, the contacts with them, and the time at the end of the step (s), for a load that
-    /// touches one.
-    pub touching: Option<(&'a mut Obstacles, &'a mut Vec<Touching>, f64)>,
+    /// The obstacles, where the step has to regard them.
+    pub among: Option<Among<'a>>,
     /// (s)
     pub step: f64,
     /// Longest step that takes an undamped load through one radian of its fastest oscillation (s);
     /// zero with damping.
     pub resolving_step: f64,
+}
+
+/// The obstacles of a step.
+pub struct Among<'a> {
+    pub obstacles: &'a mut Obstacles,
+    /// Closed contacts.
+    pub touching: &'a mut Vec<Touching>,
+    /// Time at the end of the step (s).
+    pub end: f64,
+    pub scope: Scope,
 }
 
 /// A step taken.

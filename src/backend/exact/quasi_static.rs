@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::bdf2::{self, Past};
 use super::contact::GroundContact;
 use super::load::{Exact, Method, SnapStart, State};
-use crate::backend::contact::{SideWork, Task};
+use crate::backend::contact::{Scope, SideWork, Task};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Increment, Potential, Step, minimise};
 use crate::backend::shortcuts::{Skip, Skips};
@@ -126,7 +126,7 @@ impl Exact<QuasiStatic> {
         if let Some(obstacles) = obstacles {
             let potential = Potential::of(springs.blocks(), start);
             let mut step = Step { potential, ground: &system.ground, length: radius };
-            let task = Task { from, to, guess, has_inertia: false };
+            let task = Task { from, to, guess, has_inertia: false, scope: Scope::Near };
             return obstacles.find(system, &mut step, solver, &mut state.side.touching, &task);
         }
         if let (Some(past), Some(duration), Some(guess)) = (&state.memory.past, step, &guess) {
