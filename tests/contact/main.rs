@@ -3,4 +3,5 @@
 mod inertial;
 mod quasi_static;
 mod random;
+mod random_scene;
 mod scenes;

@@ -17,7 +17,7 @@ use super::linear::Linear;
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::increment::{Increment, Objective, Step, by_increment, positive_definite};
+use crate::backend::increment::{Increment, LARGEST_RESIDUAL, Objective, Step, by_increment, positive_definite};
 use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
 use crate::math::{Arc, Mat3, Vec2, Vec3};
@@ -49,7 +49,9 @@ pub struct Found {
 }
 
 /// Largest number of linear steps.
-const MOST_STEPS: usize = 60;
+const MOST_STEPS: usize = 40;
+/// Largest number of those without an answer, each of which takes as long as many with one.
+const MOST_FAILED: u32 = 3;
 /// Number of linear steps after which only half of each is taken, where the whole ones do not settle.
 const STEPS_IN_FULL: usize = 20;
 /// Largest number of Newton iterations of a glide.
@@ -228,6 +230,7 @@ impl ContactStep<'_, '_> {
         let (mut at, mut sides) = (Vec3::zeros(), Sides::new());
         let mut report = StepReport { n_steps: 1, ..StepReport::default() };
         let mut mode = ContactMode::Stick;
+        let mut n_failed = 0;
         for round in 0..MOST_STEPS {
             let local = self.step.at(&at);
             let locals = self.locals(&at);
@@ -244,6 +247,11 @@ impl ContactStep<'_, '_> {
             mode = solution.ground_mode;
             report.residual = solution.residual;
             report.is_indeterminate = !solution.are_forces_unique && solution.forces.iter().any(|force| force.normal > 0.0);
+            if solution.ending == Ending::Infeasible && at != Vec3::zeros() {
+                // Gaps that bend away may contradict each other far from the start.
+                at *= 0.5;
+                continue;
+            }
             if solution.ending == Ending::Infeasible {
                 return self.ended(
                     Vec3::zeros(),
@@ -258,7 +266,7 @@ impl ContactStep<'_, '_> {
             }
             let next = solution.increment;
             if round == 0 && next == Vec3::zeros() {
-                let status = if solution.ending == Ending::Converged { Status::Converged } else { Status::NotConverged };
+                let status = status_of(solution.residual);
                 return self.ended(next, mode, sides, StepReport { status, ..report });
             }
             if mode == ContactMode::Slip
@@ -268,11 +276,15 @@ impl ContactStep<'_, '_> {
                 let report = StepReport { residual, is_indeterminate: false, ..report };
                 return Found { increment: Increment { report, ..found.increment }, ..found };
             }
+            n_failed += u32::from(solution.ending != Ending::Converged);
             let change = next - at;
             at = if round < STEPS_IN_FULL { next } else { at + 0.5 * change };
             if self.step.size(&change) <= 1e-12 * self.step.size(&at) + 1e-15 {
-                let status = if solution.ending == Ending::Converged { Status::Converged } else { Status::NotConverged };
+                let status = status_of(solution.residual);
                 return self.ended(at, mode, sides, StepReport { status, ..report });
+            }
+            if n_failed == MOST_FAILED {
+                break;
             }
         }
         self.ended(at, mode, sides, StepReport { status: Status::NotConverged, residual: report.residual.max(1e-9), ..report })
@@ -332,6 +344,11 @@ fn add_ground_friction(ground: &Ground, at: &Vec3, gradient: &mut Vec3, hessian:
         total += limit;
     }
     Some(total)
+}
+
+/// Status of a step with this residual (1), as without contacts.
+fn status_of(residual: f64) -> Status {
+    if residual <= LARGEST_RESIDUAL { Status::Converged } else { Status::NotConverged }
 }
 
 /// Number of unknown forces of a contact.

@@ -201,16 +201,12 @@ impl Surroundings {
                 add(kind, i, j, point_on_line(corner, edge, kind));
             }
             for (j, other) in body.corners.iter().enumerate().filter(|(_, other)| corner.rounding + other.rounding > 0.0) {
-                let reach = corner.rounding + other.rounding;
-                let features = FeaturePair::PointOnPoint { point: corner.at, rounding: corner.rounding, centre: other.at, reach };
-                add(PairKind::PointOnPoint, i, j, features);
+                add(PairKind::PointOnPoint, i, j, point_on_point(corner, other));
             }
         }
         for (j, other) in body.corners.iter().enumerate() {
             for (i, edge) in self.load.edges.iter().enumerate() {
-                let normal = edge.normal();
-                let (offset, rounding) = (normal.dot(&edge.from), other.rounding);
-                add(PairKind::LineOnPoint, i, j, FeaturePair::LineOnPoint { normal, offset, centre: other.at, rounding });
+                add(PairKind::LineOnPoint, i, j, line_on_point(edge, other));
             }
         }
     }
@@ -230,6 +226,16 @@ impl Surroundings {
             (PointOnLine { .. }, PointOnLine { .. }) => a.of_load == b.of_load && one.features.is_in_line(&other.features),
             (LineOnPoint, LineOnPoint) => a.of_obstacle == b.of_obstacle && one.features.is_in_line(&other.features),
             _ => false,
+        }
+    }
+
+    /// Features of a pair.
+    pub fn features(&self, key: &PairKey) -> FeaturePair {
+        let (load, body) = (&self.load, &self.bodies[key.obstacle].features);
+        match key.kind {
+            PairKind::PointOnLine { .. } => point_on_line(&load.corners[key.of_load], &body.edges[key.of_obstacle], key.kind),
+            PairKind::PointOnPoint => point_on_point(&load.corners[key.of_load], &body.corners[key.of_obstacle]),
+            PairKind::LineOnPoint => line_on_point(&load.edges[key.of_load], &body.corners[key.of_obstacle]),
         }
     }
 
@@ -267,6 +273,16 @@ fn point_on_line(corner: &Corner, edge: &Edge, kind: PairKind) -> FeaturePair {
     let is_left = matches!(kind, PairKind::PointOnLine { is_left: true });
     let normal = if is_left { -edge.normal() } else { edge.normal() };
     FeaturePair::PointOnLine { point: corner.at, rounding: corner.rounding, normal, offset: normal.dot(&edge.from) }
+}
+
+fn point_on_point(corner: &Corner, other: &Corner) -> FeaturePair {
+    let reach = corner.rounding + other.rounding;
+    FeaturePair::PointOnPoint { point: corner.at, rounding: corner.rounding, centre: other.at, reach }
+}
+
+fn line_on_point(edge: &Edge, other: &Corner) -> FeaturePair {
+    let normal = edge.normal();
+    FeaturePair::LineOnPoint { normal, offset: normal.dot(&edge.from), centre: other.at, rounding: other.rounding }
 }
 
 impl Edge {

@@ -8,8 +8,8 @@
 //! contact at their end. One whole step and two halves are extrapolated to second order where the
 //! contact modes are the same.
 
-use super::inertial::Inertial;
-use super::load::Exact;
+use super::inertial::{Inertial, Memory};
+use super::load::{Exact, Snapshot};
 use super::one_step::Integrator;
 use super::side::Impact;
 use crate::backend::contact::{Reflection, Scope, Strike};
@@ -20,6 +20,8 @@ use crate::backend::{Motion, Status, StepReport};
 /// Largest number of touches in one step (1). The rest of the step is taken as one of implicit Euler
 /// that regards all features within reach, and without bounces.
 const MOST_TOUCHES: usize = 64;
+/// Largest number of times that a step without an answer is halved (1).
+const MOST_HALVINGS: usize = 5;
 /// Number of touches that one without any motion before it counts for (1).
 const STANDSTILL: usize = 8;
 /// Largest number of attempts to locate a touch, the first ones by Newton's method (1).
@@ -58,7 +60,7 @@ impl Exact<Inertial> {
     fn move_to_touch(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> (f64, StepReport) {
         let start = self.snapshot();
         let place = Place::of(&start.state.motion.pose);
-        let mut report = self.move_on(paths, [from, to]);
+        let (to, mut report) = self.move_as_far_as_solved(paths, [from, to], &start);
         let times = [from, to].map(|share| self.time_at(paths, share));
         let Self { obstacles, system, state, .. } = self;
         let Some(obstacles) = obstacles else { return (to, report) };
@@ -89,6 +91,29 @@ impl Exact<Inertial> {
         }
         self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, self.time_at(paths, end));
         (end, report)
+    }
+
+    /// Moves the load on, for a shorter time where the whole one has no answer. Returns the share of
+    /// the paths there.
+    fn move_as_far_as_solved(&mut self, paths: &TipPaths, [from, to]: [f64; 2], start: &Snapshot<Memory>) -> (f64, StepReport) {
+        let whole = self.move_on(paths, [from, to]);
+        let (mut end, mut report) = (to, whole);
+        for _ in 0..MOST_HALVINGS {
+            if report.status == Status::Converged {
+                return (end, report);
+            }
+            self.reset(start);
+            end = 0.5 * (from + end);
+            let StepReport { n_solves, n_iterations, .. } = report;
+            report = self.move_on(paths, [from, end]);
+            report.n_solves += n_solves;
+            report.n_iterations += n_iterations;
+        }
+        if report.status == Status::Converged {
+            return (end, report);
+        }
+        self.reset(start);
+        (to, self.move_on(paths, [from, to]))
     }
 
     /// Least distance of the features that are about to touch (m), negative for an overlap, and the

@@ -107,6 +107,7 @@ impl Exact<Inertial> {
         }
         let side = &mut state.side;
         let end = side.time + to * paths.duration;
+        side.now = end;
         let problem = Problem {
             system,
             start: state.motion,

@@ -244,8 +244,11 @@ impl<M: Method> Exact<M> {
 
     /// Replaces these quantities.
     pub(super) fn set_flow(&mut self, flow: &[f64]) {
-        let Self { state, springs, system, .. } = self;
+        let Self { state, springs, system, obstacles, .. } = self;
         state.motion = Motion::of_entries(flow);
+        if let Some(obstacles) = obstacles.as_ref().filter(|_| !state.side.touching.is_empty()) {
+            state.motion.pose = obstacles.close(system, &state.motion.pose, &state.side.touching, state.side.now);
+        }
         (state.energy.friction, state.energy.tip_work) = (flow[6], flow[7]);
         springs.accept_outside(&system.springs, &state.motion.pose);
         state.energy.elastic = springs.energy(&system.springs, &state.motion.pose);

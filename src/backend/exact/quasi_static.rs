@@ -30,6 +30,9 @@ const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
 /// Largest number of legs of a path that obstacles divide (1).
 const MOST_LEGS: usize = 1024;
 
+/// Largest number of those that end where no longer one has an answer (1).
+const MOST_HELD_LEGS: u32 = 16;
+
 /// The quasi-static method.
 pub struct QuasiStatic {
     /// Whether steps are of second order where they can be.
@@ -67,8 +70,10 @@ impl Exact<QuasiStatic> {
         let (mut report, mut work) = self.leg(step, times);
         let [mut from, to] = times;
         self.state.side.now = to;
+        let mut n_held = 0;
         for _ in 0..MOST_LEGS {
-            let Some(share) = work.cut else { return report };
+            let Some(share) = work.cut.filter(|_| n_held < MOST_HELD_LEGS) else { return report };
+            n_held += u32::from(share == 1.0);
             from += share * (to - from);
             let (next, next_work) = self.leg(None, [from, to]);
             report.add(&StepReport { n_steps: 0, ..next });

@@ -60,6 +60,19 @@ impl Equation {
     }
 }
 
+impl Candidate {
+    /// Rest with the forces of an increment that has shrunk to rounding: those of a load at the very
+    /// limit of slipping, whose direction the increment still shows.
+    fn at_the_limit(self, problem: &Problem) -> Self {
+        let at_rest = |(k, mode): (usize, &SideMode)| match mode {
+            SideMode::Slide { .. } if problem.rows[k].friction_coefficient > 0.0 && !problem.slips(k, &Vec3::zeros()) => SideMode::Stick,
+            mode => *mode,
+        };
+        let modes = self.modes.iter().enumerate().map(at_rest).collect();
+        Self { twist: Vec3::zeros(), ground: ContactMode::Stick, modes, is_consistent: true, ..self }
+    }
+}
+
 /// Answer in these modes near `start`; `None` where Newton's method does not lead to one. It need
 /// not satisfy any inequality.
 pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start: &Start) -> Option<Candidate> {
@@ -73,6 +86,9 @@ pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start:
     let fixed: Vec3 = others.iter().map(|other| other.force * other.direction).sum();
     let mut search = Search { problem, pin, equations: chosen, fixed, twist: *start.twist };
     let (n_iterations, slopes) = search.run()?;
+    if search.twist.amax() <= RESTS * problem.extent {
+        return Some(search.candidate(ground, modes, &others, true, n_iterations).at_the_limit(problem));
+    }
     let is_stable = search.is_stable(&slopes, modes);
     Some(search.candidate(ground, modes, &others, is_stable, n_iterations))
 }
@@ -152,7 +168,7 @@ impl Search<'_> {
             if is_over {
                 (self.twist, self.equations) = best;
                 let moves = self.twist.amax() > RESTS * self.problem.extent;
-                return (moves && best_size.is_finite()).then_some((n, slopes));
+                return (if moves { best_size.is_finite() } else { best_size <= CLOSE }).then_some((n, slopes));
             }
             n += 1;
             self.step(&imbalance, &slopes)?;
