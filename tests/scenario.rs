@@ -93,8 +93,12 @@ fn an_expansion_leaves_nothing_to_defaults() {
     assert_eq!(expansion["ground"]["supports"].as_array().unwrap().len(), 3);
     assert!(expansion["load"]["inertia_kg_m2"].is_number());
     let properties = format::schema()["$defs"]["AntsEntry"]["properties"].as_object().unwrap().clone();
+    let among_obstacles = serde_json::to_value(read("paper/wall-with-gap.json").expanded()).unwrap();
+    // What ants do about obstacles is not said where there are none.
+    let of_avoidance = ["avoidance", "body_radius_m", "look_ahead_m"];
     for key in properties.keys().filter(|key| *key != "preset") {
-        assert!(!expansion["drive"][key].is_null(), "{key}");
+        assert!(!among_obstacles["drive"][key].is_null(), "{key}");
+        assert_eq!(expansion["drive"][key].is_null(), of_avoidance.contains(&key.as_str()), "{key}");
     }
     assert!(expansion["drive"].get("preset").is_none());
 }

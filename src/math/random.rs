@@ -30,6 +30,8 @@ pub enum Stream {
     Design = 5,
     /// Order or multiplicity of the parts of a resampled sample.
     Resample = 6,
+    /// Side on which an ant passes an obstacle when both are equal.
+    Side = 7,
 }
 
 /// Random streams of one run, all keyed by its seed.

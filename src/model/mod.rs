@@ -5,6 +5,7 @@
 //! and Systems VI, 2010.
 
 pub mod ant;
+pub mod avoidance;
 pub mod behaviour;
 pub mod geometry;
 pub mod interaction;

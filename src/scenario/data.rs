@@ -1,6 +1,7 @@
 //! A run as data.
 
 use crate::math::Vec2;
+use crate::model::avoidance::Avoidance;
 use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::model::{Motion, System};
 
@@ -93,4 +94,10 @@ pub struct AntDrive {
     pub release: ReleaseLaw,
     /// Times of the release decisions.
     pub release_pace: ReleasePace,
+    /// How ants avoid obstacles and the load.
+    pub avoidance: Avoidance,
+    /// Radius of the disc that an ant keeps clear about its position (m).
+    pub body_radius: f64,
+    /// Distance at which a searching ant begins to turn aside (m).
+    pub look_ahead: f64,
 }

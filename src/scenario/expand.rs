@@ -11,6 +11,7 @@ use super::format::{
     TipsKind,
 };
 use super::json::plain;
+use super::presets::{self, Preset};
 use super::{AntDrive, Drive, Scenario, TipPath};
 use crate::math::{Pose, Vec2};
 use crate::model::{Ground, Obstacle, Outline, OutlinePart, SideFrictionRule};
@@ -36,7 +37,7 @@ impl Scenario {
             },
             drive: match &self.drive {
                 Drive::Tips(paths) => DriveEntry::Tips(TipsEntry { kind: TipsKind::Tips, paths: paths.iter().map(path_entry).collect() }),
-                Drive::Ants(ants) => DriveEntry::Ants(Box::new(ants_entry(ants))),
+                Drive::Ants(ants) => DriveEntry::Ants(Box::new(ants_entry(ants, self.system.world.is_empty()))),
             },
         }
     }
@@ -137,8 +138,13 @@ fn path_entry(path: &TipPath) -> PathEntry {
     PathEntry { spring: path.spring, waypoints: waypoints.collect(), release_s: path.release.map(plain) }
 }
 
-fn ants_entry(ants: &AntDrive) -> AntsEntry {
+/// Ants with all their parameters. In a scenario without obstacles those of avoidance are left out
+/// where they are the defaults, so that its hash is that of a scenario which knows of no obstacles.
+fn ants_entry(ants: &AntDrive, is_empty: bool) -> AntsEntry {
     let some = |value: f64| Some(plain(value));
+    let standard = presets::ants(Preset::Default, ants.n_ants);
+    let avoidance = |drive: &AntDrive| (drive.avoidance, drive.body_radius, drive.look_ahead);
+    let avoids = !is_empty || avoidance(ants) != avoidance(&standard);
     AntsEntry {
         kind: AntsKind::Ants,
         n_ants: ants.n_ants,
@@ -161,6 +167,9 @@ fn ants_entry(ants: &AntDrive) -> AntsEntry {
         release_steepness_per_n: some(ants.release.steepness),
         release_decision_period_s: some(ants.release.period),
         release_pace: Some(ants.release_pace),
+        avoidance: avoids.then_some(ants.avoidance),
+        body_radius_m: some(ants.body_radius).filter(|_| avoids),
+        look_ahead_m: some(ants.look_ahead).filter(|_| avoids),
     }
 }
 

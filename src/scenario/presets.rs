@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::AntDrive;
+use crate::model::avoidance::Avoidance;
 use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::model::paper;
 
@@ -87,5 +88,8 @@ fn standard(n_ants: usize) -> AntDrive {
         grasp_pace: GraspPace::Hazard,
         release: ReleaseLaw { strong_pull: paper::STRONG_PULL_N, steepness: paper::RELEASE_STEEPNESS_PER_N, period: 0.175 },
         release_pace: ReleasePace::Hazard,
+        avoidance: Avoidance::None,
+        body_radius: 0.002,
+        look_ahead: 0.03,
     }
 }

@@ -2,6 +2,7 @@
 //! sight and closest points. It is the only part of the model that uses parry2d.
 //!
 //! ```text
+//! barrier.rs   outlines as barriers to discs that walk
 //! moments.rs   area, centroid and second moment in closed form
 //! polygon.rs   crossings and orientation of a polygon
 //! pieces.rs    convex pieces, also as shapes of parry2d
@@ -11,11 +12,13 @@
 //! Lengths are in metres. Distances of parry2d between polygons are iterative, with an error of up
 //! to about 5e-9 of the size; those of moments and crossings are rounding.
 
+mod barrier;
 mod moments;
 mod pieces;
 mod polygon;
 mod queries;
 
+pub use barrier::{Barrier, FirstContact, Gap, Piece, PlacedBarrier};
 pub use moments::{AreaMoments, area_moments, moments_of_polygon};
 pub use pieces::{ConvexPiece, convex_pieces};
 pub use polygon::{first_crossing, turned_counter_clockwise, without_straight_corners};

@@ -6,6 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::model::avoidance::Avoidance;
 use crate::model::behaviour::{GraspPace, ReleasePace};
 use crate::scenario::AntDrive;
 use crate::scenario::presets::{self, Preset};
@@ -158,6 +159,22 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "ReleasePace", extend("default" = "hazard"))]
     pub release_pace: Option<ReleasePace>,
+    /// How ants avoid obstacles, and searching ants the load too. The default is "sidestep" in a
+    /// scenario with obstacles and "none" in one without, inferred: the paper has no obstacles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Avoidance")]
+    pub avoidance: Option<Avoidance>,
+    /// Radius of the disc that an ant keeps clear about its position, that is, about its mandibles
+    /// (m). It has no effect where `avoidance` is "none". The default is inferred: half the width
+    /// of an ant with its legs drawn in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("default" = standard().body_radius))]
+    pub body_radius_m: Option<f64>,
+    /// Distance to what blocks its way at which a searching ant begins to turn aside (m). It has no
+    /// effect where `avoidance` is "none". The default is inferred: three lengths of an ant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("default" = standard().look_ahead))]
+    pub look_ahead_m: Option<f64>,
 }
 
 fn standard() -> AntDrive {

@@ -3,15 +3,27 @@
 use std::f64::consts::PI;
 
 use super::shared::MOST_ANTS;
+use crate::model::avoidance::Avoidance;
 use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::scenario::AntDrive;
 use crate::scenario::error::{Findings, number};
 use crate::scenario::format::AntsEntry;
 use crate::scenario::presets;
 
-/// Ants on `n_springs` springs with this control period (s), where those are known.
-pub fn ants(entry: &AntsEntry, n_springs: Option<usize>, control_period: Option<f64>, findings: &mut Findings) -> AntDrive {
-    let ants = with_defaults(entry);
+/// Least radius of an ant over the distance that it walks in a control period (1). A longer step is
+/// taken in more pieces, each shorter than the ant.
+const LEAST_RADIUS: f64 = 0.01;
+
+/// Ants on `n_springs` springs with this control period (s), where those are known, with or without
+/// obstacles.
+pub fn ants(
+    entry: &AntsEntry,
+    n_springs: Option<usize>,
+    control_period: Option<f64>,
+    has_obstacles: bool,
+    findings: &mut Findings,
+) -> AntDrive {
+    let ants = with_defaults(entry, has_obstacles);
     findings.count("drive.n_ants", ants.n_ants, MOST_ANTS);
     if n_springs == Some(0) {
         findings.report("springs", "must have at least one spring for the ants", "none");
@@ -19,10 +31,11 @@ pub fn ants(entry: &AntsEntry, n_springs: Option<usize>, control_period: Option<
     check_walk(&ants, findings);
     check_grasp(&ants, findings);
     check_release(&ants, control_period, findings);
+    check_avoidance(&ants, control_period, findings);
     ants
 }
 
-fn with_defaults(entry: &AntsEntry) -> AntDrive {
+fn with_defaults(entry: &AntsEntry, has_obstacles: bool) -> AntDrive {
     let preset = presets::ants(entry.preset.unwrap_or_default(), entry.n_ants);
     AntDrive {
         n_ants: entry.n_ants,
@@ -46,6 +59,9 @@ fn with_defaults(entry: &AntsEntry) -> AntDrive {
             period: entry.release_decision_period_s.unwrap_or(preset.release.period),
         },
         release_pace: entry.release_pace.unwrap_or(preset.release_pace),
+        avoidance: entry.avoidance.unwrap_or(if has_obstacles { Avoidance::Sidestep } else { preset.avoidance }),
+        body_radius: entry.body_radius_m.unwrap_or(preset.body_radius),
+        look_ahead: entry.look_ahead_m.unwrap_or(preset.look_ahead),
     }
 }
 
@@ -85,5 +101,16 @@ fn check_release(ants: &AntDrive, control_period: Option<f64>, findings: &mut Fi
     if ants.release_pace == ReleasePace::Aged && period > 0.0 && control_period.is_some_and(|tick| period < tick) {
         let rule = "must not be shorter than the control period for the release pace \"aged\"";
         findings.report("drive.release_decision_period_s", rule, number(period));
+    }
+}
+
+fn check_avoidance(ants: &AntDrive, control_period: Option<f64>, findings: &mut Findings) {
+    findings.positive("drive.body_radius_m", ants.body_radius);
+    findings.positive("drive.look_ahead_m", ants.look_ahead);
+    let Some(period) = control_period.filter(|_| ants.avoidance != Avoidance::None && ants.body_radius > 0.0) else { return };
+    let least = LEAST_RADIUS * ants.search_speed.max(ants.pull_speed) * period;
+    if ants.body_radius < least {
+        let rule = format!("must be at least {}, a hundredth of the distance that an ant walks in a control period", number(least));
+        findings.report("drive.body_radius_m", rule, number(ants.body_radius));
     }
 }

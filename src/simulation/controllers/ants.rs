@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::avoiding::Avoiding;
 use super::controller::{Commands, Controller, View};
 use super::periods::Periods;
 use super::releases::Releases;
@@ -15,6 +16,7 @@ use crate::backend::{AttachedTip, Motion, RestoreError, SaveError};
 use crate::math::{LANES, RandomStreams, Stream, Summary, Vec2};
 use crate::model::PolarSpring;
 use crate::model::ant::{Ant, Mode, Steering};
+use crate::model::avoidance::Side;
 use crate::model::behaviour::{GraspPace, HalfAngle, hazard_of, probability_within, turn_towards};
 use crate::model::team::Haul;
 use crate::scenario::{AntDrive, Drive, Scenario};
@@ -36,6 +38,8 @@ pub struct Ants {
     state: State,
     releases: Releases,
     sensing: Sensing,
+    /// What the ants avoid; `None` where they pass through everything.
+    avoiding: Option<Avoiding>,
     /// Last known pose of the load.
     load: Placed,
     /// Periods between new beliefs.
@@ -49,6 +53,9 @@ pub struct Ants {
 struct State {
     ants: Vec<Ant>,
     pulls: Summary,
+    /// Side on which each ant passes what blocks its way; empty where ants avoid nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    sides: Vec<Option<Side>>,
 }
 
 impl Ants {
@@ -59,7 +66,10 @@ impl Ants {
             GraspPace::PerTick => drive.grasp_probability,
             GraspPace::Hazard => probability_within(hazard_of(drive.grasp_probability, drive.grasp_decision_period), period),
         };
-        let start = |ant: usize| start_of(ant as u32, &streams, drive, &scenario.start);
+        let avoiding = Avoiding::of(scenario, drive);
+        let start = |ant: usize| start_of(ant as u32, &streams, drive, &scenario.start, avoiding.as_ref());
+        let ants: Vec<Ant> = (0..drive.n_ants).map(start).collect();
+        let sides = if avoiding.is_some() { vec![None; ants.len()] } else { Vec::new() };
         let springs = &scenario.system.springs;
         Self {
             drive: drive.clone(),
@@ -69,9 +79,10 @@ impl Ants {
             belief_spread: drive.target_variance.sqrt(),
             half_angle: HalfAngle::new(drive.steering_half_angle),
             steering: Steering::new(drive.steering_gain, period),
-            state: State { ants: (0..drive.n_ants).map(start).collect(), pulls: Summary::default() },
+            state: State { ants, pulls: Summary::default(), sides },
             releases: Releases::new(drive, streams, period),
             sensing: Sensing::new(springs, drive.sensing_range),
+            avoiding,
             load: Placed::new(&scenario.start.pose),
             beliefs: Periods::new(period, drive.target_redraw_period),
             next_belief: 0,
@@ -104,6 +115,9 @@ impl Ants {
             return;
         }
         self.load = self.load.moved_to(&view.motion.pose);
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.place(&view.motion.pose, view.time);
+        }
         let belief = self.belief_due(tick);
         let n_released = commands.events.len();
         for i in 0..self.state.ants.len() {
@@ -167,7 +181,8 @@ impl Ants {
     /// one tick. The draw comes first because it is cheaper than the search and mostly fails.
     fn grasped(&self, i: usize, tick: u64, position: &Vec2, around: &Around) -> Option<(usize, Vec2)> {
         let is_drawn = self.streams.uniform(Stream::Grasp, i as u32, tick) < self.grasp_probability;
-        if is_drawn { around.nearest(position) } else { None }
+        let is_sensed = |tip: &Vec2| self.avoiding.as_ref().is_none_or(|avoiding| avoiding.senses(position, tip));
+        if is_drawn { around.nearest(position, is_sensed) } else { None }
     }
 
     fn grasp(&mut self, i: usize, tick: u64, spring: usize, tip: Vec2) {
@@ -198,6 +213,9 @@ impl Ants {
         let steering = if is_tick { self.steering } else { Steering::new(self.drive.steering_gain, duration) };
         let searched = self.drive.search_speed * steering.duration();
         self.load = self.load.moved_to(&motion.pose);
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.place(&motion.pose, until);
+        }
         let haul = Haul {
             load: (self.load.position, self.load.turn),
             nest: self.drive.nest_position,
@@ -211,11 +229,19 @@ impl Ants {
         for i in 0..self.state.ants.len() {
             let ant = &mut self.state.ants[i];
             match ant.mode {
-                Mode::Search => {
-                    let target = self.load.position + ant.belief_error - ant.position;
-                    ant.walk(searched, steering.turn(turn_towards(&target, &ant.ahead)));
-                }
+                Mode::Search => match &self.avoiding {
+                    None => {
+                        let target = self.load.position + ant.belief_error - ant.position;
+                        ant.walk(searched, steering.turn(turn_towards(&target, &ant.ahead)));
+                    }
+                    Some(avoiding) => {
+                        let target = self.load.position + ant.belief_error;
+                        let draw = || drawn_side(&self.streams, i, from / self.control_period);
+                        avoiding.walk(ant, &mut self.state.sides[i], &target, searched, &steering, draw);
+                    }
+                },
                 Mode::Transport { spring, .. } => {
+                    self.state.sides.get_mut(i).into_iter().for_each(|side| *side = None);
                     team[n_in_team] = (i, spring);
                     n_in_team += 1;
                     if n_in_team == LANES {
@@ -238,7 +264,9 @@ impl Ants {
         let pulled = haul.pulled(std::array::from_fn(|k| &ants[of(k).0]), std::array::from_fn(|k| &springs[of(k).1].root));
         for (k, (i, spring)) in team.iter().enumerate() {
             let ant = &mut ants[*i];
-            (ant.position, ant.ahead) = (pulled.tip.lane(k), pulled.ahead.lane(k));
+            let tip = pulled.tip.lane(k);
+            ant.position = self.avoiding.as_ref().map_or(tip, |avoiding| avoiding.dragged(&ant.position, &tip));
+            ant.ahead = pulled.ahead.lane(k);
             ant.heading += pulled.turn.as_array()[k];
             self.targets[*spring] = ant.position;
         }
@@ -263,12 +291,21 @@ pub fn follow_ants(scenario: &Scenario, trace: &Trace, mut visit: impl FnMut(usi
     }
 }
 
-/// Start of an ant: uniform in a square about the load, with any heading.
-fn start_of(ant: u32, streams: &RandomStreams, drive: &AntDrive, load: &Motion) -> Ant {
-    let [u, v] = streams.uniform_pair(Stream::Start, ant, 0);
-    let offset = drive.start_half_width * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0);
+/// Start of an ant: uniform in the free part of a square about the load, with any heading.
+fn start_of(ant: u32, streams: &RandomStreams, drive: &AntDrive, load: &Motion, avoiding: Option<&Avoiding>) -> Ant {
+    let position = |draw: u64| {
+        let [u, v] = streams.uniform_pair(Stream::Start, ant, draw);
+        load.pose.position + drive.start_half_width * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0)
+    };
+    // The draw of number 1 is the heading.
+    let other = |attempt: u64| position(if attempt == 0 { 0 } else { attempt + 1 });
     let heading = PI * (2.0 * streams.uniform(Stream::Start, ant, 1) - 1.0);
-    Ant::new(load.pose.position + offset, heading)
+    Ant::new(avoiding.map_or_else(|| position(0), |avoiding| avoiding.start(other)), heading)
+}
+
+/// Side that an ant takes at a time in ticks, where both are equal.
+fn drawn_side(streams: &RandomStreams, ant: usize, ticks: f64) -> Side {
+    if streams.uniform(Stream::Side, ant as u32, ticks.round() as u64) < 0.5 { Side::Left } else { Side::Right }
 }
 
 impl Controller for Ants {
@@ -300,6 +337,9 @@ impl Controller for Ants {
         let state = State::deserialize(state).map_err(|error| RestoreError(error.to_string()))?;
         if state.ants.len() != self.drive.n_ants {
             return Err(RestoreError(format!("{} ants, not {}", state.ants.len(), self.drive.n_ants)));
+        }
+        if state.sides.len() != self.state.sides.len() {
+            return Err(RestoreError(format!("sides of {} ants, not {}", state.sides.len(), self.state.sides.len())));
         }
         self.sensing.free_all();
         let mut is_taken = vec![false; self.targets.len()];

@@ -1,6 +1,7 @@
 //! What moves the tips: ants that decide, prescribed paths, or a recorded run.
 
 mod ants;
+mod avoiding;
 mod controller;
 mod periods;
 mod releases;

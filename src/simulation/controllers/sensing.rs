@@ -99,9 +99,9 @@ impl Around<'_> {
         self.skips && (position - self.load.position).norm_squared() > self.far
     }
 
-    /// Spring with the nearest free tip within range of `position`, and that tip (m, world). Of
-    /// equally near tips it is the first.
-    pub fn nearest(&self, position: &Vec2) -> Option<(usize, Vec2)> {
+    /// Spring with the nearest free tip within range of `position` that is sensed, and that tip (m,
+    /// world). Of equally near tips it is the first.
+    pub fn nearest(&self, position: &Vec2, is_sensed: impl Fn(&Vec2) -> bool) -> Option<(usize, Vec2)> {
         let mut nearest = Nearest { distance: f64::INFINITY, found: None };
         let load = &self.load;
         if self.skips {
@@ -111,21 +111,22 @@ impl Around<'_> {
                 .cells
                 .within(&in_load, window)
                 .flatten()
-                .for_each(|spring| self.compare(load, *spring as usize, position, &mut nearest));
+                .for_each(|spring| self.compare(load, *spring as usize, position, &is_sensed, &mut nearest));
         } else {
-            (0..self.sensing.tips.len()).for_each(|spring| self.compare(load, spring, position, &mut nearest));
+            (0..self.sensing.tips.len()).for_each(|spring| self.compare(load, spring, position, &is_sensed, &mut nearest));
         }
         nearest.found
     }
 
-    fn compare(&self, load: &Placed, spring: usize, position: &Vec2, nearest: &mut Nearest) {
+    fn compare(&self, load: &Placed, spring: usize, position: &Vec2, is_sensed: &impl Fn(&Vec2) -> bool, nearest: &mut Nearest) {
         if !self.sensing.is_free[spring] {
             return;
         }
         let tip = load.to_world(&self.sensing.tips[spring]);
         let distance = (tip - position).norm();
         let is_first = || nearest.found.is_none_or(|(found, _)| spring < found);
-        if distance <= self.sensing.reach && (distance < nearest.distance || distance == nearest.distance && is_first()) {
+        let is_nearer = || distance < nearest.distance || distance == nearest.distance && is_first();
+        if distance <= self.sensing.reach && is_nearer() && is_sensed(&tip) {
             *nearest = Nearest { distance, found: Some((spring, tip)) };
         }
     }
@@ -215,11 +216,11 @@ mod tests {
             for ant in 0..4000 {
                 let [u, v] = streams.uniform_pair(Stream::Start, ant, 0);
                 let position = load.position + 0.08 * Vec2::new(2.0 * u - 1.0, 2.0 * v - 1.0);
-                let expected = slow.nearest(&position);
+                let expected = slow.nearest(&position, |_| true);
                 n_far += u32::from(quick.is_far(&position));
                 n_found += u32::from(expected.is_some());
                 assert_eq!(
-                    if quick.is_far(&position) { None } else { quick.nearest(&position) },
+                    if quick.is_far(&position) { None } else { quick.nearest(&position, |_| true) },
                     expected,
                     "{n_springs} springs, ant {ant}"
                 );
@@ -238,8 +239,8 @@ mod tests {
             let around = sensing.around(load, skips);
             // A hair is 1e-14 m here: places near 0.2 m round to 3e-17 m, and the slack is 1e-13 m.
             let (inside, outside) = (tip + (0.015 - 1e-14) * out, tip + (0.015 + 1e-14) * out);
-            assert!(!around.is_far(&inside) && around.nearest(&inside).is_some());
-            assert_eq!(around.nearest(&outside), None);
+            assert!(!around.is_far(&inside) && around.nearest(&inside, |_| true).is_some());
+            assert_eq!(around.nearest(&outside, |_| true), None);
         }
         assert!(sensing.around(load, true).is_far(&(tip + 0.016 * out)));
     }
