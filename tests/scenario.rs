@@ -37,7 +37,7 @@ fn every_file() -> Vec<PathBuf> {
     files.sort();
     // A wrong folder would pass every test below; the number is that of the files that were
     // written.
-    assert!(files.len() >= 46, "{files:?}");
+    assert!(files.len() >= 55, "{files:?}");
     files
 }
 

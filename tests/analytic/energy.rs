@@ -84,6 +84,10 @@ fn each_step_of_the_scenarios_keeps_within_the_two_bounds() {
         for entry in Path::new("scenarios").join(folder).read_dir().unwrap() {
             let path = entry.unwrap().path();
             let scenario = Scenario::read(&path).unwrap();
+            // The bounds are those of a load that touches nothing.
+            if !scenario.system.world.is_empty() {
+                continue;
+            }
             let (run, found) = audited(&scenario.system, scenario.start);
             let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
             let mut simulation = Simulation::from_parts(&scenario, &options, Keep::Outcome, controller_of(&scenario), Box::new(run));
