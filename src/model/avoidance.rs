@@ -3,16 +3,16 @@
 //! `Deviation:` the paper's ants know no obstacles (Eq. 17-23). Here a walker is a disc about its
 //! position, and two rules are added.
 //!
-//! 1. Sidestep: where a displacement would end in a barrier, it is replaced by the nearest one that
-//!    does not. This is Moreau's sweeping process: the velocity is projected onto those that keep
+//! 1. Sidestep: where a displacement would end in a barrier, it is replaced by the nearest one
+//!    outside. This is Moreau's sweeping process: the velocity is projected onto those that keep
 //!    the walker clear. A barrier that moves pushes the walker along.
 //! 2. Turn: while the straight way to the target is blocked, the walker faces the tangent of what
-//!    blocks it, inflated by the walker's radius. It takes the side of the smaller turn and keeps it
-//!    until the way to the target is free, as in the tangent bug algorithm (Kamon, Rimon, Rivlin,
+//!    blocks it, inflated by the walker's radius. It takes the side of the smaller turn and keeps
+//!    it until the way to the target is free, as in the tangent bug algorithm (Kamon, Rimon, Rivlin,
 //!    "TangentBug: a range-sensor-based navigation algorithm", Int. J. Robotics Research 17, 1998).
 //!
-//! The tangent is the first free direction on that side, up to the point where it touches. Inside of
-//! a concave pocket it leads out along the pocket's wall. A walker that is closed in faces its
+//! The tangent is the first free direction on that side, up to the point where it touches. Inside
+//! of a concave pocket it leads out along the pocket's wall. A walker that is closed in faces its
 //! target and goes on against the barrier.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -174,8 +174,8 @@ impl Walker {
         None
     }
 
-    /// Turn to one side of `direction` after which the way passes a piece (rad), and distance of the
-    /// end that it touches (m).
+    /// Turn to one side of `direction` after which the way passes a piece (rad), and distance of
+    /// the end that it touches (m).
     fn turn_past(&self, piece: &Piece, from: &Vec2, direction: &Vec2, sign: f64) -> (f64, f64) {
         let reach = self.radius + piece.rounding;
         let past = |end: &Vec2| {

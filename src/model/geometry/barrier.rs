@@ -1,4 +1,4 @@
-//! Outlines as barriers to discs that walk: distances, first contacts, and tangents, in closed form.
+//! Outlines as barriers to discs that walk: distances and first contacts, in closed form.
 //!
 //! Only edges and discs are needed for that, so that an outline is taken apart once. A walker is a
 //! disc: its first contact with a straight edge is that of a ray with the edge inflated by the

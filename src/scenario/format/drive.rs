@@ -166,12 +166,12 @@ pub struct AntsEntry {
     pub avoidance: Option<Avoidance>,
     /// Radius of the disc that an ant keeps clear about its position, that is, about its mandibles
     /// (m). It has no effect where `avoidance` is "none". The default is inferred: half the width
-    /// of an ant with its legs drawn in.
+    /// of an ant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().body_radius))]
     pub body_radius_m: Option<f64>,
-    /// Distance to what blocks its way at which a searching ant begins to turn aside (m). It has no
-    /// effect where `avoidance` is "none". The default is inferred: three lengths of an ant.
+    /// Distance to an obstacle at which a searching ant begins to turn aside (m). It has no effect
+    /// where `avoidance` is "none". The default is inferred: three lengths of an ant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().look_ahead))]
     pub look_ahead_m: Option<f64>,

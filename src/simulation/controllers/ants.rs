@@ -53,7 +53,7 @@ pub struct Ants {
 struct State {
     ants: Vec<Ant>,
     pulls: Summary,
-    /// Side on which each ant passes what blocks its way; empty where ants avoid nothing.
+    /// Side on which each ant passes what blocks it; empty where ants avoid nothing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     sides: Vec<Option<Side>>,
 }

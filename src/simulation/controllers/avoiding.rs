@@ -63,7 +63,8 @@ impl Avoiding {
         free.unwrap_or_else(|| self.walker.pushed_out(self.all(), &draw(0)).unwrap_or_else(|| draw(0)))
     }
 
-    /// Whether an ant at `from` senses a tip: the straight way to it is free, and it can stand there.
+    /// Whether an ant at `from` senses a tip: the straight way to it is free, and it can stand
+    /// there.
     pub fn senses(&self, from: &Vec2, tip: &Vec2) -> bool {
         self.walker.is_way_free(self.obstacles.iter(), from, tip) && self.walker.is_clear(self.obstacles.iter(), tip)
     }
