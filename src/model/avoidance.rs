@@ -8,8 +8,9 @@
 //!    the walker clear. A barrier that moves pushes the walker along.
 //! 2. Turn: while the straight way to the target is blocked, the walker faces the tangent of what
 //!    blocks it, inflated by the walker's radius. It takes the side of the smaller turn and keeps
-//!    it until the way to the target is free, as in the tangent bug algorithm (Kamon, Rimon, Rivlin,
-//!    "TangentBug: a range-sensor-based navigation algorithm", Int. J. Robotics Research 17, 1998).
+//!    it until the way to the target is free, as in the tangent bug algorithm (Kamon, Rimon,
+//!    Rivlin, "TangentBug: a range-sensor-based navigation algorithm", Int. J. Robotics Research
+//!    17, 1998).
 //!
 //! The tangent is the first free direction on that side, up to the point where it touches. Inside
 //! of a concave pocket it leads out along the pocket's wall. A walker that is closed in faces its
