@@ -3,7 +3,8 @@
 //!
 //! A fact explains only what it can bring about; the limits stand beside it. What no fact explains
 //! is asked for evidence: the same run at an eighth of the step. If its error falls to half or
-//! less, the step is the cause. What is left has no cause.
+//! less, the step is the cause. If a run in f32 finishes in f64, single precision is the cause. What
+//! is left has no cause.
 
 use std::fmt::Write;
 
@@ -49,6 +50,8 @@ pub struct Facts<'a> {
     pub error: Option<f64>,
     /// The error at an eighth of the step, worked out when it is asked for.
     pub finer_error: &'a dyn Fn() -> Option<f64>,
+    /// Whether the same engine finishes in double precision, worked out when it is asked for.
+    pub finishes_in_double: &'a dyn Fn() -> bool,
 }
 
 impl Facts<'_> {
@@ -71,7 +74,8 @@ impl Facts<'_> {
             .or_else(|| self.close(outcome))
             .or_else(|| self.not_convex(outcome))
             .or_else(|| self.engine_defaults())
-            .or_else(|| self.step())?;
+            .or_else(|| self.step())
+            .or_else(|| self.single_precision())?;
         let residual = self.run.seen.report.residual;
         let has_residual = outcome == Outcome::NotConverged || self.method.has_engine_defaults();
         Some(if has_residual { format!("{cause}; residual {residual:.1e}") } else { cause })
@@ -204,6 +208,12 @@ impl Facts<'_> {
     fn engine_defaults(&self) -> Option<String> {
         let is_rough = self.method.has_engine_defaults() && self.run.seen.report.residual > 0.0;
         is_rough.then(|| "engine defaults: a sweep in each of four substeps, friction as a box".to_owned())
+    }
+
+    /// Evidence: in double precision the same engine finishes.
+    fn single_precision(&self) -> Option<String> {
+        let is_single = self.method.options(1.0).is_single_precision();
+        (is_single && (self.finishes_in_double)()).then(|| "single precision: in double precision the same run finishes".to_owned())
     }
 
     /// Evidence: the error falls with the step.

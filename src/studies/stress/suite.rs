@@ -95,7 +95,19 @@ fn ended(cell: &Cell, scenario: &Scenario, method: Method, reference: Option<&Ru
     let error = error_of(&run);
     let (outcome, numbers) = judge(scenario, &cell.asked, method, &run, error);
     let finer_error = || error_of(&run::finer(scenario, method, make)?);
-    let facts = Facts { scenario, asked: &cell.asked, method, run: &run, error, finer_error: &finer_error };
+    let finishes_in_double = || {
+        let judged = |run: Run| judge(scenario, &cell.asked, Method::RAPIER, &run, error_of(&run)).0;
+        run::run(scenario, Method::RAPIER, make).is_ok_and(|run| judged(run) == Outcome::Finished)
+    };
+    let facts = Facts {
+        scenario,
+        asked: &cell.asked,
+        method,
+        run: &run,
+        error,
+        finer_error: &finer_error,
+        finishes_in_double: &finishes_in_double,
+    };
     let (outcome, cause) = match outcome {
         Outcome::Finished => (outcome, String::new()),
         Outcome::NotFinite => (outcome, run.seen.not_finite.clone().unwrap_or_default()),
