@@ -1,6 +1,7 @@
 //! Known answers of loads that touch obstacles.
 
 mod inertial;
+mod invariance;
 mod quasi_static;
 mod random;
 mod random_scene;

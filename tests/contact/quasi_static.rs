@@ -27,7 +27,11 @@ fn after(system: &System, from: Vec2, n: u32, path: impl Fn(f64) -> Vec2) -> Box
 
 /// The pose after a run under a tolerance of 1e-9 m, all of whose steps converge.
 fn within_tolerance(system: &System, from: Vec2, n: u32, path: impl Fn(f64) -> Vec2) -> Pose {
-    let (load, report) = drive(system, at_rest(from.x, from.y), &exact(QuasiStatic, system, 1e-9), n, path);
+    within(1e-9, system, from, n, path)
+}
+
+fn within(tolerance: f64, system: &System, from: Vec2, n: u32, path: impl Fn(f64) -> Vec2) -> Pose {
+    let (load, report) = drive(system, at_rest(from.x, from.y), &exact(QuasiStatic, system, tolerance), n, path);
     assert_eq!((report.status, report.n_not_converged), (Status::Converged, 0), "{report:?}");
     load.motion().pose
 }
@@ -60,7 +64,7 @@ fn a_box_rubs_along_a_wall() {
         let pose = load.motion().pose;
         assert!((pose.position - Vec2::new(0.06 - BEHIND - 0.3 * 0.02, 0.0)).norm() < ROUNDING);
         assert!(pose.heading.abs() < 1e-14);
-        assert!((load.energy().friction - 4.59397334e-4).abs() < 1e-12);
+        assert!((load.energy().friction - LIMIT * pose.position.x).abs() < 1e-15);
         errors.push(load.energy().side_friction - 6.716687422e-5);
     }
     assert_order(2.0, &errors);
@@ -146,7 +150,8 @@ fn a_disc_stops_between_two_posts() {
 /// K12: a disc slides and turns along a wall.
 #[test]
 fn a_disc_slides_and_turns_along_a_wall() {
-    let found = within_tolerance(&disc(vec![floor(0.2)]), Vec2::zeros(), 60, |s| Vec2::new(0.08 * s, -0.02));
+    // Smaller tolerances end in rounding: a load that turns while it slides is sensitive to it.
+    let found = within(1e-7, &disc(vec![floor(0.2)]), Vec2::zeros(), 60, |s| Vec2::new(0.08 * s, -0.02));
     // The known answer has errors of 1e-9 m and 3e-8 rad.
     assert!((found.position - Vec2::new(0.0438441255, 0.0)).norm() < 1.1e-9, "{found:?}");
     assert!((found.heading + 2.0031856).abs() < 8e-8, "{found:?}");
@@ -157,9 +162,12 @@ fn a_disc_slides_and_turns_along_a_wall() {
 fn a_disc_snaps_round_a_post() {
     let system = disc(vec![post(Vec2::new(0.04, 0.01), 0.003)]);
     let held = Vec2::new(0.028552729583, 0.0);
-    let at = |x: f64| after(&system, Vec2::zeros(), 400, |s| Vec2::new(x * s, 0.0)).motion().pose.position;
-    assert!((at(0.0616) - held).norm() > 1e-5);
-    assert!((at(0.0618) - held).norm() < 1e-12 && (at(0.0786) - held).norm() < 1e-12);
-    let after = at(0.080);
-    assert!(after.x > 0.045 && (after - Vec2::new(0.04, 0.01)).norm() >= RADIUS + 0.003 - ROUNDING, "{after}");
+    let at = |x: f64, n| after(&system, Vec2::zeros(), n, |s| Vec2::new(x * s, 0.0)).motion().pose.position;
+    assert!((at(0.0616, 400) - held).norm() > 1e-5);
+    for x in [0.0618, 0.0786] {
+        let errors = [400, 1600].map(|n| (at(x, n) - held).norm());
+        assert!(errors[0] < 1e-3 * RADIUS && 3.0 * errors[1] < errors[0], "at least first order: {errors:?}");
+    }
+    let beyond = at(0.080, 400);
+    assert!(beyond.x > 0.045 && (beyond - Vec2::new(0.04, 0.01)).norm() >= RADIUS + 0.003 - ROUNDING, "{beyond}");
 }

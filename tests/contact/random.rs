@@ -92,7 +92,8 @@ impl Run {
             let report = self.load.advance(&targets, self.scene.duration);
             findings.note(&report);
             let solved = report.status == Status::Converged;
-            faults.extend(self.faults(tick, &report, solved).into_iter().map(|fault| format!("tick {tick}: {fault} ({:?})", report.status)));
+            faults
+                .extend(self.faults(tick, &report, solved).into_iter().map(|fault| format!("tick {tick}: {fault} ({:?})", report.status)));
             if let Some(restored) = &mut self.restored {
                 restored.advance(&targets, self.scene.duration);
                 if bits(restored.as_ref()) != bits(self.load.as_ref()) {

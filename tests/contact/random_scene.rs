@@ -133,7 +133,14 @@ fn spring(draws: &mut Draws) -> PolarSpring {
     let root = draws.point(0.5);
     let stiffness = 0.37 * 10f64.powf(draws.between(-0.5, 1.0));
     if draws.is(0.5) {
-        return PolarSpring { root, bearing: 0.0, rest_length: 0.0, radial_stiffness: stiffness, torsional_stiffness: 0.0, damping_ratio: 0.0 };
+        return PolarSpring {
+            root,
+            bearing: 0.0,
+            rest_length: 0.0,
+            radial_stiffness: stiffness,
+            torsional_stiffness: 0.0,
+            damping_ratio: 0.0,
+        };
     }
     let (bearing, rest_length) = (TAU * draws.unit(), draws.between(1.0, 2.5));
     let torsional_stiffness = stiffness * draws.between(0.5, 5.0);
@@ -179,11 +186,15 @@ impl Scene {
         let force = 10f64.powf(if draws.is(0.5) { -2.0 } else { draws.between(-6.0, 4.0) });
         let n_supports = 3 + draws.below(4);
         let supports = (0..n_supports)
-            .map(|k| SupportPoint { offset: scale * 0.4 * direction(TAU * k as f64 / n_supports as f64), normal_load: force / n_supports as f64 })
+            .map(|k| SupportPoint {
+                offset: scale * 0.4 * direction(TAU * k as f64 / n_supports as f64),
+                normal_load: force / n_supports as f64,
+            })
             .collect();
         let springs: Vec<PolarSpring> = (0..1 + draws.below(4)).map(|_| spring(draws)).collect();
         let attached = springs.iter().map(|_| draws.is(0.85)).collect();
-        let waypoints = springs.iter().map(|_| (0..4).map(|k| if k == 0 { draws.point(0.2) } else { draws.point(8.0) }).collect()).collect();
+        let waypoints =
+            springs.iter().map(|_| (0..4).map(|k| if k == 0 { draws.point(0.2) } else { draws.point(8.0) }).collect()).collect();
         // A slip limit of one in units of the force: a load that slides half its size in 0.1 s.
         let mass = force / (scale * 40.0);
         let unit = force / scale;

@@ -330,7 +330,8 @@ impl Obstacles {
         let gradient = step.gradient(&Vec3::zeros());
         let mut stiffness = (gradient.xy().norm() + gradient.z.abs() / length) / (SOFTEST * length);
         for _ in 0..MOST_RESISTANCES {
-            step.potential.inertia = Some(Coasting { shift: Vec2::zeros(), turn: 0.0, stiffness: (stiffness, stiffness * length * length) });
+            step.potential.inertia =
+                Some(Coasting { shift: Vec2::zeros(), turn: 0.0, stiffness: (stiffness, stiffness * length * length) });
             solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
             let answer = self.find_near(system, step, solver, touching, &Task { guess: None, ..*task });
             step.potential.inertia = None;
@@ -350,14 +351,7 @@ impl Obstacles {
     }
 
     /// The step with the features within reach, which is widened until it suffices.
-    fn find_near(
-        &mut self,
-        system: &System,
-        step: &mut Step,
-        solver: &mut FrictionSolver,
-        touching: &[Touching],
-        task: &Task,
-    ) -> Answer {
+    fn find_near(&mut self, system: &System, step: &mut Step, solver: &mut FrictionSolver, touching: &[Touching], task: &Task) -> Answer {
         let (start, radius) = (step.potential.start, system.load.radius);
         let shift = self.surroundings.longest_path(system, task.from, task.to);
         let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
@@ -390,7 +384,8 @@ impl Obstacles {
                 of_found.n_not_converged = 1;
             }
             let at_cut = cut.map(|share| (start.moved_by(&(share * found.increment.twist)), task.from + share * (task.to - task.from)));
-            let overlaps_at_cut = at_cut.is_some_and(|(place, time)| candidates.iter().any(|it| self.overlaps(system, &it.pair, &place, time)));
+            let overlaps_at_cut =
+                at_cut.is_some_and(|(place, time)| candidates.iter().any(|it| self.overlaps(system, &it.pair, &place, time)));
             return Answer { found, candidates, cut, overlaps_at_cut };
         }
     }
@@ -409,10 +404,10 @@ impl Obstacles {
         }
         let touches = |key: &PairKey, force: &SideForce| force.normal > 0.0 || touching.iter().any(|touching| touching.key == *key);
         let sides = candidates.iter().zip(&found.sides);
-        let known: SmallVec<[(PairKey, bool); 4]> =
-            sides.map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
+        let known: SmallVec<[(PairKey, bool); 4]> = sides.map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
         let twist = &found.increment.twist;
-        self.first_hit(system, start, twist, task, &known).or_else(|| self.overlaps_at_end(system, start, twist, task, &known).then_some(0.0))
+        self.first_hit(system, start, twist, task, &known)
+            .or_else(|| self.overlaps_at_end(system, start, twist, task, &known).then_some(0.0))
     }
 
     /// Whether features that were apart at the start overlap at the end of an increment, but the

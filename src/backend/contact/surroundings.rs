@@ -83,7 +83,7 @@ struct Near {
 /// Penetration over the load's radius that a load may have at the start of a step (1): rounding of
 /// many steps. Deeper features lie on the other side of the load.
 const DEEPEST_START: f64 = 1e-6;
-/// Margin of the list of near obstacles over the load's radius (1).
+/// Least margin of the list of near obstacles over the load's radius (1).
 const MARGIN: f64 = 0.5;
 
 impl Surroundings {
@@ -118,7 +118,7 @@ impl Surroundings {
     }
 
     /// Lower bound of the distance between load and obstacles (m) at `time` (s), exact where it is
-    /// less than a share of the load's radius.
+    /// less than the margin of the list of near obstacles.
     pub fn clearance(&mut self, system: &System, load: &Place, time: f64) -> f64 {
         self.update_near(system, load, time);
         let mut least = self.near.margin;
@@ -131,17 +131,19 @@ impl Surroundings {
 
     /// Renews the list of near obstacles where the load or an obstacle has moved too far for it.
     fn update_near(&mut self, system: &System, load: &Place, time: f64) {
-        let margin = MARGIN * self.radius;
         let obstacles = &system.world.obstacles;
-        let moved =
-            |(pose, since): &(Pose, f64)| load.pose.edge_displacement(pose, self.radius) + self.longest_path(system, *since, time);
-        if self.near.about.as_ref().is_some_and(|about| moved(about) <= margin) {
+        let moved = |(pose, since): &(Pose, f64)| load.pose.edge_displacement(pose, self.radius) + self.longest_path(system, *since, time);
+        if self.near.about.as_ref().is_some_and(|about| moved(about) <= self.near.margin) {
             return;
         }
-        let is_near = |index: &usize| {
-            let at = obstacles[*index].path.pose_at(time).position;
-            (at - load.pose.position).norm() - self.radius - self.bodies[*index].radius <= 2.0 * margin
+        let distance = |index: usize| {
+            let at = obstacles[index].path.pose_at(time).position;
+            (at - load.pose.position).norm() - self.radius - self.bodies[index].radius
         };
+        // A list far from all obstacles holds for long.
+        let least = (0..obstacles.len()).map(distance).fold(f64::INFINITY, f64::min);
+        let margin = (0.5 * least).max(MARGIN * self.radius);
+        let is_near = |index: &usize| distance(*index) <= 2.0 * margin;
         self.near = Near { obstacles: (0..obstacles.len()).filter(is_near).collect(), about: Some((load.pose, time)), margin };
     }
 

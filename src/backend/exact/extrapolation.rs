@@ -145,7 +145,8 @@ fn attempt<M: Method>(
     load.reset(start);
     let before = load.flow();
     let mut last_row: Vec<Vec<f64>> = Vec::new();
-    let (mut last_error, mut changed_before) = (f64::INFINITY, None);
+    let (mut last_error, mut n_rises, mut changed_before) = (f64::INFINITY, 0, None);
+    let touches = !start.state.side.touching.is_empty();
     for n in 1..=MOST_ROWS {
         let Row { flow, cost, changed_in } = row(load, paths, start, [from, to], n);
         report.add(&StepReport {
@@ -167,8 +168,10 @@ fn attempt<M: Method>(
         }
         let error = control.error((&load.system, &load.state.motion), changed_in, &before, [&row, &last_row], length * paths.duration);
         let is_solved = cost.status == Status::Converged || length <= SHORTENED_TO_SOLVE;
-        // Further rows do not help where there is no series.
-        let has_all_rows = !is_solved || changed_in.is_some() || n >= 4 && error >= last_error || n == MOST_ROWS;
+        // Further rows do not help where there is no series. That of a load at an obstacle may be
+        // one of even powers, whose errors rise once.
+        n_rises = if error >= last_error { n_rises + 1 } else { 0 };
+        let has_all_rows = !is_solved || changed_in.is_some() || n >= 4 && n_rises > usize::from(touches) || n == MOST_ROWS;
         if is_solved && error <= 1.0 || is_shortest && has_all_rows {
             match (control.keeps, changed_in) {
                 (Column::Last, None) => load.set_flow(&row[n - 1]),
@@ -178,7 +181,7 @@ fn attempt<M: Method>(
             }
             report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
             let power = if changed_in.is_none() { n } else { 1 };
-            let least = if n < FAVOURED_ROWS { 2.0 } else { 0.0 };
+            let least = if n < FAVOURED_ROWS && !touches { 2.0 } else { 0.0 };
             return Attempt::Taken { growth: growth(error, power).max(least), error };
         }
         if let Some(changed) = changed_in {

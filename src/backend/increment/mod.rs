@@ -31,6 +31,6 @@ mod potential;
 pub(super) use corrector::{Corrected, Wanted, correct};
 pub use descent::positive_definite;
 pub use minimise::{minimise, minimise_step};
-pub use objective::{LARGEST_RESIDUAL, Objective};
 pub(super) use objective::rounding_of_places;
+pub use objective::{LARGEST_RESIDUAL, Objective};
 pub use potential::{Coasting, Increment, Potential, Stage, Step, by_increment, friction_loss, in_body_increments};
