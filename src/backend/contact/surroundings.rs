@@ -68,7 +68,8 @@ pub struct Surroundings {
 #[derive(Debug)]
 struct Body {
     features: Features,
-    /// Radius of the obstacle about its origin (m).
+    /// Centre of the obstacle in its frame, and its radius about it (m).
+    centre: Vec2,
     radius: f64,
 }
 
@@ -88,7 +89,11 @@ const MARGIN: f64 = 0.5;
 
 impl Surroundings {
     pub fn new(system: &System) -> Self {
-        let body = |obstacle: &Obstacle| Body { features: Features::of(&obstacle.outline), radius: obstacle.outline.extent() };
+        let body = |obstacle: &Obstacle| {
+            let features = Features::of(&obstacle.outline);
+            let (centre, radius) = features.bounding_circle();
+            Body { features, centre, radius }
+        };
         let bodies: Vec<Body> = system.world.obstacles.iter().map(body).collect();
         let load = Features::of(&system.world.outline);
         let sizes = bodies.iter().map(|body| &body.features).chain([&load]).flat_map(Features::sizes);
@@ -137,7 +142,7 @@ impl Surroundings {
             return;
         }
         let distance = |index: usize| {
-            let at = obstacles[index].path.pose_at(time).position;
+            let at = obstacles[index].path.pose_at(time).to_world(&self.bodies[index].centre);
             (at - load.pose.position).norm() - self.radius - self.bodies[index].radius
         };
         // A list far from all obstacles holds for long.
@@ -300,6 +305,19 @@ impl Edge {
 }
 
 impl Features {
+    /// Centre (m) and radius (m) of a circle about all features.
+    fn bounding_circle(&self) -> (Vec2, f64) {
+        let ends = self.edges.iter().flat_map(|edge| [edge.from, edge.from + edge.length * edge.along]).map(|end| (end, 0.0));
+        let extents: Vec<(Vec2, f64)> = self.corners.iter().map(|corner| (corner.at, corner.rounding)).chain(ends).collect();
+        let Some((first, _)) = extents.first() else { return (Vec2::zeros(), 0.0) };
+        let (low, high) = extents.iter().fold((*first, *first), |(low, high), (at, rounding)| {
+            let reach = Vec2::repeat(*rounding);
+            (low.inf(&(at - reach)), high.sup(&(at + reach)))
+        });
+        let centre = 0.5 * (low + high);
+        (centre, extents.iter().map(|(at, rounding)| (at - centre).norm() + rounding).fold(0.0, f64::max))
+    }
+
     /// Lengths of edges and diameters of discs (m).
     fn sizes(&self) -> impl Iterator<Item = f64> + '_ {
         let discs = self.corners.iter().filter(|corner| corner.rounding > 0.0).map(|corner| 2.0 * corner.rounding);
