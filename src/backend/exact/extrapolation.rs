@@ -50,6 +50,9 @@ const SHORTENED_TO_SOLVE: f64 = 1.0 / 1024.0;
 /// resists.
 const MANY_ATTEMPTS: f64 = 256.0;
 const MANY_A_MACRO_STEP: f64 = 64.0;
+/// Number of cone problems that count for an attempt. One among obstacles may need many more than
+/// one in the open.
+const SOLVES_AN_ATTEMPT: f64 = 512.0;
 /// Growth of the shortest macro-step after each time as many (1).
 const GROWTH_AFTER_MANY: f64 = 32.0;
 /// Growth of the shortest macro-step, for the rest of an advance, after each one that had to be
@@ -72,9 +75,10 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
     let (mut at, mut macro_step, mut shortest) = (0.0, load.pace.macro_step / duration, load.pace.shortest.min(longest));
     // Share by which the contact mode changes, once that is known.
     let mut change_by = None;
-    let (mut n_attempts, many) = (0.0, MANY_ATTEMPTS + MANY_A_MACRO_STEP * longest.recip());
+    let (mut n_attempts, mut n_counted, many) = (0.0, 0.0, MANY_ATTEMPTS + MANY_A_MACRO_STEP * longest.recip());
     while at < 1.0 {
-        n_attempts += 1.0;
+        n_attempts += (report.n_solves as f64 / SOLVES_AN_ATTEMPT - n_counted).max(1.0);
+        n_counted = report.n_solves as f64 / SOLVES_AN_ATTEMPT;
         if n_attempts > many {
             (n_attempts, shortest) = (0.0, (shortest * GROWTH_AFTER_MANY).min(1.0));
         }
