@@ -6,9 +6,11 @@
 //! surroundings  which features may touch, and how far the obstacles are
 //! solve         one linear step with contacts, exactly
 //! step          one nonlinear step with contacts
+//! answer        one step with the features within reach, and shorter ones where it has no answer
 //! obstacles     when a step needs them, and the contacts between two steps
 //! ```
 
+mod answer;
 mod features;
 mod gap;
 mod impact;

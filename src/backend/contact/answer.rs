@@ -1,0 +1,222 @@
+//! The step of a load at obstacles: with the features within reach, and by shorter paths where the
+//! whole one has no answer.
+
+use smallvec::SmallVec;
+
+use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching};
+use super::solve::{SideForce, SideMode};
+use super::step::{CLOSED, Candidate, ContactStep, Found, Sides};
+use super::surroundings::{Pair, PairKey, Surroundings};
+use crate::backend::friction::FrictionSolver;
+use crate::backend::increment::{Coasting, Increment, Objective, Step};
+use crate::backend::springs::Place;
+use crate::backend::{Status, StepReport};
+use crate::math::{Vec2, Vec3};
+use crate::model::System;
+
+/// Most times that the motion of the obstacles in a step is halved (1).
+const MOST_HALVINGS: i32 = 6;
+/// Displacement over the load's radius to which the first resistance holds the load (1), the ratio
+/// of one resistance to the one before, and their number.
+const SOFTEST: f64 = 0.3;
+const STIFFER: f64 = 8.0;
+const MOST_RESISTANCES: usize = 6;
+/// Increment, over the load's radius, that is none (1).
+const SHORTEST: f64 = 1e-9;
+/// Most attempts with farther and farther features (1).
+const MOST_ATTEMPTS: usize = 12;
+/// Reach of the first look for features, over the load's radius (1).
+const REACH: f64 = 0.01;
+
+/// Answer of a step with the features within reach.
+pub struct Answer {
+    pub found: Found,
+    pub candidates: Vec<Candidate>,
+    /// Share of the increment at which it is cut, before a feature that it would pass.
+    cut: Option<f64>,
+    /// Whether the load would overlap an obstacle there: a straight path along one cuts its corner.
+    overlaps_at_cut: bool,
+}
+
+impl Answer {
+    /// Whether the step did not converge, or is not one to go.
+    fn is_poor(&self) -> bool {
+        self.found.increment.report.status != Status::Converged || self.overlaps_at_cut
+    }
+}
+
+impl Obstacles {
+    /// The step with the features within reach. Where a load without inertia has no answer there, or
+    /// one that leads through an obstacle, it takes a shorter path: to where the obstacles are half
+    /// way, or against a resistance that is proportional to its displacement.
+    pub(super) fn find_with_contacts(
+        &mut self,
+        system: &System,
+        step: &mut Step,
+        solver: &mut FrictionSolver,
+        touching: &mut Vec<Touching>,
+        task: &Task,
+    ) -> (Increment, SideWork) {
+        let start = step.potential.start;
+        let mut answer = self.find_near(system, step, solver, touching, task);
+        let mut cut = answer.cut;
+        if answer.is_poor() && task.scope == Scope::Near && !task.has_inertia {
+            let report = answer.found.increment.report;
+            if let Some((other, share)) = self.find_shorter(system, step, solver, touching, task) {
+                (answer, cut) = (other, Some(share));
+                answer.found.increment.report.n_solves += report.n_solves;
+                answer.found.increment.report.n_iterations += report.n_iterations;
+            }
+        }
+        if let Some(share) = answer.cut {
+            let twist = share * answer.found.increment.twist;
+            let Increment { mode, mut report, .. } = answer.found.increment;
+            if answer.overlaps_at_cut {
+                (report.status, report.n_not_converged) = (report.status.max(Status::NotConverged), 1);
+            }
+            touching.clear();
+            return (step.found(&twist, mode, report), SideWork { cut, ..SideWork::default() });
+        }
+        let end = if let Some(share) = cut { task.from + share * (task.to - task.from) } else { task.to };
+        let of_found = &mut answer.found.increment.report;
+        of_found.is_indeterminate = !answer.found.are_forces_unique;
+        if answer.found.sides.iter().any(|(_, force)| force.normal > 0.0) {
+            of_found.contact_residual = of_found.residual;
+        }
+        let work = self.accept(system, &start, &Task { to: end, ..*task }, &answer, touching);
+        (answer.found.increment, SideWork { cut, ..work })
+    }
+
+    /// Answer of a shorter path, and the share of the time of the step at its end.
+    fn find_shorter(
+        &mut self,
+        system: &System,
+        step: &mut Step,
+        solver: &mut FrictionSolver,
+        touching: &[Touching],
+        task: &Task,
+    ) -> Option<(Answer, f64)> {
+        let warm_start = solver.warm_start().clone();
+        let n_moving = if self.surroundings.longest_path(system, task.from, task.to) > 0.0 { MOST_HALVINGS } else { 0 };
+        for halving in 1..=n_moving {
+            let share = 0.5f64.powi(halving);
+            let to = task.from + share * (task.to - task.from);
+            solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
+            let answer = self.find_near(system, step, solver, touching, &Task { to, guess: None, ..*task });
+            if !answer.is_poor() && answer.cut.is_none() {
+                return Some((answer, share));
+            }
+        }
+        let length = system.load.radius;
+        let gradient = step.gradient(&Vec3::zeros());
+        let mut stiffness = (gradient.xy().norm() + gradient.z.abs() / length) / (SOFTEST * length);
+        for _ in 0..MOST_RESISTANCES {
+            step.potential.inertia =
+                Some(Coasting { shift: Vec2::zeros(), turn: 0.0, stiffness: (stiffness, stiffness * length * length) });
+            solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
+            let answer = self.find_near(system, step, solver, touching, &Task { guess: None, ..*task });
+            step.potential.inertia = None;
+            if !answer.is_poor() && answer.cut.is_none() {
+                let moves = step.size(&answer.found.increment.twist) > SHORTEST;
+                return moves.then_some((answer, 1.0));
+            }
+            stiffness *= STIFFER;
+        }
+        None
+    }
+
+    /// Whether a pair overlaps by more than rounding.
+    fn overlaps(&self, system: &System, pair: &Pair, at: &Place, time: f64) -> bool {
+        let seen = Surroundings::relative(at, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
+        pair.features.gap(&seen) < -10.0 * CLOSED * system.load.radius && self.surroundings.beyond(pair, &seen) <= 0.0
+    }
+
+    /// The step with the features within reach, which is widened until it suffices.
+    fn find_near(&mut self, system: &System, step: &mut Step, solver: &mut FrictionSolver, touching: &[Touching], task: &Task) -> Answer {
+        let (start, radius) = (step.potential.start, system.load.radius);
+        let shift = self.surroundings.longest_path(system, task.from, task.to);
+        let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
+        let mut reach = 2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size));
+        let warm_start = solver.warm_start().clone();
+        let mut report = StepReport::default();
+        let mut attempt = 0;
+        loop {
+            let candidates = self.candidates(system, &start, task, reach, touching);
+            let suggested = suggested(&candidates, touching);
+            let mut contact = ContactStep { step, surroundings: &self.surroundings, candidates: &candidates };
+            let mut found = contact.find(solver, &suggested, task.guess);
+            report.n_solves += found.increment.report.n_solves;
+            report.n_iterations += found.increment.report.n_iterations;
+            let hit = self.hit_of(system, &start, task, (&candidates, &found), touching);
+            attempt += 1;
+            // A load with inertia takes the whole step.
+            let moved = size(&found.increment.twist) + shift;
+            let is_hit = hit == Some(0.0) || task.has_inertia && hit.is_some();
+            if is_hit && attempt < MOST_ATTEMPTS && reach < 2.0 * moved {
+                reach = (4.0 * reach).min(2.0 * moved);
+                solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
+                continue;
+            }
+            let of_found = &mut found.increment.report;
+            (of_found.n_solves, of_found.n_iterations) = (report.n_solves, report.n_iterations);
+            let cut = hit.filter(|share| *share > 0.0 && !task.has_inertia);
+            if hit.is_some() && cut.is_none() {
+                of_found.status = of_found.status.max(Status::NotConverged);
+                of_found.n_not_converged = 1;
+            }
+            let at_cut = cut.map(|share| (start.moved_by(&(share * found.increment.twist)), task.from + share * (task.to - task.from)));
+            let overlaps_at_cut =
+                at_cut.is_some_and(|(place, time)| candidates.iter().any(|it| self.overlaps(system, &it.pair, &place, time)));
+            return Answer { found, candidates, cut, overlaps_at_cut };
+        }
+    }
+
+    /// Share of the increment after which the load meets a feature that its candidates leave out.
+    fn hit_of(
+        &mut self,
+        system: &System,
+        start: &Place,
+        task: &Task,
+        (candidates, found): (&[Candidate], &Found),
+        touching: &[Touching],
+    ) -> Option<f64> {
+        if task.scope == Scope::Touching {
+            return None;
+        }
+        let touches = |key: &PairKey, force: &SideForce| force.normal > 0.0 || touching.iter().any(|touching| touching.key == *key);
+        let sides = candidates.iter().zip(&found.sides);
+        let known: SmallVec<[(PairKey, bool); 4]> = sides.map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
+        let twist = &found.increment.twist;
+        self.first_hit(system, start, twist, task, &known)
+            .or_else(|| self.overlaps_at_end(system, start, twist, task, &known).then_some(0.0))
+    }
+
+    /// Whether features that were apart at the start overlap at the end of an increment, but the
+    /// known ones. Those that the load reaches through a known one are not on the path elsewhere.
+    fn overlaps_at_end(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task, known: &[(PairKey, bool)]) -> bool {
+        let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
+        let moved = of_load + self.surroundings.longest_path(system, task.from, task.to);
+        if moved == 0.0 || !known.iter().any(|(_, touches)| *touches) {
+            return false;
+        }
+        let closed = CLOSED * system.load.radius;
+        let mut pairs = Vec::new();
+        self.surroundings.pairs(system, start, task.from, 1.001 * moved + closed, &mut pairs);
+        let end = start.moved_by(twist);
+        pairs.iter().filter(|pair| !known.iter().any(|(key, _)| *key == pair.key)).any(|pair| {
+            let path = &system.world.obstacles[pair.key.obstacle].path;
+            let [before, after] = [(start, task.from), (&end, task.to)].map(|(at, time)| Surroundings::relative(at, &path.pose_at(time)));
+            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(pair, &after) <= 0.0;
+            overlaps && !self.surroundings.passes_end(pair, &before, &after)
+        })
+    }
+}
+
+/// Modes and forces of the candidates in the last step.
+fn suggested(candidates: &[Candidate], touching: &[Touching]) -> Sides {
+    let last = |candidate: &Candidate| touching.iter().find(|touching| touching.key == candidate.pair.key);
+    candidates
+        .iter()
+        .map(|candidate| last(candidate).map_or((SideMode::Open, SideForce::default()), |last| (last.mode, last.force)))
+        .collect()
+}
