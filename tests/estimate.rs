@@ -298,3 +298,23 @@ fn the_program_prints_the_estimate_and_warns_where_it_matters() {
         assert!(!out.contains("inertia_estimate") && silence.is_empty(), "{without:?}");
     }
 }
+
+/// The model has no obstacles: an estimate of a load that touches one is not valid, from the run and
+/// from its trace, and one of a load that stays away from a wall is that of the empty plane.
+#[test]
+fn an_estimate_is_not_valid_once_the_load_touches_an_obstacle() {
+    let near = scene("contact/wall-slide");
+    let mut far = near.clone();
+    far.system.world.obstacles[0].path.waypoints[0].1.position.y -= 1.0;
+    let mut empty = near.clone();
+    empty.system.world.obstacles.clear();
+    let found = estimate(&near);
+    assert!(found.touches_obstacle && !found.is_negligible);
+    let mut run =
+        Simulation::from_parts(&near, &options(&near), Keep::Trace, controller_of(&near), build(&near.system, near.start, &options(&near)));
+    run.run(|_| true);
+    let (trace, _) = run.into_results();
+    assert!(InertiaEstimate::of(&near, &trace).touches_obstacle);
+    assert_eq!(estimate(&far), estimate(&empty));
+    assert!(!estimate(&far).touches_obstacle);
+}

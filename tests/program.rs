@@ -240,9 +240,9 @@ fn run_out_writes_every_tick_and_the_exact_end() {
         assert!(read("overview.svg").trim_end().ends_with("</svg>"));
         assert_eq!(read("events.csv").lines().count(), 3, "a head, a grasp and a release");
         let transitions = read("transitions.csv");
-        assert!(transitions.starts_with("time_s,transition,support,shift_m,turn_rad,energy_j\n"), "{transitions}");
+        assert!(transitions.starts_with("time_s,transition,support,shift_m,turn_rad,energy_j,obstacle\n"), "{transitions}");
         // The load is drawn over its slip limit; whether an engine's is, it does not say.
-        assert_eq!(transitions.contains(",slip_onset,,,,\n"), backend != "rapier", "{transitions}");
+        assert_eq!(transitions.contains(",slip_onset,,,,,\n"), backend != "rapier", "{transitions}");
         let n_onset = value.pointer("/transitions/n_slip_onset").and_then(Value::as_u64);
         assert_eq!(n_onset, (backend != "rapier").then(|| transitions.matches(",slip_onset,").count() as u64));
         let manifest: Value = serde_json::from_str(&read("manifest.json")).unwrap();

@@ -43,6 +43,9 @@ pub fn known(scenario: &Scenario, kind: BackendKind) -> Option<Known> {
         return None;
     }
     let Drive::Tips(paths) = &scenario.drive else { return None };
+    if !scenario.system.world.obstacles.is_empty() {
+        return None;
+    }
     match paths.as_slice() {
         [] if kind.has_inertia() => slide(scenario).or_else(|| spin(scenario)),
         [path] => pull(scenario, path, kind),

@@ -40,7 +40,8 @@ pub struct Predicted {
     /// Distance over which friction dissipates the initial kinetic energy (m); `null` without
     /// friction.
     pub coasting_m: Option<f64>,
-    /// Inertia effect estimated from the quasi-static run alone (m); `null` if not estimated.
+    /// Inertia effect estimated from the quasi-static run alone (m); `null` if not estimated, or if
+    /// the load touches an obstacle.
     pub estimated_m: Option<f64>,
     /// Displacement after a release divided by that without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,
@@ -104,7 +105,8 @@ impl Numbers {
 impl Predicted {
     /// This prediction with the estimate from the trace of the quasi-static run.
     pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace) -> Self {
-        Self { estimated_m: Some(InertiaEstimate::of(scenario, quasi_static).edge_displacement_max_m), ..self }
+        let estimate = InertiaEstimate::of(scenario, quasi_static);
+        Self { estimated_m: (!estimate.touches_obstacle).then_some(estimate.edge_displacement_max_m), ..self }
     }
 }
 

@@ -8,7 +8,7 @@ use super::reduced_model::{ModelStep, ReducedModel, Workspace};
 use crate::analysis::trigger::{ByTrigger, Trigger, TriggerKind};
 use crate::backend::friction::WarmStart;
 use crate::backend::springs::{Attachments, pulls_with};
-use crate::backend::{Motion, RestoreError};
+use crate::backend::{Motion, RestoreError, Transition};
 use crate::math::{Pose, Vec2};
 use crate::model::System;
 use crate::scenario::Scenario;
@@ -41,6 +41,10 @@ pub struct InertiaEstimate {
     /// orders of magnitude.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_invalid: bool,
+    /// Whether the load touched an obstacle. The model has none, so that the lengths above say
+    /// nothing about the run from then on.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub touches_obstacle: bool,
 }
 
 /// Follows a run: its methods are called for what happens to the load, in order.
@@ -81,6 +85,8 @@ struct State {
     /// Whether the model was invalid at some time.
     #[serde(default)]
     is_invalid: bool,
+    #[serde(default)]
+    touches_obstacle: bool,
 }
 
 /// Longest interval of a load that slips (rad of its oscillation): forces and directions are
@@ -97,6 +103,7 @@ impl InertiaEstimate {
         for rows in trace.rows.windows(2) {
             estimator.advance_through([&rows[0], &rows[1]], &trace.events, &mut targets);
         }
+        estimator.note(&trace.transitions);
         estimator.estimate()
     }
 }
@@ -122,6 +129,7 @@ impl Estimator {
             warm_start: workspace.solver.warm_start().clone(),
             resting_forces: workspace.static_friction.forces().to_vec(),
             is_invalid: false,
+            touches_obstacle: false,
         };
         Self { system: system.clone(), workspace, shortest: f64::INFINITY, radian: f64::INFINITY, state }
     }
@@ -142,6 +150,11 @@ impl Estimator {
         self.state.attachments.release(&self.system.springs, spring, pose);
         self.state.event = Some((TriggerKind::Release, spring));
         self.change();
+    }
+
+    /// These transitions occurred in the last advance.
+    pub fn note(&mut self, transitions: &[Transition]) {
+        self.state.touches_obstacle |= transitions.iter().any(|transition| transition.kind.obstacle().is_some());
     }
 
     /// Updates what follows from the attachments.
@@ -243,7 +256,7 @@ impl Estimator {
     pub fn estimate(&self) -> InertiaEstimate {
         let mut so_far = self.clone();
         so_far.end_ticks();
-        let State { displacements, path_length, reach, is_invalid, .. } = &so_far.state;
+        let State { displacements, path_length, reach, is_invalid, touches_obstacle, .. } = &so_far.state;
         let edge_displacement_max_m = displacements.by_trigger.max();
         let path_length_m = path_length.max(*reach);
         InertiaEstimate {
@@ -253,8 +266,9 @@ impl Estimator {
             by_trigger: displacements.by_trigger,
             path_length_m,
             share: if path_length_m > 0.0 { edge_displacement_max_m / path_length_m } else { 0.0 },
-            is_negligible: !is_invalid && edge_displacement_max_m <= TOLERANCE_SHARE * path_length_m,
+            is_negligible: !is_invalid && !touches_obstacle && edge_displacement_max_m <= TOLERANCE_SHARE * path_length_m,
             is_invalid: *is_invalid,
+            touches_obstacle: *touches_obstacle,
         }
     }
 

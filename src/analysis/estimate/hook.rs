@@ -41,7 +41,9 @@ impl Hook for Follow {
         let before = inside.motion().pose;
         let report = inside.advance(tip_targets, duration);
         if !report.is_refused() {
-            self.0.borrow_mut().advance(&before, &inside.motion().pose, tip_targets, duration);
+            let mut estimator = self.0.borrow_mut();
+            estimator.advance(&before, &inside.motion().pose, tip_targets, duration);
+            estimator.note(inside.transitions());
         }
         report
     }

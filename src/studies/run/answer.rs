@@ -11,6 +11,7 @@ pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
     match estimate {
         _ if run.outcome.steps.status == Status::Failed => Answer::Open,
         None => Answer::None,
+        Some(estimate) if estimate.touches_obstacle => Answer::Open,
         Some(estimate) if estimate.is_negligible => Answer::Yes,
         Some(_) => Answer::No,
     }
@@ -43,6 +44,9 @@ fn end_sentence(run: &Run) -> String {
 fn inertia_sentence(estimate: &InertiaEstimate) -> String {
     let (not, compared) = if estimate.is_negligible { ("", "less") } else { (" not", "more") };
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
+    if estimate.touches_obstacle {
+        return "Whether inertia is negligible is not known: the load touches an obstacle, and the inertia estimate has none.".to_owned();
+    }
     if estimate.is_invalid {
         return "Inertia is not negligible: with it the load turns further than the inertia estimate can follow.".to_owned();
     }

@@ -125,6 +125,10 @@ pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
 
 /// Warning about neglected inertia; `None` if it is negligible.
 pub fn inertia_warning(estimate: &InertiaEstimate) -> Option<String> {
+    if estimate.touches_obstacle {
+        let what = "the inertia estimate is not valid here, because the load touches an obstacle";
+        return Some(format!("{what}; `cohaul compare` measures the inertia effect"));
+    }
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
     let what = format!("inertia is not negligible here: estimated inertia effect {effect}, tolerance {}", tolerance(estimate));
     (!estimate.is_negligible).then(|| format!("{what}; `cohaul compare` measures it"))
