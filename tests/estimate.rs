@@ -299,8 +299,8 @@ fn the_program_prints_the_estimate_and_warns_where_it_matters() {
     }
 }
 
-/// The model has no obstacles: an estimate of a load that touches one is not valid, from the run and
-/// from its trace, and one of a load that stays away from a wall is that of the empty plane.
+/// The model has no obstacles: an estimate of a load that touches one is not valid, from the run
+/// and from its trace, and one of a load that stays away from a wall is that of the empty plane.
 #[test]
 fn an_estimate_is_not_valid_once_the_load_touches_an_obstacle() {
     let near = scene("contact/wall-slide");

@@ -35,8 +35,8 @@ pub struct StepReport {
     pub n_not_converged: u64,
     /// Macro-steps that error control rejected as too long.
     pub n_rejected: u64,
-    /// Largest residual of a step in which an obstacle pushed the load, relative to the forces in it
-    /// (1).
+    /// Largest residual of a step in which an obstacle pushed the load, relative to the forces in
+    /// it (1).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub contact_residual: f64,
     /// Whether the contact forces of some step were statically indeterminate: other forces balance
@@ -62,6 +62,12 @@ impl StepReport {
     #[cold]
     pub(super) fn refused() -> Self {
         Self { status: Status::Failed, n_steps: 1, n_not_converged: 1, ..Self::default() }
+    }
+
+    /// What an attempt has cost, without its steps and what became of them.
+    pub(super) fn work(&self) -> Self {
+        let Self { n_solves, n_iterations, n_skipped, n_rejected, skipped, .. } = *self;
+        Self { n_solves, n_iterations, n_skipped, n_rejected, skipped, ..Self::default() }
     }
 
     /// Adds `n_steps` that were skipped.

@@ -22,8 +22,8 @@ impl Load {
     }
 }
 
-/// The mechanism that a backend moves: load, ground, springs and obstacles. Nothing in it changes during a
-/// run.
+/// The mechanism that a backend moves: load, ground, springs and obstacles. Nothing in it changes
+/// during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct System {
     /// The load.

@@ -155,8 +155,9 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
 }
 
 /// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: slip onsets, stops,
-/// pinnings and unpinnings of supports, jumps, and what happens at obstacles. Shift and turn belong to
-/// jumps. The energy is what a jump would have given to a load with inertia, or what an impact lost.
+/// pinnings and unpinnings of supports, jumps, and what happens at obstacles. Shift and turn belong
+/// to jumps. The energy is what a jump would have given to a load with inertia, or what an impact
+/// lost.
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.

@@ -1,5 +1,5 @@
-//! Known answers with inertia. Under a tolerance they hold to 1e-8 of the load's size; at fixed steps
-//! with the order of the method.
+//! Known answers with inertia. Under a tolerance they hold to 1e-8 of the load's size; at fixed
+//! steps with the order of the method.
 
 use cohaul::backend::BackendKind::Inertial;
 use cohaul::backend::{Backend, BackendOptions, Integrator, Status, build};

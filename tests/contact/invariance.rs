@@ -54,8 +54,8 @@ fn poses(system: &System, start: Pose, kind: BackendKind, integrator: Integrator
     (1..=STEPS).map_while(pose_after).collect()
 }
 
-/// Asserts that a changed scene leads to the poses of the scene itself, changed by `expected`, up to
-/// rounding over the size (m).
+/// Asserts that a changed scene leads to the poses of the scene itself, changed by `expected`, up
+/// to rounding over the size (m).
 fn assert_same(changed: &System, start: Pose, size: f64, tip_of: impl Fn(Vec2) -> Vec2 + Copy, expected: impl Fn(&Pose) -> Pose) {
     assert_same_on(&[QuasiStatic, Inertial], changed, (start, size), tip_of, expected);
 }

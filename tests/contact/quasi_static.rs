@@ -43,8 +43,8 @@ fn assert_order(ratio: f64, errors: &[f64]) {
     }
 }
 
-/// K1: a disc slides along a frictionless wall. The wall bears what the spring presses, and friction
-/// takes the rest.
+/// K1: a disc slides along a frictionless wall. The wall bears what the spring presses, and
+/// friction takes the rest.
 #[test]
 fn a_disc_slides_along_a_wall() {
     let load = after(&disc(vec![floor(0.0)]), Vec2::zeros(), 40, |s| Vec2::new(0.06 * s, -0.02 * s));
@@ -52,8 +52,8 @@ fn a_disc_slides_along_a_wall() {
     assert!((load.energy().friction - 5.91243736e-4).abs() < 1e-12, "as many digits as are known");
 }
 
-/// K2: a box slides on a wall with friction: the pose is exact at any step, and the work of the wall
-/// of first order.
+/// K2: a box slides on a wall with friction: the pose is exact at any step, and the work of the
+/// wall of first order.
 #[test]
 fn a_box_rubs_along_a_wall() {
     let path = |s: f64| Vec2::new(0.06 * s, -0.02 * s);
@@ -70,8 +70,8 @@ fn a_box_rubs_along_a_wall() {
     assert_order(2.0, &errors);
 }
 
-/// K2: where the wall's friction exceeds what the ground leaves, the box starts later, or never: the
-/// pull stays within the friction cone of the wall.
+/// K2: where the wall's friction exceeds what the ground leaves, the box starts later, or never:
+/// the pull stays within the friction cone of the wall.
 #[test]
 fn a_box_sticks_to_a_wall() {
     let system = boxed(vec![wall(Vec2::new(0.0, -BOX[1]), Vec2::new(1.0, 0.0), 1.2)], Vec2::zeros());

@@ -3,7 +3,7 @@
 
 use smallvec::SmallVec;
 
-use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching};
+use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
 use super::step::{CLOSED, Candidate, ContactStep, Found, Sides};
 use super::surroundings::{Pair, PairKey, Surroundings};
@@ -46,9 +46,9 @@ impl Answer {
 }
 
 impl Obstacles {
-    /// The step with the features within reach. Where a load without inertia has no answer there, or
-    /// one that leads through an obstacle, it takes a shorter path: to where the obstacles are half
-    /// way, or against a resistance that is proportional to its displacement.
+    /// The step with the features within reach. Where a load without inertia has no answer there,
+    /// or one that leads through an obstacle, it takes a shorter path: to where the obstacles are
+    /// half way, or against a resistance that is proportional to its displacement.
     pub(super) fn find_with_contacts(
         &mut self,
         system: &System,
@@ -85,6 +85,53 @@ impl Obstacles {
         }
         let work = self.accept(system, &start, &Task { to: end, ..*task }, &answer, touching);
         (answer.found.increment, SideWork { cut, ..work })
+    }
+
+    /// Keeps the closed contacts of a step and returns its work at the obstacles.
+    fn accept(
+        &mut self,
+        system: &System,
+        start: &Place,
+        task: &Task,
+        Answer { found, candidates, .. }: &Answer,
+        touching: &mut Vec<Touching>,
+    ) -> SideWork {
+        let closed = 10.0 * CLOSED * system.load.radius;
+        let mut work = SideWork::default();
+        let last = std::mem::take(touching);
+        for (candidate, (mode, force)) in candidates.iter().zip(&found.sides) {
+            let Candidate { pair: Pair { key, features, .. }, start: moved, slip, .. } = candidate;
+            let end = moved.moved_by(&found.increment.twist);
+            let (gap_at_end, slip_at_end) = (features.gap(&end), features.slip(&end, *slip));
+            let obstacle = system.world.obstacles[key.obstacle].path.pose_at(task.to);
+            if force.normal > 0.0 {
+                let before = last.iter().find(|touching| touching.key == *key).map_or(SideForce::default(), |touching| touching.force);
+                let slipped = slip_at_end - slip;
+                work.friction += (-force.tangential * slipped).max(0.0);
+                let gap_at_start = features.gap(moved);
+                work.uncertainty += force.normal * gap_at_start.max(0.0) + (force.tangential - before.tangential).abs() * slipped.abs();
+                if system.world.obstacles[key.obstacle].path.moves() {
+                    let standing = Surroundings::relative(start, &system.world.obstacles[key.obstacle].path.pose_at(task.from));
+                    let approach = features.gap(&standing) - gap_at_start;
+                    let drag = slip - features.slip(moved, *slip);
+                    let mean = |a: f64, b: f64| 0.5 * (a + b);
+                    let (normal, tangential) = (mean(before.normal, force.normal), mean(before.tangential, force.tangential));
+                    work.of_obstacles += normal * approach + tangential * drag;
+                    work.uncertainty += (force.normal - before.normal).abs() * approach.abs();
+                }
+            }
+            if candidate.least_gap < 0.0 && gap_at_end < 0.0 {
+                let normal = features.gap_with_derivatives(&end).gradient;
+                let along = normal.component_mul(&mobility(system));
+                work.push_out += (-gap_at_end - normal.dot(&work.push_out)).max(0.0) / normal.dot(&along) * along;
+            }
+            if gap_at_end <= closed && self.surroundings.beyond(&candidate.pair, &end) <= closed {
+                let on_load = on_load(features, force, &end, &obstacle);
+                touching.push(Touching { key: *key, mode: *mode, force: *force, slip: slip_at_end, on_load });
+            }
+        }
+        self.clear = None;
+        work
     }
 
     /// Answer of a shorter path, and the share of the time of the step at its end.

@@ -1,8 +1,8 @@
 //! Gap and slip of two features, as functions of the pose of the load in the obstacle's frame.
 //!
 //! With the load's pose (x, R(theta)), a point p of it, rounded by r_l, and a point c of the
-//! obstacle, rounded by r_o; with N the unit normal from obstacle to load and T = J N, J the quarter
-//! turn:
+//! obstacle, rounded by r_o; with N the unit normal from obstacle to load and T = J N, J the
+//! quarter turn:
 //!
 //! ```text
 //! point on line    gap = N.P - d - r_l              slip = T.P - r_l theta              P = x + R p
@@ -10,17 +10,17 @@
 //! line on point    gap = m.(b - a) - r_o            slip = (J m).b + r_o theta          b = R'(c - x)
 //! ```
 //!
-//! Slip is a function of the pose, so that sticking and rolling are constraints on poses and nothing
-//! creeps. A body twist of the load is the same in the frame of a moving obstacle, so that the
-//! derivatives by an increment hold there as well.
+//! Slip is a function of the pose, so that sticking and rolling are constraints on poses and
+//! nothing creeps. A body twist of the load is the same in the frame of a moving obstacle, so that
+//! the derivatives by an increment hold there as well.
 
 use super::features::STRAIGHT;
 use crate::backend::springs::Place;
 use crate::math::{Mat3, Vec2, Vec3, perpendicular, unwrap_near};
 use crate::model::Reaction;
 
-/// Two features that may touch. Points and lines of the load are in its frame, those of the obstacle
-/// in the obstacle's.
+/// Two features that may touch. Points and lines of the load are in its frame, those of the
+/// obstacle in the obstacle's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeaturePair {
     /// Point of the load, rounded, on a line of the obstacle: normal.P = offset.
@@ -42,8 +42,8 @@ impl FeaturePair {
         }
     }
 
-    /// Distance of the features (m) where they lie `beside` each other (m) and their `gap` (m) is one
-    /// to the line beyond the edge.
+    /// Distance of the features (m) where they lie `beside` each other (m) and their `gap` (m) is
+    /// one to the line beyond the edge.
     pub fn distance_beside(&self, gap: f64, beside: f64) -> f64 {
         match self {
             Self::PointOnLine { rounding, .. } | Self::LineOnPoint { rounding, .. } => (gap + rounding).hypot(beside) - rounding,
@@ -144,8 +144,8 @@ fn of_point_on_line(arm: &Vec2, direction: &Vec2) -> (Vec3, Mat3) {
     (direction.push(direction.dot(&perpendicular(arm))), turns(-direction.dot(arm)))
 }
 
-/// Derivatives by (x, y, theta) of `D.(c - x)` for a `direction` D that turns with the load, with c -
-/// x the `arm`.
+/// Derivatives by (x, y, theta) of `D.(c - x)` for a `direction` D that turns with the load, with c
+/// - x the `arm`.
 fn of_line_on_point(direction: &Vec2, arm: &Vec2) -> (Vec3, Mat3) {
     let turned = perpendicular(direction);
     let hessian = Mat3::new(0.0, 0.0, -turned.x, 0.0, 0.0, -turned.y, -turned.x, -turned.y, -direction.dot(arm));

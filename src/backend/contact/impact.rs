@@ -4,11 +4,12 @@
 //! minimise over v    1/2 |v - v_before|^2_M    with    n.(v - v_o) >= -e n.(v_before - v_o)
 //! ```
 //!
-//! with Coulomb's law for the impulses along the surface. v_o is the velocity of the obstacle at the
-//! load, e the coefficient of restitution. The ground's friction is bounded and gives no impulse.
-//! With side friction and a restitution near one this law (Newton's, in Moreau's form) may gain
-//! energy. Where it would, the impulses of a plastic impact are scaled by 1 + e instead (Poisson's
-//! law), which never gains any: the kinetic energy along that line is least at 1 or beyond.
+//! with Coulomb's law for the impulses along the surface. v_o is the velocity of the obstacle at
+//! the load, e the coefficient of restitution. The ground's friction is bounded and gives no
+//! impulse. With side friction and a restitution near one this law (Newton's, in Moreau's form) may
+//! gain energy. Where it would, the impulses of a plastic impact are scaled by 1 + e instead
+//! (Poisson's law), which never gains any: the kinetic energy along that line is least at 1 or
+//! beyond.
 
 use super::obstacles::{Obstacles, Touching};
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
@@ -38,7 +39,7 @@ const STAYS: f64 = 1e-9;
 
 impl Obstacles {
     /// Features that a load passes through between two poses within two times (s), besides those
-    /// that it touches, and the share of the way by whose end it has; `None` for a free way.
+    /// that it touches, and the share of the motion by whose end it has; `None` for a free one.
     pub fn strikes(
         &mut self,
         system: &System,

@@ -68,8 +68,8 @@ impl Linear {
         Some((0..n).map(|i| x[i] * scale(i)).collect())
     }
 
-    /// Whether the branch is stable: all principal minors of N C A' are positive, with C the inverse
-    /// of the Hessian, N the constraints and A the directions of their forces.
+    /// Whether the branch is stable: all principal minors of N C A' are positive, with C the
+    /// inverse of the Hessian, N the constraints and A the directions of their forces.
     pub fn is_stable(&self) -> bool {
         if self.rows.is_empty() {
             return true;

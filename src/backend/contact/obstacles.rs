@@ -1,15 +1,14 @@
 //! The obstacles about a load: which steps need them, and the contacts that a step leaves behind.
 //!
-//! A step is first taken as if there were no obstacles, unless the load touches one. It stands where
-//! the load cannot reach any obstacle in it, by a bound of its distance (the free-space certificate)
-//! or by a look at the features near its end. Elsewhere it is solved with the features within reach.
-//! Displacements that could pass over a feature are looked at piece by piece, and cut before the
-//! first one that they would pass.
+//! A step is first taken as if there were no obstacles, unless the load touches one. It stands
+//! where the load cannot reach any obstacle in it, by a bound of its distance (the free-space
+//! certificate) or by a look at the features near its end. Elsewhere it is solved with the features
+//! within reach. Displacements that could pass over a feature are looked at piece by piece, and cut
+//! before the first one that they would pass.
 
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-use super::answer::Answer;
 use super::gap::FeaturePair;
 use super::solve::{SideForce, SideMode};
 use super::step::{CLOSED, Candidate};
@@ -42,10 +41,11 @@ pub struct SideWork {
     pub of_obstacles: f64,
     /// Bound of the energy that a step of first order mistakes (J).
     pub uncertainty: f64,
-    /// Share of the step at which it ends: before an obstacle that it would have passed, or where no
-    /// longer path has an answer. `None` for a whole step.
+    /// Share of the step at which it ends: before an obstacle that it would have passed, or where
+    /// no longer path has an answer. `None` for a whole step.
     pub cut: Option<f64>,
-    /// Shift along the load's axes at the end, and turn, that close overlaps by rounding (m, m, rad).
+    /// Shift along the load's axes at the end, and turn, that close overlaps by rounding (m, m,
+    /// rad).
     pub push_out: Vec3,
 }
 
@@ -76,15 +76,15 @@ pub enum Scope {
 pub struct Obstacles {
     pub(super) surroundings: Surroundings,
     /// Place and time of a distance from all obstacles (m).
-    clear: Option<(Place, f64, f64)>,
+    pub(super) clear: Option<(Place, f64, f64)>,
 }
 
 /// Share of the smallest feature that a load moves by in one piece (1).
 const PIECE: f64 = 0.25;
 /// Most pieces of a displacement (1).
 const MOST_PIECES: usize = 4096;
-/// Most rounds in which contacts are closed (1): each takes an error to its square, but for contacts
-/// that open each other.
+/// Most rounds in which contacts are closed (1): each takes an error to its square, but for
+/// contacts that open each other.
 const MOST_CLOSINGS: usize = 12;
 
 impl Obstacles {
@@ -144,9 +144,9 @@ impl Obstacles {
         is_free
     }
 
-    /// Share of an increment after which a load meets a feature, at the start of the piece in which it
-    /// does; `None` for a free path. The `known` features are left out where the end of the increment
-    /// says all of them, and those that touch anywhere.
+    /// Share of an increment after which a load meets a feature, at the start of the piece in which
+    /// it does; `None` for a free path. The `known` features are left out where the end of the
+    /// increment says all of them, and those that touch anywhere.
     pub(super) fn first_hit(
         &mut self,
         system: &System,
@@ -203,8 +203,8 @@ impl Obstacles {
         None
     }
 
-    /// The pose near `pose` at which the contacts are closed that were at the end of a step. Sums of
-    /// poses that keep to a curve leave it.
+    /// The pose near `pose` at which the contacts are closed that were at the end of a step. Sums
+    /// of poses that keep to a curve leave it.
     pub fn close(&self, system: &System, pose: &Pose, touching: &[Touching], time: f64) -> Pose {
         let (mobility, mut closed) = (mobility(system), *pose);
         for _ in 0..MOST_CLOSINGS {
@@ -262,57 +262,10 @@ impl Obstacles {
         };
         pairs.into_iter().map(candidate).collect()
     }
-
-    /// Keeps the closed contacts of a step and returns its work at the obstacles.
-    pub(super) fn accept(
-        &mut self,
-        system: &System,
-        start: &Place,
-        task: &Task,
-        Answer { found, candidates, .. }: &Answer,
-        touching: &mut Vec<Touching>,
-    ) -> SideWork {
-        let closed = 10.0 * CLOSED * system.load.radius;
-        let mut work = SideWork::default();
-        let last = std::mem::take(touching);
-        for (candidate, (mode, force)) in candidates.iter().zip(&found.sides) {
-            let Candidate { pair: Pair { key, features, .. }, start: moved, slip, .. } = candidate;
-            let end = moved.moved_by(&found.increment.twist);
-            let (gap_at_end, slip_at_end) = (features.gap(&end), features.slip(&end, *slip));
-            let obstacle = system.world.obstacles[key.obstacle].path.pose_at(task.to);
-            if force.normal > 0.0 {
-                let before = last.iter().find(|touching| touching.key == *key).map_or(SideForce::default(), |touching| touching.force);
-                let slipped = slip_at_end - slip;
-                work.friction += (-force.tangential * slipped).max(0.0);
-                let gap_at_start = features.gap(moved);
-                work.uncertainty += force.normal * gap_at_start.max(0.0) + (force.tangential - before.tangential).abs() * slipped.abs();
-                if system.world.obstacles[key.obstacle].path.moves() {
-                    let standing = Surroundings::relative(start, &system.world.obstacles[key.obstacle].path.pose_at(task.from));
-                    let approach = features.gap(&standing) - gap_at_start;
-                    let drag = slip - features.slip(moved, *slip);
-                    let mean = |a: f64, b: f64| 0.5 * (a + b);
-                    let (normal, tangential) = (mean(before.normal, force.normal), mean(before.tangential, force.tangential));
-                    work.of_obstacles += normal * approach + tangential * drag;
-                    work.uncertainty += (force.normal - before.normal).abs() * approach.abs();
-                }
-            }
-            if candidate.least_gap < 0.0 && gap_at_end < 0.0 {
-                let normal = features.gap_with_derivatives(&end).gradient;
-                let along = normal.component_mul(&mobility(system));
-                work.push_out += (-gap_at_end - normal.dot(&work.push_out)).max(0.0) / normal.dot(&along) * along;
-            }
-            if gap_at_end <= closed && self.surroundings.beyond(&candidate.pair, &end) <= closed {
-                let on_load = on_load(features, force, &end, &obstacle);
-                touching.push(Touching { key: *key, mode: *mode, force: *force, slip: slip_at_end, on_load });
-            }
-        }
-        self.clear = None;
-        work
-    }
 }
 
-/// Force of a contact on the load (N, world) and where it acts (m, world), for a load at `at` in the
-/// frame of an obstacle.
+/// Force of a contact on the load (N, world) and where it acts (m, world), for a load at `at` in
+/// the frame of an obstacle.
 pub(super) fn on_load(features: &FeaturePair, force: &SideForce, at: &Place, obstacle: &crate::math::Pose) -> [Vec2; 2] {
     let normal = features.normal(at);
     let in_frame = force.normal * normal + force.tangential * crate::math::perpendicular(&normal);
@@ -321,7 +274,7 @@ pub(super) fn on_load(features: &FeaturePair, force: &SideForce, at: &Place, obs
 
 /// Directions in which contact forces move the load (1, 1, 1/m^2): the inverse of its inertia, over
 /// that of its mass.
-fn mobility(system: &System) -> Vec3 {
+pub(super) fn mobility(system: &System) -> Vec3 {
     Vec3::new(1.0, 1.0, system.load.mass / system.load.inertia)
 }
 

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! A guess of the contact modes makes this a system of equations, which Newton's method solves with
-//! the curvature of springs, gaps and slips (`glide`). Elsewhere, and for a load of which a support
-//! sticks, the step is linearised again and again, and each linear step is solved for good
-//! (`solve_contacts`).
+//! the curvature of springs, gaps and slips (`newton_corrector`). Elsewhere, and for a load of
+//! which a support sticks, the step is linearised again and again, and each linear step is solved
+//! for good (`solve_contacts`).
 
 use smallvec::SmallVec;
 
@@ -52,12 +52,13 @@ pub struct Found {
 const MOST_STEPS: usize = 40;
 /// Largest number of those without an answer, each of which takes as long as many with one.
 const MOST_FAILED: u32 = 3;
-/// Number of linear steps after which only half of each is taken, where the whole ones do not settle.
+/// Number of linear steps after which only half of each is taken, where the whole ones do not
+/// settle.
 const STEPS_IN_FULL: usize = 20;
-/// Largest number of Newton iterations of a glide.
+/// Largest number of Newton iterations of the corrector.
 const MOST_ITERATIONS: usize = 12;
-/// Residual over the forces at which a glide is done (1), and up to which it may end where it no
-/// longer improves.
+/// Residual over the forces at which the corrector is done (1), and up to which it may end where it
+/// no longer improves.
 const DONE: f64 = 3e-14;
 const STALLED: f64 = 1e-11;
 /// Gap over the load's radius that is rounding (1).
@@ -79,14 +80,15 @@ struct Local {
 }
 
 impl ContactStep<'_, '_> {
-    /// The step, from what the last one suggests: its modes and forces, and a guess of the increment.
+    /// The step, from what the last one suggests: its modes and forces, and a guess of the
+    /// increment.
     pub fn find(&mut self, solver: &mut FrictionSolver, suggested: &Sides, guess: Option<Vec3>) -> Found {
         if solver.was_at_rest() {
             if let Some(found) = self.rest(solver, suggested) {
                 return found;
             }
         } else if let Some(guess) = guess
-            && let Some(found) = self.glide(solver, suggested, guess)
+            && let Some(found) = self.newton_corrector(solver, suggested, guess)
         {
             return found;
         }
@@ -130,9 +132,9 @@ impl ContactStep<'_, '_> {
         self.candidates.iter().map(local).collect()
     }
 
-    /// Newton's method on the whole step from a guess, for a load that slips on all supports in these
-    /// contact modes. `None` where it does not lead to an answer, or to another one.
-    fn glide(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
+    /// Newton's method on the whole step from a guess, for a load that slips on all supports in
+    /// these contact modes. `None` where it does not lead to an answer, or to another one.
+    fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
         let n_unknown: usize = sides.iter().map(|(mode, _)| n_forces(*mode)).sum();
         if n_unknown > 3 || guess == Vec3::zeros() {
             return None;
@@ -178,7 +180,8 @@ impl ContactStep<'_, '_> {
         None
     }
 
-    /// Equations of the modes at an increment with these forces. `None` where a support stands still.
+    /// Equations of the modes at an increment with these forces. `None` where a support stands
+    /// still.
     fn newton_system(&mut self, at: &Vec3, sides: &Sides) -> Option<(Linear, SmallVec<[Local; 4]>)> {
         let length = self.step.length;
         let locals = self.locals(at);
@@ -247,18 +250,14 @@ impl ContactStep<'_, '_> {
             mode = solution.ground_mode;
             report.residual = solution.residual;
             report.is_indeterminate = !solution.are_forces_unique && solution.forces.iter().any(|force| force.normal > 0.0);
-            if solution.ending == Ending::Infeasible && at != Vec3::zeros() {
-                // Gaps that bend away may contradict each other far from the start.
-                at *= 0.5;
-                continue;
-            }
             if solution.ending == Ending::Infeasible {
-                return self.ended(
-                    Vec3::zeros(),
-                    ContactMode::Stick,
-                    self.open(),
-                    StepReport { status: Status::Failed, residual: 1.0, ..report },
-                );
+                if at != Vec3::zeros() {
+                    // Gaps that bend away may contradict each other far from the start.
+                    at *= 0.5;
+                    continue;
+                }
+                let failed = StepReport { status: Status::Failed, residual: 1.0, ..report };
+                return self.ended(at, ContactMode::Stick, self.open(), failed);
             }
             sides = self.open();
             for (row, candidate) in row_of.iter().enumerate() {
@@ -270,7 +269,7 @@ impl ContactStep<'_, '_> {
                 return self.ended(next, mode, sides, StepReport { status, ..report });
             }
             if mode == ContactMode::Slip
-                && let Some(found) = self.glide(solver, &sides, next)
+                && let Some(found) = self.newton_corrector(solver, &sides, next)
             {
                 let residual = found.increment.report.residual;
                 let report = StepReport { residual, is_indeterminate: false, ..report };
@@ -322,8 +321,8 @@ impl ContactStep<'_, '_> {
     }
 }
 
-/// Adds the friction of the ground of a load that slips on all supports, and its derivative. Returns
-/// the sum of the slip limits (N); `None` where a support stands still.
+/// Adds the friction of the ground of a load that slips on all supports, and its derivative.
+/// Returns the sum of the slip limits (N); `None` where a support stands still.
 fn add_ground_friction(ground: &Ground, at: &Vec3, gradient: &mut Vec3, hessian: &mut Mat3) -> Option<f64> {
     let mut total = 0.0;
     for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {

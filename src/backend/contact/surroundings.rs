@@ -219,8 +219,8 @@ impl Surroundings {
     }
 
     /// Whether the features that touch change from one pair to the other while the load slides or
-    /// rolls on smoothly: a disc from an edge to its corner, or a corner from an edge to the next one
-    /// on the same line.
+    /// rolls on smoothly: a disc from an edge to its corner, or a corner from an edge to the next
+    /// one on the same line.
     pub fn continues(&self, one: &Pair, other: &Pair) -> bool {
         use PairKind::{LineOnPoint, PointOnLine, PointOnPoint};
         let (a, b) = (&one.key, &other.key);
@@ -246,8 +246,8 @@ impl Surroundings {
         }
     }
 
-    /// Whether a point of the load, with its rounding, that has moved straight on from `start` to the
-    /// other side of an edge has passed around the end of the edge.
+    /// Whether a point of the load, with its rounding, that has moved straight on from `start` to
+    /// the other side of an edge has passed around the end of the edge.
     pub fn passes_end(&self, pair: &Pair, start: &Place, end: &Place) -> bool {
         let PairKey { obstacle, kind, of_load, of_obstacle } = pair.key;
         let has_two_sides = matches!(kind, PairKind::PointOnLine { .. }) && self.bodies[obstacle].features.edges[of_obstacle].has_two_sides;

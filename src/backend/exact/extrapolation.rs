@@ -153,15 +153,7 @@ fn attempt<M: Method>(
     let touches = !start.state.side.touching.is_empty();
     for n in 1..=MOST_ROWS {
         let Row { flow, cost, changed_in } = row(load, paths, start, [from, to], n);
-        report.add(&StepReport {
-            n_steps: 0,
-            status: Status::Converged,
-            residual: 0.0,
-            contact_residual: 0.0,
-            is_indeterminate: false,
-            n_not_converged: 0,
-            ..cost
-        });
+        report.add(&cost.work());
         let row = extrapolated(flow, &last_row);
         // A change that only a longer step has seen lies at its end.
         let changed_in = changed_in.or(changed_before.map(|_| n));

@@ -17,8 +17,8 @@ use crate::backend::springs::{Place, TipPaths};
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
 
-/// Largest number of touches in one step (1). The rest of the step is taken as one of implicit Euler
-/// that regards all features within reach, and without bounces.
+/// Largest number of touches in one step (1). The rest of the step is taken as one of implicit
+/// Euler that regards all features within reach, and without bounces.
 const MOST_TOUCHES: usize = 64;
 /// Largest number of times that a step without an answer is halved (1).
 const MOST_HALVINGS: usize = 5;
@@ -93,8 +93,8 @@ impl Exact<Inertial> {
         (end, report)
     }
 
-    /// Moves the load on, for a shorter time where the whole one has no answer. Returns the share of
-    /// the paths there.
+    /// Moves the load on, for a shorter time where the whole one has no answer. Returns the share
+    /// of the paths there.
     fn move_as_far_as_solved(&mut self, paths: &TipPaths, [from, to]: [f64; 2], start: &Snapshot<Memory>) -> (f64, StepReport) {
         let whole = self.move_on(paths, [from, to]);
         let (mut end, mut report) = (to, whole);
@@ -124,14 +124,14 @@ impl Exact<Inertial> {
         strikes.iter().map(of_pair).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
     }
 
-    /// Applies the impact law where the load touches. It has moved there from `before`, within a step
-    /// of `duration` (s).
+    /// Applies the impact law where the load touches. It has moved there from `before`, within a
+    /// step of `duration` (s).
     fn strike(&mut self, strikes: &[Strike], before: &Motion, duration: f64, time: f64) {
         let Self { obstacles, system, state, springs, stepping, .. } = self;
         let Some(obstacles) = obstacles else { return };
         // A bounce that would end within a step is none, and neither is one that would not lead
-        // farther than a macro-step may be wrong: a load that is pressed against an obstacle bounces
-        // infinitely often before it stays there.
+        // farther than a macro-step may be wrong: a load that is pressed against an obstacle
+        // bounces infinitely often before it stays there.
         let change = (state.motion.twist.linear - before.twist.linear).norm()
             + system.load.radius * (state.motion.twist.angular - before.twist.angular).abs();
         let negligible = match stepping {

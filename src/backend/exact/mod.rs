@@ -6,9 +6,11 @@
 //! bdf2           its step of second order
 //! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
 //! contact        what is known of the load's contact with the ground;  side: with obstacles
+//! among_obstacles  what all methods do with obstacles between their steps
 //! extrapolation  macro-steps under error control;  control: their tolerances and errors
 //! ```
 
+mod among_obstacles;
 mod backend;
 mod bdf2;
 mod contact;

@@ -27,7 +27,7 @@ use crate::model::System;
 /// A load that slips only between the nodes of a macro-step is not seen to slip.
 const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
 
-/// Largest number of legs of a path that obstacles divide (1).
+/// Largest number of pieces of a path that obstacles divide (1).
 const MOST_LEGS: usize = 1024;
 
 /// Largest number of those that end where no longer one has an answer (1).
@@ -65,7 +65,8 @@ impl Exact<QuasiStatic> {
 
     /// Moves the load to the balance for the tips as the springs have them, or leaves it where it
     /// is when there is no finite answer. `step` measures the path of the tips; `None` when they
-    /// stand. Obstacles move between two `times` (s), and divide a path that would pass through one.
+    /// stand. Obstacles move between two `times` (s), and divide a path that would pass through
+    /// one.
     pub(super) fn balance(&mut self, step: Option<f64>, times: [f64; 2]) -> StepReport {
         let (mut report, mut work) = self.leg(step, times);
         let [mut from, to] = times;

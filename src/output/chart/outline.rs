@@ -8,8 +8,8 @@ use crate::model::{Outline, OutlinePart};
 /// Number of sides of the polygon that stands for a disc (1).
 const SIDES: u32 = 72;
 
-/// Points of each part of an outline at a pose, one after another (m, world). Discs and polygons end
-/// where they begin.
+/// Points of each part of an outline at a pose, one after another (m, world). Discs and polygons
+/// end where they begin.
 pub fn edges(outline: &Outline, pose: &Pose) -> Vec<Vec<Vec2>> {
     let of_part = |part: &OutlinePart| match part {
         OutlinePart::Disc { centre, radius } => circle(&pose.to_world(centre), *radius, pose.heading),

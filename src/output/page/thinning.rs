@@ -28,7 +28,8 @@ struct Stretch {
 
 /// At most `most` rows of traces whose rows are at the same times. A third are spread evenly, so
 /// that walking ants move smoothly. The others are where interpolation would have the largest edge
-/// displacement from a load of `radius` (m), or next to a grasp, a release, a touch or a separation.
+/// displacement from a load of `radius` (m), or next to a grasp, a release, a touch or a
+/// separation.
 pub fn thinned(traces: &[&Trace], radius: f64, most: usize) -> Thinned {
     let n = traces.iter().map(|trace| trace.rows.len()).min().unwrap_or(0);
     if n <= most.max(2) {

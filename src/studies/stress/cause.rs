@@ -3,8 +3,8 @@
 //!
 //! A fact explains only what it can bring about; the limits stand beside it. What no fact explains
 //! is asked for evidence: the same run at an eighth of the step. If its error falls to half or
-//! less, the step is the cause. If a run in f32 finishes in f64, single precision is the cause. What
-//! is left has no cause.
+//! less, the step is the cause. If a run in f32 finishes in f64, single precision is the cause.
+//! What is left has no cause.
 
 use std::fmt::Write;
 
@@ -190,7 +190,8 @@ impl Facts<'_> {
             .then(|| format!("f32: {GAP_DIGITS} last digits of a gap in one step are {share:.1e} of the friction limit"))
     }
 
-    /// A step among obstacles that misses its tolerance by little has an answer with as many digits.
+    /// A step among obstacles that misses its tolerance by little has an answer with as many
+    /// digits.
     fn close(&self, outcome: Outcome) -> Option<String> {
         let is_contact = self.method.kind.is_exact() && !self.scenario.system.world.is_empty();
         let is_close = self.run.seen.report.residual <= CLOSE && outcome == Outcome::NotConverged;

@@ -97,8 +97,8 @@ pub struct Asked {
     pub sticks: bool,
     /// The scene is its own mirror image in the x axis: nothing may leave the axis.
     pub symmetric: bool,
-    /// Moving obstacles leave the load less room than it needs by this length (m), so that the scene
-    /// has no answer; `None` where the load has room.
+    /// Moving obstacles leave the load less room than it needs by this length (m), so that the
+    /// scene has no answer; `None` where the load has room.
     pub squeeze: Option<f64>,
     pub answer: Answer,
 }

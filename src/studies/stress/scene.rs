@@ -54,7 +54,8 @@ impl Scene {
         self
     }
 
-    /// Adds an obstacle at rest with its origin at `position` (m) and a coefficient of `friction` (1).
+    /// Adds an obstacle at rest with its origin at `position` (m) and a coefficient of `friction`
+    /// (1).
     pub fn among(mut self, outline: OutlineEntry, position: Vec2, friction: f64) -> Self {
         let name = format!("obstacle {}", self.obstacles.len());
         let obstacle = ObstacleEntry {

@@ -61,8 +61,8 @@ impl Equation {
 }
 
 impl Candidate {
-    /// Rest with the forces of an increment that has shrunk to rounding: those of a load at the very
-    /// limit of slipping, whose direction the increment still shows.
+    /// Rest with the forces of an increment that has shrunk to rounding: those of a load at the
+    /// very limit of slipping, whose direction the increment still shows.
     fn at_the_limit(self, problem: &Problem) -> Self {
         let at_rest = |(k, mode): (usize, &SideMode)| match mode {
             SideMode::Slide { .. } if problem.rows[k].friction_coefficient > 0.0 && !problem.slips(k, &Vec3::zeros()) => SideMode::Stick,

@@ -1,0 +1,65 @@
+//! What a load of any exact method does with obstacles between its steps.
+
+use smallvec::SmallVec;
+
+use super::load::{Exact, Method};
+use super::side::{Impact, SideState};
+use crate::backend::contact::{PairKey, SideMode, Touching, transitions};
+use crate::backend::{SideContact, Transition, TransitionKind};
+
+impl<M: Method> Exact<M> {
+    /// Whether no obstacle can touch a load that stands still for `duration` (s) from now.
+    pub(super) fn is_free(&mut self, duration: f64) -> bool {
+        let Self { obstacles, springs, system, state, .. } = self;
+        let Some(obstacles) = obstacles else { return true };
+        let from = state.side.time;
+        springs.refresh(&system.springs, &state.motion.pose);
+        state.side.touching.is_empty() && obstacles.is_far(system, springs.place(), [from, from + duration])
+    }
+
+    /// Whether a moving obstacle may touch a load that stands still for `duration` (s) from now.
+    pub(super) fn is_pushed(&mut self, duration: f64) -> bool {
+        let moves = |load: &Self| load.system.world.obstacles.iter().any(|obstacle| obstacle.path.moves());
+        self.obstacles.is_some() && moves(self) && !self.is_free(duration)
+    }
+
+    /// Takes note of time that has passed (s).
+    pub(super) fn pass(&mut self, duration: f64) {
+        if self.obstacles.is_some() {
+            let side = &mut self.state.side;
+            side.time += duration;
+            side.now = side.time;
+        }
+    }
+
+    /// Records what happened at obstacles up to `time` (s) since these contacts were closed.
+    pub(super) fn note_contacts(&mut self, before: &[Touching], time: f64) {
+        if self.obstacles.is_some() {
+            let side = &mut self.state.side;
+            let kinds = transitions(before, &side.touching);
+            self.transitions.extend(kinds.into_iter().map(|kind| Transition { time, kind }));
+            let since = side.time;
+            self.transitions.extend(side.impacts.drain(..).map(|Impact { time, obstacle, loss }| Transition {
+                time: time - since,
+                kind: TransitionKind::Impact { obstacle, energy: loss },
+            }));
+            self.transitions.sort_by(|a, b| a.time.total_cmp(&b.time));
+        }
+    }
+
+    /// Closed contacts with their modes, and the number of impacts: what does not change while the
+    /// motion is smooth.
+    pub(super) fn contacts(&self) -> (SmallVec<[(PairKey, SideMode); 2]>, usize) {
+        let SideState { touching, impacts, .. } = &self.state.side;
+        (touching.iter().map(|touching| (touching.key, touching.mode)).collect(), impacts.len())
+    }
+
+    /// Closed contacts with their forces.
+    pub(super) fn side_forces(&self) -> impl Iterator<Item = SideContact> + '_ {
+        self.state.side.touching.iter().map(|Touching { key, on_load: [force, point], .. }| SideContact {
+            obstacle: key.obstacle,
+            point: *point,
+            force: *force,
+        })
+    }
+}
