@@ -190,7 +190,7 @@ impl Facts<'_> {
             .then(|| format!("f32: {GAP_DIGITS} last digits of a gap in one step are {share:.1e} of the friction limit"))
     }
 
-    /// A step among obstacles that misses its tolerance by little has an answer with as many
+    /// A step among obstacles that misses its tolerance by little has an answer with nearly as many
     /// digits.
     fn close(&self, outcome: Outcome) -> Option<String> {
         let is_contact = self.method.kind.is_exact() && !self.scenario.system.world.is_empty();

@@ -51,14 +51,14 @@ fn against_walls(friction: &dyn Fn(usize) -> Axis, gap: &dyn Fn(usize) -> Axis) 
             name: "contact-notch",
             what: "a spring pulls a disc into a notch of two rough walls, 40 steps; exact answer at finer steps",
             x: Axis::linear("opening_angle_rad", PI / 60.0, PI, 30),
-            y: friction(24),
+            y: Axis::log("side_friction_coefficient", 1e-3, 0.5, 25),
             cell: notch,
         },
         Map {
             name: "contact-step-stiffness",
             what: "a spring of any stiffness pulls a disc along a wall with friction 0.3, 40 steps; exact answer at finer steps",
             x: Axis::log("step_s", 1e-6, 1.0, 25),
-            y: Axis::log("stiffness_n_per_m", 1e-3, 1e5, 25),
+            y: Axis::log("stiffness_n_per_m", 1e-1, 1e5, 25),
             cell: stiff,
         },
         Map {
