@@ -32,6 +32,7 @@ pub enum Family {
     Release,
     LimitSurface,
     Towing,
+    Contact,
     Symmetry,
     Mass,
     Reference,
@@ -89,13 +90,14 @@ impl Case {
 }
 
 impl Family {
-    pub const ALL: [Family; 10] = [
+    pub const ALL: [Family; 11] = [
         Family::Slide,
         Family::Tripod,
         Family::Pull,
         Family::Release,
         Family::LimitSurface,
         Family::Towing,
+        Family::Contact,
         Family::Symmetry,
         Family::Mass,
         Family::Reference,
@@ -110,6 +112,7 @@ impl Family {
             Family::Release => "release",
             Family::LimitSurface => "limit-surface",
             Family::Towing => "towing",
+            Family::Contact => "contact",
             Family::Symmetry => "symmetry",
             Family::Mass => "mass",
             Family::Reference => "reference",

@@ -20,6 +20,7 @@
 //! ```
 
 mod case;
+pub mod contact;
 pub mod figure;
 pub mod limit_surface;
 pub mod mass;
@@ -54,6 +55,7 @@ pub fn all() -> Vec<Case> {
         release::cases,
         limit_surface::cases,
         towing::cases,
+        contact::cases,
         symmetry::cases,
         mass::cases,
         reference::cases,
@@ -70,7 +72,7 @@ fn add_controlled(case: &mut Case) {
     let load = match case.family {
         Family::Slide | Family::Tripod | Family::Pull | Family::Release | Family::Reference => scenes::paper_system(Vec::new()).load,
         Family::Peers => scenes::peers_system(Vec::new()).load,
-        Family::LimitSurface | Family::Towing | Family::Symmetry | Family::Mass => return,
+        Family::LimitSurface | Family::Towing | Family::Contact | Family::Symmetry | Family::Mass => return,
     };
     if case.name.ends_with("-stays") || ["peers-ripple", "peers-creep"].contains(&case.name.as_str()) {
         return;
