@@ -114,7 +114,10 @@ impl Obstacles {
                     let standing = Surroundings::relative(start, &system.world.obstacles[key.obstacle].path.pose_at(task.from));
                     let approach = features.gap(&standing) - gap_at_start;
                     let drag = slip - features.slip(moved, *slip);
-                    let mean = |a: f64, b: f64| 0.5 * (a + b);
+                    // A contact that closes in the step has the whole force from then on.
+                    let is_new = before.normal == 0.0;
+                    let approach = if is_new { approach.min(-gap_at_start) } else { approach };
+                    let mean = |a: f64, b: f64| if is_new { b } else { 0.5 * (a + b) };
                     let (normal, tangential) = (mean(before.normal, force.normal), mean(before.tangential, force.tangential));
                     work.of_obstacles += normal * approach + tangential * drag;
                     work.uncertainty += (force.normal - before.normal).abs() * approach.abs();
