@@ -9,7 +9,7 @@ mod statistics;
 
 pub use angle::{SMALL_TANGENT, direction, perpendicular, rotation, small_arctangent, unwrap_near, wrap_to_pi};
 pub use lanes::{LANES, Number, Numbers, Vectors};
-pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, shift_of, small_rotation};
+pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, increment_of, shift_of, small_rotation};
 pub use positive::PositiveDefinite;
 pub use random::{Draws, RandomStreams, Stream};
 pub use statistics::{Interval, Summary, proportion_interval, share_difference_interval, student};

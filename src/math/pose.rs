@@ -51,6 +51,11 @@ impl Pose {
         self.position + rotation(self.heading) * point_in_load
     }
 
+    /// Point fixed to the load at a world position (m).
+    pub fn to_local(&self, point: &Vec2) -> Vec2 {
+        rotation(self.heading).tr_mul(&(point - self.position))
+    }
+
     /// Pose reached by the body-twist increment (u_x, u_y, delta) (m, m, rad).
     pub fn moved_by(&self, increment: &Vec3) -> Pose {
         Pose { position: self.position + self.shift_by(increment), heading: self.heading + increment.z }
@@ -90,6 +95,14 @@ impl Twist {
 /// [`Pose::shift_by`] for a load whose axes are turned by the rotation `turn`.
 pub fn shift_of(turn: &Mat2, increment: &Vec3) -> Vec2 {
     turn * Arc::of(increment.z).shift(&increment.xy())
+}
+
+/// Body-twist increment that shifts the origin by `shift` (m, world axes) and turns the load, whose
+/// axes are turned by the rotation `turn`, by `angle` (rad), less than a whole turn: the inverse of
+/// [`shift_of`].
+pub fn increment_of(turn: &Mat2, shift: &Vec2, angle: f64) -> Vec3 {
+    let mean = Arc::of(angle).mean_rotation();
+    (mean.tr_mul(&turn.tr_mul(shift)) / mean.determinant()).push(angle)
 }
 
 /// The rotation by an angle delta, and the mean V of all rotations from zero to delta with its

@@ -11,7 +11,7 @@ use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Coasting, Increment, Objective, Step};
 use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
-use crate::math::{Vec2, Vec3};
+use crate::math::{Vec2, Vec3, increment_of};
 use crate::model::System;
 
 /// Most times that the motion of the obstacles in a step is halved (1).
@@ -103,24 +103,27 @@ impl Obstacles {
             let Candidate { pair: Pair { key, features, .. }, start: moved, slip, .. } = candidate;
             let end = moved.moved_by(&found.increment.twist);
             let (gap_at_end, slip_at_end) = (features.gap(&end), features.slip(&end, *slip));
-            let obstacle = system.world.obstacles[key.obstacle].path.pose_at(task.to);
+            let path = &system.world.obstacles[key.obstacle].path;
+            let obstacle = path.pose_at(task.to);
             if force.normal > 0.0 {
-                let before = last.iter().find(|touching| touching.key == *key).map_or(SideForce::default(), |touching| touching.force);
+                let apart = Touching { force: SideForce::default(), on_load: [Vec2::zeros(); 2], key: *key, mode: *mode, slip: *slip };
+                let before = last.iter().find(|touching| touching.key == *key).unwrap_or(&apart);
                 let slipped = slip_at_end - slip;
                 work.friction += (-force.tangential * slipped).max(0.0);
                 let gap_at_start = features.gap(moved);
-                work.uncertainty += force.normal * gap_at_start.max(0.0) + (force.tangential - before.tangential).abs() * slipped.abs();
-                if system.world.obstacles[key.obstacle].path.moves() {
-                    let standing = Surroundings::relative(start, &system.world.obstacles[key.obstacle].path.pose_at(task.from));
-                    let approach = features.gap(&standing) - gap_at_start;
-                    let drag = slip - features.slip(moved, *slip);
-                    // A contact that closes in the step has the whole force from then on.
-                    let is_new = before.normal == 0.0;
-                    let approach = if is_new { approach.min(-gap_at_start) } else { approach };
-                    let mean = |a: f64, b: f64| if is_new { b } else { 0.5 * (a + b) };
-                    let (normal, tangential) = (mean(before.normal, force.normal), mean(before.tangential, force.tangential));
-                    work.of_obstacles += normal * approach + tangential * drag;
-                    work.uncertainty += (force.normal - before.normal).abs() * approach.abs();
+                work.uncertainty +=
+                    force.normal * gap_at_start.max(0.0) + (force.tangential - before.force.tangential).abs() * slipped.abs();
+                if path.moves() {
+                    let [force_now, point] = on_load(features, force, &end, &obstacle);
+                    let shift = point - path.pose_at(task.from).to_world(&obstacle.to_local(&point));
+                    work.of_obstacles += if before.force.normal > 0.0 {
+                        0.5 * (before.on_load[0] + force_now).dot(&shift)
+                    } else {
+                        // A contact that closes in the step has the whole force from then on.
+                        let gap = features.gap(&Surroundings::relative(start, &path.pose_at(task.from)));
+                        force_now.dot(&shift) - force.normal * gap.max(0.0)
+                    };
+                    work.uncertainty += (force_now - before.on_load[0]).norm() * shift.norm();
                 }
             }
             if candidate.least_gap < 0.0 && gap_at_end < 0.0 {
@@ -193,7 +196,8 @@ impl Obstacles {
         loop {
             let candidates = self.candidates(system, &start, task, reach, touching);
             let suggested = suggested(&candidates, touching);
-            let mut contact = ContactStep { step, surroundings: &self.surroundings, candidates: &candidates };
+            let start_at = carried(system, &start, task, &candidates, touching);
+            let mut contact = ContactStep { step, surroundings: &self.surroundings, candidates: &candidates, start_at };
             let mut found = contact.find(solver, &suggested, task.guess);
             report.n_solves += found.increment.report.n_solves;
             report.n_iterations += found.increment.report.n_iterations;
@@ -260,6 +264,18 @@ impl Obstacles {
             overlaps && !self.surroundings.passes_end(pair, &before, &after)
         })
     }
+}
+
+/// Increment of a load that a moving obstacle carries along: that on which it rests, or else one
+/// that it may touch. Features that pass through each other would be on the wrong sides of a load
+/// that stands still.
+fn carried(system: &System, start: &Place, task: &Task, candidates: &[Candidate], touching: &[Touching]) -> Vec3 {
+    let keys = touching.iter().map(|touching| touching.key).chain(candidates.iter().map(|candidate| candidate.pair.key));
+    let mut paths = keys.map(|key| &system.world.obstacles[key.obstacle].path);
+    let Some(path) = paths.find(|path| path.moves()) else { return Vec3::zeros() };
+    let [from, to] = [task.from, task.to].map(|time| path.pose_at(time));
+    let shift = to.to_world(&from.to_local(&start.pose.position)) - start.pose.position;
+    increment_of(&start.turn, &shift, to.heading - from.heading)
 }
 
 /// Modes and forces of the candidates in the last step.

@@ -69,6 +69,8 @@ pub struct ContactStep<'a, 'b> {
     pub step: &'a mut Step<'b>,
     pub surroundings: &'a Surroundings,
     pub candidates: &'a [Candidate],
+    /// Increment at which the search begins.
+    pub start_at: Vec3,
 }
 
 /// Gap and slip of a candidate with their derivatives by the increment.
@@ -95,7 +97,9 @@ impl ContactStep<'_, '_> {
         self.descend(solver)
     }
 
-    /// Zero increment, for a load at rest that the last contact forces still hold there.
+    /// Zero increment, for a load at rest that the last contact forces without their friction still
+    /// hold there. Where it takes side friction to rest, sliding may be an answer as well, and comes
+    /// first (see `solve_contacts`).
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;
         let mut gradient = self.step.gradient(&Vec3::zeros());
@@ -104,8 +108,8 @@ impl ContactStep<'_, '_> {
             if local.gap.energy < -closed && local.beyond <= 0.0 || local.gap.energy > closed && force.normal > 0.0 {
                 return None;
             }
-            gradient -= force.normal * local.gap.gradient + force.tangential * local.slip.gradient;
-            sides.push((*mode, *force));
+            gradient -= force.normal * local.gap.gradient;
+            sides.push((*mode, SideForce { tangential: 0.0, ..*force }));
         }
         let residual = solver.rest(&gradient)?;
         let report = StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() };
@@ -227,10 +231,10 @@ impl ContactStep<'_, '_> {
         })
     }
 
-    /// Linear steps from no increment.
+    /// Linear steps from where the search begins.
     fn descend(&mut self, solver: &mut FrictionSolver) -> Found {
         let length = self.step.length;
-        let (mut at, mut sides) = (Vec3::zeros(), Sides::new());
+        let (mut at, mut sides) = (self.start_at, Sides::new());
         let mut report = StepReport { n_steps: 1, ..StepReport::default() };
         let mut mode = ContactMode::Stick;
         let mut n_failed = 0;
@@ -253,7 +257,7 @@ impl ContactStep<'_, '_> {
             if solution.ending == Ending::Infeasible {
                 if at != Vec3::zeros() {
                     // Gaps that bend away may contradict each other far from the start.
-                    at *= 0.5;
+                    at *= if round == 0 { 0.0 } else { 0.5 };
                     continue;
                 }
                 let failed = StepReport { status: Status::Failed, residual: 1.0, ..report };
@@ -264,7 +268,7 @@ impl ContactStep<'_, '_> {
                 sides[*candidate] = (self.candidates[*candidate].pair.mode(solution.modes[row]), solution.forces[row]);
             }
             let next = solution.increment;
-            if round == 0 && next == Vec3::zeros() {
+            if at == Vec3::zeros() && next == Vec3::zeros() {
                 let status = status_of(solution.residual);
                 return self.ended(next, mode, sides, StepReport { status, ..report });
             }

@@ -4,7 +4,7 @@ use smallvec::SmallVec;
 
 use super::load::{Exact, Method};
 use super::side::{Impact, SideState};
-use crate::backend::contact::{PairKey, SideMode, Touching, transitions};
+use crate::backend::contact::{PairKey, SideForce, SideMode, Touching, transitions};
 use crate::backend::{SideContact, Transition, TransitionKind};
 
 impl<M: Method> Exact<M> {
@@ -52,6 +52,19 @@ impl<M: Method> Exact<M> {
     pub(super) fn contacts(&self) -> (SmallVec<[(PairKey, SideMode); 2]>, usize) {
         let SideState { touching, impacts, .. } = &self.state.side;
         (touching.iter().map(|touching| (touching.key, touching.mode)).collect(), impacts.len())
+    }
+
+    /// Bound of the error of the work at obstacles by the trapezoid rule on a smooth path since
+    /// `start` (J): the change of the forces times the displacement of the obstacle and the slip.
+    pub(super) fn obstacle_work_error(&self, start: &SideState) -> f64 {
+        let bound = |now: &Touching| {
+            let before = start.touching.iter().find(|before| before.key == now.key);
+            let (force, slip) = before.map_or((SideForce::default(), now.slip), |before| (before.force, before.slip));
+            let path = self.system.world.obstacles[now.key.obstacle].path_length(start.now, self.state.side.now);
+            let [normal, tangential] = [now.force.normal - force.normal, now.force.tangential - force.tangential].map(f64::abs);
+            (normal + tangential) * path + tangential * (now.slip - slip).abs()
+        };
+        self.state.side.touching.iter().map(bound).sum()
     }
 
     /// Closed contacts with their forces.

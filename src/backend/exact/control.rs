@@ -13,11 +13,41 @@ pub struct Pace {
     pub(super) macro_step: f64,
     /// Shortest macro-step over the advance (1).
     pub(super) shortest: f64,
+    #[serde(default)]
+    pub(super) trial: Trial,
+}
+
+/// When to try a macro-step that is longer than its errors say, at an obstacle: after each failure
+/// half as often.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    n_left: u32,
+    wait: u32,
+}
+
+impl Trial {
+    const LONGEST_WAIT: u32 = 64;
+
+    /// Whether to try one now.
+    pub(super) fn is_due(&mut self) -> bool {
+        let is_due = self.n_left == 0;
+        if is_due {
+            self.wait /= 2
+        } else {
+            self.n_left -= 1
+        }
+        is_due
+    }
+
+    pub(super) fn fail(&mut self) {
+        self.wait = (4 * self.wait).clamp(2, Self::LONGEST_WAIT);
+        self.n_left = self.wait;
+    }
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Self { macro_step: f64::MAX, shortest: SHORTEST }
+        Self { macro_step: f64::MAX, shortest: SHORTEST, trial: Trial::default() }
     }
 }
 

@@ -59,7 +59,9 @@ const GROWTH_AFTER_MANY: f64 = 32.0;
 /// taken as it was (1). Where nothing converges the load still arrives, and the statuses of the
 /// steps and the run beside show what that is worth.
 const FORCED_GROWTH: f64 = 2.0;
-/// Number of rows below which a macro-step may be longer at less cost in all.
+/// Number of rows below which a macro-step may be longer at less cost in all. At obstacles the
+/// errors need not be a series, and a macro-step that is twice as long may fail again and again: it
+/// is tried less and less often then.
 const FAVOURED_ROWS: usize = 5;
 /// Share of the tolerance that a macro-step aims at, so that few fail (1).
 const AIM: f64 = 0.5;
@@ -87,7 +89,10 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
         let to = if limit - at <= 1.01 * macro_step { limit } else { at + macro_step };
         let (start, before, n_not_converged) = (load.snapshot(), load.state.contact.last(), report.n_not_converged);
         match attempt(load, task, &start, [at, to], shortest, &mut report) {
-            Attempt::Taken { growth, error } => {
+            Attempt::Taken { growth, error, n_rows } => {
+                let touches = !start.state.side.touching.is_empty();
+                let is_favoured = n_rows < FAVOURED_ROWS && (!touches || load.pace.trial.is_due());
+                let growth = if is_favoured { growth.max(2.0) } else { growth };
                 if error > 1.0 {
                     shortest *= FORCED_GROWTH;
                     had_answers &= report.n_not_converged == n_not_converged;
@@ -106,6 +111,9 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
             }
             Attempt::TooLong { macro_step: shorter, change } => {
                 load.reset(&start);
+                if change.is_none() {
+                    load.pace.trial.fail();
+                }
                 report.n_rejected += 1;
                 macro_step = shorter;
                 change_by = change.or(change_by).filter(|change| *change > at);
@@ -124,6 +132,8 @@ enum Attempt {
         growth: f64,
         /// Error over the tolerance (1): above one for a macro-step that could not be shortened.
         error: f64,
+        /// Number of rows of the table.
+        n_rows: usize,
     },
     TooLong {
         /// Share to try instead.
@@ -177,8 +187,7 @@ fn attempt<M: Method>(
             }
             report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
             let power = if changed_in.is_none() { n } else { 1 };
-            let least = if n < FAVOURED_ROWS && !touches { 2.0 } else { 0.0 };
-            return Attempt::Taken { growth: growth(error, power).max(least), error };
+            return Attempt::Taken { growth: growth(error, power), error, n_rows: n };
         }
         if let Some(changed) = changed_in {
             let change = changed as f64 / n as f64 * length;
@@ -199,7 +208,7 @@ fn complete_snap_through<M: Method>(load: &mut Exact<M>, before: &Snapshot<M::Me
     let start = before.state.snap_start();
     let allowed = |load: &Exact<M>| {
         let end = &load.state.motion.pose;
-        load.springs.work_error(&load.system.springs, &before.attachments, &start.pose, end)
+        load.springs.work_error(&load.system.springs, &before.attachments, &start.pose, end) + load.obstacle_work_error(&before.state.side)
     };
     M::complete_snap_through(load, &start, allowed, report)
 }

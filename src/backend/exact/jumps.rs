@@ -78,8 +78,8 @@ impl Exact<QuasiStatic> {
 
     /// Completes a snap-through. The balance ends where the energy of the springs is no longer
     /// convex, and the load moves to another balance while the tips move. The energy that is
-    /// missing since `start` is then more than the error of the trapezoid rule on a smooth path,
-    /// `allowed` (J).
+    /// missing since `start` is then more than the error of the trapezoid rule on a smooth path: of
+    /// the tips, `allowed` (J), and of the obstacles.
     pub(super) fn snap_through(
         &mut self,
         start: &SnapStart,
@@ -88,7 +88,7 @@ impl Exact<QuasiStatic> {
     ) -> Option<TransitionKind> {
         let energy = &self.state.energy;
         let missing = start.defect - energy.defect();
-        let rounding = SNAP_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic);
+        let rounding = SNAP_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic) + self.state.side.uncertainty;
         if missing <= rounding || self.state.motion.pose == start.pose || missing <= allowed(self) + rounding {
             return None;
         }

@@ -73,13 +73,14 @@ impl Exact<QuasiStatic> {
         self.state.side.now = to;
         let mut n_held = 0;
         for _ in 0..MOST_LEGS {
-            let Some(share) = work.cut.filter(|_| n_held < MOST_HELD_LEGS) else { return report };
+            let Some(share) = work.cut.filter(|_| n_held < MOST_HELD_LEGS) else { break };
             n_held += u32::from(share == 1.0);
             from += share * (to - from);
             let (next, next_work) = self.leg(None, [from, to]);
             report.add(&StepReport { n_steps: 0, ..next });
             work = SideWork { uncertainty: work.uncertainty + next_work.uncertainty, ..next_work };
         }
+        self.state.side.uncertainty = work.uncertainty;
         report
     }
 
@@ -88,7 +89,6 @@ impl Exact<QuasiStatic> {
         let before = self.state.motion.pose;
         let (increment, work) = self.increment(step, times);
         let Self { state, springs, .. } = self;
-        state.side.uncertainty = work.uncertainty;
         match step {
             Some(step) => state.forecast.learn(&increment, step),
             None => state.forecast.forget(),

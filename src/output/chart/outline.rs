@@ -109,7 +109,8 @@ impl View {
             let [one, other] = [low / way[axis], high / way[axis]];
             (from, to) = (from.max(one.min(other)), to.min(one.max(other)));
         }
-        (from <= to).then(|| [a + from * way, a + to * way])
+        let at = |share: f64| if share == 1.0 { b } else { a + share * way };
+        (from <= to).then(|| [at(from), at(to)])
     }
 }
 

@@ -85,7 +85,7 @@ fn nothing_and_broken_rows_are_drawn_as_gaps() {
 fn a_long_wall_is_cut_near_the_path() {
     let trace = synthetic::trace(800, 1.0);
     let seen = Seen::all(&[Labelled { label: "one", trace: &trace }]);
-    let wall = OutlinePart::Polyline { points: vec![Vec2::new(-5.0, -0.05), Vec2::new(5.0, -0.05)] };
+    let wall = OutlinePart::Polyline { points: vec![Vec2::new(-5.0, -0.02), Vec2::new(5.0, -0.02)] };
     let path = ObstaclePath::fixed(Pose::new(0.0, 0.0, 0.0));
     let outline = Outline { parts: vec![wall] };
     let wall = Obstacle { name: "wall".into(), outline, friction_coefficient: 0.0, restitution: 0.0, path };

@@ -68,6 +68,7 @@ impl Facts<'_> {
             .or_else(|| self.unresolved(self.run.seen.rate * self.scenario.control_period, "of springs as they came to be"))
             .or_else(|| self.overdamped())
             .or_else(|| self.stops_at_once(outcome))
+            .or_else(|| self.pushed_slowly(outcome))
             .or_else(|| self.unlike_inertia(outcome))
             .or_else(|| self.few_digits())
             .or_else(|| self.gap_in_single(outcome))
@@ -146,6 +147,17 @@ impl Facts<'_> {
         let n_steps = speed * system.load.mass / (system.total_slip_limit() * self.scenario.control_period);
         let is_about_places = matches!(outcome, Outcome::Error | Outcome::Drift);
         (is_about_places && speed > 0.0 && n_steps < FEW_STEPS).then(|| format!("the load stops within {n_steps:.1e} steps"))
+    }
+
+    /// The engine takes the directions of friction from the last step, and friction that stops the
+    /// load within a step has more than one.
+    fn pushed_slowly(&self, outcome: Outcome) -> Option<String> {
+        let system = &self.scenario.system;
+        let is_pushed = !self.method.kind.is_exact() && system.world.obstacles.iter().any(|obstacle| obstacle.path.moves());
+        let n_steps = self.run.seen.speed * system.load.mass / (system.total_slip_limit() * self.scenario.control_period);
+        let is_about_friction = matches!(outcome, Outcome::Error | Outcome::Drift | Outcome::NotConverged);
+        (is_pushed && is_about_friction && n_steps < 1.0)
+            .then(|| format!("an obstacle pushes slowly: friction stops the load within {n_steps:.1e} steps of the engine"))
     }
 
     fn unlike_inertia(&self, outcome: Outcome) -> Option<String> {

@@ -144,8 +144,8 @@ fn turnover(run: &Run) -> f64 {
 ///
 /// * rounding: every step adds to sums as large as the turnover, and its forces know places to a
 ///   last digit of the load's and the tips';
-/// * work of the tips, a trapezoid: at most the change of the pull times the displacement, step by
-///   step;
+/// * work of tips and moving obstacles, a trapezoid: at most the change of the force times the
+///   displacement, step by step;
 /// * work on the load, a trapezoid along an oscillation: (omega h)^2 / 12 of what is turned over,
 ///   and no more than a hundredth where omega h is not small. Without inertia there is none. Rapier
 ///   with its engine defaults cuts a step in four, of which its forces are those of the last: omega

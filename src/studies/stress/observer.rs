@@ -17,8 +17,9 @@ pub struct Seen {
     pub not_finite: Option<String>,
     /// The first tip that was not where it was sent.
     pub misplaced: Option<String>,
-    /// Bound of the error of the tips' work (J): sum over steps and springs of the change of the
-    /// pull times the displacement of the tip.
+    /// Bound of the error of the work of tips and obstacles (J): sum over steps of the change of
+    /// each pull times the displacement of its tip, and of the change of the force of each moving
+    /// obstacle times its displacement.
     pub quadrature: f64,
     /// Largest sum of elastic and kinetic energy (J).
     pub peak_energy: f64,
@@ -53,6 +54,8 @@ pub struct Observer {
     system: System,
     start: Pose,
     swings: Vec<f64>,
+    /// (s)
+    time: f64,
     seen: Rc<RefCell<Seen>>,
 }
 
@@ -61,7 +64,7 @@ impl Observer {
     pub fn around(inside: Box<dyn Backend>, system: &System) -> (Box<dyn Backend>, Rc<RefCell<Seen>>) {
         let seen = Rc::new(RefCell::new(Seen { shortest: f64::INFINITY, ..Seen::default() }));
         let (start, swings) = (inside.motion().pose, vec![0.0; system.springs.len()]);
-        let hook = Self { system: system.clone(), start, swings, seen: Rc::clone(&seen) };
+        let hook = Self { system: system.clone(), start, swings, time: 0.0, seen: Rc::clone(&seen) };
         (Box::new(Wrapped { inside, hook }), seen)
     }
 
@@ -78,6 +81,15 @@ impl Observer {
 
     fn pulls(&self, inside: &dyn Backend) -> Vec<Vec2> {
         (0..self.system.springs.len()).map(|at| inside.pull(at)).collect()
+    }
+
+    /// Force of each obstacle on the load (N).
+    fn pushes(&self, inside: &dyn Backend) -> Vec<Vec2> {
+        let mut pushes = vec![Vec2::zeros(); self.system.world.obstacles.len()];
+        for contact in inside.side_contacts() {
+            pushes[contact.obstacle] += contact.force;
+        }
+        pushes
     }
 
     fn tips(&self, inside: &dyn Backend) -> Vec<Option<Vec2>> {
@@ -180,7 +192,7 @@ impl Hook for Observer {
 
     fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let (shapes, tips, pulls) = (self.shapes(inside), self.tips(inside), self.pulls(inside));
-        let before = inside.motion().pose;
+        let (before, pushes) = (inside.motion().pose, self.pushes(inside));
         let report = inside.advance(tip_targets, duration);
         let seen = Rc::clone(&self.seen);
         let seen = &mut *seen.borrow_mut();
@@ -199,6 +211,10 @@ impl Hook for Observer {
                 seen.misplaced = Some(format!("tip {at} is not where it was sent at step {step}"));
             }
         }
+        let paths = self.system.world.obstacles.iter().map(|obstacle| obstacle.path_length(self.time, self.time + duration));
+        let changes = self.pushes(inside).into_iter().zip(pushes).map(|(after, before)| (after - before).norm());
+        seen.quadrature += changes.zip(paths).map(|(change, path)| change * path).sum::<f64>();
+        self.time += duration;
         self.see_springs(inside, seen, &shapes);
         self.see_load(inside, seen, &before);
         if seen.not_finite.is_none() {

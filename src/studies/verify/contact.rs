@@ -101,7 +101,7 @@ const IMPACT: Scene = Scene {
 
 pub fn cases() -> Vec<Case> {
     let (exact, midpoint, engine) = (Method::QUASI_STATIC, Method::INERTIAL_MIDPOINT, Method::RAPIER);
-    let rounding = || Plan::exact(exact, STEP, N_STEPS, metres(ROUNDING, "rounding: steps end on the path at any length"));
+    let rounding = || Plan::exact(exact, STEP, N_STEPS, pose(ROUNDING, 1e-10, "rounding: steps end on the path at any length"));
     let quasi_static = |power, bound| Plan::within(power, exact, STEP, N_STEPS, bound);
     let inertial = |bound| Plan::within(1.0, midpoint, STEP, N_STEPS, bound);
     let of_engine = |bound| Plan::within(1.0, engine, STEP, N_STEPS, bound);
@@ -134,14 +134,14 @@ pub fn cases() -> Vec<Case> {
         case(
             REBOUND,
             vec![
-                inertial(metres(4e-6, "a stop within a step, mu g h^2 / 4")),
-                of_engine(metres(3e-4, "half a step at 0.5 m/s and its rebound")),
+                inertial(pose(4e-6, 1e-9, "a stop within a step, mu g h^2 / 4")),
+                of_engine(pose(3e-4, 1e-9, "half a step at 0.5 m/s and its rebound")),
             ],
             Some(with_inertia),
         ),
         case(
             IMPACT,
-            vec![inertial(metres(5e-6, "a stop within a step, mu g h^2 / 4")), of_engine(metres(3e-4, "a step at 0.3 m/s"))],
+            vec![inertial(pose(5e-6, 1e-9, "a stop within a step, mu g h^2 / 4")), of_engine(pose(3e-4, 1e-9, "a step at 0.3 m/s"))],
             Some(with_inertia),
         ),
     ]

@@ -82,7 +82,7 @@ pub fn follow(problem: &Problem, rows: &[ContactRow]) -> Path {
         n_iterations += 1;
         let Some((step, found)) = state.newton_step(smoothing) else { break };
         inverse = found;
-        let share = state.advance(&step, smoothing);
+        let Some(share) = state.advance(&step, smoothing) else { break };
         if smoothing <= END && state.is_solved(smoothing) {
             is_converged = true;
             break;
@@ -180,7 +180,7 @@ impl<'a> State<'a> {
             slopes += row.tangent * (side.by_slip * row.tangent - side.coupling * row.normal).transpose();
         }
         let inverse = slopes.try_inverse().filter(|inverse| inverse.iter().all(|v| v.is_finite()))?;
-        let step = slopes.lu().solve(&-sum)?;
+        let step = slopes.lu().solve(&-sum).filter(|step| step.iter().all(|v| v.is_finite()))?;
         Some((step, inverse))
     }
 
@@ -213,8 +213,9 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Goes as far along the step as the limits allow; returns that share of it.
-    fn advance(&mut self, step: &Vec3, smoothing: f64) -> f64 {
+    /// Goes as far along the step as the limits allow; returns that share of it. `None`, with
+    /// nothing changed, where forces overflow.
+    fn advance(&mut self, step: &Vec3, smoothing: f64) -> Option<f64> {
         let mut share: f64 = 1.0;
         let mut changes: SmallVec<[(f64, SideForce); 8]> = SmallVec::new();
         for (j, row) in self.rows.iter().enumerate() {
@@ -223,6 +224,9 @@ impl<'a> State<'a> {
             let normal = side.normal - side.stiffness * along - self.sides[j].normal;
             let gap = along + smoothing * normal + self.gap_error(j, smoothing);
             let tangential = side.tangential - side.by_slip * across + side.coupling * along - self.sides[j].tangential;
+            if !(gap + normal + tangential).is_finite() {
+                return None;
+            }
             if gap < 0.0 {
                 share = share.min(-SHARE * self.gaps[j] / gap);
             }
@@ -249,7 +253,7 @@ impl<'a> State<'a> {
             side.normal += share * change.normal;
             side.tangential = (side.tangential + share * change.tangential).clamp(-friction * side.normal, friction * side.normal);
         }
-        share
+        Some(share)
     }
 
     fn end(self, problem: &Problem, smoothing: f64, inverse: Mat3, is_converged: bool, n_iterations: u32) -> Path {

@@ -5,8 +5,8 @@
 //! 2. `frictionless`: the convex step without side friction, then Newton's method with the signs of
 //!    its slips.
 //! 3. `rest_or_slide`: the convex step with friction cones, which is exact if nothing slides. It is
-//!    accepted if it is stable: the step with slip offsets of a thousandth of the increment slips
-//!    by less than these. Else, and where something slides, Newton's method on the offsets.
+//!    accepted if it is stable: the step with slip offsets far smaller than the increment slips by
+//!    less than these. Else, and where something slides, Newton's method on the offsets.
 //! 4. `smoothed`: Coulomb's law itself, smoothed.
 //! 5. `enumerate`: all modes.
 
@@ -22,8 +22,14 @@ use crate::math::{Vec2, Vec3};
 
 /// Residual up to which an answer is taken without looking for a better one (1).
 pub const ACCEPTED: f64 = 1e-12;
-/// Slip offset over the size of the increment at which rest is asked whether it is stable (1).
-const DISTURBANCE: f64 = 1e-3;
+/// Slip offset over the size of the increment at which rest is asked whether it is stable (1). In a
+/// short step a load slides by little before its springs hold it again, and the offset has to be
+/// less than that.
+const DISTURBANCE: f64 = 1e-9;
+/// Size of the increment over that offset that its step is solved for (1).
+const MAGNIFIED: f64 = 1e3;
+/// Slip offset over the size of the increment at which the search for a slide begins (1).
+const FIRST_OFFSET: f64 = 1e-3;
 /// Slips beyond the offsets that are rounding, over the offsets (1).
 const ROUNDED: f64 = 1e-6;
 /// Changes of modes at most in one walk.
@@ -222,17 +228,30 @@ impl<'a> Search<'a> {
                 self.climb(PerContact::from_elem(0.0, n), first, None).then_some(Stage::Offsets)
             };
         }
-        let offsets: PerContact<f64> = sticks.iter().map(|sticks| if *sticks { DISTURBANCE * self.problem.extent } else { 0.0 }).collect();
-        let disturbed = self.relaxed(&offsets);
-        let slip = |k: usize| self.problem.slip(k, &disturbed.path.twist).abs();
-        let is_stable = (0..n).all(|k| !sticks[k] || slip(k) <= offsets[k] * (1.0 + ROUNDED));
-        if is_stable {
+        if self.is_stable(&sticks) {
             return self.consider(rest).then_some(Stage::StableRest);
         }
+        let offsets = self.offsets(&sticks, FIRST_OFFSET);
+        let disturbed = self.relaxed(&offsets);
         if self.climb(offsets, disturbed, Some(&rest)) {
             return Some(Stage::Offsets);
         }
         self.consider(rest).then_some(Stage::Unstable)
+    }
+
+    /// Slip offsets of contacts that stick, over the size of the increment.
+    fn offsets(&self, sticks: &[bool], share: f64) -> PerContact<f64> {
+        sticks.iter().map(|sticks| if *sticks { share * self.problem.extent } else { 0.0 }).collect()
+    }
+
+    /// Whether the contacts that stick slip by less than slip offsets that disturb them.
+    fn is_stable(&mut self, sticks: &[bool]) -> bool {
+        let offsets = self.offsets(sticks, DISTURBANCE);
+        let magnified = self.problem.clone().resized(MAGNIFIED * DISTURBANCE * self.problem.extent);
+        let disturbed = Relaxed::new(&magnified, &offsets);
+        self.count(&disturbed.path);
+        let slip = |k: usize| self.problem.slip(k, &disturbed.path.twist).abs();
+        disturbed.path.is_converged && (0..sticks.len()).all(|k| !sticks[k] || slip(k) <= offsets[k] * (1.0 + ROUNDED))
     }
 
     /// Newton's method on the slip offsets; it leads away from a `rest` that is not stable.

@@ -1,12 +1,12 @@
-//! Loads that meet obstacles: gaps, speeds, friction, notches, posts by the thousand, corners,
-//! pushers, rebounds, and squeezes that have no answer.
+//! Loads that meet obstacles: gaps, speeds, friction, notches, corners, pushers, rebounds, and
+//! squeezes that have no answer.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::super::map::{Answer, Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, disc, isotropic, load, walls};
 use super::scales::in_units;
-use crate::math::{RandomStreams, Stream, Vec2, direction};
+use crate::math::{Vec2, direction};
 use crate::scenario::format::{LoadEntry, OutlineEntry, PolygonEntry, ScenarioFile};
 use crate::studies::verify::scenes::{GRAVITY, LOAD_RADIUS, MASS, MU, SLIP_LIMIT, SLIP_STRETCH};
 
@@ -93,13 +93,6 @@ fn against_others(friction: &dyn Fn(usize) -> Axis) -> Vec<Map> {
             x: Axis::counts("n_corners", 3.0, 40.0, 18),
             y: friction(19),
             cell: polygon,
-        },
-        Map {
-            name: "contact-obstacles",
-            what: "a load among 1 to 1000 posts, 40 steps; exact answer at finer steps",
-            x: Axis::counts("n_obstacles", 1.0, 1000.0, 22),
-            y: Axis::of_names("arrangement_and_drive", &ARRANGEMENTS),
-            cell: posts,
         },
         Map {
             name: "contact-pusher",
@@ -226,66 +219,6 @@ fn polygon(n: f64, friction: f64) -> Cell {
     let mut scene = Scene::paper(2e-3, 40).among(wall_along(), Vec2::new(0.0, -1.05 * LOAD_RADIUS), friction);
     scene.load = LoadEntry { outline: Some(outline), radius_m: None, ..load(MASS) };
     drawn(scene, Vec2::zeros(), 3.0 * SLIP_STRETCH * direction(-0.7)).cell(finer())
-}
-
-/// How the load of the arrangements below is pulled or thrown, one block each.
-const N_DRIVES: usize = 3;
-const ARRANGEMENTS: [&str; 6 * N_DRIVES] = [
-    "ring, drawn ahead",
-    "row ahead, drawn ahead",
-    "bumpy wall, drawn ahead",
-    "random, drawn ahead",
-    "far away, drawn ahead",
-    "all at one place, drawn ahead",
-    "ring, drawn aside",
-    "row ahead, drawn aside",
-    "bumpy wall, drawn aside",
-    "random, drawn aside",
-    "far away, drawn aside",
-    "all at one place, drawn aside",
-    "ring, thrown",
-    "row ahead, thrown",
-    "bumpy wall, thrown",
-    "random, thrown",
-    "far away, thrown",
-    "all at one place, thrown",
-];
-
-fn posts(n: f64, row: f64) -> Cell {
-    const POST: f64 = 0.1;
-    let (n, row) = (n as usize, row as usize);
-    let kinds = ARRANGEMENTS.len() / N_DRIVES;
-    let scene = (0..n).fold(Scene::paper(2e-3, 40), |scene, i| {
-        let place = LOAD_RADIUS * post(row % kinds, i, n);
-        scene.among(disc(POST * LOAD_RADIUS), place, 0.2)
-    });
-    match row / kinds {
-        0 => drawn(scene, Vec2::zeros(), 3.0 * SLIP_STRETCH * direction(-0.05)),
-        1 => drawn(scene, Vec2::zeros(), 3.0 * SLIP_STRETCH * direction(-0.8)),
-        _ => {
-            let mut scene = scene;
-            scene.load.velocity_m_per_s = [0.6, -0.3];
-            scene.load.turn_rate_rad_per_s = 7.0;
-            scene
-        }
-    }
-    .cell(finer())
-}
-
-/// Place of post `i` of `n` (radii of the load).
-fn post(kind: usize, i: usize, n: usize) -> Vec2 {
-    let share = i as f64 / n as f64;
-    match kind {
-        0 => 1.4 * direction(TAU * share),
-        1 => Vec2::new(1.5, 4.0 * (share - 0.5)),
-        2 => Vec2::new(20.0 * share - 5.0, -1.11),
-        3 => {
-            let [u, v] = RandomStreams::new(1).uniform_pair(Stream::Scene, 1, i as u64);
-            (1.2 + 8.0 * u) * direction(TAU * v)
-        }
-        4 => Vec2::new(1e3 + share, 0.0),
-        _ => Vec2::new(1.5, -0.4),
-    }
 }
 
 fn pushed(speed: f64, offset: f64) -> Cell {
