@@ -97,8 +97,8 @@ impl ContactStep<'_, '_> {
         self.descend(solver)
     }
 
-    /// Zero increment, for a load at rest that the last contact forces without their friction still
-    /// hold there. Where it takes side friction to rest, sliding may be an answer as well, and comes
+    /// Zero increment, for a load at rest that the last contact forces without friction still hold
+    /// there. Where it takes side friction to rest, sliding may be an answer as well, and comes
     /// first (see `solve_contacts`).
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;

@@ -231,10 +231,12 @@ impl<'a> Search<'a> {
         if self.is_stable(&sticks) {
             return self.consider(rest).then_some(Stage::StableRest);
         }
-        let offsets = self.offsets(&sticks, FIRST_OFFSET);
-        let disturbed = self.relaxed(&offsets);
-        if self.climb(offsets, disturbed, Some(&rest)) {
-            return Some(Stage::Offsets);
+        for share in [FIRST_OFFSET, DISTURBANCE] {
+            let offsets = self.offsets(&sticks, share);
+            let disturbed = self.relaxed(&offsets);
+            if self.climb(offsets, disturbed, Some(&rest)) {
+                return Some(Stage::Offsets);
+            }
         }
         self.consider(rest).then_some(Stage::Unstable)
     }
@@ -244,14 +246,20 @@ impl<'a> Search<'a> {
         sticks.iter().map(|sticks| if *sticks { share * self.problem.extent } else { 0.0 }).collect()
     }
 
-    /// Whether the contacts that stick slip by less than slip offsets that disturb them.
+    /// Whether the contacts that stick slip by less than slip offsets that disturb them; greater
+    /// ones where the least lead to no answer.
     fn is_stable(&mut self, sticks: &[bool]) -> bool {
-        let offsets = self.offsets(sticks, DISTURBANCE);
-        let magnified = self.problem.clone().resized(MAGNIFIED * DISTURBANCE * self.problem.extent);
+        [DISTURBANCE, FIRST_OFFSET].into_iter().find_map(|share| self.is_stable_against(sticks, share)).unwrap_or(false)
+    }
+
+    fn is_stable_against(&mut self, sticks: &[bool], share: f64) -> Option<bool> {
+        let offsets = self.offsets(sticks, share);
+        let magnified = self.problem.clone().resized(MAGNIFIED * share * self.problem.extent);
         let disturbed = Relaxed::new(&magnified, &offsets);
         self.count(&disturbed.path);
         let slip = |k: usize| self.problem.slip(k, &disturbed.path.twist).abs();
-        disturbed.path.is_converged && (0..sticks.len()).all(|k| !sticks[k] || slip(k) <= offsets[k] * (1.0 + ROUNDED))
+        let is_stable = (0..sticks.len()).all(|k| !sticks[k] || slip(k) <= offsets[k] * (1.0 + ROUNDED));
+        disturbed.path.is_converged.then_some(is_stable)
     }
 
     /// Newton's method on the slip offsets; it leads away from a `rest` that is not stable.
