@@ -192,7 +192,10 @@ struct Errors {
 }
 
 fn errors(scene: &Scene, kind: BackendKind) -> Errors {
-    let reference = scene.run(kind, REFERENCE);
+    // At obstacles a few scenes are rounding at the tightest tolerance, and say so.
+    let references = [REFERENCE, 10.0 * REFERENCE].map(|tolerance| move || scene.run(kind, tolerance));
+    let reference = references.into_iter().map(|run| run()).find(|run| run.is_within);
+    let reference = reference.unwrap_or_else(|| panic!("{} {kind:?} has no reference", scene.name));
     let pairs = TOLERANCES.map(|tolerance| {
         let found = scene.run(kind, tolerance);
         assert!(found.is_within, "{} {kind:?} at {tolerance:e}: {:e} by its own account", scene.name, found.estimate);

@@ -30,6 +30,9 @@ const MOST_NEWTON_ATTEMPTS: usize = 20;
 /// Gap over the load's radius at which a touch is located (1).
 const LOCATED: f64 = 1e-13;
 
+/// Height of a bounce that is none, over the tolerance of a macro-step (1).
+const NEGLIGIBLE: f64 = 0.01;
+
 impl Exact<Inertial> {
     /// Takes a step among obstacles.
     pub(super) fn step_among_obstacles(&mut self, paths: &TipPaths, from: f64, to: f64) -> StepReport {
@@ -129,16 +132,16 @@ impl Exact<Inertial> {
     fn strike(&mut self, strikes: &[Strike], before: &Motion, duration: f64, time: f64) {
         let Self { obstacles, system, state, springs, stepping, .. } = self;
         let Some(obstacles) = obstacles else { return };
-        // A bounce that would end within a step is none, and neither is one that would not lead
-        // farther than a macro-step may be wrong: a load that is pressed against an obstacle
-        // bounces infinitely often before it stays there.
+        // A load that is pressed against an obstacle bounces infinitely often before it stays
+        // there. At fixed steps a bounce that would end within a step is none, and under error
+        // control one that leads no farther than a hundredth of what a macro-step may be wrong by.
         let change = (state.motion.twist.linear - before.twist.linear).norm()
             + system.load.radius * (state.motion.twist.angular - before.twist.angular).abs();
-        let negligible = match stepping {
-            Stepping::Fixed(_) => 0.0,
-            Stepping::Controlled(control) => (2.0 * control.position * change / duration).sqrt(),
+        let rounding = 1e-12 * system.load.radius;
+        let softest = match stepping {
+            Stepping::Fixed(_) => change.max(rounding / duration),
+            Stepping::Controlled(control) => (2.0 * (NEGLIGIBLE * control.position).max(rounding) * change / duration).sqrt(),
         };
-        let softest = change.max(negligible).max(1e-12 * system.load.radius / duration);
         let Reflection { twist, loss, of_obstacles, obstacle } =
             obstacles.reflect(system, &mut state.side.touching, strikes, &state.motion, (time, softest));
         let kinetic = system.load.kinetic_energy(&twist);
