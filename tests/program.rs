@@ -387,7 +387,7 @@ fn obstacles_inside_each_other_are_warned_about() {
         assert!(text(&output.stderr).contains(&format!("warning: {odd}: {warning}")), "{}", text(&output.stderr));
     }
     let output = call(&["scenario", "check", "--json", &odd, &room.tips()]);
-    let found: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    let found: Value = serde_json::from_str(text(&output.stdout)).unwrap();
     assert_eq!((&found["scenarios"][0]["ok"], &found["scenarios"][0]["warnings"][0]["path"]), (&json!(true), &json!("obstacles[1]")));
     assert_eq!(found["scenarios"][1]["warnings"], json!([]));
     // A hair apart there is nothing to warn of.

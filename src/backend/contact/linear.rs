@@ -82,10 +82,9 @@ impl Linear {
         let Some(inverse) = hessian.try_inverse() else { return false };
         let n = self.rows.len();
         let mut w = [[0.0; 3]; 3];
-        for i in 0..n {
-            for j in 0..n {
-                let (row, along) = (self.rows[i].0.component_mul(&units), self.rows[j].1.component_mul(&units));
-                w[i][j] = row.dot(&(inverse * along));
+        for (entries, (row, ..)) in w.iter_mut().zip(&self.rows) {
+            for (entry, (_, along, ..)) in entries.iter_mut().zip(&self.rows) {
+                *entry = row.component_mul(&units).dot(&(inverse * along.component_mul(&units)));
             }
         }
         let pair = |i: usize, j: usize| w[i][i] * w[j][j] - w[i][j] * w[j][i];
@@ -106,11 +105,10 @@ fn eliminated(a: &mut [[f64; MOST + 1]; MOST], n: usize) -> Option<[f64; MOST]> 
         if a[column][column] == 0.0 || !a[column][column].is_finite() {
             return None;
         }
-        for i in column + 1..n {
-            let factor = a[i][column] / a[column][column];
-            for j in column..=n {
-                a[i][j] -= factor * a[column][j];
-            }
+        let row = a[column];
+        for other in &mut a[column + 1..n] {
+            let factor = other[column] / row[column];
+            other.iter_mut().zip(&row).skip(column).for_each(|(entry, of_row)| *entry -= factor * of_row);
         }
     }
     let mut x = [0.0; MOST];
