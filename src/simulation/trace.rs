@@ -96,7 +96,7 @@ pub struct Outcome {
     /// Counts of the transitions that the backend reported.
     #[serde(default)]
     pub transitions: TransitionCounts,
-    /// What happened at obstacles: the first [`MOST_CONTACT_TRANSITIONS`] such transitions.
+    /// What happened at obstacles: the first `MOST_CONTACT_TRANSITIONS` such transitions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contact_transitions: Vec<Transition>,
     /// Largest estimated error of the pose; `None` where the backend estimates none.

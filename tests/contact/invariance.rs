@@ -103,7 +103,7 @@ fn a_turned_scene_leads_to_turned_poses() {
 
 fn mapped(part: &OutlinePart, map: impl Fn(&Vec2) -> Vec2 + Copy, scale: f64, reverse: bool) -> OutlinePart {
     let all = |points: &[Vec2]| -> Vec<Vec2> {
-        let points = points.iter().map(|point| map(point));
+        let points = points.iter().map(&map);
         if reverse { points.rev().collect() } else { points.collect() }
     };
     match part {

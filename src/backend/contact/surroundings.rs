@@ -14,9 +14,9 @@ use crate::model::{Obstacle, System};
 pub struct PairKey {
     pub obstacle: usize,
     pub kind: PairKind,
-    /// Index of the load's corner, or of its edge for [`PairKind::LineOnPoint`].
+    /// Index of the load's corner, or of its edge for `LineOnPoint`.
     pub of_load: usize,
-    /// Index of the obstacle's edge for [`PairKind::PointOnLine`], or of its corner.
+    /// Index of the obstacle's edge for `PointOnLine`, or of its corner.
     pub of_obstacle: usize,
 }
 
