@@ -174,7 +174,7 @@ impl<M: Method> Exact<M> {
             if done == n_steps {
                 break;
             }
-            let touching = self.state.side.touching.clone();
+            let touching = if self.obstacles.is_some() { self.state.side.touching.clone() } else { Vec::new() };
             let (start, last) = (self.state.snap_start(), self.state.contact.last());
             report.add(&M::step(self, paths, share(done), share(done + 1)));
             done += 1;

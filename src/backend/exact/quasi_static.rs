@@ -65,11 +65,21 @@ impl Exact<QuasiStatic> {
 
     /// Moves the load to the balance for the tips as the springs have them, or leaves it where it
     /// is when there is no finite answer. `step` measures the path of the tips; `None` when they
-    /// stand. Obstacles move between two `times` (s), and divide a path that would pass through
-    /// one.
+    /// stand. Obstacles move between two `times` (s).
     pub(super) fn balance(&mut self, step: Option<f64>, times: [f64; 2]) -> StepReport {
-        let (mut report, mut work) = self.leg(step, times);
-        let [mut from, to] = times;
+        if self.obstacles.is_some() {
+            return self.balance_among_obstacles(step, times);
+        }
+        let increment = self.increment(step);
+        self.accept(increment, step)
+    }
+
+    /// [`Self::balance`] where there are obstacles, which divide a path that would pass through
+    /// one.
+    // A function of its own: most loads have no obstacles.
+    #[inline(never)]
+    fn balance_among_obstacles(&mut self, step: Option<f64>, [mut from, to]: [f64; 2]) -> StepReport {
+        let (mut report, mut work) = self.leg(step, [from, to]);
         self.state.side.now = to;
         let mut n_held = 0;
         for _ in 0..MOST_LEGS {
@@ -84,10 +94,28 @@ impl Exact<QuasiStatic> {
         report
     }
 
-    /// One leg of the path to a balance.
-    fn leg(&mut self, step: Option<f64>, times: [f64; 2]) -> (StepReport, SideWork) {
+    /// One leg of the path to a balance among obstacles, and its work at them.
+    fn leg(&mut self, step: Option<f64>, [from, to]: [f64; 2]) -> (StepReport, SideWork) {
+        let start = *self.springs.place();
+        let guess = step.and_then(|step| self.state.forecast.increment(step));
+        let Self { springs, system, solver, obstacles: Some(obstacles), state, .. } = self else {
+            unreachable!("there are obstacles");
+        };
+        let mut problem = Step { potential: Potential::of(springs.blocks(), start), ground: &system.ground, length: system.load.radius };
+        let task = Task { from, to, guess, has_inertia: false, scope: Scope::Near };
+        let (increment, work) = obstacles.find(system, &mut problem, solver, &mut state.side.touching, &task);
+        let report = self.accept(increment, step);
+        if report.status != Status::Failed {
+            self.state.energy.side_friction += work.friction;
+            self.state.energy.obstacle_work += work.of_obstacles;
+        }
+        (report, work)
+    }
+
+    /// Moves the load by an increment and adds its energies to the ledger.
+    #[inline]
+    fn accept(&mut self, increment: Increment, step: Option<f64>) -> StepReport {
         let before = self.state.motion.pose;
-        let (increment, work) = self.increment(step, times);
         let Self { state, springs, .. } = self;
         match step {
             Some(step) => state.forecast.learn(&increment, step),
@@ -101,8 +129,6 @@ impl Exact<QuasiStatic> {
         if pose.is_finite() {
             state.contact = GroundContact::Known(mode);
             state.energy.friction += friction;
-            state.energy.side_friction += work.friction;
-            state.energy.obstacle_work += work.of_obstacles;
         } else {
             report.status = Status::Failed;
             pose = before;
@@ -120,28 +146,21 @@ impl Exact<QuasiStatic> {
             state.certificate.forget();
         }
         state.motion.pose = pose;
-        (report, work)
+        report
     }
 
-    /// Increment of the pose, of second order where that is possible, and the work at obstacles.
-    fn increment(&mut self, step: Option<f64>, [from, to]: [f64; 2]) -> (Increment, SideWork) {
+    /// Increment of the pose without obstacles, of second order where that is possible.
+    fn increment(&mut self, step: Option<f64>) -> Increment {
         let start = *self.springs.place();
         let guess = step.and_then(|step| self.state.forecast.increment(step));
-        let Self { springs, system, solver, obstacles, state, .. } = self;
-        let radius = system.load.radius;
-        if let Some(obstacles) = obstacles {
-            let potential = Potential::of(springs.blocks(), start);
-            let mut step = Step { potential, ground: &system.ground, length: radius };
-            let task = Task { from, to, guess, has_inertia: false, scope: Scope::Near };
-            return obstacles.find(system, &mut step, solver, &mut state.side.touching, &task);
-        }
+        let Self { springs, system, solver, state, .. } = self;
         if let (Some(past), Some(duration), Some(guess)) = (&state.memory.past, step, &guess) {
             let found = bdf2::step(system, (&start, past), duration, guess, springs.blocks(), solver);
             if let Some(found) = found {
-                return (found, SideWork::default());
+                return found;
             }
         }
-        (minimise(Potential::of(springs.blocks(), start), &system.ground, solver, radius, guess), SideWork::default())
+        minimise(Potential::of(springs.blocks(), start), &system.ground, solver, system.load.radius, guess)
     }
 }
 
