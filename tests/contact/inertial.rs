@@ -1,10 +1,12 @@
 //! Known answers with inertia. Under a tolerance they hold to 1e-8 of the load's size; at fixed
 //! steps with the order of the method.
 
+use std::f64::consts::PI;
+
 use cohaul::backend::BackendKind::Inertial;
 use cohaul::backend::{Backend, BackendOptions, Integrator, Status, build};
 use cohaul::math::{Pose, Twist, Vec2};
-use cohaul::model::{Motion, Obstacle, System};
+use cohaul::model::{Motion, Obstacle, ObstaclePath, System};
 
 use crate::scenes::*;
 
@@ -119,6 +121,38 @@ fn a_disc_hits_a_wall_at_an_angle() {
         assert!(away(&exact(Inertial, &system, 1e-9)) < known);
         let errors = [1e-3, 2.5e-4].map(|h| away(&BackendOptions::new(Inertial, h)));
         assert!(errors[0] < 3e-6 && 3.5 * errors[1] < errors[0], "at least first order: {errors:?}");
+    }
+}
+
+/// A pusher behind a disc drives it against a wall. It is squeezed out along the wall at V cot a,
+/// where a is the angle between wall and the line of the centres. Momentum gives the impulse of the
+/// pusher, m V cos a / sin^2 a, and with it its work, m V^2 cot^2 a, and the loss, m V^2 / (2 sin^2
+/// a). Energy that a moving obstacle adds while a fixed one is hit is its work.
+#[test]
+fn a_pusher_works_on_a_disc_that_hits_a_wall() {
+    let (speed, angle, radius) = (0.1, PI / 3.0, 0.005);
+    let towards = Vec2::new(angle.cos(), angle.sin());
+    let way = Pose::new(speed, 0.0, 0.0);
+    let pusher = Obstacle {
+        path: ObstaclePath { waypoints: vec![(0.0, Pose::new(0.0, 0.0, 0.0)), (1.0, way)] },
+        ..post(-(RADIUS + radius) * towards, radius)
+    };
+    let ahead = wall(Vec2::new(RADIUS + 1e-3, 0.0), Vec2::new(0.0, 1.0), 0.0);
+    for obstacles in [vec![ahead.clone(), pusher.clone()], vec![pusher, ahead]] {
+        let mut system = disc(obstacles);
+        system.ground.friction_coefficient = 0.0;
+        for options in [by(Integrator::Euler, 2e-3), by(Integrator::Midpoint, 2e-3), exact(Inertial, &system, 1e-9)] {
+            let mut load = build(&system, moving(speed, 0.0), &options);
+            // The impact is at 10 ms. What the pusher does in the nanosecond after it is a share of
+            // 1e-9 V / R of its work.
+            assert_eq!(load.advance(&[Vec2::zeros()], 0.01 + 1e-9).status, Status::Converged);
+            let (twist, energy, unit) = (load.motion().twist, load.energy(), MASS * speed * speed);
+            let cotangent = 1.0 / angle.tan();
+            assert!((twist.linear - Vec2::new(0.0, speed * cotangent)).norm() < 1e-7 * speed, "{twist:?}");
+            assert!((energy.obstacle_work - unit * cotangent * cotangent).abs() < 1e-7 * unit, "{energy:?}");
+            assert!((energy.impacts - 0.5 * unit / angle.sin().powi(2)).abs() < 1e-7 * unit, "{energy:?}");
+            assert!(energy.defect().abs() < 1e-7 * unit, "{energy:?}");
+        }
     }
 }
 

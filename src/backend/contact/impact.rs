@@ -12,7 +12,7 @@
 //! beyond.
 
 use super::obstacles::{Obstacles, Touching};
-use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
+use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
@@ -34,8 +34,19 @@ pub struct Reflection {
     pub obstacle: usize,
 }
 
+/// Relative gain of energy that is rounding (1).
+const GAINED: f64 = 1e-12;
+
 /// Speed of separation over the largest speed at which a contact counts as closed (1).
 const STAYS: f64 = 1e-9;
+
+/// Answer of the impact law, seen by the obstacle that was hit.
+struct Hit {
+    /// Twist after the impact (m/s, m/s, rad/s; load axes).
+    after: Vec3,
+    /// Work of the other obstacles (J).
+    work: f64,
+}
 
 impl Obstacles {
     /// Features that a load passes through between two poses within two times (s), besides those
@@ -94,20 +105,43 @@ impl Obstacles {
             (answer.ending == Ending::Converged).then_some(answer)
         };
         let energy = |twist: &Vec3| 0.5 * twist.dot(&(mass * twist));
-        let mut after = solved(1.0).map(|answer| answer.increment).filter(|after| energy(after) <= energy(&before) * (1.0 + 1e-12));
-        if after.is_none() {
+        let lost = |Hit { after, work }: &Hit| energy(&before) - energy(after) + work;
+        let hit = |answer: ContactSolution, scale: f64| {
+            let work = scale * self.work_of_others(system, &pairs, &rows, &answer.forces, (motion, &place, time, obstacle));
+            Hit { after: before + scale * (answer.increment - before), work }
+        };
+        let mut found = solved(1.0).map(|answer| hit(answer, 1.0)).filter(|hit| lost(hit) >= -GAINED * energy(&before).max(hit.work));
+        if found.is_none() {
             let restitution = pairs.iter().map(|pair| pair.restitution).fold(0.0, f64::max);
-            after = solved(0.0).map(|plastic| before + (1.0 + restitution) * (plastic.increment - before));
+            found = solved(0.0).map(|plastic| hit(plastic, 1.0 + restitution));
         }
-        let after = after.unwrap_or(before);
-        *touching = self.closed_after(system, &pairs, &rows, &after, &place, time);
-        let loss = (energy(&before) - energy(&after)).max(0.0);
-        let change = after - before;
+        let found = found.unwrap_or(Hit { after: before, work: 0.0 });
+        *touching = self.closed_after(system, &pairs, &rows, &found.after, &place, time);
+        let loss = lost(&found).max(0.0);
+        let change = found.after - before;
         let linear = motion.twist.linear + place.turn * change.xy();
         let twist = Twist { linear, angular: motion.twist.angular + change.z };
         let of_obstacles = system.load.kinetic_energy(&twist) - system.load.kinetic_energy(&motion.twist) + loss;
-        let is_moved = system.world.obstacles[obstacle].path.moves();
+        let is_moved = pairs.iter().any(|pair| system.world.obstacles[pair.key.obstacle].path.moves());
         Reflection { twist, loss, of_obstacles: if is_moved { of_obstacles } else { 0.0 }, obstacle }
+    }
+
+    /// Work of the impulses of an impact (J), seen by the obstacle `reference`: each obstacle that
+    /// moves relative to it does some.
+    fn work_of_others(
+        &self,
+        system: &System,
+        pairs: &[Pair],
+        rows: &[(ContactRow, f64)],
+        impulses: &[SideForce],
+        (motion, place, time, reference): (&Motion, &Place, f64, usize),
+    ) -> f64 {
+        let twist_to = |obstacle: usize| relative_twist(system, obstacle, motion, place, time);
+        let work = |((pair, (row, _)), impulse): ((&Pair, &(ContactRow, f64)), &SideForce)| {
+            let on_load = impulse.normal * row.normal + impulse.tangential * row.tangent;
+            on_load.dot(&(twist_to(reference) - twist_to(pair.key.obstacle)))
+        };
+        pairs.iter().zip(rows).zip(impulses).map(work).sum()
     }
 
     /// Pairs that are closed at an impact.
