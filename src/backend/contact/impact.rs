@@ -110,7 +110,8 @@ impl Obstacles {
             let work = scale * self.work_of_others(system, &pairs, &rows, &answer.forces, (motion, &place, time, obstacle));
             Hit { after: before + scale * (answer.increment - before), work }
         };
-        let mut found = solved(1.0).map(|answer| hit(answer, 1.0)).filter(|hit| lost(hit) >= -GAINED * energy(&before).max(hit.work));
+        let gains = |hit: &Hit| energy(&hit.after) > energy(&before) * (1.0 + GAINED);
+        let mut found = solved(1.0).map(|answer| hit(answer, 1.0)).filter(|hit| !gains(hit));
         if found.is_none() {
             let restitution = pairs.iter().map(|pair| pair.restitution).fold(0.0, f64::max);
             found = solved(0.0).map(|plastic| hit(plastic, 1.0 + restitution));
