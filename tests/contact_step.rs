@@ -660,6 +660,36 @@ fn a_box_that_can_slide_does_not_rest() {
     }
 }
 
+/// A load leans on the corner of a wall at the limit of its friction with the ground, after a
+/// spring let go. It turns about the corner by some 1e-12 m, a millionth of what it would without
+/// the wall. The gap and the slip so far are roundings of a pose, and must not hide that.
+#[test]
+fn a_load_at_its_limit_turns_about_a_corner_whatever_rounding_says() {
+    let angle = |k: usize| 0.5 * PI + TAU * k as f64 / 3.0;
+    let support = |k: usize| SupportPoint { offset: 0.0244 / 3.0 * direction(angle(k)), normal_load: 0.0016 * 9.81 / 3.0 };
+    let ground = Ground { friction_coefficient: 1.4, supports: (0..3).map(support).collect() };
+    #[rustfmt::skip]
+    let hessian = Mat3::new(
+        1.8207226017612563, -0.06989732946218588, -0.022567979110482597,
+        -0.06989732946218588, 1.7036762852036744, 0.0034143311179547567,
+        -0.022567979110482597, 0.0034143311179547567, 0.002766658264262489,
+    );
+    let drive = Vec3::new(0.01328808952177372, 0.016841024338618643, -2.6682769502724405e-5);
+    let solved = |gap: f64, slip: f64| {
+        let normal = Vec3::new(-0.8083312469209345, 0.5887279467217835, 5.734663655988739e-12);
+        let tangent = Vec3::new(-0.5887279467217834, -0.8083312469209344, -0.0122);
+        let rows = vec![ContactRow { normal, tangent, gap, slip, friction_coefficient: 0.2 }];
+        Step { ground: ground.clone(), size: 0.0122, hessian, drive, rows }.solve()
+    };
+    let clean = solved(0.0, 0.0);
+    assert!(clean.increment.z < -1e-10 && clean.modes[0] == SideMode::Slide { forward: false }, "{clean:?}");
+    let rounded = solved(-3.869047920143818e-21, 7.470237701769772e-18);
+    assert_eq!(rounded.ending, Ending::Converged);
+    assert_eq!(rounded.modes, clean.modes);
+    // A slip of 7e-18 m matters by its share of the slip of 1e-12 m.
+    assert!((rounded.increment - clean.increment).amax() < 0.01 * clean.increment.amax(), "{rounded:?}");
+}
+
 /// A pusher against the centre of a load without springs moves it as far as itself, against all of
 /// the friction; far from the centre the load turns away.
 #[test]

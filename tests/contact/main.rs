@@ -1,5 +1,6 @@
 //! Known answers of loads that touch obstacles.
 
+mod gap;
 mod inertial;
 mod invariance;
 mod quasi_static;

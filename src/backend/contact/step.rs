@@ -20,7 +20,7 @@ use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Increment, LARGEST_RESIDUAL, Objective, Step, by_increment, positive_definite};
 use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
-use crate::math::{Arc, Mat3, Vec2, Vec3};
+use crate::math::{Arc, Mat3, Pose, Vec2, Vec3};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, Reaction};
 
@@ -63,6 +63,10 @@ const DONE: f64 = 3e-14;
 const STALLED: f64 = 1e-11;
 /// Gap over the load's radius that is rounding (1).
 pub const CLOSED: f64 = 1e-11;
+/// Rounding of a gap and of a slip, over the sum of the lengths that they come from (1). A load that
+/// leans on a corner may move by no more than thousands of it in a step, and a slip that is rounding
+/// must not point its friction.
+const ROUNDED: f64 = 2.0 * f64::EPSILON;
 
 /// A step to be found: everything but the contacts, and the candidates.
 pub struct ContactStep<'a, 'b> {
@@ -312,11 +316,14 @@ impl ContactStep<'_, '_> {
                 continue;
             }
             let gap = if local.gap.energy.abs() <= 1e-13 * self.step.length { 0.0 } else { local.gap.energy };
+            let Pose { position, heading } = candidate.start.pose;
+            let lengths = position.norm() + self.step.length * (1.0 + heading.abs());
+            let rounded = |value: f64| if value.abs() <= ROUNDED * lengths { 0.0 } else { value };
             rows.push(ContactRow {
                 normal: local.gap.gradient,
                 tangent: local.slip.gradient,
-                gap: gap - local.gap.gradient.dot(at),
-                slip: local.slip.energy - candidate.slip - local.slip.gradient.dot(at),
+                gap: rounded(gap - local.gap.gradient.dot(at)),
+                slip: rounded(local.slip.energy - candidate.slip - local.slip.gradient.dot(at)),
                 friction_coefficient: candidate.pair.friction_coefficient,
             });
             row_of.push(index);

@@ -10,6 +10,7 @@
 //! 4. `smoothed`: Coulomb's law itself, smoothed.
 //! 5. `enumerate`: all modes.
 
+use nalgebra::linalg::Schur;
 use nalgebra::{DMatrix, DVector};
 
 use super::modes::{CONSISTENT, newton};
@@ -44,6 +45,8 @@ const SAME: f64 = 1e-9;
 const LONG_ROUNDS: u32 = 25;
 /// Growth of the slip by its offset from which on the offset is not near its root (1).
 const STEEP: f64 = 0.9;
+/// Rounds of rotations at most that decouple a slope into its eigenvalues: one takes some three.
+const MOST_ROTATIONS: usize = 200;
 /// Slip over the size of the increment below which a contact sticks (1).
 const SLOW: f64 = 1e-7;
 /// Size of the increment, over that without contacts, below which it becomes what lengths are
@@ -219,7 +222,11 @@ impl<'a> Search<'a> {
         let first = self.relaxed(&PerContact::from_elem(0.0, n));
         self.starts.push((first.path.twist, first.path.ground_forces.clone(), first.forces(&self.problem)));
         let rest = self.polished(&first).filter(|found| self.problem.residual_of(found) <= ACCEPTED);
-        let Some(rest) = rest else { return self.climb(PerContact::from_elem(0.0, n), first, None).then_some(Stage::Offsets) };
+        let Some(rest) = rest else {
+            let closed: PerContact<bool> = first.modes(&self.problem).iter().map(|mode| *mode != SideMode::Open).collect();
+            return (self.climb(PerContact::from_elem(0.0, n), first, None) || self.climb_from(&closed, FIRST_OFFSET, None))
+                .then_some(Stage::Offsets);
+        };
         let sticks: PerContact<bool> = rest.modes.iter().map(|mode| *mode == SideMode::Stick).collect();
         if !sticks.contains(&true) {
             return if self.consider(rest) {
@@ -232,18 +239,16 @@ impl<'a> Search<'a> {
             return self.consider(rest).then_some(Stage::StableRest);
         }
         for share in [FIRST_OFFSET, DISTURBANCE] {
-            let offsets = self.offsets(&sticks, share);
-            let disturbed = self.relaxed(&offsets);
-            if self.climb(offsets, disturbed, Some(&rest)) {
+            if self.climb_from(&sticks, share, Some(&rest)) {
                 return Some(Stage::Offsets);
             }
         }
         self.consider(rest).then_some(Stage::Unstable)
     }
 
-    /// Slip offsets of contacts that stick, over the size of the increment.
-    fn offsets(&self, sticks: &[bool], share: f64) -> PerContact<f64> {
-        sticks.iter().map(|sticks| if *sticks { share * self.problem.extent } else { 0.0 }).collect()
+    /// Slip offsets of these contacts, over the size of the increment.
+    fn offsets(&self, contacts: &[bool], share: f64) -> PerContact<f64> {
+        contacts.iter().map(|is_offset| if *is_offset { share * self.problem.extent } else { 0.0 }).collect()
     }
 
     /// Whether the contacts that stick slip by less than slip offsets that disturb them; greater
@@ -260,6 +265,13 @@ impl<'a> Search<'a> {
         let slip = |k: usize| self.problem.slip(k, &disturbed.path.twist).abs();
         let is_stable = (0..sticks.len()).all(|k| !sticks[k] || slip(k) <= offsets[k] * (1.0 + ROUNDED));
         disturbed.path.is_converged.then_some(is_stable)
+    }
+
+    /// Newton's method on the slip offsets, from one of this `share` at these contacts.
+    fn climb_from(&mut self, contacts: &[bool], share: f64, rest: Option<&Candidate>) -> bool {
+        let offsets = self.offsets(contacts, share);
+        let disturbed = self.relaxed(&offsets);
+        self.climb(offsets, disturbed, rest)
     }
 
     /// Newton's method on the slip offsets; it leads away from a `rest` that is not stable.
@@ -286,8 +298,7 @@ impl<'a> Search<'a> {
         if !slope.iter().all(|v| v.is_finite()) {
             return None;
         }
-        let steepest = slope.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max);
-        let step = if round < LONG_ROUNDS && steepest < STEEP {
+        let step = if round < LONG_ROUNDS && steepest(&slope) < STEEP {
             (DMatrix::identity(n, n) - slope).lu().solve(&missing)?
         } else {
             missing * if round < LONG_ROUNDS { 4.0 } else { 0.5 }
@@ -332,6 +343,13 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Largest real part of the eigenvalues (1); infinite where they are not found. Rotations that
+/// decouple entries near underflow may go on for ever.
+fn steepest(slope: &DMatrix<f64>) -> f64 {
+    let decoupled = Schur::try_new(slope.clone(), f64::EPSILON, MOST_ROTATIONS);
+    decoupled.map_or(f64::INFINITY, |schur| schur.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
+}
+
 /// Exact answer in the modes that the end of a path shows. Where the mode with the ground is not
 /// plain there, others are tried, and at last rest on all obstacles that touch.
 fn polish(problem: &Problem, path: &Path, forces: &[SideForce], modes: PerContact<SideMode>) -> Option<Candidate> {
@@ -356,4 +374,32 @@ fn polish(problem: &Problem, path: &Path, forces: &[SideForce], modes: PerContac
         }
     }
     best.map(|(found, _)| found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slopes of five contacts that resist by very different forces. Without a bound their
+    /// eigenvalues take for ever.
+    #[test]
+    fn eigenvalues_end_where_entries_underflow() {
+        let first =
+            [-6.471402389709463e-167, -3.3101222011018535e-32, -7.651417684279916e-209, -8.393791688652103e-288, -7.047432314129114e-295];
+        let fourth = [
+            -2.5871123550944406e-167,
+            -1.3233079211641296e-32,
+            -3.0588543306263754e-209,
+            -1.0851048106683281e-287,
+            -2.8173953825785506e-295,
+        ];
+        let entry = |i: usize, j: usize| match i {
+            0 | 1 => first[j],
+            3 => fourth[j],
+            _ => -first[j],
+        };
+        assert_eq!(steepest(&DMatrix::from_fn(5, 5, entry)), f64::INFINITY);
+        let plain = DMatrix::from_row_slice(3, 3, &[0.2, 1.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, -3.0]);
+        assert!((steepest(&plain) - 0.5).abs() < 1e-12);
+    }
 }
