@@ -1,12 +1,12 @@
 //! Known answers with inertia. Under a tolerance they hold to 1e-8 of the load's size; at fixed
 //! steps with the order of the method.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use cohaul::backend::BackendKind::Inertial;
 use cohaul::backend::{Backend, BackendOptions, Integrator, Status, build};
-use cohaul::math::{Pose, Twist, Vec2};
-use cohaul::model::{Motion, Obstacle, ObstaclePath, System};
+use cohaul::math::{Pose, Twist, Vec2, direction};
+use cohaul::model::{Motion, Obstacle, ObstaclePath, OutlinePart, System};
 
 use crate::scenes::*;
 
@@ -174,4 +174,28 @@ fn a_disc_with_inertia_slides_along_a_wall() {
     assert!(coarse > 3.5 * middle && middle > 3.5 * fine, "second order: {coarse:e} {middle:e} {fine:e}");
     let (position, speed) = error(&exact(Inertial, &system, 1e-9), 40);
     assert!(position < EXACT && speed < 1e-9, "{position:e} {speed:e}");
+}
+
+/// A disc with rough sides is drawn into a notch at a right angle. Where it arrives, each impact on
+/// one side opens the contact with the other one, hardly faster than rounding, and the next one
+/// follows at once. A step does not follow them for ever.
+#[test]
+fn a_step_with_endless_impacts_takes_bounded_work() {
+    let depth = RADIUS / f64::sin(0.5 * 1.57);
+    let side = |sign: f64| 2.0 * (depth + RADIUS) * direction(FRAC_PI_2 + sign * 0.5 * 1.57);
+    let walls = OutlinePart::Polyline { points: vec![side(1.0), Vec2::zeros(), side(-1.0)] };
+    let system = disc(vec![obstacle(walls, 1.5)]);
+    let start = Vec2::new(0.0, depth + 0.2 * RADIUS);
+    let mut load = build(&system, at_rest(start.x, start.y), &BackendOptions::new(Inertial, 2e-3));
+    load.attach(0, start);
+    let mut most = 0;
+    for k in 1..=40 {
+        let tip = start + f64::min(f64::from(k) / 30.0, 1.0) * 3.0 * BEHIND * direction(0.3 - FRAC_PI_2);
+        let report = load.advance(&[tip], 2e-3);
+        assert_eq!(report.status, Status::Converged);
+        most = report.n_iterations.max(most);
+    }
+    assert!(most < 30_000, "{most} iterations");
+    let gap = load.motion().pose.position - Vec2::new(0.0, depth);
+    assert!(gap.norm() < 1e-6 * RADIUS, "it ends in the notch: {gap}");
 }

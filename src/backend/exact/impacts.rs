@@ -20,6 +20,10 @@ use crate::backend::{Motion, Status, StepReport};
 /// Largest number of touches in one step (1). The rest of the step is taken as one of implicit
 /// Euler that regards all features within reach, and without bounces.
 const MOST_TOUCHES: usize = 64;
+/// Number of Newton iterations after which a step is divided no further, neither by touches nor for
+/// want of an answer (1). A touch takes some hundred of them. A part without an answer takes
+/// thousands, and so does each of its halves.
+const MOST_ITERATIONS: u64 = 20_000;
 /// Largest number of times that a step without an answer is halved (1).
 const MOST_HALVINGS: usize = 5;
 /// Number of touches that one without any motion before it counts for (1).
@@ -39,7 +43,7 @@ impl Exact<Inertial> {
         let mut report = StepReport::default();
         let (mut at, mut n_touches) = (from, 0);
         while at < to {
-            if n_touches >= MOST_TOUCHES {
+            if n_touches >= MOST_TOUCHES || report.n_iterations >= MOST_ITERATIONS {
                 report.add(&self.step_touching(paths, [at, to], Scope::Near));
                 break;
             }
@@ -83,6 +87,9 @@ impl Exact<Inertial> {
             report.n_solves += part.n_solves;
             report.n_iterations += part.n_iterations;
             report.status = report.status.max(part.status);
+            if part.status != Status::Converged && report.n_iterations >= MOST_ITERATIONS {
+                break;
+            }
             let (gap, speed) = self.nearest(&strikes, self.time_at(paths, end));
             if gap.abs() <= LOCATED * self.system.load.radius || hit - free <= f64::EPSILON * (to - from) {
                 break;
@@ -105,6 +112,9 @@ impl Exact<Inertial> {
             if report.status == Status::Converged {
                 return (end, report);
             }
+            if report.n_iterations >= MOST_ITERATIONS {
+                break;
+            }
             self.reset(start);
             end = 0.5 * (from + end);
             let StepReport { n_solves, n_iterations, .. } = report;
@@ -116,7 +126,11 @@ impl Exact<Inertial> {
             return (end, report);
         }
         self.reset(start);
-        (to, self.move_on(paths, [from, to]))
+        let StepReport { n_solves, n_iterations, .. } = report;
+        report = self.move_on(paths, [from, to]);
+        report.n_solves += n_solves;
+        report.n_iterations += n_iterations;
+        (to, report)
     }
 
     /// Least distance of the features that are about to touch (m), negative for an overlap, and the
