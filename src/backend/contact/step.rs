@@ -63,9 +63,9 @@ const DONE: f64 = 3e-14;
 const STALLED: f64 = 1e-11;
 /// Gap over the load's radius that is rounding (1).
 pub const CLOSED: f64 = 1e-11;
-/// Rounding of a gap and of a slip, over the sum of the lengths that they come from (1). A load that
-/// leans on a corner may move by no more than thousands of it in a step, and a slip that is rounding
-/// must not point its friction.
+/// Rounding of a gap and of a slip, over the sum of the lengths that they come from (1). In a step,
+/// a load that leans on a corner may move by no more than thousands of it, and a slip that is
+/// rounding must not point its friction.
 const ROUNDED: f64 = 2.0 * f64::EPSILON;
 
 /// A step to be found: everything but the contacts, and the candidates.
