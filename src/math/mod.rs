@@ -1,7 +1,8 @@
-//! Geometry of the plane, angles, keyed random numbers and statistics.
+//! Geometry of the plane, angles, damped oscillations, keyed random numbers and statistics.
 
 mod angle;
 mod lanes;
+mod oscillation;
 mod pose;
 mod positive;
 mod random;
@@ -9,6 +10,7 @@ mod statistics;
 
 pub use angle::{SMALL_TANGENT, direction, perpendicular, rotation, small_arctangent, unwrap_near, wrap_to_pi};
 pub use lanes::{LANES, Number, Numbers, Vectors};
+pub use oscillation::damped_rotation;
 pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, increment_of, shift_of, small_rotation};
 pub use positive::PositiveDefinite;
 pub use random::{Draws, RandomStreams, Stream};

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::solution::Solution;
 use crate::analysis::estimate::InertiaEstimate;
-use crate::math::Summary;
+use crate::math::{Summary, damped_rotation};
 use crate::scenario::Scenario;
 use crate::simulation::{EventKind, Trace};
 
@@ -57,8 +57,8 @@ impl Numbers {
         let (stiffness, zeta) = mean_spring(scenario);
         let mass = scenario.system.load.mass;
         let limit = scenario.system.total_slip_limit();
-        let epsilon = (limit > 0.0).then(|| tip_speed(trace) * (stiffness * mass).sqrt() / limit);
-        Self { epsilon, phi: time_between_events(trace).map(|time| (stiffness / mass).sqrt() * time), zeta }
+        let epsilon = finite(tip_speed(trace) * (stiffness * mass).sqrt() / limit);
+        Self { epsilon, phi: time_between_events(trace).and_then(|time| finite((stiffness / mass).sqrt() * time)), zeta }
     }
 
     /// Prediction for an inertial run with `n_sudden` grasps and releases of stretched springs and
@@ -68,9 +68,9 @@ impl Numbers {
         let (stiffness, _) = mean_spring(scenario);
         let limit = scenario.system.total_slip_limit();
         let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
-        let while_driven_m = self.epsilon.map(|epsilon| epsilon * length);
+        let while_driven_m = self.epsilon.and_then(|epsilon| finite(epsilon * length));
         let initial = trace.rows.first().map_or(0.0, |row| row.energy.initial);
-        let coasting_m = (limit > 0.0).then(|| initial / limit);
+        let coasting_m = finite(initial / limit);
         let n_releases = trace.events.iter().filter(|event| event.kind == EventKind::Release).count();
         let damped_out = self.phi.is_none_or(|phi| phi > 2.0 * PI) && self.zeta > 0.5;
         let driven_well = while_driven_m.zip(coasting_m).is_some_and(|(driven, coasting)| 2.0 * driven + coasting <= tolerance);
@@ -79,26 +79,21 @@ impl Numbers {
             where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
             coasting_m,
             estimated_m: None,
-            release_factor: (n_releases > 0).then(|| self.release_factor()),
+            release_factor: if n_releases > 0 { self.release_factor() } else { None },
             quasi_static_is_valid: run.path_length(scenario.system.load.radius) == 0.0 || driven_well && (n_sudden == 0 || damped_out),
         }
     }
 
     /// Displacement after a step of the force, divided by that without inertia (1): the first
     /// swing, or the part of it until the next event. Friction then stops the load.
-    fn release_factor(&self) -> f64 {
-        let (zeta, damped) = (self.zeta, (1.0 - self.zeta * self.zeta).abs().sqrt());
-        let half_swing = if zeta < 1.0 { PI / damped } else { f64::INFINITY };
+    fn release_factor(&self) -> Option<f64> {
+        let half_swing = if self.zeta < 1.0 { PI / (1.0 - self.zeta * self.zeta).sqrt() } else { f64::INFINITY };
         let phi = self.phi.unwrap_or(f64::INFINITY).min(half_swing);
         if phi.is_infinite() {
-            return 1.0;
+            return Some(1.0);
         }
-        let (cos, sin_over_damped) = match zeta {
-            _ if zeta < 1.0 => ((damped * phi).cos(), (damped * phi).sin() / damped),
-            _ if zeta > 1.0 => ((damped * phi).cosh(), (damped * phi).sinh() / damped),
-            _ => (1.0, phi),
-        };
-        1.0 - (-zeta * phi).exp() * (cos + zeta * sin_over_damped)
+        let (cos, sin) = damped_rotation(self.zeta, 1.0, phi);
+        finite(1.0 - (cos + self.zeta * sin))
     }
 }
 
@@ -108,6 +103,11 @@ impl Predicted {
         let estimate = InertiaEstimate::of(scenario, quasi_static);
         Self { estimated_m: (!estimate.touches_obstacle).then_some(estimate.edge_displacement_max_m), ..self }
     }
+}
+
+/// A number that can be predicted; `None` where the formula has no finite value.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
 /// Natural frequency omega_n of the load on a mean spring (rad/s).
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     fn factor(phi: f64, zeta: f64) -> f64 {
-        Numbers { epsilon: Some(0.1), phi: Some(phi), zeta }.release_factor()
+        Numbers { epsilon: Some(0.1), phi: Some(phi), zeta }.release_factor().unwrap()
     }
 
     /// Closed forms of the step response: 1 + exp(-pi zeta / sqrt(1 - zeta^2)) for a whole swing,

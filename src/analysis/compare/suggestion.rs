@@ -85,14 +85,15 @@ fn against_jumps(share: f64, zeta: f64, tick_angle: f64) -> Vec<SuggestedChange>
     let angle = damping_ratio.map_or_else(|| decayed(zeta, tick_angle, share), swing);
     let factor = (tick_angle / angle).powi(2);
     let damping = damping_ratio.map(|damping_ratio| SuggestedChange::SpringDamping { damping_ratio });
-    damping.into_iter().chain((factor < 1.0).then_some(SuggestedChange::ReducedInertia { factor })).collect()
+    damping.into_iter().chain((factor > 0.0 && factor < 1.0).then_some(SuggestedChange::ReducedInertia { factor })).collect()
 }
 
 /// Phase (rad) at which the remaining displacement is this `share` (1) of that at the phase
 /// `angle`. It decays as `(1 + y) exp(-y)`, with y the slowest decay rate times the phase, which is
 /// exact for critical damping.
 fn decayed(zeta: f64, angle: f64, share: f64) -> f64 {
-    let rate = if zeta > 1.0 { zeta - (zeta * zeta - 1.0).sqrt() } else { zeta };
+    // The slower root, zeta - sqrt(zeta^2 - 1), without cancellation.
+    let rate = if zeta > 1.0 { 1.0 / (zeta * (1.0 + (1.0 - zeta.recip() / zeta).sqrt())) } else { zeta };
     let y = rate * angle;
     let left = share * (1.0 + y) * (-y).exp();
     // A contraction by 1 / (1 + y).

@@ -7,7 +7,7 @@
 //! Between stops and starts the equation is linear and its solution known, so that the length of a
 //! step causes no error.
 
-use crate::math::Arc;
+use crate::math::damped_rotation;
 
 /// Parameters of the oscillator, which are constant within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,28 +104,12 @@ impl FrictionOscillator {
         let follow = rate / stiffness;
         let centre = (net - damping * follow) / stiffness;
         let decay = 0.5 * damping / mass;
-        let (cos, sin) = oscillation(decay, stiffness / mass - decay * decay, time);
+        let (cos, sin) = damped_rotation(decay, stiffness / mass, time);
         let (away, drift) = (-centre, speed - follow);
         let shift = away * (cos + decay * sin) + drift * sin;
         let speed = drift * (cos - decay * sin) - stiffness / mass * away * sin;
         (centre + follow * time + shift, follow + speed)
     }
-}
-
-/// `exp(-a t) cos(b t)` and `exp(-a t) sin(b t) / b` with `b^2` of either sign.
-fn oscillation(decay: f64, square: f64, time: f64) -> (f64, f64) {
-    let rate = square.abs().sqrt();
-    let fade = || if decay == 0.0 { 1.0 } else { (-decay * time).exp() };
-    if rate * time < 1e-6 {
-        let fade = fade();
-        return (fade, fade * time);
-    }
-    if square > 0.0 {
-        let (turn, fade) = (Arc::of(rate * time).rotation(), fade());
-        return (fade * turn.m11, fade * turn.m21 / rate);
-    }
-    let (slow, fast) = (((rate - decay) * time).exp(), (-(rate + decay) * time).exp());
-    (0.5 * (slow + fast), 0.5 * (slow - fast) / rate)
 }
 
 /// Time of the stop within `length` (s), the shift there, and zero speed, by Newton's method within

@@ -11,6 +11,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::math::damped_rotation;
+
 /// Largest epsilon at which the rule of thumb calls quasi-static valid (1).
 pub const EPSILON_MAX: f64 = 0.05;
 /// Smallest Phi at which the rule of thumb calls quasi-static valid (rad).
@@ -21,14 +23,8 @@ pub const ZETA_MIN: f64 = 0.5;
 /// Stretch beyond f / k and its rate, `time` after the values of `start`, under spring and dashpot
 /// alone.
 pub fn stretch(zeta: f64, [stretch, rate]: [f64; 2], time: f64) -> [f64; 2] {
-    let damped = (1.0 - zeta * zeta).abs().sqrt();
-    let (cos, sin) = match zeta {
-        _ if zeta < 1.0 => ((damped * time).cos(), (damped * time).sin() / damped),
-        _ if zeta > 1.0 => ((damped * time).cosh(), (damped * time).sinh() / damped),
-        _ => (1.0, time),
-    };
-    let decay = (-zeta * time).exp();
-    [decay * (stretch * cos + (rate + zeta * stretch) * sin), decay * (rate * cos - (stretch + zeta * rate) * sin)]
+    let (cos, sin) = damped_rotation(zeta, 1.0, time);
+    [stretch * cos + (rate + zeta * stretch) * sin, rate * cos - (stretch + zeta * rate) * sin]
 }
 
 /// Stretch beyond f / k at which a load at rest begins to slip, when spring and dashpot pull it

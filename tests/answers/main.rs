@@ -1,0 +1,4 @@
+//! Answers of comparisons on scenes whose truth is known or that are hard to compute.
+
+mod finite;
+
