@@ -75,8 +75,8 @@ pub mod studies;
 
 pub use analysis::compare::{
     Cause, ClosedLoop, Difference, Distribution, Divergence, EdgeDisplacement, FirstDifferentDecision, FirstDivergence, MakeController,
-    Measure, Numbers, PairedDifference, Pathwise, Point, Predicted, ReferenceError, Settings, Solution, SuggestedChange, ThreeWay, Tier,
-    Verdict,
+    Measure, MeasureVerdict, Numbers, PairedDifference, Pathwise, Point, Predicted, QuantityVerdict, ReferenceError, RunMeasure, Settings,
+    Solution, SuggestedChange, ThreeWay, Tier, Verdict, Verdicts,
 };
 pub use analysis::estimate::{Estimator, InertiaEstimate, Largest, with_estimate};
 pub use analysis::{ByTrigger, Trigger, TriggerKind};

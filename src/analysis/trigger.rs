@@ -91,6 +91,11 @@ impl ByTrigger {
         }
     }
 
+    /// All parts (m) with their names.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+        [("start", self.start_m), ("jumps", self.jumps_m), ("driving", self.driving_m)].into_iter()
+    }
+
     /// Largest of all (m).
     pub fn max(&self) -> f64 {
         self.start_m.max(self.jumps_m).max(self.driving_m)

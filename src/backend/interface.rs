@@ -93,6 +93,12 @@ pub trait Backend {
         None
     }
 
+    /// The less exact run beside this one, whose distance estimates the error of every quantity;
+    /// `None` for a backend without one.
+    fn companion(&self) -> Option<&dyn Backend> {
+        None
+    }
+
     /// Complete state, from which a backend of the same system and options continues bit for bit.
     ///
     /// # Errors

@@ -48,6 +48,10 @@ impl Hook for Check {
         Some(PoseError { position: (answer.position - check.position).norm(), heading: (answer.heading - check.heading).abs() })
     }
 
+    fn companion<'a>(&'a self, _answer: &'a dyn Backend) -> Option<&'a dyn Backend> {
+        Some(self.0.as_ref())
+    }
+
     fn save(&self, answer: &dyn Backend) -> Result<SavedState, SaveError> {
         Ok(SavedState::of(&Saved { answer: answer.save()?, check: self.0.save()? }))
     }

@@ -22,6 +22,11 @@ pub trait Hook {
         inside.pose_error()
     }
 
+    /// See [`Backend::companion`].
+    fn companion<'a>(&'a self, inside: &'a dyn Backend) -> Option<&'a dyn Backend> {
+        inside.companion()
+    }
+
     /// # Errors
     /// As [`Backend::save`].
     fn save(&self, inside: &dyn Backend) -> Result<SavedState, SaveError> {
@@ -88,6 +93,10 @@ impl<H: Hook> Backend for Wrapped<H> {
 
     fn pose_error(&self) -> Option<PoseError> {
         self.hook.pose_error(self.inside.as_ref())
+    }
+
+    fn companion(&self) -> Option<&dyn Backend> {
+        self.hook.companion(self.inside.as_ref())
     }
 
     fn save(&self) -> Result<SavedState, SaveError> {

@@ -13,7 +13,7 @@ use super::error::CliError;
 use super::input::{check_step, read_scenario};
 use super::output::{OutputArgs, manifest_of};
 use super::watch::watched_to_end;
-use crate::analysis::compare::{Settings, ThreeWay, Tier, Verdict};
+use crate::analysis::compare::{Pathwise, Settings, ThreeWay, Tier, Verdict};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
 use crate::scenario::{Drive, Scenario};
@@ -53,10 +53,21 @@ pub struct CompareArgs {
     /// Backend whose run is replayed on the others [default: quasi-static]
     #[arg(long, value_name = "BACKEND", value_parser = choice::<BackendKind>())]
     recorded_from: Option<BackendKind>,
-    /// Tolerance: edge displacement that counts as agreement, over the path length (1)
-    /// [default: 0.01]
-    #[arg(long, alias = "agreement", value_name = "SHARE", value_parser = positive)]
-    tolerance_share: Option<f64>,
+    /// Tolerance of the path: largest edge displacement, over the path length (1) [default: 0.01]
+    #[arg(long, aliases = ["tolerance-share", "agreement"], value_name = "SHARE", value_parser = positive)]
+    tolerance_path: Option<f64>,
+    /// Tolerance of the heading (rad) [default: 0.01, or 1 % of the turn if that is more]
+    #[arg(long, value_name = "RAD", value_parser = positive)]
+    tolerance_heading: Option<f64>,
+    /// Tolerance of peak and mean pulls, over the largest of them (1) [default: 0.05]
+    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    tolerance_pull: Option<f64>,
+    /// Tolerance of peak and mean speed, over the larger value (1) [default: 0.05]
+    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    tolerance_speed: Option<f64>,
+    /// Tolerance of the energy dissipated, over the larger value (1) [default: 0.05]
+    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    tolerance_energy: Option<f64>,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
     #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
     no_skip: Vec<Skip>,
@@ -85,7 +96,11 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         reference_tolerance_m: args.tolerance,
         rapier: args.engine.options(),
         recorded_from: args.recorded_from.unwrap_or(usual.recorded_from),
-        tolerance_share: args.tolerance_share.unwrap_or(usual.tolerance_share),
+        tolerance_share: args.tolerance_path.unwrap_or(usual.tolerance_share),
+        tolerance_heading_rad: args.tolerance_heading,
+        tolerance_pull_share: args.tolerance_pull.unwrap_or(usual.tolerance_pull_share),
+        tolerance_speed_share: args.tolerance_speed.unwrap_or(usual.tolerance_speed_share),
+        tolerance_energy_share: args.tolerance_energy.unwrap_or(usual.tolerance_energy_share),
         skips: Skips::ALL.without_all(&args.no_skip),
     };
     let (started, clock) = (SystemTime::now(), Instant::now());
@@ -105,7 +120,8 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
 }
 
 fn tone(tiers: &Tiers) -> Tone {
-    let pathwise = tiers.prescribed.iter().chain(&tiers.replayed).map(|found| found.verdict);
+    let of_paths = |found: &Pathwise| found.verdicts.named().map(|(_, of)| of.verdict);
+    let pathwise = tiers.pathwise().flat_map(of_paths);
     let verdicts: Vec<Verdict> = pathwise.chain(tiers.closed_loop.iter().map(|found| found.verdict)).collect();
     match () {
         () if !tiers.are_computed() => Tone::Bad,
@@ -131,7 +147,11 @@ fn warn_of_idle_tiers(args: &CompareArgs, tiers: &[Tier]) {
         ("--seeds", &[Tier::ClosedLoop][..], args.seeds.is_some()),
         ("--recorded-from", &[Tier::Replayed][..], args.recorded_from.is_some()),
         ("--tolerance", pathwise, args.tolerance.is_some()),
-        ("--tolerance-share", pathwise, args.tolerance_share.is_some()),
+        ("--tolerance-path", pathwise, args.tolerance_path.is_some()),
+        ("--tolerance-heading", pathwise, args.tolerance_heading.is_some()),
+        ("--tolerance-pull", pathwise, args.tolerance_pull.is_some()),
+        ("--tolerance-speed", pathwise, args.tolerance_speed.is_some()),
+        ("--tolerance-energy", pathwise, args.tolerance_energy.is_some()),
     ];
     for (option, of, _) in options.iter().filter(|(_, of, is_given)| *is_given && !tiers.iter().any(|tier| of.contains(tier))) {
         warn_idle(option, &list(of), &list(tiers));

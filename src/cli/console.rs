@@ -137,7 +137,7 @@ pub fn warn(text: impl Display) {
 }
 
 /// Most lines of an answer.
-const MOST_ANSWER_LINES: usize = 4;
+const MOST_ANSWER_LINES: usize = 8;
 /// Most warnings that are printed one by one.
 const MOST_WARNINGS: usize = 10;
 

@@ -26,6 +26,8 @@ pub struct Simulation<'a> {
     pub(super) tips: AttachedTips,
     /// Empty between steps; kept for its memory.
     commands: Commands,
+    /// Whether the trace has rows of the less exact run beside this one.
+    pub(super) keeps_companion: bool,
 }
 
 /// What is added up over the advances of a run.
@@ -74,6 +76,7 @@ impl<'a> Simulation<'a> {
             trace: Trace::default(),
             tips: attached_tips(scenario, backend.as_ref()),
             commands: Commands::default(),
+            keeps_companion: false,
             controller,
             backend,
         }
@@ -83,6 +86,12 @@ impl<'a> Simulation<'a> {
     /// decisions are bound to no tick: [`Tips`](super::Tips) and [`Replay`](super::Replay).
     pub fn with_rows_per_period(mut self, n_parts: u64) -> Self {
         self.clock.n_parts = n_parts.max(1);
+        self
+    }
+
+    /// Keeps the rows of the less exact run beside this one as well, under error control.
+    pub fn with_companion(mut self) -> Self {
+        self.keeps_companion = true;
         self
     }
 
@@ -267,6 +276,17 @@ impl<'a> Simulation<'a> {
             self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
             // The row is long, so its tips are written in place.
             self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
+        }
+        if self.keeps_companion && (self.clock.tick_now().is_some() || self.is_over(&motion)) {
+            let row = |backend: &dyn Backend| Row {
+                time: self.clock.time,
+                motion: backend.motion(),
+                energy: backend.energy(),
+                tips: attached_tips(self.scenario, backend),
+                contacts: Vec::new(),
+                error: None,
+            };
+            self.trace.companion.extend(self.backend.companion().map(row));
         }
     }
 }

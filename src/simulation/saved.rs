@@ -85,6 +85,7 @@ impl<'a> Simulation<'a> {
         resumed.finished = saved.finished;
         resumed.totals = saved.totals.clone();
         resumed.trace = saved.trace.clone();
+        resumed.keeps_companion = !saved.trace.companion.is_empty();
         Ok(resumed)
     }
 }

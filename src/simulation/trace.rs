@@ -24,6 +24,10 @@ pub struct Trace {
     pub events: Vec<Event>,
     /// Instants at which the load's motion is not smooth, as the backend reported them.
     pub transitions: Vec<Transition>,
+    /// Rows at the control ticks, and at the end, of the less exact run beside this one; empty
+    /// unless a run keeps them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub companion: Vec<Row>,
 }
 
 /// State at one instant, after the events there.

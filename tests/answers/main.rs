@@ -1,4 +1,5 @@
 //! Answers of comparisons on scenes whose truth is known or that are hard to compute.
 
 mod finite;
-
+mod oracle;
+mod quantities;

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::difference::Jumps;
 use super::numbers::natural_rate;
-use super::solution::Solution;
+use super::solution::{Point, Solution};
 use crate::analysis::trigger::{ByTrigger, Trigger, TriggerKind};
 use crate::backend::{Transition, TransitionKind};
 use crate::scenario::Scenario;
@@ -78,8 +78,24 @@ impl<'a> PathPair<'a> {
     }
 
     pub fn first_divergence(&self) -> Option<Divergence> {
-        let (time_s, ..) = self.instants().find(|(.., are_apart)| *are_apart)?;
-        Some(Divergence { time_s, trigger: self.last_before(time_s) })
+        self.instants().find(|(.., are_apart)| *are_apart).map(|(time, ..)| self.divergence_at(time))
+    }
+
+    /// First instant at which the headings differ by more than the `tolerance` (rad) and their
+    /// numerical errors together.
+    pub fn first_divergence_of_heading(&self, tolerance: f64) -> Option<Divergence> {
+        let are_apart = |a: &Point, b: &Point| a.difference(b).1 > tolerance + a.error.heading + b.error.heading;
+        self.points().find(|(a, b)| are_apart(a, b)).map(|(a, _)| self.divergence_at(a.time))
+    }
+
+    /// Divergence at an instant (s), with the last trigger before it.
+    pub fn divergence_at(&self, time_s: f64) -> Divergence {
+        Divergence { time_s, trigger: self.last_before(time_s) }
+    }
+
+    /// Pairs of points that are compared.
+    fn points(&self) -> impl Iterator<Item = (&'a Point, &'a Point)> {
+        self.a.points.iter().zip(&self.b.points).filter(|(a, _)| self.jumps.allow(a.time))
     }
 
     /// Attribution of the difference between an inertial path `a` and the quasi-static path `b`.
@@ -119,8 +135,7 @@ impl<'a> PathPair<'a> {
     /// Instants of the comparison: time (s), edge displacement (m), and whether that exceeds the
     /// tolerance and both numerical errors.
     fn instants(&self) -> impl Iterator<Item = (f64, f64, bool)> {
-        let both = self.a.points.iter().zip(&self.b.points).filter(|(a, _)| self.jumps.allow(a.time));
-        both.map(|(a, b)| {
+        self.points().map(|(a, b)| {
             let error = a.error.position + b.error.position + self.radius * (a.error.heading + b.error.heading);
             let distance = a.pose.edge_displacement(&b.pose, self.radius);
             (a.time, distance, distance > self.tolerance + error)

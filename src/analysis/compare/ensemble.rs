@@ -3,14 +3,15 @@
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
+use super::seeds::{pairs_needed, pairs_needed_of_fractions};
 use super::settings::{MakeController, Settings, Tier};
 use super::verdict::Verdict;
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::{Interval, Summary, proportion_interval, share_difference_interval};
 use crate::scenario::{AntDrive, Drive, Scenario};
-use crate::simulation::run_facts::{self, fact};
+use crate::simulation::run_facts::{self, fact, unit_of};
 use crate::simulation::{Keep, MakeBackend, Simulation, Trace, backend_of};
 
 /// Result of paired closed-loop runs.
@@ -22,6 +23,12 @@ pub struct ClosedLoop {
     pub measures: Vec<Measure>,
     pub first_different_decision: FirstDifferentDecision,
     pub verdict: Verdict,
+    /// Verdict on each measure, in their order; JSON has them by name.
+    #[serde(serialize_with = "by_name")]
+    pub verdicts: Vec<MeasureVerdict>,
+    /// Number of seeds that would decide all measures, if means and spreads stay; `null` if all are
+    /// decided, or with one seed.
+    pub n_seeds_needed: Option<u64>,
     /// Worst status of a step in all runs.
     pub status: Status,
     /// Run of each backend at the first seed, in the order of [`BackendKind::ALL`], for figures.
@@ -44,6 +51,23 @@ pub struct Measure {
     /// Values of every seed, in the order of [`BackendKind::ALL`], for figures.
     #[serde(skip)]
     pub values: Vec<[Option<f64>; 3]>,
+}
+
+/// Verdict on the means of one measure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MeasureVerdict {
+    #[serde(skip)]
+    pub name: &'static str,
+    pub verdict: Verdict,
+    /// Mean of inertial minus quasi-static, in the unit.
+    pub inertia_effect: f64,
+    /// Mean of rapier minus inertial, in the unit.
+    pub engine_error: f64,
+    /// Half of the wider confidence interval of both, in the unit; `null` below two pairs.
+    pub reference_error: Option<f64>,
+    /// Largest difference of means that counts as equal, in the unit.
+    pub tolerance: f64,
+    pub unit: &'static str,
 }
 
 /// Mean and spread over the `n` seeds in which a quantity exists.
@@ -71,6 +95,11 @@ pub struct PairedDifference {
     pub excludes_zero: bool,
     /// Whether the interval lies within 5 % of the inertial mean, or of 1 for fractions.
     pub is_equal: bool,
+    /// Largest difference of means that counts as equal.
+    pub tolerance: f64,
+    /// Number of pairs that would show whether the means differ or are equal, if mean and spread
+    /// stay; `null` if it is known, or below two pairs.
+    pub n_needed: Option<u64>,
 }
 
 /// First time at which the decisions differ from those of the inertial run, over all seeds; `null`
@@ -186,9 +215,26 @@ fn judge(scenario: &Scenario, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
     let first_different_decision = FirstDifferentDecision { quasi_static_s: earliest(0), rapier_s: earliest(2) };
     let status = runs.iter().flatten().map(|run| run.status).max().unwrap_or_default();
     let verdict = if status == Status::Failed { Verdict::NotComputed } else { verdict(&measures, runs.len()) };
+    let verdicts = measures.iter().map(|measure| measure.verdict(runs.len())).collect();
+    let n_seeds_needed = measures.iter().filter_map(|measure| measure.n_seeds_needed(runs.len())).max();
     let (n_seeds, first_seed) = (runs.len(), scenario.seed);
     let traces = runs.swap_remove(0).map(|run| run.trace).into();
-    ClosedLoop { tier: Tier::ClosedLoop, n_seeds, first_seed, measures, first_different_decision, verdict, status, traces }
+    ClosedLoop {
+        tier: Tier::ClosedLoop,
+        n_seeds,
+        first_seed,
+        measures,
+        first_different_decision,
+        verdict,
+        verdicts,
+        n_seeds_needed,
+        status,
+        traces,
+    }
+}
+
+fn by_name<S: Serializer>(verdicts: &[MeasureVerdict], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(verdicts.iter().map(|verdict| (verdict.name, verdict)))
 }
 
 fn measure(at: usize, scenario: &Scenario, runs: &[[Run; 3]]) -> Measure {
@@ -216,6 +262,36 @@ impl Measure {
     pub fn exists(&self) -> bool {
         [&self.quasi_static, &self.inertial, &self.rapier].iter().any(|of| of.n > 0)
     }
+
+    fn verdict(&self, n_seeds: usize) -> MeasureVerdict {
+        let Self { name, inertia_effect: inertia, engine_error: engine, .. } = self;
+        let half = |of: &PairedDifference| of.interval.map(|interval| 0.5 * (interval.high - interval.low));
+        let verdict = match (inertia.differs(), engine.differs()) {
+            _ if !self.exists() => Verdict::NotComputed,
+            _ if n_seeds < 2 => Verdict::Decorrelated,
+            (true, true) => Verdict::InertiaAndEngine,
+            (true, false) => Verdict::Inertia,
+            (false, true) => Verdict::Engine,
+            _ if inertia.is_equal && engine.is_equal => Verdict::Agree,
+            _ => Verdict::Inconclusive,
+        };
+        MeasureVerdict {
+            name,
+            verdict,
+            inertia_effect: inertia.mean,
+            engine_error: engine.mean,
+            reference_error: half(inertia).zip(half(engine)).map(|(a, b)| a.max(b)),
+            tolerance: inertia.tolerance,
+            unit: unit_of(name),
+        }
+    }
+
+    /// Number of seeds that would decide this measure, from the share of the `n_seeds` that have
+    /// pairs.
+    fn n_seeds_needed(&self, n_seeds: usize) -> Option<u64> {
+        let of = |paired: &PairedDifference| paired.n_needed.map(|n| (n as f64 * n_seeds as f64 / paired.n as f64).ceil() as u64);
+        [&self.inertia_effect, &self.engine_error].into_iter().filter_map(of).max()
+    }
 }
 
 impl Distribution {
@@ -238,7 +314,8 @@ impl PairedDifference {
     /// Differences with the inertial mean `reference`; those up to `rounding` count as zero.
     fn of_means(values: &[f64], reference: f64, rounding: f64) -> Self {
         let margin = (EQUAL * reference.abs()).max(rounding);
-        Self::within(values, Summary::of(values.iter().copied()).mean_interval(Self::LEVEL), rounding, margin)
+        let found = Self::within(values, Summary::of(values.iter().copied()).mean_interval(Self::LEVEL), rounding, margin);
+        found.with_needed(|| pairs_needed(found.mean, found.sd, (rounding, margin), Self::LEVEL))
     }
 
     /// Differences of values that are 0 or 1. Few pairs have a wide interval even if all are equal.
@@ -248,7 +325,14 @@ impl PairedDifference {
         let interval = share_difference_interval(n_only, n, Self::LEVEL).filter(|_| n > 1);
         // A running sum would leave rounding where the mean is zero.
         let mean = if n > 0 { (n_only[0] as f64 - n_only[1] as f64) / n as f64 } else { 0.0 };
-        Self { mean, ..Self::within(values, interval, 0.0, EQUAL) }
+        let found = Self { mean, ..Self::within(values, interval, 0.0, EQUAL) };
+        found.with_needed(|| pairs_needed_of_fractions(n_only, n, EQUAL, Self::LEVEL))
+    }
+
+    /// With the number of pairs that would decide, if there are pairs that do not.
+    fn with_needed(self, needed: impl Fn() -> Option<u64>) -> Self {
+        let is_open = self.interval.is_some() && !self.is_equal && !self.excludes_zero;
+        Self { n_needed: is_open.then(needed).flatten(), ..self }
     }
 
     /// Whether the means differ by more than 5 %, as far as the interval shows.
@@ -267,6 +351,8 @@ impl PairedDifference {
             level: Self::LEVEL,
             excludes_zero: interval.is_some_and(|interval| interval.low > rounding || interval.high < -rounding),
             is_equal: interval.is_some_and(|interval| interval.low >= -margin && interval.high <= margin),
+            tolerance: margin,
+            n_needed: None,
         }
     }
 }

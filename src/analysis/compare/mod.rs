@@ -10,30 +10,39 @@
 //! three_way.rs   the entry: one question to three backends
 //! solution.rs    path of one backend with its numerical error
 //! difference.rs  distance of two paths
+//! course.rs      pulls, speed and energy of a run at its ticks
 //! divergence.rs  first divergence of two paths, and the attribution to triggers
 //! numbers.rs     epsilon, Phi and zeta of a run, and what theory predicts from them
 //! pathwise.rs    comparison of paths
 //! ensemble.rs    comparison of distributions
+//! seeds.rs       number of seeds that would decide
 //! verdict.rs     the result in one word
+//! quantity.rs    the result for one quantity: path, heading, pulls, speed or energy
+//! verdicts.rs    the results for all quantities of a comparison of paths
 //! suggestion.rs  changes that make a difference smaller than the tolerance
 //! ```
 
+mod course;
 mod difference;
 mod divergence;
 mod ensemble;
 mod numbers;
 mod pathwise;
+mod quantity;
+mod seeds;
 mod settings;
 mod solution;
 mod suggestion;
 mod three_way;
 mod verdict;
+mod verdicts;
 
 pub use difference::Difference;
 pub use divergence::Divergence;
-pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, PairedDifference};
+pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference};
 pub use numbers::{Numbers, Predicted};
-pub use pathwise::{EdgeDisplacement, FirstDivergence, Pathwise, ReferenceError};
+pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
+pub use quantity::{FirstDivergence, QuantityVerdict, RunMeasure, Verdicts};
 pub use settings::{MakeController, Settings, Tier};
 pub use solution::{Point, Solution};
 pub use suggestion::SuggestedChange;

@@ -3,12 +3,14 @@
 use serde::{Serialize, Serializer};
 
 use super::difference::{Difference, Jumps};
-use super::divergence::{Divergence, PathPair};
+use super::divergence::PathPair;
 use super::numbers::{self, Numbers, Predicted};
+use super::quantity::{FirstDivergence, Verdicts};
 use super::settings::{Settings, Tier};
 use super::solution::Solution;
 use super::suggestion::{Differences, SuggestedChange};
 use super::verdict::{Cause, Verdict};
+use super::verdicts::{LEAST_MOTION, Runs};
 use crate::analysis::trigger::ByTrigger;
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::scenario::Scenario;
@@ -29,9 +31,14 @@ pub struct Pathwise {
     pub reference_error: ReferenceError,
     pub numbers: Numbers,
     pub predicted: Predicted,
+    /// Verdict on the path.
     pub verdict: Verdict,
-    /// All causes that exceed the tolerance by more than the reference error; the larger one is the
-    /// verdict.
+    /// Verdict on each quantity.
+    pub verdicts: Verdicts,
+    /// Largest net pull at a control tick, with inertia or without, over the sum of all slip limits
+    /// (1); `null` without friction. Below 1 a pull through the centre moves nothing.
+    pub largest_pull_over_slip_limit: Option<f64>,
+    /// All causes that exceed the tolerance of the path by more than the reference error.
     pub causes: Vec<Cause>,
     /// Changes that make the differences smaller than the tolerance, all of them together.
     pub suggested_changes: Vec<SuggestedChange>,
@@ -80,13 +87,6 @@ pub struct EdgeDisplacement {
     pub reference_error_m: f64,
 }
 
-/// First divergences of the paths; `null` where a difference stays below the tolerance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FirstDivergence {
-    pub inertia_effect: Option<Divergence>,
-    pub engine_error: Option<Divergence>,
-}
-
 /// Largest reference error, divided by the tolerance (1), unless its own tolerance was given.
 const LARGEST_REFERENCE_ERROR: f64 = 0.05;
 
@@ -115,15 +115,14 @@ impl Pathwise {
         self.solutions[..2].iter().all(|solution| solution.steps.status == Status::Converged)
     }
 
-    fn verdict(&self) -> Verdict {
-        let EdgeDisplacement { inertia_effect_m, engine_error_m, reference_error_m, .. } = self.edge_displacement;
+    /// Makes no claim where the runs do not allow one.
+    fn withdraw(&mut self) {
         if self.solutions.iter().any(|solution| solution.steps.status == Status::Failed) {
-            Verdict::NotComputed
+            self.verdicts.set_all(Verdict::NotComputed);
         } else if !self.references_converged() {
-            Verdict::Inconclusive
-        } else {
-            Verdict::on_paths(inertia_effect_m, engine_error_m, reference_error_m, self.tolerance_m)
+            self.verdicts.set_all(Verdict::Inconclusive);
         }
+        self.verdict = self.verdicts.path.verdict;
     }
 
     /// Changes against the causes; `tolerance_without_inertia` (m) applies after them.
@@ -192,13 +191,22 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
     let quasi_static_length = quasi_static.path_length(radius);
     let path_length_m = quasi_static_length.max(inertial.reach(radius));
     // A load at rest has no path: a millionth of its radius stands in.
-    let tolerance = |length: f64| settings.tolerance_share * length.max(1e-6 * radius);
+    let tolerance = |length: f64| settings.tolerance_share * length.max(LEAST_MOTION * radius);
     let tolerance_m = tolerance(path_length_m);
     let pair = |paths, jumps| PathPair::new(paths, scenario, tolerance_m, jumps);
     let (by_inertia, by_engine) = (pair([inertial, quasi_static], &jumps), pair([rapier, inertial], &no_jumps));
     let [inertia, engine, reference] =
         [&inertia_effect, &engine_error, &reference_error.all].map(|difference| difference.edge_displacement_max_m);
     let edge_displacement = EdgeDisplacement::new(inertia, by_inertia.by_trigger(), engine, reference);
+    let runs = Runs {
+        scenario,
+        settings,
+        solutions: &solutions,
+        jumps: &jumps,
+        pairs: [&by_inertia, &by_engine],
+        poses: [&inertia_effect, &engine_error, &reference_error.all],
+    };
+    let (verdicts, largest_pull_over_slip_limit) = (runs.verdicts(tolerance_m), runs.largest_pull_share());
     let numbers = Numbers::of(scenario, &inertial.trace);
     let mut found = Pathwise {
         tier,
@@ -209,17 +217,19 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
         reference_error,
         predicted: numbers.predict(scenario, inertial, by_inertia.n_sudden(), tolerance_m).with_estimate(scenario, &quasi_static.trace),
         numbers,
-        verdict: Verdict::NotComputed,
+        verdict: verdicts.path.verdict,
+        largest_pull_over_slip_limit,
         causes: Vec::new(),
         suggested_changes: Vec::new(),
         edge_displacement,
         tolerance_m,
         path_length_m,
         sampled_every_s: scenario.control_period / settings.parts_of_period(scenario) as f64,
-        first_divergence: FirstDivergence { inertia_effect: by_inertia.first_divergence(), engine_error: by_engine.first_divergence() },
+        first_divergence: verdicts.path.first_divergence,
+        verdicts,
         solutions,
     };
-    found.verdict = found.verdict();
+    found.withdraw();
     if found.references_converged() {
         found.causes = edge_displacement.causes(tolerance_m);
     }

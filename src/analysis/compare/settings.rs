@@ -30,6 +30,16 @@ pub struct Settings {
     pub recorded_from: BackendKind,
     /// Largest edge displacement that counts as agreement, divided by the path length (1).
     pub tolerance_share: f64,
+    /// Largest difference of headings that counts as agreement (rad). `None` is 0.01 rad, or 1 % of
+    /// the turn of the load if that is more.
+    pub tolerance_heading_rad: Option<f64>,
+    /// Largest difference of peak or mean pulls that counts as agreement, over the largest of them
+    /// without inertia or with it (1).
+    pub tolerance_pull_share: f64,
+    /// The same for peak and mean speed (1).
+    pub tolerance_speed_share: f64,
+    /// The same for the energy dissipated (1).
+    pub tolerance_energy_share: f64,
     /// Work that may be skipped.
     pub skips: Skips,
 }
@@ -47,11 +57,26 @@ const LARGEST_PHASE: f64 = 0.5;
 /// compared at ticks only.
 const ENOUGH_INSTANTS: f64 = 2e5;
 
+/// Largest relative difference of pulls, speeds and energies that counts as agreement (1): half of
+/// the precision to which such statistics are printed, as in the closed loop.
+pub(super) const FORCES: f64 = 0.05;
+
 impl Default for Settings {
     /// Settings of `cohaul compare` without options.
     fn default() -> Self {
         let (recorded_from, rapier, skips) = (BackendKind::QuasiStatic, RapierOptions::default(), Skips::ALL);
-        Self { step_s: None, reference_tolerance_m: None, rapier, recorded_from, tolerance_share: TOLERANCE_SHARE, skips }
+        Self {
+            step_s: None,
+            reference_tolerance_m: None,
+            rapier,
+            recorded_from,
+            tolerance_share: TOLERANCE_SHARE,
+            tolerance_heading_rad: None,
+            tolerance_pull_share: FORCES,
+            tolerance_speed_share: FORCES,
+            tolerance_energy_share: FORCES,
+            skips,
+        }
     }
 }
 

@@ -65,7 +65,9 @@ impl Solution {
         watch: impl Fn(f64) -> bool + Sync,
     ) -> Option<Self> {
         let start = |options: &BackendOptions| {
-            Simulation::from_parts(scenario, options, Keep::Trace, controller(), make(scenario, options)).with_rows_per_period(n_parts)
+            Simulation::from_parts(scenario, options, Keep::Trace, controller(), make(scenario, options))
+                .with_rows_per_period(n_parts)
+                .with_companion()
         };
         match options.tolerance {
             Some(_) => Self::under_error_control(scenario, options, start, watch),

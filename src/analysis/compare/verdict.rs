@@ -4,18 +4,24 @@ use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
-    /// All paths agree within the tolerance.
+    /// Both differences are within the tolerance.
     #[serde(rename = "agree")]
     Agree,
-    /// A difference exceeds the tolerance, and the inertia effect is the larger cause.
+    /// The inertia effect exceeds the tolerance.
     #[serde(rename = "inertia", alias = "differ by inertia")]
     Inertia,
-    /// A difference exceeds the tolerance, and the engine error is the larger cause.
+    /// The engine error exceeds the tolerance.
     #[serde(rename = "engine", alias = "differ by the engine")]
     Engine,
+    /// Both exceed the tolerance.
+    #[serde(rename = "inertia and engine")]
+    InertiaAndEngine,
     /// The reference error is too large to decide.
     #[serde(rename = "inconclusive", alias = "below own error")]
     Inconclusive,
+    /// The load never moves, with inertia or without: there is nothing to compare.
+    #[serde(rename = "nothing moved")]
+    NothingMoved,
     /// Runs separated after a decision that differed, and there is only one seed.
     #[serde(rename = "decorrelated")]
     Decorrelated,
@@ -33,21 +39,41 @@ pub enum Cause {
 }
 
 impl Verdict {
-    /// Verdict on two largest edge displacements, the reference error and the tolerance (all m).
+    /// Verdict on two differences, the reference error and the tolerance, all in one unit.
     ///
-    /// Whether paths agree does not depend on where the true paths lie within the reference error.
-    /// Which of two nearly equal causes is the larger one may depend on it.
-    pub fn on_paths(inertia_effect: f64, engine_error: f64, reference_error: f64, tolerance: f64) -> Self {
-        let largest = inertia_effect.max(engine_error);
-        if largest + reference_error <= tolerance {
-            Verdict::Agree
-        } else if largest - reference_error <= tolerance {
-            Verdict::Inconclusive
-        } else if inertia_effect >= engine_error {
-            Verdict::Inertia
-        } else {
-            Verdict::Engine
+    /// A cause is named if its difference exceeds the tolerance wherever the true values lie within
+    /// the reference error, and agreement if no difference can exceed it.
+    pub fn of(inertia_effect: f64, engine_error: f64, reference_error: f64, tolerance: f64) -> Self {
+        let exceeds = |difference: f64| difference - reference_error > tolerance;
+        match (exceeds(inertia_effect), exceeds(engine_error)) {
+            (true, true) => Verdict::InertiaAndEngine,
+            (true, false) => Verdict::Inertia,
+            (false, true) => Verdict::Engine,
+            _ if inertia_effect.max(engine_error) + reference_error <= tolerance => Verdict::Agree,
+            _ => Verdict::Inconclusive,
         }
+    }
+
+    /// Verdict on two numbers together: every cause of either, else what is left open.
+    pub fn and(self, other: Self) -> Self {
+        let any = |is: fn(Self) -> bool| is(self) || is(other);
+        match (any(Self::has_inertia), any(Self::has_engine)) {
+            (true, true) => Verdict::InertiaAndEngine,
+            (true, false) => Verdict::Inertia,
+            (false, true) => Verdict::Engine,
+            _ if self == Verdict::Agree => other,
+            _ => self,
+        }
+    }
+
+    /// Whether inertia is a cause.
+    pub fn has_inertia(self) -> bool {
+        matches!(self, Verdict::Inertia | Verdict::InertiaAndEngine)
+    }
+
+    /// Whether the engine is a cause.
+    pub fn has_engine(self) -> bool {
+        matches!(self, Verdict::Engine | Verdict::InertiaAndEngine)
     }
 
     /// The word that reports and JSON use.
@@ -56,7 +82,9 @@ impl Verdict {
             Verdict::Agree => "agree",
             Verdict::Inertia => "inertia",
             Verdict::Engine => "engine",
+            Verdict::InertiaAndEngine => "inertia and engine",
             Verdict::Inconclusive => "inconclusive",
+            Verdict::NothingMoved => "nothing moved",
             Verdict::Decorrelated => "decorrelated",
             Verdict::NotComputed => "not computed",
         }
@@ -68,14 +96,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_larger_share_names_the_cause_on_both_sides_of_each_threshold() {
-        let verdict = |inertia, engine, reference| Verdict::on_paths(inertia, engine, reference, 1e-3);
+    fn every_cause_is_named_on_both_sides_of_each_threshold() {
+        let verdict = |inertia, engine, reference| Verdict::of(inertia, engine, reference, 1e-3);
         assert_eq!(verdict(0.0, 0.0, 0.0), Verdict::Agree);
         assert_eq!(verdict(0.9e-3, 0.2e-3, 0.09e-3), Verdict::Agree);
         assert_eq!(verdict(0.9e-3, 0.2e-3, 0.11e-3), Verdict::Inconclusive);
         assert_eq!(verdict(1.1e-3, 0.2e-3, 1e-6), Verdict::Inertia);
-        assert_eq!(verdict(1.1e-3, 1.2e-3, 1e-6), Verdict::Engine);
+        assert_eq!(verdict(0.9e-3, 1.2e-3, 1e-6), Verdict::Engine);
+        assert_eq!(verdict(1.1e-3, 1.2e-3, 1e-6), Verdict::InertiaAndEngine);
         assert_eq!(verdict(1.1e-3, 1.2e-3, 0.19e-3), Verdict::Engine);
         assert_eq!(verdict(1.1e-3, 1.2e-3, 0.21e-3), Verdict::Inconclusive);
+    }
+
+    #[test]
+    fn numbers_together_have_every_cause_of_each() {
+        use Verdict::{Agree, Engine, Inconclusive, Inertia, InertiaAndEngine};
+        for (a, b, both) in [
+            (Agree, Agree, Agree),
+            (Agree, Inconclusive, Inconclusive),
+            (Inconclusive, Inertia, Inertia),
+            (Engine, Agree, Engine),
+            (Engine, Inertia, InertiaAndEngine),
+            (InertiaAndEngine, Inconclusive, InertiaAndEngine),
+        ] {
+            assert_eq!((a.and(b), b.and(a)), (both, both));
+        }
     }
 }

@@ -27,6 +27,8 @@ pub struct Headline {
 pub enum Answer {
     Yes,
     No,
+    /// Yes in the main, and no in another respect.
+    Partly,
     /// It cannot be told.
     Open,
     /// Nothing was asked.

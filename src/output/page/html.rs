@@ -67,6 +67,7 @@ impl Writer {
         let (class, sign) = match headline.answer {
             Answer::Yes => ("yes", "✓"),
             Answer::No => ("no", "✗"),
+            Answer::Partly => ("open", "~"),
             Answer::Open => ("open", "?"),
             Answer::None => ("none", ""),
         };

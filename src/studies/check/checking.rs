@@ -96,7 +96,7 @@ impl Check {
         let of = |rows: Vec<&Row>, record: &Record| Trace {
             rows: rows.into_iter().map(moving_row).collect(),
             events: record.events.iter().map(Event::without_tip).collect(),
-            transitions: Vec::new(),
+            ..Trace::default()
         };
         let (expected, found) = pairs.iter().map(|(expected, found)| (expected, found)).unzip();
         [of(expected, &self.stored), of(found, &self.found.record)]

@@ -1,53 +1,139 @@
-//! The answer of a comparison: whether the quasi-static backend is valid, and the engine error.
+//! The answer of a comparison: for which quantities the quasi-static backend is valid, and where the
+//! engine error exceeds a tolerance.
 
-use crate::analysis::compare::{ClosedLoop, Measure, Pathwise, Verdict};
+use crate::analysis::compare::{ClosedLoop, Measure, Pathwise, QuantityVerdict, RunMeasure, Verdict};
 use crate::output::page::Answer;
 use crate::output::quantity::{short, short_quantity};
 
-/// Whether the inertia effect lies below the tolerance, whatever the reference error hides.
+/// Whether quasi-static is valid: for all quantities, for the path but not for all, or not for the
+/// path.
 pub fn of_paths(found: &Pathwise) -> Answer {
-    let [least, most] = found.edge_displacement.inertia_effect_range_m;
-    match found.verdict {
+    let answers = found.verdicts.named().map(|(_, of)| is_valid(of));
+    match answers[0] {
+        _ if !found.references_converged() || found.verdict == Verdict::NothingMoved => Answer::Open,
+        Answer::Yes if answers.iter().any(|of| *of != Answer::Yes) => Answer::Partly,
+        path => path,
+    }
+}
+
+/// Whether the inertia effect on a quantity is within its tolerance, whatever the reference error
+/// hides.
+pub fn is_valid(of: &QuantityVerdict) -> Answer {
+    within(of, of.inertia_share_range())
+}
+
+/// The same for the engine error.
+fn engine_is_within(of: &QuantityVerdict) -> Answer {
+    within(of, of.engine_share_range())
+}
+
+fn within(of: &QuantityVerdict, [least, most]: [f64; 2]) -> Answer {
+    match of.verdict {
         Verdict::NotComputed => Answer::Open,
-        _ if !found.references_converged() => Answer::Open,
-        _ if least > found.tolerance_m => Answer::No,
-        _ if most <= found.tolerance_m => Answer::Yes,
+        _ if least > 1.0 => Answer::No,
+        _ if most <= 1.0 => Answer::Yes,
         _ => Answer::Open,
     }
 }
 
-/// The answer from paths, in words: the inertia effect, then the engine error.
+/// The answer from paths, in words: the quantities for which quasi-static is valid and those for
+/// which it is not, then the engine error.
 pub fn sentence_of_paths(found: &Pathwise) -> String {
     const UNKNOWN: &str = "It is not known whether quasi-static is valid here";
     if found.verdict == Verdict::NotComputed {
         return format!("{UNKNOWN}: a run failed.");
     }
-    let effect = short_quantity(found.edge_displacement.inertia_effect_m, "m");
-    let moves = format!("inertia moves the load by up to {effect} of edge displacement");
-    let tolerance = tolerance(found);
-    let inertia = match of_paths(found) {
-        Answer::No => format!("Quasi-static is not valid here: {moves}, more than the tolerance of {tolerance}."),
-        Answer::Yes if found.edge_displacement.inertia_effect_m == 0.0 => {
-            "Quasi-static is valid here: inertia does not move the load.".to_owned()
-        }
-        Answer::Yes => format!("Quasi-static is valid here: {moves}, less than the tolerance of {tolerance}."),
-        _ if !found.references_converged() => format!("{UNKNOWN}: some macro-steps of the reference runs did not converge."),
-        _ => {
-            let error = short_quantity(found.edge_displacement.reference_error_m, "m");
-            format!("{UNKNOWN}: {moves}, too close to the tolerance of {tolerance} for the reference error of {error}.")
-        }
-    };
+    if !found.references_converged() {
+        return format!("{UNKNOWN}: some macro-steps of the reference runs did not converge.");
+    }
+    let inertia = if found.verdict == Verdict::NothingMoved { nothing_moved(found) } else { inertia_sentence(found) };
     format!("{inertia} {}", engine_sentence(found))
 }
 
-fn engine_sentence(found: &Pathwise) -> String {
-    let [least, most] = found.edge_displacement.engine_error_range_m;
-    let compared = match (least > found.tolerance_m, most <= found.tolerance_m) {
-        (true, _) => "above the tolerance",
-        (_, true) => "below the tolerance",
-        _ => "too close to the tolerance to decide",
+fn nothing_moved(found: &Pathwise) -> String {
+    let pull = match found.largest_pull_over_slip_limit {
+        Some(0.0) => "nothing pulls the load".to_owned(),
+        Some(share) => format!("the largest net pull is {} % of the slip limit", short(100.0 * share)),
+        None => "there is no friction, and nothing pulls the load".to_owned(),
     };
-    format!("The engine error of rapier is {}, {compared}.", short_quantity(found.edge_displacement.engine_error_m, "m"))
+    format!("Nothing moved: no answer; {pull}.")
+}
+
+fn inertia_sentence(found: &Pathwise) -> String {
+    let of = |answer| {
+        let quantities = found.verdicts.named().into_iter().filter(move |(_, of)| is_valid(of) == answer);
+        quantities.map(|(name, of)| quantity_in_words(name, of, found, answer)).collect::<Vec<_>>()
+    };
+    let [valid, not_valid, open] = [Answer::Yes, Answer::No, Answer::Open].map(|answer| list(&of(answer)));
+    let sentence = match (is_valid(&found.verdicts.path), valid.is_empty(), not_valid.is_empty()) {
+        (Answer::Yes, _, true) => format!("Quasi-static is valid for {valid}"),
+        (Answer::Yes, _, false) => format!("Quasi-static is valid for {valid} but not for {not_valid}"),
+        (_, true, true) => "It is not known whether quasi-static is valid here".to_owned(),
+        (_, true, false) => format!("Quasi-static is not valid for {not_valid}"),
+        (_, false, true) => format!("Quasi-static is valid for {valid}"),
+        (_, false, false) => format!("Quasi-static is not valid for {not_valid}; it is valid for {valid}"),
+    };
+    match open.is_empty() {
+        true => format!("{sentence}."),
+        false => format!("{sentence}. Too close to the tolerance for the reference error: {open}."),
+    }
+}
+
+/// A quantity, and what inertia does to it unless it is valid.
+fn quantity_in_words(name: &str, of: &QuantityVerdict, found: &Pathwise, answer: Answer) -> String {
+    let effect = short_quantity(of.inertia_effect, of.unit);
+    match (name, of.deciding()) {
+        ("path", _) => format!("the path ({effect} of {})", short_quantity(found.path_length_m, "m")),
+        (_, _) if answer == Answer::Yes => in_general(name).to_owned(),
+        (_, None) => format!("the {name} ({effect})"),
+        (_, Some(measure)) => format!("{} ({})", plural(measure), instead(measure.inertial, measure.quasi_static, of.unit)),
+    }
+}
+
+fn in_general(name: &str) -> &str {
+    match name {
+        "energy" => "the energy dissipated",
+        "heading" => "the heading",
+        "path" => "the path",
+        other => other,
+    }
+}
+
+/// Name of a number in a sentence.
+fn plural(measure: &RunMeasure) -> String {
+    if measure.spring.is_some() { format!("{}s", measure.name) } else { format!("the {}", measure.name) }
+}
+
+/// Two values that differ, with as many digits as show it.
+pub fn instead(value: f64, other: f64, unit: &str) -> String {
+    format!("{} instead of {}", short_quantity(value, unit), short_quantity(other, unit))
+}
+
+/// Words as a list: `a, b and c`.
+fn list(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+fn engine_sentence(found: &Pathwise) -> String {
+    let of = |answer| found.verdicts.named().into_iter().filter(move |(_, of)| engine_is_within(of) == answer);
+    let beyond = |(name, of): (&str, &QuantityVerdict)| match of.worst_of_engine() {
+        None => format!("the {name} ({})", short_quantity(of.engine_error, of.unit)),
+        Some(measure) => format!("{} ({})", plural(measure), instead(measure.rapier, measure.inertial, of.unit)),
+    };
+    let exceeds = list(&of(Answer::No).map(beyond).collect::<Vec<_>>());
+    let open = list(&of(Answer::Open).map(|(name, _)| in_general(name).to_owned()).collect::<Vec<_>>());
+    let on_path = short_quantity(found.edge_displacement.engine_error_m, "m");
+    let sentence = match (exceeds.is_empty(), open.is_empty()) {
+        (true, true) => format!("The engine error of rapier is within all tolerances ({on_path} on the path)"),
+        (true, false) => format!("The engine error of rapier is too close to the tolerance to decide for {open}"),
+        (false, true) => format!("The engine error of rapier exceeds the tolerance for {exceeds}"),
+        (false, false) => format!("The engine error of rapier exceeds the tolerance for {exceeds}, and is too close to decide for {open}"),
+    };
+    format!("{sentence}.")
 }
 
 /// The tolerance, and what it is a share of if the load moves.
@@ -91,7 +177,13 @@ pub fn sentence_of_ensemble(found: &ClosedLoop) -> String {
             format!("Inertia changes the {name} in the closed loop by {mean}{others}, over {seeds}.")
         }
         Answer::Yes => format!("Inertia changes no measure of the closed loop by more than 5 %, over {seeds}."),
-        _ => format!("In the closed loop, {seeds} are too few to tell what inertia changes."),
+        _ => {
+            let enough = match found.n_seeds_needed {
+                Some(n) => format!("about {n} would do"),
+                None => "at least 2 are needed to tell how many would do".to_owned(),
+            };
+            format!("Too few seeds: {seeds} do not tell what inertia changes in the closed loop; {enough}.")
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::output::table::Table;
 use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance};
 use crate::studies::compare::comparison::Comparison;
-use crate::studies::compare::text::{details, or_none, paired, suggested, tier_name};
+use crate::studies::compare::text::{details, divergence, or_none, paired, suggested, tier_name};
 
 pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &Manifest) -> Page {
     let mut headline = Headline::new(comparison.is_valid(), comparison.answer.clone());
@@ -40,13 +40,13 @@ pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &
 /// Largest edge displacements beside the tolerance.
 fn largest(found: &Pathwise) -> Block {
     let bar = |name: &str, value: f64| Bar { name: name.to_owned(), value, text: quantity(value, "m") };
-    let (largest, triggers) = (&found.edge_displacement, &found.edge_displacement.by_trigger);
+    let largest = &found.edge_displacement;
     let mut bars = vec![
         bar("inertia effect", largest.inertia_effect_m),
         bar("engine error", largest.engine_error_m),
         bar("reference error", largest.reference_error_m),
     ];
-    let mut parts = vec![bar("… start", triggers.start_m), bar("… jumps", triggers.jumps_m), bar("… driving", triggers.driving_m)];
+    let mut parts: Vec<Bar> = largest.by_trigger.named().map(|(name, part)| bar(&format!("… {name}"), part)).collect();
     parts.retain(|part| part.value > 0.0);
     if parts.len() > 1 {
         bars.splice(1..1, parts);
@@ -83,10 +83,37 @@ fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
     let replay = Replay::new(name.clone(), scenario, &shown, first.unwrap_or(0.4 * end));
     let details = details(found).into_iter();
     let table = details.fold(Table::new("All numbers of the comparison", ["", "value"]), |table, (label, value)| table.row([label, value]));
-    page.section(name, vec![Block::Replay(Box::new(replay))]).section("Differences between the paths", vec![Block::Table(table)]).section(
-        "Over time",
-        vec![overview(&shown, scenario, "Path, differences, heading, speed, net pull and attached springs over time.")],
-    )
+    page.section(format!("{}: each quantity", tier_name(found.tier)), quantities(found))
+        .section(name, vec![Block::Replay(Box::new(replay))])
+        .section("Differences between the paths", vec![Block::Table(table)])
+        .section(
+            "Over time",
+            vec![overview(&shown, scenario, "Path, differences, heading, speed, net pull and attached springs over time.")],
+        )
+}
+
+/// The verdict on each quantity, and the numbers on which it rests.
+fn quantities(found: &Pathwise) -> Vec<Block> {
+    let columns = ["quantity", "inertia effect", "engine error", "reference error", "tolerance", "verdict", "first divergence"];
+    let mut verdicts = Table::new("Verdict on each quantity", columns);
+    let measured = ["number", "quasi-static", "inertial", "rapier", "inertia effect", "engine error", "reference error", "tolerance"];
+    let mut measures = Table::new("Peak and mean pulls and speeds, and the energy dissipated", measured);
+    for (name, of) in found.verdicts.named() {
+        let cell = |value: f64| short_quantity(value, of.unit);
+        let [inertia, engine, reference, tolerance] = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance].map(cell);
+        let first = of.first_divergence.inertia_effect.or(of.first_divergence.engine_error);
+        let first = first.map_or("none".to_owned(), |first| divergence(&first));
+        verdicts.push([name.to_owned(), inertia, engine, reference, tolerance, of.verdict.text().to_owned(), first]);
+        for measure in &of.measures {
+            let values = [measure.quasi_static, measure.inertial, measure.rapier].map(|value| quantity(value, of.unit));
+            let differences = [measure.inertia_effect, measure.engine_error, measure.reference_error, measure.tolerance].map(cell);
+            measures.push([measure.label()].into_iter().chain(values).chain(differences));
+        }
+    }
+    vec![
+        Block::Table(verdicts),
+        Block::Folded { heading: "Pulls, speeds and energy in numbers".to_owned(), blocks: vec![Block::Table(measures)] },
+    ]
 }
 
 fn overview(shown: &[Shown], scenario: &Scenario, caption: &str) -> Block {

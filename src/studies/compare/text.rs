@@ -1,6 +1,7 @@
 //! A comparison as text: the answer, the evidence, and all details on request.
 
-use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference};
+use crate::analysis::ByTrigger;
+use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
 use crate::analysis::compare::{Pathwise, SuggestedChange, Tier};
 use crate::backend::Status;
 use crate::output::quantity::{quantity, short, short_quantity};
@@ -8,6 +9,8 @@ use crate::output::text::{Detail, Lines};
 use crate::studies::compare::answer::{name_and_unit, tolerance};
 use crate::studies::compare::comparison::Comparison;
 
+/// Most lines of brief text below the answer.
+const MOST_LINES: usize = 15;
 /// Most lines of suggested changes in brief text; one is said to be left out.
 const MOST_CHANGES: usize = 2;
 
@@ -19,11 +22,14 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
         lines.row("scenario", &format!("{} (seed {})", comparison.scenario, comparison.seed));
         lines.row("wall time", &quantity(comparison.wall_s, "s"));
     }
+    let of_ensemble = comparison.tiers.closed_loop.as_ref().map_or(0, |found| measures(found).lines().count());
     for found in comparison.tiers.pathwise() {
-        lines.section(&format!("{}: largest edge displacements (verdict: {})", tier_name(found.tier), found.verdict.text()));
-        evidence(found, detail).iter().for_each(|(label, value)| lines.row(label, value));
-        if detail == Detail::Full {
-            details(found).iter().for_each(|(label, value)| lines.row(label, value));
+        lines.text += &verdicts(found);
+        match detail {
+            Detail::Brief => lines.text += &brief_evidence(found, MOST_LINES - VERDICT_LINES - of_ensemble),
+            Detail::Full => {
+                evidence(found, detail).into_iter().chain(details(found)).for_each(|(label, value)| lines.row(&label, &value));
+            }
         }
     }
     match (&comparison.tiers.closed_loop, detail) {
@@ -34,6 +40,39 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
     lines.text
 }
 
+/// Lines of [`verdicts`].
+const VERDICT_LINES: usize = 6;
+
+/// The table of the differences in each quantity, and the verdicts.
+fn verdicts(found: &Pathwise) -> String {
+    let row = |[name, inertia, engine, reference, tolerance, verdict]: [&str; 6]| {
+        format!("{}\n", format!("{name:<17} {inertia:<10} {engine:<10} {reference:<10} {tolerance:<10} {verdict}").trim_end())
+    };
+    let mut text = row([tier_name(found.tier), "inertia", "engine", "reference", "tolerance", "verdict"]);
+    for (name, of) in found.verdicts.named() {
+        let name = of.deciding().map_or(name, |measure| measure.name);
+        let name = if name == "energy dissipated" { "energy" } else { name };
+        // What is smaller is rounding.
+        let cell = |value: f64| if value < 1e-12 { format!("0 {}", of.unit) } else { short_quantity(value, of.unit) };
+        let [inertia, engine, reference, tolerance] = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance].map(cell);
+        text += &row([&format!("  {name}"), &inertia, &engine, &reference, &tolerance, of.verdict.text()]);
+    }
+    text
+}
+
+/// As many lines of the evidence as there is room for, the most useful first.
+fn brief_evidence(found: &Pathwise, most_lines: usize) -> String {
+    let mut text = String::new();
+    for (label, value) in evidence(found, Detail::Brief) {
+        let mut lines = Lines::default();
+        lines.row(&label, &value);
+        if text.lines().count() + lines.text.lines().count() <= most_lines {
+            text += &lines.text;
+        }
+    }
+    text
+}
+
 pub fn tier_name(tier: Tier) -> &'static str {
     match tier {
         Tier::Prescribed => "Prescribed tips",
@@ -42,22 +81,9 @@ pub fn tier_name(tier: Tier) -> &'static str {
     }
 }
 
-/// What the verdict on paths rests on.
+/// What the verdict on the path rests on, and what would change it.
 fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
-    let largest = &found.edge_displacement;
-    let metres = |value: f64| short_quantity(value, "m");
-    let triggers = &largest.by_trigger;
-    let parts = [("start", triggers.start_m), ("jumps", triggers.jumps_m), ("driving", triggers.driving_m)];
-    let parts = parts.iter().filter(|(_, part)| *part > 0.0).map(|(name, part)| format!("{name} {}", metres(*part))).collect::<Vec<_>>();
-    let by_trigger = if parts.is_empty() { String::new() } else { format!(" (by trigger: {})", parts.join(", ")) };
-    let [step, model] = [&found.time_step_error, &found.model_error].map(|error| metres(error.edge_displacement_max_m));
-    let mut rows = vec![
-        ("inertia effect", format!("{}{by_trigger}", metres(largest.inertia_effect_m))),
-        ("engine error", format!("{} (time step {step}, model {model})", metres(largest.engine_error_m))),
-        ("reference error", metres(largest.reference_error_m)),
-        ("tolerance", tolerance(found)),
-    ];
-    rows.extend(found.first_divergence.inertia_effect.map(|first| ("first divergence", divergence(&first))));
+    let mut rows = Vec::new();
     let n_shown = if detail == Detail::Full { usize::MAX } else { MOST_CHANGES };
     for (at, change) in found.suggested_changes.iter().take(n_shown).enumerate() {
         let (what, why) = suggested(change);
@@ -69,7 +95,20 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
         };
         rows.push((if at == 0 { "suggested change" } else { "  and" }, text));
     }
+    let metres = |value: f64| short_quantity(value, "m");
+    rows.extend(by_trigger(&found.edge_displacement.by_trigger).map(|parts| ("by trigger", parts)));
+    rows.extend(found.first_divergence.inertia_effect.map(|first| ("first divergence", divergence(&first))));
+    let [step, model] = [&found.time_step_error, &found.model_error].map(|error| metres(error.edge_displacement_max_m));
+    rows.push(("engine error", format!("time step {step}, model {model}")));
+    rows.push(("tolerance", tolerance(found)));
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+/// Parts of an inertia effect by trigger; `None` if there are none.
+pub fn by_trigger(triggers: &ByTrigger) -> Option<String> {
+    let parts = triggers.named().filter(|(_, part)| *part > 0.0).map(|(name, part)| format!("{name} {}", short_quantity(part, "m")));
+    let parts = parts.collect::<Vec<_>>();
+    (!parts.is_empty()).then(|| parts.join(", "))
 }
 
 /// Everything else that a comparison of paths found.
@@ -77,6 +116,21 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     let predicted = &found.predicted;
     let mut rows = Vec::new();
     let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
+    for (name, of) in found.verdicts.named() {
+        let effects = [("inertia effect", of.first_divergence.inertia_effect), ("engine error", of.first_divergence.engine_error)];
+        for (effect, first) in effects {
+            row(
+                name,
+                format!(
+                    "{effect}: {}",
+                    first.map_or("within the tolerance".to_owned(), |first| format!("first divergence at {}", divergence(&first)))
+                ),
+            );
+        }
+        for measure in &of.measures {
+            row("", measured(measure, of.unit));
+        }
+    }
     row("sampled every", quantity(found.sampled_every_s, "s"));
     row("attribution", "measured: what the paths did at and after each trigger".to_owned());
     row("inertia effect", difference(&found.inertia_effect));
@@ -85,11 +139,6 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     row("model error", difference(&found.model_error));
     row("  its error", difference(&found.reference_error.rapier));
     row("reference error", difference(&found.reference_error.all));
-    for (label, first) in [("inertia effect", found.first_divergence.inertia_effect), ("engine error", found.first_divergence.engine_error)]
-    {
-        let when = first.map_or("stays below the tolerance".to_owned(), |first| format!("first divergence at {}", divergence(&first)));
-        row(label, when);
-    }
     let (epsilon, phi) = (or_none(found.numbers.epsilon, ""), or_none(found.numbers.phi, "rad"));
     row("numbers", format!("epsilon {epsilon}, Phi {phi}, zeta {}", short(found.numbers.zeta)));
     let (driven, stop) = (or_none(predicted.while_driven_m, "m"), or_none(predicted.where_tips_stop_m, "m"));
@@ -137,6 +186,13 @@ pub fn suggested(change: &SuggestedChange) -> (String, &'static str) {
 
 pub fn or_none(value: Option<f64>, unit: &str) -> String {
     value.map_or("none".to_owned(), |value| short_quantity(value, unit))
+}
+
+/// One number on all backends, and its differences.
+pub fn measured(measure: &RunMeasure, unit: &str) -> String {
+    let [a, b, c] = [measure.quasi_static, measure.inertial, measure.rapier].map(|value| quantity(value, unit));
+    let [error, tolerance] = [measure.reference_error, measure.tolerance].map(|value| short_quantity(value, unit));
+    format!("{}: quasi-static {a}, inertial {b}, rapier {c} (reference error {error}, tolerance {tolerance})", measure.label())
 }
 
 fn difference(found: &Difference) -> String {

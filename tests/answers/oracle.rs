@@ -1,0 +1,180 @@
+//! An independent solution for a load on springs along one line: what a comparison must find.
+//!
+//! The equation of motion m x'' = sum of k (p_j - x) + c (p_j' - x') - f sign(x') is integrated by
+//! the classical Runge-Kutta method in steps of 1/500 rad; without inertia the load moves just so
+//! far that the springs pull with f at most. Neither shares code with the backends.
+
+use cohaul::scenario::Scenario;
+use serde_json::json;
+
+/// A scene along x: all springs act at the centre of the load.
+#[derive(Clone, Debug)]
+pub struct Line {
+    pub name: &'static str,
+    pub mass: f64,
+    pub friction: f64,
+    pub stiffness: f64,
+    pub damping_ratio: f64,
+    /// Start speed of the load (m/s).
+    pub start: f64,
+    pub tips: Vec<Tip>,
+    pub duration: f64,
+    pub period: f64,
+}
+
+/// Corners of a tip's path: time (s) and place (m). It is attached from the first one on.
+#[derive(Clone, Debug)]
+pub struct Tip {
+    pub corners: Vec<(f64, f64)>,
+    pub release: Option<f64>,
+}
+
+/// State at a tick.
+#[derive(Clone, Debug)]
+pub struct Tick {
+    pub time: f64,
+    pub place: f64,
+    pub speed: f64,
+    /// Pull of each spring; `None` once it is released.
+    pub pulls: Vec<Option<f64>>,
+    pub dissipated: f64,
+}
+
+pub const RADIUS: f64 = 0.1;
+const GRAVITY: f64 = 9.81;
+
+impl Tip {
+    fn at(&self, time: f64) -> (f64, f64) {
+        let leg = self.corners.windows(2).find(|leg| time < leg[1].0);
+        leg.map_or((self.corners[self.corners.len() - 1].1, 0.0), |leg| {
+            let speed = (leg[1].1 - leg[0].1) / (leg[1].0 - leg[0].0);
+            (leg[0].1 + speed * (time - leg[0].0), speed)
+        })
+    }
+
+    fn is_held(&self, time: f64) -> bool {
+        self.release.is_none_or(|release| time < release - 1e-12)
+    }
+}
+
+impl Line {
+    pub fn scene(&self) -> Scenario {
+        let spring = json!({
+            "root_m": [0.0, 0.0], "bearing_rad": 0.0, "rest_length_m": 0.0, "radial_stiffness_n_per_m": self.stiffness,
+            "torsional_stiffness_nm_per_rad": 0.0, "damping_ratio": self.damping_ratio
+        });
+        let path = |(spring, tip): (usize, &Tip)| {
+            let waypoints: Vec<_> = tip.corners.iter().map(|(time, place)| [*time, *place, 0.0]).collect();
+            match tip.release {
+                Some(release) => json!({ "spring": spring, "waypoints": waypoints, "release_s": release }),
+                None => json!({ "spring": spring, "waypoints": waypoints }),
+            }
+        };
+        let file = json!({
+            "name": self.name, "duration_s": self.duration, "control_period_s": self.period,
+            "load": { "mass_kg": self.mass, "radius_m": RADIUS, "velocity_m_per_s": [self.start, 0.0] },
+            "ground": { "friction_coefficient": self.friction / (self.mass * GRAVITY), "gravity_m_per_s2": GRAVITY,
+                        "supports": { "tripod": { "radius_m": 0.6 * RADIUS } } },
+            "springs": self.tips.iter().map(|_| &spring).collect::<Vec<_>>(),
+            "drive": { "kind": "tips", "paths": self.tips.iter().enumerate().map(path).collect::<Vec<_>>() }
+        });
+        Scenario::parse(&file.to_string(), self.name).unwrap()
+    }
+
+    fn damping(&self) -> f64 {
+        2.0 * self.damping_ratio * (self.stiffness * self.mass).sqrt()
+    }
+
+    /// Pull of each spring on its tip, with a load at a place and a speed.
+    fn pulls(&self, time: f64, place: f64, speed: f64) -> Vec<Option<f64>> {
+        let pull = |tip: &Tip| {
+            let (at, velocity) = tip.at(time);
+            tip.is_held(time).then(|| self.stiffness * (at - place) + self.damping() * (velocity - speed))
+        };
+        self.tips.iter().map(pull).collect()
+    }
+
+    /// Pulls as a backend reports them at a tick: dashpots have the force of the step before.
+    fn pulls_at_tick(&self, time: f64, place: f64, speed: f64) -> Vec<Option<f64>> {
+        let in_dashpot = |tip: &Tip| if time > 0.0 { self.damping() * (tip.at(time - 1e-9).1 - speed) } else { 0.0 };
+        let pull = |tip: &Tip| tip.is_held(time).then(|| self.stiffness * (tip.at(time).0 - place) + in_dashpot(tip));
+        self.tips.iter().map(pull).collect()
+    }
+
+    fn drive(&self, time: f64, place: f64, speed: f64) -> f64 {
+        self.pulls(time, place, speed).into_iter().flatten().sum()
+    }
+
+    fn released_in(&self, from: f64, to: f64) -> impl Iterator<Item = &Tip> {
+        self.tips.iter().filter(move |tip| tip.is_held(from) && !tip.is_held(to))
+    }
+
+    fn elastic(&self, tip: &Tip, time: f64, place: f64) -> f64 {
+        0.5 * self.stiffness * (tip.at(time).0 - place).powi(2)
+    }
+
+    /// States with inertia every `every` seconds.
+    pub fn with_inertia(&self, every: f64) -> Vec<Tick> {
+        let rate = (self.tips.len().max(1) as f64 * self.stiffness / self.mass).sqrt();
+        let n = (every * rate / 2e-3).ceil().max(20.0) as usize;
+        let (step, n_all) = (every / n as f64, (self.duration / every).round() as usize);
+        let (mut place, mut speed, mut dissipated, mut ticks) = (0.0f64, self.start, 0.0, Vec::new());
+        for tick in 0..=n_all {
+            let time = tick as f64 * every;
+            ticks.push(Tick { time, place, speed, pulls: self.pulls_at_tick(time, place, speed), dissipated });
+            for i in 0..n {
+                let (now, next) = (time + i as f64 * step, time + (i + 1) as f64 * step);
+                let middle = now + 0.5 * step;
+                let sign = if speed != 0.0 { speed.signum() } else { self.drive(middle, place, 0.0).signum() };
+                let (before, at) = (speed, place);
+                if speed != 0.0 || self.drive(middle, place, 0.0).abs() > self.friction {
+                    // A corner or a release is at the end of a step.
+                    let force = |x: f64, u: f64, t: f64| (self.drive(t, x, u) - sign * self.friction) / self.mass;
+                    let late = next - 1e-3 * step;
+                    let (x1, u1) = (speed, force(place, speed, now));
+                    let (x2, u2) = (speed + 0.5 * step * u1, force(place + 0.5 * step * x1, speed + 0.5 * step * u1, middle));
+                    let (x3, u3) = (speed + 0.5 * step * u2, force(place + 0.5 * step * x2, speed + 0.5 * step * u2, middle));
+                    let (x4, u4) = (speed + step * u3, force(place + step * x3, speed + step * u3, late));
+                    place += step / 6.0 * (x1 + 2.0 * x2 + 2.0 * x3 + x4);
+                    speed += step / 6.0 * (u1 + 2.0 * u2 + 2.0 * u3 + u4);
+                    if speed * sign <= 0.0 {
+                        // It stops on the way.
+                        place = at + 0.5 * step * before * before / (before - speed);
+                        speed = 0.0;
+                    }
+                }
+                let in_dashpots = |tip: &Tip| self.damping() * (tip.at(middle).1 - 0.5 * (before + speed)).powi(2) * step;
+                let damped: f64 = self.tips.iter().filter(|tip| tip.is_held(middle)).map(in_dashpots).sum();
+                let released: f64 = self.released_in(now, next).map(|tip| self.elastic(tip, next, place)).sum();
+                dissipated += self.friction * (place - at).abs() + damped + released;
+            }
+        }
+        ticks
+    }
+
+    /// States without inertia every `every` seconds, jumps included in what is dissipated.
+    pub fn without_inertia(&self, every: f64) -> Vec<Tick> {
+        let undamped = Line { damping_ratio: 0.0, ..self.clone() };
+        let (n, n_all) = (200, (self.duration / every).round() as usize);
+        let (mut place, mut dissipated, mut ticks, mut last) = (0.0, 0.0, Vec::new(), 0.0);
+        for tick in 0..=n_all {
+            let time = tick as f64 * every;
+            ticks.push(Tick { time, place, speed: (place - last) / every, pulls: undamped.pulls(time, place, 0.0), dissipated });
+            last = place;
+            for i in 1..=n {
+                let (before, now) = (time + (i - 1) as f64 * every / n as f64, time + i as f64 * every / n as f64);
+                let held = |tip: &&Tip| tip.is_held(now);
+                let (work, at): (f64, f64) = (undamped.released_in(before, now).map(|tip| self.elastic(tip, now, place)).sum(), place);
+                let elastic = |place: f64| self.tips.iter().filter(held).map(|tip| self.elastic(tip, now, place)).sum::<f64>();
+                let drive = undamped.drive(now, place, 0.0);
+                if drive.abs() > self.friction {
+                    let stiffness = self.stiffness * self.tips.iter().filter(held).count() as f64;
+                    place += drive.signum() * (drive.abs() - self.friction) / stiffness;
+                }
+                // All of what the springs lose in a jump is lost; in small steps that is friction.
+                dissipated += work + elastic(at) - elastic(place);
+            }
+        }
+        ticks
+    }
+}
