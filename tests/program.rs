@@ -592,17 +592,35 @@ fn a_state_that_does_not_fit_is_refused_and_kept() {
 
 /// Undamped, a load that is let go at 2.5 times its slip limit goes twice as far as one without
 /// inertia; one that only turns differs although its position does not; a slow pull lags by v / w =
-/// 0.25 mm on 67 mm; and a load that sticks agrees with itself whatever rounding an engine leaves.
+/// 0.25 mm on 67 mm; and a load that sticks gives no answer, whatever rounding an engine leaves.
 #[test]
 fn verdicts_name_what_is_known_to_part_the_paths() {
     let verdict = |file: &str| {
         let json = json_of(&["compare", &format!("scenarios/{file}"), "--json"]);
         json["tiers"]["prescribed"]["verdict"].as_str().unwrap().to_owned()
     };
-    assert_eq!(verdict("analytic/release-jump.json"), "inertia");
-    assert_eq!(verdict("analytic/spin.json"), "inertia");
+    assert_eq!(verdict("analytic/release-jump.json"), "inertia and engine");
+    assert_eq!(verdict("analytic/spin.json"), "inertia and engine");
     assert_eq!(verdict("analytic/centre-pull.json"), "agree");
-    assert_eq!(verdict("stress/hold-below-limit.json"), "agree");
+    assert_eq!(verdict("stress/hold-below-limit.json"), "nothing moved");
+}
+
+/// A slow pull lags by 0.37 % of its path, the peak pull is 0.7 % above the slip limit, and the peak
+/// speed is twice that of the tip. Tolerances on the other side of these numbers turn each verdict.
+#[test]
+fn each_quantity_has_a_tolerance_of_its_own() {
+    let verdicts = |options: &[&str]| {
+        let json = json_of(&[&["compare", "scenarios/analytic/centre-pull.json", "--json"], options].concat());
+        ["path", "pulls", "speed", "energy"].map(|of| {
+            let verdict = json["tiers"]["prescribed"]["verdicts"][of]["verdict"].as_str().unwrap();
+            verdict.starts_with("inertia")
+        })
+    };
+    assert_eq!(verdicts(&[]), [false, false, true, false]);
+    let others = ["--tolerance-pull", "0.001", "--tolerance-speed", "0.6", "--tolerance-energy", "0.002"];
+    assert_eq!(verdicts(&[&["--tolerance-path", "0.003"], &others[..]].concat()), [true, true, false, true]);
+    // The name of the option before.
+    assert!(verdicts(&["--tolerance-share", "0.003"])[0]);
 }
 
 /// What a pathwise tier promises.
@@ -617,8 +635,16 @@ fn assert_pathwise(tier: &Value) {
     let frictionless = tier["numbers"]["epsilon"].is_null();
     assert!(frictionless || number(tier, "/numbers/epsilon") >= 0.0 && number(tier, "/predicted/while_driven_m") >= 0.0);
     assert!(tier["numbers"]["phi"].is_null() || number(tier, "/numbers/phi") > 0.0);
-    assert!(tier["predicted"]["quasi_static_is_valid"].is_boolean());
-    assert!(["agree", "inertia", "engine", "inconclusive"].contains(&tier["verdict"].as_str().unwrap()));
+    let verdicts = ["agree", "inertia", "engine", "inertia and engine", "inconclusive", "nothing moved"];
+    assert_eq!(tier["verdict"], tier["verdicts"]["path"]["verdict"]);
+    for (quantity, unit) in [("path", "m"), ("heading", "rad"), ("pulls", "N"), ("speed", "m/s"), ("energy", "J")] {
+        let of = &tier["verdicts"][quantity];
+        assert!(verdicts.contains(&of["verdict"].as_str().unwrap()) && of["unit"] == unit, "{of}");
+        for part in ["inertia_effect", "engine_error", "reference_error"] {
+            assert!(number(of, &format!("/{part}")) >= 0.0, "{of}");
+        }
+        assert!(number(of, "/tolerance") > 0.0, "{of}");
+    }
     let first = tier["first_divergence"].as_object().unwrap();
     assert!(first.contains_key("inertia_effect") && first.contains_key("engine_error"));
     for divergence in first.values().filter(|divergence| !divergence.is_null()) {
@@ -632,6 +658,7 @@ fn assert_pathwise(tier: &Value) {
         "/predicted/coasting_m",
         "/predicted/release_factor",
         "/predicted/estimated_m",
+        "/largest_pull_over_slip_limit",
         "/first_divergence/inertia_effect",
         "/first_divergence/engine_error",
         "/trigger",
@@ -656,7 +683,7 @@ fn assert_closed_loop(tier: &Value, n_seeds: u64) {
             assert!(interval.is_null() || number(interval, "/low") <= number(interval, "/high"));
         }
     }
-    let allowed = ["/mean_interval_95", "/interval", "/quasi_static_s", "/rapier_s"];
+    let allowed = ["/mean_interval_95", "/interval", "/n_needed", "/n_seeds_needed", "/reference_error", "/quasi_static_s", "/rapier_s"];
     let nulls = nulls(tier, "");
     assert!(nulls.iter().all(|pointer| allowed.iter().any(|end| pointer.ends_with(end))), "{nulls:?}");
 }

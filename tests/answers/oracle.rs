@@ -163,16 +163,18 @@ impl Line {
             last = place;
             for i in 1..=n {
                 let (before, now) = (time + (i - 1) as f64 * every / n as f64, time + i as f64 * every / n as f64);
-                let held = |tip: &&Tip| tip.is_held(now);
-                let (work, at): (f64, f64) = (undamped.released_in(before, now).map(|tip| self.elastic(tip, now, place)).sum(), place);
-                let elastic = |place: f64| self.tips.iter().filter(held).map(|tip| self.elastic(tip, now, place)).sum::<f64>();
-                let drive = undamped.drive(now, place, 0.0);
+                // A release acts from its instant on.
+                let held: Vec<&Tip> = self.tips.iter().filter(|tip| tip.is_held(before)).collect();
+                let (last_instant, at) = (before - every / n as f64, place);
+                let released: Vec<&Tip> = self.released_in(last_instant, before).collect();
+                let elastic = |place: f64| held.iter().map(|tip| self.elastic(tip, now, place)).sum::<f64>();
+                let drive: f64 = held.iter().map(|tip| self.stiffness * (tip.at(now).0 - place)).sum();
                 if drive.abs() > self.friction {
-                    let stiffness = self.stiffness * self.tips.iter().filter(held).count() as f64;
-                    place += drive.signum() * (drive.abs() - self.friction) / stiffness;
+                    place += drive.signum() * (drive.abs() - self.friction) / (self.stiffness * held.len() as f64);
                 }
-                // All of what the springs lose in a jump is lost; in small steps that is friction.
-                dissipated += work + elastic(at) - elastic(place);
+                // All of what the springs lose in a jump is lost.
+                let in_motion = if released.is_empty() { self.friction * (place - at).abs() } else { elastic(at) - elastic(place) };
+                dissipated += in_motion + released.iter().map(|tip| self.elastic(tip, before, at)).sum::<f64>();
             }
         }
         ticks

@@ -117,13 +117,16 @@ impl QuantityVerdict {
     /// The number that decides: that of the largest inertia effect over its tolerance if inertia is
     /// a cause, else that of the largest engine error, else that of the largest difference.
     pub fn deciding(&self) -> Option<&RunMeasure> {
-        self.measures.iter().max_by(|a, b| self.weight(a).total_cmp(&self.weight(b)))
+        self.first_of_largest(|measure| self.weight(measure))
     }
 
     /// The number with the largest engine error over its tolerance.
     pub fn worst_of_engine(&self) -> Option<&RunMeasure> {
-        let share = |measure: &RunMeasure| measure.engine_error / measure.tolerance;
-        self.measures.iter().max_by(|a, b| share(a).total_cmp(&share(b)))
+        self.first_of_largest(|measure| measure.engine_error / measure.tolerance)
+    }
+
+    fn first_of_largest(&self, weight: impl Fn(&RunMeasure) -> f64) -> Option<&RunMeasure> {
+        self.measures.iter().reduce(|largest, measure| if weight(measure) > weight(largest) { measure } else { largest })
     }
 
     fn weight(&self, measure: &RunMeasure) -> f64 {
