@@ -47,10 +47,22 @@ pub enum TriggerKind {
 pub struct ByTrigger {
     /// After a start with speed (m).
     pub start_m: f64,
-    /// After a grasp, a release or a quasi-static jump (m).
+    /// After a grasp, a release or another quasi-static jump (m).
     pub jumps_m: f64,
-    /// While the tips drive the load, or stop (m).
+    /// After a release (m).
+    #[serde(default)]
+    pub release_m: f64,
+    /// After a grasp (m).
+    #[serde(default)]
+    pub grasp_m: f64,
+    /// While the tips drive the load, or stop; slip onsets and contacts included (m).
     pub driving_m: f64,
+    /// After a slip onset (m).
+    #[serde(default)]
+    pub slip_onset_m: f64,
+    /// After a contact with an obstacle began, changed or ended (m).
+    #[serde(default)]
+    pub contact_m: f64,
 }
 
 impl Trigger {
@@ -82,18 +94,48 @@ impl Trigger {
 }
 
 impl ByTrigger {
-    /// Share of the triggers of one kind.
-    pub(crate) fn of_mut(&mut self, kind: TriggerKind) -> &mut f64 {
+    /// Adds an inertia effect (m) after a trigger of this kind.
+    pub(crate) fn add(&mut self, kind: TriggerKind, effect: f64) {
+        let Self { start_m, jumps_m, release_m, grasp_m, driving_m, slip_onset_m, contact_m } = self;
+        let parts = match kind {
+            TriggerKind::Start => [Some(start_m), None],
+            TriggerKind::Release => [Some(jumps_m), Some(release_m)],
+            TriggerKind::Grasp => [Some(jumps_m), Some(grasp_m)],
+            TriggerKind::Jump => [Some(jumps_m), None],
+            TriggerKind::SlipOnset => [Some(driving_m), Some(slip_onset_m)],
+            TriggerKind::Contact => [Some(driving_m), Some(contact_m)],
+            _ => [Some(driving_m), None],
+        };
+        parts.into_iter().flatten().for_each(|part| *part = part.max(effect));
+    }
+
+    /// Largest effect after triggers of this kind, or of those that are counted with it (m).
+    pub(crate) fn of(&self, kind: TriggerKind) -> f64 {
         match kind {
-            TriggerKind::Start => &mut self.start_m,
-            TriggerKind::Grasp | TriggerKind::Release | TriggerKind::Jump => &mut self.jumps_m,
-            _ => &mut self.driving_m,
+            TriggerKind::Start => self.start_m,
+            TriggerKind::Release => self.release_m,
+            TriggerKind::Grasp => self.grasp_m,
+            TriggerKind::Jump => self.jumps_m,
+            TriggerKind::SlipOnset => self.slip_onset_m,
+            TriggerKind::Contact => self.contact_m,
+            _ => self.driving_m,
         }
     }
 
-    /// All parts (m) with their names.
+    /// Parts (m) with their names. Jumps and driving are left out where they are no more than their
+    /// own parts.
     pub fn named(&self) -> impl Iterator<Item = (&'static str, f64)> + use<> {
-        [("start", self.start_m), ("jumps", self.jumps_m), ("driving", self.driving_m)].into_iter()
+        let beyond = |all: f64, parts: [f64; 2]| if all > parts[0].max(parts[1]) { all } else { 0.0 };
+        [
+            ("start", self.start_m),
+            ("release", self.release_m),
+            ("grasp", self.grasp_m),
+            ("jump", beyond(self.jumps_m, [self.release_m, self.grasp_m])),
+            ("slip onset", self.slip_onset_m),
+            ("contact", self.contact_m),
+            ("driving", beyond(self.driving_m, [self.slip_onset_m, self.contact_m])),
+        ]
+        .into_iter()
     }
 
     /// Largest of all (m).

@@ -1,8 +1,19 @@
-//! Transitions in plain words.
+//! Transitions and triggers in plain words.
 
+use crate::analysis::ByTrigger;
 use crate::backend::TransitionKind;
 use crate::model::World;
 use crate::output::quantity::short_quantity;
+
+/// What an inertia effect is attributed to.
+pub const ATTRIBUTION: &str = "the last disturbance that was at least as large as the oscillation that it met";
+
+/// Parts of an inertia effect by trigger; `None` if there are none.
+pub fn by_trigger(triggers: &ByTrigger) -> Option<String> {
+    let parts = triggers.named().filter(|(_, part)| *part > 0.0).map(|(name, part)| format!("{name} {}", short_quantity(part, "m")));
+    let parts = parts.collect::<Vec<_>>();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
 
 /// What the load did, as the end of a sentence that begins with the load. Obstacles have the names
 /// of the `world`.

@@ -1,5 +1,6 @@
 //! Answers of comparisons on scenes whose truth is known or that are hard to compute.
 
+mod attribution;
 mod finite;
 mod oracle;
 mod quantities;

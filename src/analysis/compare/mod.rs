@@ -11,7 +11,8 @@
 //! solution.rs    path of one backend with its numerical error
 //! difference.rs  distance of two paths
 //! course.rs      pulls, speed and energy of a run at its ticks
-//! divergence.rs  first divergence of two paths, and the attribution to triggers
+//! divergence.rs  first divergence of two runs
+//! attributed.rs  attribution of the inertia effect to triggers
 //! numbers.rs     epsilon, Phi and zeta of a run, and what theory predicts from them
 //! pathwise.rs    comparison of paths
 //! ensemble.rs    comparison of distributions
@@ -22,6 +23,7 @@
 //! suggestion.rs  changes that make a difference smaller than the tolerance
 //! ```
 
+mod attributed;
 mod course;
 mod difference;
 mod divergence;

@@ -14,7 +14,6 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::solution::Solution;
 use crate::analysis::estimate::InertiaEstimate;
 use crate::math::{Summary, damped_rotation};
 use crate::scenario::Scenario;
@@ -45,10 +44,6 @@ pub struct Predicted {
     pub estimated_m: Option<f64>,
     /// Displacement after a release divided by that without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,
-    /// Whether theory predicts an inertia effect below the tolerance. The load never moves, or the
-    /// effects above add up to less; and grasps and releases of stretched springs do not occur, or
-    /// are far apart and damped (Phi above 2 pi, zeta above 0.5).
-    pub quasi_static_is_valid: bool,
 }
 
 impl Numbers {
@@ -61,26 +56,20 @@ impl Numbers {
         Self { epsilon, phi: time_between_events(trace).and_then(|time| finite((stiffness / mass).sqrt() * time)), zeta }
     }
 
-    /// Prediction for an inertial run with `n_sudden` grasps and releases of stretched springs and
-    /// a `tolerance` (m).
-    pub fn predict(&self, scenario: &Scenario, run: &Solution, n_sudden: usize, tolerance: f64) -> Predicted {
-        let trace = &run.trace;
+    /// Prediction for the inertial run in `trace`.
+    pub fn predict(&self, scenario: &Scenario, trace: &Trace) -> Predicted {
         let (stiffness, _) = mean_spring(scenario);
         let limit = scenario.system.total_slip_limit();
         let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
         let while_driven_m = self.epsilon.and_then(|epsilon| finite(epsilon * length));
         let initial = trace.rows.first().map_or(0.0, |row| row.energy.initial);
-        let coasting_m = finite(initial / limit);
         let n_releases = trace.events.iter().filter(|event| event.kind == EventKind::Release).count();
-        let damped_out = self.phi.is_none_or(|phi| phi > 2.0 * PI) && self.zeta > 0.5;
-        let driven_well = while_driven_m.zip(coasting_m).is_some_and(|(driven, coasting)| 2.0 * driven + coasting <= tolerance);
         Predicted {
             while_driven_m,
             where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
-            coasting_m,
+            coasting_m: finite(initial / limit),
             estimated_m: None,
             release_factor: if n_releases > 0 { self.release_factor() } else { None },
-            quasi_static_is_valid: run.path_length(scenario.system.load.radius) == 0.0 || driven_well && (n_sudden == 0 || damped_out),
         }
     }
 

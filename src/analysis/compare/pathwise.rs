@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::attributed::Attributed;
 use super::difference::{Difference, Jumps};
 use super::divergence::PathPair;
 use super::numbers::{self, Numbers, Predicted};
@@ -89,6 +90,8 @@ pub struct EdgeDisplacement {
 
 /// Largest reference error, divided by the tolerance (1), unless its own tolerance was given.
 const LARGEST_REFERENCE_ERROR: f64 = 0.05;
+/// Factor by which the reference error of the path is reduced if it leaves another verdict open (1).
+const SHARPER: f64 = 30.0;
 
 impl EdgeDisplacement {
     fn new(inertia_effect_m: f64, by_trigger: ByTrigger, engine_error_m: f64, reference_error_m: f64) -> Self {
@@ -168,15 +171,25 @@ pub(super) fn compare(
     };
     let [quasi_static, inertial] = references(settings)?;
     let found = judge(tier, scenario, settings, [quasi_static, inertial, rapier]);
-    let is_precise = found.edge_displacement.reference_error_m <= LARGEST_REFERENCE_ERROR * found.tolerance_m;
-    if settings.reference_tolerance_m.is_some() || is_precise {
+    if settings.reference_tolerance_m.is_some() {
         return Some(found);
     }
+    let again = |found: Pathwise, tolerance_m: f64| {
+        let [quasi_static, inertial] = references(&Settings { reference_tolerance_m: Some(tolerance_m), ..*settings })?;
+        let [_, _, rapier] = found.solutions;
+        Some(judge(tier, scenario, settings, [quasi_static, inertial, rapier]))
+    };
     // The tolerance of the verdict is known only now.
-    let finer = Settings { reference_tolerance_m: Some(0.5 * LARGEST_REFERENCE_ERROR * found.tolerance_m), ..*settings };
-    let [quasi_static, inertial] = references(&finer)?;
-    let [_, _, rapier] = found.solutions;
-    Some(judge(tier, scenario, settings, [quasi_static, inertial, rapier]))
+    let needed = LARGEST_REFERENCE_ERROR * found.tolerance_m;
+    let found = if found.edge_displacement.reference_error_m <= needed { found } else { again(found, 0.5 * needed)? };
+    // Another quantity may need a smaller error than the path.
+    let error = found.edge_displacement.reference_error_m;
+    let is_open = found.verdicts.named().iter().any(|(_, of)| of.verdict == Verdict::Inconclusive);
+    if !is_open || found.verdict == Verdict::Inconclusive || error == 0.0 {
+        return Some(found);
+    }
+    let sharper = again(found.clone(), error / SHARPER)?;
+    Some(if sharper.references_converged() { sharper } else { found })
 }
 
 fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solution; 3]) -> Pathwise {
@@ -193,11 +206,13 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
     // A load at rest has no path: a millionth of its radius stands in.
     let tolerance = |length: f64| settings.tolerance_share * length.max(LEAST_MOTION * radius);
     let tolerance_m = tolerance(path_length_m);
-    let pair = |paths, jumps| PathPair::new(paths, scenario, tolerance_m, jumps);
-    let (by_inertia, by_engine) = (pair([inertial, quasi_static], &jumps), pair([rapier, inertial], &no_jumps));
+    let attributed = Attributed::new(&scenario.system, inertial, quasi_static, &jumps);
+    let pair = |paths, jumps, attributed| PathPair::new(paths, scenario, tolerance_m, jumps, attributed);
+    let by_inertia = pair([inertial, quasi_static], &jumps, Some(&attributed));
+    let by_engine = pair([rapier, inertial], &no_jumps, None);
     let [inertia, engine, reference] =
         [&inertia_effect, &engine_error, &reference_error.all].map(|difference| difference.edge_displacement_max_m);
-    let edge_displacement = EdgeDisplacement::new(inertia, by_inertia.by_trigger(), engine, reference);
+    let edge_displacement = EdgeDisplacement::new(inertia, attributed.by_trigger, engine, reference);
     let runs = Runs {
         scenario,
         settings,
@@ -215,7 +230,7 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
         time_step_error: Difference::between(&rapier.points, &rapier.limit, radius),
         model_error: Difference::between(&rapier.limit, &inertial.limit, radius),
         reference_error,
-        predicted: numbers.predict(scenario, inertial, by_inertia.n_sudden(), tolerance_m).with_estimate(scenario, &quasi_static.trace),
+        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, &quasi_static.trace),
         numbers,
         verdict: verdicts.path.verdict,
         largest_pull_over_slip_limit,

@@ -58,7 +58,7 @@ impl Differences {
     /// first.
     pub fn against_inertia(&self, effect: &ByTrigger, numbers: &Numbers, predicted: &Predicted, tick_angle: f64) -> Vec<SuggestedChange> {
         let aim = AIM * self.tolerance_without_inertia;
-        let ByTrigger { start_m: start, jumps_m: jumps, driving_m: driving } = *effect;
+        let ByTrigger { start_m: start, jumps_m: jumps, driving_m: driving, .. } = *effect;
         // Tips may stop before the lag is largest. Slower tips, or a start at rest, show all of it.
         let lag = predicted.where_tips_stop_m.filter(|_| start.max(driving) > self.tolerance);
         let driving = lag.map_or(driving, |lag| lag.max(driving));
@@ -121,16 +121,10 @@ mod tests {
     #[test]
     fn changes_against_inertia_follow_its_triggers() {
         let numbers = Numbers { epsilon: Some(0.1), phi: None, zeta: 0.0 };
-        let predicted = Predicted {
-            while_driven_m: None,
-            where_tips_stop_m: None,
-            coasting_m: None,
-            release_factor: None,
-            quasi_static_is_valid: false,
-            estimated_m: None,
-        };
+        let predicted =
+            Predicted { while_driven_m: None, where_tips_stop_m: None, coasting_m: None, release_factor: None, estimated_m: None };
         let changes = |[start_m, jumps_m, driving_m]: [f64; 3], numbers: &Numbers, predicted: &Predicted, tick_angle: f64| {
-            DIFFERENCES.against_inertia(&ByTrigger { start_m, jumps_m, driving_m }, numbers, predicted, tick_angle)
+            DIFFERENCES.against_inertia(&ByTrigger { start_m, jumps_m, driving_m, ..ByTrigger::default() }, numbers, predicted, tick_angle)
         };
         // Two thirds of the tolerance, which is a quarter of the effect.
         let share = AIM / 4.0;

@@ -46,14 +46,14 @@ impl Displacements {
         let [shifts, turns] = [offsets.map(|offset| offset.0.norm()), offsets.map(|offset| offset.1.abs())];
         (self.shift, self.turn) = (shifts[1], turns[1]);
         let so_far = self.by_trigger.max();
-        let part = self.by_trigger.of_mut(trigger.kind);
+        let part = self.by_trigger.of(trigger.kind);
         let (shift, turn) = (shifts[0].max(shifts[1]), turns[0].max(turns[1]));
-        if HIGHER * (shift + radius * turn) <= *part {
+        if HIGHER * (shift + radius * turn) <= part {
             return;
         }
         let [shift, turn] = if ends.is_short { ends.crests(offsets) } else { [self.shift, self.turn] };
         let displacement = shift + radius * turn;
-        *part = part.max(displacement);
+        self.by_trigger.add(trigger.kind, displacement);
         if displacement > so_far {
             self.largest = Some(Largest { time_s: time, trigger: *trigger });
         }

@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::displacement::{Displacements, Ends, Largest};
 use super::interval::{Interval, MergedTicks};
 use super::reduced_model::{ModelStep, ReducedModel, Workspace};
+use crate::analysis::attribution::{Attribution, Disturbance};
 use crate::analysis::trigger::{ByTrigger, Trigger, TriggerKind};
 use crate::backend::friction::WarmStart;
 use crate::backend::springs::{Attachments, pulls_with};
-use crate::backend::{Motion, RestoreError, Transition};
+use crate::backend::{Motion, RestoreError, Transition, TransitionKind};
 use crate::math::{Pose, Vec2};
 use crate::model::System;
 use crate::scenario::Scenario;
@@ -27,8 +28,8 @@ pub struct InertiaEstimate {
     /// Left out if inertia never moves the load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest: Option<Largest>,
-    /// Largest edge displacements. Each belongs to the last disturbance that exceeded the
-    /// oscillation that it met.
+    /// Largest edge displacements, each after the last disturbance that was at least as large as
+    /// the oscillation that it met.
     pub by_trigger: ByTrigger,
     /// Length scale of the tolerance (m): the quasi-static path length, or the largest edge
     /// displacement from the start with inertia if that is longer.
@@ -70,9 +71,10 @@ struct State {
     since_branches: f64,
     /// Last grasp or release since the load last moved.
     event: Option<(TriggerKind, usize)>,
-    /// Edge speed of the quasi-static load (m/s).
-    speed: f64,
-    trigger: Trigger,
+    /// Time of a quasi-static jump without a grasp or a release, in the merged ticks (s).
+    #[serde(default)]
+    jump: Option<f64>,
+    attribution: Attribution,
     displacements: Displacements,
     /// Quasi-static path length (m).
     path_length: f64,
@@ -100,10 +102,11 @@ impl InertiaEstimate {
     pub fn of(scenario: &Scenario, trace: &Trace) -> Self {
         let mut estimator = Estimator::new(&scenario.system, &scenario.start);
         let mut targets = vec![Vec2::zeros(); scenario.system.springs.len()];
+        let until = |row: &Row| trace.transitions.partition_point(|transition| transition.time <= row.time);
         for rows in trace.rows.windows(2) {
             estimator.advance_through([&rows[0], &rows[1]], &trace.events, &mut targets);
+            estimator.note(&trace.transitions[until(&rows[0])..until(&rows[1])]);
         }
-        estimator.note(&trace.transitions);
         estimator.estimate()
     }
 }
@@ -112,7 +115,6 @@ impl Estimator {
     pub fn new(system: &System, start: &Motion) -> Self {
         let workspace = Workspace::new(system);
         let model = ReducedModel::new(system, start);
-        let kind = if model.speed > 0.0 { TriggerKind::Start } else { TriggerKind::Driving };
         let state = State {
             attachments: Attachments::default(),
             model,
@@ -120,8 +122,8 @@ impl Estimator {
             ticks: MergedTicks::new(system.springs.len()),
             since_branches: 0.0,
             event: None,
-            speed: 0.0,
-            trigger: Trigger::new(kind, 0.0),
+            jump: None,
+            attribution: Attribution::new(model.speed > 0.0),
             displacements: Displacements::default(),
             path_length: 0.0,
             start: start.pose,
@@ -155,6 +157,9 @@ impl Estimator {
     /// These transitions occurred in the last advance.
     pub fn note(&mut self, transitions: &[Transition]) {
         self.state.touches_obstacle |= transitions.iter().any(|transition| transition.kind.obstacle().is_some());
+        if transitions.iter().any(|transition| matches!(transition.kind, TransitionKind::Jump { .. })) {
+            self.state.jump = Some(self.state.time);
+        }
     }
 
     /// Updates what follows from the attachments.
@@ -198,7 +203,7 @@ impl Estimator {
         let step = state.model.advance(system, &interval, workspace);
         state.is_invalid |= step.is_invalid;
         let tips = state.attachments.move_tips(&state.ticks.targets);
-        let rests = before == after && !is_event && state.speed == 0.0 && step == ModelStep::default();
+        let rests = before == after && !is_event && state.attribution.rests() && step == ModelStep::default();
         let distance = if rests { 0.0 } else { after.edge_displacement(&before, system.load.radius) };
         self.follow_swings(&after, tips + distance);
         if rests {
@@ -223,33 +228,31 @@ impl Estimator {
     /// Records an interval in which load or model moved, started or stopped, from the `last` state
     /// of the model.
     fn record(&mut self, last: &ReducedModel, ends: [&Pose; 2], distance: f64, duration: f64, step: &ModelStep) {
-        let swing = |speed: f64| if step.frequency > 0.0 { speed / step.frequency } else { 0.0 };
-        let amplitude = (last.pose.edge_displacement(ends[0], self.system.load.radius).powi(2)
-            + swing((last.speed - self.state.speed).abs()).powi(2))
-        .sqrt();
-        self.update_trigger(distance, duration, amplitude, swing);
+        self.attribute(last, ends[0], distance, duration, step.frequency);
         let state = &mut self.state;
         state.time += duration;
         state.path_length += distance;
         state.reach = state.reach.max(state.model.pose.edge_displacement(&state.start, self.system.load.radius));
         let ends = Ends { load: ends, model: [last, &state.model], duration, is_short: duration <= MOST_PHASE * self.radian };
-        state.displacements.add(&ends, self.system.load.radius, state.time, &state.trigger);
+        state.displacements.add(&ends, self.system.load.radius, state.time, &state.attribution.trigger);
     }
 
-    /// A disturbance that exceeds the `amplitude` (m) of the present oscillation becomes the
-    /// trigger. The size of a jump is its distance, and that of a change of speed is the swing that
-    /// follows.
-    fn update_trigger(&mut self, distance: f64, duration: f64, amplitude: f64, swing: impl Fn(f64) -> f64) {
+    /// Adds an interval of this `duration` (s) to the attribution, in which the load moved by a
+    /// `displacement` (m) and the model oscillates at a `rate` (rad/s).
+    fn attribute(&mut self, last: &ReducedModel, before: &Pose, displacement: f64, duration: f64, rate: f64) {
         let state = &mut self.state;
-        let speed = distance / duration;
-        let jump = state.event.take().filter(|_| distance > 0.0 && distance >= amplitude);
-        if let Some((kind, spring)) = jump {
-            state.trigger = Trigger { spring: Some(spring), ..Trigger::new(kind, state.time) };
-        } else if speed != state.speed && swing((speed - state.speed).abs()) >= amplitude {
-            state.trigger = Trigger::new(TriggerKind::Driving, state.time);
-        }
-        // A jump has no speed.
-        state.speed = if jump.is_some() { 0.0 } else { speed };
+        let of_event = |(kind, spring)| Trigger { spring: Some(spring), ..Trigger::new(kind, state.time) };
+        let event = state.event.take().map(of_event);
+        state.attribution.meet(&Disturbance {
+            time: state.time,
+            duration,
+            displacement,
+            event: event.or(state.jump.take().map(|time| Trigger::new(TriggerKind::Jump, time))),
+            obstacle: None,
+            distance: last.pose.edge_displacement(before, self.system.load.radius),
+            speed_with_inertia: last.speed,
+            rate,
+        });
     }
 
     /// Estimate up to now.

@@ -12,7 +12,7 @@ use crate::output::table::Table;
 use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance};
 use crate::studies::compare::comparison::Comparison;
-use crate::studies::compare::text::{details, divergence, or_none, paired, suggested, tier_name};
+use crate::studies::compare::text::{ESTIMATED, details, divergence, or_none, paired, suggested, tier_name};
 
 pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &Manifest) -> Page {
     let mut headline = Headline::new(comparison.is_valid(), comparison.answer.clone());
@@ -54,8 +54,8 @@ fn largest(found: &Pathwise) -> Block {
     Block::Chart {
         svg: bars::bars(&bars, found.tolerance_m, &format!("tolerance: {}", short_quantity(found.tolerance_m, "m"))),
         caption: format!(
-            "Largest edge displacements between the paths (m). The tolerance is {}. The inertia effect is attributed to triggers by what \
-             the paths did at and after each trigger.",
+            "Largest edge displacements between the paths (m). The tolerance is {}. The inertia effect belongs to the last \
+             disturbance that was as large as the oscillation that it met.",
             tolerance(found)
         ),
     }
@@ -65,13 +65,11 @@ fn numbers(found: &Pathwise) -> Vec<Number> {
     let (numbers, predicted) = (&found.numbers, &found.predicted);
     let driven = predicted.while_driven_m.map(|driven| format!("predicts {} while the tips drive the load", short_quantity(driven, "m")));
     let release = predicted.release_factor.map(|factor| format!("predicts a release factor of {}", short(factor)));
-    let valid = if predicted.quasi_static_is_valid { "quasi-static valid" } else { "quasi-static not valid" };
     vec![
         Number::new("epsilon", or_none(numbers.epsilon, ""), driven.unwrap_or_default()),
         Number::new("Phi", or_none(numbers.phi, "rad"), release.unwrap_or_default()),
         Number::new("zeta", short(numbers.zeta), "damping ratio of the springs"),
-        Number::new("theory", valid, ""),
-        Number::new("estimate", or_none(predicted.estimated_m, "m"), "inertia effect from the quasi-static run alone"),
+        Number::new("estimate", or_none(predicted.estimated_m, "m"), ESTIMATED),
     ]
 }
 

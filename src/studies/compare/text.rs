@@ -1,12 +1,12 @@
 //! A comparison as text: the answer, the evidence, and all details on request.
 
-use crate::analysis::ByTrigger;
 use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
-use crate::analysis::compare::{Pathwise, SuggestedChange, Tier};
+use crate::analysis::compare::{Pathwise, Predicted, SuggestedChange, Tier};
 use crate::backend::Status;
 use crate::output::quantity::{quantity, short, short_quantity};
 use crate::output::text::{Detail, Lines};
-use crate::studies::compare::answer::{name_and_unit, tolerance};
+use crate::output::transition_words::{ATTRIBUTION, by_trigger};
+use crate::studies::compare::answer::{name_and_unit, rounded_up, tolerance};
 use crate::studies::compare::comparison::Comparison;
 
 /// Most lines of brief text below the answer.
@@ -101,14 +101,8 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     let [step, model] = [&found.time_step_error, &found.model_error].map(|error| metres(error.edge_displacement_max_m));
     rows.push(("engine error", format!("time step {step}, model {model}")));
     rows.push(("tolerance", tolerance(found)));
+    rows.push(("estimate", estimate(&found.predicted)));
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
-}
-
-/// Parts of an inertia effect by trigger; `None` if there are none.
-pub fn by_trigger(triggers: &ByTrigger) -> Option<String> {
-    let parts = triggers.named().filter(|(_, part)| *part > 0.0).map(|(name, part)| format!("{name} {}", short_quantity(part, "m")));
-    let parts = parts.collect::<Vec<_>>();
-    (!parts.is_empty()).then(|| parts.join(", "))
 }
 
 /// Everything else that a comparison of paths found.
@@ -132,7 +126,7 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
         }
     }
     row("sampled every", quantity(found.sampled_every_s, "s"));
-    row("attribution", "measured: what the paths did at and after each trigger".to_owned());
+    row("attribution", ATTRIBUTION.to_owned());
     row("inertia effect", difference(&found.inertia_effect));
     row("engine error", difference(&found.engine_error));
     row("time-step error", difference(&found.time_step_error));
@@ -145,8 +139,6 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     row("predicted", format!("{driven} while driven, {stop} where the tips stop"));
     row("", format!("{} of coasting from the start", or_none(predicted.coasting_m, "m")));
     row("", format!("release factor {}", or_none(predicted.release_factor, "")));
-    row("", format!("{} estimated from the quasi-static run", or_none(predicted.estimated_m, "m")));
-    row("", format!("quasi-static {}", if predicted.quasi_static_is_valid { "valid" } else { "not valid" }));
     for solution in &found.solutions {
         let failed = if solution.steps.status == Status::Failed { ", FAILED" } else { "" };
         let steps = solution.step_s.map_or("error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
@@ -154,6 +146,17 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
         row(solution.kind.name(), format!("{steps}, {counts}"));
     }
     rows
+}
+
+/// What an estimate is, and how good it is. Source: `results/2026-11-21-inertia-estimate`.
+pub const ESTIMATED: &str = "from the quasi-static run alone; 98 % of random scenes are within a factor of 2";
+
+/// The inertia effect that the quasi-static run alone lets expect.
+pub fn estimate(predicted: &Predicted) -> String {
+    match predicted.estimated_m {
+        Some(effect) => format!("{} {ESTIMATED}", short_quantity(effect, "m")),
+        None => "none: the load touches an obstacle".to_owned(),
+    }
 }
 
 /// A change, and what it does.
@@ -220,6 +223,9 @@ fn measures(found: &ClosedLoop) -> String {
         let mean = |of: &Distribution| if of.n > 0 { short_quantity(of.mean, unit) } else { "none".to_owned() };
         let [a, b, c] = [&measure.quasi_static, &measure.inertial, &measure.rapier].map(mean);
         text += &row([&format!("  {name}"), &a, &b, &c, says(&measure.inertia_effect), says(&measure.engine_error)]);
+    }
+    if let Some(n) = found.n_seeds_needed {
+        text += &format!("  too few seeds     about {} would decide all measures\n", rounded_up(n));
     }
     text
 }

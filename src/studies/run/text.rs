@@ -5,6 +5,7 @@ use crate::backend::{Status, StepReport};
 use crate::math::Vec2;
 use crate::output::quantity::{number, quantity, short, short_quantity};
 use crate::output::text::{Detail, Lines};
+use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::simulation::run_facts::{FACTS, Run, Value, unit_of};
 use crate::studies::run::answer::{sentence, tolerance};
 use crate::studies::run::contacts::add_contacts;
@@ -68,15 +69,13 @@ fn inertia(estimate: &InertiaEstimate, detail: Detail, lines: &mut Lines) {
     lines.row("inertia effect", &format!("{largest} max., {end} at the end (estimated)"));
     lines.row("tolerance", &tolerance(estimate));
     if let Some(largest) = &estimate.largest {
-        let (parts, trigger) = (&estimate.by_trigger, &largest.trigger);
-        let [start, jumps, driving] = [parts.start_m, parts.jumps_m, parts.driving_m].map(|part| short_quantity(part, "m"));
-        lines.row("by trigger", &format!("start {start}, jumps {jumps}, driving {driving} (estimated)"));
+        let trigger = &largest.trigger;
+        lines.row("by trigger", &format!("{} (estimated)", by_trigger(&estimate.by_trigger).unwrap_or_default()));
         let [time, since] = [largest.time_s, trigger.time_s].map(|time| short_quantity(time, "s"));
         lines.row("largest effect", &format!("at {time}, after the {} at {since}", trigger.name()));
     }
     if detail == Detail::Full {
-        let meaning = "estimated: the last disturbance that exceeded the oscillation; `compare` measures it on the paths";
-        lines.row("attribution", meaning);
+        lines.row("attribution", ATTRIBUTION);
     }
 }
 
