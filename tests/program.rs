@@ -418,7 +418,7 @@ fn nonsense_on_the_command_line_is_usage() {
     refused(&["run", &file, "--backend", "inertial", "--second-order"], &["--second-order", "applies to quasi-static only", "inertial"]);
     refused(&["run", &file, "--second-order", "--tolerance", "1e-6"], &["--second-order", "--tolerance"]);
     refused(&["compare", &file, "--seeds", "0"], &["--seeds", "at least 1"]);
-    refused(&["compare", &file, "--agreement", "0"], &["--tolerance-share", "must be positive"]);
+    refused(&["compare", &file, "--agreement", "0"], &["--tolerance-path", "must be positive"]);
     refused(&[], &["Usage"]);
     refused(&["fly"], &["fly"]);
     assert_eq!(room.names(), ["tips.json"]);
@@ -605,8 +605,8 @@ fn verdicts_name_what_is_known_to_part_the_paths() {
     assert_eq!(verdict("stress/hold-below-limit.json"), "nothing moved");
 }
 
-/// A slow pull lags by 0.37 % of its path, the peak pull is 0.7 % above the slip limit, and the peak
-/// speed is twice that of the tip. Tolerances on the other side of these numbers turn each verdict.
+/// A slow pull lags by 0.37 % of its path, the peak pull is 0.7 % above the slip limit, and the
+/// peak speed is twice that of the tip. Tolerances on the other side of these numbers turn each verdict.
 #[test]
 fn each_quantity_has_a_tolerance_of_its_own() {
     let verdicts = |options: &[&str]| {

@@ -123,33 +123,46 @@ impl Line {
             let time = tick as f64 * every;
             ticks.push(Tick { time, place, speed, pulls: self.pulls_at_tick(time, place, speed), dissipated });
             for i in 0..n {
-                let (now, next) = (time + i as f64 * step, time + (i + 1) as f64 * step);
-                let middle = now + 0.5 * step;
-                let sign = if speed != 0.0 { speed.signum() } else { self.drive(middle, place, 0.0).signum() };
-                let (before, at) = (speed, place);
-                if speed != 0.0 || self.drive(middle, place, 0.0).abs() > self.friction {
-                    // A corner or a release is at the end of a step.
-                    let force = |x: f64, u: f64, t: f64| (self.drive(t, x, u) - sign * self.friction) / self.mass;
-                    let late = next - 1e-3 * step;
-                    let (x1, u1) = (speed, force(place, speed, now));
-                    let (x2, u2) = (speed + 0.5 * step * u1, force(place + 0.5 * step * x1, speed + 0.5 * step * u1, middle));
-                    let (x3, u3) = (speed + 0.5 * step * u2, force(place + 0.5 * step * x2, speed + 0.5 * step * u2, middle));
-                    let (x4, u4) = (speed + step * u3, force(place + step * x3, speed + step * u3, late));
-                    place += step / 6.0 * (x1 + 2.0 * x2 + 2.0 * x3 + x4);
-                    speed += step / 6.0 * (u1 + 2.0 * u2 + 2.0 * u3 + u4);
-                    if speed * sign <= 0.0 {
-                        // It stops on the way.
-                        place = at + 0.5 * step * before * before / (before - speed);
-                        speed = 0.0;
-                    }
+                let (mut now, next) = (time + i as f64 * step, time + (i + 1) as f64 * step);
+                // A load that stops goes on from there.
+                while next - now > 1e-9 * step {
+                    let (before, at, length) = (speed, place, next - now);
+                    let middle = now + 0.5 * length;
+                    let share = self.advance(&mut place, &mut speed, [now, next]);
+                    let in_dashpots = |tip: &Tip| self.damping() * (tip.at(middle).1 - 0.5 * (before + speed)).powi(2) * share * length;
+                    let damped: f64 = self.tips.iter().filter(|tip| tip.is_held(middle)).map(in_dashpots).sum();
+                    dissipated += self.friction * (place - at).abs() + damped;
+                    now += share * length;
                 }
-                let in_dashpots = |tip: &Tip| self.damping() * (tip.at(middle).1 - 0.5 * (before + speed)).powi(2) * step;
-                let damped: f64 = self.tips.iter().filter(|tip| tip.is_held(middle)).map(in_dashpots).sum();
-                let released: f64 = self.released_in(now, next).map(|tip| self.elastic(tip, next, place)).sum();
-                dissipated += self.friction * (place - at).abs() + damped + released;
+                dissipated += self.released_in(next - step, next).map(|tip| self.elastic(tip, next, place)).sum::<f64>();
             }
         }
         ticks
+    }
+
+    /// Moves the load over a step, or up to where it stops; returns the share of the step (1).
+    fn advance(&self, place: &mut f64, speed: &mut f64, [now, next]: [f64; 2]) -> f64 {
+        let (step, middle) = (next - now, 0.5 * (now + next));
+        let (x, u) = (*place, *speed);
+        if u == 0.0 && self.drive(middle, x, 0.0).abs() <= self.friction {
+            return 1.0;
+        }
+        let sign = if u != 0.0 { u.signum() } else { self.drive(middle, x, 0.0).signum() };
+        let force = |x: f64, u: f64, t: f64| (self.drive(t, x, u) - sign * self.friction) / self.mass;
+        // A corner or a release is at the end of a step.
+        let late = next - 1e-3 * step;
+        let u1 = force(x, u, now);
+        let (x2, u2) = (u + 0.5 * step * u1, force(x + 0.5 * step * u, u + 0.5 * step * u1, middle));
+        let (x3, u3) = (u + 0.5 * step * u2, force(x + 0.5 * step * x2, u + 0.5 * step * u2, middle));
+        let (x4, u4) = (u + step * u3, force(x + step * x3, u + step * u3, late));
+        let moved = (x + step / 6.0 * (u + 2.0 * x2 + 2.0 * x3 + x4), u + step / 6.0 * (u1 + 2.0 * u2 + 2.0 * u3 + u4));
+        if moved.1 * sign > 0.0 {
+            (*place, *speed) = moved;
+            return 1.0;
+        }
+        let share = u / (u - moved.1);
+        (*place, *speed) = (x + 0.5 * share * step * u, 0.0);
+        if share > 0.0 { share } else { 1.0 }
     }
 
     /// States without inertia every `every` seconds, jumps included in what is dissipated.

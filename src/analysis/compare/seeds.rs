@@ -50,11 +50,12 @@ mod tests {
     use super::*;
 
     /// With many pairs Student's t is the normal quantile z = 1.96: the interval 1.96 sd / sqrt(n)
-    /// must fit between the mean and the nearer end that decides.
+    /// must fit between the mean and the nearer end that decides. At 1500 pairs, t^2 is larger by
+    /// (z^2 + 1) / 2n = 0.16 %, and whole numbers by 0.07 %.
     #[test]
     fn the_interval_decides_from_the_number_that_is_found() {
         let n = pairs_needed(0.0, 1.0, (0.0, 0.05), 0.95).unwrap();
-        assert!((n as f64 / (1.959_964f64 / 0.05).powi(2) - 1.0).abs() < 2e-3, "{n}");
+        assert!((n as f64 / (1.959_964f64 / 0.05).powi(2) - 1.0).abs() < 2.5e-3, "{n}");
         // Nearer to the margin than to zero: zero is excluded sooner.
         let n = pairs_needed(0.04, 1.0, (0.0, 0.05), 0.95).unwrap();
         assert!((n as f64 / (1.959_964f64 / 0.04).powi(2) - 1.0).abs() < 3e-3, "{n}");
