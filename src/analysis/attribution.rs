@@ -1,7 +1,7 @@
 //! Attribution of an inertia effect to a trigger: one definition for measured and estimated paths.
 //!
 //! The distance between the loads with and without inertia belongs to the last disturbance that was
-//! as large as the oscillation that it met, up to a tenth. The oscillation is what is left of earlier
+//! as large as the oscillation that it met, up to a tenth. That oscillation is left of earlier
 //! disturbances: its amplitude is the square root of `d^2 + (u / w)^2`, with the distance d and the
 //! difference of speeds u of the two loads, and w the frequency of the load on its springs. The
 //! size of a disturbance is the displacement that it brings about:

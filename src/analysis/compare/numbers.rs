@@ -87,10 +87,12 @@ impl Numbers {
 }
 
 impl Predicted {
-    /// This prediction with the estimate from the trace of the quasi-static run.
-    pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace) -> Self {
+    /// This prediction with the estimate from the trace of the quasi-static run, unless the load
+    /// touches an obstacle in that run or with inertia.
+    pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace, inertial: &Trace) -> Self {
         let estimate = InertiaEstimate::of(scenario, quasi_static);
-        Self { estimated_m: (!estimate.touches_obstacle).then_some(estimate.edge_displacement_max_m), ..self }
+        let touches = estimate.touches_obstacle || inertial.transitions.iter().any(|transition| transition.kind.obstacle().is_some());
+        Self { estimated_m: (!touches).then_some(estimate.edge_displacement_max_m), ..self }
     }
 }
 

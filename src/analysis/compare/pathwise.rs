@@ -90,7 +90,7 @@ pub struct EdgeDisplacement {
 
 /// Largest reference error, divided by the tolerance (1), unless its own tolerance was given.
 const LARGEST_REFERENCE_ERROR: f64 = 0.05;
-/// Factor by which the reference error of the path is reduced if it leaves another verdict open (1).
+/// Factor by which the reference error of the path is reduced if it leaves a verdict open (1).
 const SHARPER: f64 = 30.0;
 
 impl EdgeDisplacement {
@@ -230,7 +230,7 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
         time_step_error: Difference::between(&rapier.points, &rapier.limit, radius),
         model_error: Difference::between(&rapier.limit, &inertial.limit, radius),
         reference_error,
-        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, &quasi_static.trace),
+        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, &quasi_static.trace, &inertial.trace),
         numbers,
         verdict: verdicts.path.verdict,
         largest_pull_over_slip_limit,

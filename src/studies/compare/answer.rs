@@ -1,5 +1,5 @@
-//! The answer of a comparison: for which quantities the quasi-static backend is valid, and where the
-//! engine error exceeds a tolerance.
+//! The answer of a comparison: for which quantities the quasi-static backend is valid, and where
+//! the engine error exceeds a tolerance.
 
 use crate::analysis::compare::{ClosedLoop, Measure, Pathwise, QuantityVerdict, RunMeasure, Verdict};
 use crate::output::page::Answer;
