@@ -606,7 +606,8 @@ fn verdicts_name_what_is_known_to_part_the_paths() {
 }
 
 /// A slow pull lags by 0.37 % of its path, the peak pull is 0.7 % above the slip limit, and the
-/// peak speed is twice that of the tip. Tolerances on the other side of these numbers turn each verdict.
+/// peak speed is twice that of the tip. Tolerances on the other side of these numbers turn each
+/// verdict.
 #[test]
 fn each_quantity_has_a_tolerance_of_its_own() {
     let verdicts = |options: &[&str]| {

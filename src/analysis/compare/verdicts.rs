@@ -53,7 +53,8 @@ impl Runs<'_> {
             speed: of(&speeds, settings.tolerance_speed_share, speed, "m/s"),
             energy: of(&courses.energy(), settings.tolerance_energy_share, energy, "J"),
         };
-        let moves = self.solutions[..2].iter().any(|solution| solution.reach(scenario.system.load.radius) > self.least_motion());
+        let reaches = |solution: &Solution| solution.reach(scenario.system.load.radius) > self.least_motion();
+        let moves = verdicts.path.verdict.has_inertia() || self.solutions[..2].iter().any(reaches);
         let loses_energy = verdicts.energy.measures.iter().any(|measure| measure.quasi_static.max(measure.inertial) > energy);
         for of_load in [&mut verdicts.path, &mut verdicts.heading, &mut verdicts.speed, &mut verdicts.energy] {
             if !moves && of_load.verdict == Verdict::Agree && (of_load.unit != "J" || !loses_energy) {
