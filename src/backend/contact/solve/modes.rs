@@ -40,6 +40,8 @@ enum Owner {
     Normal(usize),
     Tangent(usize),
     Support(usize, usize),
+    /// Length of the twist at the limit of slipping; its force is the share of the drive there.
+    Length,
 }
 
 /// An equation `row . x = target` and the force that sees to it.
@@ -61,6 +63,15 @@ impl Equation {
 }
 
 impl Candidate {
+    /// All forces divided by a number.
+    fn over(mut self, divisor: f64) -> Self {
+        self.ground_forces.iter_mut().for_each(|force| *force /= divisor);
+        for force in &mut self.forces {
+            *force = SideForce { normal: force.normal / divisor, tangential: force.tangential / divisor };
+        }
+        self
+    }
+
     /// Rest with the forces of an increment that has shrunk to rounding: those of a load at the
     /// very limit of slipping, whose direction the increment still shows.
     fn at_the_limit(self, problem: &Problem) -> Self {
@@ -91,6 +102,45 @@ pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start:
     }
     let is_stable = search.is_stable(&slopes, modes);
     Some(search.candidate(ground, modes, &others, is_stable, n_iterations))
+}
+
+/// Answer of a load next to the limit of slipping in these modes, near which forces at rest have
+/// all but no room. At the limit itself, the forces of a slip along a twist x of any length balance
+/// a share s of the drive:
+///
+/// ```text
+/// sum_slipping c_i B_i' u_i - sum_j d_j r_j = s w        a_j x = 0
+/// ```
+///
+/// The load rests if s >= 1, with these forces over s. Otherwise it slips along x, by what its
+/// springs take of the rest of the drive. `None` where `start` shows no twist or where contacts
+/// have a gap.
+pub fn next_to_the_limit(problem: &Problem, ground: ContactMode, modes: &[SideMode], start: &Start) -> Option<Candidate> {
+    let pin = if let ContactMode::Pinned(cone) = ground { Some(cone) } else { None };
+    let size = start.twist.norm();
+    let touches = |k: usize| modes[k] == SideMode::Open || problem.rows[k].gap == 0.0 && problem.rows[k].slip == 0.0;
+    if size == 0.0 || !(0..modes.len()).all(touches) {
+        return None;
+    }
+    let mut limit = problem.clone().resized(size);
+    (limit.h, limit.w) = (Mat3::zeros(), Vec3::zeros());
+    let (mut chosen, others) = independent(equations(&limit, pin, modes, start), start.twist);
+    if chosen.len() > 2 {
+        return None;
+    }
+    chosen.push(Equation { owner: Owner::Length, row: start.twist / size, direction: problem.w, target: size, force: 1.0, room: 0.0 });
+    let fixed: Vec3 = others.iter().map(|other| other.force * other.direction).sum();
+    let mut search = Search { problem: &limit, pin, equations: chosen, fixed, twist: *start.twist };
+    let (n_iterations, _) = search.run()?;
+    let share = search.equations.last()?.force;
+    let found = search.candidate(ground, modes, &others, true, n_iterations);
+    if share >= 1.0 {
+        return Some(found.over(share).at_the_limit(problem));
+    }
+    let length = (1.0 - share) * problem.w.dot(&found.twist) / found.twist.dot(&(problem.h * found.twist));
+    let twist = length * found.twist;
+    let start = Start { twist: &twist, ground_forces: &found.ground_forces, forces: &found.forces };
+    if length > 0.0 && length.is_finite() { newton(&problem.clone().resized(twist.amax()), ground, modes, &start) } else { None }
 }
 
 fn equations(problem: &Problem, pin: Option<usize>, modes: &[SideMode], start: &Start) -> SmallVec<[Equation; 8]> {
@@ -284,6 +334,7 @@ impl Search<'_> {
                 Owner::Normal(k) => forces[k].normal = *force,
                 Owner::Tangent(k) => forces[k].tangential = *force,
                 Owner::Support(k, axis) => ground_forces[k][axis] = *force,
+                Owner::Length => (),
             }
         }
         let modes: PerContact<SideMode> = modes.into();

@@ -3,7 +3,7 @@
 //! 1. `guess`: contacts that the increment without contacts overlaps are closed, and Newton's
 //!    method does the rest.
 //! 2. `frictionless`: the convex step without side friction, then Newton's method with the signs of
-//!    its slips.
+//!    its slips. Next to the limit of slipping, Newton's method finds the limit itself (`limit`).
 //! 3. `rest_or_slide`: the convex step with friction cones, which is exact if nothing slides. It is
 //!    accepted if it is stable: the step with slip offsets far smaller than the increment slips by
 //!    less than these. Else, and where something slides, Newton's method on the offsets.
@@ -13,7 +13,7 @@
 use nalgebra::linalg::Schur;
 use nalgebra::{DMatrix, DVector};
 
-use super::modes::{CONSISTENT, newton};
+use super::modes::{CONSISTENT, newton, next_to_the_limit};
 use super::path::{Path, follow, sides_of};
 use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
 use super::relaxed::Relaxed;
@@ -174,7 +174,26 @@ impl<'a> Search<'a> {
             return Some(Stage::Frictionless);
         }
         let start = Start { twist: &found.twist, ground_forces: &found.ground_forces, forces: &found.forces };
-        self.walk(Guess { ground: found.ground, modes: found.modes.clone() }, &start).then_some(Stage::Modes)
+        if self.walk(Guess { ground: found.ground, modes: found.modes.clone() }, &start) {
+            return Some(Stage::Modes);
+        }
+        self.limit(&smooth, &path).then_some(Stage::Limit)
+    }
+
+    /// Rest or slip next to the limit of slipping, with the contacts that the end of a path without
+    /// side friction shows, and with each support as the pinned one.
+    fn limit(&mut self, smooth: &Problem, path: &Path) -> bool {
+        let modes = self.modes_of(smooth, path);
+        let forces = sides_of(&path.forces);
+        let start = Start { twist: &path.twist, ground_forces: &path.ground_forces, forces: &forces };
+        let pins = (0..smooth.cones.len()).map(ContactMode::Pinned);
+        [ContactMode::Slip].into_iter().chain(pins).any(|ground| {
+            let found = next_to_the_limit(smooth, ground, &modes, &start);
+            found.is_some_and(|found| {
+                self.n_iterations += found.n_iterations;
+                self.consider(found)
+            })
+        })
     }
 
     fn follow(&mut self, problem: &Problem) -> Path {

@@ -72,6 +72,8 @@ pub enum Stage {
     Frictionless,
     /// Newton's method in the modes that the step without side friction shows.
     Modes,
+    /// Newton's method on the limit of slipping, to which a step without side friction is close.
+    Limit,
     /// The convex step with friction cones, in which no contact slips, and which stays at rest when
     /// it is disturbed.
     StableRest,
