@@ -2,7 +2,7 @@
 //! steps with the order of the method.
 
 use cohaul::backend::BackendKind::QuasiStatic;
-use cohaul::backend::{Backend, Status};
+use cohaul::backend::{Backend, Status, Transition, TransitionKind, build};
 use cohaul::math::{Pose, Vec2};
 use cohaul::model::System;
 
@@ -36,6 +36,13 @@ fn within(tolerance: f64, system: &System, from: Vec2, n: u32, path: impl Fn(f64
     load.motion().pose
 }
 
+/// Normal forces of horizontal walls on the load (N), from left to right.
+fn pressures(load: &dyn Backend) -> Vec<f64> {
+    let mut contacts = load.side_contacts();
+    contacts.sort_by(|a, b| a.point.x.total_cmp(&b.point.x));
+    contacts.iter().map(|contact| contact.force.y).collect()
+}
+
 /// Asserts that halving the step divides the error by `ratio`, up to a tenth.
 fn assert_order(ratio: f64, errors: &[f64]) {
     for pair in errors.windows(2) {
@@ -50,6 +57,7 @@ fn a_disc_slides_along_a_wall() {
     let load = after(&disc(vec![floor(0.0)]), Vec2::zeros(), 40, |s| Vec2::new(0.06 * s, -0.02 * s));
     assert!((load.motion().pose.position - Vec2::new(0.06 - BEHIND, 0.0)).norm() < ROUNDING);
     assert!((load.energy().friction - 5.91243736e-4).abs() < 1e-12, "as many digits as are known");
+    assert!((pressures(load.as_ref())[0] - 13.28e-3).abs() < 1e-12);
 }
 
 /// K2: a box slides on a wall with friction: the pose is exact at any step, and the work of the
@@ -65,6 +73,8 @@ fn a_box_rubs_along_a_wall() {
         assert!((pose.position - Vec2::new(0.06 - BEHIND - 0.3 * 0.02, 0.0)).norm() < ROUNDING);
         assert!(pose.heading.abs() < 1e-14);
         assert!((load.energy().friction - LIMIT * pose.position.x).abs() < 1e-15);
+        let [rear, front] = pressures(load.as_ref())[..] else { panic!("two corners") };
+        assert!((rear - 5.333770492e-3).abs() < 1e-12 && (front - 7.946229508e-3).abs() < 1e-12, "{rear:e} {front:e}");
         errors.push(load.energy().side_friction - 6.716687422e-5);
     }
     assert_order(2.0, &errors);
@@ -155,6 +165,28 @@ fn a_disc_slides_and_turns_along_a_wall() {
     // The known answer has errors of 1e-9 m and 3e-8 rad.
     assert!((found.position - Vec2::new(0.0438441255, 0.0)).norm() < 1.1e-9, "{found:?}");
     assert!((found.heading + 2.0031856).abs() < 8e-8, "{found:?}");
+}
+
+/// K13 under a tolerance: where the post holds the disc, and where the tip is when it snaps round.
+#[test]
+fn a_snap_round_a_post_is_located() {
+    let system = disc(vec![post(Vec2::new(0.04, 0.01), 0.003)]);
+    let held = within_tolerance(&system, Vec2::zeros(), 40, |s| Vec2::new(0.0786 * s, 0.0));
+    assert!((held.position - Vec2::new(0.028552729583, 0.0)).norm() < EXACT, "{held:?}");
+    let mut load = build(&system, at_rest(0.0, 0.0), &exact(QuasiStatic, &system, 1e-9));
+    load.attach(0, Vec2::zeros());
+    let mut jumps = Vec::new();
+    for tick in 1..=40 {
+        let report = load.advance(&[Vec2::new(0.002 * f64::from(tick), 0.0)], 0.025);
+        // At the very limit, single steps may not converge, which does not change where it is.
+        assert!(report.status == Status::Converged || tick == 40, "{tick} {report:?}");
+        let is_jump = |it: &&Transition| matches!(it.kind, TransitionKind::Jump { .. });
+        let start = 0.025 * f64::from(tick - 1);
+        jumps.extend(load.transitions().iter().filter(is_jump).map(|jump| (start, jump.time)));
+    }
+    let [time] = jumps.iter().map(|(start, time)| start + time).collect::<Vec<f64>>()[..] else { panic!("{jumps:?}") };
+    // Within the tolerance. Measured 5.8e-10 m.
+    assert!((0.08 * time - 0.078855572956).abs() < 1e-9, "{time}");
 }
 
 /// K13: a post holds a disc, which then snaps round it.
