@@ -1,22 +1,22 @@
 //! The backend without inertia with an auditor in front of it, who checks the energy of every step
 //! against bounds that hold for every minimiser.
 //!
-//! With U the elastic energy for tips p and pose q, D the friction loss of the step and dE = U(p1,
-//! q1) - U(p0, q0) + D,
+//! With U the elastic energy for tips p and pose q, D the friction loss of the step, on the ground
+//! and at obstacles that stand still, and dE = U(p1, q1) - U(p0, q0) + D,
 //!
 //! ```text
 //! U(p1, q1) - U(p0, q1)  <=  dE  <=  U(p1, q0) - U(p0, q0)
 //! ```
 //!
 //! The upper bound says that the new pose is no worse than the old one, the lower that the old pose
-//! was stable under the old tips. After a spring was attached or released it was not: for that jump
-//! only the upper bound holds, which is zero then.
+//! was stable under the old tips. Where it is not, the load jumps, and only the upper bound holds:
+//! after a spring was attached or released, when that bound is zero, and at the end of a balance.
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
 use cohaul::backend::springs::Attachments;
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Hook, Motion, Skip, Skips, StepReport, Wrapped, build};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Hook, Motion, Skip, Skips, StepReport, TransitionKind, Wrapped, build};
 use cohaul::math::{Arc, Pose, Vec2, rotation};
 use cohaul::model::System;
 use cohaul::model::support::slip_velocity;
@@ -59,10 +59,11 @@ impl Auditor {
     /// One step of the inner backend, with the ledger read before and after.
     fn step(&mut self, inner: &mut dyn Backend, targets: &[Vec2], duration: f64, is_jump: bool) -> StepReport {
         let springs = &self.system.springs;
-        let (q0, booked) = (inner.motion().pose, inner.energy().friction);
+        let (q0, booked, booked_at_sides) = (inner.motion().pose, inner.energy().friction, inner.energy().side_friction);
         let before = self.held.clone();
         self.held.place_tips(&before, targets, 1.0);
         let report = inner.advance(targets, duration);
+        let is_jump = is_jump || inner.transitions().iter().any(|transition| matches!(transition.kind, TransitionKind::Jump { .. }));
         let q1 = inner.motion().pose;
 
         let booked_loss = inner.energy().friction - booked;
@@ -71,7 +72,7 @@ impl Auditor {
         let [before_at_q0, before_at_q1] = [q0, q1].map(|q| before.energy(springs, &q));
         let [after_at_q0, after_at_q1] = [q0, q1].map(|q| self.held.energy(springs, &q));
         self.held.accept(springs, &q1);
-        let gain = after_at_q1 - before_at_q0 + loss;
+        let gain = after_at_q1 - before_at_q0 + loss + inner.energy().side_friction - booked_at_sides;
         let scale = loss + before_at_q0.max(before_at_q1).max(after_at_q0).max(after_at_q1) + f64::MIN_POSITIVE;
 
         let mut found = self.findings.borrow_mut();

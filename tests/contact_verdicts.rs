@@ -1,0 +1,197 @@
+//! Verdicts on loads among obstacles whose truth is known: by runs under a much tighter tolerance,
+//! and over three decades of speed by closed formulas.
+
+use std::path::Path;
+
+use cohaul::analysis::compare::{Cause, Pathwise, Settings, ThreeWay, Verdict};
+use cohaul::backend::{BackendKind, BackendOptions, RapierOptions, Tolerance, TransitionKind};
+use cohaul::math::Vec2;
+use cohaul::scenario::{Drive, Scenario};
+use cohaul::simulation::{Keep, Simulation, Trace, backend_of, controller_of};
+use rayon::prelude::*;
+
+/// Tolerance of the verdict over the path length (1).
+const SHARE: f64 = 0.05;
+/// Tolerance of the tight runs over that of the verdict (1). Those of a comparison have 0.025.
+const TIGHT: f64 = 1e-4;
+/// Error that the reference error may leave out, over the tolerance of the verdict (1).
+const NEGLECTED: f64 = 2e-3;
+
+fn read(name: &str) -> Scenario {
+    Scenario::read(Path::new(&format!("scenarios/{name}.json"))).unwrap()
+}
+
+/// Mass and moment of inertia times a factor, under the same normal loads.
+fn with_mass(mut scenario: Scenario, factor: f64) -> Scenario {
+    scenario.system.load.mass *= factor;
+    scenario.system.load.inertia *= factor;
+    scenario
+}
+
+fn settings(rapier: RapierOptions) -> Settings {
+    Settings { rapier, tolerance_share: SHARE, ..Settings::default() }
+}
+
+/// Trace of one backend with rows at the instants of a comparison.
+fn trace(scenario: &Scenario, options: &BackendOptions, n_parts: u64) -> Trace {
+    let start = |options: &BackendOptions| {
+        Simulation::from_parts(scenario, options, Keep::Trace, controller_of(scenario), backend_of(scenario, options))
+            .with_rows_per_period(n_parts)
+    };
+    let mut run = start(options);
+    if options.tolerance.is_some() {
+        run.run_to_tolerance(start, |_| true)
+    } else {
+        run.run(|_| true)
+    }
+    run.into_results().0
+}
+
+/// Largest edge displacement (m) between two traces, outside the instants that `is_left_out`.
+fn apart(a: &Trace, b: &Trace, radius: f64, is_left_out: impl Fn(f64) -> bool) -> f64 {
+    assert_eq!(a.rows.len(), b.rows.len());
+    let pairs = a.rows.iter().zip(&b.rows).filter(|(a, _)| !is_left_out(a.time));
+    pairs.map(|(a, b)| a.motion.pose.edge_displacement(&b.motion.pose, radius)).fold(0.0, f64::max)
+}
+
+/// Inertia effect and engine error (m) by runs of their own, at the instants of the comparison and
+/// at its step of the engine. The instants within a control period after a jump do not count.
+fn truth(scenario: &Scenario, found: &Pathwise, rapier: RapierOptions) -> [f64; 2] {
+    let n_parts = (scenario.control_period / found.sampled_every_s).round() as u64;
+    let tolerance = Tolerance::at_edge(TIGHT * found.tolerance_m, &scenario.system.load);
+    let exact = |kind| trace(scenario, &BackendOptions::within(kind, tolerance), n_parts);
+    let (quasi_static, inertial) = (exact(BackendKind::QuasiStatic), exact(BackendKind::Inertial));
+    let step = found.solutions[2].step_s.unwrap();
+    let engine = trace(scenario, &BackendOptions { rapier, ..BackendOptions::new(BackendKind::Rapier, step) }, n_parts);
+    let radius = scenario.system.load.radius;
+    let jumps: Vec<f64> = quasi_static
+        .transitions
+        .iter()
+        .filter(|transition| matches!(transition.kind, TransitionKind::Jump { .. }))
+        .map(|jump| jump.time)
+        .collect();
+    let follows_a_jump = |time: f64| jumps.iter().any(|jump| (0.0..0.999 * scenario.control_period).contains(&(time - jump)));
+    [apart(&inertial, &quasi_static, radius, follows_a_jump), apart(&engine, &inertial, radius, |_| false)]
+}
+
+fn expected([inertia, engine]: [f64; 2], tolerance: f64) -> (Verdict, Vec<Cause>) {
+    let causes = [(Cause::Inertia, inertia), (Cause::Engine, engine)].into_iter().filter(|part| part.1 > tolerance).map(|part| part.0);
+    let verdict = match (inertia.max(engine) > tolerance, inertia > engine) {
+        (false, _) => Verdict::Agree,
+        (true, true) => Verdict::Inertia,
+        (true, false) => Verdict::Engine,
+    };
+    (verdict, causes.collect())
+}
+
+/// The verdict and the causes are those of runs under a tolerance that is 250 times tighter, for
+/// loads of full and of little inertia, and for both settings of the engine.
+#[test]
+fn verdicts_at_obstacles_are_those_of_much_tighter_runs() {
+    let (recommended, defaults) = (RapierOptions::default(), RapierOptions::engine_defaults());
+    let scenes = [
+        ("wall-slide", 1.0, recommended),
+        ("box-wall-friction", 1e-2, recommended),
+        ("box-wall-friction", 1.0, defaults),
+        ("post-arc", 1e-2, recommended),
+        ("post-arc", 1e-2, defaults),
+        ("notch-jam", 1.0, recommended),
+        ("box-lift", 1e-2, recommended),
+        ("box-lift", 1.0, recommended),
+        ("disc-roll-slip", 1.0, recommended),
+        ("posts-gap", 1.0, recommended),
+        ("rebound", 1.0, recommended),
+        ("oblique-impact", 1.0, recommended),
+        ("oblique-rebound", 1.0, defaults),
+        ("jump-to-wall", 1.0, recommended),
+        ("jump-and-rebound", 1.0, recommended),
+        ("pusher", 1.0, recommended),
+    ];
+    let seen: Vec<Vec<Cause>> = scenes
+        .into_par_iter()
+        .map(|(name, mass_factor, rapier)| {
+            let scenario = with_mass(read(&format!("contact/{name}")), mass_factor);
+            let found = ThreeWay::new(&scenario, &settings(rapier)).prescribed(|_| true).unwrap();
+            let truth = truth(&scenario, &found, rapier);
+            let edge = &found.edge_displacement;
+            let what = format!("{name}, mass times {mass_factor}, {:?}: {truth:?} {edge:?}", rapier.settings);
+            // The reference error is an estimate. What it neglects is far below the tolerance.
+            let allowed = edge.reference_error_m.max(NEGLECTED * found.tolerance_m);
+            assert!(edge.reference_error_m < 0.05 * found.tolerance_m, "{what}");
+            assert!((edge.inertia_effect_m - truth[0]).abs() <= allowed && (edge.engine_error_m - truth[1]).abs() <= allowed, "{what}");
+            let (verdict, causes) = expected(truth, found.tolerance_m);
+            assert_eq!((found.verdict, &found.causes), (verdict, &causes), "{what}");
+            causes
+        })
+        .collect();
+    for causes in [vec![], vec![Cause::Inertia], vec![Cause::Engine], vec![Cause::Inertia, Cause::Engine]] {
+        assert!(seen.contains(&causes), "{causes:?} occurs: {seen:?}");
+    }
+}
+
+/// Comparison with the inertial backend at a fixed step as the engine: the question is whether the
+/// quasi-static model is valid.
+fn compared(scenario: &Scenario, step_s: f64) -> Pathwise {
+    let engine =
+        |scenario: &Scenario, options: &BackendOptions| backend_of(scenario, &BackendOptions::new(BackendKind::Inertial, options.step_s));
+    let settings = Settings { step_s: Some(step_s), ..settings(RapierOptions::default()) };
+    ThreeWay::new(scenario, &settings).engine(&engine).prescribed(|_| true).unwrap()
+}
+
+/// Speeds over three decades about the one up to which the quasi-static model is valid, and a pair
+/// close to it (1).
+const SPEEDS: [f64; 8] = [0.0316, 0.1, 0.316, 0.98, 1.02, 3.16, 10.0, 31.6];
+
+fn assert_valid_up_to(ratio: f64, found: &Pathwise) {
+    let verdict = if ratio < 1.0 { Verdict::Agree } else { Verdict::Inertia };
+    assert_eq!(found.verdict, verdict, "{ratio} {:?}", found.edge_displacement);
+}
+
+/// A pusher takes the load along at the speed v, with inertia and without, and stops. With inertia
+/// the load goes on by v^2 / (2 mu g).
+#[test]
+fn a_pusher_that_stops_is_quasi_static_up_to_the_speed_of_theory() {
+    let scenario = read("contact/pusher");
+    let length = 0.05;
+    let braking = scenario.system.total_slip_limit() / scenario.system.load.mass;
+    // The tolerance is a share of the whole path, coast included.
+    let critical = (2.0 * braking * SHARE * length / (1.0 - SHARE)).sqrt();
+    for ratio in SPEEDS {
+        let speed = ratio * critical;
+        let (push, coast) = (length / speed, speed * speed / (2.0 * braking));
+        let mut scenario = scenario.clone();
+        scenario.system.world.obstacles[0].path.waypoints[1].0 = push;
+        scenario.control_period = push / 20.0;
+        scenario.duration = push + (speed / braking / scenario.control_period).ceil() * scenario.control_period;
+        let found = compared(&scenario, push / 100.0);
+        let error = (found.edge_displacement.inertia_effect_m - coast).abs();
+        assert!(error <= found.edge_displacement.reference_error_m + 1e-8, "{ratio} {error:e} {:?}", found.edge_displacement);
+        assert_valid_up_to(ratio, &found);
+    }
+}
+
+/// A spring draws the load along a wall, and the load oscillates by v / omega about the path
+/// without inertia, or by less if the slide ends before.
+#[test]
+fn a_slide_along_a_wall_is_quasi_static_up_to_the_speed_of_theory() {
+    let scenario = read("contact/wall-slide");
+    let system = &scenario.system;
+    let (stiffness, travel) = (system.springs[0].radial_stiffness, 0.06);
+    let stretch = system.total_slip_limit() / stiffness;
+    let omega = (stiffness / system.load.mass).sqrt();
+    let critical = omega * SHARE * (travel - stretch);
+    for ratio in SPEEDS {
+        let speed = ratio * critical;
+        let duration = travel / speed;
+        let mut scenario = Scenario { duration, control_period: duration / 100.0, ..scenario.clone() };
+        let Drive::Tips(paths) = &mut scenario.drive else { panic!("a scene with prescribed tips") };
+        paths[0].waypoints[1].time = duration;
+        assert_eq!(paths[0].waypoints[1].position, Vec2::new(travel, -0.02));
+        let effect = speed / omega * (omega * (travel - stretch) / speed).min(0.5 * std::f64::consts::PI).sin();
+        let found = compared(&scenario, 0.1 / omega);
+        let share = found.edge_displacement.inertia_effect_m / effect;
+        // Paths are compared every half a radian, which may miss 3 % of an amplitude.
+        assert!((0.969..1.001).contains(&share), "{ratio} {share}");
+        assert_valid_up_to(ratio, &found);
+    }
+}
