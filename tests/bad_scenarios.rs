@@ -244,6 +244,14 @@ fn values() -> Vec<Bad> {
             "must be later than the previous waypoint, 0.5",
             "0.5",
         ),
+        // A run would take both for one instant, and move the tip over the control period before.
+        bad(
+            "/drive/paths/0/waypoints/1",
+            json!([0.50000000001, 0, 0]),
+            "drive.paths[0].waypoints[1][0]",
+            "must be later than the previous waypoint by at least 2.0e-11 s, 2e-9 control periods",
+            "0.50000000001",
+        ),
         bad("/drive/paths/0/release_s", json!(0.5), "drive.paths[0].release_s", "must be later than the first waypoint, 0.5", "0.5"),
     ]
 }
@@ -488,6 +496,7 @@ fn a_hair_inside_of_each_threshold_is_accepted() {
         ("/drive/paths/1/spring", json!(3)),
         ("/drive/paths/1/waypoints/0", json!([1e9, 0, 0])),
         ("/drive/paths/0/waypoints/1", json!([0.5000000001, 0, 0])),
+        ("/drive/paths/0/waypoints/1", json!([0.50000000003, 0, 0])),
         ("/drive/paths/0/release_s", json!(0.5000000001)),
         ("/drive/paths", json!([])),
         ("/$schema", json!("scenario.schema.json")),

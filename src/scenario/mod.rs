@@ -13,5 +13,6 @@ mod warnings;
 pub mod format;
 pub mod presets;
 
+pub(crate) use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
 pub use error::{Finding, ScenarioError, lines};

@@ -1,8 +1,7 @@
 //! Time of a run: control ticks, the parts of a control period at whose ends rows are recorded, and
 //! the end.
 
-/// Two instants are one when they are nearer than this share of a control period (1).
-pub(crate) const SAME_INSTANT: f64 = 1e-9;
+pub(crate) use crate::scenario::SAME_INSTANT;
 
 /// Position of a run in time.
 pub(super) struct Clock {

@@ -133,7 +133,7 @@ fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
     let n_springs = draft.springs.as_deref().map(springs::n_springs);
     let springs = draft.springs.map(|entries| springs::springs(&entries, findings));
     let drive = draft.drive.map(|entry| match entry {
-        DriveEntry::Tips(entry) => Drive::Tips(tips::paths(&entry, n_springs, findings)),
+        DriveEntry::Tips(entry) => Drive::Tips(tips::paths(&entry, n_springs, draft.control_period, findings)),
         DriveEntry::Ants(entry) => Drive::Ants(ants::ants(&entry, n_springs, draft.control_period, !obstacles.is_empty(), findings)),
     });
     let load = load?;
