@@ -32,7 +32,6 @@ pub struct Tip {
 /// State at a tick.
 #[derive(Clone, Debug)]
 pub struct Tick {
-    pub time: f64,
     pub place: f64,
     pub speed: f64,
     /// Pull of each spring; `None` once it is released.
@@ -121,7 +120,7 @@ impl Line {
         let (mut place, mut speed, mut dissipated, mut ticks) = (0.0f64, self.start, 0.0, Vec::new());
         for tick in 0..=n_all {
             let time = tick as f64 * every;
-            ticks.push(Tick { time, place, speed, pulls: self.pulls_at_tick(time, place, speed), dissipated });
+            ticks.push(Tick { place, speed, pulls: self.pulls_at_tick(time, place, speed), dissipated });
             for i in 0..n {
                 let (mut now, next) = (time + i as f64 * step, time + (i + 1) as f64 * step);
                 // A load that stops goes on from there.
@@ -172,7 +171,7 @@ impl Line {
         let (mut place, mut dissipated, mut ticks, mut last) = (0.0, 0.0, Vec::new(), 0.0);
         for tick in 0..=n_all {
             let time = tick as f64 * every;
-            ticks.push(Tick { time, place, speed: (place - last) / every, pulls: undamped.pulls(time, place, 0.0), dissipated });
+            ticks.push(Tick { place, speed: (place - last) / every, pulls: undamped.pulls(time, place, 0.0), dissipated });
             last = place;
             for i in 1..=n {
                 let (before, now) = (time + (i - 1) as f64 * every / n as f64, time + i as f64 * every / n as f64);

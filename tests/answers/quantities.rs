@@ -116,7 +116,6 @@ fn of_rapier(scenario: &Scenario) -> (Numbers, Vec<f64>) {
     let mut run = Simulation::new(scenario, &BackendOptions::new(BackendKind::Rapier, step), Keep::Trace);
     run.run(|_| true);
     let tick = |row: &cohaul::simulation::Row| Tick {
-        time: row.time,
         place: row.motion.pose.position.x,
         speed: row.motion.twist.linear.norm() + RADIUS * row.motion.twist.angular.abs(),
         pulls: (0..scenario.system.springs.len())

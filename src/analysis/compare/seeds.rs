@@ -7,13 +7,16 @@
 use crate::math::{Interval, share_difference_interval, student};
 
 /// Number of pairs beyond which nothing is predicted (1).
-const MOST: u64 = 1 << 40;
+const MOST: u64 = 1 << 20;
 
 /// Smallest number of pairs for which the interval of a mean difference decides, for a mean and a
 /// standard deviation `sd` of pairs, at the confidence `level`. Means up to `rounding` count as
 /// zero, and those up to `margin` as equal.
 pub(super) fn pairs_needed(mean: f64, sd: f64, (rounding, margin): (f64, f64), level: f64) -> Option<u64> {
     let allowed = (margin - mean.abs()).max(mean.abs() - rounding);
+    if allowed <= 0.0 && sd > 0.0 {
+        return None;
+    }
     smallest(|n| student(level, n as f64 - 1.0) * sd <= allowed * (n as f64).sqrt())
 }
 
