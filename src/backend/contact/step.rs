@@ -37,6 +37,14 @@ pub struct Candidate {
     pub least_gap: f64,
 }
 
+impl Candidate {
+    /// Rounding of the gap and of the slip of a load of this `length` (m).
+    fn rounding(&self, length: f64) -> f64 {
+        let Pose { position, heading } = self.start.pose;
+        ROUNDED * (position.norm() + length * (1.0 + heading.abs()))
+    }
+}
+
 /// Contacts of a step: one entry a candidate.
 pub type Sides = SmallVec<[(SideMode, SideForce); 4]>;
 
@@ -195,7 +203,10 @@ impl ContactStep<'_, '_> {
         let locals = self.locals(at);
         let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
         let force_scale = add_ground_friction(self.step.ground, at, &mut gradient, &mut hessian)?;
-        let mut system = Linear::new(length, force_scale + gradient.xy().norm(), self.step.size(at) * length);
+        // A gap cannot be closed to less than its rounding, however little the load moves.
+        let rounding = self.candidates.iter().map(|candidate| candidate.rounding(length)).fold(0.0, f64::max);
+        let displacement = (self.step.size(at) * length).max(rounding / STALLED);
+        let mut system = Linear::new(length, force_scale + gradient.xy().norm(), displacement);
         for (((mode, force), local), candidate) in sides.iter().zip(&locals).zip(self.candidates) {
             if *mode == SideMode::Open {
                 continue;
@@ -316,9 +327,8 @@ impl ContactStep<'_, '_> {
                 continue;
             }
             let gap = if local.gap.energy.abs() <= 1e-13 * self.step.length { 0.0 } else { local.gap.energy };
-            let Pose { position, heading } = candidate.start.pose;
-            let lengths = position.norm() + self.step.length * (1.0 + heading.abs());
-            let rounded = |value: f64| if value.abs() <= ROUNDED * lengths { 0.0 } else { value };
+            let rounding = candidate.rounding(self.step.length);
+            let rounded = |value: f64| if value.abs() <= rounding { 0.0 } else { value };
             rows.push(ContactRow {
                 normal: local.gap.gradient,
                 tangent: local.slip.gradient,
