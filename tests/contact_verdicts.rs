@@ -76,10 +76,11 @@ fn truth(scenario: &Scenario, found: &Pathwise, rapier: RapierOptions) -> [f64; 
 
 fn expected([inertia, engine]: [f64; 2], tolerance: f64) -> (Verdict, Vec<Cause>) {
     let causes = [(Cause::Inertia, inertia), (Cause::Engine, engine)].into_iter().filter(|part| part.1 > tolerance).map(|part| part.0);
-    let verdict = match (inertia.max(engine) > tolerance, inertia > engine) {
-        (false, _) => Verdict::Agree,
-        (true, true) => Verdict::Inertia,
-        (true, false) => Verdict::Engine,
+    let verdict = match (inertia > tolerance, engine > tolerance) {
+        (false, false) => Verdict::Agree,
+        (true, false) => Verdict::Inertia,
+        (false, true) => Verdict::Engine,
+        (true, true) => Verdict::InertiaAndEngine,
     };
     (verdict, causes.collect())
 }
