@@ -191,7 +191,7 @@ fn check(line: &Line) -> Outcome {
     const FINER: f64 = 8.0;
     let is_compared = |at: usize| {
         let releases = line.tips.iter().filter_map(|tip| tip.release);
-        releases.map(|release| at as f64 / FINER - release / line.period).all(|ticks| ticks < 0.01 || ticks > 0.99)
+        releases.map(|release| at as f64 / FINER - release / line.period).all(|ticks| !(0.01..=0.99).contains(&ticks))
     };
     let [fine_with, fine_without] = [line.with_inertia(line.period / FINER), line.without_inertia(line.period / FINER)];
     let apart = fine_with.iter().zip(&fine_without).map(|(with, without)| (with.place - without.place).abs());
