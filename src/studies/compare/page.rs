@@ -81,8 +81,9 @@ fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
     let replay = Replay::new(name.clone(), scenario, &shown, first.unwrap_or(0.4 * end));
     let details = details(found).into_iter();
     let table = details.fold(Table::new("All numbers of the comparison", ["", "value"]), |table, (label, value)| table.row([label, value]));
-    page.section(format!("{}: each quantity", tier_name(found.tier)), quantities(found))
-        .section(name, vec![Block::Replay(Box::new(replay))])
+    // The replay is in sight on the first screen.
+    page.section(name, vec![Block::Replay(Box::new(replay))])
+        .section(format!("{}: each quantity", tier_name(found.tier)), quantities(found))
         .section("Differences between the paths", vec![Block::Table(table)])
         .section(
             "Over time",
