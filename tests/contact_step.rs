@@ -301,8 +301,8 @@ fn survey_of_random_steps() {
     assert_eq!(all.n_failed, 0);
     let (worst, n_solved) = largest_excess(0..20_000);
     println!("without side friction: above clarabel by {worst:.1e} at most, which solves {n_solved}");
-    // Some tens of roundings more than in the short run, and of the size of clarabel's tolerance.
-    assert!(worst < 2e-12);
+    // Some roundings.
+    assert!(worst < 1e-14);
 }
 
 /// Value of `1/2 x'Hx - w'x + sum_i c_i |B_i x|` (J).
@@ -310,6 +310,19 @@ fn objective(step: &Step, x: &Vec3) -> f64 {
     let slip = |support: &SupportPoint| slip_velocity(&support.offset, x).norm();
     let loss: f64 = step.ground.supports.iter().zip(step.ground.slip_limits()).map(|(support, limit)| limit * slip(support)).sum();
     0.5 * x.dot(&(step.hessian * x)) - step.drive.dot(x) + loss
+}
+
+/// Objective of `x` above that of `y` (J), from the difference of the two: where a stiffness is
+/// large beside another, either objective is rounded by more than they differ.
+fn excess(step: &Step, x: &Vec3, y: &Vec3) -> f64 {
+    let (difference, sum) = (x - y, x + y);
+    let loss = |(support, limit): (&SupportPoint, f64)| {
+        let slip = |increment: &Vec3| slip_velocity(&support.offset, increment);
+        let length = slip(x).norm() + slip(y).norm();
+        if length > 0.0 { limit * slip(&sum).dot(&slip(&difference)) / length } else { 0.0 }
+    };
+    let losses: f64 = step.ground.supports.iter().zip(step.ground.slip_limits()).map(loss).sum();
+    difference.dot(&(0.5 * step.hessian * sum - step.drive)) + losses
 }
 
 /// Largest energy of an answer above that of clarabel over the energies in it, for steps without
@@ -324,10 +337,10 @@ fn largest_excess(range: std::ops::Range<u64>) -> (f64, u32) {
         assert!(solution.residual < 1e-11);
         let other = clarabel::step_with_contacts(&step.ground, step.size, &step.hessian, &step.drive, &step.rows);
         let overlap = step.rows.iter().map(|row| -(row.gap + row.normal.dot(&other.increment))).fold(0.0, f64::max);
-        let (ours, theirs) = (objective(&step, &solution.increment), objective(&step, &other.increment));
+        let excess = excess(&step, &solution.increment, &other.increment);
         let pushed: f64 = solution.forces.iter().map(|force| force.normal).sum();
         let size = step.drive.component_mul(&other.increment).amax() + objective(&step, &other.increment).abs();
-        worst = worst.max((ours - theirs - pushed * overlap) / size);
+        worst = worst.max((excess - pushed * overlap) / size);
         n_solved += u32::from(other.solved);
     }
     (worst, n_solved)
@@ -336,7 +349,8 @@ fn largest_excess(range: std::ops::Range<u64>) -> (f64, u32) {
 #[test]
 fn without_side_friction_no_increment_has_less_energy_than_ours() {
     let (worst, n_solved) = largest_excess(0..600);
-    assert!(worst < 1e-12);
+    // Some roundings.
+    assert!(worst < 1e-14);
     assert!(n_solved > 300);
 }
 

@@ -4,12 +4,13 @@
 use std::hint::black_box;
 
 use cohaul::backend::friction::{ContactMode, FrictionSolver};
-use cohaul::backend::{BackendKind, BackendOptions, Status, build};
-use cohaul::math::{Mat3, Vec2, Vec3, direction};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Status, build};
+use cohaul::math::{Mat3, Pose, Vec2, Vec3, direction};
+use cohaul::model::{Obstacle, ObstaclePath, Outline, OutlinePart, System, World};
 use cohaul::output::trace_csv::{TraceColumns, write_trace};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Keep, Simulation};
-use cohaul::studies::verify::scenes::{SLIP_LIMIT, SUPPORT_RADIUS, at_rest, paper_springs, paper_system};
+use cohaul::studies::verify::scenes::{LOAD_RADIUS, SLIP_LIMIT, SUPPORT_RADIUS, at_rest, paper_springs, paper_system};
 
 /// One hot path.
 pub struct HotPath {
@@ -21,12 +22,15 @@ pub struct HotPath {
 }
 
 /// All of them, in the order of the table.
-pub const HOT_PATHS: [HotPath; 10] = [
+pub const HOT_PATHS: [HotPath; 13] = [
     HotPath { name: "quasi-static-4-springs", n_calls: 4, prepare: || dragging(4, &quasi_static()) },
     HotPath { name: "quasi-static-10-springs", n_calls: 3, prepare: || dragging(10, &quasi_static()) },
     HotPath { name: "quasi-static-100-springs", n_calls: 1, prepare: || dragging(100, &quasi_static()) },
     HotPath { name: "inertial-4-springs", n_calls: 6, prepare: || dragging(4, &dynamic(BackendKind::Inertial)) },
     HotPath { name: "rapier-4-springs", n_calls: 3, prepare: || dragging(4, &dynamic(BackendKind::Rapier)) },
+    HotPath { name: "quasi-static-1-contact", n_calls: 4, prepare: || along_a_wall(disc(), 1, &quasi_static()) },
+    HotPath { name: "quasi-static-2-contacts", n_calls: 4, prepare: || along_a_wall(square(), 2, &quasi_static()) },
+    HotPath { name: "inertial-1-contact", n_calls: 6, prepare: || along_a_wall(disc(), 1, &dynamic(BackendKind::Inertial)) },
     HotPath { name: "cone-solve-warm", n_calls: 20, prepare: cone_solve },
     HotPath { name: "tick-4-ants", n_calls: 10, prepare: tick_of_four_ants },
     HotPath { name: "tick-200-far-ants", n_calls: 4, prepare: tick_of_far_ants },
@@ -60,25 +64,56 @@ fn dynamic(kind: BackendKind) -> BackendOptions {
 /// One step of the paper's load, dragged by the tips of `n` springs in directions up to 0.3 rad
 /// apart.
 fn dragging(n: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
-    let system = paper_system(paper_springs(n));
+    dragged(&paper_system(paper_springs(n)), |j| 0.3 * j as f64 / n as f64, 0, options)
+}
+
+/// One step of a load of this outline that is dragged by four springs along a wall with friction
+/// and at it, with so many contacts.
+fn along_a_wall(outline: Outline, n_contacts: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
+    let mut system = paper_system(paper_springs(4));
+    let points = vec![Vec2::new(-1.0, 0.0), Vec2::new(1.0, 0.0)];
+    let wall = Obstacle {
+        name: "wall".to_owned(),
+        outline: Outline { parts: vec![OutlinePart::Polyline { points }] },
+        friction_coefficient: 0.3,
+        restitution: 0.0,
+        path: ObstaclePath::fixed(Pose::new(0.0, -LOAD_RADIUS, 0.0)),
+    };
+    system.world = World { outline, obstacles: vec![wall] };
+    dragged(&system, |_| -0.1, n_contacts, options)
+}
+
+fn disc() -> Outline {
+    Outline::disc(LOAD_RADIUS)
+}
+
+fn square() -> Outline {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| LOAD_RADIUS * Vec2::new(x, y));
+    Outline { parts: vec![OutlinePart::Polygon { corners: corners.to_vec() }] }
+}
+
+/// One step of a load whose tips go on in these directions (rad), and that slides with so many
+/// contacts.
+fn dragged(system: &System, bearing: impl Fn(usize) -> f64, n_contacts: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
     let step = options.step_s;
     let mut tips: Vec<Vec2> = system.springs.iter().map(|spring| spring.rest_tip()).collect();
-    let ways: Vec<Vec2> = (0..n).map(|j| step * PULL_SPEED * direction(0.3 * j as f64 / n as f64)).collect();
-    let mut backend = build(&system, at_rest(), options);
+    let ways: Vec<Vec2> = (0..tips.len()).map(|j| step * PULL_SPEED * direction(bearing(j))).collect();
+    let mut backend = build(system, at_rest(), options);
     tips.iter().enumerate().for_each(|(spring, tip)| backend.attach(spring, *tip));
-    let mut advance = move || {
+    let mut advance = move |backend: &mut dyn Backend| {
         tips.iter_mut().zip(&ways).for_each(|(tip, way)| *tip += way);
         (backend.advance(&tips, step), backend.motion().twist.linear.norm())
     };
     let n_until_sliding = (UNTIL_SLIDING / step) as u32;
     for _ in 1..n_until_sliding {
-        advance();
+        advance(backend.as_mut());
     }
-    let (report, speed) = advance();
+    let (report, speed) = advance(backend.as_mut());
     assert_eq!((report.status, report.n_steps, report.n_skipped), (Status::Converged, 1, 0), "every step is solved: {report:?}");
+    assert_eq!(backend.side_contacts().len(), n_contacts);
     assert!(speed > 0.5 * PULL_SPEED, "the load slides along, at {speed} m/s");
     Box::new(move || {
-        black_box(advance());
+        black_box(advance(backend.as_mut()));
     })
 }
 

@@ -36,7 +36,7 @@ pub struct BenchArgs {
     /// Time the exact friction solver and clarabel on the problems of four ants
     #[arg(long)]
     solvers: bool,
-    /// Time steps against the number of springs, supports and ants
+    /// Time steps against the number of springs, supports, contacts, obstacles and ants
     #[arg(long)]
     growth: bool,
     /// Number of timed rounds [default: 5; with --quick 2]

@@ -3,7 +3,7 @@
 
 use smallvec::SmallVec;
 
-use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
+use super::obstacles::{Obstacles, PIECE, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
 use super::step::{CLOSED, Candidate, ContactStep, Found, Sides};
 use super::surroundings::{Pair, PairKey, Surroundings};
@@ -201,10 +201,13 @@ impl Obstacles {
             let mut found = contact.find(solver, &suggested, task.guess);
             report.n_solves += found.increment.report.n_solves;
             report.n_iterations += found.increment.report.n_iterations;
-            let hit = self.hit_of(system, &start, task, (&candidates, &found), touching);
+            let moved = size(&found.increment.twist) + shift;
+            // Candidates that hold all that the load can reach leave nothing to hit.
+            let is_known =
+                task.scope == Scope::Near && 1.001 * moved + CLOSED * radius <= reach && moved <= PIECE * self.surroundings.fineness();
+            let hit = if is_known { None } else { self.hit_of(system, &start, task, (&candidates, &found), touching) };
             attempt += 1;
             // A load with inertia takes the whole step.
-            let moved = size(&found.increment.twist) + shift;
             let is_hit = hit == Some(0.0) || task.has_inertia && hit.is_some();
             if is_hit && attempt < MOST_ATTEMPTS && reach < 2.0 * moved {
                 reach = (4.0 * reach).min(2.0 * moved);

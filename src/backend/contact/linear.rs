@@ -19,10 +19,16 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// For a load of this `length` (m) under forces of the size `force` (N), that moves by about
-    /// `displacement` (m).
-    pub fn new(length: f64, force: f64, displacement: f64) -> Self {
-        Self { length, force, displacement, gradient: Vec3::zeros(), hessian: Mat3::zeros(), rows: SmallVec::new() }
+    /// For a load of this `length` (m).
+    pub fn new(length: f64) -> Self {
+        Self { length, force: 1.0, displacement: 1.0, gradient: Vec3::zeros(), hessian: Mat3::zeros(), rows: SmallVec::new() }
+    }
+
+    /// Leaves out all constraints, for a load under forces of the size `force` (N) that moves by
+    /// about `displacement` (m).
+    pub fn begin(&mut self, force: f64, displacement: f64) {
+        (self.force, self.displacement) = (force, displacement);
+        self.rows.clear();
     }
 
     /// Adds a constraint with the derivative `row` (1, 1, m), a force along `along`, and the

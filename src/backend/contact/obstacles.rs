@@ -80,7 +80,7 @@ pub struct Obstacles {
 }
 
 /// Share of the smallest feature that a load moves by in one piece (1).
-const PIECE: f64 = 0.25;
+pub(super) const PIECE: f64 = 0.25;
 /// Most pieces of a displacement (1).
 const MOST_PIECES: usize = 4096;
 /// Most rounds in which contacts are closed (1): each takes an error to its square, but for

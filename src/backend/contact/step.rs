@@ -93,6 +93,8 @@ struct Local {
     beyond: f64,
 }
 
+type Locals = SmallVec<[Local; 4]>;
+
 impl ContactStep<'_, '_> {
     /// The step, from what the last one suggests: its modes and forces, and a guess of the
     /// increment.
@@ -115,8 +117,9 @@ impl ContactStep<'_, '_> {
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;
         let mut gradient = self.step.gradient(&Vec3::zeros());
-        let mut sides = Sides::new();
-        for ((mode, force), local) in last.iter().zip(self.locals(&Vec3::zeros())) {
+        let (mut sides, mut locals) = (Sides::new(), Locals::new());
+        self.fill_locals(&Vec3::zeros(), &mut locals);
+        for ((mode, force), local) in last.iter().zip(&locals) {
             if local.gap.energy < -closed && local.beyond <= 0.0 || local.gap.energy > closed && force.normal > 0.0 {
                 return None;
             }
@@ -131,7 +134,7 @@ impl ContactStep<'_, '_> {
     }
 
     /// Gaps and slips at an increment.
-    fn locals(&self, at: &Vec3) -> SmallVec<[Local; 4]> {
+    fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
         let arc = Arc::of(at.z);
         let shift = at.xy();
         let local = |candidate: &Candidate| {
@@ -145,7 +148,8 @@ impl ContactStep<'_, '_> {
                 beyond: self.surroundings.beyond(&candidate.pair, &place),
             }
         };
-        self.candidates.iter().map(local).collect()
+        locals.clear();
+        locals.extend(self.candidates.iter().map(local));
     }
 
     /// Newton's method on the whole step from a guess, for a load that slips on all supports in
@@ -157,8 +161,10 @@ impl ContactStep<'_, '_> {
         }
         let (mut at, mut sides) = (guess, sides.clone());
         let mut last = f64::INFINITY;
+        // Both are filled anew in each iteration, and are too large to be passed around.
+        let (mut system, mut locals) = (Linear::new(self.step.length), Locals::new());
         for iteration in 0..MOST_ITERATIONS {
-            let (system, locals) = self.newton_system(&at, &sides)?;
+            self.newton_system(&at, &sides, &mut system, &mut locals)?;
             let residual = system.residual();
             let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
             if is_done {
@@ -198,16 +204,16 @@ impl ContactStep<'_, '_> {
 
     /// Equations of the modes at an increment with these forces. `None` where a support stands
     /// still.
-    fn newton_system(&mut self, at: &Vec3, sides: &Sides) -> Option<(Linear, SmallVec<[Local; 4]>)> {
+    fn newton_system(&mut self, at: &Vec3, sides: &Sides, system: &mut Linear, locals: &mut Locals) -> Option<()> {
         let length = self.step.length;
-        let locals = self.locals(at);
+        self.fill_locals(at, locals);
         let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
         let force_scale = add_ground_friction(self.step.ground, at, &mut gradient, &mut hessian)?;
         // A gap cannot be closed to less than its rounding, however little the load moves.
         let rounding = self.candidates.iter().map(|candidate| candidate.rounding(length)).fold(0.0, f64::max);
         let displacement = (self.step.size(at) * length).max(rounding / STALLED);
-        let mut system = Linear::new(length, force_scale + gradient.xy().norm(), displacement);
-        for (((mode, force), local), candidate) in sides.iter().zip(&locals).zip(self.candidates) {
+        system.begin(force_scale + gradient.xy().norm(), displacement);
+        for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
             if *mode == SideMode::Open {
                 continue;
             }
@@ -227,7 +233,7 @@ impl ContactStep<'_, '_> {
             }
         }
         system.set_balance(gradient, hessian);
-        Some((system, locals))
+        Some(())
     }
 
     /// Whether the forces push, the signs of slip are those of the modes, and no other pair of
@@ -252,10 +258,10 @@ impl ContactStep<'_, '_> {
         let (mut at, mut sides) = (self.start_at, Sides::new());
         let mut report = StepReport { n_steps: 1, ..StepReport::default() };
         let mut mode = ContactMode::Stick;
-        let mut n_failed = 0;
+        let (mut n_failed, mut locals) = (0, Locals::new());
         for round in 0..MOST_STEPS {
             let local = self.step.at(&at);
-            let locals = self.locals(&at);
+            self.fill_locals(&at, &mut locals);
             let mut hessian = local.hessian;
             for ((_, force), local) in sides.iter().zip(&locals) {
                 hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;

@@ -117,7 +117,7 @@ pub fn work_precision_figure(facts: &SceneFacts, lines: &[BenchLine], budget: f6
     grid(&panels, &legends, 2, COLUMN_WIDTH, WORK_HEIGHT)
 }
 
-/// Cost of a step or tick against the number of springs, supports and ants (both logarithmic).
+/// Cost of a step, or of a tick of ants, against the size of a scene (both logarithmic).
 pub fn growth_figure(lines: &[GrowthLine]) -> String {
     let (panels, legend) = growth(lines);
     grid(&panels, &[legend], panels.len(), GROWTH_WIDTH, PANEL_HEIGHT)

@@ -1,5 +1,5 @@
-//! Cost of a step over the number of attached springs and of supports, and of a control tick over
-//! the number of ants.
+//! Cost of a step over the number of attached springs, of supports, of contacts and of obstacles
+//! far away, and of a control tick over the number of ants.
 //!
 //! Stiffness and weight are shared out among springs and supports, so that loads of all sizes move
 //! alike and only the work differs. Every round runs the same steps from the same start.
@@ -10,7 +10,7 @@ use super::clock::{Clock, Timing};
 use super::fit::{Line, PowerLaw, line, power_law};
 use crate::backend::{BackendKind, BackendOptions, Motion, build, default_step};
 use crate::math::{Pose, Twist, Vec2, direction};
-use crate::model::{Ground, Load, PolarSpring, SupportPoint, System, World, paper};
+use crate::model::{Ground, Load, Obstacle, ObstaclePath, Outline, OutlinePart, PolarSpring, SupportPoint, System, World, paper};
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Keep, Simulation};
 
@@ -22,6 +22,10 @@ pub enum Quantity {
     Springs,
     /// Time of a step.
     Supports,
+    /// Time of a step along a rough wall.
+    Contacts,
+    /// Time of a step along a rough wall, with the others out of reach.
+    Obstacles,
     /// Time of a control tick.
     Ants,
 }
@@ -57,18 +61,24 @@ pub struct Growth {
 }
 
 impl Quantity {
-    pub const ALL: [Quantity; 3] = [Quantity::Springs, Quantity::Supports, Quantity::Ants];
+    pub const ALL: [Quantity; 5] = [Quantity::Springs, Quantity::Supports, Quantity::Contacts, Quantity::Obstacles, Quantity::Ants];
 
     pub fn name(self) -> &'static str {
         match self {
             Quantity::Springs => "springs",
             Quantity::Supports => "supports",
+            Quantity::Contacts => "contacts",
+            Quantity::Obstacles => "obstacles",
             Quantity::Ants => "ants",
         }
     }
 
-    fn largest(self) -> usize {
-        if self == Quantity::Ants { 10_000 } else { 1_000 }
+    fn sizes(self, is_quick: bool) -> Vec<usize> {
+        match self {
+            Quantity::Contacts => vec![1, 2],
+            Quantity::Ants => sizes(10_000, is_quick),
+            _ => sizes(1_000, is_quick),
+        }
     }
 }
 
@@ -93,8 +103,12 @@ impl Growth {
         for quantity in Quantity::ALL {
             let backends = if quantity == Quantity::Ants { &[BackendKind::QuasiStatic][..] } else { &BackendKind::ALL };
             for backend in backends {
-                let sizes = sizes(quantity.largest(), self.is_quick);
-                points.extend(sizes.into_iter().map(|n| GrowthPoint { quantity, backend: *backend, n, seconds: Vec::new() }));
+                points.extend(quantity.sizes(self.is_quick).into_iter().map(|n| GrowthPoint {
+                    quantity,
+                    backend: *backend,
+                    n,
+                    seconds: Vec::new(),
+                }));
             }
         }
         points
@@ -106,6 +120,8 @@ impl Growth {
         match point.quantity {
             Quantity::Springs => drag(&dragged(point.n, 3), point.backend, n_steps),
             Quantity::Supports => drag(&dragged(4, point.n), point.backend, n_steps),
+            Quantity::Contacts => drag(&along_a_wall(point.n, 0), point.backend, MOST_STEPS),
+            Quantity::Obstacles => drag(&along_a_wall(1, point.n - 1), point.backend, MOST_STEPS),
             Quantity::Ants => ticks(&self.ants, point.n, n_steps),
         }
     }
@@ -147,6 +163,31 @@ fn dragged(n_springs: usize, n_supports: usize) -> System {
         springs: (0..n_springs).map(spring).collect(),
         world: World::default(),
     }
+}
+
+/// The load on four springs beside a wall with friction, as a disc with one contact or as a box
+/// with two, and posts in rows half a metre away and farther.
+fn along_a_wall(n_contacts: usize, n_far: usize) -> System {
+    const RADIUS: f64 = paper::LOAD_RADIUS_M;
+    const FRICTION: f64 = 0.3;
+    const N_IN_ROW: usize = 32;
+    let obstacle = |outline: Outline, position: Vec2| Obstacle {
+        name: String::new(),
+        outline,
+        friction_coefficient: FRICTION,
+        restitution: 0.0,
+        path: ObstaclePath::fixed(Pose { position, heading: 0.0 }),
+    };
+    let wall = Outline { parts: vec![OutlinePart::Polyline { points: vec![Vec2::new(-1.0, 0.0), Vec2::new(1.0, 0.0)] }] };
+    let post = |i: usize| {
+        let place = Vec2::new(0.05 * ((i % N_IN_ROW) as f64 - 0.5 * N_IN_ROW as f64), -0.5 - 0.05 * (i / N_IN_ROW) as f64);
+        obstacle(Outline::disc(RADIUS), place)
+    };
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| RADIUS * Vec2::new(x, y));
+    let outline =
+        if n_contacts == 1 { Outline::disc(RADIUS) } else { Outline { parts: vec![OutlinePart::Polygon { corners: corners.to_vec() }] } };
+    let obstacles = [obstacle(wall, Vec2::new(0.0, RADIUS))].into_iter().chain((0..n_far).map(post)).collect();
+    System { world: World { outline, obstacles }, ..dragged(4, 3) }
 }
 
 /// CPU time a step (s) while all tips go on at 30 mm/s along a bow, after the load has begun to
@@ -204,6 +245,7 @@ pub fn fits(points: &[GrowthPoint]) -> Vec<Fit> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::Status;
 
     #[test]
     fn sizes_are_even_in_the_logarithm() {
@@ -225,7 +267,7 @@ mod tests {
             point.seconds = vec![2.0 * cost, cost];
         }
         let fits = fits(&points);
-        assert_eq!(fits.len(), 7);
+        assert_eq!(fits.len(), 13);
         for fit in &fits {
             let (line, law) = (fit.line.unwrap(), fit.power_law.unwrap());
             if fit.quantity == Quantity::Springs {
@@ -233,6 +275,24 @@ mod tests {
             } else {
                 assert!((law.exponent - 2.0).abs() < 1e-9, "{fit:?}");
             }
+        }
+    }
+
+    /// The number of contacts is what it is called, and posts out of reach change nothing.
+    #[test]
+    fn loads_along_a_wall_have_their_contacts() {
+        for (n_contacts, n_far) in [(1, 0), (2, 0), (1, 999)] {
+            let system = along_a_wall(n_contacts, n_far);
+            let mut load = build(
+                &system,
+                Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist::ZERO },
+                &BackendOptions::new(BackendKind::QuasiStatic, 1e-3),
+            );
+            let tips = |by: Vec2| -> Vec<Vec2> { system.springs.iter().map(|spring| spring.rest_tip() + by).collect() };
+            tips(Vec2::zeros()).into_iter().enumerate().for_each(|(spring, tip)| load.attach(spring, tip));
+            let report = load.advance(&tips(Vec2::new(0.02, 0.004)), 0.1);
+            assert_eq!((report.status, load.side_contacts().len()), (Status::Converged, n_contacts));
+            assert!(load.motion().pose.position.x > 1e-3 && load.motion().pose.position.y.abs() < 1e-9);
         }
     }
 

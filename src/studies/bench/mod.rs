@@ -15,7 +15,7 @@
 //! equal_error.rs  the cheapest setting of each method at an error
 //! problems.rs     friction problems of a run, and what is left of their conditions
 //! solvers.rs      the exact solver against clarabel on them
-//! growth.rs       cost of a step over the number of springs, supports and ants
+//! growth.rs       cost of a step, or of a tick of ants, over the size of a scene
 //! fit.rs          power laws and lines through costs
 //! clock.rs        CPU time, least and median
 //! host.rs         the machine

@@ -21,10 +21,7 @@ pub fn bench_page(found: &Benchmark, manifest: &Manifest) -> Page {
         page = page.section(&facts.scene, vec![Block::Table(equal_error(facts, found)), figure]);
     }
     if !found.growth.is_empty() {
-        let figure = Block::figure(
-            figure::growth_figure(&found.growth),
-            "Cost of a step, or of a tick, over the number of springs, supports and ants.",
-        );
+        let figure = Block::figure(figure::growth_figure(&found.growth), "Cost of a step, or of a tick of ants, over the size of a scene.");
         page = page.section("Growth", vec![figure]);
     }
     if !found.solvers.is_empty() {

@@ -1,5 +1,5 @@
-//! Loads that meet obstacles: gaps, speeds, friction, notches, corners, pushers, rebounds, and
-//! squeezes that have no answer.
+//! Loads that meet obstacles: gaps, speeds, friction, notches, corners, posts, pushers, rebounds,
+//! and squeezes that have no answer.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -93,6 +93,13 @@ fn against_others(friction: &dyn Fn(usize) -> Axis) -> Vec<Map> {
             x: Axis::counts("n_corners", 3.0, 40.0, 18),
             y: friction(19),
             cell: polygon,
+        },
+        Map {
+            name: "contact-obstacles",
+            what: "a spring pulls a disc into a field of 1 to 1000 posts with friction 0.3, 60 steps; exact answer at finer steps",
+            x: Axis::counts("n_posts", 1.0, 1000.0, 25),
+            y: Axis::log("gap_m", 1e-9, 1e-2, 22),
+            cell: among_posts,
         },
         Map {
             name: "contact-pusher",
@@ -211,6 +218,17 @@ fn corner(radius: f64, offset: f64) -> Cell {
     let scene = Scene::paper(2e-3, 60).among(outline, nearest + Vec2::new(size, 0.0), 0.1);
     let scene = scene.pulled(isotropic(Vec2::zeros()), &[(0.0, Vec2::zeros()), (60.0, Vec2::new(6.0, 0.0) * LOAD_RADIUS)]);
     scene.cell(finer())
+}
+
+/// Posts on a spiral in steps of the golden angle, the nearest one ahead.
+fn among_posts(n: f64, gap: f64) -> Cell {
+    const POST: f64 = 1e-3;
+    const SPACING: f64 = 4e-3;
+    let golden_angle = PI * (3.0 - 5f64.sqrt());
+    let place = |i: f64| (LOAD_RADIUS + POST + gap + SPACING * i.sqrt()) * direction(golden_angle * i);
+    let start = Scene::paper(2e-3, 60);
+    let scene = (0..n as usize).fold(start, |scene, i| scene.among(disc(POST), place(i as f64), 0.3));
+    drawn(scene, Vec2::zeros(), SLIP_STRETCH * Vec2::new(3.0, 0.5)).cell(finer())
 }
 
 fn polygon(n: f64, friction: f64) -> Cell {
