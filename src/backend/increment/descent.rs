@@ -2,11 +2,12 @@
 
 use super::corrector::{Corrected, Wanted, correct};
 use super::objective::{ABSOLUTE_TOLERANCE, LARGEST_RESIDUAL, Objective, RELATIVE_TOLERANCE};
-use super::potential::{Increment, Step, friction_loss};
-use crate::backend::friction::{ContactMode, FrictionSolver};
+use super::potential::{Increment, Step, friction_curvature, friction_force, friction_loss};
+use crate::backend::friction::{ContactMode, EXACT, FrictionSolver};
 use crate::backend::{Status, StepReport};
 use crate::math::{Mat3, Pose, PositiveDefinite, Vec3};
-use crate::model::Reaction;
+use crate::model::support::slip_velocity;
+use crate::model::{Reaction, SupportPoint};
 
 /// Largest number of iterations. Converging steps take two to six; where the energy has a kink no
 /// number suffices.
@@ -21,6 +22,20 @@ const MOST_CORRECTIONS: u32 = 4;
 /// Longest turn in one Newton step (rad), and largest size that one is extended to (1). The
 /// quadratic model says little beyond.
 const LONGEST_TURN: f64 = 0.5;
+
+/// Iterations after which a descent with springs that are not convex counts as slow.
+const FEW_ITERATIONS: u64 = 4;
+/// Slip of a support over the size of the increment below which friction holds the support (1).
+const HELD: f64 = 1e-6;
+/// Smallest share of the friction's curvature that is tried, over that of the springs' (1).
+const LEAST_SHARE: f64 = 0.125;
+
+/// Iterations after each of which Newton's method on springs and friction at once is tried.
+const EACH_GLIDE: u64 = 4;
+/// Largest number of its iterations.
+const MOST_GLIDES: u64 = 20;
+/// Longest step in it, over the size of the increment (1).
+const LONGEST_GLIDE: f64 = 0.25;
 
 /// Progress of a descent.
 struct Pace {
@@ -49,8 +64,11 @@ impl Step<'_> {
         let mut residual = f64::INFINITY;
         let mut mode = ContactMode::Stick;
         let mut pace = Pace { last: None, n_corrections: 0 };
-        for _ in 0..MOST_ITERATIONS {
-            let hessian = positive_definite(&local.hessian, length);
+        for iteration in 0..MOST_ITERATIONS {
+            let stiffened = positive_definite(&local.hessian, length);
+            let is_slow = iteration >= FEW_ITERATIONS && stiffened != local.hessian;
+            let held = if is_slow { self.held_by_friction(&local.hessian, &at) } else { None };
+            let hessian = held.unwrap_or(stiffened);
             let solution = solver.solve(&hessian, &(hessian * at - local.gradient));
             mode = solution.mode;
             report.n_solves += 1;
@@ -81,17 +99,41 @@ impl Step<'_> {
                 residual = if is_exact { solution.residual } else { residual };
                 break;
             }
-            let may_correct = is_full && mode != ContactMode::Stick && solver.accuracy() == 0.0;
-            if let Some(found) = may_correct.then(|| self.correct_on(solver, (at, local), &mut pace, self.size(&full_step))).flatten() {
-                report.n_solves += found.report.n_solves;
-                report.n_iterations += found.report.n_iterations;
-                return self.found(&found.at, found.mode, StepReport { residual: found.report.residual, ..report });
+            let is_exact_solver = solver.accuracy() == 0.0;
+            let may_correct = is_full && mode != ContactMode::Stick && is_exact_solver;
+            let mut found = may_correct.then(|| self.correct_on(solver, (at, local), &mut pace, self.size(&full_step))).flatten();
+            if found.is_none() && is_slow && iteration % EACH_GLIDE == 0 && mode == ContactMode::Slip && is_exact_solver {
+                (at, local, found) = self.glide(solver, (at, local));
+            }
+            if let Some(Corrected { at, mode, report: found }) = found {
+                report.n_solves += found.n_solves;
+                report.n_iterations += found.n_iterations;
+                return self.found(&at, mode, StepReport { residual: found.residual, ..report });
             }
         }
         report.residual = if residual.is_finite() { residual } else { 1.0 };
         report.status = if residual <= LARGEST_RESIDUAL.max(solver.accuracy()) { Status::Converged } else { Status::NotConverged };
         report.n_not_converged = u64::from(report.status != Status::Converged);
         self.found(&at, mode, report)
+    }
+
+    /// The `hessian` at an increment, with so much of the curvature of friction there as makes it
+    /// positive definite with a margin. Friction resists a change of direction, and its curvature is
+    /// zero along the increment: the stiffness along it, which sets its length, stays exact. `None`
+    /// where all of that curvature does not suffice: the increment is then no place for a minimum.
+    #[inline(never)]
+    fn held_by_friction(&self, hessian: &Mat3, at: &Vec3) -> Option<Mat3> {
+        let units = Vec3::new(self.length, self.length, 1.0);
+        let size = |matrix: &Mat3| Mat3::from_fn(|i, j| matrix[(i, j)] * units[i] * units[j]).amax();
+        let curvature = friction_curvature(self.ground, at, HELD * self.length * self.size(at));
+        let mut share = LEAST_SHARE * size(hessian) / size(&curvature);
+        while share < 0.5 {
+            if PositiveDefinite::new(&(hessian + share * curvature)).is_some() {
+                return Some(hessian + 2.0 * share * curvature);
+            }
+            share *= 4.0;
+        }
+        PositiveDefinite::new(&(hessian + curvature)).is_some().then(|| hessian + 2.0 * curvature)
     }
 
     /// Minimum that the descent is about to reach, by the corrector, from where a full `step` of
@@ -108,6 +150,47 @@ impl Step<'_> {
         pace.n_corrections += 1;
         let left = step * share / (1.0 - share);
         correct(self, solver, length, at, Some(there), Wanted::Nearest).filter(|found| self.size(&(found.at - at)) <= 2.0 * left)
+    }
+
+    /// Newton's method on springs and friction at once, with a line search, from an increment at
+    /// which all supports slip. Returns where it ends, and the minimum if it is one. The method
+    /// stops where a support comes to slip too slowly.
+    ///
+    /// Where friction does not hold the springs any more, the objective falls ever faster in some
+    /// direction. The method then follows that direction, and comes away from a balance that has
+    /// just ended.
+    #[inline(never)]
+    fn glide(&mut self, solver: &mut FrictionSolver, (mut at, mut local): (Vec3, Reaction)) -> (Vec3, Reaction, Option<Corrected>) {
+        let mut last = f64::INFINITY;
+        for n_iterations in 0..MOST_GLIDES {
+            let newton = solver.gliding_step(&at, &local.gradient, Some(&local.hessian), &mut None);
+            if let Some((_, residual)) = newton.filter(|(_, residual)| *residual <= EXACT && *residual >= 0.25 * last) {
+                let report = StepReport { residual, n_solves: 1, n_iterations, ..StepReport::default() };
+                return (at, local, Some(Corrected { at, mode: solver.keep_gliding(&at), report }));
+            }
+            last = newton.map_or(f64::INFINITY, |(_, residual)| residual);
+            let Some(step) = newton.map(|(step, _)| step).or_else(|| self.falling_step(&at, &local)) else { break };
+            let share = self.size(&step) / self.size(&at);
+            let Some(next) = self.descend(&local, &at, &(step * (LONGEST_GLIDE / share).min(1.0))) else { break };
+            (at, local) = next;
+        }
+        (at, local, None)
+    }
+
+    /// Newton step with the absolute values of the eigenvalues, where one is negative.
+    fn falling_step(&self, at: &Vec3, local: &Reaction) -> Option<Vec3> {
+        let units = Vec3::new(self.length, self.length, 1.0);
+        let least = HELD * self.length * self.size(at);
+        let is_slow = |support: &SupportPoint| slip_velocity(&support.offset, at).norm() <= least;
+        if self.ground.supports.iter().any(is_slow) {
+            return None;
+        }
+        let hessian = local.hessian + friction_curvature(self.ground, at, least);
+        let gradient = (local.gradient + friction_force(self.ground, at)).component_mul(&units);
+        let eigen = Mat3::from_fn(|i, j| hessian[(i, j)] * units[i] * units[j]).symmetric_eigen();
+        let along = eigen.eigenvectors.tr_mul(&gradient).component_div(&eigen.eigenvalues.abs());
+        let step = -(eigen.eigenvectors * along).component_mul(&units);
+        (eigen.eigenvalues.min() < 0.0 && step.iter().all(|v| v.is_finite())).then_some(step)
     }
 
     /// First of the points at 1, 1/2, 1/4 ... of the `step` from an increment where the objective

@@ -4,10 +4,11 @@
 use super::objective::{Objective, rounding_of_places};
 use crate::backend::StepReport;
 use crate::backend::friction::ContactMode;
+use crate::backend::friction::cones::slip_gram;
 use crate::backend::springs::{Place, SpringBlocks};
 use crate::math::{Arc, Mat2, Mat3, Pose, Twist, Vec2, Vec3, shift_of};
-use crate::model::support::slip_velocity;
-use crate::model::{Ground, Load, Reaction};
+use crate::model::support::{slip_velocity, wrench_of};
+use crate::model::{Ground, Load, Reaction, SupportPoint};
 
 /// What the increment minimises, besides friction.
 pub struct Potential<'a> {
@@ -160,6 +161,30 @@ impl Objective for Step<'_> {
 /// Energy lost to friction along a constant-twist path (J).
 pub fn friction_loss(ground: &Ground, twist: &Vec3) -> f64 {
     ground.supports.iter().zip(ground.slip_limits()).map(|(support, limit)| limit * slip_velocity(&support.offset, twist).norm()).sum()
+}
+
+/// First derivative of [`friction_loss`] by a twist at which all supports slip (N, N, N m).
+pub fn friction_force(ground: &Ground, twist: &Vec3) -> Vec3 {
+    let of =
+        |(support, limit): (&SupportPoint, f64)| wrench_of(&support.offset, &(limit * slip_velocity(&support.offset, twist).normalize()));
+    ground.supports.iter().zip(ground.slip_limits()).map(of).sum()
+}
+
+/// Second derivative of [`friction_loss`] by the twist (N/m, N, N m/rad): the limit of each support
+/// over its slip, across the slip. It is zero along the twist itself. A support that slips by less
+/// than `least` (m) counts as held, in all directions.
+pub fn friction_curvature(ground: &Ground, twist: &Vec3, least: f64) -> Mat3 {
+    let of = |(support, limit): (&SupportPoint, f64)| {
+        let slip = slip_velocity(&support.offset, twist);
+        let speed = slip.norm();
+        if speed <= least {
+            return limit / least * slip_gram(&support.offset);
+        }
+        let unit = slip / speed;
+        let across = Vec3::new(-unit.y, unit.x, support.offset.dot(&unit));
+        limit / speed * across * across.transpose()
+    };
+    ground.supports.iter().zip(ground.slip_limits()).map(of).sum()
 }
 
 impl Coasting {
