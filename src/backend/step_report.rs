@@ -43,9 +43,16 @@ pub struct StepReport {
     /// the load just as well.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_indeterminate: bool,
+    /// Jumps of a load without inertia whose end depends on what dissipates besides friction.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_uncertain_jumps: u64,
     /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
+}
+
+fn is_none(count: &u64) -> bool {
+    *count == 0
 }
 
 fn is_zero(residual: &f64) -> bool {
@@ -88,6 +95,7 @@ impl StepReport {
         self.n_rejected += other.n_rejected;
         self.contact_residual = self.contact_residual.max(other.contact_residual);
         self.is_indeterminate |= other.is_indeterminate;
+        self.n_uncertain_jumps += other.n_uncertain_jumps;
         self.skipped.add(&other.skipped);
     }
 }

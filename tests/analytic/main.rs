@@ -14,6 +14,7 @@ mod invariance;
 mod limit_surface;
 mod midpoint;
 mod off_centre;
+mod pulls;
 mod reference;
 mod release;
 mod second_order;

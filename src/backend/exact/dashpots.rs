@@ -24,17 +24,27 @@ impl Dashpots {
     /// step, with the load at `before`. The springs are evaluated with the tips of the blocks after
     /// `time` (s).
     pub fn renew(&mut self, system: &System, attached: &AttachedSprings, before: &Pose, time: f64) {
+        let stiffness = |spring: &PolarSpring| {
+            let (radial, torsional) = system.dashpot(spring);
+            (radial / time, torsional / time)
+        };
+        self.renew_as(system, attached, before, stiffness);
+        self.time = time;
+    }
+
+    /// Sets one spring of this radial and torsional stiffness (N/m, N m/rad) for each attached
+    /// spring, about its shape.
+    pub fn renew_as(&mut self, system: &System, attached: &AttachedSprings, before: &Pose, stiffness: impl Fn(&PolarSpring) -> (f64, f64)) {
         self.springs.clear();
         self.attachments.clear();
         for (at, (last, tip)) in attached.iter().zip(attached.block_tips()).enumerate() {
             let spring = &system.springs[last.spring];
-            let (radial, torsional) = system.dashpot(spring);
-            let dashpot = spring.about(&last.shape(&system.springs, before), radial / time, torsional / time);
+            let (radial, torsional) = stiffness(spring);
+            let dashpot = spring.about(&last.shape(&system.springs, before), radial, torsional);
             self.attachments.push(Attachment { spring: at, tip, swing: dashpot.shape(before, &tip, 0.0).swing });
             self.springs.push(dashpot);
         }
         self.blocks.fill(&self.springs, &self.attachments);
-        self.time = time;
     }
 
     /// The dashpots as springs, if there are any.

@@ -26,11 +26,12 @@ impl Exact<QuasiStatic> {
     // A function of its own: steps come far more often and need the registers.
     #[inline(never)]
     pub(super) fn jump(&mut self) -> StepReport {
-        let (start, defect, last) = (self.state.motion.pose, self.state.energy.defect(), self.state.contact.last());
-        let report = self.settle();
+        let (start, last) = (self.state.snap_start(), self.state.contact.last());
+        let rule = self.settle();
+        let report = self.follow_flow(&start, rule);
         self.state.contact = GroundContact::Unknown { last, jump_is_pending: false };
-        if self.edge_displacement(&start) > SMALLEST_JUMP * self.system.load.radius {
-            let kind = self.book_jump(&SnapStart { pose: start, defect });
+        if self.edge_displacement(&start.pose) > SMALLEST_JUMP * self.system.load.radius {
+            let kind = self.book_jump(&start);
             self.transitions.push(Transition { time: 0.0, kind });
         }
         report
@@ -39,7 +40,7 @@ impl Exact<QuasiStatic> {
     /// Iterates to a balance with the tips as they are. Each iteration takes friction as constant
     /// along its path, so that its length goes with the square of the one before. The next one is
     /// left out where two of them predict that it would be none.
-    fn settle(&mut self) -> StepReport {
+    pub(super) fn settle(&mut self) -> StepReport {
         self.catch_up();
         self.springs.refresh(&self.system.springs, &self.state.motion.pose);
         let rounding = self.displacement_rounding();
@@ -65,7 +66,7 @@ impl Exact<QuasiStatic> {
     }
 
     /// Edge displacement since the load was at `start` (m).
-    fn edge_displacement(&self, start: &Pose) -> f64 {
+    pub(super) fn edge_displacement(&self, start: &Pose) -> f64 {
         self.state.motion.pose.edge_displacement(start, self.system.load.radius)
     }
 
@@ -93,7 +94,8 @@ impl Exact<QuasiStatic> {
             return None;
         }
         let contact = self.state.contact;
-        report.add(&StepReport { n_steps: 0, ..self.settle() });
+        let rule = self.settle();
+        report.add(&StepReport { n_steps: 0, ..self.follow_flow(start, rule) });
         self.state.contact = contact;
         Some(self.book_jump(start))
     }

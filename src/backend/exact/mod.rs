@@ -3,6 +3,7 @@
 //! ```text
 //! backend        the calls of a backend;  load: what all methods share, and what a method may choose
 //! quasi_static   balance at every instant, after the paper;  jumps: where the balance is lost
+//! flow           where a jump ends if its path bends
 //! bdf2           its step of second order
 //! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
 //! contact        what is known of the load's contact with the ground;  side: with obstacles
@@ -18,6 +19,7 @@ mod control;
 mod dashpots;
 mod euler;
 mod extrapolation;
+mod flow;
 mod impacts;
 mod inertial;
 mod jumps;

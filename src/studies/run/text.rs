@@ -24,7 +24,11 @@ pub fn run_text(summary: &RunSummary, detail: Detail) -> String {
     }
     if let Some(largest) = run.outcome.transitions.largest_jump {
         let n_jumps = run.outcome.transitions.n_jumps;
-        lines.row("jumps", &format!("{n_jumps}, the largest {}", short_quantity(largest, "m")));
+        let uncertain = match run.outcome.steps.n_uncertain_jumps {
+            0 => String::new(),
+            n => format!("; the ends of {n} depend on the dissipation"),
+        };
+        lines.row("jumps", &format!("{n_jumps}, the largest {}{uncertain}", short_quantity(largest, "m")));
     }
     add_contacts(run, detail, &mut lines);
     match detail {

@@ -1,0 +1,145 @@
+//! Loads on few springs at random: steps converge, jumps are there at every step, and they end
+//! where damped springs lead, or the report says that their end depends on the dissipation.
+
+#[path = "../common/random_pulls.rs"]
+mod random_pulls;
+
+use cohaul::backend::{BackendKind, BackendOptions, Integrator, Status, StepReport, Tolerance, TransitionKind, build};
+use cohaul::math::Vec2;
+use cohaul::scenario::{Drive, Scenario};
+use random_pulls::{PERIOD, Pull};
+
+/// Shortest spring over its rest length below which a load is near a root (1).
+const NEAR_ROOT: f64 = 0.05;
+
+/// What a quasi-static run of a pull found.
+struct Found {
+    cost: StepReport,
+    /// Control period and edge displacement over the load's radius of each jump.
+    jumps: Vec<(u32, f64)>,
+    /// Length of the shortest spring over its rest length.
+    shortest: f64,
+}
+
+fn run(pull: &Pull, options: &BackendOptions) -> Found {
+    let mut load = build(&pull.system, pull.start, options);
+    let mut found = Found { cost: StepReport::default(), jumps: Vec::new(), shortest: f64::INFINITY };
+    pull.run(load.as_mut(), |period, report, load| {
+        found.cost.add(report);
+        found.shortest = found.shortest.min(pull.shortest(load));
+        for transition in load.transitions() {
+            if let TransitionKind::Jump { shift, turn, .. } = transition.kind {
+                found.jumps.push((period, shift / pull.system.load.radius + turn.abs()));
+            }
+        }
+    });
+    found
+}
+
+fn fixed(step: f64) -> BackendOptions {
+    BackendOptions::new(BackendKind::QuasiStatic, step)
+}
+
+/// Runs pulls at two steps and, `n_controlled` of them, under error control. Returns how many did
+/// not converge.
+fn check_pulls(n: u64, n_controlled: u64) -> usize {
+    let mut n_refused = 0;
+    for seed in 0..n {
+        let pull = Pull::random(seed);
+        let [coarse, fine] = [PERIOD, 0.1 * PERIOD].map(|step| run(&pull, &fixed(step)));
+        let mut found = vec![&coarse, &fine];
+        let tolerance = Tolerance::at_edge(1e-4 * pull.system.load.radius, &pull.system.load);
+        let controlled = (seed < n_controlled).then(|| run(&pull, &BackendOptions::within(BackendKind::QuasiStatic, tolerance)));
+        found.extend(&controlled);
+        let is_near_root = found.iter().any(|found| found.shortest < NEAR_ROOT);
+        let is_refused = found.iter().any(|found| found.cost.status != Status::Converged);
+        assert!(!is_refused || is_near_root, "{seed}: a step did not converge");
+        n_refused += usize::from(is_refused);
+        if is_near_root {
+            continue;
+        }
+        // A fast motion shrinks with the step. A jump stays, but for where it begins.
+        for (period, size) in &coarse.jumps {
+            let there: f64 = fine.jumps.iter().filter(|(other, _)| other.abs_diff(*period) <= 1).map(|(_, size)| size).sum();
+            assert!(there > 0.5 * size, "{seed}: a jump by {size} radii in period {period} has {there} at finer steps");
+        }
+    }
+    n_refused
+}
+
+#[test]
+fn random_pulls_converge_and_their_jumps_stay() {
+    assert!(check_pulls(60, 4) <= 1);
+}
+
+/// `cargo test --release --test analytic a_thousand_pulls -- --ignored`, some minutes.
+#[test]
+#[ignore = "a longer version of the test above"]
+fn a_thousand_pulls_converge_and_their_jumps_stay() {
+    let n_refused = check_pulls(1000, 1000);
+    assert!(n_refused <= 5, "{n_refused}");
+}
+
+/// A spring at three quarters of its rest length pushes a load that only friction keeps from
+/// turning. Its slip is smooth from the edge of sticking on, at any step.
+#[test]
+fn a_load_held_by_friction_slips_smoothly() {
+    let text = include_str!("../common/compressed-spring.json");
+    let Scenario { system, start, drive, .. } = Scenario::parse(text, "compressed spring").unwrap();
+    let Drive::Tips(paths) = drive else { panic!("tips are prescribed") };
+    let [from, to] = [0, 1].map(|at| paths[0].waypoints[at]);
+    let tip = |time: f64| -> Vec2 { from.position + time / (to.time - from.time) * (to.position - from.position) };
+    let controlled = BackendOptions::within(BackendKind::QuasiStatic, Tolerance::at_edge(1e-6, &system.load));
+    let ends = [fixed(1e-3), fixed(1e-4), controlled].map(|options| {
+        let mut load = build(&system, start, &options);
+        load.attach(0, tip(0.0));
+        let mut report = StepReport::default();
+        for tick in 1..=60 {
+            report.add(&load.advance(&[tip(1e-3 * f64::from(tick))], 1e-3));
+            let jumps = |kind: TransitionKind| matches!(kind, TransitionKind::Jump { shift, .. } if shift > 1e-12);
+            assert!(!load.transitions().iter().any(|transition| jumps(transition.kind)), "{tick}: {:?}", load.transitions());
+        }
+        assert_eq!((report.status, report.n_not_converged), (Status::Converged, 0));
+        load.motion().pose
+    });
+    // Steps are of first order: a tenth of the step, a tenth of the error.
+    let errors = [0, 1].map(|at| ends[at].edge_displacement(&ends[2], system.load.radius));
+    assert!(errors[0] < 2e-6 && errors[1] < 0.15 * errors[0], "{errors:?}");
+}
+
+/// Compares ends of jumps with those of damped dynamics, with `steps` of this length (s) for
+/// relaxation times of a second. Returns how many ends are farther than 1 % away.
+fn check_jumps(n: u64, step: f64) -> usize {
+    let mut n_far = 0;
+    for seed in 0..n {
+        let pull = Pull::random(seed);
+        let radius = pull.system.load.radius;
+        let (end, report) = pull.jump(build(&pull.system, pull.start, &fixed(PERIOD)).as_mut(), 1);
+        let length = end.edge_displacement(&pull.start.pose, radius);
+        if length < 1e-6 * radius {
+            continue;
+        }
+        let options = BackendOptions { integrator: Integrator::Euler, ..BackendOptions::new(BackendKind::Inertial, step) };
+        let (damped, _) = pull.jump(build(&pull.damped(1e-3), pull.start, &options).as_mut(), 20);
+        let far = damped.edge_displacement(&end, radius) / length;
+        n_far += usize::from(far > 0.01);
+        // First order in the step: a share of it for each of the first seconds.
+        let allowed = 0.01 + 0.5 * step;
+        assert!(far <= allowed || report.n_uncertain_jumps > 0, "{seed}: {far} of {length} m, unflagged");
+    }
+    n_far
+}
+
+#[test]
+fn jumps_end_where_damped_springs_lead_or_are_flagged() {
+    let n_far = check_jumps(24, 1e-2);
+    assert!(n_far < 12, "{n_far}");
+}
+
+/// `cargo test --release --test analytic two_hundred_jumps -- --ignored`, about a minute.
+#[test]
+#[ignore = "a longer version of the test above"]
+fn two_hundred_jumps_end_where_damped_springs_lead_or_are_flagged() {
+    let n_far = check_jumps(210, 1e-3);
+    assert!(n_far < 70, "{n_far}");
+}
