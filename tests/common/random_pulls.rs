@@ -98,8 +98,8 @@ impl Pull {
         }
     }
 
-    /// Where the load jumps when all tips are attached and stand still for so many seconds, and what
-    /// that cost.
+    /// Pose to which the load jumps when all tips are attached and stand still for so many seconds,
+    /// and the report of that.
     pub fn jump(&self, load: &mut dyn Backend, n_seconds: u32) -> (Pose, StepReport) {
         let tips: Vec<Vec2> = self.tips.iter().map(|tip| tip.corners[0]).collect();
         (0..tips.len()).for_each(|spring| load.attach(spring, tips[spring]));

@@ -118,9 +118,9 @@ impl Step<'_> {
     }
 
     /// The `hessian` at an increment, with so much of the curvature of friction there as makes it
-    /// positive definite with a margin. Friction resists a change of direction, and its curvature is
-    /// zero along the increment: the stiffness along it, which sets its length, stays exact. `None`
-    /// where all of that curvature does not suffice: the increment is then no place for a minimum.
+    /// positive definite with a margin. Friction resists a change of direction, and its curvature
+    /// is zero along the increment: the stiffness along it, which sets its length, stays exact.
+    /// `None` where all of that curvature does not suffice: no minimum is near.
     #[inline(never)]
     fn held_by_friction(&self, hessian: &Mat3, at: &Vec3) -> Option<Mat3> {
         let units = Vec3::new(self.length, self.length, 1.0);
