@@ -396,6 +396,40 @@ fn obstacles_inside_each_other_are_warned_about() {
     assert!(apart.stderr.is_empty(), "{}", text(&apart.stderr));
 }
 
+/// Stiff springs, a long time and a light load each make error control expensive. The program says
+/// so before it starts, with what would help.
+#[test]
+fn long_runs_say_so_beforehand() {
+    let room = Room::new();
+    let plain: Value = serde_json::from_str(&fs::read_to_string(room.tips()).unwrap()).unwrap();
+    let changed = |pointer: &str, value: f64| {
+        let mut scene = plain.clone();
+        scene["duration_s"] = json!(1.73);
+        *scene.pointer_mut(pointer).unwrap() = json!(value);
+        room.write("long.json", &scene.to_string())
+    };
+    let cases = [
+        ("/springs/0/ring/radial_stiffness_n_per_m", 1e12, "springs", "softer springs"),
+        ("/load/mass_kg", 1e-12, "springs", "a larger mass"),
+        ("/duration_s", 1e6, "control_period_s", "a longer control period"),
+    ];
+    for (pointer, value, path, words) in cases {
+        let file = changed(pointer, value);
+        let output = call(&["scenario", "check", "--json", &file]);
+        let printed = text(&output.stderr);
+        assert!(printed.contains("`cohaul compare` may take") && printed.contains(words), "{printed}");
+        let found: Value = serde_json::from_str(text(&output.stdout)).unwrap();
+        assert_eq!(found["scenarios"][0]["warnings"][0]["path"], json!(path));
+    }
+    // The last case again: the first control period is over at once.
+    let (file, state) = (room.path("long.json"), room.path("state.json"));
+    let run = ["run", &file, "--backend", "inertial", "--tolerance", "1e-6", "--state", &state, "--stop-s", "1e-9"];
+    let output = call(&run);
+    assert!(text(&output.stderr).starts_with("warning: `cohaul run` may take"), "{}", text(&output.stderr));
+    let short = call(&["scenario", "check", &room.tips()]);
+    assert!(short.stderr.is_empty(), "{}", text(&short.stderr));
+}
+
 #[test]
 fn nonsense_on_the_command_line_is_usage() {
     let room = Room::new();

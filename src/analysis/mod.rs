@@ -3,6 +3,8 @@
 mod attribution;
 pub mod compare;
 pub mod estimate;
+mod expected_cost;
 mod trigger;
 
+pub use expected_cost::{CostLimit, ExpectedCost, fastest_rate};
 pub use trigger::{ByTrigger, Trigger, TriggerKind};

@@ -1,11 +1,8 @@
 //! Steps that are taken by default, and the time scale of error control.
 
-use super::BackendKind;
+use super::exact::SHORTEST_STEP;
+use super::{BackendKind, BackendOptions};
 use crate::model::System;
-
-/// Shortest default step (s). A scene may be too stiff to resolve in reasonable time, and all
-/// methods are stable at longer steps.
-const SHORTEST_DEFAULT: f64 = 1e-5;
 
 /// Longest default step of the quasi-static method (s), the control period of the paper. The tips
 /// go so far in longer steps that jumps of the load are not recognised.
@@ -13,10 +10,11 @@ const LONGEST_DEFAULT: f64 = 2.5e-3;
 
 /// Default step (s): the control period, but at most 2.5 ms. With inertia it is at most 1 ms and a
 /// tenth of a radian of the fastest oscillation, which gives a numerical damping ratio of at most
-/// 0.05, but at least 10 us.
+/// 0.05, but at least 10 us. The oscillation is that of springs at rest; the inertial backend takes
+/// shorter steps where springs are deformed far ([`super::BackendOptions::adapts_step`]).
 pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> f64 {
     if kind.has_inertia() {
-        (0.1 / system.fastest_rate()).clamp(SHORTEST_DEFAULT, 1e-3).min(control_period)
+        (0.1 / system.fastest_rate()).clamp(SHORTEST_STEP, 1e-3).min(control_period)
     } else {
         control_period.min(LONGEST_DEFAULT)
     }
@@ -25,6 +23,14 @@ pub fn default_step(kind: BackendKind, system: &System, control_period: f64) -> 
 /// The requested step, at most the control period, or else the default step (s).
 pub fn step_of(requested: Option<f64>, kind: BackendKind, system: &System, control_period: f64) -> f64 {
     requested.map_or_else(|| default_step(kind, system, control_period), |step| step.min(control_period))
+}
+
+impl BackendOptions {
+    /// Default options at the requested step (s), or else at the default step.
+    pub fn at_step(requested: Option<f64>, kind: BackendKind, system: &System, control_period: f64) -> Self {
+        let step_s = step_of(requested, kind, system, control_period);
+        Self { adapts_step: requested.is_none() && kind == BackendKind::Inertial, ..Self::new(kind, step_s) }
+    }
 }
 
 /// Time over which a wrong speed makes the position wrong (s): one radian of the slowest

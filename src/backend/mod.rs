@@ -29,7 +29,7 @@ mod wrapped;
 
 pub use crate::model::Motion;
 pub use default_step::{default_step, step_of};
-pub use exact::Integrator;
+pub use exact::{Integrator, LONGEST_MACRO_STEP};
 pub use friction::ConeSolver;
 pub use interface::Backend;
 pub use ledger::{DefectParts, EnergyLedger};
@@ -86,7 +86,7 @@ fn with_stepping(system: &System, start: Motion, options: &BackendOptions, stepp
         }
         BackendKind::Inertial => {
             let integrator = if is_fixed { options.integrator } else { Integrator::Euler };
-            Box::new(Exact::inertial(system, start, stepping, integrator, options.skips))
+            Box::new(Exact::inertial(system, start, stepping, integrator, options.skips).adapting(options.adapts_step))
         }
         BackendKind::Rapier => rapier::build(system.clone(), start, options),
     }

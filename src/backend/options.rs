@@ -101,6 +101,10 @@ pub struct BackendOptions {
     /// slipping.
     #[serde(default, skip_serializing_if = "is_default")]
     pub second_order: bool,
+    /// Whether the inertial backend takes shorter steps where the attached springs are deformed so
+    /// far that the load oscillates much faster than on springs at rest. The default step does so.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub adapts_step: bool,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -127,6 +131,7 @@ impl BackendOptions {
             skips: Skips::ALL,
             cone_solver: ConeSolver::Exact,
             second_order: false,
+            adapts_step: false,
         }
     }
 

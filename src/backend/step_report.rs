@@ -46,6 +46,14 @@ pub struct StepReport {
     /// Jumps of a load without inertia whose end depends on what dissipates besides friction.
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_uncertain_jumps: u64,
+    /// Largest angle of the fastest oscillation in a step, where no step that the backend may take
+    /// resolves it (rad); zero where all steps do.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unresolved_rad: f64,
+    /// Share of the path that the positions of the engine lost by rounding, where it exceeds what a
+    /// run may lose (1); zero where it does not.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub lost_share: f64,
     /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
@@ -55,8 +63,8 @@ fn is_none(count: &u64) -> bool {
     *count == 0
 }
 
-fn is_zero(residual: &f64) -> bool {
-    *residual == 0.0
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl StepReport {
@@ -94,6 +102,8 @@ impl StepReport {
         self.n_not_converged += other.n_not_converged;
         self.n_rejected += other.n_rejected;
         self.contact_residual = self.contact_residual.max(other.contact_residual);
+        self.unresolved_rad = self.unresolved_rad.max(other.unresolved_rad);
+        self.lost_share = self.lost_share.max(other.lost_share);
         self.is_indeterminate |= other.is_indeterminate;
         self.n_uncertain_jumps += other.n_uncertain_jumps;
         self.skipped.add(&other.skipped);

@@ -8,11 +8,13 @@ use clap::Args;
 
 use super::choice::{choice, names, positive, seconds};
 use super::console::{self, Tone};
+use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, warn_idle};
 use super::error::CliError;
 use super::input::{check_step, read_scenario};
 use super::output::{OutputArgs, manifest_of};
 use super::watch::watched_to_end;
+use crate::analysis::ExpectedCost;
 use crate::analysis::compare::{Pathwise, Settings, ThreeWay, Tier, Verdict};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
@@ -103,6 +105,9 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         tolerance_energy_share: args.tolerance_energy.unwrap_or(usual.tolerance_energy_share),
         skips: Skips::ALL.without_all(&args.no_skip),
     };
+    if asked.iter().any(|tier| *tier != Tier::ClosedLoop) {
+        warn_of_cost("compare", &scenario, &ExpectedCost::of_comparison(&scenario, &settings));
+    }
     let (started, clock) = (SystemTime::now(), Instant::now());
     let mut found = Tiers::default();
     for tier in asked {

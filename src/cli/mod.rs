@@ -9,6 +9,7 @@ mod check;
 mod choice;
 mod compare;
 mod console;
+mod cost;
 mod engine;
 mod error;
 mod explain;

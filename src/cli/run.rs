@@ -12,14 +12,16 @@ use serde_json::Value;
 
 use super::choice::{choice, positive, seconds};
 use super::console::{self, Tone};
+use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, warn_idle, warn_of_idle};
 use super::error::{CliError, at_file};
 use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, manifest_of};
 use super::resumable::stopped;
 use super::watch::watched_by;
+use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate};
-use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build, step_of};
+use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build};
 use crate::output::chart::Scene;
 use crate::output::json;
 use crate::output::progress::Progress;
@@ -30,7 +32,7 @@ use crate::simulation::{Keep, SavedRun, Simulation, controller_of};
 use crate::studies::journal;
 use crate::studies::run::files::{RunFiles, RunWriter};
 use crate::studies::run::summary::RunSummary;
-use crate::studies::run::text::{convergence_warning, inertia_warning, run_text};
+use crate::studies::run::text::{convergence_warning, inertia_warning, resolution_warning, run_text};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -102,6 +104,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
     warn_of_scenario(&args.scenario, &scenario);
+    warn_of_cost("run", &scenario, &ExpectedCost::of_run(&scenario, &options));
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
     if args.no_estimate && options.kind != BackendKind::QuasiStatic {
         warn_idle("--no-estimate", "quasi-static", options.kind.name());
@@ -185,7 +188,7 @@ fn print(args: &RunArgs, summary: &RunSummary) -> Result<(), CliError> {
     if args.report {
         args.output.print_report()?;
     }
-    convergence.iter().for_each(console::warn);
+    convergence.iter().chain(&resolution_warning(summary)).for_each(console::warn);
     // The text has this warning as its answer.
     inertia.iter().filter(|_| args.output.json).for_each(console::warn);
     Ok(())
@@ -198,13 +201,12 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
         return Err(CliError::Usage(format!("--second-order: applies to quasi-static only, found {}", args.backend.name())));
     }
     let Some(position_m) = args.tolerance else {
-        let step_s = step_of(args.step_s, args.backend, &scenario.system, scenario.control_period);
         return Ok(BackendOptions {
             integrator: args.integrator.unwrap_or_default(),
             rapier: args.engine.options(),
             skips,
             second_order: args.second_order,
-            ..BackendOptions::new(args.backend, step_s)
+            ..BackendOptions::at_step(args.step_s, args.backend, &scenario.system, scenario.control_period)
         });
     };
     if args.backend == BackendKind::Rapier {

@@ -8,8 +8,11 @@ use clap::Subcommand;
 use serde::Serialize;
 
 use super::console::{self, print};
+use super::cost::long_run;
 use super::error::CliError;
 use super::input::{name_of, read_scenario, warn_of_scenario};
+use crate::analysis::ExpectedCost;
+use crate::analysis::compare::Settings;
 use crate::output::json;
 use crate::scenario::{Finding, format};
 
@@ -69,11 +72,15 @@ fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
         match read_scenario(path, None) {
             Ok(scenario) => {
                 warn_of_scenario(path, &scenario);
+                let cost = ExpectedCost::of_comparison(&scenario, &Settings::default());
+                if let Some(found) = long_run("compare", &scenario, &cost) {
+                    console::warn(format_args!("{file}: {}; {}", found.found, found.rule));
+                }
                 let hash = scenario.hash();
                 if !as_json {
                     print(&format!("{file}: ok, \"{}\", hash {hash}\n", scenario.name))?;
                 }
-                let warnings = scenario.warnings();
+                let warnings = scenario.warnings().into_iter().chain(long_run("compare", &scenario, &cost)).collect();
                 all.push(Checked { file, ok: true, name: Some(scenario.name), hash: Some(hash), warnings, ..Checked::default() });
             }
             Err(error) => {

@@ -43,6 +43,8 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             n_not_converged: 0,
             n_rejected: 0,
             contact_residual: 0.0,
+            unresolved_rad: 0.0,
+            lost_share: 0.0,
             is_indeterminate: false,
             n_uncertain_jumps: 0,
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },

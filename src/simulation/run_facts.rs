@@ -61,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 61] = [
+pub const FACTS: [Fact; 63] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -159,16 +159,18 @@ pub const FACTS: [Fact; 61] = [
     }),
     number("accuracy.asked_m", "", "Error of the position that was allowed.", |r| r.accuracy(|asked, _| Number(asked.position_m))),
     number("accuracy.asked_rad", "", "Error of the heading that was allowed.", |r| r.accuracy(|asked, _| Number(asked.heading_rad))),
-    number("accuracy.estimated_m", "error_m", "Estimated largest error of the position.", |r| {
-        r.accuracy(|_, error| Number(error.position))
-    }),
-    number("accuracy.estimated_rad", "error_rad", "Estimated largest error of the heading.", |r| {
-        r.accuracy(|_, error| Number(error.heading))
-    }),
+    number("accuracy.estimated_m", "error_m", "Bound of the error of the position.", |r| r.accuracy(|_, error| Number(error.position))),
+    number("accuracy.estimated_rad", "error_rad", "Bound of the error of the heading.", |r| r.accuracy(|_, error| Number(error.heading))),
     flag("accuracy.is_met", "", "Whether the errors are small enough and every step converged.", |r| {
         r.accuracy(|_, _| Flag(r.is_accurate()))
     }),
     number("steps.residual", "residual", "Largest relative residual of a step.", residual).not_reproducible(),
+    number("steps.lost_share", "", "Share of the path that single precision lost by rounding, if that is too much.", |r| {
+        positive(r.outcome.steps.lost_share)
+    }),
+    number("steps.unresolved_rad", "", "Largest angle of the fastest oscillation in a default step, if that is too much.", |r| {
+        positive(r.outcome.steps.unresolved_rad)
+    }),
     count("steps.n_steps", "n_steps", "Number of steps.", |r| Count(r.outcome.steps.n_steps)),
     count("steps.n_solves", "n_solves", "Number of solves.", |r| Count(r.outcome.steps.n_solves)),
     count("steps.n_iterations", "n_iterations", "Number of iterations of all solves.", |r| Count(r.outcome.steps.n_iterations))
@@ -260,7 +262,7 @@ impl Value {
 }
 
 impl Run<'_> {
-    /// Whether the estimated error is as small as asked for; `true` without error control.
+    /// Whether the error bound is as small as asked for; `true` without error control.
     pub fn is_within_tolerance(&self) -> bool {
         self.options.tolerance.zip(self.outcome.error).is_none_or(|(asked, error)| asked.allows(&error))
     }
@@ -294,6 +296,10 @@ impl Run<'_> {
     fn accuracy(&self, get: impl Fn(&Tolerance, &PoseError) -> Value) -> Value {
         self.options.tolerance.zip(self.outcome.error).map_or(Absent, |(asked, error)| get(&asked, &error))
     }
+}
+
+fn positive(value: f64) -> Value {
+    if value > 0.0 { Number(value) } else { Absent }
 }
 
 fn time_to_nest(run: &Run) -> Value {

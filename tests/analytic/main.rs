@@ -9,6 +9,7 @@ mod common;
 mod bounded;
 mod centre_pull;
 mod creep;
+mod deformed;
 mod energy;
 mod invariance;
 mod limit_surface;

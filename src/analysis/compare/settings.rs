@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::analysis::estimate::TOLERANCE_SHARE;
-use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, n_steps_in, step_of};
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, n_steps_in};
 use crate::scenario::Scenario;
 use crate::simulation::Controller;
 
@@ -90,8 +90,8 @@ impl Settings {
 
     /// Options of a run at a fixed step.
     pub fn at_fixed_step(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
-        let step_s = step_of(self.step_s, kind, &scenario.system, scenario.control_period);
-        BackendOptions { rapier: self.rapier, skips: self.skips, ..BackendOptions::new(kind, step_s) }
+        let options = BackendOptions::at_step(self.step_s, kind, &scenario.system, scenario.control_period);
+        BackendOptions { rapier: self.rapier, skips: self.skips, ..options }
     }
 
     /// Number of equal parts of a control period at the ends of which paths are compared (1):

@@ -52,7 +52,10 @@ impl<M: Method> Backend for Exact<M> {
         from.extend_from_slice(&self.springs);
         let paths = TipPaths { from: &from, targets: tip_targets, duration };
         match self.stepping {
-            Stepping::Fixed(longest) => self.take_steps(&paths, n_steps_in(duration, longest), &mut report),
+            Stepping::Fixed(longest) => {
+                let longest = M::longest_step(self, &paths, longest, &mut report);
+                self.take_steps(&paths, n_steps_in(duration, longest), &mut report);
+            }
             Stepping::Controlled(control) => {
                 let longest = M::longest_macro_step(self, &paths);
                 report.add(&extrapolation::advance(self, &Task { paths, longest, control }));

@@ -15,7 +15,7 @@ use super::contact::GroundContact;
 use super::dashpots::Dashpots;
 use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped};
-use super::{euler, midpoint};
+use super::{euler, midpoint, resolution};
 use crate::backend::contact::Scope;
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
@@ -26,7 +26,7 @@ use crate::math::{Arc, Twist, Vec2, perpendicular, rotation};
 use crate::model::System;
 
 /// Longest macro-step, in radians of the fastest oscillation.
-const LONGEST_MACRO_STEP: f64 = 2.0;
+pub const LONGEST_MACRO_STEP: f64 = 2.0;
 
 /// Speed of a support below which it may stop or have stopped within a macro-step, over the change
 /// of the load's speed by its turn about the support in that time (1).
@@ -37,6 +37,8 @@ pub struct Inertial {
     pub(super) integrator: Integrator,
     resolving_step: f64,
     is_damped: bool,
+    /// Whether steps are shortened where springs are deformed far.
+    adapts_step: bool,
     dashpots: Dashpots,
 }
 
@@ -62,8 +64,14 @@ impl Exact<Inertial> {
         let is_damped = system.springs.iter().any(|spring| spring.damping_ratio > 0.0);
         let resolving_step = if is_damped { 0.0 } else { 1.0 / system.fastest_rate() };
         let memory = Memory { dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()], past: None };
-        let method = Inertial { integrator, resolving_step, is_damped, dashpots: Dashpots::default() };
+        let method = Inertial { integrator, resolving_step, is_damped, adapts_step: false, dashpots: Dashpots::default() };
         Self::with(method, memory, (system.clone(), start), stepping, skips)
+    }
+
+    /// This backend with steps that are shortened, or not, where springs are deformed far.
+    pub fn adapting(mut self, adapts_step: bool) -> Self {
+        self.method.adapts_step = adapts_step;
+        self
     }
 
     /// Shifts the speed of a load that turns about a support by half of a `step` (s). The sign 1
@@ -175,6 +183,11 @@ impl Method for Inertial {
     fn keeps_mode(load: &Exact<Self>) -> bool {
         // A load at rest may start at once.
         load.state.motion.twist != Twist::ZERO
+    }
+
+    fn longest_step(load: &Exact<Self>, paths: &TipPaths, longest: f64, report: &mut StepReport) -> f64 {
+        let adapted = |report| resolution::longest_step(&load.system, &load.state.motion.pose, paths, longest, report);
+        if load.method.adapts_step { adapted(report) } else { longest }
     }
 
     fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64 {

@@ -28,6 +28,11 @@ pub trait Method: Sized {
     /// Whether the load continues in its last contact mode after a spring was attached or released.
     fn keeps_mode(load: &Exact<Self>) -> bool;
 
+    /// Longest step that the load takes in an advance in place of the `longest` one (s).
+    fn longest_step(_load: &Exact<Self>, _paths: &TipPaths, longest: f64, _report: &mut StepReport) -> f64 {
+        longest
+    }
+
     /// Longest macro-step under error control (s).
     fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64;
 

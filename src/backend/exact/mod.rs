@@ -6,6 +6,7 @@
 //! flow           where a jump ends if its path bends
 //! bdf2           its step of second order
 //! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
+//! resolution     steps short enough for the springs as they are attached
 //! contact        what is known of the load's contact with the ground;  side: with obstacles
 //! among_obstacles  what all methods do with obstacles between their steps
 //! extrapolation  macro-steps under error control;  control: their tolerances and errors
@@ -27,8 +28,11 @@ mod load;
 mod midpoint;
 mod one_step;
 mod quasi_static;
+mod resolution;
 mod side;
 
 pub use control::{Column, Control};
+pub use inertial::LONGEST_MACRO_STEP;
 pub use load::Exact;
 pub use one_step::Integrator;
+pub use resolution::SHORTEST_STEP;

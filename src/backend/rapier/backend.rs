@@ -8,6 +8,7 @@ use super::ground::GroundFriction;
 use super::joints::{BodyState, Engine, SpringJoint};
 use super::options::{EngineSettings, RapierOptions};
 use super::rest::is_at_rest;
+use super::rounding::Rounding;
 use super::springs::{PreparedSpring, SpringState};
 use super::step::Step;
 use crate::backend::friction::WarmStart;
@@ -92,6 +93,9 @@ pub(super) struct State {
     /// What the last steps found at each obstacle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) touches: Vec<Touch>,
+    /// What the poses of the engine have lost by rounding, in single precision.
+    #[serde(default)]
+    pub(super) rounding: Rounding,
     /// Contacts that pushed the load in the last step.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) contacts: Vec<SideContact>,
@@ -138,6 +142,7 @@ impl Rapier {
             is_at_rest: false,
             elapsed: 0.0,
             touches: vec![Touch::default(); system.world.obstacles.len()],
+            rounding: Rounding::default(),
             contacts: Vec::new(),
         };
         state.ledger.initial = system.load.kinetic_energy(&state.motion().twist);

@@ -29,6 +29,7 @@ mod options;
 mod prediction;
 mod residual;
 mod rest;
+mod rounding;
 #[cfg(feature = "rapier-f32")]
 mod single;
 mod springs;

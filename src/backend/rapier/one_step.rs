@@ -51,11 +51,22 @@ impl Rapier {
             return StepReport { status: Status::Failed, n_not_converged: 1, n_steps: 1, residual: 0.0, ..report };
         }
         self.state.is_at_rest = is_at_rest;
-        if report.residual > TOLERANCE {
+        if self.options.precision != Precision::F64 {
+            report.lost_share = self.lost_share(&start, &end, duration);
+        }
+        if report.residual > TOLERANCE || report.lost_share > 0.0 {
             report.status = Status::NotConverged;
             report.n_not_converged = 1;
         }
         report
+    }
+
+    /// Share of the path that the poses of the engine have lost by rounding, with a step of
+    /// `duration` (s), where it is too large (1); zero where it is not.
+    fn lost_share(&mut self, start: &Motion, end: &Motion, duration: f64) -> f64 {
+        let (n_substeps, radius) = (self.options.settings.n_substeps(), self.system.load.radius);
+        self.state.rounding.add([start, end], duration, n_substeps, radius);
+        self.state.rounding.excess(radius).unwrap_or_default()
     }
 
     /// Writes the contacts that a step of `duration` (s) meets to `work`.

@@ -66,6 +66,16 @@ pub enum EngineSettings {
     EngineDefaults,
 }
 
+impl EngineSettings {
+    /// Number of substeps of a step (1).
+    pub(super) fn n_substeps(self) -> usize {
+        match self {
+            Self::Recommended => 1,
+            Self::EngineDefaults => 4,
+        }
+    }
+}
+
 impl Default for RapierOptions {
     fn default() -> Self {
         Self {

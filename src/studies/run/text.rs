@@ -54,9 +54,9 @@ fn end(run: &Run, lines: &mut Lines) {
     if let Some((asked, error)) = run.options.tolerance.zip(outcome.error) {
         let pair = |position, heading| format!("{} and {}", short_quantity(position, "m"), short_quantity(heading, "rad"));
         let found = pair(error.position, error.heading);
-        lines.row("estimated error", &format!("{found}, tolerance {}", pair(asked.position_m, asked.heading_rad)));
+        lines.row("error bound", &format!("{found}, tolerance {}", pair(asked.position_m, asked.heading_rad)));
         if !asked.allows(&error) {
-            lines.row("", "the error exceeds the tolerance");
+            lines.row("", "the error bound exceeds the tolerance");
         } else if outcome.steps.status != Status::Converged {
             lines.row("", "some macro-steps did not converge: it may be larger");
         }
@@ -123,7 +123,18 @@ pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
         Status::NotConverged => format!("{} steps did not converge", steps.n_not_converged),
         Status::Failed => "a step had no finite solution, and the load stayed where it was".to_owned(),
     };
-    Some(format!("{what}{worst}"))
+    let lost = Some(steps.lost_share).filter(|share| *share > 0.0).map(|share| {
+        let lost = format!("single precision lost {} % of the path by rounding", short(100.0 * share));
+        format!("; {lost}: use a longer step or double precision")
+    });
+    Some(format!("{what}{worst}{}", lost.unwrap_or_default()))
+}
+
+/// Warning about steps that do not resolve the springs; `None` if all do.
+pub fn resolution_warning(summary: &RunSummary) -> Option<String> {
+    let angle = Some(summary.run.outcome.steps.unresolved_rad).filter(|angle| *angle > 0.0)?;
+    let what = format!("the shortest default step does not resolve the springs as attached: up to {} rad in a step", short(angle));
+    Some(format!("{what}; use --tolerance, or a shorter --step-s"))
 }
 
 /// Warning about neglected inertia; `None` if it is negligible.

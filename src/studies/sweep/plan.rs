@@ -11,7 +11,7 @@ use super::column::{BEFORE, Column, columns};
 use super::design::Design;
 use super::error::SweepError;
 use super::template::Template;
-use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance, step_of};
+use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance};
 use crate::output::table::Kind;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::journal::{self, Header, JournalError};
@@ -42,8 +42,8 @@ impl Variant {
             let tolerance = Tolerance::at_edge(tolerance, &scenario.system.load);
             return BackendOptions { skips: self.skips, ..BackendOptions::within(self.backend, tolerance) };
         }
-        let step_s = step_of(self.step_s, self.backend, &scenario.system, scenario.control_period);
-        BackendOptions { integrator: self.integrator, rapier: self.rapier, skips: self.skips, ..BackendOptions::new(self.backend, step_s) }
+        let options = BackendOptions::at_step(self.step_s, self.backend, &scenario.system, scenario.control_period);
+        BackendOptions { integrator: self.integrator, rapier: self.rapier, skips: self.skips, ..options }
     }
 }
 
