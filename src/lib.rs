@@ -3,12 +3,12 @@
 //!
 //! The same grasps, releases and tip motions drive three models of the load: quasi-static (no
 //! inertia), inertial (the same springs and exact friction with the mass matrix), and the
-//! rigid-body engine rapier2d. Two differences and one estimate follow from them:
+//! rigid-body engine rapier2d. Two differences and one bound follow from them:
 //!
 //! ```text
 //! inertia effect  = inertial - quasi-static
 //! engine error    = rapier   - inertial
-//! reference error = estimated numerical error of the quasi-static and the inertial path
+//! reference error = bound of the numerical error of the quasi-static and the inertial path
 //! ```
 //!
 //! ```

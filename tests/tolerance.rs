@@ -2,6 +2,8 @@
 //! runs, and know their own error.
 
 mod common;
+#[path = "tolerance/coverage.rs"]
+mod coverage;
 #[path = "common/random_scenes.rs"]
 mod random_scenes;
 
@@ -105,6 +107,11 @@ impl Scene {
     }
 
     fn run(&self, kind: BackendKind, tolerance: f64) -> Found {
+        self.try_run(kind, tolerance).unwrap_or_else(|| panic!("{} {kind:?} at {tolerance:e} m did not converge", self.name))
+    }
+
+    /// The run; `None` if some macro-step did not converge.
+    fn try_run(&self, kind: BackendKind, tolerance: f64) -> Option<Found> {
         let options = self.options(kind, tolerance);
         let (mut run, mut n_repeated) = (self.start(&options), 0);
         let afresh = |options: &BackendOptions| {
@@ -112,7 +119,7 @@ impl Scene {
             self.start(options)
         };
         run.run_to_tolerance(afresh, |_| true);
-        self.found(run, &options, n_repeated)
+        (run.outcome().steps.status == Status::Converged).then(|| self.found(run, &options, n_repeated))
     }
 
     fn run_once(&self, kind: BackendKind, tolerance: f64) -> Found {

@@ -88,7 +88,7 @@ pub trait Backend {
         &[]
     }
 
-    /// Estimated error of the pose; `None` for a backend that does not estimate it.
+    /// Bound of the error of the pose so far; `None` for a backend that does not find one.
     fn pose_error(&self) -> Option<PoseError> {
         None
     }

@@ -72,7 +72,7 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
         keeps: Column::LastButOne,
         ..answer
     };
-    Box::new(tandem(controlled(answer), controlled(check)))
+    Box::new(tandem(controlled(answer), controlled(check), tolerance))
 }
 
 /// Backend with this stepping: the only place that maps kinds to code. Options of fixed steps are

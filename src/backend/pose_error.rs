@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Bound or estimate of the error of a pose.
+/// Bound of the error of a pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseError {
     /// Error of the position (m).

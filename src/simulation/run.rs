@@ -34,7 +34,7 @@ pub struct Simulation<'a> {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Totals {
     pub steps: StepReport,
-    /// Largest estimated error of the pose so far; `None` where the backend estimates none.
+    /// Largest error bound of the pose so far; `None` where the backend finds none.
     pub error: Option<PoseError>,
     pub transitions: TransitionCounts,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -125,7 +125,7 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
-    /// Runs to the end under error control. While the estimated error exceeds the tolerance, the
+    /// Runs to the end under error control. While the error bound exceeds the tolerance, the
     /// run starts again with a smaller error for each macro-step, from what `restart` makes of the
     /// options. The outcome says which error remains.
     pub fn run_to_tolerance(&mut self, mut restart: impl FnMut(&BackendOptions) -> Self, mut watch: impl FnMut(f64) -> bool) {

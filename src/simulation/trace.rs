@@ -103,7 +103,7 @@ pub struct Outcome {
     /// What happened at obstacles: the first `MOST_CONTACT_TRANSITIONS` such transitions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contact_transitions: Vec<Transition>,
-    /// Largest estimated error of the pose; `None` where the backend estimates none.
+    /// Bound of the error of the pose; `None` where the backend finds none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
     /// Whether the load reached the nest; `None` without ants.

@@ -95,10 +95,9 @@ impl Cell {
         (self.is_converged && self.moves() && is_displaced).then(|| self.displacement_inertial_m / self.displacement_quasi_static_m)
     }
 
-    /// Whether the distance exceeds three times the reference error. Otherwise the cell is
-    /// inconclusive.
+    /// Whether the distance exceeds the reference error. Otherwise the cell is inconclusive.
     pub fn is_conclusive(&self) -> bool {
-        self.distance_m > 3.0 * self.reference_error_m
+        self.distance_m > self.reference_error_m
     }
 
     /// Prediction of theory for [`Cell::distance_ratio`]. In the haul only continuous driving has a

@@ -72,7 +72,7 @@ fn figures(found: &Regime) -> String {
 }
 
 fn maps(found: &Regime) -> String {
-    let what = "The reference error is the largest of all cells, over the path length. A cell is inconclusive where the distance is below three times its reference error.";
+    let what = "The reference error is the largest of all cells, over the path length. A cell is inconclusive where the distance is below its reference error.";
     format!("## Cells\n\n{what}\n\n{}\n", tables::panels(found).markdown())
 }
 

@@ -37,7 +37,7 @@ pub struct MapLine {
     pub n_moving: usize,
     /// Cells in which the distance stays within the tolerance.
     pub n_agree: usize,
-    /// Cells in which the distance is smaller than three times the reference error.
+    /// Cells in which the distance is smaller than the reference error.
     pub n_inconclusive: usize,
     /// Cells in which a step did not converge.
     pub n_not_converged: usize,
