@@ -79,7 +79,7 @@ impl Hook for Check {
     }
 
     fn companion<'a>(&'a self, _answer: &'a dyn Backend) -> Option<&'a dyn Backend> {
-        Some(self.0.as_ref())
+        Some(self.backend.as_ref())
     }
 
     fn save(&self, answer: &dyn Backend) -> Result<SavedState, SaveError> {
