@@ -43,9 +43,6 @@ pub struct StepReport {
     /// the load just as well.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_indeterminate: bool,
-    /// Jumps of a load without inertia whose end depends on what dissipates besides friction.
-    #[serde(default, skip_serializing_if = "is_none")]
-    pub n_uncertain_jumps: u64,
     /// Largest angle of the fastest oscillation in a step, where no step that the backend may take
     /// resolves it (rad); zero where all steps do.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -57,10 +54,6 @@ pub struct StepReport {
     /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
-}
-
-fn is_none(count: &u64) -> bool {
-    *count == 0
 }
 
 fn is_zero(value: &f64) -> bool {
@@ -105,7 +98,6 @@ impl StepReport {
         self.unresolved_rad = self.unresolved_rad.max(other.unresolved_rad);
         self.lost_share = self.lost_share.max(other.lost_share);
         self.is_indeterminate |= other.is_indeterminate;
-        self.n_uncertain_jumps += other.n_uncertain_jumps;
         self.skipped.add(&other.skipped);
     }
 }

@@ -49,6 +49,9 @@ pub enum TransitionKind {
         turn: f64,
         /// Energy that would have set a load with inertia in motion (J).
         energy: f64,
+        /// Whether the end depends on what dissipates besides friction.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        is_uncertain: bool,
     },
 }
 
@@ -70,6 +73,9 @@ pub struct TransitionCounts {
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_impacts: u64,
     pub n_jumps: u64,
+    /// Jumps whose end depends on what dissipates besides friction.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_uncertain_jumps: u64,
     /// Largest shift in a jump (m); `None` without any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub largest_jump: Option<f64>,
@@ -91,8 +97,9 @@ impl TransitionCounts {
             TransitionKind::SideStick { .. } => self.n_side_stick += 1,
             TransitionKind::SideSlip { .. } => self.n_side_slip += 1,
             TransitionKind::Impact { .. } => self.n_impacts += 1,
-            TransitionKind::Jump { shift, .. } => {
+            TransitionKind::Jump { shift, is_uncertain, .. } => {
                 self.n_jumps += 1;
+                self.n_uncertain_jumps += u64::from(*is_uncertain);
                 self.largest_jump = Some(self.largest_jump.map_or(*shift, |largest| largest.max(*shift)));
             }
         }

@@ -5,8 +5,9 @@ use crate::analysis::{CostLimit, ExpectedCost, fastest_rate};
 use crate::output::quantity::{short, short_quantity};
 use crate::scenario::{Finding, Scenario};
 
-/// Time above which a command announces its cost (s).
-const LONG: f64 = 30.0;
+/// Time above which a command announces its cost (s). Comparisons of the scenes that come with the
+/// program take up to two minutes by the estimate, which counts steps that are skipped.
+const LONG: f64 = 150.0;
 
 /// Warns of a command that is expected to take long, with what would make it cheaper.
 pub fn warn_of_cost(command: &str, scenario: &Scenario, cost: &ExpectedCost) {

@@ -46,7 +46,6 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             unresolved_rad: 0.0,
             lost_share: 0.0,
             is_indeterminate: false,
-            n_uncertain_jumps: 0,
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },
         },
         transitions: TransitionCounts { n_slip_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },

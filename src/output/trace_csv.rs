@@ -172,7 +172,7 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
                 lines.count(*support);
                 lines.nothing(4);
             }
-            TransitionKind::Jump { shift, turn, energy } => {
+            TransitionKind::Jump { shift, turn, energy, .. } => {
                 lines.nothing(1);
                 lines.numbers(&[*shift, *turn, *energy])?;
                 lines.nothing(1);
@@ -291,7 +291,7 @@ mod tests {
             TransitionKind::Pinning { support: 2 },
             TransitionKind::Unpinning { support: 2 },
             TransitionKind::Touch { obstacle: 1 },
-            TransitionKind::Jump { shift: 4e-3, turn: -0.1, energy: 2.5e-5 },
+            TransitionKind::Jump { shift: 4e-3, turn: -0.1, energy: 2.5e-5, is_uncertain: true },
             TransitionKind::Impact { obstacle: 0, energy: 0.5 },
             TransitionKind::Stop,
         ];
@@ -313,7 +313,7 @@ mod tests {
         .map(|row| format!("{time},{row}\n"));
         assert_eq!(text, format!("{}\n{}", TRANSITION_COLUMNS.join(","), rows.concat()));
 
-        trace.transitions[4].kind = TransitionKind::Jump { shift: 0.0, turn: f64::NAN, energy: 0.0 };
+        trace.transitions[4].kind = TransitionKind::Jump { shift: 0.0, turn: f64::NAN, energy: 0.0, is_uncertain: false };
         assert!(write_transitions(&trace, Vec::new()).unwrap_err().to_string().starts_with("turn_rad is NaN"));
     }
 

@@ -61,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 63] = [
+pub const FACTS: [Fact; 64] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -134,6 +134,9 @@ pub const FACTS: [Fact; 63] = [
         r.transitions(|t| Count(t.n_unpinning))
     }),
     count("transitions.n_jumps", "n_jumps", "Number of jumps of the quasi-static path.", |r| r.transitions(|t| Count(t.n_jumps))),
+    count("transitions.n_uncertain_jumps", "", "Number of jumps whose end depends on what dissipates besides friction.", |r| {
+        r.transitions(|t| if t.n_uncertain_jumps > 0 { Count(t.n_uncertain_jumps) } else { Absent })
+    }),
     number("transitions.largest_jump_m", "largest_jump_m", "Largest displacement in a jump.", |r| {
         r.transitions(|t| t.largest_jump.map_or(Absent, Number))
     }),

@@ -50,7 +50,7 @@ fn snaps(system: &System, options: &BackendOptions, n: u32) -> (Vec<Snap>, f64) 
     let piece = SWEPT / f64::from(n);
     let look = |time: f64, run: &mut dyn Backend| {
         for transition in run.transitions() {
-            if let TransitionKind::Jump { shift, energy, turn } = transition.kind {
+            if let TransitionKind::Jump { shift, energy, turn, .. } = transition.kind {
                 // A shift of all supports 100 m out.
                 assert!(turn.abs() < 1e-5, "{turn}");
                 jumps.push(Snap { time: time - piece + transition.time, shift, energy, elastic: run.energy().elastic });
@@ -120,7 +120,8 @@ fn a_snap_is_the_same_in_second_order() {
 ///
 /// Known answer of a program that shares no code with this one: the instant at which no friction
 /// balances the pull any more, by the moments about all points, and where the gradient flow of
-/// energy and friction leads from rest then, in three legs.
+/// energy and friction leads from rest then, in three legs. Damped dynamics end elsewhere: dashpots
+/// in proportion to the spring take the load 6.82 mm, viscous supports 6.77 mm. The jump says so.
 #[test]
 fn a_load_that_sets_off_with_next_to_no_force_turns_over_to_its_balance() {
     const ONSET: f64 = 0.559_866_67;
@@ -135,7 +136,11 @@ fn a_load_that_sets_off_with_next_to_no_force_turns_over_to_its_balance() {
         let mut run = build(&system, at_rest(), &options);
         let mut jumps = Vec::new();
         let look = |time: f64, run: &mut dyn Backend| {
-            let snap = |kind| if let TransitionKind::Jump { shift, turn, energy } = kind { Some((shift, turn, energy)) } else { None };
+            let snap = |kind| {
+                let TransitionKind::Jump { shift, turn, energy, is_uncertain } = kind else { return None };
+                assert!(is_uncertain, "its end depends on the dissipation");
+                Some((shift, turn, energy))
+            };
             jumps.extend(run.transitions().iter().filter_map(|seen| Some((time - 0.01 + seen.time, snap(seen.kind)?))));
         };
         let report = drive(run.as_mut(), tip, 1.0, 100, look);

@@ -11,7 +11,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use cohaul::backend::{Backend, StepReport};
+use cohaul::backend::{Backend, StepReport, TransitionKind};
 use cohaul::math::{Pose, RandomStreams, Stream, Twist, Vec2, direction, rotation};
 use cohaul::model::{Ground, Load, Motion, PolarSpring, SupportPoint, System, World};
 
@@ -99,13 +99,16 @@ impl Pull {
     }
 
     /// Pose to which the load jumps when all tips are attached and stand still for so many seconds,
-    /// and the report of that.
-    pub fn jump(&self, load: &mut dyn Backend, n_seconds: u32) -> (Pose, StepReport) {
+    /// and whether the end of a jump depends on the dissipation.
+    pub fn jump(&self, load: &mut dyn Backend, n_seconds: u32) -> (Pose, bool) {
         let tips: Vec<Vec2> = self.tips.iter().map(|tip| tip.corners[0]).collect();
         (0..tips.len()).for_each(|spring| load.attach(spring, tips[spring]));
-        let mut report = StepReport::default();
-        (0..n_seconds).for_each(|_| report.add(&load.advance(&tips, 1.0)));
-        (load.motion().pose, report)
+        let mut is_uncertain = false;
+        for _ in 0..n_seconds {
+            load.advance(&tips, 1.0);
+            is_uncertain |= load.transitions().iter().any(|it| matches!(it.kind, TransitionKind::Jump { is_uncertain: true, .. }));
+        }
+        (load.motion().pose, is_uncertain)
     }
 
     /// The load with next to no mass on springs that all relax in a second. `lightness` is the time

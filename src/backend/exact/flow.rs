@@ -17,7 +17,7 @@ use super::dashpots::Dashpots;
 use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::increment::{Increment, Potential, minimise};
-use crate::backend::springs::Place;
+use crate::backend::springs::{Attachment, Attachments, Place};
 use crate::backend::{Status, StepReport};
 use crate::math::{Arc, Pose, Vec2, Vec3, increment_of, rotation};
 use crate::model::support::{slip_velocity, wrench_of};
@@ -43,35 +43,47 @@ const WEAKEST: f64 = 1e-3;
 
 impl Exact<QuasiStatic> {
     /// Moves a load that the rule of constant twist has taken from `start` to a balance, as the
-    /// report of the `rule` says, to where the flow leads, if its path bends by much. Returns the
-    /// report of what was kept.
+    /// report of the `rule` says, to where the flow leads, if its path bends by much. At the start
+    /// the springs were attached as `then`. Returns the report of what was kept, and whether the
+    /// end depends on the dissipation.
     #[inline(never)]
-    pub(super) fn follow_flow(&mut self, start: &SnapStart, rule: StepReport) -> StepReport {
-        let (length, end) = (self.edge_displacement(&start.pose), self.state.snap_start());
-        let is_long = length > SHORTEST * self.system.load.radius;
+    pub(super) fn follow_flow(&mut self, start: &SnapStart, then: &[Attachment], rule: StepReport) -> (StepReport, bool) {
+        let (length, end) = (self.edge_displacement(&start.pose), self.state.motion.pose);
+        let departure = self.departure_from_flow(&start.pose, &rule);
+        if departure <= FOLLOWED {
+            return (rule, departure > CERTAIN);
+        }
+        let settled = self.snapshot();
+        self.set_back(start, then);
+        let flow = self.creep_for(length);
+        if flow.status != Status::Converged {
+            self.reset(&settled);
+            self.springs.refresh(&self.system.springs, &end);
+        }
+        let (mut kept, left) = if flow.status == Status::Converged { (flow, rule) } else { (rule, flow) };
+        kept.add(&left.work());
+        (kept, true)
+    }
+
+    /// Share of the forces that would lead the load from `start` elsewhere than to where the `rule`
+    /// has taken it (1). Infinite where that is no balance, or not on the way of any flow.
+    fn departure_from_flow(&self, start: &Pose, rule: &StepReport) -> f64 {
+        let is_long = self.edge_displacement(start) > SHORTEST * self.system.load.radius;
         if self.obstacles.is_some() || self.springs.is_empty() || self.solver.accuracy() > 0.0 || !is_long {
-            return rule;
+            return 0.0;
         }
-        let turn = rotation(start.pose.heading);
-        let twist = increment_of(&turn, &(end.pose.position - start.pose.position), end.pose.heading - start.pose.heading);
-        let out_of_line = self.out_of_line(&start.pose, &twist);
-        if rule.status == Status::Converged && out_of_line <= CERTAIN {
-            return rule;
+        if rule.status != Status::Converged {
+            return f64::INFINITY;
         }
-        let mut report = rule;
-        if rule.status != Status::Converged || out_of_line > FOLLOWED {
-            let contact = self.state.contact;
-            let flow = self.creep_from(start, length);
-            if flow.status == Status::Converged {
-                report = flow;
-                report.add(&rule.work());
-            } else {
-                self.set_back(&end);
-                self.state.contact = contact;
-                report.add(&flow.work());
-            }
-        }
-        StepReport { n_uncertain_jumps: 1, ..report }
+        let end = self.state.motion.pose;
+        let twist = increment_of(&rotation(start.heading), &(end.position - start.position), end.heading - start.heading);
+        self.out_of_line(start, &twist)
+    }
+
+    /// Whether the end of a snap-through depends on the dissipation. It is not followed: the load
+    /// was already on its way when the tips came to where they are.
+    pub(super) fn is_uncertain_from(&self, start: &Pose, rule: &StepReport) -> bool {
+        self.departure_from_flow(start, rule) > CERTAIN
     }
 
     /// Largest share of the forces that is out of line with a path of constant twist from `start`
@@ -104,10 +116,8 @@ impl Exact<QuasiStatic> {
         SHARES.into_iter().map(at).fold(0.0, f64::max)
     }
 
-    /// Moves the load along the flow from `start` to its balance, in steps of a small part of
-    /// `length` (m).
-    fn creep_from(&mut self, start: &SnapStart, length: f64) -> StepReport {
-        self.set_back(start);
+    /// Moves the load along the flow to its balance, in steps of a small part of `length` (m).
+    fn creep_for(&mut self, length: f64) -> StepReport {
         let longest = length / N_PARTS;
         let (mut drag, mut report) = (1.0, StepReport::default());
         for _ in 0..MOST_STEPS {
@@ -146,11 +156,19 @@ impl Exact<QuasiStatic> {
         minimise(potential, &system.ground, solver, system.load.radius, None)
     }
 
-    /// Puts the load back to where it was, with the tips where they are.
-    fn set_back(&mut self, to: &SnapStart) {
-        let accepted = self.springs.accept(&to.pose);
+    /// Puts the load back to where it was at the `start`, with the tips where they are. The springs
+    /// get the swings that they had `then`: on the way of a jump they may turn by more than half a
+    /// turn, and no pose tells how they turn back.
+    fn set_back(&mut self, start: &SnapStart, then: &[Attachment]) {
+        let mut attachments = Attachments::clone(&self.springs);
+        for (attachment, then) in attachments.as_mut_slice().iter_mut().zip(then) {
+            attachment.swing = then.swing;
+        }
+        self.springs.reset(attachments);
+        self.springs.refresh(&self.system.springs, &start.pose);
+        let accepted = self.springs.accept(&start.pose);
         let state = &mut self.state;
-        (state.energy.elastic, state.energy.friction, state.motion.pose) = (accepted.elastic, to.friction, to.pose);
+        (state.energy.elastic, state.energy.friction, state.motion.pose) = (accepted.elastic, start.friction, start.pose);
         state.certificate.forget();
     }
 }

@@ -5,6 +5,7 @@ use super::contact::GroundContact;
 use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::friction::EXACT;
+use crate::backend::springs::Attachments;
 use crate::backend::{StepReport, Transition, TransitionKind};
 use crate::math::Pose;
 
@@ -26,12 +27,12 @@ impl Exact<QuasiStatic> {
     // A function of its own: steps come far more often and need the registers.
     #[inline(never)]
     pub(super) fn jump(&mut self) -> StepReport {
-        let (start, last) = (self.state.snap_start(), self.state.contact.last());
+        let (start, then, last) = (self.state.snap_start(), Attachments::clone(&self.springs), self.state.contact.last());
         let rule = self.settle();
-        let report = self.follow_flow(&start, rule);
+        let (report, is_uncertain) = self.follow_flow(&start, &then, rule);
         self.state.contact = GroundContact::Unknown { last, jump_is_pending: false };
         if self.edge_displacement(&start.pose) > SMALLEST_JUMP * self.system.load.radius {
-            let kind = self.book_jump(&start);
+            let kind = self.book_jump(&start, is_uncertain);
             self.transitions.push(Transition { time: 0.0, kind });
         }
         report
@@ -71,16 +72,17 @@ impl Exact<QuasiStatic> {
     }
 
     /// Adds the jump from `start` to the ledger.
-    fn book_jump(&mut self, start: &SnapStart) -> TransitionKind {
+    fn book_jump(&mut self, start: &SnapStart, is_uncertain: bool) -> TransitionKind {
         let (pose, energy) = (&self.state.motion.pose, start.defect - self.state.energy.defect());
         self.state.energy.jumps += energy;
-        TransitionKind::Jump { shift: (pose.position - start.pose.position).norm(), turn: pose.heading - start.pose.heading, energy }
+        let shift = (pose.position - start.pose.position).norm();
+        TransitionKind::Jump { shift, turn: pose.heading - start.pose.heading, energy, is_uncertain }
     }
 
     /// Completes a snap-through. The balance ends where the energy of the springs is no longer
     /// convex, and the load moves to another balance while the tips move. The energy that is
-    /// missing since `start` is then more than the error of the trapezoid rule on a smooth path: of
-    /// the tips, `allowed` (J), and of the obstacles.
+    /// missing since `start` is more than the error of the trapezoid rule on a smooth path: of the tips,
+    /// `allowed` (J), and of the obstacles.
     pub(super) fn snap_through(
         &mut self,
         start: &SnapStart,
@@ -95,9 +97,10 @@ impl Exact<QuasiStatic> {
         }
         let contact = self.state.contact;
         let rule = self.settle();
-        report.add(&StepReport { n_steps: 0, ..self.follow_flow(start, rule) });
+        let is_uncertain = self.is_uncertain_from(&start.pose, &rule);
+        report.add(&StepReport { n_steps: 0, ..rule });
         self.state.contact = contact;
-        Some(self.book_jump(start))
+        Some(self.book_jump(start, is_uncertain))
     }
 }
 

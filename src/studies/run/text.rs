@@ -24,7 +24,7 @@ pub fn run_text(summary: &RunSummary, detail: Detail) -> String {
     }
     if let Some(largest) = run.outcome.transitions.largest_jump {
         let n_jumps = run.outcome.transitions.n_jumps;
-        let uncertain = match run.outcome.steps.n_uncertain_jumps {
+        let uncertain = match run.outcome.transitions.n_uncertain_jumps {
             0 => String::new(),
             n => format!("; the ends of {n} depend on the dissipation"),
         };
