@@ -234,7 +234,20 @@ fn values() -> Vec<Bad> {
         bad("/springs/2/ring/radius_m", json!(-0.01), "springs[2].ring.radius_m", "must not be negative", "-0.01"),
         bad("/springs/2/ring/rest_length_m", json!(-0.01), "springs[2].ring.rest_length_m", "must not be negative", "-0.01"),
         bad("/drive/paths/1/spring", json!(4), "drive.paths[1].spring", "must be an index below the number of springs, 4", "4"),
-        bad("/drive/paths/1/spring", json!(0), "drive.paths[1].spring", "must not be the spring of another path, drive.paths[0]", "0"),
+        bad(
+            "/drive/paths/1/spring",
+            json!(0),
+            "drive.paths[1].release_s",
+            "is required and must not be later than 0.5, where drive.paths[0] attaches the same spring",
+            "nothing",
+        ),
+        bad(
+            "/drive/paths/1",
+            json!({ "spring": 0, "waypoints": [[1.499, 0, 0]] }),
+            "drive.paths[0].release_s",
+            "must not be later than 1.499, where drive.paths[1] attaches the same spring",
+            "1.5",
+        ),
         bad("/drive/paths/1/waypoints", json!([]), "drive.paths[1].waypoints", "must have at least one waypoint", "none"),
         bad("/drive/paths/1/waypoints/0", json!([-1e-9, 0, 0]), "drive.paths[1].waypoints[0][0]", "must not be negative", "-1e-9"),
         bad(
