@@ -471,6 +471,42 @@ fn a_wrong_shape_is_told_and_the_schema_refuses_it_too() {
     }
 }
 
+/// Numbers that the schema bounds are those that the program refuses: beyond its bound, each number
+/// of a file breaks a rule at its own key.
+#[test]
+fn bounds_of_the_schema_are_rules_of_the_program() {
+    let schema = jsonschema::validator_for(format::schema()).unwrap();
+    let mut n = 0;
+    for base in [tips(), ants(), world()] {
+        let expanded = Scenario::parse(&base.to_string(), "base").unwrap().expanded();
+        let file = serde_json::to_value(expanded).unwrap();
+        assert!(schema.is_valid(&file));
+        for pointer in numbers(&file, "") {
+            let below = changed(file.clone(), &pointer, json!(-1));
+            let key = pointer.rsplit('/').next().unwrap();
+            if schema.is_valid(&below) {
+                continue;
+            }
+            let told = error_of(&below);
+            assert!(told.contains(key), "{pointer}: {told}");
+            n += 1;
+        }
+    }
+    assert!(n > 50, "{n}");
+}
+
+/// Pointers to all numbers under keys.
+fn numbers(value: &Value, at: &str) -> Vec<String> {
+    match value {
+        Value::Number(_) => vec![at.to_owned()],
+        Value::Object(map) => map.iter().flat_map(|(key, value)| numbers(value, &format!("{at}/{key}"))).collect(),
+        Value::Array(list) if list.iter().any(Value::is_object) => {
+            list.iter().enumerate().flat_map(|(index, value)| numbers(value, &format!("{at}/{index}"))).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
 #[test]
 fn a_wrong_value_is_told() {
     values().iter().for_each(|row| assert_told(&tips(), row));
