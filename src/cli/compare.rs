@@ -81,7 +81,7 @@ pub struct CompareArgs {
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
     #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
     no_skip: Vec<Skip>,
-    /// Path recorded elsewhere, a table with time_s, x_m, y_m and heading_rad, laid beside the three
+    /// Path recorded elsewhere, a table with time_s, x_m, y_m and heading_rad
     ///
     /// The path is compared with those of the first tier of paths.
     #[arg(long, value_name = "FILE")]

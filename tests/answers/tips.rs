@@ -40,7 +40,7 @@ fn recorded_tips_of_any_run_give_the_same_path() {
     let scenes = [
         ("busy", busy(), 1.0),
         ("reference", shipped("analytic/qs-ref-1.json"), 0.5),
-        ("release", shipped("analytic/release-jump.json"), 1.0),
+        ("release", shipped("analytic/release-jump.json"), 2.5),
         ("four ants", shipped("paper/four-ants-four-springs.json"), 12.0),
         ("ants before a wall", shipped("paper/wall-with-gap.json"), 6.0),
         ("past a corner", shipped("robots/tow-past-corner.json"), 1.5),
