@@ -234,7 +234,20 @@ fn values() -> Vec<Bad> {
         bad("/springs/2/ring/radius_m", json!(-0.01), "springs[2].ring.radius_m", "must not be negative", "-0.01"),
         bad("/springs/2/ring/rest_length_m", json!(-0.01), "springs[2].ring.rest_length_m", "must not be negative", "-0.01"),
         bad("/drive/paths/1/spring", json!(4), "drive.paths[1].spring", "must be an index below the number of springs, 4", "4"),
-        bad("/drive/paths/1/spring", json!(0), "drive.paths[1].spring", "must not be the spring of another path, drive.paths[0]", "0"),
+        bad(
+            "/drive/paths/1/spring",
+            json!(0),
+            "drive.paths[1].release_s",
+            "is required and must not be later than 0.5, where drive.paths[0] attaches the same spring",
+            "nothing",
+        ),
+        bad(
+            "/drive/paths/1",
+            json!({ "spring": 0, "waypoints": [[1.499, 0, 0]] }),
+            "drive.paths[0].release_s",
+            "must not be later than 1.499, where drive.paths[1] attaches the same spring",
+            "1.5",
+        ),
         bad("/drive/paths/1/waypoints", json!([]), "drive.paths[1].waypoints", "must have at least one waypoint", "none"),
         bad("/drive/paths/1/waypoints/0", json!([-1e-9, 0, 0]), "drive.paths[1].waypoints[0][0]", "must not be negative", "-1e-9"),
         bad(
@@ -455,6 +468,42 @@ fn a_wrong_shape_is_told_and_the_schema_refuses_it_too() {
     for row in shapes() {
         assert_told(&tips(), &row);
         assert!(!schema.is_valid(&changed(tips(), row.at, row.put)), "the schema takes {}", row.at);
+    }
+}
+
+/// Numbers that the schema bounds are those that the program refuses: beyond its bound, each number
+/// of a file breaks a rule at its own key.
+#[test]
+fn bounds_of_the_schema_are_rules_of_the_program() {
+    let schema = jsonschema::validator_for(format::schema()).unwrap();
+    let mut n = 0;
+    for base in [tips(), ants(), world()] {
+        let expanded = Scenario::parse(&base.to_string(), "base").unwrap().expanded();
+        let file = serde_json::to_value(expanded).unwrap();
+        assert!(schema.is_valid(&file));
+        for pointer in numbers(&file, "") {
+            let below = changed(file.clone(), &pointer, json!(-1));
+            let key = pointer.rsplit('/').next().unwrap();
+            if schema.is_valid(&below) {
+                continue;
+            }
+            let told = error_of(&below);
+            assert!(told.contains(key), "{pointer}: {told}");
+            n += 1;
+        }
+    }
+    assert!(n > 50, "{n}");
+}
+
+/// Pointers to all numbers under keys.
+fn numbers(value: &Value, at: &str) -> Vec<String> {
+    match value {
+        Value::Number(_) => vec![at.to_owned()],
+        Value::Object(map) => map.iter().flat_map(|(key, value)| numbers(value, &format!("{at}/{key}"))).collect(),
+        Value::Array(list) if list.iter().any(Value::is_object) => {
+            list.iter().enumerate().flat_map(|(index, value)| numbers(value, &format!("{at}/{index}"))).collect()
+        }
+        _ => Vec::new(),
     }
 }
 

@@ -956,3 +956,43 @@ fn a_reader_that_has_seen_enough_is_no_failure() {
         assert_eq!(text(&output.stderr), "", "{args:?}");
     }
 }
+
+/// At this step the verdicts of this scene are inertia, and no engine error beyond a tolerance.
+#[test]
+fn a_verdict_can_fail_a_comparison() {
+    let scene = "scenarios/analytic/ramp-and-hold.json";
+    let code = |kinds: &[&str]| {
+        let options: Vec<&str> = kinds.iter().flat_map(|kind| ["--fail-on", kind]).collect();
+        let output = call(&[&["compare", scene, "--json", "--step-s", "2e-4"], options.as_slice()].concat());
+        assert!(serde_json::from_slice::<Value>(&output.stdout).is_ok(), "the result is printed all the same");
+        (output.status.code(), text(&output.stderr).to_owned())
+    };
+    assert_eq!(code(&["engine", "inconclusive"]).0, Some(0));
+    let (failed, told) = code(&["engine", "inertia"]);
+    assert_eq!(failed, Some(1));
+    assert!(told.contains("--fail-on: the verdict on path is \"inertia\""), "{told}");
+    refused(&["compare", scene, "--fail-on", "friction"], &["--fail-on", "inconclusive"]);
+}
+
+/// The run of a backend, laid beside the three, lies on its own path and off the others by what
+/// these differ by.
+#[test]
+fn a_recorded_path_is_laid_beside_the_three() {
+    let (room, scene) = (Room::new(), "scenarios/analytic/ramp-and-hold.json");
+    let (run, out) = (room.path("run"), room.path("compared"));
+    json_of(&["run", scene, "--backend", "inertial", "--tolerance", "1e-7", "--json", "--out", &run]);
+    let value = json_of(&["compare", scene, "--json", "--out", &out, "--beside", &format!("{run}/trace.csv")]);
+    let beside = &value["beside"];
+    assert_eq!((beside["n"].as_u64(), beside["differences"][1]["backend"].as_str()), (Some(1001), Some("inertial")));
+    let largest = |at: usize| number(beside, &format!("/differences/{at}/position_max_m"));
+    let inertia = number(&value, "/tiers/prescribed/inertia_effect/position_max_m");
+    let reference = number(&value, "/tiers/prescribed/reference_error/position_max_m");
+    assert!(largest(1) <= reference + 1e-7, "{} {reference}", largest(1));
+    // Paths are compared between ticks too, where the recorded one has no rows.
+    assert!((largest(0) / inertia - 1.0).abs() < 0.01, "{} {inertia}", largest(0));
+    assert!(fs::read_to_string(format!("{out}/report.html")).unwrap().contains("Beside a recorded path"));
+    let wrong = room.write("wrong.csv", "time_s,x_m,y_m,heading_rad\n0,0,0,0\n0,0,0,0\n");
+    refused(&["compare", scene, "--beside", &wrong], &["wrong.csv", "line 3, time_s: must be later than in the row before, found 0"]);
+    let late = room.write("late.csv", "time_s,x_m,y_m,heading_rad\n7,0,0,0\n");
+    refused(&["compare", scene, "--beside", &late], &["late.csv", "must have a time within the runs, found 7 to 7 s"]);
+}

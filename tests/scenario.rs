@@ -112,7 +112,7 @@ fn the_hash_is_that_of_the_scenario_and_not_of_its_writing() {
         text.replace("300.0", "3e2").replace("0.0016", "1.6E-3"),
         text.replace("\"gravity_m_per_s2\": 9.81,", ""),
         text.replace("\"radius_m\": 0.0122 },", "\"radius_m\": 0.0122, \"heading_rad\": -0.0, \"position_m\": [0, -0.0] },"),
-        text.replacen('{', "{ \"$schema\": \"https://example.org/scenario.json\",", 1),
+        text.replacen("\"../../docs/src/reference/scenario.schema.json\"", "\"https://example.org/scenario.json\"", 1),
         text.replace("\"kind\": \"ants\",", "\"kind\": \"ants\", \"preset\": \"default\", \"pull_speed_m_per_s\": 0.05,"),
     ];
     for writing in other_writings {

@@ -5,20 +5,22 @@ use std::process::ExitCode;
 use std::time::{Instant, SystemTime};
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 use super::choice::{choice, names, positive, seconds};
 use super::console::{self, Tone};
 use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, warn_idle};
 use super::error::CliError;
-use super::input::{check_step, read_scenario};
+use super::input::{check_step, name_of, read_scenario, read_text};
 use super::output::{OutputArgs, manifest_of};
 use super::watch::watched_to_end;
 use crate::analysis::ExpectedCost;
-use crate::analysis::compare::{Pathwise, Settings, ThreeWay, Tier, Verdict};
+use crate::analysis::compare::{Settings, ThreeWay, Tier, Verdict};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
 use crate::scenario::{Drive, Scenario};
+use crate::studies::compare::beside::recorded_path;
 use crate::studies::compare::comparison::{Comparison, Tiers};
 use crate::studies::compare::files::write_comparison;
 use crate::studies::compare::text::text;
@@ -29,6 +31,8 @@ Examples:
   cohaul compare scenarios/analytic/release-jump.json
   cohaul compare scene.json --tier replayed --verbose
   cohaul compare ants.json --seeds 32 --out out/compare
+  cohaul compare scene.json --fail-on engine
+  cohaul compare scene.json --beside camera.csv
 
 Files in DIR: report.html, traces, overview figures, summary.json and
 manifest.json.")]
@@ -70,9 +74,20 @@ pub struct CompareArgs {
     /// Tolerance of the energy dissipated, over the larger value (1) [default: 0.05]
     #[arg(long, value_name = "SHARE", value_parser = positive)]
     tolerance_energy: Option<f64>,
+    /// Exit with code 1 if a verdict on any quantity or measure is of this kind; may be repeated
+    ///
+    /// The kind inconclusive stands for all verdicts that are left open: inconclusive, decorrelated
+    /// and nothing moved.
+    #[arg(long, value_name = "KIND", value_parser = choice::<FailOn>())]
+    fail_on: Vec<FailOn>,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
     #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
     no_skip: Vec<Skip>,
+    /// Path recorded elsewhere, a table with time_s, x_m, y_m and heading_rad
+    ///
+    /// The path is compared with those of the first tier of paths.
+    #[arg(long, value_name = "FILE")]
+    beside: Option<PathBuf>,
     #[command(flatten)]
     engine: EngineArgs,
     #[command(flatten)]
@@ -92,6 +107,11 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     }
     warn_of_idle_tiers(args, &asked);
     args.output.check()?;
+    let recorded =
+        args.beside.as_deref().map(|path| recorded_path(&read_text(path)?, &name_of(path)).map_err(CliError::from)).transpose()?;
+    if recorded.is_some() && asked == [Tier::ClosedLoop] {
+        return Err(CliError::Usage("--beside: applies to comparisons of paths, found closed-loop only".into()));
+    }
     let usual = Settings::default();
     let settings = Settings {
         step_s: args.step_s,
@@ -113,7 +133,10 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     for tier in asked {
         add(&mut found, tier, &ThreeWay::new(&scenario, &settings), n_seeds)?;
     }
-    let comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
+    let mut comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
+    if let (Some(path), Some(trace)) = (&args.beside, recorded) {
+        comparison.lay_beside(&name_of(path), trace).map_err(|rule| CliError::Usage(format!("--beside: {rule}")))?;
+    }
     json::check(&comparison)?;
     if let Some(out) = &args.output.out {
         write_comparison(out, &comparison, &scenario, &manifest_of(&scenario, &settings, started))?;
@@ -121,13 +144,42 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let is_computed = comparison.tiers.are_computed();
     args.output.print(&comparison, || text(&comparison, console::detail()), tone(&comparison.tiers))?;
     args.output.print_report()?;
-    Ok(if is_computed { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    let failed = verdicts_of(&comparison.tiers).find(|(_, verdict)| args.fail_on.iter().any(|kind| kind.has(*verdict)));
+    if let Some((name, verdict)) = &failed {
+        console::warn(format_args!("--fail-on: the verdict on {name} is \"{}\"", verdict.text()));
+    }
+    Ok(if is_computed && failed.is_none() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Verdict that makes the command fail.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum FailOn {
+    Inertia,
+    Engine,
+    Inconclusive,
+}
+
+impl FailOn {
+    fn has(self, verdict: Verdict) -> bool {
+        match self {
+            FailOn::Inertia => verdict.has_inertia(),
+            FailOn::Engine => verdict.has_engine(),
+            FailOn::Inconclusive => matches!(verdict, Verdict::Inconclusive | Verdict::Decorrelated | Verdict::NothingMoved),
+        }
+    }
+}
+
+/// The verdict on each quantity of the paths, then on each measure of the closed loop.
+fn verdicts_of(tiers: &Tiers) -> impl Iterator<Item = (String, Verdict)> {
+    let quantities = tiers.pathwise().flat_map(|found| found.verdicts.named().map(|(name, of)| (name.to_owned(), of.verdict)));
+    let measures = tiers.closed_loop.iter().flat_map(|found| found.measures.iter().zip(&found.verdicts));
+    quantities.chain(measures.map(|(measure, of)| (measure.name.to_owned(), of.verdict)))
 }
 
 fn tone(tiers: &Tiers) -> Tone {
-    let of_paths = |found: &Pathwise| found.verdicts.named().map(|(_, of)| of.verdict);
-    let pathwise = tiers.pathwise().flat_map(of_paths);
-    let verdicts: Vec<Verdict> = pathwise.chain(tiers.closed_loop.iter().map(|found| found.verdict)).collect();
+    let paths = tiers.pathwise().flat_map(|found| found.verdicts.named().map(|(_, of)| of.verdict));
+    let verdicts: Vec<Verdict> = paths.chain(tiers.closed_loop.iter().map(|found| found.verdict)).collect();
     match () {
         () if !tiers.are_computed() => Tone::Bad,
         () if verdicts.iter().all(|verdict| *verdict == Verdict::Agree) => Tone::Good,
@@ -141,6 +193,7 @@ fn add(tiers: &mut Tiers, tier: Tier, runs: &ThreeWay, n_seeds: usize) -> Result
         Tier::Prescribed => tiers.prescribed = Some(watched_to_end(&label, |watch| runs.prescribed(watch))?),
         Tier::Replayed => tiers.replayed = Some(watched_to_end(&label, |watch| runs.replayed(watch))?),
         Tier::ClosedLoop => tiers.closed_loop = Some(watched_to_end(&label, |watch| runs.closed_loop(n_seeds, watch))?),
+        Tier::Controlled => unreachable!("the command line has no controllers of one's own"),
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use crate::output::folder::FolderError;
 use crate::output::json::NotFinite;
 use crate::scenario::ScenarioError;
 use crate::studies::calibrate::InputError;
+use crate::studies::from_tips::FromTipsError;
 use crate::studies::journal::JournalError;
 use crate::studies::sweep::SweepError;
 
@@ -18,6 +19,8 @@ pub enum CliError {
     Folder(#[from] FolderError),
     #[error(transparent)]
     Input(#[from] InputError),
+    #[error(transparent)]
+    FromTips(#[from] FromTipsError),
     #[error("{path}: cannot be read or written: {source}")]
     File { path: PathBuf, source: std::io::Error },
     #[error(transparent)]

@@ -1,4 +1,4 @@
-//! `cohaul scenario show|check|schema`.
+//! `cohaul scenario show|check|from-tips|schema`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -7,14 +7,17 @@ use std::process::ExitCode;
 use clap::Subcommand;
 use serde::Serialize;
 
+use super::calibrate::table_of;
+use super::choice::seconds;
 use super::console::{self, print};
 use super::cost::long_run;
 use super::error::CliError;
-use super::input::{name_of, read_scenario, warn_of_scenario};
+use super::input::{name_of, read_scenario, read_text, warn_of_scenario};
 use crate::analysis::ExpectedCost;
 use crate::analysis::compare::Settings;
 use crate::output::json;
-use crate::scenario::{Finding, format};
+use crate::scenario::{Finding, Scenario, format};
+use crate::studies::from_tips::scenario_from_tips;
 
 #[derive(Subcommand)]
 pub enum ScenarioCommand {
@@ -34,6 +37,30 @@ pub enum ScenarioCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Make a scenario of recorded tips, on the load, ground and springs of another
+    ///
+    /// The recording is the table that `cohaul run --tips` writes and `cohaul calibrate forces`
+    /// reads, in world axes: time_s, spring, x_m, y_m, heading_rad, tip_x_m, tip_y_m and, if known,
+    /// event. A spring is attached from its first row until its row with the event "release", or
+    /// without that column until the first time at which the other springs have rows and it has
+    /// none. The load starts at the recorded pose of time 0, if there is one.
+    #[command(after_help = "\
+Example:
+  cohaul scenario from-tips out/run/tips.csv --like ants.json > recorded.json")]
+    FromTips {
+        /// Table of tips, or the folder of a run with --tips; - for standard input
+        #[arg(value_name = "FILE")]
+        recording: PathBuf,
+        /// Scenario with the load, the ground, the springs and the obstacles
+        #[arg(long, value_name = "SCENARIO")]
+        like: PathBuf,
+        /// Name of the new scenario [default: the name of the other one, and "recorded tips"]
+        #[arg(long)]
+        name: Option<String>,
+        /// Duration (s) [default: that of the other one if it has prescribed tips, or of the table]
+        #[arg(long, value_name = "T", value_parser = seconds)]
+        duration_s: Option<f64>,
+    },
     /// Print the JSON Schema of the scenario format
     #[command(after_help = "Example:\n  cohaul scenario schema > scenario.schema.json")]
     Schema,
@@ -44,6 +71,14 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
         ScenarioCommand::Show { scenario } => print(&json::pretty(&read_scenario(scenario, None)?.expanded())?)?,
         ScenarioCommand::Schema => print(&json::pretty(&format::schema())?)?,
         ScenarioCommand::Check { scenarios, json } => return check(scenarios, *json),
+        ScenarioCommand::FromTips { recording, like, name, duration_s } => {
+            let file = table_of(recording)?;
+            let like = read_scenario(like, None)?;
+            let made = scenario_from_tips(&read_text(&file)?, &name_of(&file), &like)?;
+            let name = name.clone().unwrap_or(made.name.clone());
+            let made = Scenario { name, duration: duration_s.unwrap_or(made.duration), ..made };
+            print(&json::pretty(&made.expanded().checked(&name_of(&file))?.expanded())?)?;
+        }
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -32,7 +32,7 @@ pub struct Scenario {
 /// Motion of the tips: prescribed paths, or ants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
-    /// Prescribed paths, at most one per spring.
+    /// Prescribed paths. Those of one spring follow each other in time.
     Tips(Vec<TipPath>),
     /// Ants, in a closed loop with the load.
     Ants(AntDrive),

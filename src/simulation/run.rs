@@ -120,6 +120,7 @@ impl<'a> Simulation<'a> {
             if self.trace.rows.len() >= ROWS_IN_GROUP {
                 take_rows(&self.trace.rows)?;
                 self.trace.rows.clear();
+                self.trace.between.clear();
             }
         }
         Ok(())
@@ -270,12 +271,14 @@ impl<'a> Simulation<'a> {
 
     /// Adds a row at every tick, at the ends of parts of control periods, and at the end.
     fn record(&mut self, motion: Motion) {
-        if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
+        if self.keep == Keep::Trace {
             let (energy, error) = (self.backend.energy(), self.backend.pose_error());
             let contacts = self.backend.side_contacts();
-            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
+            let is_row = self.clock.ends_part() || self.is_over(&motion);
+            let rows = if is_row { &mut self.trace.rows } else { &mut self.trace.between };
+            rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
             // The row is long, so its tips are written in place.
-            self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
+            rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
         }
         if self.keeps_companion && (self.clock.tick_now().is_some() || self.is_over(&motion)) {
             let row = |backend: &dyn Backend| Row {

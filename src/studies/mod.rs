@@ -22,6 +22,7 @@ pub mod bench;
 pub mod calibrate;
 pub mod check;
 pub mod compare;
+pub mod from_tips;
 pub mod journal;
 pub mod known_answers;
 pub mod methods;

@@ -4,3 +4,4 @@ mod attribution;
 mod finite;
 mod oracle;
 mod quantities;
+mod tips;

@@ -71,6 +71,20 @@ fn expect_page(path: &str, wanted: &str) {
     assert!(found == wanted, "{path}:{line} is out of date: run COHAUL_REWRITE=1 cargo test --test docs");
 }
 
+/// The schema that shipped scenes name, and editors read.
+#[test]
+fn every_shipped_scene_names_the_schema() {
+    expect_page("docs/src/reference/scenario.schema.json", &printed(&["scenario", "schema"]));
+    let folders = fs::read_dir(root().join("scenarios")).expect("scenes are there");
+    let files = folders.flat_map(|folder| fs::read_dir(folder.expect("a folder").path()).expect("scenes are there"));
+    for file in files.map(|file| file.expect("a file").path()) {
+        let text = fs::read_to_string(&file).expect("a scene");
+        let scene: serde_json::Value = serde_json::from_str(&text).expect("a scene is JSON");
+        let named = file.parent().expect("a folder").join(scene["$schema"].as_str().unwrap_or_default());
+        assert!(named.is_file(), "{}: {}", file.display(), scene["$schema"]);
+    }
+}
+
 #[test]
 fn the_page_of_commands_is_the_help() {
     expect_page("docs/src/reference/commands.md", &commands::page());

@@ -13,7 +13,7 @@ use super::suggestion::{Differences, SuggestedChange};
 use super::verdict::{Cause, Verdict};
 use super::verdicts::{LEAST_MOTION, Runs};
 use crate::analysis::trigger::ByTrigger;
-use crate::backend::{BackendKind, BackendOptions, Status};
+use crate::backend::{BackendKind, BackendOptions, Status, Tolerance};
 use crate::scenario::Scenario;
 use crate::simulation::{Controller, MakeBackend, backend_of};
 
@@ -93,6 +93,10 @@ const LARGEST_REFERENCE_ERROR: f64 = 0.05;
 /// Factor by which the reference error of the path is reduced if it leaves a verdict open (1).
 const SHARPER: f64 = 30.0;
 
+/// Factor between the tolerances of two runs whose distance shows what an error of the path makes
+/// of the commands of a controller that follows the load (1).
+const COARSER: f64 = 4.0;
+
 impl EdgeDisplacement {
     fn new(inertia_effect_m: f64, by_trigger: ByTrigger, engine_error_m: f64, reference_error_m: f64) -> Self {
         let range = |value: f64| [(value - reference_error_m).max(0.0), value + reference_error_m];
@@ -161,11 +165,20 @@ pub(super) fn compare(
 ) -> Option<Pathwise> {
     let part = |at: f64| move |share: f64| (at + share) / 3.0;
     let find = |at, options: &BackendOptions, make: &MakeBackend| {
-        Solution::find(scenario, options, settings.parts_of_period(scenario), make, &controller, |share| watch(part(at)(share)))
+        Solution::find(scenario, options, settings.parts_of_period(tier, scenario), make, &controller, |share| watch(part(at)(share)))
+    };
+    let reference = |at, kind, settings: &Settings| {
+        let options = settings.under_error_control(scenario, kind);
+        let mut found = find(at, &options, &backend_of)?;
+        if tier == Tier::Controlled {
+            let coarser = options.tolerance.map(|it| Tolerance::at_edge(COARSER * it.position_m, &scenario.system.load));
+            found.add_distance_from(&find(at, &BackendOptions { tolerance: coarser, ..options }, &backend_of)?);
+        }
+        Some(found)
     };
     let rapier = find(0.0, &settings.at_fixed_step(scenario, BackendKind::Rapier), engine)?;
     let references = |settings: &Settings| {
-        let find = |at, kind| find(at, &settings.under_error_control(scenario, kind), &backend_of);
+        let find = |at, kind| reference(at, kind, settings);
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
         Some([quasi_static?, inertial?])
     };
@@ -192,7 +205,9 @@ pub(super) fn compare(
     Some(if sharper.references_converged() { sharper } else { found })
 }
 
-fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solution; 3]) -> Pathwise {
+fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, mut solutions: [Solution; 3]) -> Pathwise {
+    let n_instants = solutions.iter().map(|solution| solution.points.len()).min().unwrap_or_default();
+    solutions.iter_mut().for_each(|solution| solution.shorten_to(n_instants));
     let [quasi_static, inertial, rapier] = &solutions;
     let radius = scenario.system.load.radius;
     let errors = [quasi_static, inertial, rapier].map(|solution| Difference::error_of(&solution.limit, radius));
@@ -239,7 +254,7 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, solutions: [Solut
         edge_displacement,
         tolerance_m,
         path_length_m,
-        sampled_every_s: scenario.control_period / settings.parts_of_period(scenario) as f64,
+        sampled_every_s: scenario.control_period / settings.parts_of_period(tier, scenario) as f64,
         first_divergence: verdicts.path.first_divergence,
         verdicts,
         solutions,

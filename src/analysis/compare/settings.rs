@@ -14,6 +14,9 @@ pub enum Tier {
     Prescribed,
     Replayed,
     ClosedLoop,
+    /// Paths under controllers that follow the load, one for each run: for controllers of your own.
+    #[serde(skip_deserializing)]
+    Controlled,
 }
 
 /// Steps and settings of a comparison.
@@ -97,7 +100,12 @@ impl Settings {
     /// Number of equal parts of a control period at the ends of which paths are compared (1):
     /// enough to resolve the load's oscillation, a divisor of rapier's number of steps, and not
     /// more than [`ENOUGH_INSTANTS`] allows.
-    pub(super) fn parts_of_period(&self, scenario: &Scenario) -> u64 {
+    ///
+    /// Controllers that follow the load decide at ticks, and paths are compared there.
+    pub(super) fn parts_of_period(&self, tier: Tier, scenario: &Scenario) -> u64 {
+        if tier == Tier::Controlled {
+            return 1;
+        }
         let period = scenario.control_period;
         let n_steps = n_steps_in(period, self.at_fixed_step(scenario, BackendKind::Rapier).step_s);
         let n_needed = period * scenario.system.fastest_rate() / LARGEST_PHASE;

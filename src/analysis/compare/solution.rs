@@ -115,7 +115,9 @@ impl Solution {
         levels.reverse();
         let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
         let is_engine = !options.kind.is_exact();
-        let mut limit: Vec<Point> = (0..rows[0].len()).map(|i| Point::extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
+        // Controllers that follow the load may end one run before another.
+        let n_rows = rows.iter().map(|rows| rows.len()).min().unwrap_or_default();
+        let mut limit: Vec<Point> = (0..n_rows).map(|i| Point::extrapolated(&rows[0][i], &rows[1][i], &rows[2][i])).collect();
         for i in 1..limit.len() {
             limit[i].error = limit[i].error.max(&limit[i - 1].error);
         }
@@ -124,6 +126,27 @@ impl Solution {
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
         let (step_s, (trace, _)) = levels.swap_remove(if is_engine { 0 } else { 2 });
         Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps })
+    }
+
+    /// Adds the distance from a less exact path to the error of this one, from there on. Both have
+    /// controllers that follow the load, whose commands an error changes.
+    pub fn add_distance_from(&mut self, other: &Self) {
+        let n = self.points.len().min(other.points.len());
+        self.shorten_to(n);
+        let mut largest = PoseError::default();
+        for (point, other) in self.points.iter_mut().zip(&other.points) {
+            let (position, heading) = point.difference(other);
+            largest = largest.max(&PoseError { position, heading });
+            point.error = point.error.max(&largest);
+        }
+        self.limit.clone_from(&self.points);
+    }
+
+    /// Leaves out all but the first `n` instants.
+    pub fn shorten_to(&mut self, n: usize) {
+        self.points.truncate(n);
+        self.limit.truncate(n);
+        self.trace.rows.truncate(n);
     }
 
     /// Largest edge displacement from the start, for a load of this `radius` (m).

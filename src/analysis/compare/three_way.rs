@@ -87,6 +87,16 @@ impl<'a> ThreeWay<'a> {
         pathwise::compare(Tier::Replayed, &replayed, settings, engine, replay, |share| watch(RECORDING + (1.0 - RECORDING) * share))
     }
 
+    /// Compares paths under a controller that follows the load: each run has a controller of its
+    /// own, and answers to it. The reference error contains what an error of the path makes of the
+    /// commands.
+    ///
+    /// A run that ends early, since its load has arrived, ends the comparison of all.
+    pub fn controlled(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+        let Self { scenario, settings, engine, controller } = *self;
+        pathwise::compare(Tier::Controlled, scenario, settings, engine, || controller(scenario), watch)
+    }
+
     /// Runs `n_seeds` consecutive seeds from the scenario's seed on all backends, and compares
     /// distributions.
     ///

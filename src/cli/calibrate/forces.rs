@@ -66,11 +66,7 @@ struct Ran {
 pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
     let started = SystemTime::now();
     args.output.check()?;
-    let file = if args.recording.is_dir() { args.recording.join("tips.csv") } else { args.recording.clone() };
-    if args.recording.is_dir() && !file.exists() {
-        let rule = "must contain tips.csv, which `cohaul run --tips --out` writes";
-        return Err(CliError::Usage(format!("{}: {rule}, found none", args.recording.display())));
-    }
+    let file = table_of(&args.recording)?;
     let scenario = scenario(args)?;
     let sensor = sensor(args, scenario.as_ref())?;
     let rest_length = sensor.springs.iter().map(|spring| spring.rest_length).fold(0.0, f64::max);
@@ -104,6 +100,16 @@ pub fn forces(args: &ForcesArgs) -> Result<ExitCode, CliError> {
     args.output.print(&report, || forces_text(&report), Tone::Good)?;
     console::warn_all(&report.warnings);
     Ok(ExitCode::SUCCESS)
+}
+
+/// The table of tips in the folder of a run, or the file itself.
+pub fn table_of(recording: &Path) -> Result<PathBuf, CliError> {
+    let file = if recording.is_dir() { recording.join("tips.csv") } else { recording.to_owned() };
+    if recording.is_dir() && !file.exists() {
+        let rule = "must contain tips.csv, which `cohaul run --tips --out` writes";
+        return Err(CliError::Usage(format!("{}: {rule}, found none", recording.display())));
+    }
+    Ok(file)
 }
 
 /// The scenario of the option, or of the run in the folder.

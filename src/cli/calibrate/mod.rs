@@ -11,6 +11,7 @@ use clap::Subcommand;
 
 use super::error::CliError;
 use super::watch::is_interrupted;
+pub use forces::table_of;
 
 #[derive(Subcommand)]
 pub enum CalibrateCommand {

@@ -39,7 +39,8 @@ pub enum AntsKind {
 pub struct TipsEntry {
     /// Kind of the drive: "tips".
     pub kind: TipsKind,
-    /// Paths of the tips, at most one per spring. A spring without a path stays free.
+    /// Paths of the tips. A spring may have several, one after another: each but the last one is
+    /// released before the next one begins, or at that instant. A spring without a path stays free.
     pub paths: Vec<PathEntry>,
 }
 

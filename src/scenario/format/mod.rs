@@ -5,6 +5,7 @@
 
 mod drive;
 mod ground;
+mod hints;
 mod spring;
 mod world;
 
@@ -122,6 +123,7 @@ pub fn schema() -> &'static Value {
     static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
         let mut schema = schema_for!(ScenarioFile).to_value();
         join_lines(&mut schema);
+        hints::add(&mut schema);
         schema
     });
     &SCHEMA

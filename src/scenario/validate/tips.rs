@@ -1,7 +1,5 @@
 //! Rules of prescribed tip paths.
 
-use std::collections::HashMap;
-
 use crate::scenario::error::{Findings, number};
 use crate::scenario::format::{PathEntry, TipsEntry};
 use crate::scenario::{SAME_INSTANT, TipPath, Waypoint};
@@ -14,19 +12,32 @@ const SHORTEST_PART: f64 = 2.0 * SAME_INSTANT;
 /// Paths on `n_springs` springs under a control period (s), where these are known.
 pub fn paths(entry: &TipsEntry, n_springs: Option<usize>, control_period: Option<f64>, findings: &mut Findings) -> Vec<TipPath> {
     let shortest = SHORTEST_PART * control_period.filter(|period| *period > 0.0).unwrap_or_default();
-    let mut first_path_of = HashMap::new();
     for (index, path) in entry.paths.iter().enumerate() {
         let place = format!("drive.paths[{index}]");
         if let Some(n) = n_springs.filter(|n| path.spring >= *n) {
             findings.report(format_args!("{place}.spring"), format!("must be an index below the number of springs, {n}"), path.spring);
         }
-        if let Some(first) = first_path_of.insert(path.spring, index) {
-            let rule = format!("must not be the spring of another path, drive.paths[{first}]");
-            findings.report(format_args!("{place}.spring"), rule, path.spring);
-        }
         check_times(&place, path, shortest, findings);
     }
+    check_order(&entry.paths, findings);
     entry.paths.iter().map(path).collect()
+}
+
+/// Checks that the paths of each spring follow each other in time.
+fn check_order(paths: &[PathEntry], findings: &mut Findings) {
+    let start = |index: &usize| paths[*index].waypoints.first().map_or(f64::NAN, |first| first[0]);
+    let mut order: Vec<usize> = (0..paths.len()).collect();
+    order.sort_by(|a, b| paths[*a].spring.cmp(&paths[*b].spring).then(start(a).total_cmp(&start(b))));
+    for pair in order.windows(2).filter(|pair| paths[pair[0]].spring == paths[pair[1]].spring) {
+        let (before, after, next) = (pair[0], pair[1], start(&pair[1]));
+        let place = format!("drive.paths[{before}].release_s");
+        let rule = || format!("must not be later than {}, where drive.paths[{after}] attaches the same spring", number(next));
+        match paths[before].release_s {
+            Some(release) if release > next => findings.report(place, rule(), number(release)),
+            None if next.is_finite() => findings.report(place, format!("is required and {}", rule()), "nothing"),
+            _ => {}
+        }
+    }
 }
 
 /// Checks the times of a path, with at least `shortest` (s) from one waypoint to the next.

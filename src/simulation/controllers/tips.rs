@@ -131,8 +131,10 @@ impl Controller for Tips {
         }
     }
 
-    fn targets(&mut self, _: &View, until: f64) -> &[Vec2] {
-        for (path, after) in self.paths.iter().zip(&mut self.after) {
+    fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
+        let now = view.time;
+        let is_attached = |path: &TipPath| path.waypoints[0].time <= now && path.release.is_none_or(|release| release > now);
+        for (path, after) in self.paths.iter().zip(&mut self.after).filter(|(path, _)| is_attached(path)) {
             *after = first_after(path, until, *after);
             self.targets[path.spring] = position_at(path, until, *after);
         }

@@ -27,7 +27,7 @@ mod quality;
 mod recording;
 pub mod report;
 mod sensor;
-mod table;
+pub(crate) mod table;
 pub mod text;
 mod trials;
 

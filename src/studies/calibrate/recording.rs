@@ -4,8 +4,15 @@
 use super::table::{InputError, Table};
 use crate::math::{Pose, Vec2};
 
-/// Columns of a recording: the first two, then either the next two or the last five.
-const COLUMNS: [&str; 9] = ["time_s", "spring", "tip_in_root_x_m", "tip_in_root_y_m", "x_m", "y_m", "heading_rad", "tip_x_m", "tip_y_m"];
+/// Columns of a recording: the first two, then either the next two or the five after them. The last
+/// one may be left out.
+const COLUMNS: [&str; 10] =
+    ["time_s", "spring", "tip_in_root_x_m", "tip_in_root_y_m", "x_m", "y_m", "heading_rad", "tip_x_m", "tip_y_m", EVENT];
+const EVENT: &str = "event";
+/// The only event: the tip is let go where it is.
+pub const RELEASE: &str = "release";
+const IN_ROOT: std::ops::Range<usize> = 2..4;
+const IN_WORLD: std::ops::Range<usize> = 4..9;
 
 /// Position of a tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,15 +58,30 @@ impl Recording {
     /// # Errors
     /// When any row cannot be the position of a tip.
     pub fn parse(text: &str, file: &str, n_springs: Option<usize>, rest_length: f64) -> Result<Self, InputError> {
+        Self::with_releases(text, file, n_springs, rest_length).map(|(recording, _)| recording)
+    }
+
+    /// The same, and the tips that were let go, in the order of time; `None` without a column for
+    /// them.
+    ///
+    /// # Errors
+    /// As [`Recording::parse`].
+    pub fn with_releases(
+        text: &str,
+        file: &str,
+        n_springs: Option<usize>,
+        rest_length: f64,
+    ) -> Result<(Self, Option<Vec<Sample>>), InputError> {
         let mut table = Table::parse(text, file, &COLUMNS)?;
         table.require(&COLUMNS[..2]);
         let is_in_root = table.has(COLUMNS[2]) || table.has(COLUMNS[3]);
-        table.require(if is_in_root { &COLUMNS[2..4] } else { &COLUMNS[4..] });
-        if is_in_root && COLUMNS[4..].iter().any(|name| table.has(name)) {
+        table.require(&COLUMNS[if is_in_root { IN_ROOT } else { IN_WORLD }]);
+        if is_in_root && COLUMNS[IN_WORLD].iter().any(|name| table.has(name)) {
             table.report("header".to_owned(), "must have tips in the root's frame or in world axes", "both");
         }
         let mut table = table.whole()?;
         let mut samples: Vec<Sample> = Vec::with_capacity(table.n_rows());
+        let mut releases = table.has(EVENT).then(Vec::new);
         for row in 0..table.n_rows() {
             let Some(sample) = sample(&mut table, row, is_in_root) else { continue };
             if n_springs.is_some_and(|n| sample.spring >= n) {
@@ -67,6 +89,10 @@ impl Recording {
             }
             if samples.last().is_some_and(|last| sample.time < last.time) {
                 table.at(row, "time_s", "must not go back", sample.time);
+            }
+            if is_release(&mut table, row) {
+                releases.iter_mut().for_each(|releases| releases.push(sample));
+                continue;
             }
             let same_frame = samples.iter().rev().take_while(|other| other.time == sample.time);
             if same_frame.into_iter().any(|other| other.spring == sample.spring) {
@@ -84,8 +110,17 @@ impl Recording {
             table.report("rows".to_owned(), "must hold tips", "none");
         }
         table.whole()?;
-        Ok(Self { samples })
+        Ok((Self { samples }, releases))
     }
+}
+
+/// Whether the tip of a row is let go.
+fn is_release(table: &mut Table, row: usize) -> bool {
+    let event = table.text(row, EVENT).to_owned();
+    if !event.is_empty() && event != RELEASE {
+        table.at(row, EVENT, &format!("must be {RELEASE} or empty"), &event);
+    }
+    event == RELEASE
 }
 
 impl Tip {
@@ -105,7 +140,7 @@ fn sample(table: &mut Table, row: usize, is_in_root: bool) -> Option<Sample> {
         let found = table.text(row, "spring").to_owned();
         table.at(row, "spring", "must be a whole number from 0", found);
     }
-    let columns = if is_in_root { &COLUMNS[2..4] } else { &COLUMNS[4..] };
+    let columns = &COLUMNS[if is_in_root { IN_ROOT } else { IN_WORLD }];
     let numbers: Vec<Option<f64>> = columns.iter().map(|column| table.number(row, column)).collect();
     let numbers: Vec<f64> = numbers.into_iter().collect::<Option<_>>()?;
     let tip = match numbers[..] {

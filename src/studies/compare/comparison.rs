@@ -5,7 +5,9 @@ use serde::Serialize;
 use crate::analysis::compare::{ClosedLoop, Pathwise, Settings, Verdict};
 use crate::output::page::Answer;
 use crate::scenario::Scenario;
+use crate::simulation::Trace;
 use crate::studies::compare::answer;
+use crate::studies::compare::beside::Beside;
 
 /// Result of `cohaul compare`, as `--json` prints it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -16,6 +18,9 @@ pub struct Comparison {
     pub seed: u64,
     pub settings: Settings,
     pub tiers: Tiers,
+    /// A path recorded elsewhere, beside those of the first tier of paths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside: Option<Beside>,
     /// Real time that the comparison took (s).
     pub wall_s: f64,
 }
@@ -36,7 +41,17 @@ impl Comparison {
     pub fn new(scenario: &Scenario, settings: &Settings, tiers: Tiers, wall_s: f64) -> Self {
         let paths = tiers.pathwise().next().map(answer::sentence_of_paths);
         let answer = paths.or(tiers.closed_loop.as_ref().map(answer::sentence_of_ensemble)).unwrap_or_default();
-        Self { answer, scenario: scenario.name.clone(), seed: scenario.seed, settings: *settings, tiers, wall_s }
+        Self { answer, scenario: scenario.name.clone(), seed: scenario.seed, settings: *settings, tiers, beside: None, wall_s }
+    }
+
+    /// Lays a recorded path beside those of the first tier of paths.
+    ///
+    /// # Errors
+    /// When there is no instant at which both exist.
+    pub fn lay_beside(&mut self, file: &str, recorded: Trace) -> Result<(), String> {
+        let Some(found) = self.tiers.pathwise().next() else { return Ok(()) };
+        self.beside = Some(Beside::new(file, recorded, found)?);
+        Ok(())
     }
 
     /// Whether the answer is that quasi-static is valid.

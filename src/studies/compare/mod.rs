@@ -1,6 +1,7 @@
 //! The report of a comparison: its answer, JSON, text, files and page.
 
 pub mod answer;
+pub mod beside;
 pub mod comparison;
 pub mod files;
 pub mod page;

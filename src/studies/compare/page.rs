@@ -31,6 +31,9 @@ pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &
     for found in comparison.tiers.pathwise() {
         page = pathwise(page, found, scenario);
     }
+    if let (Some(beside), Some(found)) = (&comparison.beside, comparison.tiers.pathwise().next()) {
+        page = page.section("Beside a recorded path", beside.section(found, &Scene::of(scenario)));
+    }
     if let Some(found) = &comparison.tiers.closed_loop {
         page = page.section(tier_name(found.tier), closed_loop(found, scenario));
     }

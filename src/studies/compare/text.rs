@@ -32,6 +32,7 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
             }
         }
     }
+    comparison.beside.iter().flat_map(|beside| beside.lines()).for_each(|(label, value)| lines.row(&label, &value));
     match (&comparison.tiers.closed_loop, detail) {
         (Some(found), Detail::Brief) => lines.text += &measures(found),
         (Some(found), Detail::Full) => closed_loop(found, &mut lines),
@@ -78,6 +79,7 @@ pub fn tier_name(tier: Tier) -> &'static str {
         Tier::Prescribed => "Prescribed tips",
         Tier::Replayed => "Replayed tips",
         Tier::ClosedLoop => "Closed loop",
+        Tier::Controlled => "Own controller",
     }
 }
 
