@@ -12,10 +12,10 @@ use super::{Backend, PoseError, RestoreError, SaveError, SavedState, StepReport}
 use crate::math::Vec2;
 
 /// The less exact of the two backends.
-pub(super) struct Check(Box<dyn Backend>);
+pub(super) struct Check(Box<dyn Backend + Send>);
 
 /// The backend `answer`, with a pose error that `check` estimates.
-pub(super) fn tandem(answer: Box<dyn Backend>, check: Box<dyn Backend>) -> Wrapped<Check> {
+pub(super) fn tandem(answer: Box<dyn Backend + Send>, check: Box<dyn Backend + Send>) -> Wrapped<Check, Box<dyn Backend + Send>> {
     Wrapped { inside: answer, hook: Check(check) }
 }
 
