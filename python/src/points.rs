@@ -17,9 +17,8 @@ const LARGEST: f64 = 1e60;
 /// When the number of entries is not `n`, an entry is no pair, or a coordinate is not finite.
 pub fn points(value: &Bound<PyAny>, n: usize, out: &mut Vec<Vec2>, is_read: impl Fn(usize) -> bool) -> PyResult<()> {
     out.clear();
-    let entries = value.hasattr("tolist").unwrap_or(false).then(|| value.call_method0("tolist")).transpose()?;
-    let entries = entries.as_ref().unwrap_or(value);
-    let found = each(entries, "tips", |at, entry| {
+    let list = listed(value)?;
+    let found = each(list.as_ref().unwrap_or(value), "tips", |at, entry| {
         if at < n {
             let position = pair(entry, || format!("tips[{at}]"))?;
             if is_read(at) {
@@ -40,10 +39,18 @@ pub fn points(value: &Bound<PyAny>, n: usize, out: &mut Vec<Vec2>, is_read: impl
 /// # Errors
 /// When it is no pair of finite numbers.
 pub fn point(value: &Bound<PyAny>) -> PyResult<Vec2> {
-    let list = value.hasattr("tolist").unwrap_or(false).then(|| value.call_method0("tolist")).transpose()?;
+    let list = listed(value)?;
     let position = pair(list.as_ref().unwrap_or(value), || "tip".to_owned())?;
     finite(&position, || "tip".to_owned())?;
     Ok(position)
+}
+
+/// The entries of an array as a list; `None` for anything else, which is read as it is.
+fn listed<'py>(value: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    if value.is_instance_of::<PyTuple>() || value.is_instance_of::<PyList>() {
+        return Ok(None);
+    }
+    value.getattr_opt("tolist")?.map(|tolist| tolist.call0()).transpose()
 }
 
 /// Calls `read` with each entry of a list or a tuple, and returns their number.
@@ -69,8 +76,7 @@ fn pair(value: &Bound<PyAny>, path: impl Fn() -> String) -> PyResult<Vec2> {
     {
         return Ok(Vec2::new(number(&list.get_item(0)?)?, number(&list.get_item(1)?)?));
     }
-    let list = value.hasattr("tolist").unwrap_or(false).then(|| value.call_method0("tolist")).transpose()?;
-    match list.filter(|list| list.is_instance_of::<PyList>()) {
+    match listed(value)?.filter(|list| list.is_instance_of::<PyList>()) {
         Some(list) => pair(&list, path),
         None => Err(not_a(&path(), "a pair of numbers (m)", value)),
     }

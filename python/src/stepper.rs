@@ -154,13 +154,10 @@ impl Stepper {
         if !(duration_s > 0.0 && duration_s <= most) {
             return Err(refused("duration_s", &format!("must be above 0 and at most {most} s"), duration_s));
         }
-        // The list of targets is filled while no other thread may use the state.
-        let mut targets = std::mem::take(&mut self.state()?.targets);
-        let attached: Vec<bool>;
-        {
-            let state = self.state()?;
-            attached = state.tips.iter().map(Option::is_some).collect();
-        }
+        let (mut targets, attached) = {
+            let state = &mut *self.state()?;
+            (std::mem::take(&mut state.targets), state.tips.iter().map(Option::is_some).collect::<Vec<_>>())
+        };
         points(tips, attached.len(), &mut targets, |spring| attached[spring])?;
         let report = py.detach(|| {
             self.with(|state| {
