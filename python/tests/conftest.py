@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(os.environ.get("COHAUL_ROOT", Path(__file__).resolve().parents[2]))
 SCENES = ROOT / "scenarios"
 PROGRAM = Path(os.environ.get("COHAUL", ROOT / "target/debug/cohaul"))
 
