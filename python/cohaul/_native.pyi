@@ -1,6 +1,8 @@
 from os import PathLike
 from typing import Any, Callable, Sequence
 
+from typing_extensions import Self
+
 import numpy as np
 
 class Scene:
@@ -84,7 +86,7 @@ class View:
         """Ends the run at the next tick: the load has arrived."""
 
 class Stepper:
-    def __new__(cls, scene: Scene, options: str) -> Stepper: ...
+    def __new__(cls, scene: Scene, options: str) -> Self: ...
     def attach(self, spring: int, tip: Sequence[float] | np.ndarray) -> None:
         """Attaches a free spring with its tip at ``tip`` (m, world)."""
     def release(self, spring: int) -> None:

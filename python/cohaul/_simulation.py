@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Mapping, Sequence
 
 from . import _native
 from ._options import as_json, backend_options
-from ._scenario import Source, as_scenario
+from ._scenario import Scenario, Source, as_scenario
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Simulation(_native.Stepper):
@@ -30,7 +33,10 @@ class Simulation(_native.Stepper):
     True
     """
 
-    scenario: Any
+    scenario: Scenario
+    """The scenario, whose load is moved."""
+    backend: str
+    """Name of the backend."""
 
     def __new__(
         cls,
@@ -43,7 +49,7 @@ class Simulation(_native.Stepper):
         second_order: bool = False,
         no_skip: str | Sequence[str] | None = None,
         rapier: Mapping[str, str] | None = None,
-    ) -> Simulation:
+    ) -> Self:
         given = as_scenario(scenario)
         options = backend_options(backend, step_s, tolerance_m, None, integrator, second_order, no_skip, rapier)
         made = super().__new__(cls, given._scene, as_json(options))

@@ -97,7 +97,7 @@ def sweep(
     ([0.001, 0.002], ['finished', 'finished'])
     """
     given = as_scenario(scenario)
-    steps = list(step_s) if isinstance(step_s, (list, tuple, np.ndarray)) else [step_s]
+    steps: list[Any] = list(step_s) if isinstance(step_s, (list, tuple, np.ndarray)) else [step_s]
     backends = texts("backend", backend)
     if not backends or not steps:
         raise ValueError("backend, step_s: must name at least one backend and step, found none")

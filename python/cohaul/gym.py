@@ -21,7 +21,7 @@ from ._run import library
 from ._scenario import Scenario, Source
 from ._simulation import Simulation
 
-gymnasium = library("gymnasium", "cohaul.gym")
+gymnasium: Any = library("gymnasium", "cohaul.gym")
 
 PAPER_LOAD: dict[str, Any] = {
     "name": "the paper's load on four springs",
@@ -45,7 +45,7 @@ PAPER_LOAD: dict[str, Any] = {
 """The scene that an environment has by default."""
 
 
-class TransportEnv(gymnasium.Env):  # type: ignore[misc]
+class TransportEnv(gymnasium.Env):  # type: ignore[misc, name-defined, unused-ignore]
     """A load that springs drag to a goal, on any backend.
 
     All springs are attached, undeformed, at the start. An action has a velocity for each tip in
