@@ -37,10 +37,11 @@ class Scenario:
         if source is not None and not isinstance(source, (Scenario, Mapping, str, os.PathLike)):
             raise TypeError(f"source: must be a dict, a path or a Scenario, found {type(source).__name__}")
         self._file = "scenario"
+        self._written: dict[str, Any]
         if isinstance(source, Scenario):
-            written, self._file = source._written, source._file
+            written, self._file = dict(source._written), source._file
         elif isinstance(source, Mapping):
-            written = source
+            written = dict(source)
         elif source is None:
             written = {}
         else:
