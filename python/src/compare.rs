@@ -119,17 +119,17 @@ fn traces_of(found: Option<&Pathwise>) -> Option<Vec<&Trace>> {
 impl Comparison {
     /// What `cohaul compare --json` prints.
     fn json(&self, py: Python) -> PyResult<String> {
-        py.detach(|| json::line(&self.found)).map_err(|error| PyArithmeticError::new_err(error.to_string()))
+        py.allow_threads(|| json::line(&self.found)).map_err(|error| PyArithmeticError::new_err(error.to_string()))
     }
 
     /// The page that `cohaul compare --out` writes, with its replay.
     fn page(&self, py: Python, command: String) -> String {
-        py.detach(|| comparison_page(&self.found, &self.scenario, &self.manifest(command)).to_html())
+        py.allow_threads(|| comparison_page(&self.found, &self.scenario, &self.manifest(command)).to_html())
     }
 
     /// Writes the files of `cohaul compare --out`.
     fn write(&self, py: Python, folder: std::path::PathBuf, command: String) -> PyResult<()> {
-        let written = py.detach(|| write_comparison(&folder, &self.found, &self.scenario, &self.manifest(command)));
+        let written = py.allow_threads(|| write_comparison(&folder, &self.found, &self.scenario, &self.manifest(command)));
         written.map_err(|error| PyOSError::new_err(error.to_string()))
     }
 
@@ -145,6 +145,6 @@ impl Comparison {
         let traces = self.traces(tier).ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
         let labelled: Vec<Labelled> =
             BackendKind::ALL.iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
-        Ok(py.detach(|| chart::overview(&labelled, &chart::Scene::of(&self.scenario))))
+        Ok(py.allow_threads(|| chart::overview(&labelled, &chart::Scene::of(&self.scenario))))
     }
 }

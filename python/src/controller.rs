@@ -77,13 +77,13 @@ pub struct Makers {
 
 impl Makers {
     pub fn new(make: Py<PyAny>) -> Self {
-        let failed = Python::attach(|py| Written::new(py.None()));
+        let failed = Python::with_gil(|py| Written::new(py.None()));
         Self { make, made: Mutex::default(), failed }
     }
 
     /// The controller of a run. If it cannot be made, one that does nothing: the run ends at once.
     pub fn controller(&self, scenario: &Scenario) -> Box<dyn Controller> {
-        let made = Python::attach(|py| self.make.call1(py, (scenario.seed,)));
+        let made = Python::with_gil(|py| self.make.call1(py, (scenario.seed,)));
         let written = match made {
             Ok(decide) => Written::new(decide),
             Err(error) => {
@@ -150,7 +150,7 @@ impl Instance {
 impl Controller for Instance {
     fn decide(&mut self, view: &simulation::View, commands: &mut Commands) {
         if view.tick.is_some() && self.written.is_well() {
-            Python::attach(|py| self.ask(py, view, commands)).unwrap_or_else(|error| {
+            Python::with_gil(|py| self.ask(py, view, commands)).unwrap_or_else(|error| {
                 commands.events.clear();
                 self.written.keep(error);
             });

@@ -3,7 +3,7 @@
 use cohaul::math::Vec2;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
+use pyo3::sync::GILOnceCell;
 use pyo3::types::{PyBytes, PyList, PyTuple};
 
 /// Largest coordinate (m): beyond it, squares of distances are no longer finite.
@@ -55,23 +55,23 @@ fn listed<'py>(value: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py, PyAny>>>
 
 /// Calls `read` with each entry of a list or a tuple, and returns their number.
 fn each<'py>(value: &Bound<'py, PyAny>, path: &str, mut read: impl FnMut(usize, &Bound<'py, PyAny>) -> PyResult<()>) -> PyResult<usize> {
-    if let Ok(list) = value.cast::<PyList>() {
+    if let Ok(list) = value.downcast::<PyList>() {
         list.iter().enumerate().try_for_each(|(at, entry)| read(at, &entry))?;
         return Ok(list.len());
     }
-    let tuple = value.cast::<PyTuple>().map_err(|_| not_a(path, "a list, a tuple or an array of points (x, y)", value))?;
+    let tuple = value.downcast::<PyTuple>().map_err(|_| not_a(path, "a list, a tuple or an array of points (x, y)", value))?;
     tuple.iter().enumerate().try_for_each(|(at, entry)| read(at, &entry))?;
     Ok(tuple.len())
 }
 
 fn pair(value: &Bound<PyAny>, path: impl Fn() -> String) -> PyResult<Vec2> {
     let number = |entry: &Bound<PyAny>| entry.extract::<f64>().map_err(|_| not_a(&path(), "a pair of numbers (m)", value));
-    if let Ok(tuple) = value.cast::<PyTuple>()
+    if let Ok(tuple) = value.downcast::<PyTuple>()
         && tuple.len() == 2
     {
         return Ok(Vec2::new(number(&tuple.get_item(0)?)?, number(&tuple.get_item(1)?)?));
     }
-    if let Ok(list) = value.cast::<PyList>()
+    if let Ok(list) = value.downcast::<PyList>()
         && list.len() == 2
     {
         return Ok(Vec2::new(number(&list.get_item(0)?)?, number(&list.get_item(1)?)?));
@@ -96,7 +96,7 @@ fn not_a(path: &str, what: &str, value: &Bound<PyAny>) -> PyErr {
 
 /// A read-only array of `n` rows of two numbers.
 pub fn array<'py>(py: Python<'py>, values: impl Iterator<Item = Vec2>) -> PyResult<Bound<'py, PyAny>> {
-    static FROM_BUFFER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static FROM_BUFFER: GILOnceCell<Py<PyAny>> = GILOnceCell::new();
     let bytes: Vec<u8> = values.flat_map(|value| [value.x, value.y]).flat_map(f64::to_ne_bytes).collect();
     if bytes.is_empty() {
         return py.import("numpy")?.call_method1("zeros", ((0, 2),));

@@ -111,7 +111,7 @@ impl RunData {
 impl RunData {
     /// What `cohaul run --json` prints.
     fn json(&self, py: Python) -> PyResult<String> {
-        py.detach(|| json::line(&self.summary())).map_err(|error| PyArithmeticError::new_err(error.to_string()))
+        py.allow_threads(|| json::line(&self.summary())).map_err(|error| PyArithmeticError::new_err(error.to_string()))
     }
 
     fn trace(&self) -> TraceData {
@@ -121,7 +121,7 @@ impl RunData {
     /// The page that `cohaul run --report` writes.
     fn page(&self, py: Python, command: String) -> String {
         let Self { scenario, options, .. } = self;
-        py.detach(|| {
+        py.allow_threads(|| {
             let manifest = Manifest::new(&scenario.expanded(), scenario.hash(), scenario.seed, options, vec![command], self.started);
             run_page(&self.summary(), &self.trace, scenario, &manifest).to_html()
         })
@@ -130,6 +130,6 @@ impl RunData {
     /// Path, pulls, energy, heading and speed over time, as SVG.
     fn overview(&self, py: Python) -> String {
         let label = self.options.kind.name();
-        py.detach(|| chart::overview(&[Labelled { label, trace: &self.trace }], &chart::Scene::of(&self.scenario)))
+        py.allow_threads(|| chart::overview(&[Labelled { label, trace: &self.trace }], &chart::Scene::of(&self.scenario)))
     }
 }

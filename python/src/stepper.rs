@@ -159,7 +159,7 @@ impl Stepper {
             (std::mem::take(&mut state.targets), state.tips.iter().map(Option::is_some).collect::<Vec<_>>())
         };
         points(tips, attached.len(), &mut targets, |spring| attached[spring])?;
-        let report = py.detach(|| {
+        let report = py.allow_threads(|| {
             self.with(|state| {
                 state.targets = targets;
                 let report = state.advance(&self.scenario, duration_s);

@@ -105,7 +105,7 @@ impl TraceData {
             let axes = vec![(self.trace.rows.len(), size_of::<Row>())];
             return Ok(Column { _owner: Owner::Rows(Arc::clone(&self.trace)), address: std::ptr::from_ref(first).addr(), axes });
         }
-        py.detach(|| {
+        py.allow_threads(|| {
             Ok(match name {
                 "dissipated_j" => self.numbers(|row| row.energy.dissipated()),
                 "defect_j" => self.numbers(|row| row.energy.defect()),

@@ -47,13 +47,13 @@ impl Watch {
 pub fn computed<T: Send>(py: Python, progress: Option<Py<PyAny>>, work: impl FnOnce(&Watch) -> T + Send) -> PyResult<T> {
     let watch = &Watch::default();
     let look = || {
-        Python::attach(|py| {
+        Python::with_gil(|py| {
             py.check_signals()?;
             let share = f64::from_bits(watch.share.load(Relaxed));
             progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (share,)).map(drop))
         })
     };
-    py.detach(|| {
+    py.allow_threads(|| {
         thread::scope(|scope| {
             let (sender, receiver) = sync_channel(1);
             let job = move || drop(sender.send(guarded(|| work(watch))));
@@ -92,7 +92,7 @@ pub fn internal(message: String) -> PyErr {
 
 /// An exception of a class in `cohaul._errors`.
 pub fn raised(class: &str, arguments: impl for<'py> PyCallArgs<'py>) -> PyErr {
-    Python::attach(|py| {
+    Python::with_gil(|py| {
         let made = || -> PyResult<PyErr> { Ok(PyErr::from_value(py.import("cohaul._errors")?.getattr(class)?.call1(arguments)?)) };
         made().unwrap_or_else(|error| error)
     })
