@@ -27,10 +27,10 @@
 //! A model of your own implements [`Backend`], and a controller of your own implements
 //! [`Controller`]. Units are SI; angles are in radians, counter-clockwise.
 //!
-//! Features: `program` (default) builds the command line with its studies, figures and reports, and
-//! `parquet` (default) writes tables as Parquet. `rapier-f32` (default) adds rapier in single
-//! precision. `internals` shows the modules of the tree to the project's own tests; what they hold
-//! may change at any time.
+//! Features: `program` (default) builds the command line on the studies, figures and reports of
+//! `reports`, and `parquet` (default) writes tables as Parquet. `rapier-f32` (default) adds rapier in
+//! single precision. `internals` shows the modules of the tree to the project's own tests and Python
+//! package; what they hold may change at any time.
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(feature = "internals"),
@@ -48,13 +48,13 @@ pub mod cli;
 mod math;
 #[cfg(not(feature = "internals"))]
 mod model;
-#[cfg(all(feature = "program", not(feature = "internals")))]
+#[cfg(all(feature = "reports", not(feature = "internals")))]
 mod output;
 #[cfg(not(feature = "internals"))]
 mod scenario;
 #[cfg(not(feature = "internals"))]
 mod simulation;
-#[cfg(all(feature = "program", not(feature = "internals")))]
+#[cfg(all(feature = "reports", not(feature = "internals")))]
 mod studies;
 
 #[cfg(feature = "internals")]
@@ -65,13 +65,13 @@ pub mod backend;
 pub mod math;
 #[cfg(feature = "internals")]
 pub mod model;
-#[cfg(all(feature = "program", feature = "internals"))]
+#[cfg(all(feature = "reports", feature = "internals"))]
 pub mod output;
 #[cfg(feature = "internals")]
 pub mod scenario;
 #[cfg(feature = "internals")]
 pub mod simulation;
-#[cfg(all(feature = "program", feature = "internals"))]
+#[cfg(all(feature = "reports", feature = "internals"))]
 pub mod studies;
 
 pub use analysis::compare::{

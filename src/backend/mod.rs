@@ -52,12 +52,12 @@ use exact::{Column, Control, Exact};
 use tandem::tandem;
 use tolerance::CHECK_SHARE;
 
-/// Backend that the options ask for.
+/// Backend that the options ask for. It may move between threads.
 ///
 /// # Panics
 /// When the step or the tolerance is not positive, or when a backend without error control is given
 /// a tolerance.
-pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
+pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend + Send> {
     assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
     let Some(tolerance) = &options.tolerance else { return with_stepping(system, start, options, Stepping::Fixed(options.step_s)) };
     let Tolerance { position_m, heading_rad, .. } = tolerance;
@@ -77,7 +77,7 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
 
 /// Backend with this stepping: the only place that maps kinds to code. Options of fixed steps are
 /// ignored under error control.
-fn with_stepping(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend> {
+fn with_stepping(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend + Send> {
     let is_fixed = matches!(stepping, Stepping::Fixed(_));
     match options.kind {
         BackendKind::QuasiStatic => {

@@ -41,12 +41,38 @@ pub trait Hook {
 }
 
 /// The backend `inside`, called through a hook. All questions about the load go to it unchanged.
-pub struct Wrapped<H> {
-    pub inside: Box<dyn Backend>,
+pub struct Wrapped<H, B = Box<dyn Backend>> {
+    pub inside: B,
     pub hook: H,
 }
 
-impl<H: Hook> Backend for Wrapped<H> {
+/// What a [`Wrapped`] backend holds: a backend that may or may not move between threads.
+pub trait Inside {
+    fn as_ref(&self) -> &dyn Backend;
+    fn as_mut(&mut self) -> &mut dyn Backend;
+}
+
+impl Inside for Box<dyn Backend> {
+    fn as_ref(&self) -> &dyn Backend {
+        &**self
+    }
+
+    fn as_mut(&mut self) -> &mut dyn Backend {
+        &mut **self
+    }
+}
+
+impl Inside for Box<dyn Backend + Send> {
+    fn as_ref(&self) -> &dyn Backend {
+        &**self
+    }
+
+    fn as_mut(&mut self) -> &mut dyn Backend {
+        &mut **self
+    }
+}
+
+impl<H: Hook, B: Inside> Backend for Wrapped<H, B> {
     fn attach(&mut self, spring: usize, tip: Vec2) {
         self.hook.attach(self.inside.as_mut(), spring, tip);
     }
@@ -60,35 +86,35 @@ impl<H: Hook> Backend for Wrapped<H> {
     }
 
     fn motion(&self) -> Motion {
-        self.inside.motion()
+        self.inside.as_ref().motion()
     }
 
     fn tip(&self, spring: usize) -> Option<Vec2> {
-        self.inside.tip(spring)
+        self.inside.as_ref().tip(spring)
     }
 
     fn pull(&self, spring: usize) -> Vec2 {
-        self.inside.pull(spring)
+        self.inside.as_ref().pull(spring)
     }
 
     fn energy(&self) -> EnergyLedger {
-        self.inside.energy()
+        self.inside.as_ref().energy()
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
-        self.inside.friction_forces()
+        self.inside.as_ref().friction_forces()
     }
 
     fn side_contacts(&self) -> Vec<SideContact> {
-        self.inside.side_contacts()
+        self.inside.as_ref().side_contacts()
     }
 
     fn read_tips(&self, tips: &mut [AttachedTip]) {
-        self.inside.read_tips(tips);
+        self.inside.as_ref().read_tips(tips);
     }
 
     fn transitions(&self) -> &[Transition] {
-        self.inside.transitions()
+        self.inside.as_ref().transitions()
     }
 
     fn pose_error(&self) -> Option<PoseError> {

@@ -169,7 +169,7 @@ fn the_source_and_the_readme_stay_small() {
 #[test]
 fn prose_wraps_at_100_columns() {
     let mut findings = Vec::new();
-    let others: Vec<Source> = ["tests", "benches", "examples"].iter().flat_map(|folder| rust_files(folder)).collect();
+    let others: Vec<Source> = ["tests", "benches", "examples", "python/src"].iter().flat_map(|folder| rust_files(folder)).collect();
     for file in SRC.iter().chain(&others) {
         findings.extend(prose::wide_comments(file, MAX_PROSE_COLUMNS));
     }

@@ -1,0 +1,55 @@
+"""Drag one load with ants or robots on springs, and measure where inertia matters.
+
+The same grasps, releases and tip motions move three models of the load: ``quasi-static`` (no
+inertia), ``inertial`` (the same springs and exact friction, with the mass) and ``rapier`` (the
+rigid-body engine rapier2d). Units are SI; angles are in radians, counter-clockwise.
+
+>>> import cohaul
+>>> scenario = cohaul.Scenario(
+...     name="one spring, pulled and released", duration_s=2.0, control_period_s=0.0025,
+...     load=cohaul.load(mass_kg=0.0016, radius_m=0.0122),
+...     ground=cohaul.ground(friction_coefficient=1.4, tripod_radius_m=0.0081333),
+...     springs=[cohaul.spring(root_m=(0.0122, 0.0), rest_length_m=0.0263,
+...         radial_stiffness_n_per_m=0.664, torsional_stiffness_nm_per_rad=4.52e-4)],
+...     drive=cohaul.tips(cohaul.path(0, [(0.0, 0.0385, 0.0), (1.0, 0.0985, 0.0028)], release_s=1.5)))
+>>> run = cohaul.run(scenario)
+>>> round(run["final"]["position_m"][0], 4)
+0.0269
+>>> comparison = cohaul.compare(scenario)
+>>> comparison.verdicts["path"]["verdict"]
+'inertia'
+"""
+
+from ._compare import BACKENDS, Comparison, compare, compare_controller
+from ._errors import Fault, InternalError, ScenarioError
+from ._native import View
+from ._parts import ants, ground, load, path, spring, tips
+from ._run import Event, Run, Trace, run
+from ._scenario import Scenario
+from ._simulation import Simulation
+from ._sweep import Sweep, sweep
+
+__all__ = [
+    "BACKENDS",
+    "Comparison",
+    "Event",
+    "Fault",
+    "InternalError",
+    "Run",
+    "Scenario",
+    "ScenarioError",
+    "Simulation",
+    "Sweep",
+    "Trace",
+    "View",
+    "ants",
+    "compare",
+    "compare_controller",
+    "ground",
+    "load",
+    "path",
+    "run",
+    "spring",
+    "sweep",
+    "tips",
+]

@@ -1,0 +1,230 @@
+"""A comparison of the three backends."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from typing import Any, Callable, Iterator, Mapping, Sequence
+
+from . import _native
+from ._options import as_json, engine, number, progress_of, text, texts, whole
+from ._run import Trace, written
+from ._scenario import Source, as_scenario
+
+BACKENDS = ("quasi-static", "inertial", "rapier")
+"""Names of the backends, the simplest first."""
+
+
+class Replay:
+    """The page of a comparison with its replay, which a notebook shows in a frame."""
+
+    def __init__(self, page: str) -> None:
+        self.page = page
+
+    def _repr_html_(self) -> str:
+        style = "width: 100%; height: 46em; border: 1px solid #ccc"
+        return f'<iframe srcdoc="{html.escape(self.page)}" style="{style}"></iframe>'
+
+
+class Comparison(Mapping[str, Any]):
+    """A finished comparison. As a mapping it has what ``cohaul compare --json`` prints."""
+
+    def __init__(self, data: _native.Comparison) -> None:
+        self._data = data
+        self._results: dict[str, Any] = json.loads(data.json())
+
+    @property
+    def results(self) -> dict[str, Any]:
+        """All results, as ``cohaul compare --json`` prints them."""
+        return self._results
+
+    @property
+    def answer(self) -> str:
+        """Whether the quasi-static model is valid, and the engine error, in one or two sentences."""
+        return self._results["answer"]
+
+    @property
+    def tiers(self) -> dict[str, Any]:
+        """Results by tier: ``prescribed``, ``replayed`` and ``closed_loop``."""
+        return self._results["tiers"]
+
+    @property
+    def verdicts(self) -> dict[str, Any]:
+        """Verdict on each quantity, of the first tier: path, heading, pulls, speed and energy.
+
+        Each has ``verdict``, ``inertia_effect``, ``engine_error``, ``reference_error``,
+        ``tolerance`` and ``unit``.
+        """
+        return next(iter(self.tiers.values()))["verdicts"]
+
+    @property
+    def verdict(self) -> str:
+        """Verdict of the first tier; that on the path, if it compares paths."""
+        return next(iter(self.tiers.values()))["verdict"]
+
+    def trace(self, backend: str, tier: str | None = None) -> Trace:
+        """Trace of a backend in a tier, by default the first one."""
+        return Trace(self._data.trace(self._tier(tier), text("backend", backend) or ""))
+
+    def overview(self, tier: str | None = None) -> str:
+        """Paths, differences and pulls of the three backends over time, as SVG."""
+        return self._data.overview(self._tier(tier))
+
+    def replay(self) -> Replay:
+        """The page with its replay, for a notebook."""
+        return Replay(self._data.page("cohaul.compare"))
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The HTML page with its replay, which is also written to ``path``."""
+        return written(self._data.page("cohaul.compare"), path)
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes the files of ``cohaul compare --out`` to a folder."""
+        self._data.write(os.fspath(folder), "cohaul.compare")
+
+    def _tier(self, tier: str | None) -> str:
+        return text("tier", tier) or next(iter(self.tiers))
+
+    def __getitem__(self, name: str) -> Any:
+        return self._results[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._results)
+
+    def __len__(self) -> int:
+        return len(self._results)
+
+    def __repr__(self) -> str:
+        return f"<Comparison of {self['scenario']!r}: {self.answer}>"
+
+    def _repr_html_(self) -> str:
+        names = ["inertia_effect", "engine_error", "reference_error", "tolerance"]
+        head = "".join(f"<th>{name.replace('_', ' ')}</th>" for name in ["quantity", *names, "verdict"])
+        tables = []
+        for tier, found in self.tiers.items():
+            rows = "".join(_row(quantity, verdict, names) for quantity, verdict in found["verdicts"].items())
+            tables.append(f"<table><caption>{tier.replace('_', ' ')}</caption><tr>{head}</tr>{rows}</table>")
+        return f"<p>{html.escape(self.answer)}</p>{''.join(tables)}"
+
+
+def _row(quantity: str, verdict: dict[str, Any], names: Sequence[str]) -> str:
+    cells = [_quantity(verdict.get(name), verdict.get("unit", "")) for name in names]
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in [quantity, *cells, verdict["verdict"]]) + "</tr>"
+
+
+def _quantity(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:.3g} {unit}".strip()
+
+
+def compare(
+    scenario: Source,
+    *,
+    tiers: str | Sequence[str] | None = None,
+    seeds: int = 8,
+    seed: int | None = None,
+    step_s: float | None = None,
+    tolerance_m: float | None = None,
+    tolerance_share: float | None = None,
+    tolerance_heading_rad: float | None = None,
+    tolerance_pull_share: float | None = None,
+    tolerance_speed_share: float | None = None,
+    tolerance_energy_share: float | None = None,
+    recorded_from: str | None = None,
+    no_skip: str | Sequence[str] | None = None,
+    rapier: Mapping[str, str] | None = None,
+    threads: int | None = None,
+    progress: bool | Callable[[float], Any] | None = None,
+) -> Comparison:
+    """Compares the three backends on a scenario. Ctrl-C ends it.
+
+    :param tiers: ``'prescribed'`` for given paths, ``'replayed'`` and ``'closed-loop'`` for ants;
+        the default is all that the scenario has
+    :param seeds: number of paired seeds of the closed loop (1)
+    :param seed: first seed, in place of the scenario's
+    :param step_s: longest step of rapier and of the closed loop (s)
+    :param tolerance_m: tolerance of error control in the reference runs (m); the default is as
+        small as the verdict needs
+    :param tolerance_share: largest edge displacement that counts as agreement, over the path
+        length (1)
+    :param threads: number of threads; the default is one for each processor
+
+    >>> found = compare("scenarios/analytic/release-jump.json")
+    >>> found.verdict
+    'inertia and engine'
+    >>> sorted(found.verdicts)
+    ['energy', 'heading', 'path', 'pulls', 'speed']
+    """
+    settings = {
+        "step_s": number("step_s", step_s),
+        "reference_tolerance_m": number("tolerance_m", tolerance_m),
+        "recorded_from": text("recorded_from", recorded_from),
+        "tolerance_share": number("tolerance_share", tolerance_share),
+        "tolerance_heading_rad": number("tolerance_heading_rad", tolerance_heading_rad),
+        "tolerance_pull_share": number("tolerance_pull_share", tolerance_pull_share),
+        "tolerance_speed_share": number("tolerance_speed_share", tolerance_speed_share),
+        "tolerance_energy_share": number("tolerance_energy_share", tolerance_energy_share),
+        "no_skip": texts("no_skip", no_skip),
+        "rapier": engine(rapier),
+    }
+    return _compared(scenario, settings, tiers, seeds, seed, None, threads, progress)
+
+
+def compare_controller(
+    scenario: Source,
+    make_controller: Callable[[int], Callable[[Any], Any]],
+    *,
+    tiers: str | Sequence[str] | None = None,
+    seeds: int = 8,
+    seed: int | None = None,
+    step_s: float | None = None,
+    recorded_from: str | None = None,
+    threads: int | None = None,
+    progress: bool | Callable[[float], Any] | None = None,
+) -> Comparison:
+    """Compares the three backends under a controller of your own.
+
+    ``make_controller(seed)`` returns a controller for one run; each run gets one of its own. A
+    controller is called once in each control period with a :class:`View`, may attach and release
+    springs there, and returns the positions of all tips at the end of the period, or ``None`` to
+    hold them. The scenario's drive is not used.
+
+    The tier ``replayed`` records one run of the controller and replays its motions on all backends.
+    In ``closed-loop`` the controller decides on each backend for itself.
+
+    >>> def tow(seed):
+    ...     def control(view):
+    ...         if view.time_s == 0.0:
+    ...             view.attach(0, (0.0, 0.0))
+    ...         return [(0.005 * (view.time_s + view.control_period_s), 0.0)]
+    ...     return control
+    >>> scenario = "scenarios/analytic/centre-pull.json"
+    >>> compare_controller(scenario, tow, tiers="replayed").verdicts["path"]["verdict"]
+    'agree'
+    """
+    if not callable(make_controller):
+        raise TypeError(f"make_controller: must be a function, found {type(make_controller).__name__}")
+    settings = {"step_s": number("step_s", step_s), "recorded_from": text("recorded_from", recorded_from)}
+    return _compared(scenario, settings, tiers, seeds, seed, make_controller, threads, progress)
+
+
+def _compared(
+    scenario: Source,
+    settings: dict[str, Any],
+    tiers: str | Sequence[str] | None,
+    seeds: int,
+    seed: int | None,
+    controller: Callable[[int], Callable[[Any], Any]] | None,
+    threads: int | None,
+    progress: bool | Callable[[float], Any] | None,
+) -> Comparison:
+    given = as_scenario(scenario)
+    scene = given._scene if seed is None else given._scene.with_seed(whole("seed", seed))
+    asked = as_json({name: value for name, value in settings.items() if value is not None})
+    n_seeds, n_threads = whole("seeds", seeds, 1, 10**6), whole("threads", threads, 1, 1024)
+    names = texts("tiers", tiers)
+    show, end = progress_of(progress, "compare")
+    try:
+        return Comparison(_native.compare(scene, asked, names, n_seeds, controller, n_threads, show))
+    finally:
+        end()

@@ -1,0 +1,146 @@
+from os import PathLike
+from typing import Any, Callable, Sequence
+
+from typing_extensions import Self
+
+import numpy as np
+
+class Scene:
+    name: str
+    seed: int
+    duration_s: float
+    control_period_s: float
+    n_springs: int
+    drive: str
+    radius_m: float
+    slip_limit_n: float
+    @staticmethod
+    def parse(text: str, file: str) -> Scene: ...
+    def with_seed(self, seed: int | None) -> Scene: ...
+    def expanded(self) -> str: ...
+    def warnings(self) -> list[str]: ...
+    def hash(self) -> str: ...
+
+class Column:
+    @property
+    def __array_interface__(self) -> dict[str, Any]: ...
+
+class TraceData:
+    def __len__(self) -> int: ...
+    @staticmethod
+    def names() -> list[str]: ...
+    def column(self, name: str) -> Column: ...
+    def events(self) -> list[tuple[float, str, int, int | None, tuple[float, float]]]: ...
+    def transitions(self) -> str: ...
+
+class RunData:
+    def json(self) -> str: ...
+    def trace(self) -> TraceData: ...
+    def page(self, command: str) -> str: ...
+    def overview(self) -> str: ...
+
+class Comparison:
+    def json(self) -> str: ...
+    def page(self, command: str) -> str: ...
+    def write(self, folder: str | PathLike[str], command: str) -> None: ...
+    def trace(self, tier: str, backend: str) -> TraceData: ...
+    def overview(self, tier: str) -> str: ...
+
+class SweepData:
+    columns: list[tuple[str, str]]
+    csv: str
+    n_rows: int
+
+class View:
+    """What a controller sees of a run at the start of a control period, and its commands."""
+
+    @property
+    def time_s(self) -> float:
+        """Time of the instant (s)."""
+    @property
+    def control_period_s(self) -> float:
+        """Time until the tips are where the controller sends them (s)."""
+    @property
+    def n_springs(self) -> int:
+        """Number of springs (1)."""
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """Position (m, world) and heading (rad) of the load: (x, y, heading)."""
+    @property
+    def twist(self) -> tuple[float, float, float]:
+        """Velocity (m/s, world) and turn rate (rad/s) of the load."""
+    @property
+    def attached(self) -> list[bool]:
+        """Whether each spring is attached."""
+    @property
+    def tips(self) -> np.ndarray:
+        """Tip of each spring (m, world); NaN for a free one."""
+    @property
+    def pulls(self) -> np.ndarray:
+        """Pull on the tip of each spring (N, world); zero for a free one."""
+    def attach(self, spring: int, tip: Sequence[float] | np.ndarray) -> None:
+        """Attaches a free spring with its tip at ``tip`` (m, world)."""
+    def release(self, spring: int) -> None:
+        """Releases an attached spring."""
+    def finish(self) -> None:
+        """Ends the run at the next tick: the load has arrived."""
+
+class Stepper:
+    def __new__(cls, scene: Scene, options: str) -> Self: ...
+    def attach(self, spring: int, tip: Sequence[float] | np.ndarray) -> None:
+        """Attaches a free spring with its tip at ``tip`` (m, world)."""
+    def release(self, spring: int) -> None:
+        """Releases an attached spring, which relaxes at once."""
+    def advance(self, tips: Sequence[Sequence[float]] | np.ndarray, duration_s: float) -> str:
+        """Moves all tips straight to ``tips`` (m, world, one entry a spring) within a time (s)."""
+    def save(self) -> str:
+        """Complete state, from which :meth:`load` continues bit for bit."""
+    def load(self, text: str) -> None:
+        """Continues from a state that :meth:`save` returned."""
+    def facts(self) -> str: ...
+    @property
+    def time_s(self) -> float:
+        """Time so far (s)."""
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """Position (m, world) and heading (rad) of the load: (x, y, heading)."""
+    @property
+    def twist(self) -> tuple[float, float, float]:
+        """Velocity (m/s, world) and turn rate (rad/s) of the load."""
+    @property
+    def attached(self) -> list[bool]:
+        """Whether each spring is attached."""
+    @property
+    def tips(self) -> np.ndarray:
+        """Tip of each spring (m, world); NaN for a free one."""
+    @property
+    def pulls(self) -> np.ndarray:
+        """Pull on the tip of each spring (N, world); zero for a free one."""
+
+def run(
+    scene: Scene,
+    options: str,
+    keep_trace: bool,
+    controller: Callable[[View], Any] | None,
+    progress: Callable[[float], Any] | None,
+) -> RunData: ...
+def compare(
+    scene: Scene,
+    settings: str,
+    tiers: list[str],
+    n_seeds: int | None,
+    controller: Callable[[int], Callable[[View], Any]] | None,
+    threads: int | None,
+    progress: Callable[[float], Any] | None,
+) -> Comparison: ...
+def sweep(
+    scene: Scene, asked: str, threads: int | None, progress: Callable[[float], Any] | None
+) -> SweepData: ...
+def rust_loop_s(
+    scene: Scene,
+    options: str,
+    starts: Sequence[Sequence[float]],
+    shift: tuple[float, float],
+    duration_s: float,
+    n: int,
+) -> float: ...

@@ -1,0 +1,219 @@
+"""One run and its trace."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+
+import numpy as np
+
+from . import _native
+from ._options import as_json, backend_options, progress_of, whole
+from ._scenario import Source, as_scenario
+
+
+class Event(NamedTuple):
+    """A grasp or a release."""
+
+    time_s: float
+    """Time of the event (s)."""
+    kind: str
+    """``'grasp'`` or ``'release'``."""
+    spring: int
+    """Index of the spring."""
+    ant: int | None
+    """Number of the ant; ``None`` for a path or a controller."""
+    tip_m: tuple[float, float]
+    """Position of the tip at that instant (m, world)."""
+
+
+class Trace(Mapping[str, np.ndarray]):
+    """Columns of a run, as read-only arrays by name: a row at every control tick.
+
+    ``time_s``, ``x_m``, ``y_m``, ``heading_rad``, ``vx_m_per_s``, ``vy_m_per_s``,
+    ``turn_rate_rad_per_s``, ``elastic_j``, ``kinetic_j``, ``friction_j`` and ``tip_work_j`` lie
+    where the run has put them and are not copied. ``dissipated_j``, ``defect_j``,
+    ``interaction_n`` and ``n_transporting`` are computed once. ``tips_m`` and ``pulls_n`` have
+    the shape (rows, springs, 2), in world axes, with NaN for a free spring.
+    """
+
+    __slots__ = ("_data", "_columns")
+
+    def __init__(self, data: _native.TraceData) -> None:
+        self._data = data
+        self._columns: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if not isinstance(name, str):
+            raise TypeError(f"column: must be text, found {type(name).__name__}")
+        if name not in self._columns:
+            self._columns[name] = np.asarray(self._data.column(name))
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data.names())
+
+    def __len__(self) -> int:
+        return len(self._data.names())
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows (1)."""
+        return len(self._data)
+
+    def _flat(self) -> dict[str, np.ndarray]:
+        """Columns of one dimension; those of springs are ``pull_x_0_n`` and so on."""
+        columns = {name: self[name] for name in self if self[name].ndim == 1}
+        for name, stem, unit in [("tips_m", "tip", "m"), ("pulls_n", "pull", "n")]:
+            values = self[name]
+            if values.ndim == 3:
+                for spring in range(values.shape[1]):
+                    columns[f"{stem}_x_{spring}_{unit}"] = values[:, spring, 0]
+                    columns[f"{stem}_y_{spring}_{unit}"] = values[:, spring, 1]
+        return columns
+
+    def to_pandas(self) -> Any:
+        """The trace as a ``pandas.DataFrame``, with a column for each number of a row."""
+        return library("pandas", "to_pandas").DataFrame(self._flat())
+
+    def to_polars(self) -> Any:
+        """The trace as a ``polars.DataFrame``, with a column for each number of a row."""
+        polars = library("polars", "to_polars")
+        return polars.DataFrame({name: np.ascontiguousarray(column) for name, column in self._flat().items()})
+
+    def __repr__(self) -> str:
+        return f"<Trace: {self.n_rows} rows, {len(self)} columns>"
+
+
+class Run(Mapping[str, Any]):
+    """A finished run. As a mapping it has what ``cohaul run --json`` prints."""
+
+    def __init__(self, data: _native.RunData, backend: str) -> None:
+        self._data = data
+        self._results: dict[str, Any] = json.loads(data.json())
+        self.backend = backend
+        self.trace = Trace(data.trace())
+        """Columns over time; empty if no trace was kept."""
+
+    @property
+    def results(self) -> dict[str, Any]:
+        """All numbers of the run, as ``cohaul run --json`` prints them."""
+        return self._results
+
+    @property
+    def answer(self) -> str:
+        """What the run found, in words."""
+        return self._results["answer"]
+
+    @property
+    def energy(self) -> dict[str, Any]:
+        """Energy ledger at the end (J)."""
+        return self._results["energy"]
+
+    @property
+    def events(self) -> list[Event]:
+        """Grasps and releases, in the order of time."""
+        return [Event(*event) for event in self.trace._data.events()]
+
+    @property
+    def transitions(self) -> list[dict[str, Any]]:
+        """Instants at which the motion of the load is not smooth."""
+        return json.loads(self.trace._data.transitions())
+
+    def to_pandas(self) -> Any:
+        """The trace as a ``pandas.DataFrame``."""
+        return self.trace.to_pandas()
+
+    def to_polars(self) -> Any:
+        """The trace as a ``polars.DataFrame``."""
+        return self.trace.to_polars()
+
+    def overview(self) -> str:
+        """Path, pulls, energy, heading and speed over time, as SVG."""
+        return self._data.overview()
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The HTML page of the run with a replay, which is also written to ``path``."""
+        return written(self._data.page("cohaul.run"), path)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._results[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._results)
+
+    def __len__(self) -> int:
+        return len(self._results)
+
+    def __repr__(self) -> str:
+        return f"<Run of {self['scenario']!r} on {self.backend}: {self.answer}>"
+
+    def _repr_html_(self) -> str:
+        picture = self.overview() if self.trace.n_rows else ""
+        return f"<p>{html.escape(self.answer)}</p>{picture}"
+
+
+def run(
+    scenario: Source,
+    backend: str = "quasi-static",
+    *,
+    step_s: float | None = None,
+    tolerance_m: float | None = None,
+    tolerance_rad: float | None = None,
+    seed: int | None = None,
+    controller: Callable[[Any], Any] | None = None,
+    trace: bool = True,
+    progress: bool | Callable[[float], Any] | None = None,
+    integrator: str | None = None,
+    second_order: bool = False,
+    no_skip: str | Sequence[str] | None = None,
+    rapier: Mapping[str, str] | None = None,
+) -> Run:
+    """Runs a scenario to its end, without the interpreter's lock. Ctrl-C ends it.
+
+    :param backend: ``'quasi-static'``, ``'inertial'`` or ``'rapier'``
+    :param step_s: longest step (s); the default is that of ``cohaul run``
+    :param tolerance_m: error control instead: largest error of the position (m)
+    :param tolerance_rad: and of the heading (rad), by default over the load's radius
+    :param seed: seed of all random streams, in place of the scenario's
+    :param controller: a function that moves the tips in place of the scenario's drive; see
+        :class:`View` for what it is given
+    :param trace: whether rows and events are kept
+    :param progress: ``True`` for a bar, or a function of the fraction done (1)
+    :param rapier: options of rapier: ``friction``, ``springs``, ``precision``, ``settings``
+
+    >>> found = run("scenarios/analytic/qs-ref-1.json", step_s=1e-3)
+    >>> len(found.trace["x_m"]), round(float(found.trace["x_m"][-1]), 4)
+    (1001, 0.0313)
+    """
+    given = as_scenario(scenario)
+    scene = given._scene if seed is None else given._scene.with_seed(whole("seed", seed))
+    if controller is not None and not callable(controller):
+        raise TypeError(f"controller: must be a function, found {type(controller).__name__}")
+    options = backend_options(backend, step_s, tolerance_m, tolerance_rad, integrator, second_order, no_skip, rapier)
+    show, end = progress_of(progress, backend)
+    try:
+        data = _native.run(scene, as_json(options), bool(trace), controller, show)
+    finally:
+        end()
+    return Run(data, backend)
+
+
+def library(name: str, method: str) -> Any:
+    """An optional library, or an error that says how to install it."""
+    import importlib
+
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise ImportError(f"{method}() needs {name}: install it with `pip install {name}`") from error
+
+
+def written(page: str, path: str | os.PathLike[str] | None) -> str:
+    """The page, which is also written to ``path`` unless that is ``None``."""
+    if path is not None:
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(page)
+    return page

@@ -1,0 +1,45 @@
+//! The native part of the Python package `cohaul`. What users call is in `cohaul/*.py`.
+//!
+//! ```text
+//! scene.rs       a checked scenario
+//! options.rs     options of a backend and settings of a comparison
+//! work.rs        computing without the interpreter's lock: interrupts, progress, panics
+//! trace.rs       columns of a trace, which numpy reads in place
+//! run.rs         one run
+//! controller.rs  a controller that is written in Python
+//! stepper.rs     a load that is moved step by step
+//! compare.rs     a comparison of three backends
+//! sweep.rs       many runs on all threads
+//! ```
+#![deny(unsafe_code)]
+
+mod compare;
+mod controller;
+mod options;
+mod points;
+mod run;
+mod scene;
+mod stepper;
+mod sweep;
+mod trace;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::compare::{Comparison, compare};
+    #[pymodule_export]
+    use super::controller::View;
+    #[pymodule_export]
+    use super::run::{RunData, run};
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::stepper::{Stepper, rust_loop_s};
+    #[pymodule_export]
+    use super::sweep::{SweepData, sweep};
+    #[pymodule_export]
+    use super::trace::{Column, TraceData};
+}

@@ -1,0 +1,287 @@
+//! A load that is moved step by step.
+
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Instant;
+
+use cohaul::backend::{Backend, BackendOptions, SavedState, Status, StepReport, build};
+use cohaul::math::Vec2;
+use cohaul::scenario::Scenario;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::controller::must_be;
+use crate::options::{Asked, read, refused};
+use crate::points::{array, point, points};
+use crate::scene::Scene;
+use crate::work::{guarded, internal};
+
+/// Most steps in one advance (1): interrupts are handled between two of them.
+const MOST_STEPS: f64 = 1e5;
+/// Longest time of one advance under error control (s), which chooses its steps.
+const LONGEST: f64 = 1e3;
+
+/// A load on a backend, and what is done with it.
+#[pyclass(frozen, subclass, module = "cohaul._native")]
+pub struct Stepper {
+    scenario: Arc<Scenario>,
+    options: BackendOptions,
+    state: Mutex<State>,
+}
+
+struct State {
+    backend: Box<dyn Backend + Send>,
+    time: f64,
+    totals: StepReport,
+    /// Attached tips (m, world).
+    tips: Vec<Option<Vec2>>,
+    /// Kept for their memory.
+    targets: Vec<Vec2>,
+    between: Vec<Vec2>,
+    is_broken: bool,
+}
+
+/// Complete state, as text.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Saved {
+    scenario_hash: String,
+    options: BackendOptions,
+    time_s: f64,
+    totals: StepReport,
+    tips: Vec<Option<Vec2>>,
+    backend: SavedState,
+}
+
+impl State {
+    fn new(scenario: &Scenario, options: &BackendOptions) -> Self {
+        let n_springs = scenario.system.springs.len();
+        Self {
+            backend: build(&scenario.system, scenario.start, options),
+            time: 0.0,
+            totals: StepReport::default(),
+            tips: vec![None; n_springs],
+            targets: Vec::with_capacity(n_springs),
+            between: Vec::with_capacity(n_springs),
+            is_broken: false,
+        }
+    }
+
+    /// Moves the tips to `targets`, and stops at each instant at which an obstacle turns.
+    fn advance(&mut self, scenario: &Scenario, duration: f64) -> StepReport {
+        let (from, to) = (self.time, self.time + duration);
+        let corner = scenario.system.world.next_corner(from);
+        let mut report = StepReport::default();
+        if corner < to {
+            let start: Vec<Vec2> = self.tips.iter().map(|tip| tip.unwrap_or_default()).collect();
+            let mut corner = corner;
+            while corner < to {
+                let share = (corner - from) / duration;
+                self.between.clear();
+                self.between.extend(start.iter().zip(&self.targets).map(|(start, end)| start + share * (end - start)));
+                report.add(&self.backend.advance(&self.between, corner - self.time));
+                self.time = corner;
+                corner = scenario.system.world.next_corner(corner);
+            }
+        }
+        report.add(&self.backend.advance(&self.targets, to - self.time));
+        self.time = to;
+        for (tip, target) in self.tips.iter_mut().zip(&self.targets) {
+            *tip = tip.map(|_| *target);
+        }
+        report
+    }
+}
+
+impl Stepper {
+    /// The state, for this thread alone.
+    ///
+    /// # Errors
+    /// While another thread uses it, and after a panic.
+    fn state(&self) -> PyResult<MutexGuard<'_, State>> {
+        let state = self.state.try_lock();
+        let state =
+            state.map_err(|_| PyRuntimeError::new_err("simulation: must be used by one thread at a time, found another one in it"))?;
+        match state.is_broken {
+            true => Err(internal("this simulation cannot be used after a panic".to_owned())),
+            false => Ok(state),
+        }
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> PyResult<T> {
+        let state = &mut *self.state()?;
+        guarded(|| work(state)).map_err(|message| {
+            state.is_broken = true;
+            internal(message)
+        })
+    }
+}
+
+#[pymethods]
+impl Stepper {
+    #[new]
+    #[pyo3(signature = (scene, options))]
+    fn new(scene: &Scene, options: &str) -> PyResult<Self> {
+        let scenario = Arc::clone(&scene.scenario);
+        let options = read::<Asked>(options)?.options(&scenario)?;
+        let state = guarded(|| State::new(&scenario, &options)).map_err(internal)?;
+        Ok(Self { scenario, options, state: Mutex::new(state) })
+    }
+
+    /// Attaches a free spring with its tip at `tip` (m, world).
+    fn attach(&self, spring: usize, tip: &Bound<PyAny>) -> PyResult<()> {
+        let tip = point(tip)?;
+        must_be(&self.state()?.tips, spring, false)?;
+        self.with(|state| {
+            state.backend.attach(spring, tip);
+            state.tips[spring] = Some(tip);
+        })
+    }
+
+    /// Releases an attached spring, which relaxes at once.
+    fn release(&self, spring: usize) -> PyResult<()> {
+        must_be(&self.state()?.tips, spring, true)?;
+        self.with(|state| {
+            state.backend.release(spring);
+            state.tips[spring] = None;
+        })
+    }
+
+    /// Moves all tips straight to `tips` (m, world, one entry a spring) within a time (s), and
+    /// returns how the steps ended: `converged`, `not_converged` or `failed`.
+    fn advance(&self, py: Python, tips: &Bound<PyAny>, duration_s: f64) -> PyResult<&'static str> {
+        let most = if self.options.tolerance.is_some() { LONGEST } else { MOST_STEPS * self.options.step_s };
+        if !(duration_s > 0.0 && duration_s <= most) {
+            return Err(refused("duration_s", &format!("must be above 0 and at most {most} s"), duration_s));
+        }
+        let (mut targets, attached) = {
+            let state = &mut *self.state()?;
+            (std::mem::take(&mut state.targets), state.tips.iter().map(Option::is_some).collect::<Vec<_>>())
+        };
+        points(tips, attached.len(), &mut targets, |spring| attached[spring])?;
+        let report = py.allow_threads(|| {
+            self.with(|state| {
+                state.targets = targets;
+                let report = state.advance(&self.scenario, duration_s);
+                state.totals.add(&report);
+                report
+            })
+        })?;
+        Ok(name_of(report.status))
+    }
+
+    /// Complete state as text, from which `load` continues bit for bit.
+    fn save(&self) -> PyResult<String> {
+        let saved = self.with(|state| {
+            let backend = state.backend.save()?;
+            let (time_s, totals, tips) = (state.time, state.totals, state.tips.clone());
+            Ok(Saved { scenario_hash: self.scenario.hash(), options: self.options, time_s, totals, tips, backend })
+        })?;
+        let saved = saved.map_err(|error: cohaul::backend::SaveError| PyRuntimeError::new_err(error.to_string()))?;
+        serde_json::to_string(&saved).map_err(|error| internal(error.to_string()))
+    }
+
+    /// Continues from a state that `save` returned for this scenario and these options.
+    fn load(&self, text: &str) -> PyResult<()> {
+        let unfit =
+            |why: String| PyValueError::new_err(format!("state: must be one that save() returned for this scenario and backend: {why}"));
+        let saved: Saved = serde_json::from_str(text).map_err(|error| unfit(error.to_string()))?;
+        let hash = self.scenario.hash();
+        if saved.scenario_hash != hash {
+            return Err(unfit(format!("it is of the scenario {}, this one is {hash}", saved.scenario_hash)));
+        }
+        if saved.options != self.options || saved.tips.len() != self.scenario.system.springs.len() {
+            return Err(unfit("it has other options or springs".to_owned()));
+        }
+        // A state that does not fit leaves this one as it is.
+        let mut state = guarded(|| State::new(&self.scenario, &self.options)).map_err(internal)?;
+        guarded(|| state.backend.restore(&saved.backend)).map_err(internal)?.map_err(|error| unfit(error.to_string()))?;
+        if (0..saved.tips.len()).any(|spring| state.backend.tip(spring).is_some() != saved.tips[spring].is_some()) {
+            return Err(unfit("its tips are not those of its load".to_owned()));
+        }
+        (state.time, state.totals, state.tips) = (saved.time_s, saved.totals, saved.tips);
+        *self.state()? = state;
+        Ok(())
+    }
+
+    /// Time so far (s).
+    #[getter]
+    fn time_s(&self) -> PyResult<f64> {
+        Ok(self.state()?.time)
+    }
+
+    /// Position (m, world) and heading (rad) of the load: (x, y, heading).
+    #[getter]
+    fn pose(&self) -> PyResult<(f64, f64, f64)> {
+        let pose = self.state()?.backend.motion().pose;
+        Ok((pose.position.x, pose.position.y, pose.heading))
+    }
+
+    /// Velocity (m/s, world) and turn rate (rad/s) of the load.
+    #[getter]
+    fn twist(&self) -> PyResult<(f64, f64, f64)> {
+        let twist = self.state()?.backend.motion().twist;
+        Ok((twist.linear.x, twist.linear.y, twist.angular))
+    }
+
+    /// Whether each spring is attached.
+    #[getter]
+    fn attached(&self) -> PyResult<Vec<bool>> {
+        Ok(self.state()?.tips.iter().map(Option::is_some).collect())
+    }
+
+    /// Tip of each spring (m, world); NaN for a free one.
+    #[getter]
+    fn tips<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let tips = self.state()?.tips.clone();
+        array(py, tips.iter().map(|tip| tip.unwrap_or(Vec2::new(f64::NAN, f64::NAN))))
+    }
+
+    /// Pull on the tip of each spring (N, world); zero for a free one.
+    #[getter]
+    fn pulls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let pulls = self.with(|state| (0..state.tips.len()).map(|spring| state.backend.pull(spring)).collect::<Vec<_>>())?;
+        array(py, pulls.into_iter())
+    }
+
+    /// Energy ledger (J), and counts of the steps so far.
+    fn facts(&self) -> PyResult<String> {
+        let (energy, totals) = self.with(|state| (state.backend.energy(), state.totals))?;
+        let energy = serde_json::json!({
+            "elastic_j": energy.elastic, "kinetic_j": energy.kinetic, "dissipated_j": energy.dissipated(),
+            "tip_work_j": energy.tip_work, "defect_j": energy.defect(),
+        });
+        serde_json::to_string(&serde_json::json!({ "energy": energy, "steps": totals })).map_err(|error| internal(error.to_string()))
+    }
+}
+
+const fn name_of(status: Status) -> &'static str {
+    match status {
+        Status::Converged => "converged",
+        Status::NotConverged => "not_converged",
+        Status::Failed => "failed",
+    }
+}
+
+/// Real time (s) of `n` advances in Rust: all springs attached where `starts` says, and every tip
+/// moved by `shift` (m) in each of them. Pose and pulls are read after each.
+#[pyfunction]
+pub fn rust_loop_s(scene: &Scene, options: &str, starts: &Bound<PyAny>, shift: (f64, f64), duration_s: f64, n: u32) -> PyResult<f64> {
+    let scenario = &scene.scenario;
+    let options = read::<Asked>(options)?.options(scenario)?;
+    let mut state = State::new(scenario, &options);
+    let mut tips = Vec::new();
+    points(starts, state.tips.len(), &mut tips, |_| true)?;
+    tips.iter().enumerate().for_each(|(spring, tip)| state.backend.attach(spring, *tip));
+    let shift = Vec2::new(shift.0, shift.1);
+    let mut seen = 0.0;
+    let clock = Instant::now();
+    for _ in 0..n {
+        tips.iter_mut().for_each(|tip| *tip += shift);
+        state.backend.advance(&tips, duration_s);
+        seen += state.backend.motion().pose.position.x;
+        seen += (0..tips.len()).map(|spring| state.backend.pull(spring).x).sum::<f64>();
+    }
+    std::hint::black_box(seen);
+    Ok(clock.elapsed().as_secs_f64())
+}

@@ -1,0 +1,60 @@
+"""Examples in docstrings, README and book run, and stubs name what there is."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+import cohaul
+
+MODULES = ["cohaul", *(f"cohaul.{name}" for name in ["_errors", "_parts", "_scenario", "_run", "_compare", "_sweep", "_simulation", "gym"])]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstrings(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    module = importlib.import_module(name)
+    found = doctest.testmod(module, extraglobs={"cohaul": cohaul})
+    assert found.failed == 0 and found.attempted > 0
+
+
+@pytest.mark.parametrize("name", ["README.md", "docs/src/python.md"])
+def test_python_code_of_readme_and_book(name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    text = (ROOT / name).read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.S)
+    assert blocks
+    (tmp_path / "scenarios").symlink_to(ROOT / "scenarios")
+    for file, content in re.findall(r"```json (\S+)\n(.*?)```", text, re.S):
+        (tmp_path / file).write_text(content)
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    for block in blocks:
+        exec(compile(block, name, "exec"), names)
+
+
+def test_stubs_name_what_the_native_part_has() -> None:
+    from cohaul import _native
+
+    tree = ast.parse((Path(cohaul.__file__).parent / "_native.pyi").read_text())
+    stubs = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    assert set(stubs) == {name for name in dir(_native) if not name.startswith("_")}
+    for name, node in stubs.items():
+        if isinstance(node, ast.ClassDef):
+            members = [part.name if isinstance(part, ast.FunctionDef) else part.target.id for part in node.body if isinstance(part, (ast.FunctionDef, ast.AnnAssign))]
+            missing = {member for member in vars(getattr(_native, name)) if not member.startswith("_")} - set(members)
+            assert not missing and all(hasattr(getattr(_native, name), member) for member in members), (name, missing)
+
+
+def test_every_public_thing_has_a_docstring() -> None:
+    for name in cohaul.__all__:
+        thing = getattr(cohaul, name)
+        if callable(thing):
+            assert thing.__doc__, name
+            for member in [member for member in vars(thing) if isinstance(thing, type) and not member.startswith("_")]:
+                assert getattr(thing, member).__doc__, f"{name}.{member}"
