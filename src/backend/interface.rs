@@ -31,7 +31,7 @@ use crate::math::Vec2;
 /// assert!((load.pull(0).norm() - system.total_slip_limit()).abs() < 1e-12);
 /// # Ok::<(), cohaul::scenario::ScenarioError>(())
 /// ```
-pub trait Backend {
+pub trait Backend: Send {
     /// Attaches the tip of a free spring at `tip` (m, world), to an ant, a robot or a guide.
     fn attach(&mut self, spring: usize, tip: Vec2);
 

@@ -17,6 +17,7 @@ mod options;
 mod pose_error;
 pub mod rapier;
 mod saved_state;
+mod shared;
 mod shortcuts;
 mod side_contact;
 pub mod springs;
@@ -37,6 +38,7 @@ pub use options::{BackendKind, BackendOptions, Setting};
 pub use pose_error::PoseError;
 pub use rapier::RapierOptions;
 pub use saved_state::{RestoreError, SaveError, SavedState};
+pub use shared::Shared;
 pub use shortcuts::{Skip, SkipCounts, Skips};
 pub use side_contact::SideContact;
 pub use springs::{AttachedTip, AttachedTips};
@@ -52,12 +54,12 @@ use exact::{Column, Control, Exact};
 use tandem::tandem;
 use tolerance::CHECK_SHARE;
 
-/// Backend that the options ask for. It may move between threads.
+/// Backend that the options ask for.
 ///
 /// # Panics
 /// When the step or the tolerance is not positive, or when a backend without error control is given
 /// a tolerance.
-pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend + Send> {
+pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     assert!(options.step_s > 0.0, "steps must be positive, found {} s", options.step_s);
     let Some(tolerance) = &options.tolerance else { return with_stepping(system, start, options, Stepping::Fixed(options.step_s)) };
     let Tolerance { position_m, heading_rad, .. } = tolerance;
@@ -77,7 +79,7 @@ pub fn build(system: &System, start: Motion, options: &BackendOptions) -> Box<dy
 
 /// Backend with this stepping: the only place that maps kinds to code. Options of fixed steps are
 /// ignored under error control.
-fn with_stepping(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend + Send> {
+fn with_stepping(system: &System, start: Motion, options: &BackendOptions, stepping: Stepping) -> Box<dyn Backend> {
     let is_fixed = matches!(stepping, Stepping::Fixed(_));
     match options.kind {
         BackendKind::QuasiStatic => {

@@ -27,7 +27,7 @@ const SHARED: f64 = 0.05;
 
 /// The less exact of the two backends, and what the two runs show of the error.
 pub(super) struct Check {
-    backend: Box<dyn Backend + Send>,
+    backend: Box<dyn Backend>,
     /// Bound of the errors that both runs share.
     shared: PoseError,
     /// Largest distance of the two runs so far.
@@ -36,11 +36,7 @@ pub(super) struct Check {
 
 /// The backend `answer`, with a bound of its pose error that `check` finds. Both keep to a share of
 /// `tolerance`.
-pub(super) fn tandem(
-    answer: Box<dyn Backend + Send>,
-    check: Box<dyn Backend + Send>,
-    tolerance: &Tolerance,
-) -> Wrapped<Check, Box<dyn Backend + Send>> {
+pub(super) fn tandem(answer: Box<dyn Backend>, check: Box<dyn Backend>, tolerance: &Tolerance) -> Wrapped<Check> {
     let shared = PoseError { position: SHARED * tolerance.position_m, heading: SHARED * tolerance.heading_rad };
     Wrapped { inside: answer, hook: Check { backend: check, shared, largest: PoseError::default() } }
 }
@@ -68,7 +64,7 @@ impl Hook for Check {
     fn advance(&mut self, answer: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let mut report = answer.advance(tip_targets, duration);
         report.add(&self.backend.advance(tip_targets, duration));
-        let (one, other) = (answer.motion().pose, self.backend.motion().pose);
+        let [one, other] = [&*answer, self.backend.as_ref()].map(|run| run.motion().pose);
         let distance = PoseError { position: (one.position - other.position).norm(), heading: (one.heading - other.heading).abs() };
         self.largest = self.largest.max(&distance);
         report

@@ -5,7 +5,7 @@ use super::{Backend, EnergyLedger, Motion, PoseError, RestoreError, SaveError, S
 use crate::math::Vec2;
 
 /// What a [`Wrapped`] backend does besides passing a call on. Each default only passes it on.
-pub trait Hook {
+pub trait Hook: Send {
     fn attach(&mut self, inside: &mut dyn Backend, spring: usize, tip: Vec2) {
         inside.attach(spring, tip);
     }
@@ -41,38 +41,12 @@ pub trait Hook {
 }
 
 /// The backend `inside`, called through a hook. All questions about the load go to it unchanged.
-pub struct Wrapped<H, B = Box<dyn Backend>> {
-    pub inside: B,
+pub struct Wrapped<H> {
+    pub inside: Box<dyn Backend>,
     pub hook: H,
 }
 
-/// What a [`Wrapped`] backend holds: a backend that may or may not move between threads.
-pub trait Inside {
-    fn as_ref(&self) -> &dyn Backend;
-    fn as_mut(&mut self) -> &mut dyn Backend;
-}
-
-impl Inside for Box<dyn Backend> {
-    fn as_ref(&self) -> &dyn Backend {
-        &**self
-    }
-
-    fn as_mut(&mut self) -> &mut dyn Backend {
-        &mut **self
-    }
-}
-
-impl Inside for Box<dyn Backend + Send> {
-    fn as_ref(&self) -> &dyn Backend {
-        &**self
-    }
-
-    fn as_mut(&mut self) -> &mut dyn Backend {
-        &mut **self
-    }
-}
-
-impl<H: Hook, B: Inside> Backend for Wrapped<H, B> {
+impl<H: Hook> Backend for Wrapped<H> {
     fn attach(&mut self, spring: usize, tip: Vec2) {
         self.hook.attach(self.inside.as_mut(), spring, tip);
     }
@@ -86,35 +60,35 @@ impl<H: Hook, B: Inside> Backend for Wrapped<H, B> {
     }
 
     fn motion(&self) -> Motion {
-        self.inside.as_ref().motion()
+        self.inside.motion()
     }
 
     fn tip(&self, spring: usize) -> Option<Vec2> {
-        self.inside.as_ref().tip(spring)
+        self.inside.tip(spring)
     }
 
     fn pull(&self, spring: usize) -> Vec2 {
-        self.inside.as_ref().pull(spring)
+        self.inside.pull(spring)
     }
 
     fn energy(&self) -> EnergyLedger {
-        self.inside.as_ref().energy()
+        self.inside.energy()
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {
-        self.inside.as_ref().friction_forces()
+        self.inside.friction_forces()
     }
 
     fn side_contacts(&self) -> Vec<SideContact> {
-        self.inside.as_ref().side_contacts()
+        self.inside.side_contacts()
     }
 
     fn read_tips(&self, tips: &mut [AttachedTip]) {
-        self.inside.as_ref().read_tips(tips);
+        self.inside.read_tips(tips);
     }
 
     fn transitions(&self) -> &[Transition] {
-        self.inside.as_ref().transitions()
+        self.inside.transitions()
     }
 
     fn pose_error(&self) -> Option<PoseError> {

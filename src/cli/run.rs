@@ -1,10 +1,8 @@
 //! `cohaul run`.
 
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::rc::Rc;
 use std::time::{Instant, SystemTime};
 
 use clap::Args;
@@ -21,7 +19,7 @@ use super::resumable::stopped;
 use super::watch::watched_by;
 use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate};
-use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Skip, Skips, Status, Tolerance, build};
+use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Shared, Skip, Skips, Status, Tolerance, build};
 use crate::output::chart::Scene;
 use crate::output::json;
 use crate::output::progress::Progress;
@@ -140,7 +138,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
 }
 
 /// What follows a run to estimate the inertia effect, if anything does.
-type SharedEstimator = Option<Rc<RefCell<Estimator>>>;
+type SharedEstimator = Option<Shared<Estimator>>;
 
 /// The run, as far as it got, and what follows it to estimate the inertia effect.
 fn computed<'a>(

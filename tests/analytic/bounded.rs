@@ -12,11 +12,10 @@
 //! was stable under the old tips. Where it is not, the load jumps, and only the upper bound holds:
 //! after a spring was attached or released, when that bound is zero, and at the end of a balance.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
 use cohaul::backend::springs::Attachments;
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Hook, Motion, Skip, Skips, StepReport, TransitionKind, Wrapped, build};
+use cohaul::backend::{
+    Backend, BackendKind, BackendOptions, Hook, Motion, Shared, Skip, Skips, StepReport, TransitionKind, Wrapped, build,
+};
 use cohaul::math::{Arc, Pose, Vec2, rotation};
 use cohaul::model::System;
 use cohaul::model::support::slip_velocity;
@@ -43,12 +42,12 @@ pub struct Auditor {
     system: System,
     held: Attachments,
     disturbed: bool,
-    findings: Rc<RefCell<Findings>>,
+    findings: Shared<Findings>,
 }
 
 /// A quasi-static backend with an auditor in front of it, and where the findings appear.
-pub fn audited(system: &System, start: Motion) -> (Wrapped<Auditor>, Rc<RefCell<Findings>>) {
-    let findings = Rc::new(RefCell::new(Findings::default()));
+pub fn audited(system: &System, start: Motion) -> (Wrapped<Auditor>, Shared<Findings>) {
+    let findings = Shared::new(Findings::default());
     let options = BackendOptions::new(BackendKind::QuasiStatic, f64::INFINITY);
     let inside = build(system, start, &BackendOptions { skips: Skips::ALL.without(Skip::StickCertificate), ..options });
     let hook = Auditor { system: system.clone(), held: Attachments::default(), disturbed: false, findings: findings.clone() };
@@ -75,7 +74,7 @@ impl Auditor {
         let gain = after_at_q1 - before_at_q0 + loss + inner.energy().side_friction - booked_at_sides;
         let scale = loss + before_at_q0.max(before_at_q1).max(after_at_q0).max(after_at_q1) + f64::MIN_POSITIVE;
 
-        let mut found = self.findings.borrow_mut();
+        let mut found = self.findings.borrow();
         found.n_steps += 1;
         found.n_moving += u32::from(loss > 0.0);
         found.n_jumps += u32::from(is_jump && loss > 0.0);

@@ -1,10 +1,7 @@
 //! A quasi-static backend with an estimator beside it.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
 use super::estimator::Estimator;
-use crate::backend::{Backend, BackendOptions, Hook, Motion, RestoreError, SaveError, SavedState, StepReport, Wrapped, build};
+use crate::backend::{Backend, BackendOptions, Hook, Motion, RestoreError, SaveError, SavedState, Shared, StepReport, Wrapped, build};
 use crate::math::Vec2;
 use crate::model::System;
 
@@ -12,28 +9,28 @@ use crate::model::System;
 const KEY: &str = "inertia_estimate";
 
 /// Passes what happens to the load on to an estimator.
-struct Follow(Rc<RefCell<Estimator>>);
+struct Follow(Shared<Estimator>);
 
 /// A quasi-static backend for `system`, and an estimator that follows it. The backend moves the
 /// load as it would alone.
 ///
 /// # Panics
 /// If the options are those of a backend with inertia.
-pub fn with_estimate(system: &System, start: Motion, options: &BackendOptions) -> (Box<dyn Backend>, Rc<RefCell<Estimator>>) {
+pub fn with_estimate(system: &System, start: Motion, options: &BackendOptions) -> (Box<dyn Backend>, Shared<Estimator>) {
     assert!(!options.kind.has_inertia(), "{} has inertia: there is nothing to estimate", options.kind.name());
-    let estimator = Rc::new(RefCell::new(Estimator::new(system, &start)));
-    let (inside, hook) = (build(system, start, options), Follow(Rc::clone(&estimator)));
+    let estimator = Shared::new(Estimator::new(system, &start));
+    let (inside, hook) = (build(system, start, options), Follow(estimator.clone()));
     (Box::new(Wrapped { inside, hook }), estimator)
 }
 
 impl Hook for Follow {
     fn attach(&mut self, inside: &mut dyn Backend, spring: usize, tip: Vec2) {
-        self.0.borrow_mut().attach(spring, tip, &inside.motion().pose);
+        self.0.borrow().attach(spring, tip, &inside.motion().pose);
         inside.attach(spring, tip);
     }
 
     fn release(&mut self, inside: &mut dyn Backend, spring: usize) {
-        self.0.borrow_mut().release(spring, &inside.motion().pose);
+        self.0.borrow().release(spring, &inside.motion().pose);
         inside.release(spring);
     }
 
@@ -41,7 +38,7 @@ impl Hook for Follow {
         let before = inside.motion().pose;
         let report = inside.advance(tip_targets, duration);
         if !report.is_refused() {
-            let mut estimator = self.0.borrow_mut();
+            let mut estimator = self.0.borrow();
             estimator.advance(&before, &inside.motion().pose, tip_targets, duration);
             estimator.note(inside.transitions());
         }
@@ -56,7 +53,7 @@ impl Hook for Follow {
 
     fn restore(&mut self, inside: &mut dyn Backend, state: &SavedState) -> Result<(), RestoreError> {
         let estimator = state.0.get(KEY).ok_or_else(|| RestoreError("it was saved without an inertia estimate".into()))?;
-        self.0.borrow_mut().restore(estimator)?;
+        self.0.borrow().restore(estimator)?;
         inside.restore(state)
     }
 }

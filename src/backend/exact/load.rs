@@ -16,8 +16,8 @@ use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 
 /// One method: how it takes a step, and what it remembers from step to step.
-pub trait Method: Sized {
-    type Memory: Clone + Serialize + DeserializeOwned;
+pub trait Method: Sized + Send {
+    type Memory: Clone + Serialize + DeserializeOwned + Send;
 
     /// Takes the tips from one share of their paths to another, and the load with them.
     fn step(load: &mut Exact<Self>, paths: &TipPaths, from: f64, to: f64) -> StepReport;

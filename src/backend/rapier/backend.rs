@@ -30,7 +30,7 @@ pub struct Rapier {
     pub(super) step: f64,
     pub(super) options: RapierOptions,
     pub(super) skips: Skips,
-    pub(super) engine: Box<dyn Engine + Send>,
+    pub(super) engine: Box<dyn Engine>,
     pub(super) friction: GroundFriction,
     /// Whether the joints of the engine do not belong to the present attachments.
     pub(super) is_stale: bool,
@@ -129,7 +129,7 @@ pub(super) const NOT_FINITE: Motion = Motion {
 };
 
 impl Rapier {
-    pub fn new(system: System, start: Motion, options: &BackendOptions, engine: Box<dyn Engine + Send>) -> Self {
+    pub fn new(system: System, start: Motion, options: &BackendOptions, engine: Box<dyn Engine>) -> Self {
         let body = engine.body();
         let mut state = State {
             body,

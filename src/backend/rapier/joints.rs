@@ -129,7 +129,7 @@ pub struct StepInputs<'a> {
 }
 
 /// A world of rapier with one load.
-pub trait Engine {
+pub trait Engine: Send {
     fn body(&self) -> BodyState;
 
     /// Starts a new world with the load in this state, with these numbers of joints and with the

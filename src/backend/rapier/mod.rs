@@ -41,9 +41,9 @@ use super::{Backend, BackendOptions, Motion};
 use crate::model::System;
 
 /// A load under rapier.
-pub fn build(system: System, start: Motion, options: &BackendOptions) -> Box<dyn Backend + Send> {
+pub fn build(system: System, start: Motion, options: &BackendOptions) -> Box<dyn Backend> {
     let body = joints::BodyState::of(&start);
-    let engine: Box<dyn joints::Engine + Send> = match options.rapier.precision {
+    let engine: Box<dyn joints::Engine> = match options.rapier.precision {
         Precision::F64 => Box::new(double::World::new(&system, &body, &options.rapier)),
         #[cfg(feature = "rapier-f32")]
         Precision::F32 => Box::new(single::World::new(&system, &body, &options.rapier)),

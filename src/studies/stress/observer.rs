@@ -1,9 +1,6 @@
 //! Hook that records what a backend does at every step.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
-use crate::backend::{Backend, Hook, Motion, Status, StepReport, Wrapped};
+use crate::backend::{Backend, Hook, Motion, Shared, Status, StepReport, Wrapped};
 use crate::math::{Pose, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
@@ -56,15 +53,15 @@ pub struct Observer {
     swings: Vec<f64>,
     /// (s)
     time: f64,
-    seen: Rc<RefCell<Seen>>,
+    seen: Shared<Seen>,
 }
 
 impl Observer {
     /// The backend with an observer around it, and what the observer sees.
-    pub fn around(inside: Box<dyn Backend>, system: &System) -> (Box<dyn Backend>, Rc<RefCell<Seen>>) {
-        let seen = Rc::new(RefCell::new(Seen { shortest: f64::INFINITY, ..Seen::default() }));
+    pub fn around(inside: Box<dyn Backend>, system: &System) -> (Box<dyn Backend>, Shared<Seen>) {
+        let seen = Shared::new(Seen { shortest: f64::INFINITY, ..Seen::default() });
         let (start, swings) = (inside.motion().pose, vec![0.0; system.springs.len()]);
-        let hook = Self { system: system.clone(), start, swings, time: 0.0, seen: Rc::clone(&seen) };
+        let hook = Self { system: system.clone(), start, swings, time: 0.0, seen: seen.clone() };
         (Box::new(Wrapped { inside, hook }), seen)
     }
 
@@ -186,16 +183,16 @@ impl Hook for Observer {
     fn attach(&mut self, inside: &mut dyn Backend, spring: usize, tip: Vec2) {
         self.swings[spring] = 0.0;
         inside.attach(spring, tip);
-        let (shapes, seen) = (self.shapes(inside), Rc::clone(&self.seen));
-        self.see_springs(inside, &mut seen.borrow_mut(), &shapes);
+        let (shapes, seen) = (self.shapes(inside), self.seen.clone());
+        self.see_springs(inside, &mut seen.borrow(), &shapes);
     }
 
     fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let (shapes, tips, pulls) = (self.shapes(inside), self.tips(inside), self.pulls(inside));
         let (before, pushes) = (inside.motion().pose, self.pushes(inside));
         let report = inside.advance(tip_targets, duration);
-        let seen = Rc::clone(&self.seen);
-        let seen = &mut *seen.borrow_mut();
+        let seen = self.seen.clone();
+        let seen = &mut *seen.borrow();
         seen.report.add(&report);
         seen.n_advances += 1;
         let step = seen.n_advances;

@@ -1,14 +1,11 @@
 //! One run of a cell on one method, and its numbers.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
 use serde::{Deserialize, Serialize};
 
 use super::guard::guarded;
 use super::map::Answer;
 use super::observer::{Observer, Seen};
-use crate::backend::{Motion, Status};
+use crate::backend::{Motion, Shared, Status};
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, MakeBackend, Simulation, controller_of};
 use crate::studies::methods::Method;
@@ -98,7 +95,10 @@ fn run_at(scenario: &Scenario, method: Method, step: f64, make: &MakeBackend) ->
         let options = method.options(step);
         let (observer, seen) = Observer::around(make(scenario, &options), &scenario.system);
         let mut simulation = Simulation::from_parts(scenario, &options, Keep::Outcome, controller_of(scenario), observer);
-        let spent = |seen: &Rc<RefCell<Seen>>| seen.borrow().report.n_iterations + seen.borrow().report.n_solves;
+        let spent = |seen: &Shared<Seen>| {
+            let report = seen.borrow().report;
+            report.n_iterations + report.n_solves
+        };
         while !simulation.is_finished() && spent(&seen) <= MOST_ITERATIONS {
             simulation.step();
         }
