@@ -28,9 +28,9 @@
 //! [`Controller`]. Units are SI; angles are in radians, counter-clockwise.
 //!
 //! Features: `program` (default) builds the command line on the studies, figures and reports of
-//! `reports`, and `parquet` (default) writes tables as Parquet. `rapier-f32` (default) adds rapier in
-//! single precision. `internals` shows the modules of the tree to the project's own tests and Python
-//! package; what they hold may change at any time.
+//! `reports`, and `parquet` (default) writes tables as Parquet. `rapier-f32` (default) adds rapier
+//! in single precision. `internals` shows the modules of the tree to the project's own tests and
+//! Python package; what they hold may change at any time.
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(feature = "internals"),

@@ -199,8 +199,8 @@ struct Errors {
 }
 
 fn errors(scene: &Scene, kind: BackendKind) -> Errors {
-    // At obstacles a few scenes are rounding at the tightest tolerances, and say so. The last one is
-    // the one before it for a bound that is twice the distance of two runs.
+    // At obstacles a few scenes are rounding at the tightest tolerances, and say so. The last one
+    // is the one before it for a bound that is twice the distance of two runs.
     let references = [REFERENCE, 10.0 * REFERENCE, 20.0 * REFERENCE].map(|tolerance| move || scene.run(kind, tolerance));
     let reference = references.into_iter().map(|run| run()).find(|run| run.is_within);
     let reference = reference.unwrap_or_else(|| panic!("{} {kind:?} has no reference", scene.name));

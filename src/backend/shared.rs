@@ -18,8 +18,8 @@ impl<T> Shared<T> {
         Self(Arc::new(Mutex::new(value)))
     }
 
-    /// The value, which nobody else sees meanwhile. What a panic left of it is still of use: where
-    /// a run ended.
+    /// The value, locked for all other owners. What a panic left of it is still of use: where a run
+    /// ended.
     pub fn borrow(&self) -> MutexGuard<'_, T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

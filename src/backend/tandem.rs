@@ -6,9 +6,9 @@
 //!
 //! The distance alone is no bound. Where a contact mode changes, both runs cut their macro-steps at
 //! the same places and may be wrong by the same displacement, which their distance does not show.
-//! Such errors are a few hundredths of the tolerance. The bound is therefore the largest distance so
-//! far times a safety factor, and at least a twentieth of the tolerance once the two runs differ at
-//! all. It covers the errors of 1,100 random scenes (`results/2026-11-24-reference-error`).
+//! Such errors are a few hundredths of the tolerance. The bound is therefore the largest distance
+//! so far times a safety factor, and at least a twentieth of the tolerance once the two runs differ
+//! at all. It covers the errors of 1,100 random scenes (`results/2026-11-24-reference-error`).
 
 use serde::{Deserialize, Serialize};
 

@@ -7,8 +7,8 @@ use crate::backend::AttachedTip;
 use crate::output::lines::{Lines, TableError};
 use crate::simulation::{EventKind, Row, Trace};
 
-/// Columns of `tips.csv`, all in world axes. The event is `release` where a tip is let go, and empty
-/// elsewhere.
+/// Columns of `tips.csv`, all in world axes. The event is `release` where a tip is let go, and
+/// empty elsewhere.
 pub const TIP_COLUMNS: [&str; 8] = ["time_s", "spring", "x_m", "y_m", "heading_rad", "tip_x_m", "tip_y_m", "event"];
 
 /// Writes `tips.csv`: a row for each attached tip at each control tick and wherever a tip turns

@@ -22,8 +22,8 @@ pub enum Keep {
 pub struct Trace {
     pub rows: Vec<Row>,
     pub events: Vec<Event>,
-    /// States at instants between two rows at which a tip may turn. A run whose rows are handed over
-    /// keeps none.
+    /// States at instants between two rows at which a tip may turn. A run whose rows are handed
+    /// over keeps none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub between: Vec<Row>,
     /// Instants at which the load's motion is not smooth, as the backend reported them.

@@ -66,8 +66,8 @@ fn a_tip_that_jumps_by_a_metre_is_followed() {
     assert_eq!(steps.unresolved_rad, 0.0);
 }
 
-/// A tip that is attached a nanometre from the root resists a motion across the spring with kappa_tau
-/// / l^2: no step that is taken by default resolves that, and the run reports it.
+/// A tip that is attached a nanometre from the root resists a motion across the spring with
+/// kappa_tau / l^2: no step that is taken by default resolves that, and the run reports it.
 #[test]
 fn a_grasp_at_the_root_is_followed_or_reported() {
     let root = paper_springs(1)[0].root;

@@ -36,8 +36,8 @@ impl Row {
     }
 }
 
-/// The scene of a seed, cut after `longest` (s), on one backend at this tolerance (m); `None` if the
-/// run or the truth did not converge, or the truth is no better than the run.
+/// The scene of a seed, cut after `longest` (s), on one backend at this tolerance (m); `None` if
+/// the run or the truth did not converge, or the truth is no better than the run.
 fn row(seed: u64, kind: BackendKind, tolerance: f64, longest: f64) -> Option<Row> {
     let scene = Scene::new(format!("random {seed}"), random_scenario(seed), longest);
     let [found, truth] = [tolerance, TRUTH * tolerance].map(|tolerance| scene.try_run(kind, tolerance));

@@ -81,7 +81,7 @@ impl Exact<QuasiStatic> {
     }
 
     /// Whether the end of a snap-through depends on the dissipation. It is not followed: the load
-    /// was already on its way when the tips came to where they are.
+    /// had already moved when the tips came to where they are.
     pub(super) fn is_uncertain_from(&self, start: &Pose, rule: &StepReport) -> bool {
         self.departure_from_flow(start, rule) > CERTAIN
     }

@@ -81,8 +81,8 @@ impl Exact<QuasiStatic> {
 
     /// Completes a snap-through. The balance ends where the energy of the springs is no longer
     /// convex, and the load moves to another balance while the tips move. The energy that is
-    /// missing since `start` is more than the error of the trapezoid rule on a smooth path: of the tips,
-    /// `allowed` (J), and of the obstacles.
+    /// missing since `start` is more than the error of the trapezoid rule on a smooth path: of the
+    /// tips, `allowed` (J), and of the obstacles.
     pub(super) fn snap_through(
         &mut self,
         start: &SnapStart,

@@ -1,5 +1,5 @@
-//! A path that was recorded elsewhere, by a camera or another program, beside those of a run on each
-//! backend.
+//! A path that was recorded elsewhere, by a camera or another program, beside those of a run on
+//! each backend.
 
 use serde::Serialize;
 
