@@ -89,6 +89,8 @@ fn all(scenario: &Scenario, settings: &Settings, tiers: &[Tier], n_seeds: usize,
             Tier::Prescribed => found.prescribed = Some(runs.prescribed(watch)?),
             Tier::Replayed => found.replayed = Some(runs.replayed(watch)?),
             Tier::ClosedLoop => found.closed_loop = Some(runs.closed_loop(n_seeds, watch)?),
+            // It has no name by which it could be asked for.
+            Tier::Controlled => {}
         }
     }
     Some(found)
@@ -107,6 +109,7 @@ impl Comparison {
             Tier::ClosedLoop => tiers.closed_loop.as_ref().map(|found| found.traces.iter().collect()),
             Tier::Prescribed => traces_of(tiers.prescribed.as_ref()),
             Tier::Replayed => traces_of(tiers.replayed.as_ref()),
+            Tier::Controlled => None,
         }
     }
 }

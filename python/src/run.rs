@@ -1,12 +1,10 @@
 //! One run.
 
-use std::cell::RefCell;
-use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
 use cohaul::analysis::estimate::{Estimator, InertiaEstimate, with_estimate};
-use cohaul::backend::{Backend, BackendKind, BackendOptions};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Shared};
 use cohaul::output::chart::{self, Labelled};
 use cohaul::output::json;
 use cohaul::output::manifest::Manifest;
@@ -60,7 +58,7 @@ pub fn run(
 }
 
 /// What follows a run to estimate the inertia effect, if anything does.
-type SharedEstimator = Option<Rc<RefCell<Estimator>>>;
+type SharedEstimator = Option<Shared<Estimator>>;
 
 fn backend(scenario: &Scenario, options: &BackendOptions) -> (Box<dyn Backend>, SharedEstimator) {
     if options.kind != BackendKind::QuasiStatic {
