@@ -83,7 +83,7 @@ fn pair(value: &Bound<PyAny>, path: impl Fn() -> String) -> PyResult<Vec2> {
 }
 
 fn finite(position: &Vec2, path: impl Fn() -> String) -> PyResult<()> {
-    match [position.x, position.y].into_iter().find(|value| !(value.abs() <= LARGEST)) {
+    match [position.x, position.y].into_iter().find(|value| value.is_nan() || value.abs() > LARGEST) {
         Some(value) => Err(PyValueError::new_err(format!("{}: must be finite and at most {LARGEST:e} m in size, found {value}", path()))),
         None => Ok(()),
     }

@@ -38,7 +38,7 @@ pub fn longest_step(system: &System, pose: &Pose, paths: &TipPaths, longest: f64
         }
     });
     let rate = rates[0].max(rates[1]);
-    if !(longest.min(paths.duration) * rate > LARGEST_ANGLE) {
+    if longest.min(paths.duration) * rate <= LARGEST_ANGLE {
         return longest;
     }
     let step = (0.5 * LARGEST_ANGLE / rate).max(SHORTEST_STEP).min(longest);
