@@ -5,7 +5,6 @@ use super::contact::GroundContact;
 use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::friction::EXACT;
-use crate::backend::springs::Attachments;
 use crate::backend::{StepReport, Transition, TransitionKind};
 use crate::math::Pose;
 
@@ -27,12 +26,11 @@ impl Exact<QuasiStatic> {
     // A function of its own: steps come far more often and need the registers.
     #[inline(never)]
     pub(super) fn jump(&mut self) -> StepReport {
-        let (start, then, last) = (self.state.snap_start(), Attachments::clone(&self.springs), self.state.contact.last());
-        let rule = self.settle();
-        let (report, is_uncertain) = self.follow_flow(&start, &then, rule);
+        let (start, last) = (self.state.snap_start(), self.state.contact.last());
+        let report = self.settle();
         self.state.contact = GroundContact::Unknown { last, jump_is_pending: false };
         if self.edge_displacement(&start.pose) > SMALLEST_JUMP * self.system.load.radius {
-            let kind = self.book_jump(&start, is_uncertain);
+            let kind = self.book_jump(&start, &report);
             self.transitions.push(Transition { time: 0.0, kind });
         }
         report
@@ -72,7 +70,8 @@ impl Exact<QuasiStatic> {
     }
 
     /// Adds the jump from `start` to the ledger.
-    fn book_jump(&mut self, start: &SnapStart, is_uncertain: bool) -> TransitionKind {
+    fn book_jump(&mut self, start: &SnapStart, report: &StepReport) -> TransitionKind {
+        let is_uncertain = self.is_uncertain_from(&start.pose, report);
         let (pose, energy) = (&self.state.motion.pose, start.defect - self.state.energy.defect());
         self.state.energy.jumps += energy;
         let shift = (pose.position - start.pose.position).norm();
@@ -96,11 +95,10 @@ impl Exact<QuasiStatic> {
             return None;
         }
         let contact = self.state.contact;
-        let rule = self.settle();
-        let is_uncertain = self.is_uncertain_from(&start.pose, &rule);
-        report.add(&StepReport { n_steps: 0, ..rule });
+        let found = self.settle();
+        report.add(&StepReport { n_steps: 0, ..found });
         self.state.contact = contact;
-        Some(self.book_jump(start, is_uncertain))
+        Some(self.book_jump(start, &found))
     }
 }
 

@@ -116,8 +116,6 @@ pub struct SnapStart {
     pub pose: Pose,
     /// Defect of the energy ledger (J).
     pub defect: f64,
-    /// Energy lost to friction (J).
-    pub friction: f64,
 }
 
 /// State and attachments at the start of a macro-step.
@@ -286,6 +284,6 @@ impl<H> State<H> {
     }
 
     pub fn snap_start(&self) -> SnapStart {
-        SnapStart { pose: self.motion.pose, defect: self.energy.defect(), friction: self.energy.friction }
+        SnapStart { pose: self.motion.pose, defect: self.energy.defect() }
     }
 }

@@ -114,7 +114,7 @@ impl Exact<QuasiStatic> {
 
     /// Moves the load by an increment and adds its energies to the ledger.
     #[inline]
-    pub(super) fn accept(&mut self, increment: Increment, step: Option<f64>) -> StepReport {
+    fn accept(&mut self, increment: Increment, step: Option<f64>) -> StepReport {
         let before = self.state.motion.pose;
         let Self { state, springs, .. } = self;
         match step {
