@@ -269,30 +269,25 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    #[inline]
-    fn add_row(&mut self, motion: Motion, rows_of: impl Fn(&mut Trace) -> &mut Vec<Row>) {
-        let (energy, error) = (self.backend.energy(), self.backend.pose_error());
-        let contacts = self.backend.side_contacts();
-        let rows = rows_of(&mut self.trace);
-        rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
-        // The row is long, so its tips are written in place.
-        rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
-    }
-
+    /// Adds a state between two rows.
     // A function of its own: rows come far more often.
     #[cold]
     fn add_between(&mut self, motion: Motion) {
-        self.add_row(motion, |trace| &mut trace.between);
+        let (energy, error) = (self.backend.energy(), self.backend.pose_error());
+        let (time, contacts, tips) = (self.clock.time, self.backend.side_contacts(), self.tips.clone());
+        self.trace.between.push(Row { time, motion, energy, tips, contacts, error });
     }
 
     /// Adds a row at every tick, at the ends of parts of control periods, and at the end.
     fn record(&mut self, motion: Motion) {
-        if self.keep == Keep::Trace {
-            if self.clock.ends_part() || self.is_over(&motion) {
-                self.add_row(motion, |trace| &mut trace.rows);
-            } else {
-                self.add_between(motion);
-            }
+        if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
+            let (energy, error) = (self.backend.energy(), self.backend.pose_error());
+            let contacts = self.backend.side_contacts();
+            self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
+            // The row is long, so its tips are written in place.
+            self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);
+        } else if self.keep == Keep::Trace {
+            self.add_between(motion);
         }
         if self.keeps_companion && (self.clock.tick_now().is_some() || self.is_over(&motion)) {
             let row = |backend: &dyn Backend| Row {

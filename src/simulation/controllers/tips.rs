@@ -18,6 +18,8 @@ pub struct Tips {
     /// Number of the first of them after the last instant: where the next search begins.
     next: usize,
     targets: Vec<Vec2>,
+    /// Whether a spring has several paths, of which those count that it is attached on.
+    has_several: bool,
 }
 
 impl Tips {
@@ -41,8 +43,21 @@ impl Tips {
             let (instants, _) = instants_of(&paths, scenario.control_period);
             (paths, instants)
         };
-        let after = vec![0; paths.len()];
-        Self { paths, after, instants, next: 0, targets: vec![Vec2::zeros(); scenario.system.springs.len()] }
+        let n_springs = scenario.system.springs.len();
+        let mut has_path = vec![false; n_springs];
+        let has_several = paths.iter().any(|path| std::mem::replace(&mut has_path[path.spring], true));
+        let (after, targets) = (vec![0; paths.len()], vec![Vec2::zeros(); n_springs]);
+        Self { paths, after, instants, next: 0, targets, has_several }
+    }
+
+    /// Sets the targets at `until` (s) of the paths on which springs are attached `now` (s).
+    #[cold]
+    fn follow_attached(&mut self, now: f64, until: f64) {
+        let is_attached = |path: &TipPath| path.waypoints[0].time <= now && path.release.is_none_or(|release| release > now);
+        for (path, after) in self.paths.iter().zip(&mut self.after).filter(|(path, _)| is_attached(path)) {
+            *after = first_after(path, until, *after);
+            self.targets[path.spring] = position_at(path, until, *after);
+        }
     }
 
     /// Number of the first instant after `time` (s).
@@ -132,11 +147,13 @@ impl Controller for Tips {
     }
 
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
-        let now = view.time;
-        let is_attached = |path: &TipPath| path.waypoints[0].time <= now && path.release.is_none_or(|release| release > now);
-        for (path, after) in self.paths.iter().zip(&mut self.after).filter(|(path, _)| is_attached(path)) {
-            *after = first_after(path, until, *after);
-            self.targets[path.spring] = position_at(path, until, *after);
+        if self.has_several {
+            self.follow_attached(view.time, until);
+        } else {
+            for (path, after) in self.paths.iter().zip(&mut self.after) {
+                *after = first_after(path, until, *after);
+                self.targets[path.spring] = position_at(path, until, *after);
+            }
         }
         self.next = self.first_after(until);
         &self.targets
