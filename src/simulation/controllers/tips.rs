@@ -50,16 +50,6 @@ impl Tips {
         Self { paths, after, instants, next: 0, targets, has_several }
     }
 
-    /// Sets the targets at `until` (s) of the paths on which springs are attached `now` (s).
-    #[cold]
-    fn follow_attached(&mut self, now: f64, until: f64) {
-        let is_attached = |path: &TipPath| path.waypoints[0].time <= now && path.release.is_none_or(|release| release > now);
-        for (path, after) in self.paths.iter().zip(&mut self.after).filter(|(path, _)| is_attached(path)) {
-            *after = first_after(path, until, *after);
-            self.targets[path.spring] = position_at(path, until, *after);
-        }
-    }
-
     /// Number of the first instant after `time` (s).
     fn first_after(&self, time: f64) -> usize {
         let is_it = |at: usize| is_first_after(at, self.instants.len(), time, |at| self.instants[at]);
@@ -147,13 +137,14 @@ impl Controller for Tips {
     }
 
     fn targets(&mut self, view: &View, until: f64) -> &[Vec2] {
-        if self.has_several {
-            self.follow_attached(view.time, until);
-        } else {
-            for (path, after) in self.paths.iter().zip(&mut self.after) {
-                *after = first_after(path, until, *after);
-                self.targets[path.spring] = position_at(path, until, *after);
+        let now = view.time;
+        let is_attached = |path: &TipPath| path.waypoints[0].time <= now && path.release.is_none_or(|release| release > now);
+        for (path, after) in self.paths.iter().zip(&mut self.after) {
+            if self.has_several && !is_attached(path) {
+                continue;
             }
+            *after = first_after(path, until, *after);
+            self.targets[path.spring] = position_at(path, until, *after);
         }
         self.next = self.first_after(until);
         &self.targets
