@@ -49,7 +49,8 @@ pub enum TransitionKind {
         turn: f64,
         /// Energy that would have set a load with inertia in motion (J).
         energy: f64,
-        /// Whether the end depends on what dissipates besides friction.
+        /// Whether the end depends on what dissipates besides friction. Only runs under error
+        /// control look, and only without obstacles; elsewhere it is `false`.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         is_uncertain: bool,
     },
@@ -73,7 +74,7 @@ pub struct TransitionCounts {
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_impacts: u64,
     pub n_jumps: u64,
-    /// Jumps whose end depends on what dissipates besides friction.
+    /// Jumps whose end depends on what dissipates besides friction, as far as the run looks.
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_uncertain_jumps: u64,
     /// Largest shift in a jump (m); `None` without any.
