@@ -4,6 +4,8 @@
 #[path = "../common/random_pulls.rs"]
 mod random_pulls;
 
+use std::ops::Range;
+
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, Status, StepReport, Tolerance, TransitionKind, build};
 use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
@@ -12,6 +14,8 @@ use random_pulls::{PERIOD, Pull};
 
 /// Shortest spring over its rest length below which a load is near a root (1).
 const NEAR_ROOT: f64 = 0.05;
+/// Periods by which coarse steps may begin a jump early or late.
+const EARLY: u32 = 4;
 
 /// What a quasi-static run of a pull found.
 struct Found {
@@ -43,14 +47,15 @@ fn fixed(step: f64) -> BackendOptions {
 
 /// Runs pulls at two steps and, `n_controlled` of them, under error control. Returns how many did
 /// not converge.
-fn check_pulls(n: u64, n_controlled: u64) -> usize {
+fn check_pulls(seeds: Range<u64>, n_controlled: u64) -> usize {
     let mut n_refused = 0;
-    for seed in 0..n {
+    for seed in seeds.clone() {
         let pull = Pull::random(seed);
         let [coarse, fine] = [PERIOD, 0.1 * PERIOD].map(|step| run(&pull, &fixed(step)));
         let mut found = vec![&coarse, &fine];
         let tolerance = Tolerance::at_edge(1e-4 * pull.system.load.radius, &pull.system.load);
-        let controlled = (seed < n_controlled).then(|| run(&pull, &BackendOptions::within(BackendKind::QuasiStatic, tolerance)));
+        let controlled =
+            (seed < seeds.start + n_controlled).then(|| run(&pull, &BackendOptions::within(BackendKind::QuasiStatic, tolerance)));
         found.extend(&controlled);
         let is_near_root = found.iter().any(|found| found.shortest < NEAR_ROOT);
         let is_refused = found.iter().any(|found| found.cost.status != Status::Converged);
@@ -59,10 +64,17 @@ fn check_pulls(n: u64, n_controlled: u64) -> usize {
         if is_near_root {
             continue;
         }
-        // A fast motion shrinks with the step. A jump stays, but for where it begins.
+        // A fast motion shrinks with the step. A jump stays, but for where it begins. A coarse step
+        // may begin it some periods early, or add fast motion to it: then the run under error
+        // control, if there is one, must jump about there.
+        let is_there =
+            |period: u32| controlled.as_ref().is_some_and(|run| run.jumps.iter().any(|(other, _)| other.abs_diff(period) <= EARLY));
         for (period, size) in &coarse.jumps {
             let there: f64 = fine.jumps.iter().filter(|(other, _)| other.abs_diff(*period) <= 1).map(|(_, size)| size).sum();
-            assert!(there > 0.5 * size, "{seed}: a jump by {size} radii in period {period} has {there} at finer steps");
+            assert!(
+                there > 0.5 * size || is_there(*period),
+                "{seed}: a jump by {size} radii in period {period} has {there} at finer steps"
+            );
         }
     }
     n_refused
@@ -70,14 +82,21 @@ fn check_pulls(n: u64, n_controlled: u64) -> usize {
 
 #[test]
 fn random_pulls_converge_and_their_jumps_stay() {
-    assert!(check_pulls(60, 4) <= 1);
+    assert!(check_pulls(0..60, 4) <= 1);
+}
+
+/// In the jump of this pull a spring swings by more than half a turn, which must not look like the
+/// rest of a whole turn back.
+#[test]
+fn a_spring_swings_by_more_than_half_a_turn_in_a_jump() {
+    assert_eq!(check_pulls(801..802, 1), 0);
 }
 
 /// `cargo test --release --test analytic a_thousand_pulls -- --ignored`, some minutes.
 #[test]
 #[ignore = "a longer version of the test above"]
 fn a_thousand_pulls_converge_and_their_jumps_stay() {
-    let n_refused = check_pulls(1000, 1000);
+    let n_refused = check_pulls(0..1000, 1000);
     assert!(n_refused <= 5, "{n_refused}");
 }
 
