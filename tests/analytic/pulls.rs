@@ -9,6 +9,7 @@ use std::ops::Range;
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, Status, StepReport, Tolerance, TransitionKind, build};
 use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
+use cohaul::simulation::{Keep, Simulation};
 use cohaul::studies::verify::scenes::{SLIP_STRETCH, at_rest, isotropic, paper_system};
 use random_pulls::{PERIOD, Pull};
 
@@ -85,10 +86,10 @@ fn random_pulls_converge_and_their_jumps_stay() {
     assert!(check_pulls(0..60, 4) <= 1);
 }
 
-/// In the jump of this pull a spring swings by more than half a turn, which must not look like the
-/// rest of a whole turn back.
+/// In the jump of this pull a spring swings by half a turn. The path of the jump halts there, but
+/// the load does not stay where it is out of balance.
 #[test]
-fn a_spring_swings_by_more_than_half_a_turn_in_a_jump() {
+fn a_spring_swings_by_half_a_turn_in_a_jump() {
     assert_eq!(check_pulls(801..802, 1), 0);
 }
 
@@ -116,7 +117,7 @@ fn a_load_held_by_friction_slips_smoothly() {
         let mut report = StepReport::default();
         for tick in 1..=60 {
             report.add(&load.advance(&[tip(1e-3 * f64::from(tick))], 1e-3));
-            let jumps = |kind: TransitionKind| matches!(kind, TransitionKind::Jump { shift, .. } if shift > 1e-12);
+            let jumps = |kind| matches!(kind, TransitionKind::Jump { .. });
             assert!(!load.transitions().iter().any(|transition| jumps(transition.kind)), "{tick}: {:?}", load.transitions());
         }
         assert_eq!((report.status, report.n_not_converged), (Status::Converged, 0));
@@ -125,6 +126,26 @@ fn a_load_held_by_friction_slips_smoothly() {
     // Steps are of first order: a tenth of the step, a tenth of the error.
     let errors = [0, 1].map(|at| ends[at].edge_displacement(&ends[2], system.load.radius));
     assert!(errors[0] < 2e-6 && errors[1] < 0.15 * errors[0], "{errors:?}");
+}
+
+/// Scenes whose quasi-static steps once did not converge. On collinear supports, the jump of the
+/// last one ends elsewhere with each kind of dissipation.
+#[test]
+fn random_scenes_that_did_not_converge_do() {
+    let scenes = [
+        (include_str!("../common/five-springs.json"), false),
+        (include_str!("../common/concave-springs.json"), false),
+        (include_str!("../common/collinear-jump.json"), true),
+    ];
+    for (text, has_uncertain_jump) in scenes {
+        let scenario = Scenario::parse(text, "scene").unwrap();
+        let options = BackendOptions::within(BackendKind::QuasiStatic, Tolerance::at_edge(1e-6, &scenario.system.load));
+        let mut simulation = Simulation::new(&scenario, &options, Keep::Outcome);
+        simulation.run(|_| true);
+        let outcome = simulation.outcome();
+        assert_eq!((outcome.steps.status, outcome.steps.n_not_converged), (Status::Converged, 0), "{}", scenario.name);
+        assert_eq!(outcome.transitions.n_uncertain_jumps > 0, has_uncertain_jump, "{}", scenario.name);
+    }
 }
 
 /// Compares ends of jumps with those of damped dynamics, with `steps` of this length (s) for

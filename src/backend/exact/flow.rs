@@ -18,7 +18,6 @@ use super::load::Exact;
 use super::quasi_static::QuasiStatic;
 use crate::backend::springs::Place;
 use crate::backend::stepping::Stepping;
-use crate::backend::{Status, StepReport};
 use crate::math::{Arc, Pose, Vec2, Vec3, increment_of, rotation};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, PolarSpring};
@@ -28,31 +27,25 @@ use crate::model::{Ground, PolarSpring};
 const CERTAIN: f64 = 0.005;
 /// Shares of the path at which forces are compared (1).
 const SHARES: [f64; 3] = [0.0, 0.5, 0.9];
-/// Edge displacement over the load's radius below which a path has no room to bend (1).
-const SHORTEST: f64 = 1e-9;
 /// Slip of a support over that of the fastest one below which it sticks (1).
 const HELD: f64 = 1e-9;
 
 impl Exact<QuasiStatic> {
     /// Share of the forces that would lead the load from `start` elsewhere than to where it is
-    /// (1). Infinite where that is no balance, as the report says, or not on the way of any flow.
-    fn departure_from_flow(&self, start: &Pose, report: &StepReport) -> f64 {
-        let is_long = self.edge_displacement(start) > SHORTEST * self.system.load.radius;
-        if self.obstacles.is_some() || self.springs.is_empty() || self.solver.accuracy() > 0.0 || !is_long {
+    /// (1). Infinite where that is not on the way of any flow.
+    fn departure_from_flow(&self, start: &Pose) -> f64 {
+        if self.obstacles.is_some() || self.springs.is_empty() || self.solver.accuracy() > 0.0 || !self.is_far_from(start) {
             return 0.0;
-        }
-        if report.status != Status::Converged {
-            return f64::INFINITY;
         }
         let end = self.state.motion.pose;
         let twist = increment_of(&rotation(start.heading), &(end.position - start.position), end.heading - start.heading);
         self.out_of_line(start, &twist)
     }
 
-    /// Whether the end of a jump from `start`, with this report, depends on the dissipation. Only
-    /// runs under error control look; at fixed steps the answer is no.
-    pub(super) fn is_uncertain_from(&self, start: &Pose, report: &StepReport) -> bool {
-        matches!(self.stepping, Stepping::Controlled(_)) && self.departure_from_flow(start, report) > CERTAIN
+    /// Whether the end of a jump from `start` depends on the dissipation. Only runs under error
+    /// control look; at fixed steps the answer is no.
+    pub(super) fn is_uncertain_from(&self, start: &Pose) -> bool {
+        matches!(self.stepping, Stepping::Controlled(_)) && self.departure_from_flow(start) > CERTAIN
     }
 
     /// Largest share of the forces that is out of line with a path of constant twist from `start`
@@ -82,7 +75,8 @@ impl Exact<QuasiStatic> {
             let on_support = left - left.dot(&about) / drag.dot(&about) * drag;
             if on_support.xy().norm() <= limit * radius { 0.0 } else { f64::INFINITY }
         };
-        SHARES.into_iter().map(at).fold(0.0, f64::max)
+        // Not a number is not certain.
+        SHARES.into_iter().map(at).map(|share| if share.is_nan() { f64::INFINITY } else { share }).fold(0.0, f64::max)
     }
 }
 

@@ -5,16 +5,18 @@ use super::contact::GroundContact;
 use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::friction::EXACT;
-use crate::backend::{StepReport, Transition, TransitionKind};
+use crate::backend::{Status, StepReport, Transition, TransitionKind};
 use crate::math::Pose;
 
 /// Largest number of iterations of one jump. Each is shorter than the last by orders of magnitude,
 /// and three are rarely needed.
 const MOST_ITERATIONS: u32 = 10;
 
-/// Edge displacement over the load's radius (1) below which a jump is the rounding of a load at the
-/// very edge of slipping.
-const SMALLEST_JUMP: f64 = 1e-12;
+/// Edge displacement over the load's radius (1) up to which a jump is the rounding of a load at the
+/// very edge of slipping. Springs that only friction holds there magnify rounding.
+const SMALLEST_JUMP: f64 = 1e-9;
+/// Edge displacement over the load's radius (1) that needs no further iteration of a jump.
+const ROUNDING: f64 = 1e-12;
 
 /// Relative rounding of the energies of a run, of which the defect of a step is a difference (1).
 const SNAP_ROUNDING: f64 = 1e-13;
@@ -27,10 +29,10 @@ impl Exact<QuasiStatic> {
     #[inline(never)]
     pub(super) fn jump(&mut self) -> StepReport {
         let (start, last) = (self.state.snap_start(), self.state.contact.last());
-        let report = self.settle();
+        let (report, has_path) = self.settle();
         self.state.contact = GroundContact::Unknown { last, jump_is_pending: false };
-        if self.edge_displacement(&start.pose) > SMALLEST_JUMP * self.system.load.radius {
-            let kind = self.book_jump(&start, &report);
+        if self.is_far_from(&start.pose) {
+            let kind = self.book_jump(&start, has_path);
             self.transitions.push(Transition { time: 0.0, kind });
         }
         report
@@ -38,15 +40,18 @@ impl Exact<QuasiStatic> {
 
     /// Iterates to a balance with the tips as they are. Each iteration takes friction as constant
     /// along its path, so that its length goes with the square of the one before. The next one is
-    /// left out where two of them predict that it would be none.
-    pub(super) fn settle(&mut self) -> StepReport {
+    /// left out where two of them predict that it would be none. The last one tells whether the
+    /// load is in balance. Returns also whether all of them found where they lead: one halts where
+    /// a spring has swung by half a turn, from where the next goes on.
+    pub(super) fn settle(&mut self) -> (StepReport, bool) {
         self.catch_up();
         self.springs.refresh(&self.system.springs, &self.state.motion.pose);
         let rounding = self.displacement_rounding();
-        let (mut report, mut last) = (StepReport::default(), None);
+        let (mut report, mut found, mut last) = (StepReport::default(), StepReport::default(), None);
         for _ in 0..MOST_ITERATIONS {
             let before = self.state.motion.pose;
-            report.add(&self.balance(None, [self.state.side.now; 2]));
+            found = self.balance(None, [self.state.side.now; 2]);
+            report.add(&found);
             let length = self.edge_displacement(&before);
             let next = last.map_or(length, |last: f64| length * (length / last).powi(2));
             if next <= rounding {
@@ -54,14 +59,16 @@ impl Exact<QuasiStatic> {
             }
             last = Some(length);
         }
-        report
+        let has_path = report.status == Status::Converged;
+        let StepReport { status, residual, n_not_converged, .. } = found;
+        (StepReport { status, residual, n_not_converged, ..report }, has_path)
     }
 
     /// Edge displacement (m) that is rounding of the pose and of the pulls.
     fn displacement_rounding(&self) -> f64 {
         let Self { system, springs, .. } = self;
         let pulls = EXACT * system.total_slip_limit() / springs.largest_stiffness(&system.springs);
-        (SMALLEST_JUMP * system.load.radius).min(pulls)
+        (ROUNDING * system.load.radius).min(pulls)
     }
 
     /// Edge displacement since the load was at `start` (m).
@@ -69,9 +76,14 @@ impl Exact<QuasiStatic> {
         self.state.motion.pose.edge_displacement(start, self.system.load.radius)
     }
 
+    /// Whether the load is farther from `start` than rounding of a load that jumps.
+    pub(super) fn is_far_from(&self, start: &Pose) -> bool {
+        self.edge_displacement(start) > SMALLEST_JUMP * self.system.load.radius
+    }
+
     /// Adds the jump from `start` to the ledger.
-    fn book_jump(&mut self, start: &SnapStart, report: &StepReport) -> TransitionKind {
-        let is_uncertain = self.is_uncertain_from(&start.pose, report);
+    fn book_jump(&mut self, start: &SnapStart, has_path: bool) -> TransitionKind {
+        let is_uncertain = !has_path || self.is_uncertain_from(&start.pose);
         let (pose, energy) = (&self.state.motion.pose, start.defect - self.state.energy.defect());
         self.state.energy.jumps += energy;
         let shift = (pose.position - start.pose.position).norm();
@@ -95,10 +107,10 @@ impl Exact<QuasiStatic> {
             return None;
         }
         let contact = self.state.contact;
-        let found = self.settle();
+        let (found, has_path) = self.settle();
         report.add(&StepReport { n_steps: 0, ..found });
         self.state.contact = contact;
-        Some(self.book_jump(start, &found))
+        self.is_far_from(&start.pose).then(|| self.book_jump(start, has_path))
     }
 }
 

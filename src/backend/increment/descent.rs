@@ -99,9 +99,6 @@ impl Step<'_> {
                 residual = if is_exact { solution.residual } else { residual };
                 break;
             }
-            if iteration >= FEW_ITERATIONS {
-                local = self.follow(&at);
-            }
             let is_exact_solver = solver.accuracy() == 0.0;
             let may_correct = is_full && mode != ContactMode::Stick && is_exact_solver;
             let mut found = may_correct.then(|| self.correct_on(solver, (at, local), &mut pace, self.size(&full_step))).flatten();
@@ -118,18 +115,6 @@ impl Step<'_> {
         report.status = if residual <= LARGEST_RESIDUAL.max(solver.accuracy()) { Status::Converged } else { Status::NotConverged };
         report.n_not_converged = u64::from(report.status != Status::Converged);
         self.found(&at, mode, report)
-    }
-
-    /// Counts swings of springs from those at an increment on the way, so that no spring seems to
-    /// turn back when it has swung by half a turn. Returns the potential there.
-    #[inline(never)]
-    fn follow(&mut self, at: &Vec3) -> Reaction {
-        let local = self.at(at);
-        self.potential.springs.follow();
-        if let Some(dashpots) = &mut self.potential.dashpots {
-            dashpots.follow();
-        }
-        local
     }
 
     /// The `hessian` at an increment, with so much of the curvature of friction there as makes it

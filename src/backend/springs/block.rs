@@ -29,8 +29,7 @@ pub(super) struct Block {
     torsional: Numbers,
     /// Tip now (m, world).
     pub tip: Vectors,
-    /// Swing at the accepted pose, or where the load passes in a long increment (rad), and its
-    /// whole turns.
+    /// Swing at the accepted pose (rad), and its whole turns.
     pub swing: Numbers,
     turns: Numbers,
     /// Tip (m, world) and the pull on it (N, world) at the accepted pose.
@@ -186,28 +185,14 @@ impl Block {
         let sum = Vectors { x: pull.x + self.accepted_pull.x, y: pull.y + self.accepted_pull.y };
         let squared = displacement.dot(displacement);
         self.squared_error = change.dot(change) * squared;
-        (self.accepted_tip, self.accepted_pull) = (self.tip, pull);
-        self.take_swings();
-        let acts = self.shortest.simd_gt(Numbers::ZERO);
-        [sum.dot(displacement), acts & squared]
-    }
-
-    /// Takes the swings that were evaluated last for those from which others are counted.
-    #[inline]
-    fn take_swings(&mut self) {
-        (self.swing, self.accepted_direction) = (self.last_swing, self.last_direction);
+        (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.last_direction);
+        self.swing = self.last_swing;
         let turned = Numbers::splat(std::f64::consts::PI);
         if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
             self.turns = Numbers::new(self.swing.to_array().map(whole_turns));
         }
-    }
-
-    /// Counts swings from those that were evaluated last where a spring has swung by more than a
-    /// quarter turn since.
-    pub fn follow(&mut self) {
-        if (self.last_swing - self.swing).abs().simd_gt(Numbers::splat(std::f64::consts::FRAC_PI_2)).any() {
-            self.take_swings();
-        }
+        let acts = self.shortest.simd_gt(Numbers::ZERO);
+        [sum.dot(displacement), acts & squared]
     }
 
     /// Change of the pulls times displacement of the tips on the way to the accepted pose (J).

@@ -225,13 +225,6 @@ impl SpringBlocks {
         }
     }
 
-    /// Counts swings from those where the springs were evaluated last, once a spring has swung by
-    /// more than a quarter turn. Only from swings less than half a turn away is it known how often
-    /// a spring has turned.
-    pub fn follow(&mut self) {
-        self.blocks.iter_mut().for_each(Block::follow);
-    }
-
     /// Bound of the error of the work on the tips that was accepted last, on a smooth path (J):
     /// half the change of the pulls times the displacement of the tips.
     pub fn work_error(&self) -> f64 {
