@@ -5,3 +5,4 @@ mod finite;
 mod oracle;
 mod quantities;
 mod tips;
+mod vary;
