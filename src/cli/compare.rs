@@ -83,6 +83,12 @@ pub struct CompareArgs {
     /// and nothing moved.
     #[arg(long, value_name = "KIND", value_parser = choice::<FailOn>())]
     fail_on: Vec<FailOn>,
+    /// Print suggested changes without trying them
+    ///
+    /// By default up to three trials run quasi-static and inertial again on the changed scene, for at
+    /// most 50 times its duration.
+    #[arg(long)]
+    no_check_suggestions: bool,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
     #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
     no_skip: Vec<Skip>,
@@ -177,6 +183,7 @@ fn settings(args: &CompareArgs) -> Settings {
         tolerance_speed_share: args.tolerance_speed.unwrap_or(usual.tolerance_speed_share),
         tolerance_energy_share: args.tolerance_energy.unwrap_or(usual.tolerance_energy_share),
         skips: Skips::ALL.without_all(&args.no_skip),
+        check_suggestions: !args.no_check_suggestions && args.vary.vary.is_empty(),
     }
 }
 
