@@ -85,8 +85,8 @@ pub struct CompareArgs {
     fail_on: Vec<FailOn>,
     /// Print suggested changes without trying them
     ///
-    /// By default up to three trials run quasi-static and inertial again on the changed scene, for at
-    /// most 50 times its duration.
+    /// By default up to three trials run quasi-static and inertial again on the changed scene, for
+    /// at most 50 times its duration.
     #[arg(long)]
     no_check_suggestions: bool,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated

@@ -104,8 +104,8 @@ impl Settings {
         BackendOptions { rapier: self.rapier, skips: self.skips, ..options }
     }
 
-    /// Tolerance of the path (m) for a path `length` (m) of a load of this `radius` (m). A millionth
-    /// of the radius stands in for the path of a load at rest.
+    /// Tolerance of the path (m) for a path `length` (m) of a load of this `radius` (m). A
+    /// millionth of the radius stands in for the path of a load at rest.
     pub(super) fn tolerance_path(&self, length: f64, radius: f64) -> f64 {
         self.tolerance_share * length.max(LEAST_MOTION * radius)
     }
