@@ -44,7 +44,8 @@ pub struct Pathwise {
     pub causes: Vec<Cause>,
     /// Changes that make the differences smaller than the tolerance, all of them together.
     pub suggested_changes: Vec<SuggestedChange>,
-    /// What is left of the inertia effect after all of them; `null` if they were not tried.
+    /// What is left of the inertia effect after all of them; left out if they were not tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tried: Option<Tried>,
     /// Largest edge displacements, on which the verdict is based.
     pub edge_displacement: EdgeDisplacement,
