@@ -14,6 +14,7 @@ use super::engine::{EngineArgs, warn_idle};
 use super::error::CliError;
 use super::input::{check_step, name_of, read_scenario, read_text};
 use super::output::{OutputArgs, manifest_of};
+use super::vary::{VaryArgs, vary};
 use super::watch::watched_to_end;
 use crate::analysis::ExpectedCost;
 use crate::analysis::compare::{Settings, ThreeWay, Tier, Verdict};
@@ -33,9 +34,11 @@ Examples:
   cohaul compare ants.json --seeds 32 --out out/compare
   cohaul compare scene.json --fail-on engine
   cohaul compare scene.json --beside camera.csv
+  cohaul compare scene.json --vary load.mass_kg=log:0.1:10:12 --out out/map
 
 Files in DIR: report.html, traces, overview figures, summary.json and
-manifest.json.")]
+manifest.json; with --vary report.html, map.csv, map.svg, summary.json and
+manifest.json, and DIR.journal keeps the state of an interrupted map.")]
 pub struct CompareArgs {
     /// Scenario file; - for standard input
     scenario: PathBuf,
@@ -80,6 +83,12 @@ pub struct CompareArgs {
     /// and nothing moved.
     #[arg(long, value_name = "KIND", value_parser = choice::<FailOn>())]
     fail_on: Vec<FailOn>,
+    /// Print suggested changes without trying them
+    ///
+    /// By default up to three trials run quasi-static and inertial again on the changed scene, for
+    /// at most 50 times its duration.
+    #[arg(long)]
+    no_check_suggestions: bool,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
     #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
     no_skip: Vec<Skip>,
@@ -89,12 +98,18 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FILE")]
     beside: Option<PathBuf>,
     #[command(flatten)]
+    vary: VaryArgs,
+    #[command(flatten)]
     engine: EngineArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
+    if !args.vary.vary.is_empty() {
+        check_map(args)?;
+        return vary(&args.vary, &args.scenario, args.seed, &settings(args), &args.output);
+    }
     let scenario = read_scenario(&args.scenario, args.seed)?;
     check_step(args.step_s, &scenario)?;
     let asked = tiers_of(&scenario, &args.tier)?;
@@ -112,19 +127,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     if recorded.is_some() && asked == [Tier::ClosedLoop] {
         return Err(CliError::Usage("--beside: applies to comparisons of paths, found closed-loop only".into()));
     }
-    let usual = Settings::default();
-    let settings = Settings {
-        step_s: args.step_s,
-        reference_tolerance_m: args.tolerance,
-        rapier: args.engine.options(),
-        recorded_from: args.recorded_from.unwrap_or(usual.recorded_from),
-        tolerance_share: args.tolerance_path.unwrap_or(usual.tolerance_share),
-        tolerance_heading_rad: args.tolerance_heading,
-        tolerance_pull_share: args.tolerance_pull.unwrap_or(usual.tolerance_pull_share),
-        tolerance_speed_share: args.tolerance_speed.unwrap_or(usual.tolerance_speed_share),
-        tolerance_energy_share: args.tolerance_energy.unwrap_or(usual.tolerance_energy_share),
-        skips: Skips::ALL.without_all(&args.no_skip),
-    };
+    let settings = settings(args);
     if asked.iter().any(|tier| *tier != Tier::ClosedLoop) {
         warn_of_cost("compare", &scenario, &ExpectedCost::of_comparison(&scenario, &settings));
     }
@@ -149,6 +152,39 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         console::warn(format_args!("--fail-on: the verdict on {name} is \"{}\"", verdict.text()));
     }
     Ok(if is_computed && failed.is_none() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// # Errors
+/// When an option asks for what a map of comparisons has not.
+fn check_map(args: &CompareArgs) -> Result<(), CliError> {
+    let options = [
+        ("--tier", !args.tier.is_empty()),
+        ("--seeds", args.seeds.is_some()),
+        ("--fail-on", !args.fail_on.is_empty()),
+        ("--beside", args.beside.is_some()),
+    ];
+    match options.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => Err(CliError::Usage(format!("{option}: must be left out with --vary, found both"))),
+        None => args.output.check(),
+    }
+}
+
+/// Settings of the comparison, defaults where the command line has none.
+fn settings(args: &CompareArgs) -> Settings {
+    let usual = Settings::default();
+    Settings {
+        step_s: args.step_s,
+        reference_tolerance_m: args.tolerance,
+        rapier: args.engine.options(),
+        recorded_from: args.recorded_from.unwrap_or(usual.recorded_from),
+        tolerance_share: args.tolerance_path.unwrap_or(usual.tolerance_share),
+        tolerance_heading_rad: args.tolerance_heading,
+        tolerance_pull_share: args.tolerance_pull.unwrap_or(usual.tolerance_pull_share),
+        tolerance_speed_share: args.tolerance_speed.unwrap_or(usual.tolerance_speed_share),
+        tolerance_energy_share: args.tolerance_energy.unwrap_or(usual.tolerance_energy_share),
+        skips: Skips::ALL.without_all(&args.no_skip),
+        check_suggestions: !args.no_check_suggestions && args.vary.vary.is_empty(),
+    }
 }
 
 /// Verdict that makes the command fail.

@@ -24,6 +24,7 @@ mod run;
 mod scenario;
 mod stress;
 mod sweep;
+mod vary;
 mod verify;
 mod watch;
 

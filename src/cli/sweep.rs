@@ -167,7 +167,7 @@ fn check_variants(plan: &Plan) -> Result<(), CliError> {
 const MOST_THREADS: usize = 1024;
 
 /// No more threads than runs.
-fn pool(threads: Option<usize>, n_runs: u64) -> Result<ThreadPool, CliError> {
+pub fn pool(threads: Option<usize>, n_runs: u64) -> Result<ThreadPool, CliError> {
     if let Some(n) = threads.filter(|n| !(1..=MOST_THREADS).contains(n)) {
         return Err(CliError::Usage(format!("--threads: must be from 1 to {MOST_THREADS}, found {n}")));
     }

@@ -32,4 +32,5 @@ pub mod run;
 pub mod runner;
 pub mod stress;
 pub mod sweep;
+pub mod vary;
 pub mod verify;

@@ -4,4 +4,8 @@ mod attribution;
 mod finite;
 mod oracle;
 mod quantities;
+#[path = "../common/random_scenes.rs"]
+mod random_scenes;
+mod surveys;
 mod tips;
+mod vary;

@@ -20,7 +20,9 @@
 //! verdict.rs     the result in one word
 //! quantity.rs    the result for one quantity: path, heading, pulls, speed or energy
 //! verdicts.rs    the results for all quantities of a comparison of paths
+//! jump_mode.rs   oscillation of the load on its springs at the largest jump
 //! suggestion.rs  changes that make a difference smaller than the tolerance
+//! trial.rs       runs that try these changes
 //! ```
 
 mod attributed;
@@ -28,6 +30,7 @@ mod course;
 mod difference;
 mod divergence;
 mod ensemble;
+mod jump_mode;
 mod numbers;
 mod pathwise;
 mod quantity;
@@ -36,6 +39,7 @@ mod settings;
 mod solution;
 mod suggestion;
 mod three_way;
+mod trial;
 mod verdict;
 mod verdicts;
 
@@ -47,6 +51,7 @@ pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
 pub use quantity::{FirstDivergence, QuantityVerdict, RunMeasure, Verdicts};
 pub use settings::{MakeController, Settings, Tier};
 pub use solution::{Point, Solution};
-pub use suggestion::SuggestedChange;
+pub use suggestion::{SuggestedChange, Tried};
 pub use three_way::ThreeWay;
+pub use trial::LONGEST as LONGEST_TRIAL;
 pub use verdict::{Cause, Verdict};

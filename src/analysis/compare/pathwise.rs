@@ -5,13 +5,14 @@ use serde::{Serialize, Serializer};
 use super::attributed::Attributed;
 use super::difference::{Difference, Jumps};
 use super::divergence::PathPair;
-use super::numbers::{self, Numbers, Predicted};
+use super::jump_mode::JumpMode;
+use super::numbers::{Numbers, Predicted};
 use super::quantity::{FirstDivergence, Verdicts};
 use super::settings::{Settings, Tier};
 use super::solution::Solution;
-use super::suggestion::{Differences, SuggestedChange};
+use super::suggestion::{Differences, SuggestedChange, Tried};
 use super::verdict::{Cause, Verdict};
-use super::verdicts::{LEAST_MOTION, Runs};
+use super::verdicts::Runs;
 use crate::analysis::trigger::ByTrigger;
 use crate::backend::{BackendKind, BackendOptions, Status, Tolerance};
 use crate::scenario::Scenario;
@@ -43,6 +44,9 @@ pub struct Pathwise {
     pub causes: Vec<Cause>,
     /// Changes that make the differences smaller than the tolerance, all of them together.
     pub suggested_changes: Vec<SuggestedChange>,
+    /// What is left of the inertia effect after all of them; left out if they were not tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tried: Option<Tried>,
     /// Largest edge displacements, on which the verdict is based.
     pub edge_displacement: EdgeDisplacement,
     /// Largest edge displacement that counts as agreement (m).
@@ -132,22 +136,30 @@ impl Pathwise {
         self.verdict = self.verdicts.path.verdict;
     }
 
-    /// Changes against the causes; `tolerance_without_inertia` (m) applies after them.
-    fn suggestions(&self, scenario: &Scenario, tolerance_without_inertia: f64) -> Vec<SuggestedChange> {
+    /// Changes against the causes, which leave this part, `aim`, of what the first ones leave (1).
+    pub(super) fn suggestions(&self, scenario: &Scenario, settings: &Settings, aim: f64) -> Vec<SuggestedChange> {
         let (largest, tolerance) = (&self.edge_displacement, self.tolerance_m);
         if self.verdict == Verdict::Inconclusive && self.references_converged() {
             return vec![SuggestedChange::TighterTolerance { tolerance_m: LARGEST_REFERENCE_ERROR * tolerance }];
         }
         let [model, model_uncertainty] = [&self.model_error, &self.reference_error.rapier].map(|error| error.edge_displacement_max_m);
         let model = (model - model_uncertainty - largest.reference_error_m).max(0.0);
+        let radius = scenario.system.load.radius;
+        // That of the quasi-static path length alone applies after the changes.
+        let tolerance_without_inertia = aim * settings.tolerance_path(self.solutions[0].path_length(radius), radius);
         let differences = Differences { engine: largest.engine_error_m, model, tolerance, tolerance_without_inertia };
-        let tick_angle = scenario.control_period * numbers::natural_rate(scenario);
+        let mode = JumpMode::of(scenario, &self.solutions[0], &self.numbers);
         let against = |cause: &Cause| match cause {
-            Cause::Inertia => differences.against_inertia(&largest.by_trigger, &self.numbers, &self.predicted, tick_angle),
+            Cause::Inertia => differences.against_inertia(&largest.by_trigger, &self.predicted, &mode),
             Cause::Engine => vec![differences.against_engine(self.solutions[2].step_s.unwrap_or_default())],
         };
         self.causes.iter().flat_map(against).collect()
     }
+}
+
+/// Tolerance of reference runs (m) with which a verdict on this tolerance (m) is possible.
+pub(super) fn needed_reference_error(tolerance_m: f64) -> f64 {
+    0.5 * LARGEST_REFERENCE_ERROR * tolerance_m
 }
 
 /// The step and the counts of each path.
@@ -194,7 +206,9 @@ pub(super) fn compare(
     };
     // The tolerance of the verdict is known only now.
     let needed = LARGEST_REFERENCE_ERROR * found.tolerance_m;
-    let found = if found.edge_displacement.reference_error_m <= needed { found } else { again(found, 0.5 * needed)? };
+    let found_tolerance = found.tolerance_m;
+    let found =
+        if found.edge_displacement.reference_error_m <= needed { found } else { again(found, needed_reference_error(found_tolerance))? };
     // Another quantity may need a smaller error than the path.
     let error = found.edge_displacement.reference_error_m;
     let is_open = found.verdicts.named().iter().any(|(_, of)| of.verdict == Verdict::Inconclusive);
@@ -218,9 +232,7 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, mut solutions: [S
     let engine_error = Difference::between(&rapier.points, &inertial.points, radius);
     let quasi_static_length = quasi_static.path_length(radius);
     let path_length_m = quasi_static_length.max(inertial.reach(radius));
-    // A load at rest has no path: a millionth of its radius stands in.
-    let tolerance = |length: f64| settings.tolerance_share * length.max(LEAST_MOTION * radius);
-    let tolerance_m = tolerance(path_length_m);
+    let tolerance_m = settings.tolerance_path(path_length_m, radius);
     let attributed = Attributed::new(&scenario.system, inertial, quasi_static, &jumps);
     let pair = |paths, jumps, attributed| PathPair::new(paths, scenario, tolerance_m, jumps, attributed);
     let by_inertia = pair([inertial, quasi_static], &jumps, Some(&attributed));
@@ -251,6 +263,7 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, mut solutions: [S
         largest_pull_over_slip_limit,
         causes: Vec::new(),
         suggested_changes: Vec::new(),
+        tried: None,
         edge_displacement,
         tolerance_m,
         path_length_m,
@@ -263,6 +276,6 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, mut solutions: [S
     if found.references_converged() {
         found.causes = edge_displacement.causes(tolerance_m);
     }
-    found.suggested_changes = found.suggestions(scenario, tolerance(quasi_static_length));
+    found.suggested_changes = found.suggestions(scenario, settings, 1.0);
     found
 }

@@ -45,7 +45,13 @@ pub struct Settings {
     pub tolerance_energy_share: f64,
     /// Work that may be skipped.
     pub skips: Skips,
+    /// Whether suggested changes are tried.
+    pub check_suggestions: bool,
 }
+
+/// Size that stands in for what is smaller: that of a motion by a millionth of the load's radius
+/// (1). Rounding of poses is far below it.
+pub(super) const LEAST_MOTION: f64 = 1e-6;
 
 /// Makes a controller for a scenario; each run gets one of its own.
 pub type MakeController<'a> = dyn Fn(&Scenario) -> Box<dyn Controller> + Sync + 'a;
@@ -79,6 +85,7 @@ impl Default for Settings {
             tolerance_speed_share: FORCES,
             tolerance_energy_share: FORCES,
             skips,
+            check_suggestions: true,
         }
     }
 }
@@ -95,6 +102,12 @@ impl Settings {
     pub fn at_fixed_step(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let options = BackendOptions::at_step(self.step_s, kind, &scenario.system, scenario.control_period);
         BackendOptions { rapier: self.rapier, skips: self.skips, ..options }
+    }
+
+    /// Tolerance of the path (m) for a path `length` (m) of a load of this `radius` (m). A
+    /// millionth of the radius stands in for the path of a load at rest.
+    pub(super) fn tolerance_path(&self, length: f64, radius: f64) -> f64 {
+        self.tolerance_share * length.max(LEAST_MOTION * radius)
     }
 
     /// Number of equal parts of a control period at the ends of which paths are compared (1):

@@ -4,8 +4,10 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::numbers::{Numbers, Predicted};
+use super::jump_mode::JumpMode;
+use super::numbers::Predicted;
 use crate::analysis::trigger::ByTrigger;
+use crate::scenario::{Drive, Scenario};
 
 /// One change of the scene or the engine that reduces one cause, by the law of that cause.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -26,6 +28,59 @@ pub enum SuggestedChange {
     ReducedInertia { factor: f64 },
     /// Smaller tolerance of the quasi-static and inertial runs: the verdict is inconclusive.
     TighterTolerance { tolerance_m: f64 },
+}
+
+/// Outcome of a trial of suggested changes against inertia, all of them together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Tried {
+    /// Inertia effect on the path of the changed scene: largest edge displacement (m).
+    pub inertia_effect_m: f64,
+    /// Largest edge displacement that counts as agreement there (m).
+    pub tolerance_m: f64,
+    /// Whether the inertia effect and its reference error are within the tolerance.
+    pub is_enough: bool,
+}
+
+impl Tried {
+    /// Inertia effect over the tolerance (1).
+    pub fn share(&self) -> f64 {
+        self.inertia_effect_m / self.tolerance_m
+    }
+}
+
+impl SuggestedChange {
+    /// Whether the change is one of the scene, and not of the engine or the comparison.
+    pub fn is_of_scene(&self) -> bool {
+        use SuggestedChange::{ReducedInertia, SlowerStart, SlowerTips, SpringDamping};
+        matches!(self, SlowerTips { .. } | SlowerStart { .. } | SpringDamping { .. } | ReducedInertia { .. })
+    }
+
+    /// Makes the change in a scene. Slower tips take longer, and their releases come later.
+    pub fn apply(&self, scenario: &mut Scenario) {
+        match *self {
+            SuggestedChange::SlowerTips { factor } => {
+                if let Drive::Tips(paths) = &mut scenario.drive {
+                    for path in paths {
+                        path.waypoints.iter_mut().for_each(|at| at.time /= factor);
+                        path.release = path.release.map(|time| time / factor);
+                    }
+                }
+                scenario.duration /= factor;
+            }
+            SuggestedChange::SlowerStart { factor } => {
+                scenario.start.twist.linear *= factor;
+                scenario.start.twist.angular *= factor;
+            }
+            SuggestedChange::SpringDamping { damping_ratio } => {
+                scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = spring.damping_ratio.max(damping_ratio));
+            }
+            SuggestedChange::ReducedInertia { factor } => {
+                scenario.system.load.mass *= factor;
+                scenario.system.load.inertia *= factor;
+            }
+            SuggestedChange::SmallerStep { .. } | SuggestedChange::OtherModel | SuggestedChange::TighterTolerance { .. } => {}
+        }
+    }
 }
 
 /// Largest edge displacements between the paths, and the tolerance.
@@ -56,7 +111,7 @@ impl Differences {
 
     /// Changes against those parts of the inertia effect that exceed the tolerance, the largest
     /// first.
-    pub fn against_inertia(&self, effect: &ByTrigger, numbers: &Numbers, predicted: &Predicted, tick_angle: f64) -> Vec<SuggestedChange> {
+    pub fn against_inertia(&self, effect: &ByTrigger, predicted: &Predicted, mode: &JumpMode) -> Vec<SuggestedChange> {
         let aim = AIM * self.tolerance_without_inertia;
         let ByTrigger { start_m: start, jumps_m: jumps, driving_m: driving, .. } = *effect;
         // Tips may stop before the lag is largest. Slower tips, or a start at rest, show all of it.
@@ -64,7 +119,7 @@ impl Differences {
         let driving = lag.map_or(driving, |lag| lag.max(driving));
         let mut parts = [
             (start, vec![SuggestedChange::SlowerStart { factor: (aim / start).sqrt() }]),
-            (jumps, against_jumps(aim / jumps, numbers.zeta, tick_angle)),
+            (jumps, against_jumps(aim / jumps, mode)),
             (driving, vec![SuggestedChange::SlowerTips { factor: aim / driving }]),
         ];
         parts.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -72,9 +127,9 @@ impl Differences {
     }
 }
 
-/// Changes that leave this `share` (1) of the inertia effect after a jump, for a damping ratio
-/// `zeta` and a control period of `tick_angle` (rad) of the load's oscillation.
-fn against_jumps(share: f64, zeta: f64, tick_angle: f64) -> Vec<SuggestedChange> {
+/// Changes that leave this `share` (1) of the inertia effect after a jump that excites this `mode`.
+fn against_jumps(share: f64, mode: &JumpMode) -> Vec<SuggestedChange> {
+    let JumpMode { zeta, tick_angle, .. } = *mode;
     let log = share.ln();
     // Overshoot of a damped load: exp(-pi zeta / sqrt(1 - zeta^2)).
     let damping_ratio = -log / (PI * PI + log * log).sqrt();
@@ -84,7 +139,9 @@ fn against_jumps(share: f64, zeta: f64, tick_angle: f64) -> Vec<SuggestedChange>
     let swing = |zeta: f64| PI / (1.0 - zeta * zeta).sqrt();
     let angle = damping_ratio.map_or_else(|| decayed(zeta, tick_angle, share), swing);
     let factor = (tick_angle / angle).powi(2);
-    let damping = damping_ratio.map(|damping_ratio| SuggestedChange::SpringDamping { damping_ratio });
+    let damping = damping_ratio.filter(|_| mode.zeta_of_unit > 0.0);
+    // The ratio of each spring gives that of the oscillation.
+    let damping = damping.map(|of_mode| SuggestedChange::SpringDamping { damping_ratio: of_mode / mode.zeta_of_unit });
     damping.into_iter().chain((factor > 0.0 && factor < 1.0).then_some(SuggestedChange::ReducedInertia { factor })).collect()
 }
 
@@ -120,25 +177,25 @@ mod tests {
 
     #[test]
     fn changes_against_inertia_follow_its_triggers() {
-        let numbers = Numbers { epsilon: Some(0.1), phi: None, zeta: 0.0 };
+        let mode = |zeta: f64, tick_angle: f64| JumpMode { tick_angle, zeta, zeta_of_unit: 1.0 };
         let predicted =
             Predicted { while_driven_m: None, where_tips_stop_m: None, coasting_m: None, release_factor: None, estimated_m: None };
-        let changes = |[start_m, jumps_m, driving_m]: [f64; 3], numbers: &Numbers, predicted: &Predicted, tick_angle: f64| {
-            DIFFERENCES.against_inertia(&ByTrigger { start_m, jumps_m, driving_m, ..ByTrigger::default() }, numbers, predicted, tick_angle)
+        let changes = |[start_m, jumps_m, driving_m]: [f64; 3], mode: &JumpMode, predicted: &Predicted| {
+            DIFFERENCES.against_inertia(&ByTrigger { start_m, jumps_m, driving_m, ..ByTrigger::default() }, predicted, mode)
         };
         // Two thirds of the tolerance, which is a quarter of the effect.
         let share = AIM / 4.0;
         let small = 0.9e-3;
-        assert_eq!(changes([small, small, 4e-3], &numbers, &predicted, 0.1), [SuggestedChange::SlowerTips { factor: share }]);
-        assert_eq!(changes([4e-3, 0.0, small], &numbers, &predicted, 0.1), [SuggestedChange::SlowerStart { factor: share.sqrt() }]);
+        assert_eq!(changes([small, small, 4e-3], &mode(0.0, 0.1), &predicted), [SuggestedChange::SlowerTips { factor: share }]);
+        assert_eq!(changes([4e-3, 0.0, small], &mode(0.0, 0.1), &predicted), [SuggestedChange::SlowerStart { factor: share.sqrt() }]);
         // Tips stop before the lag is largest; a slower start leaves the lag as it is.
         let longer = Predicted { where_tips_stop_m: Some(8e-3), ..predicted };
         let tips = SuggestedChange::SlowerTips { factor: share / 2.0 };
-        assert_eq!(changes([0.0, 0.0, 4e-3], &numbers, &longer, 0.1), [tips]);
-        assert_eq!(changes([4e-3, 0.0, small], &numbers, &longer, 0.1), [tips, SuggestedChange::SlowerStart { factor: share.sqrt() }]);
-        assert_eq!(changes([0.0, 4e-3, small], &numbers, &longer, 0.1).len(), 2, "tips are not the cause");
+        assert_eq!(changes([0.0, 0.0, 4e-3], &mode(0.0, 0.1), &longer), [tips]);
+        assert_eq!(changes([4e-3, 0.0, small], &mode(0.0, 0.1), &longer), [tips, SuggestedChange::SlowerStart { factor: share.sqrt() }]);
+        assert_eq!(changes([0.0, 4e-3, small], &mode(0.0, 0.1), &longer).len(), 2, "tips are not the cause");
 
-        let jumps = |zeta: f64, tick_angle: f64| changes([0.0, 4e-3, 0.0], &Numbers { zeta, ..numbers }, &predicted, tick_angle);
+        let jumps = |zeta: f64, tick_angle: f64| changes([0.0, 4e-3, 0.0], &mode(zeta, tick_angle), &predicted);
         let [SuggestedChange::SpringDamping { damping_ratio }, SuggestedChange::ReducedInertia { factor }] = jumps(0.0, PI / 10.0)[..]
         else {
             panic!("damping and reduced inertia expected")
@@ -153,7 +210,7 @@ mod tests {
         assert!((left(2.0 / factor.sqrt()) / left(2.0) - share).abs() < 1e-12);
         // All triggers at once, the largest first.
         let kinds = |changes: &[SuggestedChange]| changes.iter().map(std::mem::discriminant).collect::<Vec<_>>();
-        let all = changes([2e-3, 4e-3, 3e-3], &numbers, &predicted, PI / 10.0);
+        let all = changes([2e-3, 4e-3, 3e-3], &mode(0.0, PI / 10.0), &predicted);
         assert_eq!(kinds(&all[..2]), kinds(&jumps(0.0, PI / 10.0)));
         let tips = SuggestedChange::SlowerTips { factor: AIM / 3.0 };
         assert_eq!(all[2..], [tips, SuggestedChange::SlowerStart { factor: (AIM / 2.0f64).sqrt() }]);

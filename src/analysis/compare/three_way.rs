@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::ensemble::{self, ClosedLoop};
-use super::pathwise::{self, Pathwise};
+use super::pathwise::Pathwise;
 use super::settings::{MakeController, Settings, Tier};
+use super::trial;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, backend_of, controller_of};
 
@@ -67,7 +68,7 @@ impl<'a> ThreeWay<'a> {
     pub fn prescribed(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
         assert!(matches!(self.scenario.drive, Drive::Tips(_)), "a scenario with ants has no prescribed tips");
         let Self { scenario, settings, engine, controller } = *self;
-        pathwise::compare(Tier::Prescribed, scenario, settings, engine, || controller(scenario), watch)
+        trial::compare(Tier::Prescribed, scenario, settings, engine, controller, watch)
     }
 
     /// Records a run of a backend of this library, replays its grasps, releases and tip motions on
@@ -83,8 +84,8 @@ impl<'a> ThreeWay<'a> {
         let (recorded, outcome) = run.into_results();
         let (recorded, n_springs) = (Arc::new(recorded), scenario.system.springs.len());
         let replayed = Scenario { duration: outcome.time, ..scenario.clone() };
-        let replay = || Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Controller>;
-        pathwise::compare(Tier::Replayed, &replayed, settings, engine, replay, |share| watch(RECORDING + (1.0 - RECORDING) * share))
+        let replay = |_: &Scenario| Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Controller>;
+        trial::compare(Tier::Replayed, &replayed, settings, engine, replay, |share| watch(RECORDING + (1.0 - RECORDING) * share))
     }
 
     /// Compares paths under a controller that follows the load: each run has a controller of its
@@ -94,7 +95,7 @@ impl<'a> ThreeWay<'a> {
     /// A run that ends early, since its load has arrived, ends the comparison of all.
     pub fn controlled(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
         let Self { scenario, settings, engine, controller } = *self;
-        pathwise::compare(Tier::Controlled, scenario, settings, engine, || controller(scenario), watch)
+        trial::compare(Tier::Controlled, scenario, settings, engine, controller, watch)
     }
 
     /// Runs `n_seeds` consecutive seeds from the scenario's seed on all backends, and compares

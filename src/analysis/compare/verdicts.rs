@@ -4,7 +4,7 @@ use super::course::Course;
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
 use super::quantity::{Courses, FirstDivergence, QuantityVerdict, Verdicts};
-use super::settings::Settings;
+use super::settings::{LEAST_MOTION, Settings};
 use super::solution::Solution;
 use super::verdict::Verdict;
 use crate::math::Vec2;
@@ -26,10 +26,6 @@ pub(super) struct Runs<'a> {
     pub pairs: [&'a PathPair<'a>; 2],
     pub poses: Poses<'a>,
 }
-
-/// Size that stands in for what is smaller: that of a motion by a millionth of the load's radius
-/// (1). Rounding of poses is far below it.
-pub(super) const LEAST_MOTION: f64 = 1e-6;
 
 impl Runs<'_> {
     /// All verdicts, from the largest edge displacement that counts as agreement (m).

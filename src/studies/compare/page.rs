@@ -12,7 +12,7 @@ use crate::output::table::Table;
 use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance};
 use crate::studies::compare::comparison::Comparison;
-use crate::studies::compare::text::{ESTIMATED, details, divergence, or_none, paired, suggested, tier_name};
+use crate::studies::compare::text::{ESTIMATED, details, divergence, or_none, paired, suggested, tier_name, tried};
 
 pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &Manifest) -> Page {
     let mut headline = Headline::new(comparison.is_valid(), comparison.answer.clone());
@@ -21,9 +21,10 @@ pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &
         if !found.suggested_changes.is_empty() {
             let changes = found.suggested_changes.iter().map(suggested).map(|(what, why)| format!("{what}: {why}")).collect();
             right.extend([
-                Block::text("All of these changes together make the differences smaller than the tolerance:"),
+                Block::text("All of these changes together are to make the differences smaller than the tolerance:"),
                 Block::List(changes),
             ]);
+            right.extend(tried(found).map(|text| Block::Text(format!("Changes against inertia: {text}."))));
         }
         headline = headline.with(Block::Columns(vec![vec![largest(found)], right]));
     }

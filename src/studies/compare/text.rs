@@ -1,7 +1,7 @@
 //! A comparison as text: the answer, the evidence, and all details on request.
 
 use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
-use crate::analysis::compare::{Pathwise, Predicted, SuggestedChange, Tier};
+use crate::analysis::compare::{LONGEST_TRIAL, Pathwise, Predicted, SuggestedChange, Tier, Tried};
 use crate::backend::Status;
 use crate::output::quantity::{quantity, short, short_quantity};
 use crate::output::text::{Detail, Lines};
@@ -97,6 +97,7 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
         };
         rows.push((if at == 0 { "suggested change" } else { "  and" }, text));
     }
+    rows.extend(tried(found).map(|text| ("  together", text)));
     let metres = |value: f64| short_quantity(value, "m");
     rows.extend(by_trigger(&found.edge_displacement.by_trigger).map(|parts| ("by trigger", parts)));
     rows.extend(found.first_divergence.inertia_effect.map(|first| ("first divergence", divergence(&first))));
@@ -105,6 +106,30 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     rows.push(("tolerance", tolerance(found)));
     rows.push(("estimate", estimate(&found.predicted)));
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+/// What trials of the changes against inertia found; `None` where there is no such change.
+pub fn tried(found: &Pathwise) -> Option<String> {
+    let has_change = found.suggested_changes.iter().any(SuggestedChange::is_of_scene);
+    let metres = |value: f64| short_quantity(value, "m");
+    let outcome = |tried: &Tried| {
+        let word = if tried.is_enough { "checked" } else { "not enough" };
+        format!("{word}: inertia effect {}, tolerance {}", metres(tried.inertia_effect_m), metres(tried.tolerance_m))
+    };
+    has_change.then(|| found.tried.as_ref().map_or_else(|| why_not_tried(found), outcome))
+}
+
+/// Why the changes were not tried.
+fn why_not_tried(found: &Pathwise) -> String {
+    let slower = |change: &SuggestedChange| match change {
+        SuggestedChange::SlowerTips { factor } => Some(factor.recip()),
+        _ => None,
+    };
+    match found.suggested_changes.iter().find_map(slower) {
+        Some(times) if times > LONGEST_TRIAL => format!("not checked: a trial would take {} times as long", short(times)),
+        Some(_) if found.tier != Tier::Prescribed => "not checked: recorded motions have their own speed".to_owned(),
+        _ => "not checked".to_owned(),
+    }
 }
 
 /// Everything else that a comparison of paths found.

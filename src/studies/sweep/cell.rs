@@ -1,14 +1,15 @@
 //! Runs one cell and writes its row. The row depends on the cell alone, wherever and whenever it
 //! ran.
 
-use super::column::{facts, field_of, line_of};
+use super::column::{ESTIMATE, facts, field_of, line_of};
 use super::error::SweepError;
 use super::plan::{Place, Plan, content_key, point_hash};
+use crate::analysis::estimate::{InertiaEstimate, with_estimate};
 use crate::backend::{BackendOptions, Status};
 use crate::output::table::Field;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
-use crate::simulation::{Keep, Outcome, Simulation};
+use crate::simulation::{Keep, Outcome, Simulation, backend_of, controller_of};
 use crate::studies::stress::guard::guarded;
 
 /// What is added up while a run goes on.
@@ -17,6 +18,8 @@ struct Totals {
     path_length: f64,
     /// Time with 0, 1, 2 ... attached springs; the last one with more too (s).
     time_attached: Vec<f64>,
+    /// Of a quasi-static run.
+    estimate: Option<InertiaEstimate>,
 }
 
 fn number_if(is_there: bool, value: f64) -> Field {
@@ -56,11 +59,11 @@ impl<'a> Prepared<'a> {
             Ok(Some((outcome, totals))) => {
                 let path_length = Some(totals.path_length);
                 let run = Run { scenario: &self.scenario, options, outcome: &outcome, path_length, wall_time: None };
-                measured(&run, &totals.time_attached)
+                measured(&run, &totals)
             }
             Err(panic) => Err(format!("panicked: {panic}")),
         };
-        let n_measured = facts().count() + self.plan.most_attached + 1;
+        let n_measured = facts().count() + ESTIMATE.len() + self.plan.most_attached + 1;
         let (status, cause, rest) = match measured {
             Ok((status, cause, fields)) => (status, cause, fields),
             Err(cause) => ("failed", cause, vec![Field::Empty; n_measured]),
@@ -89,8 +92,15 @@ const STEPS_UNASKED: u64 = 64;
 fn run(scenario: &Scenario, options: &BackendOptions, most_attached: usize, go_on: &dyn Fn() -> bool) -> Option<(Outcome, Totals)> {
     let mut options = *options;
     loop {
-        let mut run = Simulation::new(scenario, &options, Keep::Outcome);
-        let mut totals = Totals { path_length: 0.0, time_attached: vec![0.0; most_attached + 1] };
+        let (backend, estimator) = match options.kind.has_inertia() {
+            true => (backend_of(scenario, &options), None),
+            false => {
+                let (backend, estimator) = with_estimate(&scenario.system, scenario.start, &options);
+                (backend, Some(estimator))
+            }
+        };
+        let mut run = Simulation::from_parts(scenario, &options, Keep::Outcome, controller_of(scenario), backend);
+        let mut totals = Totals { path_length: 0.0, time_attached: vec![0.0; most_attached + 1], estimate: None };
         for step in 0u64.. {
             if run.is_finished() {
                 break;
@@ -104,6 +114,7 @@ fn run(scenario: &Scenario, options: &BackendOptions, most_attached: usize, go_o
             totals.time_attached[run.n_attached().min(most_attached)] += run.time() - time;
         }
         let outcome = run.outcome();
+        totals.estimate = estimator.map(|estimator| estimator.borrow().estimate());
         match tightened(&options, &outcome) {
             Some(tighter) => options = tighter,
             None => return Some((outcome, totals)),
@@ -116,11 +127,21 @@ fn tightened(options: &BackendOptions, outcome: &Outcome) -> Option<BackendOptio
     Some(BackendOptions { tolerance: Some(tolerance.tightened()?), ..*options })
 }
 
+/// Fields of the columns of the estimate.
+fn estimated(totals: &Totals) -> [(&'static str, Field); 3] {
+    let fields = totals
+        .estimate
+        .map(|of| [of.edge_displacement_max_m.into(), of.share.into(), Field::Truth(!of.is_invalid && !of.touches_obstacle)]);
+    let [a, b, c] = fields.unwrap_or([Field::Empty, Field::Empty, Field::Empty]);
+    [(ESTIMATE[0].0, a), (ESTIMATE[1].0, b), (ESTIMATE[2].0, c)]
+}
+
 /// Status, cause and numbers, or the number that is not finite.
-fn measured(run: &Run, time_attached: &[f64]) -> Result<(&'static str, String, Vec<Field>), String> {
+fn measured(run: &Run, totals: &Totals) -> Result<(&'static str, String, Vec<Field>), String> {
     let end = run.outcome.time;
-    let shares = time_attached.iter().map(|time| ("time_share", number_if(end > 0.0, time / end)));
-    let named: Vec<(&str, Field)> = facts().map(|fact| (fact.column, field_of(fact.in_table(run)))).chain(shares).collect();
+    let shares = totals.time_attached.iter().map(|time| ("time_share", number_if(end > 0.0, time / end)));
+    let named: Vec<(&str, Field)> =
+        facts().map(|fact| (fact.column, field_of(fact.in_table(run)))).chain(estimated(totals)).chain(shares).collect();
     if let Some((name, value)) = named.iter().find_map(|(name, field)| Some((name, field.number().filter(|value| !value.is_finite())?))) {
         return Err(format!("{name} is {value}"));
     }
@@ -152,7 +173,7 @@ mod tests {
         let (mut outcome, totals) = run(&prepared.scenario, options, 4, &|| true).unwrap();
         let status = |outcome: &Outcome| {
             let run = Run { scenario: &prepared.scenario, options, outcome, path_length: None, wall_time: None };
-            measured(&run, &totals.time_attached).map(|(status, ..)| status)
+            measured(&run, &totals).map(|(status, ..)| status)
         };
         assert_eq!(status(&outcome), Ok("finished"));
         outcome.motion.pose.heading = f64::NAN;

@@ -46,6 +46,11 @@ pub const BEFORE: [(&str, Kind); 3] = [("cell", Kind::Whole), ("key", Kind::Word
 const BETWEEN: [(&str, Kind); 5] =
     [("backend", Kind::Word), ("step_s", Kind::Number), ("seed", Kind::Whole), ("status", Kind::Word), ("cause", Kind::Word)];
 
+/// Columns of the inertia estimate, which quasi-static runs alone have: largest edge displacement
+/// (m), the same over the path length (1), and whether the model behind it is valid.
+pub const ESTIMATE: [(&str, Kind); 3] =
+    [("inertia_estimate_m", Kind::Number), ("inertia_estimate_share", Kind::Number), ("inertia_estimate_is_valid", Kind::Truth)];
+
 /// The numbers of a run that have a column.
 pub fn facts() -> impl Iterator<Item = &'static run_facts::Fact> {
     run_facts::FACTS.iter().filter(|fact| !fact.column.is_empty())
@@ -59,7 +64,7 @@ pub fn columns(parameters: Vec<Column>, most_attached: usize, can_be_more: bool)
         let or_more = if n == most_attached && can_be_more { "_or_more" } else { "" };
         Column::new(format!("time_share_{n}{or_more}_attached"), Kind::Number)
     });
-    [fixed(&BEFORE), parameters, fixed(&BETWEEN), measured, shares.collect()].concat()
+    [fixed(&BEFORE), parameters, fixed(&BETWEEN), measured, fixed(&ESTIMATE), shares.collect()].concat()
 }
 
 /// Text of a field with all its digits, and without quotes.

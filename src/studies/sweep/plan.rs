@@ -17,7 +17,7 @@ use crate::scenario::{Drive, Scenario};
 use crate::studies::journal::{self, Header, JournalError};
 
 /// Version of the table. It changes whenever the row of the same run would.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// Most cells of one file: the place of each row stays in memory.
 const MOST_CELLS: u64 = 100_000_000;

@@ -1,0 +1,91 @@
+//! Trials of the suggested changes: quasi-static and inertial runs of the changed scene.
+
+use super::difference::{Difference, Jumps};
+use super::pathwise::{self, Pathwise};
+use super::settings::{Settings, Tier};
+use super::solution::Solution;
+use super::suggestion::{SuggestedChange, Tried};
+use super::verdict::Cause;
+use crate::backend::{BackendKind, Status};
+use crate::scenario::Scenario;
+use crate::simulation::{Controller, MakeBackend, backend_of};
+
+/// Parts of the tolerance that the changes of each trial aim at, over that of the first (1).
+const AIMS: [f64; 3] = [1.0, 1.0 / 3.0, 1.0 / 9.0];
+/// Longest duration of a trial over that of the scene (1).
+pub const LONGEST: f64 = 50.0;
+
+/// Compares paths, and tries the changes that are suggested against the inertia effect. Up to three
+/// trials are made, each with stronger changes. A trial leaves rapier out.
+pub(super) fn compare(
+    tier: Tier,
+    scenario: &Scenario,
+    settings: &Settings,
+    engine: &MakeBackend,
+    controller: impl Fn(&Scenario) -> Box<dyn Controller> + Sync,
+    watch: impl Fn(f64) -> bool + Sync,
+) -> Option<Pathwise> {
+    let mut found = pathwise::compare(tier, scenario, settings, engine, || controller(scenario), &watch)?;
+    if !settings.check_suggestions || !found.causes.contains(&Cause::Inertia) {
+        return Some(found);
+    }
+    let mut best = f64::INFINITY;
+    for aim in AIMS {
+        let changes = found.suggestions(scenario, settings, aim);
+        let Some(changed) = changed(scenario, tier, &changes) else { break };
+        let tried = tried(tier, &changed, settings, &found, &controller, &watch)?;
+        let share = tried.share();
+        if share < best {
+            (best, found.suggested_changes, found.tried) = (share, changes, Some(tried));
+        }
+        if tried.is_enough {
+            break;
+        }
+    }
+    Some(found)
+}
+
+/// The scene after all changes against inertia; `None` if one cannot be tried.
+fn changed(scenario: &Scenario, tier: Tier, changes: &[SuggestedChange]) -> Option<Scenario> {
+    let mut changed = scenario.clone();
+    // Recorded motions, and controllers of one's own, have their own speed.
+    let can_slow = tier == Tier::Prescribed;
+    let mut n_changes = 0;
+    for change in changes.iter().filter(|change| change.is_of_scene()) {
+        if matches!(change, SuggestedChange::SlowerTips { .. }) && !can_slow {
+            return None;
+        }
+        change.apply(&mut changed);
+        n_changes += 1;
+    }
+    (n_changes > 0 && changed.duration <= LONGEST * scenario.duration).then_some(changed)
+}
+
+/// What is left of the inertia effect in a changed scene, to the reference error of the comparison.
+fn tried(
+    tier: Tier,
+    changed: &Scenario,
+    settings: &Settings,
+    before: &Pathwise,
+    controller: &(impl Fn(&Scenario) -> Box<dyn Controller> + Sync),
+    watch: &(impl Fn(f64) -> bool + Sync),
+) -> Option<Tried> {
+    let needed = settings.reference_tolerance_m.unwrap_or(pathwise::needed_reference_error(before.tolerance_m));
+    let settings = Settings { reference_tolerance_m: Some(needed), ..*settings };
+    let find = |kind| {
+        let options = settings.under_error_control(changed, kind);
+        Solution::find(changed, &options, settings.parts_of_period(tier, changed), &backend_of, || controller(changed), |_| watch(1.0))
+    };
+    let (quasi_static, inertial) = rayon::join(|| find(BackendKind::QuasiStatic), || find(BackendKind::Inertial));
+    let [mut quasi_static, mut inertial] = [quasi_static?, inertial?];
+    let n = quasi_static.points.len().min(inertial.points.len());
+    [&mut quasi_static, &mut inertial].into_iter().for_each(|solution| solution.shorten_to(n));
+    let radius = changed.system.load.radius;
+    let jumps = Jumps::of(&quasi_static.trace, changed.control_period);
+    let effect = Difference::outside_jumps(&inertial.points, &quasi_static.points, radius, &jumps).edge_displacement_max_m;
+    let error = [&quasi_static, &inertial].map(|solution| Difference::error_of(&solution.limit, radius).edge_displacement_max_m);
+    let tolerance_m = settings.tolerance_path(quasi_static.path_length(radius).max(inertial.reach(radius)), radius);
+    let converged = [&quasi_static, &inertial].iter().all(|solution| solution.steps.status == Status::Converged);
+    let is_enough = converged && effect + error[0].max(error[1]) <= tolerance_m;
+    Some(Tried { inertia_effect_m: effect, tolerance_m, is_enough })
+}

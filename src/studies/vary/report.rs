@@ -1,0 +1,227 @@
+//! A map of comparisons as data: the answer, the table and the text.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::{CLEAR, Cell, Question};
+use crate::analysis::compare::Verdict;
+use crate::output::quantity::{quantity, short, short_quantity};
+use crate::output::table::{Column, Field, Table};
+use crate::output::text::Lines;
+use crate::studies::sweep::{Axis, Plan};
+
+/// Quantities in the order of [`Cell::compared`], with their units.
+pub const QUANTITIES: [(&str, &str); 5] = [("path", "m"), ("heading", "rad"), ("pulls", "N"), ("speed", "m/s"), ("energy", "J")];
+
+/// Result of `cohaul compare --vary`, as `--json` prints it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Map {
+    pub answer: String,
+    pub scenario: String,
+    pub seed: u64,
+    pub question: Question,
+    pub axes: Vec<Axis>,
+    /// Number of points at which all three backends were compared.
+    pub n_compared: usize,
+    /// Number of points at which the estimate alone decided.
+    pub n_by_estimate: usize,
+    pub n_failed: usize,
+    /// In the order of the grid, with the last parameter fastest.
+    pub cells: Vec<Cell>,
+    /// Real time that all calls took (s).
+    pub wall_s: f64,
+}
+
+impl Map {
+    pub fn new(plan: &Plan, question: &Question, cells: Vec<Cell>, wall_s: f64) -> Self {
+        let mut map = Self {
+            answer: String::new(),
+            scenario: plan.base().name.clone(),
+            seed: plan.identity.first_seed,
+            question: *question,
+            axes: plan.identity.design.axes.clone(),
+            n_compared: cells.iter().filter(|cell| cell.compared.is_some()).count(),
+            n_by_estimate: cells.iter().filter(|cell| cell.decided_by_estimate().is_some()).count(),
+            n_failed: cells.iter().filter(|cell| cell.failure.is_some()).count(),
+            cells,
+            wall_s,
+        };
+        map.answer = map.sentence();
+        map
+    }
+
+    /// Number of points at which quasi-static is valid for the path.
+    pub fn n_valid(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.is_valid_for_path() == Some(true)).count()
+    }
+
+    fn sentence(&self) -> String {
+        let n_open = self.cells.iter().filter(|cell| cell.failure.is_none() && cell.is_valid_for_path().is_none()).count();
+        let open = if n_open > 0 { format!(", open at {n_open}") } else { String::new() };
+        let failed = if self.n_failed > 0 { format!(", not computed at {}", self.n_failed) } else { String::new() };
+        let all = |cell: &&Cell| cell.compared.is_some_and(|of| of.iter().all(|of| of.is_valid == Some(true)));
+        let engine = |cell: &&Cell| cell.compared.is_some_and(|of| of.iter().any(|of| of.verdict.has_engine()));
+        let [n_all, n_engine] = [self.cells.iter().filter(all).count(), self.cells.iter().filter(engine).count()];
+        format!(
+            "Quasi-static is valid for the path at {} of {} points{}{open}{failed}. Of {} points that were compared in full, it is valid for all \
+             quantities at {n_all}, and the engine error of rapier exceeds a tolerance at {n_engine}.",
+            self.n_valid(),
+            self.cells.len(),
+            self.range(),
+            self.n_compared
+        )
+    }
+
+    /// The values of one parameter between which quasi-static is valid, if they are neighbours.
+    fn range(&self) -> String {
+        let valid: Vec<usize> = (0..self.cells.len()).filter(|at| self.cells[*at].is_valid_for_path() == Some(true)).collect();
+        let [axis] = &self.axes[..] else { return String::new() };
+        match (valid.first(), valid.last()) {
+            (Some(first), Some(last)) if last - first + 1 == valid.len() && valid.len() < self.cells.len() => {
+                let value = |at: &usize| value_text(&self.cells[*at].values[0]);
+                let ends = if first == last {
+                    format!("{} = {}", axis.path, value(first))
+                } else {
+                    format!("{} from {} to {}", axis.path, value(first), value(last))
+                };
+                format!(" ({ends})")
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// All numbers of all points.
+    pub fn table(&self) -> Table {
+        let column = |name: String, unit| Column { name, unit };
+        let parameters = self.axes.iter().map(|axis| column(axis.path.clone(), ""));
+        let estimate = ["estimated inertia effect", "estimated tolerance"].map(|name| column(name.to_owned(), "m"));
+        let of_quantity = |(name, unit): (&str, &'static str)| {
+            let number = |what: &str| column(format!("{name} {what}"), unit);
+            let [inertia, engine, reference, tolerance] = ["inertia effect", "engine error", "reference error", "tolerance"].map(number);
+            [column(format!("{name} verdict"), ""), inertia, engine, reference, tolerance]
+        };
+        let columns =
+            parameters.chain([column("decided by".to_owned(), "")]).chain(estimate).chain(QUANTITIES.into_iter().flat_map(of_quantity));
+        Table { caption: String::new(), columns: columns.collect(), rows: self.cells.iter().map(record).collect() }
+    }
+
+    /// The verdicts of all points in letters; `legend` explains them.
+    pub fn letters(&self) -> Table {
+        let name = |axis: &Axis| axis.path.rsplit_once('.').map_or(axis.path.as_str(), |(_, last)| last).to_owned();
+        let head = ["inertia", "tolerance", "engine", "path", "heading", "pulls", "speed", "energy", "decided by"].map(str::to_owned);
+        let row = |cell: &Cell| {
+            let metres = |value: Option<f64>| value.map_or("-".to_owned(), |value| short_quantity(value, "m"));
+            let path = cell.compared.map(|of| of[0]);
+            let inertia = path.map(|of| of.inertia_effect).or(cell.estimate.map(|of| of.inertia_effect_m));
+            let tolerance = path.map(|of| of.tolerance).or(cell.estimate.map(|of| of.tolerance_m));
+            let numbers = [metres(inertia), metres(tolerance), metres(path.map(|of| of.engine_error))];
+            let letters = [0, 1, 2, 3, 4].map(|at| letter(cell, at).to_string());
+            cell.values.iter().map(value_text).chain(numbers).chain(letters).chain([decided_by(cell)]).collect::<Vec<_>>()
+        };
+        Table::new("Verdicts by point", self.axes.iter().map(name).chain(head)).with_rows(self.cells.iter().map(row))
+    }
+
+    /// The answer, the table and what it means.
+    pub fn text(&self) -> String {
+        let mut lines = Lines::default();
+        lines.answer(&self.answer);
+        lines.text += &self.letters().text();
+        lines.row("letters", &legend());
+        lines.row("decided by", &rule(&self.question));
+        if let Some(why) = self.cells.iter().find_map(|cell| cell.failure.as_ref()) {
+            lines.row("first failure", why);
+        }
+        lines.row("wall time", &quantity(self.wall_s, "s"));
+        lines.text
+    }
+}
+
+/// What decided a point, with the margin of the estimate.
+fn decided_by(cell: &Cell) -> String {
+    match (cell.decided_by_estimate(), &cell.failure) {
+        (_, Some(_)) => "failed".to_owned(),
+        (Some(estimate), _) => format!("estimate, {} x tolerance", short(estimate.margin())),
+        (None, _) => "comparison".to_owned(),
+    }
+}
+
+/// Where all three backends were compared, and why elsewhere not.
+pub fn rule(question: &Question) -> String {
+    if question.everywhere {
+        return "all three backends are compared at every point".to_owned();
+    }
+    format!(
+        "the quasi-static estimate alone where it is at most 1/{CLEAR} or at least {CLEAR} times the tolerance of the path; all three backends are \
+         compared elsewhere, at the corners, and where there is no valid estimate (--everywhere: at every point)"
+    )
+}
+
+/// Every letter that a verdict may have, with its colour and its meaning.
+pub const LETTERS: [(char, &str, &str); 10] = [
+    ('a', "#dcebf5", "agree"),
+    ('I', "#e69f00", "inertia"),
+    ('E', "#cc79a7", "engine"),
+    ('B', "#d55e00", "inertia and engine"),
+    ('?', "#f0e442", "inconclusive"),
+    ('0', "#c8c8c8", "nothing moved"),
+    ('v', "#eef5fa", "valid by the estimate alone"),
+    ('n', "#f7d794", "not valid by the estimate alone"),
+    ('x', "#000000", "not computed"),
+    ('-', "#ffffff", "not compared"),
+];
+
+pub fn legend() -> String {
+    LETTERS.map(|(letter, _, meaning)| format!("{letter} {meaning}")).join(", ")
+}
+
+/// Letter of a quantity, by its place in [`QUANTITIES`], at a point.
+pub fn letter(cell: &Cell, quantity: usize) -> char {
+    match (&cell.compared, cell.decided_by_estimate()) {
+        _ if cell.failure.is_some() => 'x',
+        (Some(of), _) => match of[quantity].verdict {
+            Verdict::Agree => 'a',
+            Verdict::Inertia => 'I',
+            Verdict::Engine => 'E',
+            Verdict::InertiaAndEngine => 'B',
+            Verdict::NothingMoved => '0',
+            Verdict::NotComputed => 'x',
+            Verdict::Inconclusive | Verdict::Decorrelated => '?',
+        },
+        (None, Some(estimate)) if quantity == 0 => {
+            if estimate.margin() <= 1.0 {
+                'v'
+            } else {
+                'n'
+            }
+        }
+        _ => '-',
+    }
+}
+
+/// A value of a parameter for people.
+pub fn value_text(value: &Value) -> String {
+    match value {
+        Value::String(word) => word.clone(),
+        value => value.as_f64().map_or_else(|| value.to_string(), short),
+    }
+}
+
+fn record(cell: &Cell) -> Vec<Field> {
+    let number = |value: Option<f64>| value.map_or(Field::Empty, Field::Number);
+    let parameter = |value: &Value| value.as_f64().map_or_else(|| Field::Word(value_text(value)), Field::Number);
+    let by = match (&cell.failure, &cell.compared) {
+        (Some(why), _) => format!("failed: {why}"),
+        (None, Some(_)) => "comparison".to_owned(),
+        (None, None) => "estimate".to_owned(),
+    };
+    let of_quantity = |at: usize| {
+        let of = cell.compared.map(|of| of[at]);
+        let verdict = of.map_or(Field::Empty, |of| Field::Word(of.verdict.text().to_owned()));
+        let numbers =
+            [of.map(|of| of.inertia_effect), of.map(|of| of.engine_error), of.map(|of| of.reference_error), of.map(|of| of.tolerance)];
+        std::iter::once(verdict).chain(numbers.map(number)).collect::<Vec<_>>()
+    };
+    let estimate = [cell.estimate.map(|of| of.inertia_effect_m), cell.estimate.map(|of| of.tolerance_m)].map(number);
+    let head = cell.values.iter().map(parameter).chain([Field::Word(by)]).chain(estimate);
+    head.chain((0..QUANTITIES.len()).flat_map(of_quantity)).collect()
+}
