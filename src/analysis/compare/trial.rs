@@ -33,7 +33,7 @@ pub(super) fn compare(
     for aim in AIMS {
         let changes = found.suggestions(scenario, settings, aim);
         let Some(changed) = changed(scenario, tier, &changes) else { break };
-        let tried = tried(tier, &changed, settings, &found, &controller, &watch)?;
+        let tried = tried_to_its_tolerance(tier, &changed, settings, &found, &controller, &watch)?;
         let share = tried.share();
         if share < best {
             (best, found.suggested_changes, found.tried) = (share, changes, Some(tried));
@@ -61,8 +61,10 @@ fn changed(scenario: &Scenario, tier: Tier, changes: &[SuggestedChange]) -> Opti
     (n_changes > 0 && changed.duration <= LONGEST * scenario.duration).then_some(changed)
 }
 
-/// What is left of the inertia effect in a changed scene, to the reference error of the comparison.
-fn tried(
+/// What is left of the inertia effect in a changed scene. The reference error is that of the
+/// comparison first. A changed scene with a far shorter path has a far smaller tolerance, for which
+/// a smaller one is asked.
+fn tried_to_its_tolerance(
     tier: Tier,
     changed: &Scenario,
     settings: &Settings,
@@ -70,7 +72,24 @@ fn tried(
     controller: &(impl Fn(&Scenario) -> Box<dyn Controller> + Sync),
     watch: &(impl Fn(f64) -> bool + Sync),
 ) -> Option<Tried> {
-    let needed = settings.reference_tolerance_m.unwrap_or(pathwise::needed_reference_error(before.tolerance_m));
+    let to = |tolerance_m: f64| {
+        let needed = settings.reference_tolerance_m.unwrap_or(pathwise::needed_reference_error(tolerance_m));
+        tried(tier, changed, settings, needed, controller, watch)
+    };
+    let found = to(before.tolerance_m)?;
+    let is_open = !found.is_enough && found.share() <= 1.0 && settings.reference_tolerance_m.is_none();
+    if is_open { to(found.tolerance_m.min(before.tolerance_m)) } else { Some(found) }
+}
+
+/// What is left of the inertia effect in a changed scene, to this reference error (m).
+fn tried(
+    tier: Tier,
+    changed: &Scenario,
+    settings: &Settings,
+    needed: f64,
+    controller: &(impl Fn(&Scenario) -> Box<dyn Controller> + Sync),
+    watch: &(impl Fn(f64) -> bool + Sync),
+) -> Option<Tried> {
     let settings = Settings { reference_tolerance_m: Some(needed), ..*settings };
     let find = |kind| {
         let options = settings.under_error_control(changed, kind);
