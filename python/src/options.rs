@@ -192,6 +192,7 @@ impl AskedComparison {
             tolerance_speed_share: self.tolerance_speed_share.unwrap_or(usual.tolerance_speed_share),
             tolerance_energy_share: self.tolerance_energy_share.unwrap_or(usual.tolerance_energy_share),
             skips: skips(&self.no_skip)?,
+            ..usual
         })
     }
 }
