@@ -31,6 +31,7 @@ pub enum Family {
     Pull,
     Release,
     LimitSurface,
+    MaxMin,
     Towing,
     Contact,
     Symmetry,
@@ -90,12 +91,13 @@ impl Case {
 }
 
 impl Family {
-    pub const ALL: [Family; 11] = [
+    pub const ALL: [Family; 12] = [
         Family::Slide,
         Family::Tripod,
         Family::Pull,
         Family::Release,
         Family::LimitSurface,
+        Family::MaxMin,
         Family::Towing,
         Family::Contact,
         Family::Symmetry,
@@ -111,6 +113,7 @@ impl Family {
             Family::Pull => "pull",
             Family::Release => "release",
             Family::LimitSurface => "limit-surface",
+            Family::MaxMin => "max-min",
             Family::Towing => "towing",
             Family::Contact => "contact",
             Family::Symmetry => "symmetry",

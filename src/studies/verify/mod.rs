@@ -24,6 +24,7 @@ pub mod contact;
 pub mod figure;
 pub mod limit_surface;
 pub mod mass;
+pub mod max_min;
 mod measured;
 pub mod peers;
 pub mod pull;
@@ -54,6 +55,7 @@ pub fn all() -> Vec<Case> {
         pull::cases,
         release::cases,
         limit_surface::cases,
+        max_min::cases,
         towing::cases,
         contact::cases,
         symmetry::cases,
@@ -72,7 +74,7 @@ fn add_controlled(case: &mut Case) {
     let load = match case.family {
         Family::Slide | Family::Tripod | Family::Pull | Family::Release | Family::Reference => scenes::paper_system(Vec::new()).load,
         Family::Peers => scenes::peers_system(Vec::new()).load,
-        Family::LimitSurface | Family::Towing | Family::Contact | Family::Symmetry | Family::Mass => return,
+        Family::LimitSurface | Family::MaxMin | Family::Towing | Family::Contact | Family::Symmetry | Family::Mass => return,
     };
     if case.name.ends_with("-stays") || ["peers-ripple", "peers-creep"].contains(&case.name.as_str()) {
         return;
