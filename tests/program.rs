@@ -367,11 +367,47 @@ fn one_wrong_file_among_good_ones_makes_a_check_fail() {
     let (good, bad) = (room.tips(), room.write("bad.json", "{}"));
     let output = call(&["scenario", "check", &good, &bad, &good]);
     assert_eq!(output.status.code(), Some(2));
-    assert_eq!(text(&output.stdout).lines().count(), 2);
+    assert_eq!(text(&output.stdout).lines().filter(|line| line.contains(": ok, ")).count(), 2);
     assert!(text(&output.stderr).contains("bad.json"));
 }
 
 /// Two posts whose centres are 8 mm apart, each of 5 mm: they overlap by 2 mm.
+/// What is known before a run, by hand: 1.6 g at 9.81 m/s^2 and mu = 1.4, on the spring of the
+/// paper along x.
+#[test]
+fn a_check_advises_on_weight_frequencies_pulls_numbers_and_times() {
+    let room = Room::new();
+    let found = json_of(&["scenario", "check", "--json", &room.tips()])["scenarios"][0]["advice"].take();
+    let is = |pointer: &str, value: f64| assert!((number(&found, pointer) / value - 1.0).abs() < 1e-9, "{pointer}: {found}");
+    is("/weight_n", 0.0016 * 9.81);
+    is("/slip_limit_n", 1.4 * 0.0016 * 9.81);
+    is("/slip_torque_nm", 1.4 * 0.0016 * 9.81 * 0.008);
+    // Along the spring the load is free of the other two modes, across only the torsion turns it.
+    let along = (0.664_f64 / 0.0016).sqrt() / std::f64::consts::TAU;
+    let modes = found["natural_frequencies"].as_array().unwrap();
+    assert!(modes.iter().any(|mode| (number(mode, "/frequency_hz") / along - 1.0).abs() < 1e-9 && number(mode, "/turning_share") < 1e-9));
+    assert_eq!(modes.len(), 2, "a turn about the tip has no stiffness without torsion: {modes:?}");
+    assert!((number(&found, "/first_pulls/0/over_slip_limit")).abs() < 1e-9, "{found}");
+    // The events are a grasp at 0, a release at 0.12 s and the end at 0.173 s.
+    is("/numbers/phi", (0.664_f64 / 0.0016).sqrt() * 0.173 / 2.0);
+    let speeds = [(0.0555, 0.0515_f64.hypot(0.01)), (0.0945, 0.01_f64.hypot(0.01))].map(|(time, length)| (time, length / time));
+    let squares: f64 = 0.0555 * speeds[0].1 * speeds[0].1 + (0.12 - 0.0555) * speeds[1].1 * speeds[1].1;
+    is("/numbers/epsilon", (squares / 0.12).sqrt() * (0.664_f64 * 0.0016).sqrt() / (1.4 * 0.0016 * 9.81));
+    for key in ["quasi_static", "inertial", "rapier", "compare"] {
+        let time = number(&found, &format!("/expected_time_s/{key}"));
+        assert!(time > 0.0 && time < 10.0, "{key}: {time}");
+    }
+    let said = call(&["scenario", "check", &room.tips()]);
+    let said = text(&said.stdout);
+    for words in ["weight", "slip limit is 22 mN", "3.24 Hz (translation)", "spring 0: 0 of the slip limit", "epsilon", "Phi", "compare"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    // Ants attach when they come: only their springs are known.
+    let ants = json_of(&["scenario", "check", "--json", &room.four_ants(4.0)])["scenarios"][0]["advice"].take();
+    assert_eq!((&ants["first_pulls"], &ants["numbers"]["phi"]), (&json!([]), &Value::Null));
+    assert_eq!(ants["natural_frequencies"].as_array().unwrap().len(), 3);
+}
+
 #[test]
 fn obstacles_inside_each_other_are_warned_about() {
     let room = Room::new();

@@ -101,12 +101,12 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
-    warn_of_scenario(&args.scenario, &scenario);
     warn_of_cost("run", &scenario, &ExpectedCost::of_run(&scenario, &options));
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
     if args.no_estimate && options.kind != BackendKind::QuasiStatic {
         warn_idle("--no-estimate", "quasi-static", options.kind.name());
     }
+    warn_of_scenario(&args.scenario, &scenario);
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
     args.output.check()?;
