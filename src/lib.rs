@@ -76,8 +76,8 @@ pub mod studies;
 
 pub use analysis::compare::{
     Cause, ClosedLoop, Difference, Distribution, Divergence, EdgeDisplacement, FirstDifferentDecision, FirstDivergence, MakeController,
-    Measure, MeasureVerdict, Numbers, PairedDifference, Pathwise, Point, Predicted, QuantityVerdict, ReferenceError, RunMeasure, Settings,
-    Solution, SuggestedChange, ThreeWay, Tier, Verdict, Verdicts,
+    Measure, MeasureVerdict, Numbers, PairedDifference, Pathwise, Point, Predicted, QuantityVerdict, ReferenceError, RunMeasure, SeedRuns,
+    Settings, Solution, SuggestedChange, ThreeWay, Tier, Verdict, Verdicts,
 };
 pub use analysis::estimate::{Estimator, InertiaEstimate, Largest, with_estimate};
 pub use analysis::{ByTrigger, Trigger, TriggerKind};

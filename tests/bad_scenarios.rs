@@ -1,10 +1,17 @@
 //! Wrong input is told with place, rule and what was found, all of it at once; a hair inside of
 //! each threshold is accepted.
 
+#[path = "common/changes.rs"]
+mod changes;
+
 use std::path::Path;
 
+use cohaul::analysis::Advice;
+use cohaul::output::json;
 use cohaul::scenario::{Scenario, ScenarioError, format};
 use serde_json::{Value, json};
+
+use changes::changed;
 
 /// One change to a good scenario, and the one finding it must give: place, words of the rule, what
 /// was found.
@@ -58,18 +65,6 @@ fn world() -> Value {
             { "name": "post", "outline": { "disc": { "radius_m": 0.002 } }, "path": { "waypoints": [[0, 0, 1, 0], [1, 0, 2, 0]] } } ],
         "drive": { "kind": "tips", "paths": [] }
     })
-}
-
-/// Sets what a JSON pointer names, in the last step also a new key; null takes the key out.
-fn changed(mut file: Value, at: &str, put: Value) -> Value {
-    let (parent, key) = at.rsplit_once('/').unwrap();
-    match file.pointer_mut(parent).unwrap_or_else(|| panic!("{at}")) {
-        Value::Object(map) if put.is_null() => drop(map.remove(key).unwrap_or_else(|| panic!("{at}"))),
-        Value::Object(map) => drop(map.insert(key.to_string(), put)),
-        Value::Array(list) => list[key.parse::<usize>().unwrap()] = put,
-        other => panic!("{at} leads into {other}"),
-    }
-    file
 }
 
 fn error_of(file: &Value) -> String {
@@ -724,6 +719,8 @@ fn odd_values_anywhere_are_answered() {
                 };
                 n_accepted += 1;
                 assert!(schema.is_valid(&file), "{at} {value}");
+                scenario.warnings();
+                json::check(&Advice::of(&scenario)).unwrap_or_else(|error| panic!("{at} {value}: {error}"));
                 let expansion = serde_json::to_string(&scenario.expanded()).unwrap();
                 assert_eq!(Scenario::parse(&expansion, "expansion").unwrap(), scenario, "{at} {value}");
             }

@@ -241,6 +241,22 @@ fn a_changed_scenario_differs_and_the_difference_is_told() {
 }
 
 #[test]
+fn results_are_written_as_junit_xml() {
+    let room = Room::new();
+    let (folder, xml) = (room.baselines(), room.path("deep/check.xml"));
+    said(&["check", &folder, "--junit", &xml], 0);
+    let good = fs::read_to_string(&xml).unwrap();
+    assert!(good.contains("<testsuites name=\"cohaul check\" tests=\"3\" failures=\"0\" errors=\"0\""), "{good}");
+    assert!(NAMES.iter().all(|name| good.contains(&format!("<testcase classname=\"check\" name=\"{name}\"/>"))), "{good}");
+    let file = room.tips("changed.json", 0.101);
+    said(&["check", &folder, "tips-inertial", "--scenario", &file, "--junit", &xml], 1);
+    let bad = fs::read_to_string(&xml).unwrap();
+    assert!(bad.contains("failures=\"1\"") && bad.contains("<failure message=\"differs first in "), "{bad}");
+    assert!(bad.contains("load.velocity_m_per_s[0] is 0.101"), "{bad}");
+    refused(&["check", &folder, "--junit", &folder], &["--junit", "must be a file", "folder"]);
+}
+
+#[test]
 fn what_is_accepted_agrees_from_then_on_and_keeps_its_tolerances() {
     let room = Room::new();
     let folder = room.baselines();

@@ -8,6 +8,7 @@ use std::process::{Output, Stdio};
 
 use assert_cmd::Command;
 use cohaul::scenario::Scenario;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::{Value, json};
 use tempfile::{TempDir, tempdir};
 
@@ -367,8 +368,44 @@ fn one_wrong_file_among_good_ones_makes_a_check_fail() {
     let (good, bad) = (room.tips(), room.write("bad.json", "{}"));
     let output = call(&["scenario", "check", &good, &bad, &good]);
     assert_eq!(output.status.code(), Some(2));
-    assert_eq!(text(&output.stdout).lines().count(), 2);
+    assert_eq!(text(&output.stdout).lines().filter(|line| line.contains(": ok, ")).count(), 2);
     assert!(text(&output.stderr).contains("bad.json"));
+}
+
+/// What is known before a run, by hand: 1.6 g at 9.81 m/s^2 and mu = 1.4, on the spring of the
+/// paper along x.
+#[test]
+fn a_check_advises_on_weight_frequencies_pulls_numbers_and_times() {
+    let room = Room::new();
+    let found = json_of(&["scenario", "check", "--json", &room.tips()])["scenarios"][0]["advice"].take();
+    let is = |pointer: &str, value: f64| assert!((number(&found, pointer) / value - 1.0).abs() < 1e-9, "{pointer}: {found}");
+    is("/weight_n", 0.0016 * 9.81);
+    is("/slip_limit_n", 1.4 * 0.0016 * 9.81);
+    is("/slip_torque_nm", 1.4 * 0.0016 * 9.81 * 0.008);
+    // Along the spring the load is free of the other two modes, across only the torsion turns it.
+    let along = (0.664_f64 / 0.0016).sqrt() / std::f64::consts::TAU;
+    let modes = found["natural_frequencies"].as_array().unwrap();
+    assert!(modes.iter().any(|mode| (number(mode, "/frequency_hz") / along - 1.0).abs() < 1e-9 && number(mode, "/turning_share") < 1e-9));
+    assert_eq!(modes.len(), 2, "a turn about the tip has no stiffness without torsion: {modes:?}");
+    assert!((number(&found, "/first_pulls/0/over_slip_limit")).abs() < 1e-9, "{found}");
+    // The events are a grasp at 0, a release at 0.12 s and the end at 0.173 s.
+    is("/numbers/phi", (0.664_f64 / 0.0016).sqrt() * 0.173 / 2.0);
+    let speeds = [(0.0555, 0.0515_f64.hypot(0.01)), (0.0945, 0.01_f64.hypot(0.01))].map(|(time, length)| (time, length / time));
+    let squares: f64 = 0.0555 * speeds[0].1 * speeds[0].1 + (0.12 - 0.0555) * speeds[1].1 * speeds[1].1;
+    is("/numbers/epsilon", (squares / 0.12).sqrt() * (0.664_f64 * 0.0016).sqrt() / (1.4 * 0.0016 * 9.81));
+    for key in ["quasi_static", "inertial", "rapier", "compare"] {
+        let time = number(&found, &format!("/expected_time_s/{key}"));
+        assert!(time > 0.0 && time < 10.0, "{key}: {time}");
+    }
+    let said = call(&["scenario", "check", &room.tips()]);
+    let said = text(&said.stdout);
+    for words in ["weight", "slip limit is 22 mN", "3.24 Hz (translation)", "spring 0: 0 of the slip limit", "epsilon", "Phi", "compare"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    // Ants attach when they come: only their springs are known.
+    let ants = json_of(&["scenario", "check", "--json", &room.four_ants(4.0)])["scenarios"][0]["advice"].take();
+    assert_eq!((&ants["first_pulls"], &ants["numbers"]["phi"]), (&json!([]), &Value::Null));
+    assert_eq!(ants["natural_frequencies"].as_array().unwrap().len(), 3);
 }
 
 /// Two posts whose centres are 8 mm apart, each of 5 mm: they overlap by 2 mm.
@@ -768,11 +805,68 @@ fn a_report_of_a_run_is_written_when_it_is_asked_for() {
     assert_eq!(call(&["run", &file, "--report"]).status.code(), Some(2));
 }
 
+/// Traces are written only when they are asked for; those in Parquet have the rows of those in CSV,
+/// and say where they come from.
+#[test]
+fn traces_are_written_in_the_format_asked_for() {
+    let room = Room::new();
+    let (tips, out) = (room.tips(), room.path("out"));
+    json_of(&["compare", &tips, "--json", "--out", &out, "--no-check-suggestions"]);
+    let written = names(out.as_ref());
+    assert!(!written.iter().any(|name| name.contains("trace") || name.contains("events")), "{written:?}");
+    json_of(&["compare", &tips, "--json", "--out", &out, "--no-check-suggestions", "--traces", "parquet"]);
+    assert!(BACKENDS.iter().all(|backend| names(out.as_ref()).contains(&format!("trace-prescribed-{backend}.parquet"))));
+    json_of(&["run", &tips, "--json", "--out", &out]);
+    let rows = rows_in(&out, "trace.csv");
+    json_of(&["run", &tips, "--json", "--out", &out, "--traces", "parquet"]);
+    let file = fs::File::open(Path::new(&out).join("trace.parquet")).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let read: Vec<Vec<f64>> = reader
+        .get_row_iter(None)
+        .unwrap()
+        .map(|row| row.unwrap().get_column_iter().take(7).map(|(_, field)| field.to_string().parse().unwrap()).collect())
+        .collect();
+    assert_eq!(read, rows);
+    assert_eq!(reader.metadata().file_metadata().schema_descr().column(7).name(), "n_transporting");
+    let entries = reader.metadata().file_metadata().key_value_metadata().unwrap();
+    let entry = |key: &str| entries.iter().find(|entry| entry.key == key).unwrap().value.clone().unwrap();
+    let manifest: Value = serde_json::from_str(&fs::read_to_string(Path::new(&out).join("manifest.json")).unwrap()).unwrap();
+    assert_eq!(entry("cohaul.scenario_sha256"), manifest["scenario_sha256"].as_str().unwrap());
+    assert_eq!((entry("cohaul.seed").as_str(), entry("cohaul.version")), ("7", manifest["version"].as_str().unwrap().to_owned()));
+    let units: Value = serde_json::from_str(&entry("cohaul.units")).unwrap();
+    assert_eq!((&units["x_m"], &units["turn_rate_rad_per_s"], &units["n_transporting"]), (&json!("m"), &json!("rad/s"), &Value::Null));
+    refused(&["run", &tips, "--traces", "csv"], &["--out"]);
+}
+
+/// A comparison that is killed continues from the seeds that are done, to the same result.
+#[test]
+fn a_comparison_over_seeds_survives_being_killed() {
+    let room = Room::new();
+    let (ants, out) = (room.four_ants(20.0), room.path("out"));
+    let args = ["compare", &ants, "--tier", "closed-loop", "--seeds", "6", "--json", "--out", &out];
+    let journal = room.path("out.journal");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_cohaul")).args(args).stdout(Stdio::null()).spawn().unwrap();
+    let has_record = || fs::read_to_string(&journal).is_ok_and(|text| text.lines().count() > 1);
+    while !has_record() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before a seed was kept");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let output = call(&args);
+    assert!(text(&output.stderr).contains("continues after"), "{}", text(&output.stderr));
+    let mut found: Value = serde_json::from_str(text(&output.stdout)).unwrap();
+    assert!(!Path::new(&journal).exists(), "the journal is gone with the work");
+    let mut whole = json_of(&args[..7]);
+    [&mut found, &mut whole].into_iter().for_each(|value| value["wall_s"] = Value::Null);
+    assert_eq!(found, whole);
+}
+
 #[test]
 fn compare_finds_differences_and_writes_every_tier() {
     let room = Room::new();
     let (ants, tips, out) = (room.four_ants(4.0), room.tips(), room.path("out"));
-    let value = json_of(&["compare", &tips, "--json", "--out", &out]);
+    let value = json_of(&["compare", &tips, "--json", "--out", &out, "--traces", "csv"]);
     // A release under load parts a run with inertia from one without.
     assert!(number(&value, "/tiers/prescribed/inertia_effect/position_max_m") > 1e-4);
     assert!(["overview-prescribed.svg", "report.html"].iter().all(|name| names(out.as_ref()).contains(&(*name).to_owned())));
@@ -784,7 +878,7 @@ fn compare_finds_differences_and_writes_every_tier() {
         assert!(times.windows(2).all(|pair| pair[0] < pair[1] && pair[1] - pair[0] < 1.001 * between), "{times:?}");
         assert!((0..18).all(|tick| times.contains(&(f64::from(tick) * 0.01))) && times.last() == Some(&0.173), "{times:?}");
     }
-    let value = json_of(&["compare", &ants, "--json", "--seeds", "2", "--out", &out]);
+    let value = json_of(&["compare", &ants, "--json", "--seeds", "2", "--out", &out, "--traces", "csv"]);
     assert_pathwise(&value["tiers"]["replayed"]);
     assert!(number(&value, "/tiers/replayed/inertia_effect/position_max_m") > 1e-6);
     for tier in ["replayed", "closed-loop"] {

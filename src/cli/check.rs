@@ -14,13 +14,13 @@ use super::engine::{EngineArgs, warn_of_idle};
 use super::error::CliError;
 use super::error::at_file;
 use super::input::{check_step, read_scenario, stem_of};
-use super::output::{OutputArgs, study_manifest};
+use super::output::{JunitArgs, OutputArgs, study_manifest};
 use super::watch::watched_to_end;
 use crate::backend::{BackendKind, BackendOptions, Integrator, Status, step_of};
 use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::scenario::Scenario;
-use crate::studies::check::report::{CheckReport, check_text, this_build, write_check};
+use crate::studies::check::report::{CheckReport, check_suite, check_text, this_build, write_check};
 use crate::studies::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
 
 #[derive(Args)]
@@ -31,6 +31,7 @@ use crate::studies::check::{self, Baseline, Check, Settings, Verdict, read_folde
 Examples:
   cohaul check tests/baselines
   cohaul check baselines four-ants --scenario changed.json --out out/check
+  cohaul check baselines --junit out/check.xml
   cohaul check store scene.json --baselines baselines --backend inertial
 
 Folders with the names of subcommands: write ./store or ./help."
@@ -55,6 +56,8 @@ pub struct CheckArgs {
     accept: bool,
     #[command(flatten)]
     output: OutputArgs,
+    #[command(flatten)]
+    junit: JunitArgs,
 }
 
 #[derive(Subcommand)]
@@ -112,6 +115,7 @@ fn compare_with(folder: &Path, args: &CheckArgs) -> Result<ExitCode, CliError> {
     let baselines = chosen(folder, &args.names)?;
     let scenario = args.scenario.as_deref().map(|path| read_scenario(path, None)).transpose()?;
     args.output.check()?;
+    args.junit.check()?;
     let (started, clock) = (SystemTime::now(), Instant::now());
     let settings = Settings { scenario, exact: args.exact };
     let checks = watched_to_end("check", |watch| check::check(&baselines, &settings, &this_build(), watch))?;
@@ -122,6 +126,7 @@ fn compare_with(folder: &Path, args: &CheckArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.output.out {
         write_check(out, &report, &manifest(&report.baselines, args.exact, started))?;
     }
+    args.junit.write(|| check_suite(&report))?;
     let is_good = report.is_good();
     args.output.print(&report, || check_text(&report), if is_good { Tone::Good } else { Tone::Bad })?;
     Ok(if is_good { ExitCode::SUCCESS } else { ExitCode::from(1) })

@@ -1,11 +1,12 @@
 //! `cohaul compare`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Instant, SystemTime};
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::choice::{choice, names, positive, seconds};
 use super::console::{self, Tone};
@@ -14,14 +15,17 @@ use super::engine::{EngineArgs, warn_idle};
 use super::error::CliError;
 use super::input::{check_step, name_of, read_scenario, read_text};
 use super::output::{OutputArgs, manifest_of};
+use super::resumable::{self, Finished};
 use super::vary::{VaryArgs, vary};
 use super::watch::watched_to_end;
 use crate::analysis::ExpectedCost;
-use crate::analysis::compare::{Settings, ThreeWay, Tier, Verdict};
+use crate::analysis::compare::{ClosedLoop, SeedRuns, Settings, ThreeWay, Tier, Verdict};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
+use crate::output::traces::TraceFormat;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::compare::beside::recorded_path;
+use crate::studies::compare::closed_loop::{First, judged, tasks};
 use crate::studies::compare::comparison::{Comparison, Tiers};
 use crate::studies::compare::files::write_comparison;
 use crate::studies::compare::text::text;
@@ -36,9 +40,10 @@ Examples:
   cohaul compare scene.json --beside camera.csv
   cohaul compare scene.json --vary load.mass_kg=log:0.1:10:12 --out out/map
 
-Files in DIR: report.html, traces, overview figures, summary.json and
-manifest.json; with --vary report.html, map.csv, map.svg, summary.json and
-manifest.json, and DIR.journal keeps the state of an interrupted map.")]
+Files in DIR: report.html, overview figures, summary.json and manifest.json,
+with --traces those of all runs; with --vary report.html, map.csv, map.svg,
+summary.json and manifest.json. The seeds of an interrupted closed loop and
+the points of an interrupted map are kept in DIR.journal.")]
 pub struct CompareArgs {
     /// Scenario file; - for standard input
     scenario: PathBuf,
@@ -103,6 +108,9 @@ pub struct CompareArgs {
     engine: EngineArgs,
     #[command(flatten)]
     output: OutputArgs,
+    /// Write the traces and events of all runs too, trace-TIER-BACKEND and events-TIER-BACKEND.csv
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<TraceFormat>(), requires = "out", help_heading = "Output")]
+    traces: Option<TraceFormat>,
 }
 
 pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
@@ -132,9 +140,17 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         warn_of_cost("compare", &scenario, &ExpectedCost::of_comparison(&scenario, &settings));
     }
     let (started, clock) = (SystemTime::now(), Instant::now());
-    let mut found = Tiers::default();
+    let (mut found, mut seeds) = (Tiers::default(), None);
+    let runs = ThreeWay::new(&scenario, &settings);
     for tier in asked {
-        add(&mut found, tier, &ThreeWay::new(&scenario, &settings), n_seeds)?;
+        match tier {
+            Tier::ClosedLoop => {
+                let asked = json!({ "scenario_sha256": scenario.hash(), "n_seeds": n_seeds, "settings": settings });
+                let (compared, finished) = closed_loop(runs, n_seeds, &asked, args.output.out.as_deref())?;
+                (found.closed_loop, seeds) = (Some(compared), Some(finished));
+            }
+            tier => add_paths(&mut found, tier, runs)?,
+        }
     }
     let mut comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
     if let (Some(path), Some(trace)) = (&args.beside, recorded) {
@@ -142,8 +158,9 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     }
     json::check(&comparison)?;
     if let Some(out) = &args.output.out {
-        write_comparison(out, &comparison, &scenario, &manifest_of(&scenario, &settings, started))?;
+        write_comparison(out, &comparison, &scenario, args.traces, &manifest_of(&scenario, &settings, started))?;
     }
+    seeds.map_or(Ok(()), Finished::remove_journal)?;
     let is_computed = comparison.tiers.are_computed();
     args.output.print(&comparison, || text(&comparison, console::detail()), tone(&comparison.tiers))?;
     args.output.print_report()?;
@@ -162,6 +179,7 @@ fn check_map(args: &CompareArgs) -> Result<(), CliError> {
         ("--seeds", args.seeds.is_some()),
         ("--fail-on", !args.fail_on.is_empty()),
         ("--beside", args.beside.is_some()),
+        ("--traces", args.traces.is_some()),
     ];
     match options.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(CliError::Usage(format!("{option}: must be left out with --vary, found both"))),
@@ -223,15 +241,23 @@ fn tone(tiers: &Tiers) -> Tone {
     }
 }
 
-fn add(tiers: &mut Tiers, tier: Tier, runs: &ThreeWay, n_seeds: usize) -> Result<(), CliError> {
+/// Runs a comparison of paths.
+fn add_paths(tiers: &mut Tiers, tier: Tier, runs: ThreeWay) -> Result<(), CliError> {
     let label = list(&[tier]);
     match tier {
         Tier::Prescribed => tiers.prescribed = Some(watched_to_end(&label, |watch| runs.prescribed(watch))?),
         Tier::Replayed => tiers.replayed = Some(watched_to_end(&label, |watch| runs.replayed(watch))?),
-        Tier::ClosedLoop => tiers.closed_loop = Some(watched_to_end(&label, |watch| runs.closed_loop(n_seeds, watch))?),
-        Tier::Controlled => unreachable!("the command line has no controllers of one's own"),
+        Tier::ClosedLoop | Tier::Controlled => unreachable!("the closed loop has seeds, and the command line no own controllers"),
     }
     Ok(())
+}
+
+/// Runs all seeds that an earlier call has not, and compares them.
+fn closed_loop(runs: ThreeWay, n_seeds: usize, asked: &Value, out: Option<&Path>) -> Result<(ClosedLoop, Finished<SeedRuns>), CliError> {
+    let (label, first) = (list(&[Tier::ClosedLoop]), First::default());
+    let finished = resumable::run(&label, asked, &tasks(runs, n_seeds, &first), out)?;
+    let compared = watched_to_end(&label, |watch| judged(runs, &finished.records, first, watch))?;
+    Ok((compared, finished))
 }
 
 /// Warns of options of tiers that are left out.

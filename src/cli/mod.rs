@@ -16,6 +16,7 @@ mod explain;
 mod generate;
 mod input;
 mod merge;
+mod new;
 mod output;
 mod paper;
 mod regime;

@@ -1,5 +1,6 @@
 //! Where a command writes its results, and the manifest beside them.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -8,11 +9,13 @@ use serde::Serialize;
 use serde_json::{Value, json as object};
 
 use super::console::{Tone, print, print_answer};
-use super::error::CliError;
+use super::error::{CliError, at_file};
 use crate::output::folder::{MANIFEST, check_target};
 use crate::output::json;
+use crate::output::junit::Suite;
 use crate::output::manifest::{Manifest, sha256_hex};
 use crate::output::page::REPORT;
+use crate::output::sibling::write_whole;
 use crate::scenario::Scenario;
 
 /// Options of every command that computes something.
@@ -44,6 +47,31 @@ impl OutputArgs {
             Some(out) => print(&format!("report\n  {}\n", out.join(REPORT).display())),
             None => Ok(()),
         }
+    }
+}
+
+/// Option of the commands that check something.
+#[derive(Args)]
+#[command(next_help_heading = "Output")]
+pub struct JunitArgs {
+    /// Write the results as JUnit XML too, for continuous integration
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+}
+
+impl JunitArgs {
+    /// Checks, before a long run, that a file may be at this place.
+    pub fn check(&self) -> Result<(), CliError> {
+        match self.junit.as_deref().filter(|path| path.is_dir()) {
+            Some(path) => Err(CliError::Usage(format!("--junit: must be a file, found the folder {}", path.display()))),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the suite, in place of an earlier file.
+    pub fn write(&self, suite: impl FnOnce() -> Suite) -> Result<(), CliError> {
+        let Some(path) = &self.junit else { return Ok(()) };
+        write_whole(path, |out| out.write_all(suite().to_string().as_bytes())).map_err(at_file(path))
     }
 }
 

@@ -24,6 +24,7 @@ use crate::output::chart::Scene;
 use crate::output::json;
 use crate::output::progress::Progress;
 use crate::output::trace_csv::TraceColumns;
+use crate::output::traces::TraceFormat;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
 use crate::simulation::{Keep, SavedRun, Simulation, controller_of};
@@ -39,8 +40,8 @@ Examples:
   cohaul run scene.json --backend inertial --out out/run --report
   cohaul run scene.json --tolerance 1e-6 --json
 
-Files in DIR: trace.csv, events.csv, transitions.csv, overview.svg, summary.json
-and manifest.json.")]
+Files in DIR: trace.csv or trace.parquet, events.csv, transitions.csv,
+overview.svg, summary.json and manifest.json.")]
 pub struct RunArgs {
     /// Scenario file; - for standard input
     scenario: PathBuf,
@@ -90,7 +91,10 @@ pub struct RunArgs {
     /// Write the report with a replay of the run too, report.html
     #[arg(long, requires = "out", help_heading = "Output")]
     report: bool,
-    /// Write the energies, the interaction force and the pull on each spring to trace.csv too
+    /// Format of the trace [default: csv]
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<TraceFormat>(), requires = "out", help_heading = "Output")]
+    traces: Option<TraceFormat>,
+    /// Write the energies, the interaction force and the pull on each spring to the trace too
     #[arg(long, requires = "out", help_heading = "Output")]
     full_trace: bool,
     /// Write the attached tips too, tips.csv, as `cohaul calibrate forces` reads them
@@ -101,8 +105,8 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
-    warn_of_scenario(&args.scenario, &scenario);
     warn_of_cost("run", &scenario, &ExpectedCost::of_run(&scenario, &options));
+    warn_of_scenario(&args.scenario, &scenario);
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
     if args.no_estimate && options.kind != BackendKind::QuasiStatic {
         warn_idle("--no-estimate", "quasi-static", options.kind.name());
@@ -110,7 +114,8 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
     args.output.check()?;
-    let mut writer = args.output.out.as_deref().map(|out| RunWriter::create(out, columns)).transpose()?;
+    let mut writer =
+        args.output.out.as_deref().map(|out| RunWriter::create(out, columns, args.traces.unwrap_or(TraceFormat::Csv))).transpose()?;
     let (started, clock) = (SystemTime::now(), Instant::now());
     let (run, estimator) = computed(args, &scenario, &options, &mut writer)?;
     if !run.is_finished() {
@@ -156,7 +161,8 @@ fn computed<'a>(
         _ => Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend),
     };
     // Rows that nothing needs again are written as they come.
-    let passes_on = args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
+    let streams = writer.as_ref().is_some_and(RunWriter::streams);
+    let passes_on = streams && args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
     watched_by(Progress::start(scenario.duration, args.backend.name()), |watch| {
         let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
         if let (Some(writer), true) = (writer, passes_on) {

@@ -1,4 +1,4 @@
-//! `cohaul scenario show|check|from-tips|schema`.
+//! `cohaul scenario show|check|new|from-tips|schema`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,10 +13,12 @@ use super::console::{self, print};
 use super::cost::long_run;
 use super::error::CliError;
 use super::input::{name_of, read_scenario, read_text, warn_of_scenario};
-use crate::analysis::ExpectedCost;
+use super::new::{NewArgs, new};
 use crate::analysis::compare::Settings;
+use crate::analysis::{Advice, ExpectedCost};
 use crate::output::json;
 use crate::scenario::{Finding, Scenario, format};
+use crate::studies::advice::advice_text;
 use crate::studies::from_tips::scenario_from_tips;
 
 #[derive(Subcommand)]
@@ -27,16 +29,27 @@ pub enum ScenarioCommand {
         /// Scenario file; - for standard input
         scenario: PathBuf,
     },
-    /// Check scenario files and list every fault and warning
+    /// Check scenario files: every fault and warning, and what is known before a run
+    ///
+    /// For each file that a run can use, it prints the weight, the slip limit, and the natural
+    /// frequencies on the springs attached first. First pulls over the slip limit, epsilon, Phi and
+    /// expected run times on one core follow.
     #[command(after_help = "Example:\n  cohaul scenario check scenarios/*/*.json")]
     Check {
         /// Scenario files; - for standard input
         #[arg(required = true, value_name = "SCENARIO")]
         scenarios: Vec<PathBuf>,
-        /// Print one JSON object with names, hashes, faults and warnings instead of text
+        /// Print one JSON object with names, hashes, faults, warnings and advice instead of text
         #[arg(long)]
         json: bool,
     },
+    /// Write a first scene: robots that tow a box or a disc, each on a spring of its own
+    ///
+    /// On a terminal the program asks for what no option gives; elsewhere that has its default.
+    /// The roots are on the front of the load, and the tips move along x. When the load begins to
+    /// slip, the springs are stretched by a fifth of its radius. The JSON Schema of the format,
+    /// which editors read, is written beside the scene.
+    New(NewArgs),
     /// Make a scenario of recorded tips, on the load, ground and springs of another
     ///
     /// The recording is the table that `cohaul run --tips` writes and `cohaul calibrate forces`
@@ -70,6 +83,7 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
     match command {
         ScenarioCommand::Show { scenario } => print(&json::pretty(&read_scenario(scenario, None)?.expanded())?)?,
         ScenarioCommand::Schema => print(&json::pretty(&format::schema())?)?,
+        ScenarioCommand::New(args) => return new(args),
         ScenarioCommand::Check { scenarios, json } => return check(scenarios, *json),
         ScenarioCommand::FromTips { recording, like, name, duration_s } => {
             let file = table_of(recording)?;
@@ -98,6 +112,9 @@ struct Checked {
     error: Option<String>,
     faults: Vec<Finding>,
     warnings: Vec<Finding>,
+    /// What is known before a run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    advice: Option<Advice>,
 }
 
 fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
@@ -111,12 +128,13 @@ fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
                 if let Some(found) = long_run("compare", &scenario, &cost) {
                     console::warn(format_args!("{file}: {}; {}", found.found, found.rule));
                 }
-                let hash = scenario.hash();
+                let (hash, advice) = (scenario.hash(), Advice::of(&scenario));
                 if !as_json {
-                    print(&format!("{file}: ok, \"{}\", hash {hash}\n", scenario.name))?;
+                    print(&format!("{file}: ok, \"{}\", hash {hash}\n{}", scenario.name, advice_text(&scenario, &advice)))?;
                 }
-                let warnings = scenario.warnings().into_iter().chain(long_run("compare", &scenario, &cost)).collect();
-                all.push(Checked { file, ok: true, name: Some(scenario.name), hash: Some(hash), warnings, ..Checked::default() });
+                let warnings = long_run("compare", &scenario, &cost).into_iter().chain(scenario.warnings()).collect();
+                let (name, hash, advice) = (Some(scenario.name), Some(hash), Some(advice));
+                all.push(Checked { file, ok: true, name, hash, warnings, advice, ..Checked::default() });
             }
             Err(error) => {
                 let faults = if let CliError::Scenario(error) = &error { error.findings().to_vec() } else { Vec::new() };

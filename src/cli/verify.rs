@@ -9,10 +9,10 @@ use serde_json::json;
 use super::choice::choice;
 use super::console::{Tone, detail, print};
 use super::error::CliError;
-use super::output::{OutputArgs, study_manifest};
+use super::output::{JunitArgs, OutputArgs, study_manifest};
 use super::resumable;
 use crate::backend::BackendKind;
-use crate::studies::verify::report::{Verification, list_text, verify_text, write_verification};
+use crate::studies::verify::report::{Verification, list_text, verify_suite, verify_text, write_verification};
 use crate::studies::verify::{self, Case, Effort, Plan};
 
 #[derive(Args)]
@@ -20,6 +20,7 @@ use crate::studies::verify::{self, Case, Effort, Plan};
 Examples:
   cohaul verify --quick
   cohaul verify slide --backend rapier --verbose
+  cohaul verify --quick --junit out/verify.xml
   cohaul verify --list
 
 Files in DIR: table of all cases (CSV), figure, summary and manifest. The
@@ -35,10 +36,12 @@ pub struct VerifyArgs {
     #[arg(long)]
     quick: bool,
     /// List the cases
-    #[arg(long, conflicts_with_all = ["json", "out", "backend", "quick"])]
+    #[arg(long, conflicts_with_all = ["json", "out", "junit", "backend", "quick"])]
     list: bool,
     #[command(flatten)]
     output: OutputArgs,
+    #[command(flatten)]
+    junit: JunitArgs,
 }
 
 pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
@@ -52,6 +55,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         return Err(CliError::Usage(format!("--backend: none of these cases has a known answer for {}", kind.name())));
     }
     args.output.check()?;
+    args.junit.check()?;
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let started = SystemTime::now();
     let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
@@ -64,6 +68,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
         let options = json!({ "backend": args.backend, "quick": args.quick });
         write_verification(out, &found, &rows, &study_manifest(&question, &options, started))?;
     }
+    args.junit.write(|| verify_suite(&found))?;
     finished.remove_journal()?;
     let tone = if found.holds { Tone::Good } else { Tone::Bad };
     args.output.print(&found, || verify_text(&found, detail()), tone)?;

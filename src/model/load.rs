@@ -42,6 +42,11 @@ impl System {
         self.ground.slip_limits().sum()
     }
 
+    /// Largest torque of friction about the origin (N m): that of a load which turns about it.
+    pub fn total_slip_torque(&self) -> f64 {
+        self.ground.slip_limits().zip(&self.ground.supports).map(|(limit, support)| limit * support.offset.norm()).sum()
+    }
+
     /// Estimate of the fastest oscillation of the load on all its springs at rest, in translation
     /// or turning; zero without springs (rad/s). It bounds either motion alone. With springs on one
     /// side of the load's origin the motions couple, and the rate may be higher by a factor of

@@ -5,6 +5,7 @@ pub mod chart;
 pub mod folder;
 pub mod glossary;
 pub mod json;
+pub mod junit;
 pub mod lines;
 pub mod manifest;
 pub mod page;
@@ -17,4 +18,7 @@ pub mod table;
 pub mod text;
 pub mod tips_csv;
 pub mod trace_csv;
+#[cfg(feature = "parquet")]
+mod trace_parquet;
+pub mod traces;
 pub mod transition_words;

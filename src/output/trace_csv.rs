@@ -41,14 +41,14 @@ pub enum TraceColumns {
 
 impl TraceColumns {
     /// Number of springs whose pulls have columns.
-    fn n_pulls(self) -> usize {
+    pub(super) fn n_pulls(self) -> usize {
         match self {
             Self::Full { n_springs } if n_springs <= MOST_SPRINGS_WITH_COLUMNS => n_springs,
             _ => 0,
         }
     }
 
-    fn names(self) -> Vec<String> {
+    pub(super) fn names(self) -> Vec<String> {
         let forces = if self == Self::Motion { &[][..] } else { &FORCE_COLUMNS };
         let pulls = (0..self.n_pulls()).flat_map(|j| [format!("pull_x_{j}_n"), format!("pull_y_{j}_n")]);
         MOTION_COLUMNS.iter().chain(forces).chain([&N_TRANSPORTING]).map(|name| (*name).to_owned()).chain(pulls).collect()
@@ -120,7 +120,7 @@ pub fn write_trace(trace: &Trace, columns: TraceColumns, out: impl Write) -> Res
 
 /// Writes the pulls on the first springs into `pulls`, x and y of each (N, world). Springs without
 /// attachment have NaN.
-fn pulls_of(row: &Row, pulls: &mut [f64]) {
+pub(super) fn pulls_of(row: &Row, pulls: &mut [f64]) {
     pulls.fill(f64::NAN);
     for tip in &row.tips {
         if let Some(pull) = pulls.get_mut(2 * tip.spring..2 * tip.spring + 2) {
@@ -198,13 +198,13 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
 }
 
 /// [`MOTION_COLUMNS`] of a row.
-fn motion_of(row: &Row) -> [f64; MOTION_COLUMNS.len()] {
+pub(super) fn motion_of(row: &Row) -> [f64; MOTION_COLUMNS.len()] {
     let (pose, twist) = (&row.motion.pose, &row.motion.twist);
     [row.time, pose.position.x, pose.position.y, pose.heading, twist.linear.x, twist.linear.y, twist.angular]
 }
 
 /// [`FORCE_COLUMNS`] of a row.
-fn forces_of(row: &Row) -> [f64; FORCE_COLUMNS.len()] {
+pub(super) fn forces_of(row: &Row) -> [f64; FORCE_COLUMNS.len()] {
     let energy = &row.energy;
     [energy.elastic, energy.kinetic, energy.dissipated(), energy.tip_work, energy.defect(), row.interaction()]
 }

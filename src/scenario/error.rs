@@ -129,3 +129,10 @@ impl Findings {
 pub fn number(value: f64) -> String {
     format!("{value:?}")
 }
+
+/// A number as people read it: three digits, without trailing zeros.
+pub fn short(value: f64) -> String {
+    let text = format!("{value:.2e}");
+    let plain: f64 = text.parse().expect("it is a number");
+    if plain == 0.0 || (1e-3..1e6).contains(&plain.abs()) { format!("{plain}") } else { format!("{plain:e}") }
+}

@@ -32,7 +32,7 @@ impl<'a> Comparison<'a> {
             if !value.as_str().is_some_and(|word| words.contains(&word)) {
                 self.misfit(path, &one_of(&words), &said(value));
             }
-        } else if let Some(branches) = schema["anyOf"].as_array() {
+        } else if let Some(branches) = schema["oneOf"].as_array() {
             self.visit_alternative(branches, value, path);
         } else if !fits_type(schema, value) {
             self.misfit(path, &format!("must be {}", type_name(schema)), &said(value));

@@ -248,11 +248,32 @@ pub fn unit_of(name: &str) -> &'static str {
     split_unit(name).1
 }
 
+/// Endings of names and keys, and their units in print; an ending precedes those that it ends in.
+const UNITS: [(&str, &str); 18] = [
+    ("_nm_per_rad", "N m/rad"),
+    ("_rad_per_s", "rad/s"),
+    ("_m_per_s2", "m/s^2"),
+    ("_kg_per_m2", "kg/m^2"),
+    ("_m_per_s", "m/s"),
+    ("_n_per_m", "N/m"),
+    ("_kg_m2", "kg m^2"),
+    ("_per_s", "1/s"),
+    ("_per_n", "1/N"),
+    ("_rad", "rad"),
+    ("_kg", "kg"),
+    ("_m2", "m^2"),
+    ("_nm", "N m"),
+    ("_hz", "Hz"),
+    ("_m", "m"),
+    ("_j", "J"),
+    ("_n", "N"),
+    ("_s", "s"),
+];
+
 /// Name without the unit that it ends in, and that unit in print: `pull_mean` and `N` of
 /// `pull_mean_n`.
 pub fn split_unit(name: &str) -> (&str, &'static str) {
-    let units = [("_rad_per_s", "rad/s"), ("_m_per_s", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_j", "J"), ("_n", "N"), ("_s", "s")];
-    units.iter().find_map(|(ending, unit)| Some((name.strip_suffix(ending)?, *unit))).unwrap_or((name, ""))
+    UNITS.iter().find_map(|(ending, unit)| Some((name.strip_suffix(ending)?, *unit))).unwrap_or((name, ""))
 }
 
 impl Value {

@@ -18,10 +18,12 @@
 //! being stopped or killed at any moment. The ways to move a load that it compares are those of
 //! [`methods`], and closed forms are in [`known_answers`].
 
+pub mod advice;
 pub mod bench;
 pub mod calibrate;
 pub mod check;
 pub mod compare;
+pub mod first_scene;
 pub mod from_tips;
 pub mod journal;
 pub mod known_answers;

@@ -30,7 +30,7 @@ fn in_order(schema: &Value) -> Vec<String> {
     let mut text = without_definitions(schema);
     loop {
         for name in text.match_indices("#/$defs/").map(|(start, prefix)| name_at(&text[start + prefix.len()..])) {
-            if !names.contains(&name) && constant(schema, &name).is_none() {
+            if !names.contains(&name) {
                 names.push(name);
             }
         }
@@ -47,11 +47,6 @@ fn without_definitions(schema: &Value) -> String {
 
 fn name_at(text: &str) -> String {
     text.chars().take_while(|char| char.is_alphanumeric() || *char == '_').collect()
-}
-
-/// The one value of a definition that has no other.
-fn constant(schema: &Value, name: &str) -> Option<String> {
-    schema["$defs"][name]["enum"].as_array().filter(|values| values.len() == 1).map(|values| values[0].to_string())
 }
 
 /// `RingOfSprings` as "Ring of springs", `LoadEntry` as "Load".
@@ -88,20 +83,20 @@ fn section(page: &mut String, definition: &Value) {
             say(format!("| `{key}` | {} | {default} | {} |", kind(value), description(value)));
         }
     }
-    if let Some(values) = definition["oneOf"].as_array() {
+    let choices = definition["oneOf"].as_array().map(Vec::as_slice).unwrap_or_default();
+    if choices.iter().any(|value| value["const"].is_string()) {
         say("\n| value | meaning |\n|---|---|".to_owned());
-        for value in values {
+        for value in choices {
             say(format!("| `{}` | {} |", value["const"], description(value)));
         }
-    }
-    if let Some(values) = definition["enum"].as_array() {
-        say(format!("\nOne of {}.", values.iter().map(|value| format!("`{value}`")).collect::<Vec<_>>().join(", ")));
-    }
-    if let Some(choices) = definition["anyOf"].as_array() {
+    } else if !choices.is_empty() {
         say("\nOne of:\n".to_owned());
         for choice in choices {
             say(format!("- {}", kind(choice)));
         }
+    }
+    if let Some(values) = definition["enum"].as_array() {
+        say(format!("\nOne of {}.", values.iter().map(|value| format!("`{value}`")).collect::<Vec<_>>().join(", ")));
     }
 }
 
@@ -128,14 +123,10 @@ fn wrapped(text: &str) -> String {
 /// The type of a value in words, a definition as a link.
 fn kind(value: &Value) -> String {
     if let Some(name) = value["$ref"].as_str() {
-        // A kind has one value only, which its description names.
-        if name.ends_with("Kind") {
-            return "string".to_owned();
-        }
         let title = title(name.trim_start_matches("#/$defs/"));
         return format!("[{title}](#{})", title.to_lowercase().replace(' ', "-"));
     }
-    if let Some(choices) = value["anyOf"].as_array() {
+    if let Some(choices) = value["oneOf"].as_array() {
         return choices.iter().map(kind).collect::<Vec<_>>().join(" or ");
     }
     let kinds = match &value["type"] {

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use rayon::prelude::*;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::seeds::{pairs_needed, pairs_needed_of_fractions};
 use super::settings::{MakeController, Settings, Tier};
@@ -118,6 +118,17 @@ const EQUAL: f64 = 0.05;
 /// Largest difference that rounding can cause, divided by the size of the terms of a measure (1).
 const ROUNDING: f64 = 1e-9;
 
+/// What a comparison keeps of the runs with one seed, in the order of [`BackendKind::ALL`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SeedRuns {
+    /// Quantities of each run; `null` where the run has none.
+    values: [Vec<Option<f64>>; 3],
+    statuses: [Status; 3],
+    /// First time at which decisions of the quasi-static run and of rapier differ from those of the
+    /// inertial run (s).
+    first_different: [Option<f64>; 2],
+}
+
 /// Quantities of one run; `None` where the run has none.
 struct Run {
     values: Vec<Option<f64>>,
@@ -166,26 +177,45 @@ pub(super) fn closed_loop(
     watch: impl Fn(f64) -> bool + Sync,
 ) -> Option<ClosedLoop> {
     assert!(n_seeds > 0, "a comparison over seeds needs at least one");
-    let n_runs = (BackendKind::ALL.len() * n_seeds) as f64;
     let n_done = AtomicUsize::new(0);
-    let runs: Option<Vec<[Run; 3]>> = (0..n_seeds)
+    let runs: Option<Vec<(SeedRuns, Option<[Trace; 3]>)>> = (0..n_seeds)
         .into_par_iter()
         .map(|at| {
-            let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
-            let run = |kind, make: &MakeBackend| {
-                let options = settings.at_fixed_step(&seeded, kind);
-                let mut run = run_of(&seeded, &options, make, controller, |share| watch((n_done.load(Relaxed) as f64 + share) / n_runs))?;
-                n_done.fetch_add(1, Relaxed);
-                if at > 0 {
-                    // Figures show the first seed only.
-                    run.trace.rows = Vec::new();
-                }
-                Some(run)
-            };
-            Some([run(BackendKind::QuasiStatic, &backend_of)?, run(BackendKind::Inertial, &backend_of)?, run(BackendKind::Rapier, engine)?])
+            let watch = |share: f64| watch((n_done.load(Relaxed) as f64 + share) / n_seeds as f64);
+            let (runs, traces) = seed_runs(scenario, settings, at, engine, controller, watch)?;
+            n_done.fetch_add(1, Relaxed);
+            // Figures show the first seed only.
+            Some((runs, (at == 0).then_some(traces)))
         })
         .collect();
-    Some(judge(scenario, runs?))
+    let (seeds, traces): (Vec<_>, Vec<_>) = runs?.into_iter().unzip();
+    let first = traces.into_iter().next().flatten().expect("there is a first seed");
+    Some(judge(scenario, &seeds, first))
+}
+
+/// Runs the seed `at` places after the scenario's on all backends.
+pub(super) fn seed_runs(
+    scenario: &Scenario,
+    settings: &Settings,
+    at: usize,
+    engine: &MakeBackend,
+    controller: &MakeController,
+    watch: impl Fn(f64) -> bool,
+) -> Option<(SeedRuns, [Trace; 3])> {
+    let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
+    let run = |nth: u32, kind, make: &MakeBackend| {
+        let options = settings.at_fixed_step(&seeded, kind);
+        run_of(&seeded, &options, make, controller, |share| watch((f64::from(nth) + share) / BackendKind::ALL.len() as f64))
+    };
+    let runs =
+        [run(0, BackendKind::QuasiStatic, &backend_of)?, run(1, BackendKind::Inertial, &backend_of)?, run(2, BackendKind::Rapier, engine)?];
+    let first_different = [0, 2].map(|other| first_different_decision(&runs[1].trace, &runs[other].trace));
+    let found = SeedRuns {
+        values: runs.each_ref().map(|run| run.values.clone()),
+        statuses: runs.each_ref().map(|run| run.status),
+        first_different,
+    };
+    Some((found, runs.map(|run| run.trace)))
 }
 
 fn run_of(
@@ -206,19 +236,16 @@ fn run_of(
     Some(Run { values, trace, status: outcome.steps.status })
 }
 
-fn judge(scenario: &Scenario, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
-    let measures: Vec<Measure> = (0..MEASURES.len()).map(|at| measure(at, scenario, &runs)).collect();
-    let earliest = |other: usize| {
-        let first = |run: &[Run; 3]| first_different_decision(&run[1].trace, &run[other].trace);
-        runs.iter().filter_map(first).min_by(f64::total_cmp)
-    };
-    let first_different_decision = FirstDifferentDecision { quasi_static_s: earliest(0), rapier_s: earliest(2) };
-    let status = runs.iter().flatten().map(|run| run.status).max().unwrap_or_default();
+/// The comparison of all seeds, with the traces of the first.
+pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) -> ClosedLoop {
+    let measures: Vec<Measure> = (0..MEASURES.len()).map(|at| measure(at, scenario, runs)).collect();
+    let earliest = |other: usize| runs.iter().filter_map(|run| run.first_different[other]).min_by(f64::total_cmp);
+    let first_different_decision = FirstDifferentDecision { quasi_static_s: earliest(0), rapier_s: earliest(1) };
+    let status = runs.iter().flat_map(|run| run.statuses).max().unwrap_or_default();
     let verdict = if status == Status::Failed { Verdict::NotComputed } else { verdict(&measures, runs.len()) };
     let verdicts = measures.iter().map(|measure| measure.verdict(runs.len())).collect();
     let n_seeds_needed = measures.iter().filter_map(|measure| measure.n_seeds_needed(runs.len())).max();
     let (n_seeds, first_seed) = (runs.len(), scenario.seed);
-    let traces = runs.swap_remove(0).map(|run| run.trace).into();
     ClosedLoop {
         tier: Tier::ClosedLoop,
         n_seeds,
@@ -229,7 +256,7 @@ fn judge(scenario: &Scenario, mut runs: Vec<[Run; 3]>) -> ClosedLoop {
         verdicts,
         n_seeds_needed,
         status,
-        traces,
+        traces: traces.into(),
     }
 }
 
@@ -237,21 +264,21 @@ fn by_name<S: Serializer>(verdicts: &[MeasureVerdict], serializer: S) -> Result<
     serializer.collect_map(verdicts.iter().map(|verdict| (verdict.name, verdict)))
 }
 
-fn measure(at: usize, scenario: &Scenario, runs: &[[Run; 3]]) -> Measure {
+fn measure(at: usize, scenario: &Scenario, runs: &[SeedRuns]) -> Measure {
     let Quantity { name, size, is_fraction, .. } = MEASURES[at];
     // Other drives have no closed loop.
     let rounding = if let Drive::Ants(drive) = &scenario.drive { ROUNDING * size(drive, scenario) } else { 0.0 };
-    let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run[kind].values[at]).collect(), is_fraction);
+    let of = |kind: usize| Distribution::of(runs.iter().filter_map(|run| run.values[kind][at]).collect(), is_fraction);
     let inertial = of(1);
     let paired = |a: usize, b: usize| {
-        let difference = |run: &[Run; 3]| Some(run[a].values[at]? - run[b].values[at]?);
+        let difference = |run: &SeedRuns| Some(run.values[a][at]? - run.values[b][at]?);
         let differences: Vec<f64> = runs.iter().filter_map(difference).collect();
         match is_fraction {
             true => PairedDifference::of_fractions(&differences),
             false => PairedDifference::of_means(&differences, inertial.mean, rounding),
         }
     };
-    let values = runs.iter().map(|run| run.each_ref().map(|run| run.values[at])).collect();
+    let values = runs.iter().map(|run| run.values.each_ref().map(|values| values[at])).collect();
     let (inertia_effect, engine_error) = (paired(1, 0), paired(2, 1));
     Measure { name, quasi_static: of(0), inertial, rapier: of(2), inertia_effect, engine_error, values }
 }

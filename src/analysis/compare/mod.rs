@@ -45,7 +45,7 @@ mod verdicts;
 
 pub use difference::Difference;
 pub use divergence::Divergence;
-pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference};
+pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference, SeedRuns};
 pub use numbers::{Numbers, Predicted};
 pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
 pub use quantity::{FirstDivergence, QuantityVerdict, RunMeasure, Verdicts};

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::analysis::estimate::InertiaEstimate;
 use crate::math::{Summary, damped_rotation};
-use crate::scenario::Scenario;
+use crate::scenario::{Drive, Scenario, TipPath};
 use crate::simulation::{EventKind, Trace};
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -49,11 +49,27 @@ pub struct Predicted {
 impl Numbers {
     /// Numbers of the run in `trace`.
     pub fn of(scenario: &Scenario, trace: &Trace) -> Self {
+        Self::new(scenario, tip_speed(trace), time_between_events(trace))
+    }
+
+    /// Numbers of tips at a root mean square `speed` (m/s) with a mean time between events (s).
+    fn new(scenario: &Scenario, speed: f64, between_events: Option<f64>) -> Self {
         let (stiffness, zeta) = mean_spring(scenario);
         let mass = scenario.system.load.mass;
-        let limit = scenario.system.total_slip_limit();
-        let epsilon = finite(tip_speed(trace) * (stiffness * mass).sqrt() / limit);
-        Self { epsilon, phi: time_between_events(trace).and_then(|time| finite((stiffness / mass).sqrt() * time)), zeta }
+        let epsilon = finite(speed * (stiffness * mass).sqrt() / scenario.system.total_slip_limit());
+        Self { epsilon, phi: between_events.and_then(|time| finite((stiffness / mass).sqrt() * time)), zeta }
+    }
+
+    /// Numbers that are known before a run: those of prescribed tips, or with ants those of tips
+    /// that all move at the speed of a pulling ant. The events of ants follow from the run.
+    pub fn before_run(scenario: &Scenario) -> Self {
+        match &scenario.drive {
+            Drive::Ants(drive) => Self::new(scenario, drive.pull_speed, None),
+            Drive::Tips(paths) => {
+                let speed = prescribed_speed(paths, scenario.duration);
+                Self::new(scenario, speed, mean_gap(prescribed_events(paths, scenario.duration), scenario.duration))
+            }
+        }
     }
 
     /// Prediction for the inertial run in `trace`.
@@ -130,10 +146,37 @@ fn tip_speed(trace: &Trace) -> f64 {
     squares.mean().sqrt()
 }
 
-/// Mean time between one event and the next, or the end (s); events at one instant count once.
+/// Root mean square speed of prescribed tips while they are attached, up to the end (m/s).
+fn prescribed_speed(paths: &[TipPath], end: f64) -> f64 {
+    let (mut squares, mut duration) = (0.0, 0.0);
+    for path in paths {
+        let until = path.release.unwrap_or(end).min(end);
+        for pair in path.waypoints.windows(2) {
+            let time = (pair[1].time.min(until) - pair[0].time).max(0.0);
+            let speed = (pair[1].position - pair[0].position).norm() / (pair[1].time - pair[0].time);
+            squares += time * speed * speed;
+        }
+        duration += (until - path.waypoints[0].time).max(0.0);
+    }
+    if duration > 0.0 { (squares / duration).sqrt() } else { 0.0 }
+}
+
+/// Times at which prescribed tips are attached and released, in order (s).
+fn prescribed_events(paths: &[TipPath], end: f64) -> Vec<f64> {
+    let times = paths.iter().flat_map(|path| path.waypoints.first().map(|point| point.time).into_iter().chain(path.release));
+    let mut times: Vec<f64> = times.filter(|time| *time <= end).collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+/// Mean time between one event of a run and the next, or the end (s).
 fn time_between_events(trace: &Trace) -> Option<f64> {
-    let mut times: Vec<f64> = trace.events.iter().map(|event| event.time).collect();
-    times.extend(trace.rows.last().map(|row| row.time));
+    mean_gap(trace.events.iter().map(|event| event.time).collect(), trace.rows.last()?.time)
+}
+
+/// Mean time between one of these times and the next, or the end (s); equal times count once.
+fn mean_gap(mut times: Vec<f64>, end: f64) -> Option<f64> {
+    times.push(end);
     times.dedup();
     let gaps = times.len().checked_sub(1).filter(|gaps| *gaps > 0)?;
     Some((times[gaps] - times[0]) / gaps as f64)
@@ -142,6 +185,26 @@ fn time_between_events(trace: &Trace) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::{BackendKind, BackendOptions};
+    use crate::simulation::{Keep, Simulation, backend_of, controller_of};
+
+    /// Prescribed tips have the numbers of their run. Each row of a trace counts alike, so that the
+    /// speeds may differ by a row in the number of rows, one in 1500.
+    #[test]
+    fn prescribed_tips_have_their_numbers_before_the_run() {
+        for name in ["analytic/release-jump", "analytic/ramp-and-hold", "paper/four-tips-prescribed"] {
+            let path = format!("{}/scenarios/{name}.json", env!("CARGO_MANIFEST_DIR"));
+            let scenario = Scenario::read(path.as_ref()).unwrap();
+            let options = BackendOptions::at_step(None, BackendKind::QuasiStatic, &scenario.system, scenario.control_period);
+            let backend = backend_of(&scenario, &options);
+            let mut run = Simulation::from_parts(&scenario, &options, Keep::Trace, controller_of(&scenario), backend);
+            run.run(|_| true);
+            let (found, expected) = (Numbers::before_run(&scenario), Numbers::of(&scenario, &run.into_results().0));
+            let ratio = |of: fn(&Numbers) -> Option<f64>| of(&found).unwrap() / of(&expected).unwrap() - 1.0;
+            assert!(ratio(|numbers| numbers.epsilon).abs() < 1e-3, "{name}: {found:?} {expected:?}");
+            assert!(ratio(|numbers| numbers.phi).abs() < 1e-12, "{name}: {found:?} {expected:?}");
+        }
+    }
 
     fn factor(phi: f64, zeta: f64) -> f64 {
         Numbers { epsilon: Some(0.1), phi: Some(phi), zeta }.release_factor().unwrap()

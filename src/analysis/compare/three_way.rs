@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::ensemble::{self, ClosedLoop};
+use super::ensemble::{self, ClosedLoop, SeedRuns};
 use super::pathwise::Pathwise;
 use super::settings::{MakeController, Settings, Tier};
 use super::trial;
 use crate::scenario::{Drive, Scenario};
-use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, backend_of, controller_of};
+use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, Trace, backend_of, controller_of};
 
 /// A comparison of the quasi-static and inertial backends with rapier, or with an engine of your
 /// own.
@@ -105,5 +105,21 @@ impl<'a> ThreeWay<'a> {
     /// Without a seed.
     pub fn closed_loop(&self, n_seeds: usize, watch: impl Fn(f64) -> bool + Sync) -> Option<ClosedLoop> {
         ensemble::closed_loop(self.scenario, self.settings, n_seeds, self.engine, self.controller, watch)
+    }
+
+    /// Runs the seed `at` places after the scenario's on all backends. Returns what
+    /// [`ThreeWay::judged`] needs of it, and the traces of the three runs.
+    pub fn seed_runs(&self, at: usize, watch: impl Fn(f64) -> bool) -> Option<(SeedRuns, [Trace; 3])> {
+        ensemble::seed_runs(self.scenario, self.settings, at, self.engine, self.controller, watch)
+    }
+
+    /// Compares distributions over consecutive seeds, all of which have run. The traces are those
+    /// of the first seed.
+    ///
+    /// # Panics
+    /// Without a seed.
+    pub fn judged(&self, seeds: &[SeedRuns], first: [Trace; 3]) -> ClosedLoop {
+        assert!(!seeds.is_empty(), "a comparison over seeds needs at least one");
+        ensemble::judge(self.scenario, seeds, first)
     }
 }

@@ -118,7 +118,7 @@ impl Table {
         Ok(writer.flush()?)
     }
 
-    /// Writes the table as Parquet, under the file names of the columns.
+    /// Writes the table as Parquet, under the file names of the columns. The metadata have no run.
     ///
     /// # Errors
     /// When a number is not finite, or `out` fails.
@@ -126,7 +126,7 @@ impl Table {
     pub fn write_parquet(&self, out: &mut dyn Write) -> Result<(), TableError> {
         let kind = |at: usize| self.rows.iter().find_map(|row| row[at].kind()).unwrap_or(Kind::Number);
         let columns: Vec<(String, Kind)> = self.columns.iter().enumerate().map(|(at, column)| (column.file_name(), kind(at))).collect();
-        let mut writer = ParquetWriter::new(columns, out)?;
+        let mut writer = ParquetWriter::new(columns, None, out)?;
         self.rows.iter().try_for_each(|row| writer.add(row.clone()))?;
         Ok(writer.finish()?)
     }

@@ -1,5 +1,9 @@
-//! Tables as Parquet. The same rows make the same bytes: row groups of a fixed number of rows, one
-//! compression, and neither version nor time in the file.
+//! Tables as Parquet. The same rows of the same build make the same bytes: row groups of a fixed
+//! number of rows, one compression, and no time in the file.
+//!
+//! The metadata of a file says where its rows come from: `cohaul.version`,
+//! `cohaul.scenario_sha256`, `cohaul.seed` of a single run, and `cohaul.units`, a JSON object with
+//! the unit of each column that has one.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -7,13 +11,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
+use serde_json::{Map, Value};
 
 use crate::output::json::NotFinite;
 use crate::output::lines::TableError;
+use crate::output::manifest::Manifest;
 use crate::output::table::{Field, Kind};
+use crate::simulation::run_facts::unit_of;
 
 /// Rows that are in memory at a time.
 const ROWS_A_GROUP: usize = 1 << 16;
@@ -28,12 +36,17 @@ pub struct ParquetWriter<'a> {
 }
 
 impl<'a> ParquetWriter<'a> {
-    /// Begins a file with columns of these names and kinds.
+    /// Begins a file with columns of these names and kinds, whose rows come from a run with this
+    /// manifest, if it is known.
     ///
     /// # Errors
     /// When a name is no name of a column.
-    pub fn new(columns: Vec<(String, Kind)>, out: &'a mut dyn Write) -> io::Result<Self> {
-        let properties = WriterProperties::builder().set_created_by("cohaul".to_owned()).set_compression(Compression::SNAPPY).build();
+    pub fn new(columns: Vec<(String, Kind)>, manifest: Option<&Manifest>, out: &'a mut dyn Write) -> io::Result<Self> {
+        let properties = WriterProperties::builder()
+            .set_created_by("cohaul".to_owned())
+            .set_compression(Compression::SNAPPY)
+            .set_key_value_metadata(Some(metadata(&columns, manifest)))
+            .build();
         let written = Written::default();
         let schema = Arc::new(schema(&columns)?);
         let writer = SerializedFileWriter::new(written.clone(), schema, Arc::new(properties))?;
@@ -84,6 +97,20 @@ impl<'a> ParquetWriter<'a> {
         self.rows.clear();
         self.written.pass_on(self.out)
     }
+}
+
+/// Metadata of a file with these columns.
+fn metadata(columns: &[(String, Kind)], manifest: Option<&Manifest>) -> Vec<KeyValue> {
+    let units: Map<String, Value> =
+        columns.iter().map(|(name, _)| (name.clone(), Value::from(unit_of(name)))).filter(|(_, unit)| unit.as_str() != Some("")).collect();
+    let entry = |key: &str, value: String| KeyValue::new(format!("cohaul.{key}"), value);
+    let mut entries = vec![entry("units", Value::Object(units).to_string())];
+    if let Some(manifest) = manifest {
+        entries.push(entry("version", manifest.version.to_owned()));
+        entries.push(entry("scenario_sha256", manifest.scenario_sha256.clone()));
+        entries.extend(manifest.seed.map(|seed| entry("seed", seed.to_string())));
+    }
+    entries
 }
 
 fn schema(columns: &[(String, Kind)]) -> Result<Type, ParquetError> {
@@ -157,11 +184,13 @@ mod tests {
     use parquet::record::Field as Read;
 
     use super::*;
+    use crate::output::manifest::tests::manifest;
 
     fn written(rows: &[Vec<Field>]) -> Vec<u8> {
         let columns = [("cell", Kind::Whole), ("x_m", Kind::Number), ("cause", Kind::Word), ("arrived", Kind::Truth)];
         let mut bytes = Vec::new();
-        let mut writer = ParquetWriter::new(columns.map(|(name, kind)| (name.to_owned(), kind)).to_vec(), &mut bytes).unwrap();
+        let mut writer =
+            ParquetWriter::new(columns.map(|(name, kind)| (name.to_owned(), kind)).to_vec(), Some(&manifest()), &mut bytes).unwrap();
         rows.iter().for_each(|row| writer.add(row.clone()).unwrap());
         writer.finish().unwrap();
         bytes
@@ -186,6 +215,12 @@ mod tests {
         assert_eq!(rows[1], [Read::ULong(1), Read::Double(-5e-324), Read::Null, Read::Bool(false)]);
         assert_eq!(rows[2], [Read::ULong(2), Read::Null, Read::Str("plain".into()), Read::Null]);
         assert_eq!(reader.metadata().file_metadata().created_by(), Some("cohaul"));
+        let entries = reader.metadata().file_metadata().key_value_metadata().unwrap();
+        let entry = |key: &str| entries.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.clone());
+        assert_eq!(entry("cohaul.units").as_deref(), Some("{\"x_m\":\"m\"}"));
+        assert_eq!(entry("cohaul.version").as_deref(), Some(env!("CARGO_PKG_VERSION")));
+        assert_eq!(entry("cohaul.scenario_sha256"), Some(manifest().scenario_sha256));
+        assert_eq!(entry("cohaul.seed"), manifest().seed.map(|seed| seed.to_string()));
     }
 
     #[test]

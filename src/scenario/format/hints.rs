@@ -69,11 +69,28 @@ pub fn add(schema: &mut Value) {
     properties(schema);
     if let Some(definitions) = schema["$defs"].as_object_mut() {
         definitions.values_mut().for_each(properties);
-        // The key that says which of the objects a drive is.
-        definitions["DriveEntry"]["discriminator"] = json!({ "propertyName": "kind" });
+        alternatives(definitions);
+        let either = |keys: [&str; 2]| json!({ "oneOf": keys.map(|key| json!({ "required": [key] })) });
+        definitions["LoadEntry"]["allOf"] = json!([either(["mass_kg", "density_kg_per_m2"]), either(["radius_m", "outline"])]);
         // Waypoints of an obstacle have a heading too.
         remove(&mut definitions["ObstaclePathEntry"]["properties"]["waypoints"], "examples");
     }
+}
+
+/// Exactly one branch of an alternative fits. The kind of a drive is a constant of its branch, from
+/// which editors know the other keys.
+fn alternatives(definitions: &mut Map<String, Value>) {
+    for definition in definitions.values_mut().filter_map(Value::as_object_mut) {
+        if let Some(branches) = definition.remove("anyOf") {
+            definition.insert("oneOf".to_owned(), branches);
+        }
+    }
+    for (branch, kind) in [("TipsEntry", "TipsKind"), ("AntsEntry", "AntsKind")] {
+        let words = definitions.remove(kind).expect("each drive has a kind");
+        let property = &mut definitions[branch]["properties"]["kind"];
+        *property = json!({ "const": words["enum"][0], "type": "string", "description": property["description"] });
+    }
+    definitions["DriveEntry"]["discriminator"] = json!({ "propertyName": "kind" });
 }
 
 fn properties(definition: &mut Value) {

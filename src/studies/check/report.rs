@@ -9,6 +9,7 @@ use super::pairs::write_pairs;
 use super::{Build, BuildChange, Check, Decision, Deviation, Difference, Divergence, Event, Quantity, ScenarioChange, Side, Verdict};
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::junit::{Case, Outcome, Suite};
 use crate::output::manifest::{Libraries, Machine, Manifest};
 use crate::output::quantity::quantity;
 use crate::output::text::Lines;
@@ -98,6 +99,22 @@ pub fn check_text(report: &CheckReport) -> String {
         details(check, report.accepted.contains(&check.name), &mut lines);
     }
     lines.text
+}
+
+/// The check as a test suite, with a case for each baseline.
+pub fn check_suite(report: &CheckReport) -> Suite {
+    let outcome = |check: &Check| match check.verdict {
+        _ if report.accepted.contains(&check.name) => Outcome::Skipped("the baseline was replaced by the new run".to_owned()),
+        Verdict::Agrees => Outcome::Passed,
+        Verdict::NotComputed => Outcome::Error(remark(check)),
+        Verdict::Differs => {
+            let mut lines = Lines::default();
+            details(check, false, &mut lines);
+            Outcome::Failed(format!("differs {}", remark(check)), lines.text)
+        }
+    };
+    let case = |check: &Check| Case { class: "check".to_owned(), name: check.name.clone(), outcome: outcome(check) };
+    Suite { name: "cohaul check".to_owned(), wall_s: report.wall_s, cases: report.baselines.iter().map(case).collect() }
 }
 
 fn verdict(verdict: Verdict) -> &'static str {

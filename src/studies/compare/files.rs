@@ -8,36 +8,51 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::trace_csv::{self, TraceColumns};
+use crate::output::traces::{TraceFormat, write_trace};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 use crate::studies::compare::comparison::Comparison;
 use crate::studies::compare::page::comparison_page;
 
-/// Writes `report.html`, `summary.json`, `overview-TIER.svg`, `trace-TIER-BACKEND.csv`,
-/// `events-TIER-BACKEND.csv` and `manifest.json` to the folder `target`, or nothing.
+/// Writes `report.html`, `summary.json`, `overview-TIER.svg` and `manifest.json` to the folder
+/// `target`, or nothing. With a format of `traces`, also `trace-TIER-BACKEND` in that format and
+/// `events-TIER-BACKEND.csv`.
 ///
 /// # Errors
 /// If the folder may not be written, a number is not finite, or the disk fails.
-pub fn write_comparison(target: &Path, comparison: &Comparison, scenario: &Scenario, manifest: &Manifest) -> Result<(), FolderError> {
+pub fn write_comparison(
+    target: &Path,
+    comparison: &Comparison,
+    scenario: &Scenario,
+    traces: Option<TraceFormat>,
+    manifest: &Manifest,
+) -> Result<(), FolderError> {
+    let with = traces.map(|format| (format, manifest));
     let mut folder = OutputFolder::create(target)?;
     folder.write(REPORT, |out| out.write_all(comparison_page(comparison, scenario, manifest).to_html().as_bytes()))?;
     folder.write_json("summary.json", comparison)?;
     let tiers = &comparison.tiers;
     for (tier, found) in [("prescribed", &tiers.prescribed), ("replayed", &tiers.replayed)] {
         let Some(found) = found else { continue };
-        write_tier(&mut folder, tier, &found.solutions.each_ref().map(|solution| &solution.trace), scenario)?;
+        write_tier(&mut folder, tier, &found.solutions.each_ref().map(|solution| &solution.trace), scenario, with)?;
     }
     if let Some(found) = &tiers.closed_loop {
-        write_tier(&mut folder, "closed-loop", &found.traces.iter().collect::<Vec<_>>(), scenario)?;
+        write_tier(&mut folder, "closed-loop", &found.traces.iter().collect::<Vec<_>>(), scenario, with)?;
     }
     folder.finish(manifest)
 }
 
-fn write_tier(folder: &mut OutputFolder, tier: &str, traces: &[&Trace], scenario: &Scenario) -> Result<(), FolderError> {
+fn write_tier(
+    folder: &mut OutputFolder,
+    tier: &str,
+    traces: &[&Trace],
+    scenario: &Scenario,
+    with: Option<(TraceFormat, &Manifest)>,
+) -> Result<(), FolderError> {
     let columns = TraceColumns::Full { n_springs: scenario.system.springs.len() };
     let labelled: Vec<Labelled> = COMPARED.into_iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
-    for Labelled { label, trace } in &labelled {
-        folder.write(&format!("trace-{tier}-{label}.csv"), |out| trace_csv::write_trace(trace, columns, out))?;
+    for (Labelled { label, trace }, (format, manifest)) in labelled.iter().filter_map(|labelled| Some((labelled, with?))) {
+        write_trace(folder, &format!("trace-{tier}-{label}"), (trace, columns), format, manifest)?;
         folder.write(&format!("events-{tier}-{label}.csv"), |out| trace_csv::write_events(trace, out))?;
     }
     folder.write(&format!("overview-{tier}.svg"), |out| out.write_all(chart::overview(&labelled, &Scene::of(scenario)).as_bytes()))

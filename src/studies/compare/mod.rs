@@ -2,6 +2,7 @@
 
 pub mod answer;
 pub mod beside;
+pub mod closed_loop;
 pub mod comparison;
 pub mod files;
 pub mod page;

@@ -10,6 +10,7 @@ use crate::output::page::REPORT;
 use crate::output::tips_csv::write_tips;
 use crate::output::trace_csv;
 use crate::output::trace_csv::{TraceColumns, TraceTable};
+use crate::output::traces::{TraceFormat, write_trace};
 use crate::scenario::Scenario;
 use crate::simulation::{Row, Trace};
 use crate::studies::run::page::run_page;
@@ -19,7 +20,7 @@ use crate::studies::run::summary::RunSummary;
 #[derive(Clone, Copy, Debug)]
 pub struct RunFiles<'a> {
     pub summary: &'a RunSummary<'a>,
-    /// With its rows only where tips or a report need them.
+    /// With its rows only where tips, a report or the format of the trace need them.
     pub trace: &'a Trace,
     /// Whether `tips.csv` is written too.
     pub with_tips: bool,
@@ -32,26 +33,41 @@ pub struct RunFiles<'a> {
 /// Real time of a run (s) from which its files are brought to the disk before they take their name.
 const WORTH_WAITING: f64 = 1.0;
 
-const TRACE: &str = "trace.csv";
+const TRACE: &str = "trace";
+const TRACE_CSV: &str = "trace.csv";
 
 /// The output folder of a run that goes on: rows are written as they come, and need not be kept.
 pub struct RunWriter {
     folder: OutputFolder,
-    table: TraceTable<OutputFile>,
+    /// `trace.csv`; `None` if the trace is written as a whole in another format.
+    table: Option<TraceTable<OutputFile>>,
+    columns: TraceColumns,
+    format: TraceFormat,
     seen: SeenRows,
 }
 
 impl RunWriter {
-    /// Begins the folder `target` and its `trace.csv`. Dropped before [`RunWriter::finish`] it
-    /// leaves nothing.
+    /// Begins the folder `target` and its trace. Dropped before [`RunWriter::finish`] it leaves
+    /// nothing.
     ///
     /// # Errors
     /// When the folder may not be written (see [`crate::output::folder::check_target`]), or the
     /// disk fails.
-    pub fn create(target: &Path, columns: TraceColumns) -> Result<Self, FolderError> {
+    pub fn create(target: &Path, columns: TraceColumns, format: TraceFormat) -> Result<Self, FolderError> {
         let folder = OutputFolder::create(target)?;
-        let table = TraceTable::new(columns, folder.open(TRACE)?).map_err(|error| folder.in_content(TRACE, error))?;
-        Ok(Self { folder, table, seen: SeenRows::default() })
+        let table = match format {
+            TraceFormat::Csv => {
+                Some(TraceTable::new(columns, folder.open(TRACE_CSV)?).map_err(|error| folder.in_content(TRACE_CSV, error))?)
+            }
+            #[cfg(feature = "parquet")]
+            TraceFormat::Parquet => None,
+        };
+        Ok(Self { folder, table, columns, format, seen: SeenRows::default() })
+    }
+
+    /// Whether rows that were added may be forgotten.
+    pub fn streams(&self) -> bool {
+        self.table.is_some()
     }
 
     /// Writes the next rows.
@@ -60,7 +76,10 @@ impl RunWriter {
     /// When a number in them is not finite, or the disk fails.
     pub fn add(&mut self, rows: &[Row]) -> Result<(), FolderError> {
         self.seen.add(rows);
-        self.table.add(rows).map_err(|error| self.folder.in_content(TRACE, error))
+        match &mut self.table {
+            Some(table) => table.add(rows).map_err(|error| self.folder.in_content(TRACE_CSV, error)),
+            None => Ok(()),
+        }
     }
 
     /// Writes `summary.json`, `events.csv`, `transitions.csv`, `overview.svg`, `manifest.json` and,
@@ -72,10 +91,15 @@ impl RunWriter {
     /// # Errors
     /// When a number is not finite, or the disk fails.
     pub fn finish(self, files: &RunFiles) -> Result<(), FolderError> {
-        let Self { folder, table, seen } = self;
+        let Self { folder, table, columns, format, seen } = self;
         let mut folder = if files.summary.run.wall_time.is_some_and(|time| time < WORTH_WAITING) { folder.unsynced() } else { folder };
-        let table = table.finish().map_err(|error| folder.in_content(TRACE, error))?;
-        folder.close(table)?;
+        match table {
+            Some(table) => {
+                let table = table.finish().map_err(|error| folder.in_content(TRACE_CSV, error))?;
+                folder.close(table)?;
+            }
+            None => write_trace(&mut folder, TRACE, (files.trace, columns), format, files.manifest)?,
+        }
         folder.write_json("summary.json", files.summary)?;
         if files.with_tips {
             folder.write("tips.csv", |out| write_tips(files.trace, out))?;
@@ -113,7 +137,7 @@ mod tests {
         trace.rows[150].motion.twist.angular = f64::INFINITY;
         let write = |trace: &Trace| {
             let (summary, manifest) = (&summary, &manifest);
-            let mut writer = RunWriter::create(&target, TraceColumns::Motion)?;
+            let mut writer = RunWriter::create(&target, TraceColumns::Motion, TraceFormat::Csv)?;
             trace.rows.chunks(7).try_for_each(|rows| writer.add(rows))?;
             writer.finish(&RunFiles { summary, trace, with_tips: false, scene: &scene, manifest, report: None })
         };

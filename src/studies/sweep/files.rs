@@ -32,7 +32,7 @@ pub fn write_sweep(
     folder.write("runs.csv", |out| write_runs(identity, table, &mut summary, &mut times, out))?;
     folder.write("groups.csv", |out| write_groups(identity, table, &mut summary, out))?;
     #[cfg(feature = "parquet")]
-    folder.write("runs.parquet", |out| write_parquet(identity, table, out))?;
+    folder.write("runs.parquet", |out| write_parquet(identity, table, manifest, out))?;
     let figure = draw(identity, summary.groups.as_deref().unwrap_or_default(), &times);
     if let Some(svg) = &figure {
         folder.write("figure.svg", |out| out.write_all(svg.as_bytes()))?;
@@ -45,10 +45,10 @@ pub fn write_sweep(
 
 /// Writes the rows as Parquet.
 #[cfg(feature = "parquet")]
-fn write_parquet(identity: &Identity, table: &dyn Table, out: &mut dyn Write) -> Result<(), SweepError> {
+fn write_parquet(identity: &Identity, table: &dyn Table, manifest: &Manifest, out: &mut dyn Write) -> Result<(), SweepError> {
     let failed = |error: crate::output::lines::TableError| SweepError::Output(error.to_string());
     let columns = identity.columns.iter().map(|column| (column.name.clone(), column.kind)).collect();
-    let mut writer = crate::output::table::ParquetWriter::new(columns, out).map_err(|error| failed(error.into()))?;
+    let mut writer = crate::output::table::ParquetWriter::new(columns, Some(manifest), out).map_err(|error| failed(error.into()))?;
     table.visit(&mut |line| writer.add(fields_of(line, &identity.columns)?).map_err(failed))?;
     writer.finish().map_err(|error| failed(error.into()))
 }

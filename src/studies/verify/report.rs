@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::junit;
 use crate::output::manifest::Manifest;
 use crate::output::quantity::quantity;
 use crate::output::table::{Table, write_rows};
@@ -187,6 +188,25 @@ pub fn verify_text(found: &Verification, detail: Detail) -> String {
         writeln!(text, "missed: {} by {} at {step}: {why} (bound: {})", row.case, row.backend, row.reason).expect("a string takes all");
     }
     text
+}
+
+/// The verification as a test suite, with a case for each row.
+pub fn verify_suite(found: &Verification) -> junit::Suite {
+    let case = |row: &Line| {
+        let limit = if row.extrapolated { ", extrapolated" } else { "" };
+        let outcome = match row.holds {
+            Some(true) => junit::Outcome::Passed,
+            Some(false) => {
+                let [_, _, error, bound, ..] = row.cells();
+                let details = format!("error {error}, bound {bound}: {} ({})", row.reason, row.source);
+                junit::Outcome::Failed(row.missed.clone().unwrap_or_default(), details)
+            }
+            None => junit::Outcome::Skipped("rapier with its engine defaults is not judged".to_owned()),
+        };
+        let name = format!("{} by {} at {}{limit}", row.case, row.backend, row.level());
+        junit::Case { class: format!("verify.{}", row.family), name, outcome }
+    };
+    junit::Suite { name: "cohaul verify".to_owned(), wall_s: found.wall_s, cases: found.rows.iter().map(case).collect() }
 }
 
 /// A line a family: rows that hold, and how close the largest error comes to its bound.
