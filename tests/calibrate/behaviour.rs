@@ -181,6 +181,16 @@ fn a_constant_pull_tells_no_steepness() {
     assert!((found.law.hazard(0.01) * time / 30.0 - 1.0).abs() < 0.05, "{found:?}");
 }
 
+/// Most pulls of these ants are far below their F_m / 2: the rate is exponential in the pull, with
+/// a factor that F_m and D_r share. The steepness is known all the same.
+#[test]
+fn a_nearly_exponential_rate_leaves_f_m_and_d_r_open() {
+    let run = Truth { strong_pull: 0.08, period: 0.002, ..Truth::random(1) }.run("hazard");
+    let found = holds(&run.attachments(&run.camera(FRAME, NOISE)));
+    assert!(found.strong_pull_n.high.is_none() && found.decision_period_s.low.is_none(), "{found:?}");
+    assert!(found.steepness_per_n.low.is_some() && found.steepness_per_n.high.is_some(), "{found:?}");
+}
+
 #[test]
 fn no_release_gives_no_law() {
     let mut found = constant(0.01, 10);

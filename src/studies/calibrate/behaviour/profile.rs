@@ -30,7 +30,7 @@ pub trait Cost {
         0.0
     }
 
-    /// Whether a point is so far out that the cost hardly depends on the parameter `index` any more.
+    /// Whether a point is so far out that the cost hardly depends on the parameter `index`.
     /// An interval that reaches such a point is open.
     fn is_far_out(&self, _point: &Vec3, _index: usize) -> bool {
         false
