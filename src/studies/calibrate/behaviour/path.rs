@@ -45,7 +45,7 @@ impl Track {
     pub fn of(own: &Attachment, nest: &Vec2, n: usize) -> Option<Self> {
         let places: Vec<[Vec2; 2]> = own.held.iter().map(|held| held.places).collect::<Option<_>>()?;
         let is_clear = |[tip, root]: &[Vec2; 2]| off(tip, root, nest).abs() < PI - BEHIND;
-        let mut parts = vec![0..0];
+        let mut parts: Vec<std::ops::Range<usize>> = Vec::new();
         for (i, place) in places.iter().enumerate() {
             match parts.last_mut() {
                 Some(part) if is_clear(place) && part.end == i => part.end = i + 1,
