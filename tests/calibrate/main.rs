@@ -1,11 +1,14 @@
 //! Springs as force sensors: known parameters are found again, intervals hold what they promise,
 //! forces of recorded tips are those of the run.
 
+mod behaviour;
 mod coverage;
 mod design;
 mod fit;
 mod forces;
+mod observed;
 mod program;
+mod pulls;
 
 use cohaul::model::{SpringDesign, paper};
 use cohaul::studies::calibrate::generated::{Plan, measurements};

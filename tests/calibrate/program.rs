@@ -104,6 +104,34 @@ fn short_scenario(room: &Room) -> String {
     room.write("scenario.json", &scenario.to_string())
 }
 
+/// From a run to the behaviour of its ants and back to their pulls, through files.
+#[test]
+fn the_behaviour_of_a_run_is_fitted_and_its_pulls_are_compared() {
+    let room = Room(tempdir().unwrap());
+    let (run, behaviour, forces) = (room.path("run"), room.path("behaviour"), room.path("forces"));
+    assert_eq!(call(&["run", &short_scenario(&room), "--tips", "--out", &run]).status.code(), Some(0));
+    let found = json_of(&["calibrate", "behaviour", &run, "--tip-noise-m", "1e-6", "--out", &behaviour, "--json"]);
+    // The noise is overstated: exact tips are nearer to the fit.
+    assert!(found["steering"]["residual_rms_m"].as_f64().unwrap() < 1e-9, "{found}");
+    let speed = found["steering"]["pull_speed_m_per_s"]["value"].as_f64().unwrap();
+    assert!((speed - 0.05).abs() < 1e-6, "the speed of the default preset: {found}");
+    assert!(found["n_releases"].as_u64().unwrap() > 5 && found["release"]["bins"].is_array(), "{found}");
+    let printed = fs::read_to_string(format!("{behaviour}/behaviour.txt")).unwrap();
+    assert!(["zeta", "F_m", "D_r", "beta", "speed in Search"].iter().all(|word| printed.contains(word)), "{printed}");
+    let svg = fs::read_to_string(format!("{behaviour}/releases.svg")).unwrap();
+    assert!(svg.contains("release rate (1/s)") && !svg.contains("NaN"));
+    let bins = fs::read_to_string(format!("{behaviour}/releases.csv")).unwrap();
+    assert!(bins.starts_with("pull_low_n,pull_high_n,mean_pull_n,duration_s,releases,expected_releases"), "{bins}");
+
+    assert_eq!(call(&["calibrate", "forces", &run, "--out", &forces]).status.code(), Some(0));
+    let same = json_of(&["calibrate", "pulls", &forces, "--against", &forces, "--block-s", "0.5", "--permutations", "99", "--json"]);
+    assert!(same["distance"] == 0.0 && same["p_value"] == 1.0, "{same}");
+    refused(&["calibrate", "pulls", &forces, "--against", &forces], &["assignments", "found 1 and 1"]);
+    refused(&["calibrate", "behaviour", &run, "--pace", "aged"], &["--decision-period-s", "found none"]);
+    let tips = format!("{run}/tips.csv");
+    refused(&["calibrate", "behaviour", &tips], &["tips in world axes need --scenario"]);
+}
+
 /// Pulls of dashpots go with speeds, which tips do not tell.
 #[test]
 fn forces_of_damped_springs_are_told_to_lack_their_dashpots() {

@@ -1,9 +1,12 @@
-//! `cohaul calibrate fit|design|forces`.
+//! `cohaul calibrate fit|design|forces|behaviour|pulls`.
 
+mod behaviour;
 mod design;
 mod dimensions;
 mod fit;
 mod forces;
+mod pulls;
+mod sensor;
 
 use std::process::ExitCode;
 
@@ -11,7 +14,7 @@ use clap::Subcommand;
 
 use super::error::CliError;
 use super::watch::is_interrupted;
-pub use forces::table_of;
+pub use sensor::table_of;
 
 #[derive(Subcommand)]
 pub enum CalibrateCommand {
@@ -21,6 +24,10 @@ pub enum CalibrateCommand {
     Design(design::DesignArgs),
     /// Turn recorded tip positions into forces
     Forces(forces::ForcesArgs),
+    /// Fit release law, steering and speed of ants to recorded tips
+    Behaviour(behaviour::BehaviourArgs),
+    /// Compare two samples of pulls by a test that knows runs
+    Pulls(pulls::PullsArgs),
 }
 
 pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
@@ -30,5 +37,7 @@ pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
         CalibrateCommand::Fit(args) => fit::fit(args),
         CalibrateCommand::Design(args) => design::design(args),
         CalibrateCommand::Forces(args) => forces::forces(args),
+        CalibrateCommand::Behaviour(args) => behaviour::behaviour(args),
+        CalibrateCommand::Pulls(args) => pulls::pulls(args),
     }
 }

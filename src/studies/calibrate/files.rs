@@ -6,6 +6,7 @@ use super::figure;
 use super::fit::Calibration;
 use super::forces::{Force, TipForces};
 use super::measurements::{Measurements, Trial};
+use super::pulls::PullComparison;
 use super::report::{DesignReport, ForcesReport};
 use super::text::fit_text;
 use crate::output::folder::{FolderError, OutputFolder};
@@ -93,5 +94,15 @@ pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &TipForces,
     folder.write("forces.csv", |out| force_table(&forces.forces).write_csv(out))?;
     folder.write_json("forces.json", found)?;
     folder.write("forces.svg", |out| out.write_all(figure::tip_forces(forces).as_bytes()))?;
+    folder.finish(manifest)
+}
+
+/// Writes `pulls.json` and `manifest.json` to the folder `target`, all or nothing.
+///
+/// # Errors
+/// As [`write_calibration`].
+pub fn write_pulls(target: &Path, found: &PullComparison, manifest: &Manifest) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    folder.write_json("pulls.json", found)?;
     folder.finish(manifest)
 }

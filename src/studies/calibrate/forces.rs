@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::case::{Case, MOST_TURN};
-use super::recording::{Recording, Tip};
+use super::recording::{Recording, Sample, Tip};
 use super::sensor::Sensor;
 use crate::math::{Pose, Summary, Vec2};
 use crate::model::{PolarSpring, SpringDesign, SpringShape};
@@ -100,18 +100,26 @@ pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
         }
         // A tip without a previous frame begins at rest.
         let near = last.get(&sample.spring).filter(|(seen, _)| seen + 1 >= frame).map_or(0.0, |(_, swing)| *swing);
-        let spring = sensor.spring(sample.spring);
+        let force = sensor.force(sample, near);
+        last.insert(sample.spring, (frame, force.shape.swing));
+        forces.push(force);
+    }
+    TipForces { forces }
+}
+
+impl Sensor {
+    /// Force on the tip of a sample, with its swing on the branch nearest to `swing_near` (rad).
+    pub fn force(&self, sample: &Sample, swing_near: f64) -> Force {
+        let spring = self.spring(sample.spring);
         let (shape, in_world) = match &sample.tip {
-            Tip::InRoot(tip) => (in_root(spring, tip, near), None),
+            Tip::InRoot(tip) => (in_root(spring, tip, swing_near), None),
             Tip::InWorld { load, tip } => {
-                let shape = spring.shape(load, tip, near);
+                let shape = spring.shape(load, tip, swing_near);
                 (shape, Some(spring.pull(load, &shape)))
             }
         };
-        last.insert(sample.spring, (frame, shape.swing));
-        forces.push(Force { time: sample.time, spring: sample.spring, in_world, ..force(spring, &shape, sensor) });
+        Force { time: sample.time, spring: sample.spring, in_world, ..force(spring, &shape, self) }
     }
-    TipForces { forces }
 }
 
 fn in_root(spring: &PolarSpring, tip: &Vec2, near: f64) -> SpringShape {

@@ -10,8 +10,11 @@
 //! recording     tip positions from a camera or a run
 //! sensor        springs and the errors of their stiffnesses
 //! forces        forces on the tips of a recording
+//! behaviour     release law and steering of the ants on the tips of a recording
+//! pulls         comparison of two samples of pulls
 //! ```
 
+pub mod behaviour;
 mod case;
 mod design;
 mod dimensions;
@@ -23,6 +26,7 @@ mod forces;
 pub mod generated;
 mod law;
 mod measurements;
+mod pulls;
 mod quality;
 mod recording;
 pub mod report;
@@ -38,6 +42,7 @@ pub use equivalents::{RadialEquivalents, SwingEquivalents, least_squares_stiffne
 pub use fit::{Calibration, CaseFit, LinearFit, Ranges, fit};
 pub use forces::{Force, ForceSummary, TipForces, summaries, tip_forces};
 pub use measurements::{Measurement, Measurements, Trial};
+pub use pulls::{PullComparison, PullSample, PullSeries, compare_pulls};
 pub use quality::{Bend, Goodness, Misfit};
 pub use recording::{Recording, Sample, Tip};
 pub use sensor::{FittedTo, Sensor};

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::design::Made;
 use super::fit::{Calibration, LinearFit};
+use super::pulls::PullComparison;
 use super::quality::Goodness;
 use super::report::{DesignReport, ForcesReport, percent};
 use super::trials::Estimate;
@@ -156,6 +157,21 @@ pub fn forces_text(found: &ForcesReport) -> String {
         let (mean, sd) = (with_error(summary.mean_n, summary.mean_error_n), quantity(summary.sd_n, "N"));
         let largest = format!("{} at {}", with_error(summary.max_n, summary.max_sd_n), quantity(summary.time_of_max_s, "s"));
         writeln!(text, "{name:<8}{:>9}  {mean:<26}{sd:<12}{largest:<38}{apart}", summary.n).expect("a string takes all");
+    }
+    text
+}
+
+pub fn pulls_text(found: &PullComparison) -> String {
+    let mut text = String::new();
+    for (name, sample) in ["one sample", "other sample"].into_iter().zip(&found.samples) {
+        let [mean, sd, max] = [sample.mean_n, sample.sd_n, sample.max_n].map(|pull| quantity(pull, "N"));
+        line(&mut text, name, &format!("mean {mean}, sd {sd}, largest {max} ({} pulls in {} blocks)", sample.n_pulls, sample.n_blocks));
+    }
+    line(&mut text, "distance", &format!("{} (Cramer-von Mises)", number(found.distance)));
+    let (p, n) = (number(found.p_value), found.n_permutations);
+    line(&mut text, "p-value", &format!("{p} that equal distributions differ as much ({n} permutations of blocks)"));
+    if let Some(correlation) = found.block_correlation {
+        line(&mut text, "neighbours", &format!("correlation {} between the means of neighbouring blocks", number(correlation)));
     }
     text
 }

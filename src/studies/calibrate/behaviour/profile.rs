@@ -1,0 +1,191 @@
+//! Minimum of a cost over three parameters, and intervals by the profile of the cost.
+//!
+//! The interval of a parameter holds all its values at which the cost, minimised over the two
+//! others, exceeds the minimum by at most an allowed rise. Unlike an interval from the curvature,
+//! it shows where data set no limit: an end beyond the bounds of the search is open.
+
+use serde::Serialize;
+
+use crate::math::{Mat3, Vec3};
+
+/// A cost at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct Slope {
+    pub cost: f64,
+    pub gradient: Vec3,
+    /// Second derivatives, or a positive semidefinite stand-in for them.
+    pub curvature: Mat3,
+}
+
+/// A cost over three parameters. A point may leave something behind that makes the next one near by
+/// cheaper.
+pub trait Cost {
+    fn at(&mut self, point: &Vec3) -> Slope;
+
+    /// Least and largest value of each parameter.
+    fn bounds(&self) -> [[f64; 2]; 3];
+
+    /// Change of the cost that means nothing.
+    fn resolution(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether a point is so far out that the cost hardly depends on the parameter `index`.
+    /// An interval that reaches such a point is open.
+    fn is_far_out(&self, _point: &Vec3, _index: usize) -> bool {
+        false
+    }
+}
+
+/// A minimum of a cost.
+#[derive(Clone, Copy, Debug)]
+pub struct Minimum {
+    pub point: Vec3,
+    pub slope: Slope,
+}
+
+/// A fitted or given parameter. A number never comes without a limit: the value is `null` where the
+/// data set none, and where the best value is at the edge of what is possible.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Parameter {
+    pub value: Option<f64>,
+    /// Ends of the 95 % interval; `null` where the data set no limit on this side.
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+    /// Whether the value was given, and not fitted.
+    pub is_given: bool,
+}
+
+impl Parameter {
+    pub fn given(value: f64) -> Self {
+        Self { value: Some(value), low: None, high: None, is_given: true }
+    }
+
+    /// The parameter as a rising function of this one.
+    pub fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        Self { value: self.value.map(&of), low: self.low.map(&of), high: self.high.map(&of), ..self }
+    }
+
+    /// Whether the data say anything about it.
+    pub fn is_determined(&self) -> bool {
+        self.value.is_some() || self.low.is_some() || self.high.is_some()
+    }
+
+    /// Whether the interval holds a value.
+    pub fn covers(&self, value: f64) -> bool {
+        self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
+    }
+}
+
+/// Largest number of passes over all intervals: a pass that finds a lower minimum is repeated.
+pub const N_PASSES: usize = 5;
+/// Relative change of the cost below which a minimum counts as found.
+const CONVERGED: f64 = 1e-9;
+
+/// Minimum from a start by damped Newton steps (Levenberg and Marquardt) within the bounds, with
+/// some parameters `fixed`.
+pub fn minimum(cost: &mut impl Cost, start: &Vec3, fixed: [bool; 3]) -> Minimum {
+    let bounds = cost.bounds();
+    let mut best = Minimum { point: *start, slope: cost.at(start) };
+    let mut damping = 1e-4;
+    for _ in 0..200 {
+        let Slope { gradient, curvature, .. } = best.slope;
+        let is_held = |i: usize| {
+            let [low, high] = bounds[i];
+            let is_pressed = best.point[i] <= low && gradient[i] > 0.0 || best.point[i] >= high && gradient[i] < 0.0;
+            fixed[i] || is_pressed || curvature[(i, i)] <= 0.0
+        };
+        let (mut matrix, mut right) = (curvature, -gradient);
+        for i in 0..3 {
+            matrix[(i, i)] *= 1.0 + damping;
+            if is_held(i) {
+                matrix.row_mut(i).fill(0.0);
+                matrix.column_mut(i).fill(0.0);
+                (matrix[(i, i)], right[i]) = (1.0, 0.0);
+            }
+        }
+        let Some(step) = matrix.cholesky().map(|factor| factor.solve(&right)) else {
+            damping = f64::max(10.0 * damping, 1e-6);
+            continue;
+        };
+        let point = Vec3::from_fn(|i, _| (best.point[i] + step[i]).clamp(bounds[i][0], bounds[i][1]));
+        let slope = cost.at(&point);
+        let gain = best.slope.cost - slope.cost;
+        if gain > 0.0 {
+            best = Minimum { point, slope };
+            damping *= 0.2;
+        } else {
+            damping = f64::max(10.0 * damping, 1e-6);
+        }
+        if gain.abs() <= CONVERGED * slope.cost.abs() + cost.resolution() || damping > 1e8 {
+            break;
+        }
+    }
+    best
+}
+
+/// The parameter `index` with its interval at the allowed `rise` of the cost. A lower minimum that
+/// turns up on the way replaces `best`.
+pub fn parameter(cost: &mut impl Cost, best: &mut Minimum, index: usize, rise: f64) -> Parameter {
+    let [low, high] = cost.bounds()[index];
+    // A parameter without any effect on the cost.
+    if best.slope.curvature[(index, index)] <= 0.0 {
+        return Parameter::default();
+    }
+    let ends = [low, high].map(|bound| end(cost, best, (index, bound), rise));
+    let value = best.point[index];
+    let is_sure = match ends {
+        [Some(_), Some(_)] => true,
+        [None, None] => false,
+        _ => low < value && value < high && !cost.is_far_out(&best.point, index),
+    };
+    Parameter { value: is_sure.then_some(value), low: ends[0], high: ends[1], is_given: false }
+}
+
+/// Largest share of the rise by which an end may miss it, in the square root.
+const END: f64 = 1e-3;
+
+/// End of an interval between the minimum and a bound; `None` if it is beyond the bound.
+fn end(cost: &mut impl Cost, best: &mut Minimum, (index, bound): (usize, f64), rise: f64) -> Option<f64> {
+    let (from, mut start) = (best.point[index], best.point);
+    // The square root of the rise is nearly linear in the parameter.
+    let mut excess = |value: f64, best: &mut Minimum| {
+        start[index] = value;
+        let found = minimum(cost, &start, std::array::from_fn(|i| i == index));
+        start = found.point;
+        if found.slope.cost < best.slope.cost {
+            *best = found;
+        }
+        (value, ((found.slope.cost - best.slope.cost) / rise).sqrt() - 1.0, cost.is_far_out(&found.point, index))
+    };
+    let variance = best.slope.curvature.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(index, index)]);
+    let mut step = (2.0 * rise * variance).sqrt();
+    if !(step > 0.0 && step < (bound - from).abs()) {
+        step = 0.1 * (bound - from).abs();
+    }
+    let (mut near, mut far) = ((from, -1.0, false), (from, -1.0, false));
+    while far.1 < 0.0 {
+        if far.0 == bound {
+            return None;
+        }
+        near = far;
+        let value = if step < (bound - near.0).abs() { near.0 + step.copysign(bound - from) } else { bound };
+        far = excess(value, best);
+        step *= 2.0;
+    }
+    // Regula falsi with Illinois' halving.
+    for _ in 0..40 {
+        let value = far.0 - far.1 * (far.0 - near.0) / (far.1 - near.1);
+        if far.1.abs() <= END || value == near.0 || value == far.0 {
+            break;
+        }
+        let found = excess(value, best);
+        if (found.1 < 0.0) == (far.1 < 0.0) {
+            near.1 *= 0.5;
+        } else {
+            near = far;
+        }
+        far = found;
+    }
+    (!far.2).then_some(far.0)
+}
