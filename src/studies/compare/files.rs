@@ -11,7 +11,7 @@ use crate::output::trace_csv::{self, TraceColumns};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 use crate::studies::compare::comparison::Comparison;
-use crate::studies::compare::page::comparison_page;
+use crate::studies::compare::page::{comparison_page, scene_of};
 
 /// Writes `report.html`, `summary.json`, `overview-TIER.svg`, `trace-TIER-BACKEND.csv`,
 /// `events-TIER-BACKEND.csv` and `manifest.json` to the folder `target`, or nothing.
@@ -25,20 +25,21 @@ pub fn write_comparison(target: &Path, comparison: &Comparison, scenario: &Scena
     let tiers = &comparison.tiers;
     for (tier, found) in [("prescribed", &tiers.prescribed), ("replayed", &tiers.replayed)] {
         let Some(found) = found else { continue };
-        write_tier(&mut folder, tier, &found.solutions.each_ref().map(|solution| &solution.trace), scenario)?;
+        let traces = found.solutions.each_ref().map(|solution| &solution.trace);
+        write_tier(&mut folder, tier, &traces, scenario, &scene_of(found, scenario))?;
     }
     if let Some(found) = &tiers.closed_loop {
-        write_tier(&mut folder, "closed-loop", &found.traces.iter().collect::<Vec<_>>(), scenario)?;
+        write_tier(&mut folder, "closed-loop", &found.traces.iter().collect::<Vec<_>>(), scenario, &Scene::of(scenario))?;
     }
     folder.finish(manifest)
 }
 
-fn write_tier(folder: &mut OutputFolder, tier: &str, traces: &[&Trace], scenario: &Scenario) -> Result<(), FolderError> {
+fn write_tier(folder: &mut OutputFolder, tier: &str, traces: &[&Trace], scenario: &Scenario, scene: &Scene) -> Result<(), FolderError> {
     let columns = TraceColumns::Full { n_springs: scenario.system.springs.len() };
     let labelled: Vec<Labelled> = COMPARED.into_iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
     for Labelled { label, trace } in &labelled {
         folder.write(&format!("trace-{tier}-{label}.csv"), |out| trace_csv::write_trace(trace, columns, out))?;
         folder.write(&format!("events-{tier}-{label}.csv"), |out| trace_csv::write_events(trace, out))?;
     }
-    folder.write(&format!("overview-{tier}.svg"), |out| out.write_all(chart::overview(&labelled, &Scene::of(scenario)).as_bytes()))
+    folder.write(&format!("overview-{tier}.svg"), |out| out.write_all(chart::overview(&labelled, scene).as_bytes()))
 }
