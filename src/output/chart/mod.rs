@@ -1,11 +1,11 @@
 //! SVG figures over one or several traces: the load's path, its heading, speed and pulls over time,
 //! and how far traces differ.
 //!
-//! Every function returns a whole SVG document without scripts and embedded fonts. The same traces
-//! give the same bytes. The unit of each axis fits its largest value, such as mm or kN. Curves differ in colour (Okabe and Ito's set,
-//! made for colour-blind readers) and in dashes. Curves of many points are thinned to what can be
-//! seen, with their extremes kept: see [`thin`]. Where points are too dense for a line, a panel
-//! shows means and ranges and says so.
+//! Every function returns a whole SVG document without scripts and embedded fonts. The same
+//! traces give the same bytes. The unit of each axis fits its largest value, such as mm or kN.
+//! Curves differ in colour (Okabe and Ito's set, made for colour-blind readers) and in dashes.
+//! Curves of many points are thinned to what can be seen, with their extremes kept: see [`thin`].
+//! Where points are too dense for a line, a panel shows means and ranges and says so.
 //!
 //! ```text
 //! scene.rs       a trace with its name, and its surroundings
@@ -131,7 +131,12 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
     add(&panels::net_pull(seen, scene), COLUMN_WIDTH, 2.0, 1.0);
     add(&panels::attachments(seen), COLUMN_WIDTH, 3.0, 1.0);
     let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries(scene) };
-    let marks = [panels::scene_entries(seen, scene), panels::slip_limit_entry(scene), panels::tolerance_entry(scene), panels::event_entries(traces)];
+    let marks = [
+        panels::scene_entries(seen, scene),
+        panels::slip_limit_entry(scene),
+        panels::tolerance_entry(scene),
+        panels::event_entries(traces),
+    ];
     let marks = marks.concat();
     sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
 }
@@ -140,7 +145,8 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
 pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
     let seen = Seen::all(traces);
     let path = panels::path(&seen, scene);
-    let others = [panels::heading(&seen), panels::speed(&seen), panels::edge_difference(traces, scene), panels::heading_difference(traces, scene)];
+    let others =
+        [panels::heading(&seen), panels::speed(&seen), panels::edge_difference(traces, scene), panels::heading_difference(traces, scene)];
     let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, 3.0 * ROW_HEIGHT);
     sheet.add(&Cell { panel: &path, left: 0.0, top: 0.0, width: COLUMN_WIDTH, height: 2.0 * ROW_HEIGHT });
     let places = [(1.0, 0.0), (1.0, 1.0), (0.0, 2.0), (1.0, 2.0)];

@@ -2,6 +2,8 @@
 
 const ROOM = { left: 66, right: 12, top: 26, bottom: 36 };
 const PLOT_HEIGHT = 210;
+// A range below this differs by rounding alone, in any unit.
+const ROUNDING = 1e-14;
 
 // Dashes as lengths (px).
 function dashes(dash) {
@@ -50,6 +52,8 @@ class Plot {
       curve.x.forEach((x) => add(xs, x));
       curve.y.forEach((y) => add(ys, Math.min(y, most)));
     }
+    // Plots of one replay have one axis of time, gaps at its ends included.
+    if (this.player) for (const time of [this.player.start, this.player.end]) add(xs, time);
     for (const level of levels) add(ys, this.isLog ? Math.log10(level.y) : level.y);
     if (scale === 'from_zero' || scale === 'count') add(ys, 0);
     if (!(xs[0] <= xs[1])) xs.splice(0, 2, 0, 1);
@@ -57,7 +61,8 @@ class Plot {
     if (xs[0] === xs[1]) xs[1] += 1;
     if (this.isLog) ys.splice(0, 2, Math.floor(ys[0]), Math.max(Math.ceil(ys[1]), Math.floor(ys[0]) + 1));
     else {
-      const room = 0.05 * (ys[1] - ys[0]) || 0.5 * Math.abs(ys[1]) || 1;
+      const isRounding = ys[1] - ys[0] < ROUNDING;
+      const room = isRounding ? 0.5 * Math.abs(ys[1]) * (Math.abs(ys[1]) > ROUNDING) || 1 : 0.05 * (ys[1] - ys[0]);
       const isFromZero = ys[0] === 0 && scale !== 'linear';
       ys.splice(0, 2, isFromZero ? 0 : ys[0] - room, ys[1] + room);
     }
@@ -163,7 +168,9 @@ class Plot {
 
   // Value of a curve at a time, NaN outside of it.
   valueAt(curve, time) {
-    if (!(time >= curve.x[0] && time <= curve.x[curve.x.length - 1])) return NaN;
+    // The ends of packed times are rounded.
+    const slack = 1e-8 * (this.xs[1] - this.xs[0]);
+    if (!(time >= curve.x[0] - slack && time <= curve.x[curve.x.length - 1] + slack)) return NaN;
     const place = placeIn(curve.x, time);
     const value = curve.steps ? curve.y[place.from] : between(curve.y, place);
     return this.isLog ? 10 ** value : value;
@@ -195,7 +202,7 @@ class Plot {
       sample.style.borderTop = `3px ${dash ? 'dashed' : 'solid'} ${scheme.color(color)}`;
       return element('span', {}, sample, text);
     };
-    const text = (value) => (Number.isNaN(value) ? '–' : value === 0 ? '0' : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(3) : value.toPrecision(4));
+    const text = (value) => (Number.isNaN(value) ? '–' : Number.isInteger(value) && Math.abs(value) < 1e4 ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(3) : value.toPrecision(4));
     this.values.replaceChildren(element('b', {}, `${time.toFixed(3)} s`),
       ...of.map(([curve, value]) => item(curve.color, curve.dash, `${curve.label} ${text(value)}`)),
       ...this.panel.levels.map((level) => item(level.color, level.dash, `${level.label} ${text(level.y)}`)));
