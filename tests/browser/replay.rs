@@ -61,7 +61,7 @@ fn compared(scene: &Value, tier: &str, units: [&str; 3], length: &str) {
     assert!(path.as_str().unwrap().contains(&format!("x ({length})")), "{path}");
     report.is_dark_when_asked();
     report.saves_files(room.path());
-    browser.picture(&scene["name"].as_str().unwrap().replace(' ', "-"));
+    browser.picture(&scene["name"].as_str().unwrap().replace([' ', '/', ':'], "-"));
     assert_eq!(browser.console(), [""; 0]);
 }
 
