@@ -119,8 +119,8 @@ mod tests {
     use crate::output::page::packed::tests::unpacked;
     use crate::output::synthetic;
 
-    /// What can be read off is what the traces hold: the largest difference, and the gap where there
-    /// is none, beside the tolerance.
+    /// A plot holds what the traces do: the largest difference, and the gap where there is none,
+    /// beside the tolerance.
     #[test]
     fn differences_keep_their_extremes_gaps_and_tolerance() {
         let (a, mut b) = (synthetic::trace(40_000, 1.0), synthetic::trace(40_000, 1.0));
