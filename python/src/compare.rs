@@ -12,7 +12,7 @@ use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Controller, Trace};
 use cohaul::studies::compare::comparison::{self, Tiers};
 use cohaul::studies::compare::files::write_comparison;
-use cohaul::studies::compare::page::comparison_page;
+use cohaul::studies::compare::page::{comparison_page, scene_of};
 use pyo3::exceptions::{PyArithmeticError, PyOSError};
 use pyo3::prelude::*;
 
@@ -148,6 +148,8 @@ impl Comparison {
         let traces = self.traces(tier).ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
         let labelled: Vec<Labelled> =
             BackendKind::ALL.iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
-        Ok(py.allow_threads(|| chart::overview(&labelled, &chart::Scene::of(&self.scenario))))
+        let found = self.found.tiers.pathwise().find(|found| found.tier == tier);
+        let scene = found.map_or_else(|| chart::Scene::of(&self.scenario), |found| scene_of(found, &self.scenario));
+        Ok(py.allow_threads(|| chart::overview(&labelled, &scene)))
     }
 }

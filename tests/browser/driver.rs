@@ -74,6 +74,29 @@ impl Browser {
         self.post("actions", &json!({ "actions": [{ "type": "key", "id": "keys", "actions": keys }] }));
     }
 
+    /// Moves the mouse from one place of what is seen to another (px), with its button down on the
+    /// way if it drags.
+    pub fn mouse(&self, from: [f64; 2], to: [f64; 2], drags: bool) {
+        let move_to = |[x, y]: [f64; 2]| json!({ "type": "pointerMove", "duration": 0, "x": x as i64, "y": y as i64 });
+        let press = |what: &str| json!({ "type": what, "button": 0 });
+        let steps = match drags {
+            true => vec![move_to(from), press("pointerDown"), move_to(to), press("pointerUp")],
+            false => vec![move_to(from), move_to(to)],
+        };
+        self.post("actions", &json!({ "actions": [{ "type": "pointer", "id": "mouse", "actions": steps }] }));
+    }
+
+    /// Turns the wheel by so many px with the mouse at a place.
+    pub fn wheel(&self, [x, y]: [f64; 2], by: i64) {
+        let turn = json!({ "type": "scroll", "x": x as i64, "y": y as i64, "deltaX": 0, "deltaY": by });
+        self.post("actions", &json!({ "actions": [{ "type": "wheel", "id": "wheel", "actions": [turn] }] }));
+    }
+
+    /// Lets pages save files in a folder.
+    pub fn save_in(&self, folder: &Path) {
+        self.devtools("Browser.setDownloadBehavior", &json!({ "behavior": "allow", "downloadPath": folder }));
+    }
+
     /// Size of what is seen (px), as on a device of that width.
     pub fn size(&self, width: u32, height: u32) {
         self.devtools(

@@ -4,6 +4,7 @@
 //! `cargo test --test browser -- --ignored`, with Chromium and ChromeDriver on the path.
 
 mod driver;
+mod replay;
 
 use std::fs;
 use std::path::{Path, PathBuf};

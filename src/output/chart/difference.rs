@@ -13,6 +13,13 @@ pub struct Difference {
     pub heading: f64,
 }
 
+impl Difference {
+    /// Edge displacement between the poses of a load of that `radius` (m).
+    pub fn edge_displacement(&self, radius: f64) -> f64 {
+        self.position + radius * self.heading
+    }
+}
+
 /// Differences at the times of the rows of `from`, until the shorter trace ends. `to` is
 /// interpolated linearly between its rows. Runs with the same control period have coincident rows,
 /// which need no interpolation.

@@ -1,19 +1,20 @@
 //! SVG figures over one or several traces: the load's path, its heading, speed and pulls over time,
 //! and how far traces differ.
 //!
-//! Every function returns a whole SVG document without scripts and embedded fonts. The same traces
-//! give the same bytes. Axes are in mm, mN and rad. Curves differ in colour (Okabe and Ito's set,
-//! made for colour-blind readers) and in dashes. Curves of many points are thinned to what can be
-//! seen, with their extremes kept: see [`thin`]. Where points are too dense for a line, a panel
-//! shows means and ranges and says so.
+//! Every function returns a whole SVG document without scripts and embedded fonts. The same
+//! traces give the same bytes. The unit of each axis fits its largest value, such as mm or kN.
+//! Curves differ in colour (Okabe and Ito's set, made for colour-blind readers) and in dashes.
+//! Curves of many points are thinned to what can be seen, with their extremes kept: see [`thin`].
+//! Where points are too dense for a line, a panel shows means and ranges and says so.
 //!
 //! ```text
 //! scene.rs       a trace with its name, and its surroundings
-//! shown.rs       rows -> what is shown of them, in print units
+//! shown.rs       rows -> what is shown of them
 //! outline.rs     outlines of loads and obstacles as lines
 //! panels.rs      traces -> panels: what is shown
 //! difference.rs  distance of two traces over time
 //! panel.rs       a panel as data: labels, curves, marks
+//! unit.rs        units that fit the largest value of a panel
 //! axis.rs        ranges, ticks and their labels
 //! thin.rs        fewer points, same picture
 //! canvas.rs      panels -> SVG; the only file that knows the plotting library
@@ -30,6 +31,7 @@ pub mod panels;
 mod scene;
 pub mod shown;
 pub mod thin;
+mod unit;
 
 use canvas::{Cell, Sheet};
 use panel::{Entry, Panel, Style};
@@ -59,19 +61,19 @@ pub fn heading(traces: &[Labelled]) -> String {
     over_time(&panels::heading(&Seen::all(traces)), traces)
 }
 
-/// Speed of the load's origin over time (mm/s). The axis cuts a few peaks that exceed all other
+/// Speed of the load's origin over time. The axis cuts a few peaks that exceed all other
 /// values by far, and a note says how high they are.
 pub fn speed(traces: &[Labelled]) -> String {
     over_time(&panels::speed(&Seen::all(traces)), traces)
 }
 
-/// Size of the sum of all pulls over time (mN) under the force that moves the load.
+/// Size of the sum of all pulls over time under the force that moves the load.
 pub fn net_pull(traces: &[Labelled], scene: &Scene) -> String {
     let marks = [panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
     alone(&panels::net_pull(&Seen::all(traces), scene), vec![panels::trace_entries(traces), marks], TIME_HEIGHT)
 }
 
-/// Sum of the magnitudes of all pulls over time (mN), which includes pulls that cancel each other.
+/// Sum of the magnitudes of all pulls over time, which includes pulls that cancel each other.
 pub fn total_pull(traces: &[Labelled]) -> String {
     over_time(&panels::total_pull(&Seen::all(traces)), traces)
 }
@@ -81,22 +83,22 @@ pub fn attachments(traces: &[Labelled]) -> String {
     over_time(&panels::attachments(&Seen::all(traces)), traces)
 }
 
-/// Energy over time (mJ) of one trace: done by the tips, dissipated, elastic.
+/// Energy over time of one trace: done by the tips, dissipated, elastic.
 pub fn energy(trace: &Labelled, scene: &Scene) -> String {
     alone(&panels::energy(&Seen::of(trace), scene), vec![panels::energy_entries(scene), panels::event_entries(&[*trace])], TIME_HEIGHT)
 }
 
-/// Distance of the load's positions between traces over time (m, log axis): all pairs of up to
-/// three traces, else each against the first. Where two traces agree within rounding there is a
-/// gap.
-pub fn position_difference(traces: &[Labelled]) -> String {
-    between(&panels::position_difference(traces), traces)
+/// Edge displacement of the load between traces over time (log axis): all pairs of up to three
+/// traces, else each against the first. Where two traces agree within rounding there is a gap. A
+/// line marks the tolerance of the scene.
+pub fn edge_difference(traces: &[Labelled], scene: &Scene) -> String {
+    between(&panels::edge_difference(traces, scene), traces, scene)
 }
 
 /// Difference of heading between traces over time (rad, log axis); pairs and gaps as in
-/// [`position_difference`].
-pub fn heading_difference(traces: &[Labelled]) -> String {
-    between(&panels::heading_difference(traces), traces)
+/// [`edge_difference`].
+pub fn heading_difference(traces: &[Labelled], scene: &Scene) -> String {
+    between(&panels::heading_difference(traces, scene), traces, scene)
 }
 
 /// All figures on one sheet: with differences for two or more traces, with the energy for one.
@@ -121,15 +123,21 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
         add(&panels::total_pull(seen), 0.0, 2.0, 1.0);
         add(&panels::energy(one, scene), 0.0, 3.0, 1.0);
     } else {
-        add(&panels::position_difference(traces), 0.0, 2.0, 1.0);
-        add(&panels::heading_difference(traces), 0.0, 3.0, 1.0);
+        add(&panels::edge_difference(traces, scene), 0.0, 2.0, 1.0);
+        add(&panels::heading_difference(traces, scene), 0.0, 3.0, 1.0);
     }
     add(&panels::heading(seen), COLUMN_WIDTH, 0.0, 1.0);
     add(&panels::speed(seen), COLUMN_WIDTH, 1.0, 1.0);
     add(&panels::net_pull(seen, scene), COLUMN_WIDTH, 2.0, 1.0);
     add(&panels::attachments(seen), COLUMN_WIDTH, 3.0, 1.0);
     let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries(scene) };
-    let marks = [panels::scene_entries(seen, scene), panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
+    let marks = [
+        panels::scene_entries(seen, scene),
+        panels::slip_limit_entry(scene),
+        panels::tolerance_entry(scene),
+        panels::event_entries(traces),
+    ];
+    let marks = marks.concat();
     sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
 }
 
@@ -137,7 +145,8 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
 pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
     let seen = Seen::all(traces);
     let path = panels::path(&seen, scene);
-    let others = [panels::heading(&seen), panels::speed(&seen), panels::position_difference(traces), panels::heading_difference(traces)];
+    let others =
+        [panels::heading(&seen), panels::speed(&seen), panels::edge_difference(traces, scene), panels::heading_difference(traces, scene)];
     let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, 3.0 * ROW_HEIGHT);
     sheet.add(&Cell { panel: &path, left: 0.0, top: 0.0, width: COLUMN_WIDTH, height: 2.0 * ROW_HEIGHT });
     let places = [(1.0, 0.0), (1.0, 1.0), (0.0, 2.0), (1.0, 2.0)];
@@ -172,8 +181,30 @@ fn over_time(panel: &Panel, traces: &[Labelled]) -> String {
     alone(panel, vec![panels::trace_entries(traces), panels::event_entries(traces)], TIME_HEIGHT)
 }
 
-fn between(panel: &Panel, traces: &[Labelled]) -> String {
-    alone(panel, vec![panels::pair_entries(traces), panels::event_entries(traces)], TIME_HEIGHT)
+fn between(panel: &Panel, traces: &[Labelled], scene: &Scene) -> String {
+    let marks = [panels::tolerance_entry(scene), panels::event_entries(traces)].concat();
+    alone(panel, vec![panels::pair_entries(traces), marks], TIME_HEIGHT)
+}
+
+/// Panels over time of traces, each with the names of its curves and lines: with differences for
+/// two or more traces, with the energy for one.
+pub(crate) fn over_time_panels(traces: &[Labelled], scene: &Scene) -> Vec<(Panel, Vec<Entry>)> {
+    let seen = Seen::all(traces);
+    let of_traces = || panels::trace_entries(traces);
+    let mut all = Vec::new();
+    if let [one] = &seen[..] {
+        all.push((panels::energy(one, scene), panels::energy_entries(scene)));
+        all.push((panels::total_pull(&seen), of_traces()));
+    } else {
+        let of_pairs = [panels::pair_entries(traces), panels::tolerance_entry(scene)].concat();
+        all.push((panels::edge_difference(traces, scene), of_pairs.clone()));
+        all.push((panels::heading_difference(traces, scene), of_pairs));
+    }
+    all.push((panels::net_pull(&seen, scene), [of_traces(), panels::slip_limit_entry(scene)].concat()));
+    all.push((panels::speed(&seen), of_traces()));
+    all.push((panels::heading(&seen), of_traces()));
+    all.push((panels::attachments(&seen), of_traces()));
+    all
 }
 
 pub fn alone(panel: &Panel, legend: Vec<Vec<Entry>>, height: f64) -> String {

@@ -132,6 +132,7 @@ impl Style {
     pub const OBSTACLE_PATH: Style = Style { color: "#888888", dash: "1.5 2.5", width: 1.0 };
     pub const CONTACT: Style = Style { color: "#CC3311", dash: "", width: 1.0 };
     pub const SLIP_LIMIT: Style = Style { color: "#666666", dash: "10 4", width: 1.0 };
+    pub const TOLERANCE: Style = Style { color: "#CC3311", dash: "6 3", width: 1.3 };
     pub const GRASP: Style = Style { color: "#999999", dash: "1.5 2.5", width: 0.9 };
     pub const RELEASE: Style = Style { color: "#bbbbbb", dash: "", width: 0.9 };
 }

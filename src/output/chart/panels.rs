@@ -1,11 +1,11 @@
-//! Traces -> panels: what each figure shows, in print units.
+//! Traces -> panels: what each figure shows, in units that fit its largest value.
 
 use crate::math::{Pose, Vec2};
 use crate::model::Obstacle;
 use crate::output::chart::difference::{self, Difference};
 use crate::output::chart::outline::{View, circle, edges, front, hatching, radius_of};
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use crate::output::chart::scene::{Labelled, MILLI, Scene};
+use crate::output::chart::scene::{Labelled, Scene};
 use crate::output::chart::shown::{Quantity, Seen};
 use crate::output::chart::thin::{self, Column};
 use crate::output::quantity::quantity;
@@ -16,9 +16,9 @@ use crate::simulation::{Event, EventKind};
 const MOST_EVENTS: usize = 40;
 
 pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
-    let mut panel = Panel::new("x (mm)", "y (mm)", Scale::Plane);
+    let mut panel = Panel::new("x", "y", Scale::Plane);
     if let Some(nest) = scene.nest {
-        panel.add(in_mm(circle(&nest.position, nest.arrival_radius, 0.0)), Style::NEST, Shape::Path);
+        panel.add(points(circle(&nest.position, nest.arrival_radius, 0.0)), Style::NEST, Shape::Path);
     }
     for obstacle in &scene.world.obstacles {
         add_obstacle(&mut panel, obstacle, traces, scene);
@@ -32,10 +32,10 @@ pub fn path(traces: &[Seen], scene: &Scene) -> Panel {
         panel.add(one.rows.path(), style, Shape::Path);
         panel.add(load(last, scene), style.thin(), Shape::Path);
         if !one.rows.touched.is_empty() {
-            panel.add(in_mm(one.rows.touched.iter().copied()), Style::CONTACT, Shape::Dots);
+            panel.add(points(one.rows.touched.iter().copied()), Style::CONTACT, Shape::Dots);
         }
     }
-    panel
+    panel.in_fitting_unit("m")
 }
 
 pub fn heading(traces: &[Seen]) -> Panel {
@@ -43,21 +43,21 @@ pub fn heading(traces: &[Seen]) -> Panel {
 }
 
 pub fn speed(traces: &[Seen]) -> Panel {
-    let mut panel = of_rows(traces, "speed (mm/s)", Scale::FromZero, Shape::Graph, Quantity::Speed);
-    panel.cut_rare_peaks(|peak| format!("peaks up to {} cut off", quantity(peak / MILLI, "m/s")));
-    panel
+    let mut panel = of_rows(traces, "speed", Scale::FromZero, Shape::Graph, Quantity::Speed);
+    panel.cut_rare_peaks(|peak| format!("peaks up to {} cut off", quantity(peak, "m/s")));
+    panel.in_fitting_unit("m/s")
 }
 
 pub fn net_pull(traces: &[Seen], scene: &Scene) -> Panel {
-    let mut panel = of_rows(traces, "net pull (mN)", Scale::FromZero, Shape::Graph, Quantity::NetPull);
+    let mut panel = of_rows(traces, "net pull", Scale::FromZero, Shape::Graph, Quantity::NetPull);
     if scene.slip_limit > 0.0 {
-        panel.marks.push(Mark { at: Across::Horizontal(MILLI * scene.slip_limit), style: Style::SLIP_LIMIT });
+        panel.marks.push(Mark { at: Across::Horizontal(scene.slip_limit), style: Style::SLIP_LIMIT });
     }
-    panel
+    panel.in_fitting_unit("N")
 }
 
 pub fn total_pull(traces: &[Seen]) -> Panel {
-    of_rows(traces, "sum of pulls (mN)", Scale::FromZero, Shape::Graph, Quantity::TotalPull)
+    of_rows(traces, "sum of pulls", Scale::FromZero, Shape::Graph, Quantity::TotalPull).in_fitting_unit("N")
 }
 
 pub fn attachments(traces: &[Seen]) -> Panel {
@@ -65,23 +65,27 @@ pub fn attachments(traces: &[Seen]) -> Panel {
 }
 
 pub fn energy(one: &Seen, scene: &Scene) -> Panel {
-    let mut panel = Panel::new("time (s)", "energy (mJ)", Scale::FromZero);
+    let mut panel = Panel::new("time (s)", "energy", Scale::FromZero);
     panel.mark_events([one.events]);
     let of_obstacles = moves(scene).then_some(Quantity::ObstacleWork);
     for (kind, energy) in [Quantity::TipWork, Quantity::Dissipated, Quantity::Elastic].into_iter().chain(of_obstacles).enumerate() {
         panel.add_columns(one.rows.columns(energy), Style::of_pair(kind), Shape::Graph);
     }
-    panel
+    panel.in_fitting_unit("J")
 }
 
-pub fn position_difference(traces: &[Labelled]) -> Panel {
-    let displacement = |pose: &Pose, start: &Pose| (pose.position - start.position).norm();
-    of_pairs(traces, "position apart (m)", displacement, |difference| difference.position)
+pub fn edge_difference(traces: &[Labelled], scene: &Scene) -> Panel {
+    let from_start = |pose: &Pose, start: &Pose| pose.edge_displacement(start, scene.radius);
+    let mut panel = of_pairs(traces, "edge displacement apart", from_start, |one| one.edge_displacement(scene.radius));
+    panel.mark_tolerance(scene.tolerances.map(|[edge, _]| edge));
+    panel.in_fitting_unit("m")
 }
 
-pub fn heading_difference(traces: &[Labelled]) -> Panel {
+pub fn heading_difference(traces: &[Labelled], scene: &Scene) -> Panel {
     let turn = |pose: &Pose, start: &Pose| (pose.heading - start.heading).abs();
-    of_pairs(traces, "heading apart (rad)", turn, |difference| difference.heading)
+    let mut panel = of_pairs(traces, "heading apart (rad)", turn, |difference| difference.heading);
+    panel.mark_tolerance(scene.tolerances.map(|[_, heading]| heading));
+    panel
 }
 
 pub fn trace_entries(traces: &[Labelled]) -> Vec<Entry> {
@@ -120,6 +124,10 @@ pub fn scene_entries(traces: &[Seen], scene: &Scene) -> Vec<Entry> {
 
 pub fn slip_limit_entry(scene: &Scene) -> Vec<Entry> {
     if scene.slip_limit > 0.0 { vec![Entry::line("slip limit", Style::SLIP_LIMIT)] } else { Vec::new() }
+}
+
+pub fn tolerance_entry(scene: &Scene) -> Vec<Entry> {
+    scene.tolerances.map(|_| Entry::line("tolerance", Style::TOLERANCE)).into_iter().collect()
 }
 
 pub fn event_entries(traces: &[Labelled]) -> Vec<Entry> {
@@ -178,22 +186,22 @@ fn event_marks<'a>(of_traces: impl IntoIterator<Item = &'a [Event]>) -> Vec<Mark
     events.into_iter().map(|(time, grasp)| Mark { at: Across::Vertical(time), style: style(grasp) }).collect()
 }
 
-fn in_mm(points: impl IntoIterator<Item = Vec2>) -> Vec<[f64; 2]> {
-    points.into_iter().map(|point| [MILLI * point.x, MILLI * point.y]).collect()
+fn points(points: impl IntoIterator<Item = Vec2>) -> Vec<[f64; 2]> {
+    points.into_iter().map(|point| [point.x, point.y]).collect()
 }
 
 /// Ends a line, so that the next point begins another one.
 const GAP: [f64; 2] = [f64::NAN; 2];
 
-/// Outline of the load, and a line from its origin along its heading (mm).
+/// Outline of the load, and a line from its origin along its heading (m).
 fn load(pose: &Pose, scene: &Scene) -> Vec<[f64; 2]> {
     let outline = &scene.world.outline;
     let tip = pose.to_world(&Vec2::new(front(outline), 0.0));
-    let mut lines: Vec<Vec<[f64; 2]>> = edges(outline, pose).into_iter().map(in_mm).collect();
+    let mut lines: Vec<Vec<[f64; 2]>> = edges(outline, pose).into_iter().map(points).collect();
     match (&mut lines[..], radius_of(outline)) {
         // A circle ends in the direction of the heading.
-        ([circle], Some(_)) => circle.extend(in_mm([pose.position])),
-        _ => lines.push(in_mm([tip, pose.position])),
+        ([circle], Some(_)) => circle.extend(points([pose.position])),
+        _ => lines.push(points([tip, pose.position])),
     }
     lines.join(&GAP)
 }
@@ -206,20 +214,20 @@ const HATCHING: f64 = 0.018;
 fn add_obstacle(panel: &mut Panel, obstacle: &Obstacle, traces: &[Seen], scene: &Scene) {
     let ends = traces.iter().filter_map(|one| one.rows.ends.as_ref());
     let loads = ends.flatten().flat_map(|pose| edges(&scene.world.outline, pose)).flatten();
-    let paths = traces.iter().flat_map(|one| one.rows.path()).map(|[x, y]| Vec2::new(x, y) / MILLI);
+    let paths = traces.iter().flat_map(|one| one.rows.path()).map(|[x, y]| Vec2::new(x, y));
     let margin = scene.world.outline.extent();
     let Some(view) = View::around(loads.chain(paths)).map(|view| view.widened(margin)) else { return };
     let size = (view.0[1] - view.0[0]).amax();
     let [from, to] = traces.iter().fold([f64::INFINITY, 0.0_f64], |[from, to], one| [from.min(one.rows.span[0]), to.max(one.rows.span[1])]);
     let cut = |lines: Vec<[Vec2; 2]>| -> Vec<[f64; 2]> {
-        lines.into_iter().filter_map(|line| view.clip(line)).flat_map(|line| in_mm(line).into_iter().chain([GAP])).collect()
+        lines.into_iter().filter_map(|line| view.clip(line)).flat_map(|line| points(line).into_iter().chain([GAP])).collect()
     };
     let sides = |edge: &Vec<Vec2>| edge.windows(2).map(|ends| [ends[0], ends[1]]).collect::<Vec<_>>();
     let at = |time: f64| edges(&obstacle.outline, &obstacle.path.pose_at(time));
     let mut add = |lines: Vec<[Vec2; 2]>, style| {
-        let points = cut(lines);
-        if !points.is_empty() {
-            panel.add(points, style, Shape::Path);
+        let seen = cut(lines);
+        if !seen.is_empty() {
+            panel.add(seen, style, Shape::Path);
         }
     };
     let is_closed = |edge: &&Vec<Vec2>| edge.len() > 3 && edge.first() == edge.last();
@@ -251,6 +259,11 @@ impl Panel {
 
     fn mark_events<'a>(&mut self, of_traces: impl IntoIterator<Item = &'a [Event]>) {
         self.marks.extend(event_marks(of_traces));
+    }
+
+    fn mark_tolerance(&mut self, tolerance: Option<f64>) {
+        let levels = tolerance.filter(|tolerance| *tolerance > 0.0).map(Across::Horizontal);
+        self.marks.extend(levels.map(|at| Mark { at, style: Style::TOLERANCE }));
     }
 
     /// Cuts the y axis when less than half a percent of all points lie beyond three times the

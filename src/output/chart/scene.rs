@@ -5,7 +5,7 @@ use crate::model::World;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::Trace;
 
-/// Print units over those of a trace: mm, mN, mJ.
+/// Print units over SI units: mm, mN.
 pub const MILLI: f64 = 1e3;
 
 /// A trace and its name in legends.
@@ -23,6 +23,10 @@ pub struct Scene {
     /// Sum of the slip limits: the net pull that moves the load (N).
     pub slip_limit: f64,
     pub nest: Option<Nest>,
+    /// Radius with which a difference of headings becomes an edge displacement (m).
+    pub radius: f64,
+    /// Largest edge displacement (m), and difference of headings (rad), at which paths agree.
+    pub tolerances: Option<[f64; 2]>,
 }
 
 /// Where ants take the load.
@@ -40,6 +44,13 @@ impl Scene {
             Drive::Ants(ants) => Some(Nest { position: ants.nest_position, arrival_radius: ants.arrival_radius }),
             Drive::Tips(_) => None,
         };
-        Self { world: scenario.system.world.clone(), slip_limit: scenario.system.total_slip_limit(), nest }
+        let system = &scenario.system;
+        let (slip_limit, radius) = (system.total_slip_limit(), system.load.radius);
+        Self { world: system.world.clone(), slip_limit, nest, radius, tolerances: None }
+    }
+
+    /// With the tolerances of a comparison: edge displacement (m), and heading (rad).
+    pub fn within(self, edge_displacement: f64, heading: f64) -> Self {
+        Self { tolerances: Some([edge_displacement, heading]), ..self }
     }
 }

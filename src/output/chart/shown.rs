@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::math::{Pose, Vec2};
-use crate::output::chart::scene::{Labelled, MILLI};
+use crate::output::chart::scene::Labelled;
 use crate::output::chart::thin::Column;
 use crate::simulation::{Event, Row};
 
@@ -13,7 +13,7 @@ pub struct Seen<'a> {
     pub events: &'a [Event],
 }
 
-/// Values of the rows of a run that figures need, in print units. Rows may be added a few at a
+/// Values of the rows of a run that figures need, in SI units. Rows may be added a few at a
 /// time, and the memory is bounded: neighbouring rows of a long run share a group, which keeps
 /// ranges and means.
 #[derive(Clone, Debug)]
@@ -36,20 +36,20 @@ pub struct SeenRows {
 pub(crate) enum Quantity {
     /// (rad)
     Heading,
-    /// (mm/s)
+    /// (m/s)
     Speed,
-    /// Size of the sum of the pulls (mN).
+    /// Size of the sum of the pulls (N).
     NetPull,
-    /// Sum of their sizes (mN).
+    /// Sum of their sizes (N).
     TotalPull,
     Attachments,
-    /// Work of the tips (mJ).
+    /// Work of the tips (J).
     TipWork,
-    /// (mJ)
+    /// (J)
     Dissipated,
-    /// (mJ)
+    /// (J)
     Elastic,
-    /// Work of moving obstacles (mJ).
+    /// Work of moving obstacles (J).
     ObstacleWork,
 }
 
@@ -63,12 +63,9 @@ impl Quantity {
             (net, total) = (net + tip.pull, total + tip.pull.norm());
         }
         let energy = &row.energy;
-        let energies = [energy.tip_work, energy.dissipated(), energy.elastic, energy.obstacle_work].map(|energy| MILLI * energy);
-        let speed = MILLI * row.motion.twist.linear.norm();
-        let [tip_work, dissipated, elastic, of_obstacles] = energies;
-        let pulls = [MILLI * net.norm(), MILLI * total, row.tips.len() as f64];
-        let [net, total, n_attached] = pulls;
-        [row.motion.pose.heading, speed, net, total, n_attached, tip_work, dissipated, elastic, of_obstacles]
+        let [tip_work, dissipated, elastic] = [energy.tip_work, energy.dissipated(), energy.elastic];
+        let (speed, n_attached) = (row.motion.twist.linear.norm(), row.tips.len() as f64);
+        [row.motion.pose.heading, speed, net.norm(), total, n_attached, tip_work, dissipated, elastic, energy.obstacle_work]
     }
 }
 
@@ -98,12 +95,12 @@ impl Group {
     }
 }
 
-/// Path of the load's origin (mm). A point closer than `distance` to the last kept point is left
+/// Path of the load's origin (m). A point closer than `distance` to the last kept point is left
 /// out.
 #[derive(Clone, Debug, Default)]
 struct Path {
     points: Vec<[f64; 2]>,
-    /// (mm)
+    /// (m)
     distance: f64,
 }
 
@@ -152,7 +149,7 @@ impl SeenRows {
                     self.n_last = 1;
                 }
             }
-            self.path.add([MILLI * row.motion.pose.position.x, MILLI * row.motion.pose.position.y]);
+            self.path.add([row.motion.pose.position.x, row.motion.pose.position.y]);
         }
     }
 
@@ -180,9 +177,9 @@ impl SeenRows {
         self.groups.iter().enumerate().map(of).collect()
     }
 
-    /// The load's path (mm).
+    /// The load's path (m).
     pub(crate) fn path(&self) -> Vec<[f64; 2]> {
-        let end = self.ends.map(|[_, last]| [MILLI * last.position.x, MILLI * last.position.y]);
+        let end = self.ends.map(|[_, last]| [last.position.x, last.position.y]);
         self.path.points.iter().copied().chain(end).collect()
     }
 }
@@ -206,7 +203,7 @@ impl Path {
     }
 }
 
-/// Whether a point lies within `distance` (mm) of the one before it. NaN marks a gap and is near no
+/// Whether a point lies within `distance` (m) of the one before it. NaN marks a gap and is near no
 /// point.
 fn is_near(before: Option<&[f64; 2]>, point: &[f64; 2], distance: f64) -> bool {
     before.is_some_and(|before| (point[0] - before[0]).powi(2) + (point[1] - before[1]).powi(2) <= distance * distance)

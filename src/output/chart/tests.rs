@@ -7,7 +7,7 @@ use crate::simulation::Trace;
 fn scene() -> Scene {
     let nest = Nest { position: Vec2::new(0.2625, 0.0), arrival_radius: 0.01 };
     let world = World { outline: Outline::disc(0.0122), obstacles: Vec::new() };
-    Scene { world, slip_limit: 0.022, nest: Some(nest) }
+    Scene { world, slip_limit: 0.022, nest: Some(nest), radius: 0.0122, tolerances: Some([1e-3, 0.1]) }
 }
 
 fn all(traces: &[Labelled]) -> Vec<(&'static str, String)> {
@@ -18,8 +18,8 @@ fn all(traces: &[Labelled]) -> Vec<(&'static str, String)> {
         ("net-pull", net_pull(traces, &scene())),
         ("total-pull", total_pull(traces)),
         ("attachments", attachments(traces)),
-        ("position-difference", position_difference(traces)),
-        ("heading-difference", heading_difference(traces)),
+        ("position-difference", edge_difference(traces, &scene())),
+        ("heading-difference", heading_difference(traces, &scene())),
         ("overview", overview(traces, &scene())),
     ]
 }

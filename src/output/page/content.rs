@@ -1,6 +1,7 @@
 //! What a report contains.
 
 use crate::output::manifest::Manifest;
+use crate::output::page::curves::Curves;
 use crate::output::page::replay::Replay;
 use crate::output::table::Table;
 
@@ -60,6 +61,8 @@ pub enum Block {
         caption: String,
     },
     Replay(Box<Replay>),
+    /// Plots that show the time of the replay before them.
+    Curves(Box<Curves>),
     /// Side by side where there is room.
     Columns(Vec<Vec<Block>>),
     /// Closed until it is asked for.

@@ -3,17 +3,29 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::output::glossary;
 use crate::output::json;
 use crate::output::page::content::{Answer, Block, Headline, Number, Page, Section};
+use crate::output::page::curves::Curves;
 use crate::output::page::provenance;
 use crate::output::page::replay::Replay;
 use crate::output::table::Table;
 
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("replay.js");
+/// One module for all pages, in the order in which its parts build on each other.
+const SCRIPT: &str = concat!(
+    "\n",
+    include_str!("script/base.js"),
+    include_str!("script/parts.js"),
+    include_str!("script/view.js"),
+    include_str!("script/player.js"),
+    include_str!("script/curves.js"),
+    include_str!("script/figures.js"),
+    include_str!("script/main.js"),
+);
 
 impl Page {
     /// The whole file.
@@ -45,7 +57,7 @@ impl Page {
                 body {
                     header { p.kicker { "cohaul" } h1 { (self.title) } }
                     main { (headline) @for section in sections { (section) } }
-                    @if writer.n_replays > 0 { script { (PreEscaped(SCRIPT)) } }
+                    script type="module" { (PreEscaped(SCRIPT)) }
                 }
             }
         };
@@ -57,7 +69,6 @@ impl Page {
 #[derive(Default)]
 struct Writer {
     n_figures: usize,
-    n_replays: usize,
     /// Text that a reader has seen, in lower case.
     seen: String,
 }
@@ -102,6 +113,7 @@ impl Writer {
             Block::Figure { svg, caption } => self.figure("drawing", svg, caption),
             Block::Chart { svg, caption } => self.figure("chart", svg, caption),
             Block::Replay(replay) => self.replay(replay),
+            Block::Curves(curves) => self.curves(curves),
             Block::Columns(columns) => html! { div.columns { @for blocks in columns { div { (self.blocks(blocks)) } } } },
             Block::Folded { heading, blocks } => html! { details { summary { (self.text(heading)) } (self.blocks(blocks)) } },
             Block::Terms => self.terms(),
@@ -142,16 +154,27 @@ impl Writer {
 
     /// A place for the script to draw in, and its data.
     fn replay(&mut self, replay: &Replay) -> Markup {
-        self.n_replays += 1;
-        // No `<` can end the script element or open a comment.
-        let data = json::line(&replay.data).unwrap_or_else(|error| panic!("{error}")).replace('<', "\\u003c");
         html! {
             figure.replay aria-label=(replay.name) {
                 div.stage { noscript { p { "The replay needs JavaScript, which is part of this file." } } }
-                script type="application/json" { (PreEscaped(data)) }
+                (data_element(&replay.data))
                 figcaption {
                     p { (self.text(&replay.name)) }
                     details { summary { "How to read it" } ul { @for note in &replay.caption { li { (self.text(note)) } } } }
+                }
+            }
+        }
+    }
+
+    /// A place for the script to draw plots in, and their data.
+    fn curves(&mut self, curves: &Curves) -> Markup {
+        html! {
+            figure.curves aria-label=(curves.caption) {
+                div.plots { noscript { p { "The curves need JavaScript, which is part of this file." } } }
+                (data_element(&curves.plots))
+                figcaption {
+                    p { (self.text(&curves.caption)) }
+                    p { "The upright line is the time of the replay: click on a plot to go there. Values below a plot are those under the pointer, or else those at this time." }
                 }
             }
         }
@@ -191,6 +214,16 @@ impl Writer {
         let text = self.text(term);
         html! { @if let Some(entry) = glossary::entry(term) { abbr title=(entry.meaning) { (text) } } @else { (text) } }
     }
+}
+
+/// Data for the script.
+///
+/// # Panics
+/// When a number is not finite.
+fn data_element(data: &impl Serialize) -> Markup {
+    // No `<` can end the script element or open a comment.
+    let data = json::line(data).unwrap_or_else(|error| panic!("{error}")).replace('<', "\\u003c");
+    html! { script type="application/json" { (PreEscaped(data)) } }
 }
 
 /// A drawing made to stand alone, as a part of a page: without its XML declaration, and with names

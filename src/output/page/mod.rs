@@ -14,20 +14,23 @@
 //! ```
 //!
 //! All text is escaped where it is written, so that a name out of a scenario is only ever a name. A
-//! policy in the page forbids loading, sending, and every script but the one of the replay, which
-//! it knows by its hash.
+//! policy in the page forbids loading, sending, and every script but its own, which it knows by its
+//! hash.
 //!
 //! ```text
 //! content.rs    a page as data
 //! html.rs       a page as text; page.css is its look
 //! provenance.rs scenario, versions, machine and command
-//! replay.rs     what a replay shows: traces with as many rows as an eye needs; replay.js draws it
+//! replay.rs     what a replay shows: traces with as many rows as an eye needs
+//! curves.rs     plots over time that follow a replay
 //! replay_world.rs  outlines, obstacles and contacts of a replay
 //! thinning.rs   which rows of traces are shown
 //! packed.rs     series of numbers as fixed point in base64
+//! script/       one module for all pages: base, parts, view and player of a replay, curves, figures
 //! ```
 
 mod content;
+pub mod curves;
 mod html;
 pub mod packed;
 mod provenance;

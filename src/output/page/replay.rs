@@ -38,7 +38,7 @@ pub struct Replay {
     pub(crate) data: Data,
 }
 
-/// As replay.js reads it. Lengths in m, times in s, forces in N, angles in rad.
+/// As the script reads it. Lengths in m, times in s, forces in N, angles in rad.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Data {
     radius: f64,

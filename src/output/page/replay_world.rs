@@ -7,7 +7,7 @@ use crate::model::{Outline, OutlinePart, World};
 use crate::output::page::packed::Packed;
 use crate::simulation::{Row, Trace};
 
-/// Part of an outline, as replay.js reads it (m).
+/// Part of an outline, as the script reads it (m).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Shape {
@@ -17,7 +17,7 @@ pub(super) enum Shape {
     Polyline(Vec<[f64; 2]>),
 }
 
-/// An obstacle, as replay.js reads it.
+/// An obstacle, as the script reads it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct ShownObstacle {
     name: String,

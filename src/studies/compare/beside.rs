@@ -110,11 +110,11 @@ impl Beside {
         }
         let runs = found.solutions.iter().map(|solution| Labelled { label: solution.kind.name(), trace: &solution.trace });
         let all: Vec<Labelled> = [Labelled { label: "recorded", trace: &self.trace }].into_iter().chain(runs).collect();
-        let apart = "Distance of each path from the recorded one over time.";
+        let apart = "Edge displacement of each path from the recorded one over time, and the tolerance.";
         vec![
             Block::Table(table),
             Block::figure(chart::path(&all, scene), "The recorded path and those of the three backends."),
-            Block::figure(chart::position_difference(&all), apart),
+            Block::figure(chart::edge_difference(&all, scene), apart),
         ]
     }
 }

@@ -12,7 +12,7 @@ use crate::output::traces::{TraceFormat, write_trace};
 use crate::scenario::Scenario;
 use crate::simulation::Trace;
 use crate::studies::compare::comparison::Comparison;
-use crate::studies::compare::page::comparison_page;
+use crate::studies::compare::page::{comparison_page, scene_of};
 
 /// Writes `report.html`, `summary.json`, `overview-TIER.svg` and `manifest.json` to the folder
 /// `target`, or nothing. With a format of `traces`, also `trace-TIER-BACKEND` in that format and
@@ -34,10 +34,12 @@ pub fn write_comparison(
     let tiers = &comparison.tiers;
     for (tier, found) in [("prescribed", &tiers.prescribed), ("replayed", &tiers.replayed)] {
         let Some(found) = found else { continue };
-        write_tier(&mut folder, tier, &found.solutions.each_ref().map(|solution| &solution.trace), scenario, with)?;
+        let traces = found.solutions.each_ref().map(|solution| &solution.trace);
+        write_tier(&mut folder, tier, &traces, (scenario, &scene_of(found, scenario)), with)?;
     }
     if let Some(found) = &tiers.closed_loop {
-        write_tier(&mut folder, "closed-loop", &found.traces.iter().collect::<Vec<_>>(), scenario, with)?;
+        let traces: Vec<&Trace> = found.traces.iter().collect();
+        write_tier(&mut folder, "closed-loop", &traces, (scenario, &Scene::of(scenario)), with)?;
     }
     folder.finish(manifest)
 }
@@ -46,7 +48,7 @@ fn write_tier(
     folder: &mut OutputFolder,
     tier: &str,
     traces: &[&Trace],
-    scenario: &Scenario,
+    (scenario, scene): (&Scenario, &Scene),
     with: Option<(TraceFormat, &Manifest)>,
 ) -> Result<(), FolderError> {
     let columns = TraceColumns::Full { n_springs: scenario.system.springs.len() };
@@ -55,5 +57,5 @@ fn write_tier(
         write_trace(folder, &format!("trace-{tier}-{label}"), (trace, columns), format, manifest)?;
         folder.write(&format!("events-{tier}-{label}.csv"), |out| trace_csv::write_events(trace, out))?;
     }
-    folder.write(&format!("overview-{tier}.svg"), |out| out.write_all(chart::overview(&labelled, &Scene::of(scenario)).as_bytes()))
+    folder.write(&format!("overview-{tier}.svg"), |out| out.write_all(chart::overview(&labelled, scene).as_bytes()))
 }

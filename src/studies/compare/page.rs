@@ -5,6 +5,7 @@ use crate::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise};
 use crate::output::chart::bars::{self, Bar, Spread, SpreadLine};
 use crate::output::chart::{self, Labelled, Scene, trace_color};
 use crate::output::manifest::Manifest;
+use crate::output::page::curves::Curves;
 use crate::output::page::replay::{Replay, Shown};
 use crate::output::page::{Block, Headline, Number, Page};
 use crate::output::quantity::{quantity, short, short_quantity};
@@ -33,7 +34,7 @@ pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &
         page = pathwise(page, found, scenario);
     }
     if let (Some(beside), Some(found)) = (&comparison.beside, comparison.tiers.pathwise().next()) {
-        page = page.section("Beside a recorded path", beside.section(found, &Scene::of(scenario)));
+        page = page.section("Beside a recorded path", beside.section(found, &scene_of(found, scenario)));
     }
     if let Some(found) = &comparison.tiers.closed_loop {
         page = page.section(tier_name(found.tier), closed_loop(found, scenario));
@@ -87,12 +88,9 @@ fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
     let table = details.fold(Table::new("All numbers of the comparison", ["", "value"]), |table, (label, value)| table.row([label, value]));
     // The replay is in sight on the first screen.
     page.section(name, vec![Block::Replay(Box::new(replay))])
+        .section("Over time", over_time(&shown, &scene_of(found, scenario)))
         .section(format!("{}: each quantity", tier_name(found.tier)), quantities(found))
         .section("Differences between the paths", vec![Block::Table(table)])
-        .section(
-            "Over time",
-            vec![overview(&shown, scenario, "Path, differences, heading, speed, net pull and attached springs over time.")],
-        )
 }
 
 /// The verdict on each quantity, and the numbers on which it rests.
@@ -119,9 +117,16 @@ fn quantities(found: &Pathwise) -> Vec<Block> {
     ]
 }
 
-fn overview(shown: &[Shown], scenario: &Scenario, caption: &str) -> Block {
+/// Surroundings of a scene, with the tolerances that its paths were compared by.
+pub fn scene_of(found: &Pathwise, scenario: &Scenario) -> Scene {
+    Scene::of(scenario).within(found.tolerance_m, found.verdicts.heading.tolerance)
+}
+
+fn over_time(shown: &[Shown], scene: &Scene) -> Vec<Block> {
     let labelled: Vec<Labelled> = shown.iter().map(|run| Labelled { label: run.label, trace: run.trace }).collect();
-    Block::figure(chart::overview(&labelled, &Scene::of(scenario)), caption)
+    let caption = "Differences between the runs, net pull, speed, heading and attached springs over time.";
+    let curves = Curves::over_time(&labelled, scene, caption);
+    vec![Block::Curves(Box::new(curves)), Block::figure(chart::path(&labelled, scene), "Paths of the load.")]
 }
 
 fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
@@ -140,7 +145,6 @@ fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
     let opens_at = 0.4 * ends.fold(f64::INFINITY, f64::min).min(1e300);
     let title = format!("One run on each backend, seed {}: ants decide on each backend for themselves", found.first_seed);
     let replay = Replay::new(title, scenario, &shown, opens_at);
-    let over_time = overview(&shown, scenario, &format!("The runs of seed {} over time.", found.first_seed));
     let table =
         Table::new("Paired differences of means over seeds, with confidence intervals", ["measure", "inertia effect", "engine error"]);
     let table = found.measures.iter().fold(table, |table, measure| {
@@ -153,7 +157,7 @@ fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
         chart,
         Block::Table(table),
         Block::Replay(Box::new(replay)),
-        Block::Folded { heading: "These runs over time".to_owned(), blocks: vec![over_time] },
+        Block::Folded { heading: "These runs over time".to_owned(), blocks: over_time(&shown, &Scene::of(scenario)) },
     ]
 }
 

@@ -2,6 +2,7 @@
 
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::manifest::Manifest;
+use crate::output::page::curves::Curves;
 use crate::output::page::replay::{Replay, Shown};
 use crate::output::page::{Block, Headline, Number, Page};
 use crate::output::quantity::quantity;
@@ -19,14 +20,14 @@ pub fn run_page(summary: &RunSummary, trace: &Trace, scenario: &Scenario, manife
     let end = trace.rows.last().map_or(0.0, |row| row.time);
     let opens_at = estimate.and_then(|estimate| estimate.largest).map_or(0.4 * end, |largest| largest.time_s);
     let replay = Replay::new(format!("The run on {label}"), scenario, &[Shown { label, trace }], opens_at);
-    let overview = chart::overview(&[Labelled { label, trace }], &Scene::of(scenario));
-    let caption = "Path, pulls, energy, heading, speed, net pull and attached springs over time.";
+    let (runs, scene) = ([Labelled { label, trace }], Scene::of(scenario));
+    let curves = Curves::over_time(&runs, &scene, "Energy, pulls, speed, heading and attached springs over time.");
     let headline = Headline::new(is_negligible(run, estimate), sentence(run, estimate)).with(Block::Numbers(numbers(summary)));
     let contacts = contact_table(run).map(Block::Table);
     Page::new(&scenario.name, headline)
         .from(manifest)
         .section("The run", [Block::Replay(Box::new(replay))].into_iter().chain(contacts).collect())
-        .section("Over time", vec![Block::figure(overview, caption)])
+        .section("Over time", vec![Block::Curves(Box::new(curves)), Block::figure(chart::path(&runs, &scene), "Path of the load.")])
         .section("Numbers", vec![Block::Code(run_text(summary, Detail::Full))])
         .section("Terms", vec![Block::Terms])
 }

@@ -8,9 +8,11 @@ use crate::studies::stress::{Axis, Map, Outcome, Row};
 
 /// Panels side by side.
 const COLUMNS: usize = 3;
-/// Decades of the error's colours: from rounding to a hundred path lengths.
+/// Decades that the colours of errors may span: from rounding to a hundred path lengths.
 const LOWEST: i32 = -16;
 const HIGHEST: i32 = 2;
+/// Decades that they span at least, so that errors that hardly differ look alike.
+const LEAST_SPAN: i32 = 3;
 const NO_ANSWER: &str = "#eeeeee";
 
 /// The map as SVG.
@@ -27,7 +29,8 @@ pub fn heat_map(map: &Map, rows: &[&Row]) -> String {
     let mut all = panels(&|row| outcome_color(row.outcome).to_owned(), "");
     let mut rows_of_panels: Vec<Vec<CellMap>> = all.chunks(COLUMNS).map(<[CellMap]>::to_vec).collect();
     if has_errors {
-        all = panels(&|row| error_color(row.numbers.error_share), ", error");
+        let decades = decades(rows);
+        all = panels(&|row| error_color(row.numbers.error_share, decades), ", error");
         rows_of_panels.extend(all.chunks(COLUMNS).map(<[CellMap]>::to_vec));
     }
     let is_named = !map.y.names.is_empty();
@@ -48,13 +51,16 @@ fn legend(rows: &[&Row], has_errors: bool) -> Vec<Vec<Key>> {
     };
     let mut legend = vec![Outcome::ALL.into_iter().filter_map(outcome).collect()];
     if has_errors {
+        let [low, high] = decades(rows);
+        // Labels have room for about seven.
+        let every = (high - low) / 7 + 1;
         let shade = |decade: i32| {
-            let label = if decade % 3 == 0 { power_label(f64::from(decade)) } else { String::new() };
-            (error_color(Some(10f64.powi(decade))), label)
+            let label = if decade % every == 0 { power_label(f64::from(decade)) } else { String::new() };
+            (error_color(Some(10f64.powi(decade)), [low, high]), label)
         };
-        let colors = (LOWEST..=HIGHEST).map(shade).collect();
+        let colors = (low..=high).map(shade).collect();
         let no_answer = Key::Swatch(NO_ANSWER.to_owned(), "no known answer".to_owned());
-        legend.push(vec![Key::Scale { name: "error / path length".to_owned(), colors }, no_answer]);
+        legend.push(vec![Key::Scale { name: "final error / path length".to_owned(), colors }, no_answer]);
     }
     legend
 }
@@ -77,12 +83,27 @@ fn outcome_color(outcome: Outcome) -> &'static str {
     }
 }
 
-/// From dark blue (rounding) to yellow (a hundred path lengths), in whole decades, so that
-/// neighbours of one colour are one rectangle.
-fn error_color(error: Option<f64>) -> String {
+fn decade(error: f64) -> i32 {
+    error.max(1e-300).log10().round().clamp(f64::from(LOWEST), f64::from(HIGHEST)) as i32
+}
+
+/// The lowest and the highest decade of the errors of a map, which its colours span.
+fn decades(rows: &[&Row]) -> [i32; 2] {
+    let found = rows.iter().filter_map(|row| row.numbers.error_share).map(decade);
+    span(found.fold([HIGHEST, LOWEST], |[low, high], decade| [low.min(decade), high.max(decade)]))
+}
+
+/// Wide enough, within the limits.
+fn span([low, high]: [i32; 2]) -> [i32; 2] {
+    let low = low.min(high - LEAST_SPAN).max(LOWEST);
+    [low, high.max(low + LEAST_SPAN)]
+}
+
+/// From dark blue to yellow over a range of decades, in whole ones, so that neighbours of one
+/// colour are one rectangle.
+fn error_color(error: Option<f64>, [low, high]: [i32; 2]) -> String {
     let Some(error) = error else { return NO_ANSWER.to_owned() };
-    let (low, high) = (f64::from(LOWEST), f64::from(HIGHEST));
-    viridis((error.max(1e-300).log10().clamp(low, high).round() - low) / (high - low))
+    viridis(f64::from(decade(error).clamp(low, high) - low) / f64::from(high - low))
 }
 
 /// `step_s` as `step (s)`.
@@ -115,8 +136,18 @@ mod tests {
 
     #[test]
     fn colours_of_errors_end_at_their_range() {
-        assert_eq!(error_color(Some(0.0)), error_color(Some(1e-16)));
-        assert_eq!(error_color(Some(1e9)), error_color(Some(1e2)));
-        assert_eq!(error_color(None), NO_ANSWER);
+        let all = [LOWEST, HIGHEST];
+        assert_eq!(error_color(Some(0.0), all), error_color(Some(1e-16), all));
+        assert_eq!(error_color(Some(1e9), all), error_color(Some(1e2), all));
+        assert_eq!(error_color(None, all), NO_ANSWER);
+    }
+
+    /// Errors that lie within a few decades use all colours, and equal ones are no range.
+    #[test]
+    fn colours_span_the_errors_of_the_map() {
+        let few = span([-7, -4]);
+        assert_eq!((few, span([-5, -5]), span([-16, -16])), ([-7, -4], [-8, -5], [-16, -13]));
+        assert_eq!(error_color(Some(1e-7), few), viridis(0.0));
+        assert_eq!(error_color(Some(1e-4), few), viridis(1.0));
     }
 }
