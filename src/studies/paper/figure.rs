@@ -58,7 +58,7 @@ pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
         speed.curves.extend(dot(x, estimate, MILLI, OURS));
     }
     speed.note = Some("bars: all runs; whiskers: 95 %; dotted: standard deviation over runs".to_owned());
-    for size in printed::SMALLEST_COUNTED..=10 {
+    for size in printed::SMALLEST_OF_TEN..=10 {
         let x = size as f64;
         share.curves.push(curve(vec![[x, printed::share_of_size(size)]], PRINTED, Shape::Crosses));
         if let Some(ours) = row(found, Measure::SizeShare(size)).and_then(|row| row.ours) {

@@ -168,7 +168,7 @@ impl Measure {
             Measure::PullMean(sample) => Pool::of(units, sample).mean(),
             Measure::PullSd(sample) => Pool::of(units, sample).sd(),
             Measure::SizeShare(size) => {
-                let counted = printed::SMALLEST_COUNTED..=Trial::TEN_TEN.n_ants();
+                let counted = printed::SMALLEST_OF_TEN..=Trial::TEN_TEN.n_ants();
                 let all: f64 = counted.map(|size| sum_of_size(units, Trial::TEN_TEN, size).time_s).sum();
                 (all > 0.0).then(|| sum_of_size(units, Trial::TEN_TEN, size).time_s / all)
             }
@@ -248,7 +248,7 @@ fn sum_of_size(units: &[Unit], trial: Trial, size: usize) -> OfSize {
 /// Trial with groups of a size on ten springs: up to five in the trial of five ants, larger groups
 /// in that of ten.
 fn trial_of_size(size: usize) -> Trial {
-    if size < printed::SMALLEST_COUNTED { Trial::FIVE_TEN } else { Trial::TEN_TEN }
+    if size < printed::SMALLEST_OF_TEN { Trial::FIVE_TEN } else { Trial::TEN_TEN }
 }
 
 /// Speed (m/s) in windows in which on average `size` ants pulled, with ten springs.
@@ -273,7 +273,7 @@ pub struct Speeds {
     /// Of those ticks: time (s), number, and the number printed.
     pub time_s: f64,
     pub n_instants: u64,
-    pub printed_instants: Option<u64>,
+    pub printed_instants: u64,
     /// Of so many ants on ten springs, however many of them pull (m/s, towards the nest).
     pub headway_m_per_s: Option<Estimate>,
 }
@@ -293,7 +293,7 @@ pub fn load_speeds(units: &[Unit], control_period: f64) -> Vec<Speeds> {
             load_speed_by_tick_m_per_s: (of_ticks.time_s > 0.0).then(|| of_ticks.way_m / of_ticks.time_s),
             time_s: of_ticks.time_s,
             n_instants: (of_ticks.time_s / control_period).round() as u64,
-            printed_instants: size.checked_sub(printed::SMALLEST_COUNTED).map(|at| printed::INSTANTS_BY_SIZE[at]),
+            printed_instants: printed::SIMULATED_SAMPLES[size - 1],
             headway_m_per_s: Measure::Headway(size as u8).estimate(units),
         }
     };

@@ -80,7 +80,7 @@ fn claim(claim: &Claim) -> Vec<String> {
 
 fn speeds(found: &Paper) -> Vec<Vec<String>> {
     let row = |speeds: &crate::studies::paper::Speeds| {
-        let printed = speeds.printed_instants.map_or_else(String::new, |n| format!("paper n = {n}"));
+        let printed = format!("paper n = {}", speeds.printed_instants);
         let n = format!("n = {}", speeds.n_instants);
         let headway = format!("as ants, towards the nest {}", with_interval(&speeds.headway_m_per_s, "m/s"));
         vec![speeds.n_transporting.to_string(), speeds.trial.name(), with_interval(&speeds.load_speed_m_per_s, "m/s"), headway, n, printed]
