@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::facts;
 use super::facts::RunFacts;
-use super::measures::{Measure, Sample};
+use super::measures::Measure;
+use super::sampling::Sample;
 use super::trial::{Case, Trial};
 use super::units::{Unit, units};
 use crate::backend::BackendKind;
