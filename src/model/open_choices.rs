@@ -93,7 +93,7 @@ pub const OPEN_CHOICES: [OpenChoice; 14] = [
         key: Some("drive.arrival_radius_m"),
         unit: "m",
         range: linear(0.005, 0.03),
-        reason: "Section VI calls rho a small constant. Up to a tenth of the way.",
+        reason: "Section VI calls rho a small constant. Up to a tenth of the distance to the nest.",
     },
     OpenChoice {
         name: "start area (half width)",
