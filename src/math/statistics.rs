@@ -96,8 +96,8 @@ pub fn proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> 
     Some(Interval { low, high })
 }
 
-/// The interval of Clopper and Pearson of a proportion: it misses the true proportion on either side
-/// in at most half of the cases outside of `level`. `None` without trials.
+/// The interval of Clopper and Pearson of a proportion: it misses the true proportion on either
+/// side in at most half of the cases outside of `level`. `None` without trials.
 pub fn exact_proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> {
     let quantile = |a: u64, b: u64, share: f64| Some(Beta::new(a as f64, b as f64).ok()?.inverse_cdf(share));
     let outside = 0.5 * (1.0 - level);
