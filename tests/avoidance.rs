@@ -46,7 +46,7 @@ fn walk(
             return (path, true);
         }
         let desired = WALKER.desired(barriers.iter(), &from, &ant.ahead, &target, &mut side, &draw);
-        ant.walk(SPEED * PERIOD, steering.turn(turn_towards(&desired, &ant.ahead)));
+        ant.walk(SPEED * PERIOD, steering.turn(turn_towards(&desired, &ant.ahead)), 0.0);
         ant.position = WALKER.stepped(barriers.iter(), &from, &ant.position, avoidance).expect("there is room");
         assert!(WALKER.is_clear(barriers.iter(), &ant.position), "{}", ant.position);
         path.push(ant.position);

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 use cohaul::math::Vec2;
 use cohaul::model::behaviour::{GraspPace, ReleasePace};
-use cohaul::model::{Outline, OutlinePart};
+use cohaul::model::open_choices::OPEN_CHOICES;
+use cohaul::model::{Outline, OutlinePart, paper};
 use cohaul::scenario::presets::{self, Preset};
 use cohaul::scenario::{AntDrive, Drive, Scenario, ScenarioError, TipPath, format};
 use serde_json::{Value, json};
@@ -136,10 +137,16 @@ fn the_schema_describes_every_key_and_says_what_is_inferred() {
     }
     let ants = &definitions["AntsEntry"]["properties"];
     let is_inferred = |key: &str| ants[key]["description"].as_str().unwrap().contains("is inferred");
-    for key in ["pull_speed_m_per_s", "sensing_range_m", "steering_half_angle_rad", "release_decision_period_s"] {
-        assert!(is_inferred(key), "{key}");
+    // Every key of a drive is printed, or an open choice with a range, or no part of the paper's text.
+    let open: Vec<&str> = OPEN_CHOICES.iter().filter_map(|choice| choice.key?.strip_prefix("drive.")).collect();
+    let own = ["kind", "n_ants", "preset", "nest_position_m", "avoidance", "body_radius_m", "look_ahead_m"];
+    for key in ants.as_object().unwrap().keys().map(String::as_str) {
+        let (is_printed, is_open) = (paper::ANTS.iter().any(|printed| printed.key == key), open.contains(&key));
+        // zeta is printed, its unit is not.
+        let n_places = [own.contains(&key), is_printed, is_open].into_iter().filter(|is| *is).count();
+        assert_eq!(n_places, if key == "release_steepness_per_n" { 2 } else { 1 }, "{key}");
+        assert!(own.contains(&key) || is_inferred(key) != is_printed, "{key}");
     }
-    assert!(!is_inferred("grasp_probability") && !is_inferred("steering_gain_per_s"));
     assert_eq!(ants["pull_speed_m_per_s"]["default"], 0.05);
 }
 
@@ -162,6 +169,49 @@ fn a_key_beats_its_preset_and_a_preset_beats_the_default() {
     for preset in Preset::ALL {
         let name = serde_json::to_value(preset).unwrap();
         assert_eq!(ants(json!({ "kind": "ants", "n_ants": 2, "preset": name })), presets::ants(preset, 2));
+    }
+}
+
+/// The preset "paper" has every printed value; each other one names the keys in which it departs
+/// from them where people read of it.
+#[test]
+fn no_preset_replaces_a_printed_value_silently() {
+    assert_eq!(Preset::Paper.departures(), []);
+    let schema = format::schema();
+    let variants = schema["$defs"]["Preset"]["oneOf"].as_array().unwrap();
+    for (preset, variant) in Preset::ALL.into_iter().zip(variants) {
+        assert_eq!(variant["const"], preset.name());
+        let text = variant["description"].as_str().unwrap();
+        let departures = preset.departures();
+        assert!(departures.iter().all(|departure| !departure.reason.is_empty()), "{preset:?}");
+        for printed in paper::ANTS {
+            let departs = departures.iter().any(|departure| departure.printed.key == printed.key);
+            assert_eq!(text.contains(printed.key), departs, "{preset:?}: {}", printed.key);
+        }
+    }
+    let [half_angle, offset] = Preset::Default.departures().try_into().unwrap();
+    assert_eq!((half_angle.printed.symbol, half_angle.value), ("beta", 0.6));
+    assert_eq!((offset.printed.symbol, offset.value), ("r", 0.0));
+    // What the paper does not print is the same in both.
+    let (own, paper) = (presets::ants(Preset::Default, 4), presets::ants(Preset::Paper, 4));
+    assert_eq!(AntDrive { steering_half_angle: 0.6, control_offset: 0.0, ..paper }, own);
+}
+
+/// Mass and diameter of both structures; structure 1 yields mainly across its springs, structure 2
+/// about as much along them.
+#[test]
+fn the_structures_are_those_of_the_paper() {
+    for (name, mass, diameter, stiffness_ratio) in [
+        ("structure-1", paper::STRUCTURE_1_MASS_KG, paper::STRUCTURE_1_DIAMETER_M, 5.0..f64::INFINITY),
+        ("structure-2", paper::LOAD_MASS_KG, paper::DIAMETER_M, 0.8..1.25),
+    ] {
+        let scenario = Scenario::read(format!("scenarios/paper/{name}.json").as_ref()).unwrap();
+        assert_eq!(scenario.system.load.mass, mass, "{name}");
+        for spring in &scenario.system.springs {
+            assert!((2.0 * spring.rest_tip().norm() - diameter).abs() < 1e-9, "{name}");
+            let across = spring.torsional_stiffness / spring.rest_length.powi(2);
+            assert!(stiffness_ratio.contains(&(spring.radial_stiffness / across)), "{name}");
+        }
     }
 }
 

@@ -1,10 +1,11 @@
-//! Ants that are too far from the load to sense a tip are passed over: nobody notices, and the
-//! count says how often.
+//! Searching ants: those too far from the load to sense a tip are passed over without effect on the
+//! run, and the offset of Eq. (20) moves no other ants.
 
-use cohaul::backend::{BackendKind, BackendOptions, Skip, Skips, default_step};
+use cohaul::backend::{BackendKind, BackendOptions, Skip, Skips, build, default_step};
+use cohaul::math::{Vec2, wrap_to_pi};
 use cohaul::model::ant::Ant;
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::{Ants, Keep, Simulation};
+use cohaul::simulation::{Ants, Controller, Keep, Simulation, View};
 use serde_json::{Value, json};
 
 fn ants(n_ants: usize, n_springs: usize, drive: Value) -> Scenario {
@@ -67,4 +68,45 @@ fn every_far_ant_is_counted_at_every_tick() {
     // By chance of the seed none starts at a tip. The last row is the end, at which nobody decides.
     assert_eq!(trace.events.len(), 0);
     assert_eq!(outcome.steps.skipped.distant_ants, n_far * (trace.rows.len() as u64 - 1));
+}
+
+/// One tick of one ant with an offset r: a searching ant moves by Eq. (20), v (cos, sin) + r omega
+/// (-sin, cos), and a pulling ant by Eq. (23), which has no r.
+#[test]
+fn the_offset_moves_searching_ants_and_no_pulling_ant() {
+    let scenario = ants(1, 4, json!({ "preset": "paper", "target_variance_m2": 0.0 }));
+    let Drive::Ants(drive) = &scenario.drive else { panic!("ants") };
+    assert_eq!(drive.control_offset, 0.002);
+    let backend = build(&scenario.system, scenario.start, &BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period));
+    let (position, heading, duration) = (Vec2::new(0.09, 0.05), 0.8, scenario.control_period);
+    let after = |mode: Value| {
+        let mut ants = Ants::new(&scenario, drive);
+        let mut state = ants.save().unwrap();
+        state["ants"][0] = serde_json::to_value(Ant::new(position, heading)).unwrap();
+        state["ants"][0]["mode"] = mode;
+        ants.restore(&state).unwrap();
+        let motion = scenario.start;
+        let view = View { scenario: &scenario, backend: backend.as_ref(), motion, tips: &[], time: 0.0, tick: Some(0), skips: Skips::ALL };
+        ants.targets(&view, duration);
+        ants.ants()[0]
+    };
+    let pulling = after(json!({ "mode": "transport", "spring": 0, "grasp_tick": 0 }));
+    let ahead = Vec2::new(heading.cos(), heading.sin());
+    // Rounding of positions of order 0.1 m.
+    assert!((pulling.position - (position - drive.pull_speed * duration * ahead)).norm() < 1e-16, "{}", pulling.position);
+    assert!(pulling.heading != heading, "it turns");
+
+    let searching = after(json!({ "mode": "search" }));
+    let turn_rate = (searching.heading - heading) / duration;
+    let to_load = scenario.start.pose.position - position;
+    let error = wrap_to_pi(to_load.y.atan2(to_load.x) - heading);
+    assert!((turn_rate * duration - error * (1.0 - (-10.0 * duration).exp())).abs() < 1e-15);
+    let velocity = |time: f64| {
+        let (sin, cos) = (heading + turn_rate * time).sin_cos();
+        0.08 * Vec2::new(cos, sin) + 0.002 * turn_rate * Vec2::new(-sin, cos)
+    };
+    // Simpson's rule over a turn of 0.05 rad errs by 1e-7 of 0.2 mm at most.
+    let moved = duration / 6.0 * (velocity(0.0) + 4.0 * velocity(0.5 * duration) + velocity(duration));
+    assert!((searching.position - position - moved).norm() < 1e-10, "{}", searching.position);
+    assert!(0.002 * (turn_rate * duration).abs() > 1e-5, "the offset is seen");
 }

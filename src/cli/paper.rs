@@ -18,7 +18,7 @@ use crate::studies::paper::figure;
 use crate::studies::paper::files::write_paper;
 use crate::studies::paper::report::{Paper, Runs, largest};
 use crate::studies::paper::text::paper_text;
-use crate::studies::paper::{self, Case, Plan, Set, Trial};
+use crate::studies::paper::{self, Case, Plan, Sampling, Set, Trial};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -72,7 +72,7 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
         let runs = Runs::new(&plan, answers);
         let units = runs.units(0);
         let shown = paper::shown(Trial::FourFour, &plan.sets[0].case, plan.first_seed);
-        let figures = figure::of_paper(&found, &units, largest(&units), shown.as_ref());
+        let figures = figure::of_paper(&found, &units, largest(&units, Sampling::AtDecisions), shown.as_ref());
         write_paper(out, &found, &runs.flat(), &figures, &manifest(&plan, started))?;
     }
     finished.remove_journal()?;

@@ -14,7 +14,7 @@ pub use oscillation::damped_rotation;
 pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, increment_of, shift_of, small_rotation};
 pub use positive::PositiveDefinite;
 pub use random::{Draws, RandomStreams, Stream};
-pub use statistics::{Interval, Summary, proportion_interval, share_difference_interval, student};
+pub use statistics::{Interval, Summary, exact_proportion_interval, proportion_interval, share_difference_interval, student};
 
 /// A point or a free vector in the plane.
 pub type Vec2 = nalgebra::Vector2<f64>;

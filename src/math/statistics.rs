@@ -1,7 +1,7 @@
 //! Summaries of samples, and confidence intervals.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{Beta, ContinuousCDF, Normal, StudentsT};
 
 /// Mean, spread and extremes of a sample, updated one value at a time (Welford 1962).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -96,6 +96,17 @@ pub fn proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> 
     Some(Interval { low, high })
 }
 
+/// The interval of Clopper and Pearson of a proportion: it misses the true proportion on either
+/// side in at most half of the cases outside of `level`. `None` without trials.
+pub fn exact_proportion_interval(n_hits: u64, n: u64, level: f64) -> Option<Interval> {
+    let quantile = |a: u64, b: u64, share: f64| Some(Beta::new(a as f64, b as f64).ok()?.inverse_cdf(share));
+    let outside = 0.5 * (1.0 - level);
+    (n > 0).then_some(())?;
+    let low = if n_hits == 0 { 0.0 } else { quantile(n_hits, n - n_hits + 1, outside)? };
+    let high = if n_hits == n { 1.0 } else { quantile(n_hits + 1, n - n_hits, 1.0 - outside)? };
+    Some(Interval { low, high })
+}
+
 /// The interval of the difference of two proportions in the same `n` trials, at the confidence
 /// `level`; `None` without a trial. `n_only` counts the trials that have the first property alone,
 /// and those that have the second alone. Half a trial is added to each of the four outcomes (A.
@@ -136,6 +147,11 @@ mod tests {
     /// z^2 / (n + z^2) = 0.2775 from there.
     #[test]
     fn the_interval_of_a_share_stays_within_zero_and_one() {
+        // Clopper and Pearson: 3 of 40, and the rule of 1 - 0.025^(1/n) for none.
+        let exact = exact_proportion_interval(3, 40, 0.95).unwrap();
+        assert!((exact.low - 0.0157).abs() < 1e-4 && (exact.high - 0.2039).abs() < 1e-4, "{exact:?}");
+        let none = exact_proportion_interval(0, 40, 0.95).unwrap();
+        assert!(none.low == 0.0 && (none.high - (1.0 - 0.025f64.powf(1.0 / 40.0))).abs() < 1e-6, "{none:?}");
         let interval = proportion_interval(8, 10, 0.95).unwrap();
         assert!((interval.low - 0.49016).abs() < 5e-6 && (interval.high - 0.94332).abs() < 5e-6, "{interval:?}");
         let none = proportion_interval(0, 10, 0.95).unwrap();

@@ -37,12 +37,18 @@ impl Ant {
         Self { position, heading, ahead: direction(heading), mode: Mode::Search, belief_error: Vec2::zeros() }
     }
 
-    /// Walks a `distance` (m) with a `turn` (rad), both at constant rate: an arc, Eq. (17).
-    pub fn walk(&mut self, distance: f64, turn: f64) {
+    /// Walks a `distance` (m) with a `turn` (rad), both at constant rate, about a point that lies
+    /// the offset (m) behind its position: the exact solution of Eq. (17) with the inputs of Eq.
+    /// (20). The point behind walks an arc, and the position is the offset ahead of it.
+    pub fn walk(&mut self, distance: f64, turn: f64, control_offset: f64) {
         let arc = Arc::of(turn);
-        let axes = Mat2::from_columns(&[self.ahead, perpendicular(&self.ahead)]);
+        let before = self.ahead;
+        let axes = Mat2::from_columns(&[before, perpendicular(&before)]);
         self.position += axes * arc.shift(&Vec2::new(distance, 0.0));
         self.turn(&arc);
+        if control_offset > 0.0 {
+            self.position += control_offset * (self.ahead - before);
+        }
     }
 
     /// Turns on the spot along `arc`.
@@ -95,9 +101,30 @@ mod tests {
     fn a_quarter_circle_has_the_radius_velocity_over_turn_rate() {
         let (velocity, turn_rate, duration) = (0.08, 2.0, std::f64::consts::FRAC_PI_4);
         let mut reached = start();
-        reached.walk(velocity * duration, turn_rate * duration);
+        reached.walk(velocity * duration, turn_rate * duration, 0.0);
         // Radius 0.04 m: rounding only.
         assert!((reached.position - Vec2::new(0.04, 0.04)).norm() < 1e-16);
+    }
+
+    /// Eq. (20) in small explicit steps: v (cos, sin) + r omega (-sin, cos). Heun's rule with 1e5
+    /// steps errs by less than 1e-11 m on a path of 5 cm.
+    #[test]
+    fn a_searching_ant_follows_eq_20_with_its_offset() {
+        let (speed, turn_rate, offset, duration) = (0.08, 3.0, 2e-3, 0.6);
+        let velocity = |heading: f64| speed * direction(heading) + offset * turn_rate * perpendicular(&direction(heading));
+        let n = 100_000;
+        let step = duration / f64::from(n);
+        let at = |k: i32| 0.4 + turn_rate * step * f64::from(k);
+        let expected = (0..n).fold(Vec2::new(0.1, 0.2), |sum, k| sum + 0.5 * step * (velocity(at(k)) + velocity(at(k + 1))));
+        let walked = |offset: f64| {
+            let mut ant = Ant::new(Vec2::new(0.1, 0.2), 0.4);
+            (0..240).for_each(|_| ant.walk(speed * duration / 240.0, turn_rate * duration / 240.0, offset));
+            ant.position
+        };
+        assert!((walked(offset) - expected).norm() < 1e-11, "{} {expected}", walked(offset));
+        // After a turn of 1.8 rad the offset matters by 2 r sin 0.9.
+        let apart = (walked(offset) - walked(0.0)).norm();
+        assert!((apart - 2.0 * offset * 0.9f64.sin()).abs() < 1e-11, "{apart}");
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod geometry;
 pub mod interaction;
 pub mod load;
 mod motion;
+pub mod open_choices;
 mod outline;
 pub mod paper;
 pub mod spring;

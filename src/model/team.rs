@@ -17,8 +17,6 @@ pub struct Haul {
     pub steering: Steering,
     /// Walking speed of a pulling ant (m/s).
     pub speed: f64,
-    /// Distance from the mandibles to the point about which an ant turns (m).
-    pub control_offset: f64,
 }
 
 /// State of ants after a tick.
@@ -34,8 +32,8 @@ pub struct Pulled {
 
 impl Haul {
     /// State after the tick of ants that pull at springs with these roots (m, load axes), Eq.
-    /// (19-22). Each ant drags its tip backwards while it turns to the direction in which it wants
-    /// to pull.
+    /// (21-23). Each ant drags its tip backwards while it turns to the direction in which it wants
+    /// to pull. Eq. (23) has no offset: the ant turns about its mandibles.
     #[inline]
     pub fn pulled(&self, ants: [&Ant; LANES], roots: [&Vec2; LANES]) -> Pulled {
         let position = Vectors::new(ants.map(|ant| ant.position));
@@ -47,8 +45,7 @@ impl Haul {
         let desired = facing_for_pull(self.half_angle.pull_directions(position.less(root), to_nest));
         let turn = self.steering.turn(turns_towards(desired, ahead));
         let along = ahead.times(Numbers::splat(-self.speed * self.steering.duration()));
-        let across = Vectors { x: -ahead.y, y: ahead.x }.times(turn * Numbers::splat(self.control_offset));
-        Pulled { tip: position.and(along.and(across)), turn, ahead: turned(ahead, turn) }
+        Pulled { tip: position.and(along), turn, ahead: turned(ahead, turn) }
     }
 }
 
@@ -67,7 +64,7 @@ fn turned(ahead: Vectors, turns: Numbers) -> Vectors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{RandomStreams, Stream, direction, perpendicular, rotation, wrap_to_pi};
+    use crate::math::{RandomStreams, Stream, direction, rotation, wrap_to_pi};
 
     /// The ants one by one with angles, for small turns and large ones, alike and unlike.
     #[test]
@@ -82,7 +79,6 @@ mod tests {
                 half_angle: HalfAngle::new(0.6),
                 steering: Steering::new(8.0, if case % 7 == 0 { 0.3 } else { 0.0025 }),
                 speed: 0.05,
-                control_offset: 0.004,
             };
             let apart = if case % 2 == 0 { 3.0 } else { 0.05 };
             let roots: [Vec2; LANES] = std::array::from_fn(|ant| 0.0122 * direction(3.0 * draw(ant, 1)));
@@ -94,15 +90,15 @@ mod tests {
             let pulled = haul.pulled(ants.each_ref(), roots.each_ref());
             for (k, (ant, root)) in ants.iter().zip(&roots).enumerate() {
                 let error = wrap_to_pi(by_angles(&haul, &ant.position, root) - ant.heading);
-                let (duration, turn) = (haul.steering.duration(), haul.steering.turn(error));
-                let velocity = -haul.speed * ant.ahead + turn / duration * haul.control_offset * perpendicular(&ant.ahead);
+                let turn = haul.steering.turn(error);
+                let moved = -haul.speed * haul.steering.duration() * ant.ahead;
                 let mut alone = *ant;
                 alone.turn(&Arc::of(turn));
                 largest_turn = largest_turn.max(turn.abs());
                 // Rounding of angles of order one, and of places of order 0.1 m.
                 let heading = ant.heading + pulled.turn.as_array()[k];
                 assert!((heading - alone.heading).abs() < 4e-15 && (pulled.ahead.lane(k) - alone.ahead).norm() < 4e-15, "{case}");
-                assert!((pulled.tip.lane(k) - ant.position - duration * velocity).norm() < 1e-16, "{case}");
+                assert!((pulled.tip.lane(k) - ant.position - moved).norm() < 1e-16, "{case}");
             }
         }
         assert!(largest_turn > 1.0, "{largest_turn}: beyond the series too");

@@ -85,7 +85,7 @@ pub struct AntDrive {
     pub steering_gain: f64,
     /// Largest angle between a pull and its spring, beta (rad).
     pub steering_half_angle: f64,
-    /// Distance from the mandibles to the point about which an ant turns, r (m).
+    /// Distance from the mandibles of a searching ant to the point about which it turns, r (m).
     pub control_offset: f64,
     /// Probability of grasping a tip in reach per grasp decision period, p_1 (1).
     pub grasp_probability: f64,

@@ -1,5 +1,5 @@
-//! Named sets of the ants' parameters: printed values of the paper, and inferred ones where it
-//! prints none.
+//! Named sets of the ants' parameters: printed values of the paper, inferred ones where it prints
+//! none, and what each set replaces.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,43 +7,105 @@ use serde::{Deserialize, Serialize};
 use super::AntDrive;
 use crate::model::avoidance::Avoidance;
 use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
-use crate::model::paper;
+use crate::model::paper::{self, PrintedParameter};
 
 /// Named set of the ants' parameters.
+///
+/// Section VII of the paper prints eight of them ([`paper::ANTS`]). The preset "paper" has all
+/// eight. The others say which they replace, and why ([`Preset::departures`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The set that comes closest to the printed results of the paper. Ants decide at every tick
-    /// with a hazard, so that rates do not depend on the control period.
+    /// The fitted set whose results come closest to the printed ones. Ants decide at every tick with
+    /// a hazard, so that rates do not depend on the control period. It departs from two printed
+    /// values: `steering_half_angle_rad` is 0.6 in place of 60 degrees, fitted to the printed pulls
+    /// and group sizes, and `control_offset_m` is 0 in place of 2 mm.
     #[default]
     Default,
+    /// Every value that the paper prints, with the default preset's values of what it does not
+    /// print.
+    Paper,
     /// Pulling ants walk as fast as searching ants, at 0.08 m/s. The time between release decisions
-    /// keeps forces in the printed range.
+    /// keeps forces in the printed range. It departs from the printed `steering_half_angle_rad` and
+    /// `control_offset_m` as the default preset does.
     PaperSpeed,
     /// Ants decide to release once per decision period after each grasp, with the printed
-    /// probability. Of such sets this one fits the printed results best.
+    /// probability. Of such sets this one fits the printed results best. It departs from the printed
+    /// `steering_half_angle_rad` and `control_offset_m` as the default preset does.
     Aged,
     /// Ants decide at every tick with the printed probabilities, for forces in newtons. With a
-    /// control period of 0.08 s the forces are as printed.
+    /// control period of 0.08 s the forces are as printed. It departs from the printed
+    /// `steering_half_angle_rad` and `control_offset_m` as the default preset does.
     LiteralNewtons,
-    /// Ants decide at every tick with the printed probabilities, for forces in millinewtons. The
-    /// release is then nearly a hard limit at 10 mN. It is meant for a control period of 0.08 s.
+    /// Ants decide at every tick with the printed probabilities, for forces in millinewtons:
+    /// `release_steepness_per_n` is then 1e5. The release is nearly a hard limit at 10 mN. It is
+    /// meant for a control period of 0.08 s. It departs from the printed `steering_half_angle_rad`
+    /// and `control_offset_m` as the default preset does.
     LiteralMillinewtons,
+}
+
+/// A printed parameter that a preset replaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Departure {
+    pub printed: PrintedParameter,
+    /// Value in the preset.
+    pub value: f64,
+    pub reason: &'static str,
 }
 
 impl Preset {
     /// All presets, the default first.
-    pub const ALL: [Preset; 5] = [Preset::Default, Preset::PaperSpeed, Preset::Aged, Preset::LiteralNewtons, Preset::LiteralMillinewtons];
+    pub const ALL: [Preset; 6] =
+        [Preset::Default, Preset::Paper, Preset::PaperSpeed, Preset::Aged, Preset::LiteralNewtons, Preset::LiteralMillinewtons];
 
     /// Name in scenarios and options.
     pub fn name(self) -> &'static str {
         match self {
             Preset::Default => "default",
+            Preset::Paper => "paper",
             Preset::PaperSpeed => "paper-speed",
             Preset::Aged => "aged",
             Preset::LiteralNewtons => "literal-newtons",
             Preset::LiteralMillinewtons => "literal-millinewtons",
         }
+    }
+
+    /// Printed parameters that this preset replaces, in the order of [`paper::ANTS`].
+    pub fn departures(self) -> Vec<Departure> {
+        let ants = ants(self, 1);
+        let of = |printed: &PrintedParameter| {
+            let value = value(&ants, printed.key);
+            (value != printed.value).then(|| Departure { printed: *printed, value, reason: reason(printed.key) })
+        };
+        paper::ANTS.iter().filter_map(of).collect()
+    }
+}
+
+/// Value of the printed parameter with this key.
+///
+/// # Panics
+/// With a key that is not in [`paper::ANTS`].
+fn value(ants: &AntDrive, key: &str) -> f64 {
+    match key {
+        "search_speed_m_per_s" => ants.search_speed,
+        "target_variance_m2" => ants.target_variance,
+        "steering_gain_per_s" => ants.steering_gain,
+        "steering_half_angle_rad" => ants.steering_half_angle,
+        "control_offset_m" => ants.control_offset,
+        "grasp_probability" => ants.grasp_probability,
+        "strong_pull_n" => ants.release.strong_pull,
+        "release_steepness_per_n" => ants.release.steepness,
+        _ => unreachable!("{key} is no printed parameter"),
+    }
+}
+
+/// Why presets replace the printed parameter with this key.
+fn reason(key: &str) -> &'static str {
+    match key {
+        "steering_half_angle_rad" => "fitted to the printed pulls and group sizes",
+        "control_offset_m" => "results of earlier versions were computed without it; it moves searching ants only",
+        "release_steepness_per_n" => "the printed 100 read per millinewton",
+        _ => "",
     }
 }
 
@@ -53,6 +115,9 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
     let pulling = |pull_speed: f64, period: f64| AntDrive { pull_speed, release: ReleaseLaw { period, ..standard.release }, ..standard };
     match preset {
         Preset::Default => standard,
+        Preset::Paper => {
+            AntDrive { steering_half_angle: paper::STEERING_HALF_ANGLE_RAD, control_offset: paper::CONTROL_OFFSET_M, ..standard }
+        }
         Preset::PaperSpeed => AntDrive { sensing_range: 0.0215, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.106) },
         Preset::Aged => AntDrive { release_pace: ReleasePace::Aged, sensing_range: 0.0205, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) },
         Preset::LiteralNewtons => {
@@ -66,9 +131,8 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
 }
 
 /// Ants of the default preset. What the paper does not print is inferred from what it prints:
-/// speed, reach, half angle and decision period of pulling ants are the fit of `cohaul paper`. Two
-/// printed numbers are replaced: the half angle of 60 deg by that fit, and the offset of 2 mm by
-/// zero, since Eq. (23) has none for a pulling ant.
+/// speed, sensing range and decision period are the fit of `cohaul paper`. Two printed numbers are
+/// replaced: the half angle of 60 degrees by that fit, and the offset of 2 mm by zero.
 fn standard(n_ants: usize) -> AntDrive {
     AntDrive {
         n_ants,

@@ -5,6 +5,7 @@
 //! scenario.rs  the page of scenario keys, from the JSON schema
 //! console.rs   outputs under `$ cohaul ...`, and commands that are only shown
 //! links.rs     links, anchors and pictures
+//! tables.rs    tables that follow from the program
 //! ```
 //!
 //! `COHAUL_REWRITE=1` writes pages and outputs anew in place of comparing them.
@@ -15,6 +16,7 @@ mod commands;
 mod console;
 mod links;
 mod scenario;
+mod tables;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -101,6 +103,14 @@ fn outputs_shown_are_those_of_the_program() {
     for path in ["README.md"].into_iter().map(str::to_owned).chain(pages().into_iter().filter(|path| path.starts_with("docs/"))) {
         let text = read(&path);
         expect_page(&path, &console::with_outputs(&path, &text));
+    }
+}
+
+#[test]
+fn tables_shown_are_those_of_the_program() {
+    for path in pages() {
+        let text = read(&path);
+        expect_page(&path, &tables::with_tables(&path, &text));
     }
 }
 

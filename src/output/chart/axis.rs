@@ -58,6 +58,11 @@ impl Axis {
         Self { low, high, step: ((high - low) / n_steps).ceil() }
     }
 
+    /// For `n` names at 1, 2, ... with a tick at each.
+    pub fn of_names(n: usize) -> Self {
+        Self { low: 0.5, high: n as f64 + 0.5, step: 1.0 }
+    }
+
     fn new(low: f64, high: f64, n_steps: f64) -> Self {
         Self { low, high, step: nice_step((high - low) / n_steps) }
     }

@@ -125,7 +125,12 @@ fn name_clips_by_content(scene: &mut Scene) {
 fn layout(cell: &Cell, (x, y): (Axis, Axis)) -> Layout {
     let panel = cell.panel;
     let y_ticks = if matches!(panel.scale, Scale::Log | Scale::LogLog) { ticks(power_label) } else { ticks(move |value| y.label(value)) };
-    let x_ticks = if panel.scale == Scale::LogLog { ticks(power_label) } else { ticks(move |value| x.label(value)) };
+    let names = panel.x_names.clone();
+    let x_ticks = match panel.scale {
+        _ if !names.is_empty() => ticks(move |value| name_at(&names, value).to_owned()),
+        Scale::LogLog => ticks(power_label),
+        _ => ticks(move |value| x.label(value)),
+    };
     let mut layout = Layout::new((x.low, x.high), (y.low, y.high))
         .with_width(cell.width)
         .with_height(cell.height)
@@ -147,6 +152,13 @@ fn layout(cell: &Cell, (x, y): (Axis, Axis)) -> Layout {
         .with_box_axes();
     layout.show_legend = false;
     layout
+}
+
+/// Name at a tick; nothing between two of them.
+fn name_at(names: &[String], value: f64) -> &str {
+    let at = value.round();
+    let is_tick = (value - at).abs() < 1e-6 && at >= 1.0;
+    names.get(if is_tick { at as usize - 1 } else { names.len() }).map_or("", String::as_str)
 }
 
 fn ticks(format: impl Fn(f64) -> String + Send + Sync + 'static) -> TickFormat {
@@ -173,14 +185,15 @@ fn axes(cell: &Cell) -> (Axis, Axis) {
     let log_ys = logarithms(1).chain(levels.map(f64::log10)).map(|y| y.min(ceiling.log10()));
     // A tick every 55 px or more to the right, every 26 px upwards.
     let (n_right, n_up) = (width / 55.0, height / 26.0);
-    match panel.scale {
+    let (x, y) = match panel.scale {
         Scale::Linear => (Axis::tight(xs(), n_right), Axis::around(ys, n_up)),
         Scale::FromZero => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up)),
         Scale::Count => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up).whole()),
         Scale::Log => (Axis::tight(xs(), n_right), Axis::decades(log_ys, n_up)),
         Scale::LogLog => (Axis::decades(logarithms(0), n_right), Axis::decades(log_ys, n_up)),
         Scale::Plane => Axis::equal(Axis::around(xs(), n_right), Axis::around(ys, n_up), width, height),
-    }
+    };
+    (if panel.x_names.is_empty() { x } else { Axis::of_names(panel.x_names.len()) }, y)
 }
 
 /// Lowest and highest finite numbers along both axes; infinite ones without any.

@@ -8,6 +8,8 @@ pub struct Panel {
     pub x_label: String,
     pub y_label: String,
     pub scale: Scale,
+    /// Names that stand at x = 1, 2, ... in place of numbers; empty for an axis of numbers.
+    pub x_names: Vec<String>,
     /// Under the curves, in this order.
     pub marks: Vec<Mark>,
     pub curves: Vec<Curve>,

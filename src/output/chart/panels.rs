@@ -244,7 +244,7 @@ fn add_obstacle(panel: &mut Panel, obstacle: &Obstacle, traces: &[Seen], scene: 
 impl Panel {
     pub fn new(x_label: &str, y_label: &str, scale: Scale) -> Self {
         let (x_label, y_label) = (x_label.to_owned(), y_label.to_owned());
-        Self { x_label, y_label, scale, marks: Vec::new(), curves: Vec::new(), ceiling: None, note: None }
+        Self { x_label, y_label, scale, x_names: Vec::new(), marks: Vec::new(), curves: Vec::new(), ceiling: None, note: None }
     }
 
     fn add(&mut self, points: Vec<[f64; 2]>, style: Style, shape: Shape) {

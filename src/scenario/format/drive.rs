@@ -61,7 +61,8 @@ pub struct PathEntry {
 }
 
 /// Ants that search for a tip, grasp it, pull and release it. The default of every key is that of
-/// the preset; the defaults stated here are those of the preset "default".
+/// the preset; the defaults stated here are those of the preset "default". The preset "paper" has
+/// every value that the paper prints.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AntsEntry {
@@ -116,13 +117,15 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().steering_gain))]
     pub steering_gain_per_s: Option<f64>,
-    /// Largest angle between the pull of an ant and the direction of its spring (rad). The default
-    /// is inferred: it fits the printed results better than the printed 60 degrees.
+    /// Largest angle between the pull of an ant and the direction of its spring (rad). The paper
+    /// prints 60 degrees, which the preset "paper" has. The default is fitted to the printed pulls
+    /// and group sizes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().steering_half_angle))]
     pub steering_half_angle_rad: Option<f64>,
-    /// Distance from the mandibles of an ant to the point about which it turns (m). The default is
-    /// inferred: the paper prints 2 mm for searching ants, and no offset for pulling ants.
+    /// Distance from the mandibles of a searching ant to the point about which it turns (m). A
+    /// pulling ant turns about its mandibles. The paper prints 2 mm, which the preset "paper" has.
+    /// The default is 0, with which the stored results were computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().control_offset))]
     pub control_offset_m: Option<f64>,
@@ -136,7 +139,7 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().grasp_decision_period))]
     pub grasp_decision_period_s: Option<f64>,
-    /// Times at which an ant decides to grasp. The default is "hazard", inferred: the paper does
+    /// Times at which an ant decides to grasp. The default, "hazard", is inferred: the paper does
     /// not print its time step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "GraspPace", extend("default" = "hazard"))]
@@ -155,7 +158,7 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().release.period))]
     pub release_decision_period_s: Option<f64>,
-    /// Times at which an ant decides to release. The default is "hazard", inferred: the paper does
+    /// Times at which an ant decides to release. The default, "hazard", is inferred: the paper does
     /// not print its time step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "ReleasePace", extend("default" = "hazard"))]

@@ -222,7 +222,6 @@ impl Ants {
             half_angle: self.half_angle,
             steering,
             speed: self.drive.pull_speed,
-            control_offset: self.drive.control_offset,
         };
         // Ants that pull and their springs, in teams that fill the lanes.
         let (mut team, mut n_in_team) = ([(0, 0); LANES], 0);
@@ -232,7 +231,7 @@ impl Ants {
                 Mode::Search => match &self.avoiding {
                     None => {
                         let target = self.load.position + ant.belief_error - ant.position;
-                        ant.walk(searched, steering.turn(turn_towards(&target, &ant.ahead)));
+                        ant.walk(searched, steering.turn(turn_towards(&target, &ant.ahead)), self.drive.control_offset);
                     }
                     Some(avoiding) => {
                         let target = self.load.position + ant.belief_error;

@@ -20,6 +20,8 @@ const MOST_STARTS: u64 = 1000;
 pub struct Avoiding {
     avoidance: Avoidance,
     walker: Walker,
+    /// Distance from the position of a searching ant to the point about which it turns (m).
+    control_offset: f64,
     obstacles: Vec<PlacedBarrier>,
     /// Paths of the obstacles that move, with their indices.
     paths: Vec<(usize, ObstaclePath)>,
@@ -38,6 +40,7 @@ impl Avoiding {
         Some(Self {
             avoidance: drive.avoidance,
             walker: Walker { radius: drive.body_radius, look_ahead: drive.look_ahead },
+            control_offset: drive.control_offset,
             obstacles: world.obstacles.iter().map(|obstacle| placed(&obstacle.path, &obstacle.outline)).collect(),
             paths: moving.map(|(index, obstacle)| (index, obstacle.path.clone())).collect(),
             load: PlacedBarrier::new(Barrier::of(&world.outline), &scenario.start.pose),
@@ -83,7 +86,7 @@ impl Avoiding {
         let is_at_load = self.load.gap(target).is_some_and(|gap| gap.distance < self.walker.radius);
         let blocking = self.obstacles.iter().chain((!is_at_load).then_some(&self.load));
         let desired = self.walker.desired(blocking, &from, &ant.ahead, target, side, draw);
-        ant.walk(distance, steering.turn(turn_towards(&desired, &ant.ahead)));
+        ant.walk(distance, steering.turn(turn_towards(&desired, &ant.ahead)), self.control_offset);
         let stepped = self.walker.stepped(self.all(), &from, &ant.position, self.avoidance);
         // Between the load and an obstacle that leave no room, an ant stays out of the obstacle.
         ant.position = stepped.unwrap_or_else(|| self.dragged(&from, &ant.position));

@@ -9,6 +9,7 @@ use super::quality::Goodness;
 use super::report::{DesignReport, ForcesReport, percent};
 use super::trials::Estimate;
 use crate::math::Interval;
+use crate::model::paper::CASE_3_FACTOR;
 use crate::output::quantity::{number, quantity};
 
 /// Columns before the values.
@@ -79,6 +80,8 @@ fn equivalents(text: &mut String, found: &Calibration) {
     let (two, three, sum) =
         (milli(swing.tangent_of_case_2_nm_per_rad), milli(swing.tangent_of_case_3_nm_per_rad), milli(swing.sum_of_pivots_nm_per_rad));
     line(text, "model's kappa_tau", &format!("case 2 at zero {two}, case 3 {three}, all pivots {sum} mN m/rad"));
+    let corrected = milli(swing.corrected_case_3_nm_per_rad);
+    line(text, "", &format!("case 3 with the paper's factor of {} on k_1: {corrected} mN m/rad", number(CASE_3_FACTOR)));
 }
 
 /// A value with its interval, and what that rests on.

@@ -23,7 +23,7 @@ pub struct Change {
 }
 
 /// Chance below which a change is not put down to it (1).
-const LEVEL: f64 = 0.05;
+pub(super) const LEVEL: f64 = 0.05;
 
 impl Change {
     /// Whether it is more than chance makes of series without one, but for one in twenty.
@@ -33,9 +33,9 @@ impl Change {
 }
 
 /// Fraction of a series on either side in which no change is searched (1).
-const MARGIN: f64 = 0.1;
+pub(super) const MARGIN: f64 = 0.1;
 /// Series in random order.
-const N_ORDERS: u32 = 199;
+pub(super) const N_ORDERS: u32 = 199;
 /// Fractions that differ by less count as equal (1). Orders that only move blocks on one side of
 /// the change give the same fraction, summed in another order. A series of few blocks has many of
 /// these.
@@ -82,7 +82,7 @@ fn best(values: &[f64]) -> Option<(usize, f64)> {
 }
 
 /// The blocks of the series in a random order (Fisher and Yates); the last, shorter one goes along.
-fn shuffled(values: &[f64], block: usize, streams: &RandomStreams, order: u32) -> Vec<f64> {
+pub(super) fn shuffled(values: &[f64], block: usize, streams: &RandomStreams, order: u32) -> Vec<f64> {
     let mut blocks: Vec<&[f64]> = values.chunks(block).collect();
     for i in (1..blocks.len()).rev() {
         let drawn = streams.uniform(Stream::Resample, order, i as u64);

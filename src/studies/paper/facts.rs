@@ -3,10 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::change::{Change, change_of_mean};
+use super::force::{ForceAt, inertial_forces};
+use super::phase::{PhaseChange, phase_change};
 use super::trial::{Case, Trial};
 use crate::backend::{BackendOptions, Status};
 use crate::math::Summary;
 use crate::model::interaction_force;
+use crate::model::paper::MEASURED_LIMIT_N;
 use crate::scenario::Scenario;
 use crate::simulation::{EventKind, Keep, Row, Simulation, Trace};
 
@@ -24,12 +27,16 @@ pub struct RunFacts {
     pub n_grasps: u64,
     /// Pulls at every control tick (N): the same forces by time, not by decision.
     pub pulls_by_time: Summary,
+    /// Number of those above the printed 30 mN.
+    pub n_pulls_above: u64,
     /// By how many ants pulled, from none.
     pub by_size: Vec<OfSize>,
-    /// Sums by the mean number of pulling ants in a window, rounded. A jump at a release then
-    /// counts for the group that caused it.
-    pub by_mean_size: Vec<OfSize>,
+    /// Sums by the mean number of pulling ants in a window, rounded, for each of [`WINDOWS`]. A jump
+    /// at a release then counts for the group that caused it.
+    pub by_window: [Vec<OfSize>; WINDOWS.len()],
     pub changes: Changes,
+    /// Inertial force of the load by smoothing time; empty on a backend without inertia.
+    pub inertial_force: Vec<ForceAt>,
 }
 
 #[cfg(test)]
@@ -44,9 +51,11 @@ impl RunFacts {
             pulls: Summary::default(),
             n_grasps: 0,
             pulls_by_time: Summary::default(),
+            n_pulls_above: 0,
             by_size: Vec::new(),
-            by_mean_size: Vec::new(),
+            by_window: Default::default(),
             changes: Default::default(),
+            inertial_force: Vec::new(),
         }
     }
 }
@@ -64,6 +73,16 @@ pub struct Changes {
     pub speed: Option<ChangeAt>,
     pub turn_rate: Option<ChangeAt>,
     pub interaction: Option<ChangeAt>,
+    /// The printed change of all three at once.
+    pub phase: Option<PhaseAt>,
+}
+
+/// A phase change, and its time in the run (s).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhaseAt {
+    pub time_s: f64,
+    #[serde(flatten)]
+    pub phase: PhaseChange,
 }
 
 /// A change, and its time in the run (s).
@@ -90,6 +109,10 @@ pub struct Series {
 
 /// Length of a window (s): a few decisions.
 pub const WINDOW_S: f64 = 0.5;
+/// Lengths of the windows by which speeds are sorted by group size (s).
+pub const WINDOWS: [f64; 3] = [0.1, WINDOW_S, 2.0];
+/// Place of [`WINDOW_S`] among them.
+pub const MIDDLE_WINDOW: usize = 1;
 /// Windows in a block of the test for a change: 4 s, longer than any ant holds on.
 pub const BLOCK: usize = 8;
 /// Time between two evaluations of all interaction forces (s). They change with decisions, not with
@@ -112,8 +135,9 @@ pub(super) fn run_scenario(trial: Trial, scenario: &Scenario, options: &BackendO
     }
     let (trace, outcome) = run.into_results();
     let n_grasps = trace.events.iter().filter(|event| event.kind == EventKind::Grasp).count() as u64;
+    let pulls = || trace.rows.iter().flat_map(|row| row.tips.iter().map(|tip| tip.pull.norm()));
     let mut pulls_by_time = Summary::default();
-    pulls_by_time.extend(trace.rows.iter().flat_map(|row| row.tips.iter().map(|tip| tip.pull.norm())));
+    pulls_by_time.extend(pulls());
     Some(RunFacts {
         arrived: outcome.arrived == Some(true),
         time_s: outcome.time,
@@ -122,9 +146,11 @@ pub(super) fn run_scenario(trial: Trial, scenario: &Scenario, options: &BackendO
         pulls: outcome.pulls,
         n_grasps,
         pulls_by_time,
+        n_pulls_above: pulls().filter(|pull| *pull > MEASURED_LIMIT_N).count() as u64,
         by_size: by_size(&trace, trial.n_ants(), 1),
-        by_mean_size: by_size(&trace, trial.n_ants(), ticks_in(WINDOW_S, scenario)),
+        by_window: WINDOWS.map(|window| by_size(&trace, trial.n_ants(), ticks_in(window, scenario))),
         changes: Changes::of(&series_of(&trace, scenario), scenario.seed),
+        inertial_force: if options.kind.has_inertia() { inertial_forces(&trace, scenario.system.load.mass) } else { Vec::new() },
     })
 }
 
@@ -181,7 +207,9 @@ impl Changes {
             let change = change_of_mean(values, BLOCK, seed)?;
             Some(ChangeAt { time_s: series.start_s + WINDOW_S * change.at as f64, change })
         };
-        Self { speed: of(&series.speed), turn_rate: of(&series.turn_rate), interaction: of(&series.interaction) }
+        let phase = phase_change([&series.speed, &series.turn_rate, &series.interaction], BLOCK, seed);
+        let phase = phase.map(|phase| PhaseAt { time_s: series.start_s + WINDOW_S * phase.at as f64, phase });
+        Self { speed: of(&series.speed), turn_rate: of(&series.turn_rate), interaction: of(&series.interaction), phase }
     }
 }
 

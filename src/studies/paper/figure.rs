@@ -58,7 +58,7 @@ pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
         speed.curves.extend(dot(x, estimate, MILLI, OURS));
     }
     speed.note = Some("bars: all runs; whiskers: 95 %; dotted: standard deviation over runs".to_owned());
-    for size in printed::SMALLEST_COUNTED..=10 {
+    for size in printed::SMALLEST_OF_TEN..=10 {
         let x = size as f64;
         share.curves.push(curve(vec![[x, printed::share_of_size(size)]], PRINTED, Shape::Crosses));
         if let Some(ours) = row(found, Measure::SizeShare(size)).and_then(|row| row.ours) {
@@ -76,11 +76,11 @@ fn row(found: &Paper, measure: Measure) -> Option<&TableRow> {
 /// Mean and standard deviation of pulls by trial, and the largest pull against the size of the
 /// sample.
 pub fn pulls(found: &Paper, units: &[Unit], largest: Option<Extreme>) -> (Vec<Panel>, Vec<Entry>) {
-    let mut moments = Panel::new("trial: 1/1, 4/4, 5/10, 10/10", "pull at decisions (mN)", Scale::FromZero);
+    let mut moments = Panel::new("ants / springs", "pull at decisions, with zeros at grasps (mN)", Scale::FromZero);
+    moments.x_names = Trial::ALL.map(Trial::name).to_vec();
     for (level, style) in [(printed::PULL_MEAN_N, PRINTED), (printed::PULL_SD_N, Style { dash: "2 2.5", ..PRINTED })] {
         moments.marks.push(Mark { at: Across::Horizontal(MILLI * level), style });
     }
-    moments.curves.push(curve(vec![[0.5, 0.0], [4.5, 0.0]], FAINT, Shape::Unseen));
     for (at, trial) in Trial::ALL.into_iter().enumerate() {
         let sample = Sample::One(trial);
         for (measure, style, shift) in [(Measure::PullMean(sample), OURS, -0.12), (Measure::PullSd(sample), OTHER, 0.12)] {
@@ -134,11 +134,10 @@ pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     ];
     let sets: Vec<usize> = (1..found.sets.len()).filter(|set| found.sets[*set].preset == found.preset).collect();
     let panel = |measure: Measure| {
-        let mut panel =
-            Panel::new(&numbered(found, &sets), &format!("{} ({})", short(measure), measure.unit().replace('N', "mN")), Scale::FromZero);
+        let mut panel = Panel::new("", &format!("{} ({})", short(measure), measure.unit().replace('N', "mN")), Scale::FromZero);
+        panel.x_names = std::iter::once(0).chain(sets.iter().copied()).map(|set| short_name(&found.sets[set].name)).collect();
         let unit = if measure.unit() == "N" { MILLI } else { 1.0 };
         let Some(row) = row(found, measure) else { return panel };
-        panel.curves.push(curve(vec![[0.5, 0.0], [sets.len() as f64 + 1.5, 0.0]], FAINT, Shape::Unseen));
         let others = sets.iter().map(|set| row.on_others.get(set - 1)?.value.as_ref());
         let values: Vec<_> = std::iter::once(row.ours.as_ref()).chain(others).collect();
         for (at, estimate) in values.iter().enumerate() {
@@ -146,8 +145,8 @@ pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
             panel.curves.extend(estimate.iter().flat_map(|estimate| dot(1.0 + at as f64, estimate, unit, style)));
         }
         let missing: Vec<String> =
-            (1..).zip(&values).filter(|(_, estimate)| estimate.is_none()).map(|(place, _)| place.to_string()).collect();
-        panel.note = (!missing.is_empty()).then(|| format!("{} without a value", missing.join(", ")));
+            panel.x_names.iter().zip(&values).filter(|(_, estimate)| estimate.is_none()).map(|(name, _)| name.clone()).collect();
+        panel.note = (!missing.is_empty()).then(|| format!("no value: {}", missing.join(", ")));
         if let Some(ours) = &row.ours {
             panel.marks.push(Mark { at: Across::Horizontal(unit * ours.value), style: FAINT });
         }
@@ -160,11 +159,9 @@ pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     (shown.into_iter().map(panel).collect(), entries)
 }
 
-/// `1 quasi-static, 2 inertial ...`: ticks are numbers.
-fn numbered(found: &Paper, sets: &[usize]) -> String {
-    let short = |name: &str| name.replace("quasi-static", "QS").replace("inertia x ", "x");
-    let names = std::iter::once(0).chain(sets.iter().copied()).map(|set| short(&found.sets[set].name));
-    names.enumerate().map(|(at, name)| format!("{} {name}", at + 1)).collect::<Vec<_>>().join(", ")
+/// Name of a set of runs that fits below an axis.
+fn short_name(name: &str) -> String {
+    name.replace("quasi-static", "no inertia").replace("inertia x ", "inertia ×")
 }
 
 fn short(measure: Measure) -> String {
@@ -226,7 +223,37 @@ fn scatter(panel: &mut Panel, rows: &[FitRow], of: impl Fn(&FitRow) -> [f64; 2])
     panel.curves.push(curve(points(&|row| row.point.preset.is_some()), Style { color: "#000000", ..OURS }, Shape::Dots));
 }
 
-/// All figures by the name of their file: pulls, group sizes, backends, the fit, and one run.
+/// Mean inertial force by smoothing time for every trial, beside the printed inertial force and the
+/// friction.
+pub fn inertial_force(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
+    let mut panel = Panel::new("smoothing time (s)", "mean inertial force m a (mN)", Scale::LogLog);
+    let mut entries = Vec::new();
+    for (trial, style) in Trial::ALL.into_iter().zip(TRIALS) {
+        let rows = found.inertial_force.iter().filter(|row| row.trial == trial);
+        let points: Vec<[f64; 2]> = rows.filter_map(|row| Some([row.smoothing_s, MILLI * row.mean_n.as_ref()?.value])).collect();
+        panel.curves.push(curve(points.clone(), style, Shape::Path));
+        panel.curves.push(curve(points, style, Shape::Dots));
+        entries.push(Entry::line(format!("{} ants on springs", trial.name()), style));
+    }
+    for (level, style) in [(printed::INERTIAL_FORCE_N, PRINTED), (printed::FRICTION_FORCE_N, FRICTION)] {
+        let ends = [2e-3, 60.0].map(|smoothing| [smoothing, MILLI * level]);
+        panel.curves.push(curve(ends.to_vec(), style, Shape::Path));
+    }
+    entries.push(Entry::line("paper: inertial force 1e-4 mN", PRINTED));
+    entries.push(Entry::line("paper: friction 22 mN", FRICTION));
+    (vec![panel], entries)
+}
+
+const TRIALS: [Style; 4] = [
+    Style { color: "#000000", dash: "", width: 1.6 },
+    Style { color: "#0072B2", dash: "", width: 1.6 },
+    Style { color: "#E69F00", dash: "", width: 1.6 },
+    Style { color: "#009E73", dash: "", width: 1.6 },
+];
+const FRICTION: Style = Style { color: "#999999", dash: "7 3", width: 1.6 };
+
+/// All figures by the name of their file: pulls, group sizes, backends, the inertial force, the fit,
+/// and one run.
 pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Vec<(&'static str, String)> {
     let mut figures = vec![
         ("pulls", in_grid(pulls(found, units, largest), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
@@ -234,6 +261,9 @@ pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: 
     ];
     if found.sets.len() > 1 {
         figures.push(("backends", in_grid(backends(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)));
+    }
+    if !found.inertial_force.is_empty() {
+        figures.push(("inertial-force", in_grid(inertial_force(found), 1, WIDTH, 1.4 * PANEL_HEIGHT)));
     }
     if !found.fit.is_empty() {
         figures.push(("fit", in_grid(fit(&found.fit), 2, COLUMN_WIDTH, PANEL_HEIGHT)));

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::json;
 use crate::output::manifest::Manifest;
@@ -9,13 +10,14 @@ use crate::output::table::{Field, Kind, Table, write_rows};
 use crate::studies::paper::readme::paper_readme;
 use crate::studies::paper::report::{Paper, TableRow};
 use crate::studies::paper::text::paper_text;
-use crate::studies::paper::{Estimate, Grade, RunFacts, Trial};
+use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
 
 /// Figures by the name of their file.
 pub type Figures = Vec<(&'static str, String)>;
 
-/// Writes `table.csv`, `claims.csv`, `group-size.csv`, `transitions.csv`, `conclusions.csv`,
-/// `replayed.csv`, `fit.csv`, `runs.csv`, the `figures`, `README.md`, `table.txt`, `summary.json`
+/// Writes `table.csv`, `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`,
+/// `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`,
+/// `fit.csv`, `runs.csv`, the `figures`, `README.md`, `table.txt`, `summary.json`
 /// and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
 ///
 /// # Errors
@@ -31,8 +33,12 @@ pub fn write_paper(
     let mut folder = OutputFolder::create(target)?;
     let tables = [
         ("table.csv", quantities(found)),
+        ("not-reproduced.csv", not_reproduced(found)),
         ("claims.csv", claims(found)),
         ("group-size.csv", group_sizes(found)),
+        ("samples.csv", samples(found)),
+        ("experiment.csv", experiment(found)),
+        ("inertial-force.csv", inertial_force(found)),
         ("conclusions.csv", conclusions(found)),
         ("replayed.csv", replayed(found)),
         ("fit.csv", fit(found)),
@@ -105,11 +111,75 @@ fn quantities(found: &Paper) -> Table {
     )
 }
 
+fn not_reproduced(found: &Paper) -> Table {
+    Table::of(
+        &found.not_reproduced,
+        &[
+            ("what", "", &|it| it.what.as_str().into()),
+            ("paper", "", &|it| it.paper.as_str().into()),
+            ("here", "", &|it| it.here.as_str().into()),
+            ("is certain", "", &|it| it.is_certain.into()),
+        ],
+    )
+}
+
+/// One row for each number of pulling ants: printed samples beside the mixture of the trials.
+fn samples(found: &Paper) -> Table {
+    let sizes: Vec<usize> = if found.mixture.is_some() { (1..=10).collect() } else { Vec::new() };
+    let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
+    let share = |size: &usize| found.mixture.as_ref().map(|mixture| mixture.shares[size - 1]);
+    Table::of(
+        &sizes,
+        &[
+            ("n pulling", "", &|size| (*size).into()),
+            ("printed samples", "", &|size| SIMULATED_SAMPLES[size - 1].into()),
+            ("samples of the mixture", "", &|size| share(size).map(|share| (share * n_printed as f64).round() as u64).into()),
+            ("printed share of 2 or more", "", &|size| Some(printed_share(*size)).filter(|_| *size > 1).into()),
+            ("share of the mixture", "", &|size| {
+                found.mixture.as_ref().filter(|_| *size > 1).map(|mixture| mixture.share_of_two_or_more(*size)).into()
+            }),
+        ],
+    )
+}
+
+fn experiment(found: &Paper) -> Table {
+    Table::of(
+        &found.experiment,
+        &[
+            ("quantity", "", &|it| it.quantity.as_str().into()),
+            ("unit", "", &|it| it.unit.into()),
+            ("measured on ants", "", &|it| it.measured.into()),
+            ("n measured", "", &|it| it.n_measured.into()),
+            ("here", "", &|it| value(&it.here)),
+            ("low 95", "", &|it| low(&it.here)),
+            ("high 95", "", &|it| high(&it.here)),
+        ],
+    )
+}
+
+fn inertial_force(found: &Paper) -> Table {
+    Table::of(
+        &found.inertial_force,
+        &[
+            ("trial", "", &|it| it.trial.name().into()),
+            ("smoothing", "s", &|it| it.smoothing_s.into()),
+            ("mean", "N", &|it| value(&it.mean_n)),
+            ("mean low 95", "N", &|it| low(&it.mean_n)),
+            ("mean high 95", "N", &|it| high(&it.mean_n)),
+            ("rms", "N", &|it| value(&it.rms_n)),
+            ("largest", "N", &|it| it.largest_n.into()),
+            ("n accelerations", "", &|it| it.n.into()),
+        ],
+    )
+}
+
 fn claims(found: &Paper) -> Table {
     Table::of(
         &found.claims,
         &[
             ("claim", "", &|claim| claim.claim.into()),
+            ("source", "", &|claim| claim.source.into()),
+            ("contradicts", "", &|claim| claim.contradicts.name().into()),
             ("statistic", "", &|claim| claim.statistic.as_str().into()),
             ("side", "", &|claim| if claim.below { "below" } else { "above" }.into()),
             ("limit", "", &|claim| claim.limit.into()),
@@ -132,6 +202,9 @@ fn group_sizes(found: &Paper) -> Table {
             ("high 95", "", &|it| high(&it.load_speed_m_per_s)),
             ("sd over runs", "m/s", &|it| it.sd_over_runs_m_per_s.into()),
             ("load speed by tick", "m/s", &|it| it.load_speed_by_tick_m_per_s.into()),
+            ("load speed in windows of 0.1 s", "m/s", &|it| it.load_speed_by_window_m_per_s[0].into()),
+            ("load speed in windows of 0.5 s", "m/s", &|it| it.load_speed_by_window_m_per_s[1].into()),
+            ("load speed in windows of 2 s", "m/s", &|it| it.load_speed_by_window_m_per_s[2].into()),
             ("time", "s", &|it| it.time_s.into()),
             ("n instants", "", &|it| it.n_instants.into()),
             ("printed instants", "", &|it| it.printed_instants.into()),
@@ -222,6 +295,8 @@ fn run_table(found: &Paper, runs: &[(usize, Trial, u64, &RunFacts)]) -> Table {
             ("pull sd by time", "N", &|(.., facts)| facts.pulls_by_time.sd().into()),
             ("speed changes at", "s", &|(.., facts)| facts.changes.speed.map(|change| change.time_s).into()),
             ("speed change p", "", &|(.., facts)| facts.changes.speed.map(|change| change.change.p_value).into()),
+            ("phase change at", "s", &|(.., facts)| facts.changes.phase.map(|at| at.time_s).into()),
+            ("phase change p", "", &|(.., facts)| facts.changes.phase.map(|at| at.phase.p_value).into()),
         ],
     )
 }

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::facts;
 use super::facts::RunFacts;
-use super::measures::{Measure, Sample};
+use super::measures::Measure;
+use super::sampling::Sample;
 use super::trial::{Case, Trial};
 use super::units::{Unit, units};
 use crate::backend::BackendKind;
@@ -137,7 +138,7 @@ impl Found {
             pull_sd_n: of(Measure::PullSd(Sample::Printed)),
             pull_max_n: sample().map(|run| run.pulls.max()).fold(0.0, f64::max),
             n_pulls: sample().map(|run| run.pulls.n()).sum(),
-            size_shares: std::array::from_fn(|at| of(Measure::SizeShare(printed::SMALLEST_COUNTED + at))),
+            size_shares: std::array::from_fn(|at| of(Measure::SizeShare(printed::SMALLEST_OF_TEN + at))),
             time_four_s: time(Trial::FourFour),
             time_five_s: time(Trial::FIVE_TEN),
             time_ten_s: time(Trial::TEN_TEN),
@@ -148,7 +149,7 @@ impl Found {
     /// 10 %, the largest fraction over 0.05, and the time of four ants over half a decade about 100
     /// s.
     pub fn deviations(&self) -> [f64; 4] {
-        let share = |(at, share): (usize, &f64)| (share - printed::share_of_size(printed::SMALLEST_COUNTED + at)).abs() / 0.05;
+        let share = |(at, share): (usize, &f64)| (share - printed::share_of_size(printed::SMALLEST_OF_TEN + at)).abs() / 0.05;
         [
             (self.pull_mean_n / printed::PULL_MEAN_N - 1.0).abs() / 0.1,
             (self.pull_sd_n / printed::PULL_SD_N - 1.0).abs() / 0.1,

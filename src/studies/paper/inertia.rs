@@ -3,10 +3,12 @@
 
 use serde::Serialize;
 
-use super::measures::{MEASURES, Measure, Sample, claims};
+use super::claims::{Claim, claims};
+use super::measures::{MEASURES, Measure};
+use super::sampling::Sample;
 use super::trial::Trial;
 use super::units::{Unit, paired};
-use super::verdict::{Grade, grade};
+use super::verdict::Grade;
 
 /// One conclusion on all sets, in their order.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,25 +34,25 @@ pub fn conclusions(sets: &[(String, Vec<Unit>)]) -> Vec<Conclusion> {
     let of_claims: Vec<_> = sets.iter().map(|(_, units)| claims(units)).collect();
     let mut found: Vec<Conclusion> = (0..of_claims.first().map_or(0, Vec::len))
         .map(|at| {
-            let standing = |((name, _), claims): (&(String, _), &Vec<super::Claim>)| Standing {
+            let standing = |((name, _), claims): (&(String, _), &Vec<Claim>)| Standing {
                 set: name.clone(),
                 value: claims[at].found.map(|found| found.value),
                 holds: claims[at].holds,
             };
-            Conclusion::new(of_claims[0][at].claim.to_owned(), sets.iter().zip(&of_claims).map(standing).collect())
+            Conclusion::new(
+                format!("{} (contradicts: {})", of_claims[0][at].claim, of_claims[0][at].contradicts.name()),
+                sets.iter().zip(&of_claims).map(standing).collect(),
+            )
         })
         .collect();
     for measure in MEASURES {
-        let Some(printed) = measure.printed() else { continue };
+        if measure.printed().is_none() {
+            continue;
+        }
         let standing = |(name, units): &(String, Vec<Unit>)| {
             let ours = measure.estimate(units);
-            // Not known where the interval has both near and far in it.
-            let is_far = |value: f64| (value - printed.value).abs() > printed.near + printed.rounding;
-            let holds = ours.and_then(|ours| {
-                let interval = ours.interval_95?;
-                let is_mixed = is_far(interval.low) != is_far(interval.high) || is_far(interval.low) != is_far(ours.value);
-                (!is_mixed).then(|| grade(&printed, &ours) != Grade::Differs)
-            });
+            let grade = ours.and_then(|ours| measure.grade(units, &ours));
+            let holds = grade.filter(|grade| *grade != Grade::Undecided).map(Grade::is_met);
             Standing { set: name.clone(), value: ours.map(|ours| ours.value), holds }
         };
         found.push(Conclusion::new(format!("{} is near what is printed", measure.name()), sets.iter().map(standing).collect()));

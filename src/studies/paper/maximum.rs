@@ -11,8 +11,8 @@ use std::f64::consts::PI;
 use serde::Serialize;
 
 use super::units::Unit;
+use super::verdict::{NORMAL, Own};
 use crate::math::{Interval, Summary, student};
-use crate::studies::paper::facts::RunFacts;
 
 /// What the largest of a sample of one size is expected to be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -21,15 +21,17 @@ pub struct Extreme {
     pub expected: f64,
     /// In which 95 % of the largest lie (N).
     pub draw_95: Interval,
+    /// How far 95 % of the largest lie below and above the expected one, if it were known exactly
+    /// (N).
+    pub draw: Own,
+    /// Half of the 95 % interval of the expected largest, by the scatter of the units (N).
+    pub error_95: f64,
     /// The largest that was met (N), in a sample of `n` pulls.
     pub met: f64,
     pub n: u64,
 }
 
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
-
-/// Two-sided 95 % quantile of a normal variable (1).
-const NORMAL: f64 = 1.959_963_984_540_054;
 
 /// Standard error of m + c s, divided by s / sqrt(n). m and s are mean and standard deviation of n
 /// values of Gumbel's law with skewness 1.1395 and kurtosis 5.4: cov(m, s) = 1.1395 s^2 / (2 n) and
@@ -39,14 +41,14 @@ fn error_of_expected(c: f64) -> f64 {
     (1.0 + SKEWNESS * c + 1.1 * c * c).sqrt()
 }
 
-/// The largest pull of a sample of `n_pulls`, composed of runs that `of` takes from each unit;
+/// The largest pull of a sample of `n_pulls`, composed of the pulls that `of` takes from each unit;
 /// `None` below two units.
-pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<&'a RunFacts>, n_pulls: u64) -> Option<Extreme> {
+pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<Summary>, n_pulls: u64) -> Option<Extreme> {
     let (mut largest, mut n) = (Summary::default(), 0);
     for unit in units {
-        let runs = of(unit);
-        n += runs.iter().map(|run| run.pulls.n()).sum::<u64>();
-        largest.extend(runs.iter().map(|run| run.pulls.max()).reduce(f64::max));
+        let pulls = of(unit);
+        n += pulls.iter().map(Summary::n).sum::<u64>();
+        largest.extend(pulls.iter().filter(|pulls| pulls.n() > 0).map(Summary::max).reduce(f64::max));
     }
     if largest.n() < 2 || n == 0 {
         return None;
@@ -61,6 +63,8 @@ pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<&'a RunFact
     Some(Extreme {
         expected: shifted,
         draw_95: Interval { low: shifted - half(0.025), high: shifted + half(0.975) },
+        draw: Own { below: -beyond(0.025), above: beyond(0.975) },
+        error_95: few * error,
         met: largest.max(),
         n,
     })
@@ -70,7 +74,7 @@ pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<&'a RunFact
 mod tests {
     use super::*;
     use crate::math::{RandomStreams, Stream};
-    use crate::studies::paper::{Trial, units};
+    use crate::studies::paper::{RunFacts, Trial, units};
 
     fn facts(pulls: Summary) -> RunFacts {
         RunFacts { pulls, ..RunFacts::nothing() }
@@ -89,7 +93,7 @@ mod tests {
             })
             .collect();
         let units = units(runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run)));
-        let found = extreme(&units, |unit| unit.of(Trial::FourFour).into_iter().collect(), 30_000).unwrap();
+        let found = extreme(&units, |unit| unit.of(Trial::FourFour).map(|run| run.pulls).into_iter().collect(), 30_000).unwrap();
         let known = 30_000f64.ln() + EULER_GAMMA;
         // Standard error of the mean, and ln(100) times that of the scale, over 400 runs: 0.064 and
         // 0.24.
@@ -116,7 +120,7 @@ mod tests {
                     })
                     .collect();
                 let units = units(runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run)));
-                let found = extreme(&units, |unit| unit.of(Trial::FourFour).into_iter().collect(), 30).unwrap();
+                let found = extreme(&units, |unit| unit.of(Trial::FourFour).map(|run| run.pulls).into_iter().collect(), 30).unwrap();
                 let draw = (0..30).map(|i| 20.0 + gumbel(n + i)).fold(0.0, f64::max);
                 found.draw_95.low < draw && draw < found.draw_95.high
             });

@@ -1,23 +1,34 @@
-//! All compared quantities as statistics of units, and the claims of the paper.
+//! All compared quantities as statistics of units.
 
 use serde::Serialize;
 
-use super::facts::{OfSize, RunFacts};
+use super::facts::{Changes, RunFacts};
+use super::group_size::{instants, speed_of, sum_of_size};
+use super::mixture::{mixture, printed_share};
+use super::sampling::{Pool, Sample, Sampling};
 use super::trial::Trial;
 use super::units::{Estimate, Unit, difference, estimate, paired};
-use super::verdict::Printed;
-use crate::math::{proportion_interval, share_difference_interval};
+use super::verdict::{Grade, Own, Printed};
+use crate::math::{exact_proportion_interval, proportion_interval, share_difference_interval};
 use crate::model::paper as printed;
 
 /// A quantity of a set of seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// Of the pulls at decisions in some trials (N).
+    /// Of the pulls in some trials, at decisions and with a zero at each grasp (N).
     PullMean(Sample),
     PullSd(Sample),
+    /// Of the pulls in the printed trials, sampled in another way (N).
+    PullMeanBy(Sampling),
+    PullSdBy(Sampling),
     /// Share of the time at which so many of ten ants pulled, of that with six or more (1).
     SizeShare(usize),
+    /// Share of samples with so many pulling ants, of those with two or more, in the mixture of the
+    /// trials that is closest to the printed counts (1).
+    MixtureShare(usize),
+    /// Fraction of the runs of a trial with a significant change as printed (1).
+    Phase(PhaseSign, Trial),
     /// Mean over the runs that arrived (s).
     TimeToNest(Trial),
     /// Share of the runs that arrived (1).
@@ -33,45 +44,57 @@ pub enum Measure {
     /// Speed that each further ant adds beyond five on ten springs, over what ants from two to five
     /// add (1).
     LateGain,
+    /// Load speed that each further pulling ant adds beyond five, over what those from two to five
+    /// add (1).
+    LateGainPulling,
+    /// Load speed with ten pulling ants over that with nine (1).
+    TenOverNine,
     /// Time to nest of ten ants over that of five (1).
     TenOverFive,
     /// Time to nest of five ants over that of four on four springs (1).
     FiveOverFour,
 }
 
-/// Which trials a sample of pulls comes from.
+/// A change of mean in the direction that the paper prints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Sample {
-    /// 4/4 and 5/10: the groups of two to five ants make up nearly the printed size of the sample.
-    Printed,
-    One(Trial),
+pub enum PhaseSign {
+    SpeedRises,
+    TurnRateRises,
+    InteractionFalls,
+    AllAtOnce,
 }
 
-impl Sample {
-    pub fn trials(self) -> Vec<Trial> {
-        match self {
-            Sample::Printed => vec![Trial::FourFour, Trial::FIVE_TEN],
-            Sample::One(trial) => vec![trial],
-        }
+impl PhaseSign {
+    /// Whether a run shows it; `None` where the run is too short to tell.
+    fn is_in(self, changes: &Changes) -> Option<bool> {
+        let (change, is_up) = match self {
+            PhaseSign::SpeedRises => (changes.speed, true),
+            PhaseSign::TurnRateRises => (changes.turn_rate, true),
+            PhaseSign::InteractionFalls => (changes.interaction, false),
+            PhaseSign::AllAtOnce => return changes.phase.map(|at| at.phase.is_significant()),
+        };
+        change.map(|at| at.change.is_significant() && (at.change.mean_after > at.change.mean_before) == is_up)
     }
 
-    pub fn runs<'a>(self, unit: &Unit<'a>) -> Vec<&'a RunFacts> {
-        self.trials().into_iter().filter_map(|trial| unit.of(trial)).collect()
-    }
-
-    fn name(self) -> String {
+    fn name(self) -> &'static str {
         match self {
-            Sample::Printed => "4/4 and 5/10".to_owned(),
-            Sample::One(trial) => trial.name(),
+            PhaseSign::SpeedRises => "the load speed rises",
+            PhaseSign::TurnRateRises => "the turn rate rises",
+            PhaseSign::InteractionFalls => "the interaction forces fall",
+            PhaseSign::AllAtOnce => "speed and turn rate rise and interaction forces fall at once",
         }
     }
 }
 
 /// All quantities of the table, in its order.
-pub const MEASURES: [Measure; 25] = [
+pub const MEASURES: [Measure; 43] = [
     Measure::PullMean(Sample::Printed),
     Measure::PullSd(Sample::Printed),
+    Measure::PullMeanBy(Sampling::WithoutZeros),
+    Measure::PullSdBy(Sampling::WithoutZeros),
+    Measure::PullMeanBy(Sampling::ByTime),
+    Measure::PullSdBy(Sampling::ByTime),
     Measure::PullMean(Sample::One(Trial::OneOne)),
     Measure::PullSd(Sample::One(Trial::OneOne)),
     Measure::PullMean(Sample::One(Trial::FourFour)),
@@ -85,6 +108,15 @@ pub const MEASURES: [Measure; 25] = [
     Measure::SizeShare(8),
     Measure::SizeShare(9),
     Measure::SizeShare(10),
+    Measure::MixtureShare(2),
+    Measure::MixtureShare(3),
+    Measure::MixtureShare(4),
+    Measure::MixtureShare(5),
+    Measure::MixtureShare(6),
+    Measure::MixtureShare(7),
+    Measure::MixtureShare(8),
+    Measure::MixtureShare(9),
+    Measure::MixtureShare(10),
     Measure::TimeToNest(Trial::OneOne),
     Measure::Arrived(Trial::OneOne),
     Measure::TimeToNest(Trial::FourFour),
@@ -95,6 +127,11 @@ pub const MEASURES: [Measure; 25] = [
     Measure::Arrived(Trial::TEN_TEN),
     Measure::TenOverFive,
     Measure::FiveOverFour,
+    Measure::TenOverNine,
+    Measure::Phase(PhaseSign::SpeedRises, Trial::FourFour),
+    Measure::Phase(PhaseSign::TurnRateRises, Trial::FourFour),
+    Measure::Phase(PhaseSign::InteractionFalls, Trial::FourFour),
+    Measure::Phase(PhaseSign::AllAtOnce, Trial::FourFour),
 ];
 
 impl Measure {
@@ -102,13 +139,19 @@ impl Measure {
         match self {
             Measure::PullMean(sample) => format!("pull, mean, {}", sample.name()),
             Measure::PullSd(sample) => format!("pull, standard deviation, {}", sample.name()),
+            Measure::PullMeanBy(sampling) => format!("pull, mean, {}", sampling.name()),
+            Measure::PullSdBy(sampling) => format!("pull, standard deviation, {}", sampling.name()),
             Measure::SizeShare(size) => format!("share of {size} pulling ants of ten"),
+            Measure::MixtureShare(size) => format!("share of {size} pulling ants, mixture of the trials"),
+            Measure::Phase(sign, trial) => format!("share of runs in which {}, {}", sign.name(), trial.name()),
             Measure::TimeToNest(trial) => format!("time to nest, {}", trial.name()),
             Measure::Arrived(trial) => format!("share of runs that arrive, {}", trial.name()),
             Measure::LoadSpeed(size) => format!("load speed, {size} pulling ants"),
             Measure::SpeedOfOne => "speed of one ant over that of four".to_owned(),
             Measure::Headway(n_ants) => format!("speed towards the nest, {n_ants}/10"),
             Measure::OverFive(size) => format!("load speed with {size} pulling ants over that with five"),
+            Measure::LateGainPulling => "load speed gained per pulling ant from 5 to 10 over that from 2 to 5".to_owned(),
+            Measure::TenOverNine => "load speed with ten pulling ants over that with nine".to_owned(),
             Measure::LateGain => "speed gained per ant from 5/10 to 10/10 over that from 2/10 to 5/10".to_owned(),
             Measure::TenOverFive => "time to nest of ten ants over that of five".to_owned(),
             Measure::FiveOverFour => "time to nest, 5/10 over 4/4".to_owned(),
@@ -117,63 +160,117 @@ impl Measure {
 
     pub fn unit(self) -> &'static str {
         match self {
-            Measure::PullMean(_) | Measure::PullSd(_) => "N",
+            Measure::PullMean(_) | Measure::PullSd(_) | Measure::PullMeanBy(_) | Measure::PullSdBy(_) => "N",
             Measure::TimeToNest(_) => "s",
             Measure::LoadSpeed(_) | Measure::Headway(_) => "m/s",
             _ => "",
         }
     }
 
-    /// What the paper prints for it.
+    /// What the paper prints for it. Parameters were fitted to the pulls at decisions with zeros,
+    /// and to the shares of six to ten ants.
     pub fn printed(self) -> Option<Printed> {
         match self {
-            Measure::PullMean(Sample::Printed) => Some(Printed::new(printed::PULL_MEAN_N, 0.05e-3)),
-            Measure::PullSd(Sample::Printed) => Some(Printed::new(printed::PULL_SD_N, 0.05e-3)),
-            Measure::SizeShare(size) => Some(Printed::share(printed::share_of_size(size), 0.5e-5)),
+            Measure::PullMean(Sample::Printed) => Some(Printed::new(printed::PULL_MEAN_N, 0.05e-3).calibrated()),
+            Measure::PullSd(Sample::Printed) => Some(Printed::new(printed::PULL_SD_N, 0.05e-3).calibrated()),
+            Measure::PullMeanBy(_) => Some(Printed::new(printed::PULL_MEAN_N, 0.05e-3)),
+            Measure::PullSdBy(_) => Some(Printed::new(printed::PULL_SD_N, 0.05e-3)),
+            Measure::SizeShare(size) => Some(Printed::share(printed::share_of_size(size), 0.5e-5).calibrated()),
+            Measure::MixtureShare(size) => {
+                let share = Printed::share(printed_share(size), 0.5e-5);
+                Some(if size < printed::SMALLEST_OF_TEN { share } else { share.calibrated() })
+            }
+            _ => None,
+        }
+    }
+
+    /// Grade of `ours` beside the printed number. The latter's own sampling error is that of a
+    /// sample of the printed size, taken from runs that scatter as these.
+    pub fn grade(self, units: &[Unit], ours: &Estimate) -> Option<Grade> {
+        let printed = self.printed()?;
+        let [n, n_printed] = self.sample_sizes(units)?;
+        let own = ours.standard_error.map_or(Own::default(), |error| Own::of_error(error * (n / n_printed).sqrt()));
+        Some(printed.grade(ours, own))
+    }
+
+    /// Number of samples in these units, and in the printed sample (1). Instants are counted at
+    /// every control period.
+    fn sample_sizes(self, units: &[Unit]) -> Option<[f64; 2]> {
+        let pulls = |sampling| [Pool::of(units, Sample::Printed, sampling).n, printed::N_PULLS as f64];
+        let instants = |trials: &[Trial], least: usize| {
+            let n = trials.iter().map(|trial| instants(units, *trial, least)).sum();
+            [n, printed::SIMULATED_SAMPLES[least - 1..].iter().sum::<u64>() as f64]
+        };
+        match self {
+            Measure::PullMean(_) | Measure::PullSd(_) => Some(pulls(Sampling::AtDecisions)),
+            Measure::PullMeanBy(sampling) | Measure::PullSdBy(sampling) => Some(pulls(sampling)),
+            Measure::SizeShare(_) => Some(instants(&[Trial::TEN_TEN], printed::SMALLEST_OF_TEN)),
+            Measure::MixtureShare(_) => Some(instants(&Trial::ALL, 2)),
             _ => None,
         }
     }
 
     /// Trials that every seed must have for it.
-    fn trials(self) -> Vec<Trial> {
+    pub(super) fn trials(self) -> Vec<Trial> {
         match self {
             Measure::LateGain => vec![Trial::OnTen(2), Trial::FIVE_TEN, Trial::TEN_TEN],
             _ => Vec::new(),
         }
     }
 
-    /// Statistic of all units with its interval. The interval of a fraction is Wilson's, which is
-    /// useful even if all runs end alike.
-    pub fn estimate(self, units: &[Unit]) -> Option<Estimate> {
-        let Measure::Arrived(trial) = self else { return estimate(units, &|units| self.of(units)) };
-        let (n, n_arrived) = runs(units, trial).fold((0, 0), |(n, hits), run| (n + 1, hits + u64::from(run.arrived)));
-        let interval_95 = proportion_interval(n_arrived, n, 0.95).filter(|_| n > 1);
-        Some(Estimate { value: self.of(units)?, interval_95, n_units: n as usize })
+    /// For a fraction of runs: whether each run of its trial counts.
+    fn hits<'u>(self, units: &'u [Unit<'u>]) -> Option<Vec<Option<bool>>> {
+        let (trial, is_hit): (Trial, &dyn Fn(&RunFacts) -> Option<bool>) = match self {
+            Measure::Arrived(trial) => (trial, &|run| Some(run.arrived)),
+            Measure::Phase(sign, trial) => (trial, &move |run| sign.is_in(&run.changes)),
+            _ => return None,
+        };
+        Some(units.iter().map(|unit| is_hit(unit.of(trial)?)).collect())
     }
 
-    /// Of `a` minus that of `b`, over the seeds that both have; a share by Agresti and Min.
+    /// Statistic of all units with its interval. The interval of a fraction of runs is Wilson's,
+    /// which is useful even if all runs end alike, and that of changes Clopper's and Pearson's.
+    pub fn estimate(self, units: &[Unit]) -> Option<Estimate> {
+        let Some(hits) = self.hits(units) else { return estimate(units, &|units| self.of(units)) };
+        let (n, n_hits) = hits.iter().flatten().fold((0, 0), |(n, hits), is_hit| (n + 1, hits + u64::from(*is_hit)));
+        let value = self.of(units)?;
+        let standard_error = (n > 1).then(|| (value * (1.0 - value) / n as f64).sqrt());
+        // A claim needs a limit that chance passes in 2.5 % at most, even for rare changes.
+        let of_hits = if matches!(self, Measure::Phase(..)) { exact_proportion_interval } else { proportion_interval };
+        let interval_95 = of_hits(n_hits, n, 0.95).filter(|_| n > 1);
+        Some(Estimate { value, interval_95, standard_error, n_units: n as usize })
+    }
+
+    /// Of `a` minus that of `b`, over the seeds that both have; a fraction of runs by Agresti and
+    /// Min.
     pub fn difference(self, a: &[Unit], b: &[Unit]) -> Option<Estimate> {
-        let Measure::Arrived(trial) = self else { return difference(a, b, &|units| self.of(units)) };
-        let (a, b) = paired(a, b);
-        let both: Vec<[bool; 2]> = a.iter().zip(&b).filter_map(|(a, b)| Some([a.of(trial)?.arrived, b.of(trial)?.arrived])).collect();
+        let (of_a, of_b) = paired(a, b);
+        let (Some(in_a), Some(in_b)) = (self.hits(&of_a), self.hits(&of_b)) else { return difference(a, b, &|units| self.of(units)) };
+        let both: Vec<[bool; 2]> = in_a.into_iter().zip(in_b).filter_map(|(a, b)| Some([a?, b?])).collect();
         let n_only = [[true, false], [false, true]].map(|only| both.iter().filter(|pair| **pair == only).count() as u64);
         let n = both.len() as u64;
         let value = (n_only[0] as f64 - n_only[1] as f64) / n as f64;
         let interval_95 = share_difference_interval(n_only, n, 0.95).filter(|_| n > 1);
-        (n > 0).then_some(Estimate { value, interval_95, n_units: n as usize })
+        (n > 0).then_some(Estimate { value, interval_95, standard_error: None, n_units: n as usize })
     }
 
     pub fn of(self, units: &[Unit]) -> Option<f64> {
         match self {
-            Measure::PullMean(sample) => Pool::of(units, sample).mean(),
-            Measure::PullSd(sample) => Pool::of(units, sample).sd(),
+            Measure::PullMean(sample) => Pool::of(units, sample, Sampling::AtDecisions).mean(),
+            Measure::PullSd(sample) => Pool::of(units, sample, Sampling::AtDecisions).sd(),
+            Measure::PullMeanBy(sampling) => Pool::of(units, Sample::Printed, sampling).mean(),
+            Measure::PullSdBy(sampling) => Pool::of(units, Sample::Printed, sampling).sd(),
+            // The weights do not depend on the period at which samples are counted.
+            Measure::MixtureShare(size) => mixture(units, 1.0).map(|found| found.share_of_two_or_more(size)),
             Measure::SizeShare(size) => {
-                let counted = printed::SMALLEST_COUNTED..=Trial::TEN_TEN.n_ants();
+                let counted = printed::SMALLEST_OF_TEN..=Trial::TEN_TEN.n_ants();
                 let all: f64 = counted.map(|size| sum_of_size(units, Trial::TEN_TEN, size).time_s).sum();
                 (all > 0.0).then(|| sum_of_size(units, Trial::TEN_TEN, size).time_s / all)
             }
             Measure::TimeToNest(trial) => mean(arrivals(units, trial)),
-            Measure::Arrived(trial) => mean(runs(units, trial).map(|run| f64::from(u8::from(run.arrived)))),
+            Measure::Arrived(_) | Measure::Phase(..) => {
+                mean(self.hits(units)?.into_iter().flatten().map(|is_hit| f64::from(u8::from(is_hit))))
+            }
             Measure::LoadSpeed(size) => speed_of(units, size),
             Measure::SpeedOfOne => Some(headway(units, Trial::OneOne)? / headway(units, Trial::FourFour)?),
             Measure::Headway(n_ants) => headway(units, Trial::OnTen(n_ants)),
@@ -183,6 +280,11 @@ impl Measure {
                 let gain = |from: u8, to: u8| Some((speed(to)? - speed(from)?) / f64::from(to - from));
                 Some(gain(5, 10)? / gain(2, 5)?)
             }
+            Measure::LateGainPulling => {
+                let gain = |from: usize, to: usize| Some((speed_of(units, to)? - speed_of(units, from)?) / (to - from) as f64);
+                Some(gain(5, 10)? / gain(2, 5)?)
+            }
+            Measure::TenOverNine => Some(speed_of(units, 10)? / speed_of(units, 9)?),
             Measure::TenOverFive => Some(mean(arrivals(units, Trial::TEN_TEN))? / mean(arrivals(units, Trial::FIVE_TEN))?),
             Measure::FiveOverFour => Some(mean(arrivals(units, Trial::FIVE_TEN))? / mean(arrivals(units, Trial::FourFour))?),
         }
@@ -190,37 +292,7 @@ impl Measure {
     }
 }
 
-/// A sample of pulls from many runs.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pool {
-    n: f64,
-    sum: f64,
-    squares: f64,
-}
-
-impl Pool {
-    fn of(units: &[Unit], sample: Sample) -> Self {
-        let mut pool = Self::default();
-        for run in units.iter().flat_map(|unit| sample.runs(unit)) {
-            let (n, mean, sd) = (run.pulls.n() as f64, run.pulls.mean(), run.pulls.sd());
-            pool.n += n;
-            pool.sum += n * mean;
-            pool.squares += (n - 1.0).max(0.0) * sd * sd + n * mean * mean;
-        }
-        pool
-    }
-
-    fn mean(&self) -> Option<f64> {
-        (self.n > 0.0).then(|| self.sum / self.n)
-    }
-
-    fn sd(&self) -> Option<f64> {
-        let mean = self.mean()?;
-        (self.n > 1.0).then(|| ((self.squares - self.n * mean * mean).max(0.0) / (self.n - 1.0)).sqrt())
-    }
-}
-
-fn runs<'a>(units: &[Unit<'a>], trial: Trial) -> impl Iterator<Item = &'a RunFacts> {
+pub(super) fn runs<'a>(units: &[Unit<'a>], trial: Trial) -> impl Iterator<Item = &'a RunFacts> {
     units.iter().filter_map(move |unit| unit.of(trial))
 }
 
@@ -237,106 +309,6 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 fn headway(units: &[Unit], trial: Trial) -> Option<f64> {
     let (way, time) = runs(units, trial).fold((0.0, 0.0), |(way, time), run| (way + run.displacement_m, time + run.time_s));
     (time > 0.0).then(|| way / time)
-}
-
-/// Time and way of all runs of `trial` while `size` ants pulled.
-fn sum_of_size(units: &[Unit], trial: Trial, size: usize) -> OfSize {
-    let found = runs(units, trial).filter_map(|run| run.by_size.get(size));
-    found.fold(OfSize::default(), |sum, one| OfSize { time_s: sum.time_s + one.time_s, way_m: sum.way_m + one.way_m })
-}
-
-/// Trial with groups of a size on ten springs: up to five in the trial of five ants, larger groups
-/// in that of ten.
-fn trial_of_size(size: usize) -> Trial {
-    if size < printed::SMALLEST_COUNTED { Trial::FIVE_TEN } else { Trial::TEN_TEN }
-}
-
-/// Speed (m/s) in windows in which on average `size` ants pulled, with ten springs.
-fn speed_of(units: &[Unit], size: usize) -> Option<f64> {
-    let found = runs(units, trial_of_size(size)).filter_map(|run| run.by_mean_size.get(size));
-    let (way, time) = found.fold((0.0, 0.0), |(way, time), one| (way + one.way_m, time + one.time_s));
-    (time > 0.0).then(|| way / time)
-}
-
-/// Load speed by group size, as in the paper's ninth figure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Speeds {
-    pub n_transporting: usize,
-    pub trial: Trial,
-    /// Over windows in which on average so many pulled.
-    pub load_speed_m_per_s: Option<Estimate>,
-    /// Standard deviation over runs (m/s).
-    pub sd_over_runs_m_per_s: Option<f64>,
-    /// Mean over the ticks at which so many ants pulled (m/s). The jump after a release then counts
-    /// for the smaller group.
-    pub load_speed_by_tick_m_per_s: Option<f64>,
-    /// Of those ticks: time (s), number, and the number printed.
-    pub time_s: f64,
-    pub n_instants: u64,
-    pub printed_instants: Option<u64>,
-    /// Of so many ants on ten springs, however many of them pull (m/s, towards the nest).
-    pub headway_m_per_s: Option<Estimate>,
-}
-
-/// Speed by the number of ants that pull, and by that of ants, from one to ten.
-pub fn load_speeds(units: &[Unit], control_period: f64) -> Vec<Speeds> {
-    let of_size = |size: usize| {
-        let trial = trial_of_size(size);
-        let of_ticks = sum_of_size(units, trial, size);
-        let mut over_runs = crate::math::Summary::default();
-        over_runs.extend(units.iter().filter_map(|unit| speed_of(std::slice::from_ref(unit), size)));
-        Speeds {
-            n_transporting: size,
-            trial,
-            load_speed_m_per_s: Measure::LoadSpeed(size).estimate(units),
-            sd_over_runs_m_per_s: (over_runs.n() > 1).then(|| over_runs.sd()),
-            load_speed_by_tick_m_per_s: (of_ticks.time_s > 0.0).then(|| of_ticks.way_m / of_ticks.time_s),
-            time_s: of_ticks.time_s,
-            n_instants: (of_ticks.time_s / control_period).round() as u64,
-            printed_instants: size.checked_sub(printed::SMALLEST_COUNTED).map(|at| printed::INSTANTS_BY_SIZE[at]),
-            headway_m_per_s: Measure::Headway(size as u8).estimate(units),
-        }
-    };
-    (1..=Trial::TEN_TEN.n_ants()).map(of_size).collect()
-}
-
-/// Something that the paper says in words, as a statistic on one side of a limit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Claim {
-    pub claim: &'static str,
-    pub statistic: String,
-    pub below: bool,
-    pub limit: f64,
-    pub found: Option<Estimate>,
-    /// Whether the whole interval is on the side of the claim: `null` when the limit lies in it.
-    pub holds: Option<bool>,
-}
-
-/// Claim, statistic, whether it must be below the limit, and the limit. The paper gives no limits.
-const CLAIMS: [(&str, Measure, bool, f64); 6] = [
-    ("one ant hardly moves the load", Measure::SpeedOfOne, true, 1.0 / 3.0),
-    ("two ants are not enough for speed", Measure::OverFive(2), true, 0.5),
-    ("three ants are", Measure::OverFive(3), false, 0.5),
-    ("each further ant adds less", Measure::LateGain, true, 0.5),
-    ("speed saturates between five and ten ants", Measure::TenOverFive, false, 0.75),
-    ("five ants on ten springs are faster than four on four", Measure::FiveOverFour, true, 0.75),
-];
-
-/// The claims on these units.
-pub fn claims(units: &[Unit]) -> Vec<Claim> {
-    let judged = |(claim, measure, below, limit): (&'static str, Measure, bool, f64)| {
-        // Not all seeds have all numbers of ants.
-        let trials = measure.trials();
-        let complete: Vec<Unit> = units.iter().filter(|unit| trials.iter().all(|trial| unit.of(*trial).is_some())).copied().collect();
-        let found = measure.estimate(&complete);
-        let holds = found.and_then(|found| {
-            let interval = found.interval_95?;
-            let (is_below, is_above) = (interval.high < limit, interval.low > limit);
-            (is_below || is_above).then_some(is_below == below)
-        });
-        Claim { claim, statistic: measure.name(), below, limit, found, holds }
-    };
-    CLAIMS.into_iter().map(judged).collect()
 }
 
 #[cfg(test)]

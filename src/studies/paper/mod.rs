@@ -2,17 +2,26 @@
 //!
 //! The paper prints no step, no pulling speed, no sensing range and no values of its figures. The
 //! numbers of its text are compared. The parameters of the ants that it does not print were fitted
-//! to those numbers ([`fit`]), with other seeds than those of the comparison. Every interval is
-//! over seeds with their four trials, because the ticks of one run are not independent.
+//! to some of those numbers ([`fit`]), with other seeds than those of the comparison; a number that
+//! was fitted is called calibrated. Every interval is over seeds with their four trials, because the
+//! ticks of one run are not independent.
 //!
 //! ```text
 //! trial.rs    the four trials as scenarios
 //! facts.rs    numbers of one run
 //! change.rs   one change of mean in a series, and its significance
+//! phase.rs    the printed change of three series at once
+//! force.rs    the inertial force, as a camera would see it
 //! units.rs    runs of one seed, resampled together
+//! sampling.rs samples of pulls: from which trials, and when
 //! maximum.rs  the largest pull of a sample of the printed size
-//! measures.rs all compared quantities, and the claims
-//! verdict.rs  match, near or differs
+//! mixture.rs  the printed sample counts as a mixture of the trials
+//! group_size.rs  load speed by the number of pulling ants
+//! measures.rs all compared quantities
+//! claims.rs   what the paper says in words, with the models that contradict it
+//! verdict.rs  match, near, calibrated, differs or undecided
+//! missed.rs   what is not reproduced
+//! experiment.rs  what the paper measured on ants
 //! inertia.rs  conclusions that change with inertia
 //! fit.rs      search for the parameters that are not printed
 //! shown.rs    one run for figures
@@ -20,16 +29,24 @@
 //! ```
 
 pub mod change;
+mod claims;
+mod experiment;
 mod facts;
 pub mod figure;
 pub mod figure_run;
 pub mod files;
 pub mod fit;
+mod force;
+mod group_size;
 mod inertia;
 mod maximum;
 mod measures;
+mod missed;
+mod mixture;
+mod phase;
 pub mod readme;
 pub mod report;
+mod sampling;
 mod shown;
 mod style;
 mod suite;
@@ -40,12 +57,20 @@ mod verdict;
 pub mod why;
 
 pub use change::{Change, change_of_mean};
-pub use facts::{BLOCK, ChangeAt, Changes, OfSize, RunFacts, Series, WINDOW_S, run, series_of};
+pub use claims::{Claim, Null, claims};
+pub use experiment::{Experiment, experiment};
+pub use facts::{BLOCK, ChangeAt, Changes, OfSize, PhaseAt, RunFacts, Series, WINDOW_S, WINDOWS, run, series_of};
+pub use force::{FRAME_S, ForceAt, ForceRow, force_rows};
+pub use group_size::{Speeds, load_speeds};
 pub use inertia::{Conclusion, Standing, conclusions};
 pub use maximum::{Extreme, extreme};
-pub use measures::{Claim, MEASURES, Measure, Sample, Speeds, claims, load_speeds};
+pub use measures::{MEASURES, Measure, PhaseSign};
+pub use missed::{Missed, missed};
+pub use mixture::{Mixture, TrialShare, mixture, printed_share};
+pub use phase::{PhaseChange, phase_change};
+pub use sampling::{Sample, Sampling};
 pub use shown::{Shown, Snapshot, shown};
 pub use suite::{Answer, Plan, Replayed, Set, Task, tasks};
 pub use trial::{Case, LITERAL_PERIOD_S, Trial};
 pub use units::{Estimate, Unit, difference, estimate, paired, units};
-pub use verdict::{Grade, Printed, grade, graded};
+pub use verdict::{Grade, Own, Printed};

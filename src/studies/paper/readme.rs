@@ -3,19 +3,30 @@
 use std::fmt::Write;
 
 use crate::math::Interval;
+use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
 use crate::output::text::wrapped_markdown;
 use crate::studies::paper::report::Paper;
-use crate::studies::paper::{Claim, Conclusion, Estimate, Replayed};
+use crate::studies::paper::{Claim, Conclusion, Estimate, Replayed, printed_share};
 
 /// What the files are.
 const FILES: &str = "\
-- `table.csv` every quantity on every set of runs, with intervals, grades and paired differences; `claims.csv`, `group-size.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`
+- `table.csv` every quantity on every set of runs, with intervals, grades and paired differences; `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`, `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`
 - `fit.csv` every set of parameters that was tried, and how far it is from the printed numbers; `runs.csv` every run
-- `pulls.svg` pulls by trial and the largest one; `group-size.svg` speed by group and shares; `backends.svg` what inertia and the engine move; `fit.svg` how sharp the fit is
+- `pulls.svg` pulls by trial and the largest one; `group-size.svg` speed by group and shares; `backends.svg` what inertia and the engine move; `inertial-force.svg` the inertial force by smoothing time; `fit.svg` how sharp the fit is
 - `transition.svg`, `snapshots.svg`, `path.svg` one run of four ants
 - `table.txt` what the command prints; `summary.json` the same for programs; `manifest.json` where it comes from
+";
+
+const GRADES: &str = "
+Match: the two numbers are as close as two samples of the same runs, with the printed sample's own size. Near: certainly within 10 %, or within 0.05 of a share. Calibrated: as near, and parameters were fitted to it. Differs: certainly farther apart. Undecided: these seeds do not tell. A wider interval never makes a better grade. The paper's figures are known by form only: none of their values is compared.
+";
+const NULLS: &str = "
+A claim holds where the whole interval is beyond the limit. Each limit is the value of a model that contradicts the claim, or beyond it: a speed proportional to the number of ants, or a run without phases. The paper gives no limits.
+";
+const FORCES: &str = "
+On the inertial backend. Positions are those of 30 video frames per second, averaged over the smoothing time; the first row of each trial is the acceleration at the control period. The paper says that inertial forces are of order 1e-4 mN, beside 22 mN of friction, and prints no smoothing time.
 ";
 
 /// The page in Markdown.
@@ -25,6 +36,11 @@ pub fn paper_readme(found: &Paper) -> String {
          independent.\n",
         found.preset, found.first_seed
     );
+    let missed = found.not_reproduced.iter().map(|missed| {
+        let certain = if missed.is_certain { "not reproduced" } else { "these seeds do not tell" };
+        vec![missed.what.clone(), missed.paper.clone(), missed.here.clone(), certain.to_owned()]
+    });
+    table("What is not reproduced", &["what", "paper", "here", ""], missed.collect(), &mut text);
     let sets = found.sets.iter().map(|set| vec![set.name.clone(), set.n_seeds.to_string(), format!("{} of {}", set.n_arrived, set.n_runs)]);
     table("Sets of runs", &["set", "seeds", "runs that arrive"], sets.collect(), &mut text);
     let rows = found.table.iter().filter(|row| row.printed.is_some());
@@ -34,8 +50,17 @@ pub fn paper_readme(found: &Paper) -> String {
         vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), grade, row.why.clone()]
     });
     table("Beside what is printed", &["quantity", "paper", "here", "grade", "why"], rows.collect(), &mut text);
-    text.push_str("\nMatch: the printed number lies in the interval, or the computed number rounds to it. Near: within 10 %, a share within 0.05. The paper's figures are known by form only: none of their values is compared.\n");
-    table("Claims", &["claim", "statistic", "limit", "here", "holds"], found.claims.iter().map(claim).collect(), &mut text);
+    text.push_str(GRADES);
+    table(
+        "Claims",
+        &["claim", "where", "statistic", "limit", "here", "holds", "contradicts"],
+        found.claims.iter().map(claim).collect(),
+        &mut text,
+    );
+    text.push_str(NULLS);
+    samples(found, &mut text);
+    measured(found, &mut text);
+    forces(found, &mut text);
     table("Conclusions by backend and inertia", &heads(found), found.conclusions.iter().map(conclusion).collect(), &mut text);
     text.push_str("\nEach cell is the value and whether the conclusion holds there (`?`: unknown with these seeds). Inertia is scaled at the same friction.\n");
     let replayed = found.replayed.iter().map(replayed).collect();
@@ -76,9 +101,72 @@ fn with_interval(estimate: &Option<Estimate>, unit: &str) -> String {
     estimate.map_or_else(|| "-".to_owned(), |estimate| format!("{}{}", quantity(estimate.value, unit), between(estimate.interval_95)))
 }
 
+/// What the paper measured on ants.
+fn measured(found: &Paper, text: &mut String) {
+    let measured = found.experiment.iter().map(|row| {
+        vec![row.quantity.clone(), quantity(row.measured, row.unit), row.n_measured.to_string(), with_interval(&row.here, row.unit)]
+    });
+    table("Beside what was measured on ants", &["quantity", "measured", "samples", "here"], measured.collect(), text);
+    text.push_str("\nPulls of all trials at every control period, and group sizes of the trial of ten ants. The paper does not say that its simulation meets these numbers; they have no grade.\n");
+}
+
+/// Inertial force by smoothing time.
+fn forces(found: &Paper, text: &mut String) {
+    let forces = found.inertial_force.iter().map(|row| {
+        let mean = with_interval(&row.mean_n, "N");
+        vec![
+            row.trial.name(),
+            quantity(row.smoothing_s, "s"),
+            mean,
+            row.rms_n.map_or_else(String::new, |rms| quantity(rms.value, "N")),
+            quantity(row.largest_n, "N"),
+        ]
+    });
+    table("Inertial force m a by smoothing time", &["trial", "smoothing", "mean", "rms", "largest"], forces.collect(), text);
+    if !found.inertial_force.is_empty() {
+        text.push_str(FORCES);
+    }
+}
+
+/// Printed counts as a mixture of the trials.
+fn samples(found: &Paper, text: &mut String) {
+    let Some(mixture) = &found.mixture else { return };
+    let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
+    let rows = (1..=10).map(|size| {
+        let share = |share: f64| if size > 1 { number(share) } else { String::new() };
+        let n = (mixture.shares[size - 1] * n_printed as f64).round();
+        vec![
+            size.to_string(),
+            SIMULATED_SAMPLES[size - 1].to_string(),
+            format!("{n}"),
+            share(printed_share(size)),
+            share(mixture.share_of_two_or_more(size)),
+        ]
+    });
+    let heads = ["pulling ants", "printed samples", "mixture", "printed share of two or more", "mixture"];
+    table("Samples of Fig. 9 as a mixture of the trials", &heads, rows.collect(), text);
+    let parts = mixture.trials.iter().map(|part| format!("{} {} ({} runs)", part.trial.name(), number(part.weight), number(part.n_runs)));
+    write!(
+        text,
+        "\nWeights of the trials, by the largest likelihood of the printed counts, and runs with as many samples at every control period: {}. Of samples with two or more ants, a share of {} has another number of ants in the mixture than printed.\n",
+        parts.collect::<Vec<_>>().join(", "),
+        number(mixture.misplaced())
+    )
+    .expect("a string takes all");
+}
+
 fn claim(claim: &Claim) -> Vec<String> {
     let limit = format!("{} {}", if claim.below { "below" } else { "above" }, number(claim.limit));
-    vec![claim.claim.to_owned(), claim.statistic.clone(), limit, with_interval(&claim.found, ""), holds(claim.holds).to_owned()]
+    let [holds, contradicts] = [holds(claim.holds), claim.contradicts.name()].map(str::to_owned);
+    vec![
+        claim.claim.to_owned(),
+        claim.source.to_owned(),
+        claim.statistic.clone(),
+        limit,
+        with_interval(&claim.found, ""),
+        holds,
+        contradicts,
+    ]
 }
 
 fn holds(holds: Option<bool>) -> &'static str {

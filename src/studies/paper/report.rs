@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use crate::backend::Status;
+use crate::backend::{BackendKind, Status};
 use crate::model::paper as printed;
 use crate::studies::paper::fit::{self, Found, Point};
 use crate::studies::paper::why::{why, why_maximum};
 use crate::studies::paper::{
-    Answer, Claim, Conclusion, Estimate, Extreme, Grade, MEASURES, Measure, Plan, Printed, Replayed, RunFacts, Sample, Speeds, Task, Trial,
-    Unit, claims, conclusions, extreme, grade, graded, load_speeds, units,
+    Answer, Claim, Conclusion, Estimate, Experiment, Extreme, ForceRow, Grade, MEASURES, Measure, Missed, Mixture, Plan, Printed, Replayed,
+    RunFacts, Sample, Sampling, Speeds, Task, Trial, Unit, claims, conclusions, experiment, extreme, force_rows, load_speeds, missed,
+    mixture, units,
 };
 
 /// What `paper --json` prints.
@@ -21,9 +22,17 @@ pub struct Paper {
     /// The worst ending of a step in all runs.
     pub status: Status,
     pub sets: Vec<SetLine>,
+    /// What is printed and not reproduced, on the first set.
+    pub not_reproduced: Vec<Missed>,
     /// On the first set, beside the others.
     pub table: Vec<TableRow>,
     pub claims: Vec<Claim>,
+    /// The printed counts of Fig. 9 as a mixture of the trials of the first set.
+    pub mixture: Option<Mixture>,
+    /// What the paper measured on ants, beside the first set.
+    pub experiment: Vec<Experiment>,
+    /// Inertial force of the load, on the set with the paper's inertia.
+    pub inertial_force: Vec<ForceRow>,
     pub load_speed: Vec<Speeds>,
     pub transitions: Vec<TransitionRow>,
     pub conclusions: Vec<Conclusion>,
@@ -143,6 +152,10 @@ impl Paper {
             sets.iter().zip(&plan.sets).filter(|(_, set)| set.case.preset == plan.preset).map(|(set, _)| set.clone()).collect();
         let first = &sets[0].1;
         let control_period = Trial::TEN_TEN.scenario(&plan.sets[0].case, 1).control_period;
+        let (table, claims) = (table(&sets), claims(first));
+        // The exact model, with the inertia of the paper's load.
+        let is_inertial = |set: &crate::studies::paper::Set| set.case.backend == BackendKind::Inertial && set.case.inertia == 1.0;
+        let inertial = plan.sets.iter().position(|set| is_inertial(set) && set.case.preset == plan.preset);
         Self {
             preset: plan.preset.name(),
             first_seed: plan.first_seed,
@@ -150,8 +163,12 @@ impl Paper {
             wall_s,
             status: runs.by_set.iter().flatten().map(|(_, _, facts)| facts.status).max().unwrap_or_default(),
             sets: (0..names.len()).map(|at| set_line(plan, at, &names[at], &runs.by_set[at])).collect(),
-            table: table(&sets),
-            claims: claims(first),
+            not_reproduced: missed(&table, &claims),
+            table,
+            claims,
+            mixture: mixture(first, control_period),
+            experiment: experiment(first),
+            inertial_force: inertial.map_or_else(Vec::new, |at| force_rows(&sets[at].1)),
             load_speed: load_speeds(first, control_period),
             transitions: transitions(&runs.by_set[0]),
             conclusions: conclusions(&same_model),
@@ -187,19 +204,21 @@ fn set_line(plan: &Plan, at: usize, name: &str, runs: &[(Trial, u64, &RunFacts)]
 
 fn table(sets: &[(String, Vec<Unit>)]) -> Vec<TableRow> {
     let mut rows: Vec<TableRow> = MEASURES.iter().map(|measure| row_of(*measure, sets)).collect();
-    rows.insert(2, maximum_row(sets));
+    for (at, sampling) in Sampling::ALL.into_iter().enumerate() {
+        rows.insert(2 + 3 * at, maximum_row(sets, sampling));
+    }
     rows
 }
 
 fn row_of(measure: Measure, sets: &[(String, Vec<Unit>)]) -> TableRow {
     let first = &sets[0].1;
     let printed = measure.printed();
-    let graded = |ours: &Option<Estimate>| printed.as_ref().zip(ours.as_ref()).map(|(printed, ours)| grade(printed, ours));
+    let graded = |units: &[Unit], ours: &Option<Estimate>| ours.as_ref().and_then(|ours| measure.grade(units, ours));
     let other = |(name, units): &(String, Vec<Unit>)| {
         let value = measure.estimate(units);
         let minus_first = measure.difference(units, first);
         let is_shifted = minus_first.and_then(|found| found.interval_95).is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
-        OtherSet { set: name.clone(), value, grade: graded(&value), minus_first, is_shifted }
+        OtherSet { set: name.clone(), value, grade: graded(units, &value), minus_first, is_shifted }
     };
     let ours = measure.estimate(first);
     TableRow {
@@ -207,40 +226,41 @@ fn row_of(measure: Measure, sets: &[(String, Vec<Unit>)]) -> TableRow {
         unit: measure.unit(),
         printed: printed.map(|printed| printed.value),
         ours,
-        grade: graded(&ours),
+        grade: graded(first, &ours),
         why: why(measure).to_owned(),
         on_others: sets[1..].iter().map(other).collect(),
     }
 }
 
 /// The largest pull of a sample of the printed size; its interval is that of one such sample.
-fn maximum_row(sets: &[(String, Vec<Unit>)]) -> TableRow {
+fn maximum_row(sets: &[(String, Vec<Unit>)], sampling: Sampling) -> TableRow {
     let printed = Printed::new(printed::PULL_MAX_N, 0.05e-3);
-    let of = |units: &[Unit]| -> Option<Estimate> {
-        let found = largest(units)?;
-        Some(Estimate { value: found.expected, interval_95: Some(found.draw_95), n_units: units.len() })
+    let of = |units: &[Unit]| -> Option<(Estimate, Grade)> {
+        let found = largest(units, sampling)?;
+        let estimate = Estimate { value: found.expected, interval_95: Some(found.draw_95), standard_error: None, n_units: units.len() };
+        Some((estimate, printed.graded(found.expected, Some(found.error_95), found.draw)))
     };
-    let graded = |ours: &Option<Estimate>| ours.map(|ours| graded(&printed, ours.value, ours.interval_95));
     let other = |(name, units): &(String, Vec<Unit>)| {
-        let value = of(units);
-        OtherSet { set: name.clone(), value, grade: graded(&value), minus_first: None, is_shifted: false }
+        let found = of(units);
+        let (value, grade) = (found.map(|found| found.0), found.map(|found| found.1));
+        OtherSet { set: name.clone(), value, grade, minus_first: None, is_shifted: false }
     };
-    let ours = of(&sets[0].1);
-    let why = largest(&sets[0].1).map_or_else(String::new, |found| why_maximum(&found));
+    let first = of(&sets[0].1);
+    let why = largest(&sets[0].1, sampling).map_or_else(String::new, |found| why_maximum(&found));
     TableRow {
-        quantity: format!("pull, largest of {}", printed::N_PULLS),
+        quantity: format!("pull, largest of {}, {}", printed::N_PULLS, sampling.name()),
         unit: "N",
         printed: Some(printed.value),
-        ours,
-        grade: graded(&ours),
+        ours: first.map(|found| found.0),
+        grade: first.map(|found| found.1),
         why,
         on_others: sets[1..].iter().map(other).collect(),
     }
 }
 
 /// The largest pull of a sample of the printed size from the printed trials.
-pub fn largest(units: &[Unit]) -> Option<Extreme> {
-    extreme(units, |unit| Sample::Printed.runs(unit), printed::N_PULLS)
+pub fn largest(units: &[Unit], sampling: Sampling) -> Option<Extreme> {
+    extreme(units, |unit| Sample::Printed.runs(unit).into_iter().map(|run| sampling.pulls(run)).collect(), printed::N_PULLS)
 }
 
 fn transitions(runs: &[(Trial, u64, &RunFacts)]) -> Vec<TransitionRow> {

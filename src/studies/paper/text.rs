@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::math::Interval;
+use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::quantity::{number, quantity};
 use crate::studies::paper::report::Paper;
 use crate::studies::paper::{Claim, Estimate};
@@ -12,8 +13,12 @@ use crate::studies::paper::{Claim, Estimate};
 pub fn paper_text(found: &Paper) -> String {
     let mut text = String::new();
     header(found, &mut text);
+    section("not reproduced", missed(found), &mut text);
     section("beside the paper", table(found), &mut text);
     section("claims", found.claims.iter().map(claim).collect(), &mut text);
+    section("samples by number of pulling ants, mixture of the trials", samples(found), &mut text);
+    section("measured on ants, not graded", experiment(found), &mut text);
+    section("inertial force by smoothing time (paper: 1e-4 mN, friction 22 mN)", forces(found), &mut text);
     section("load speed by number of pulling ants, ten springs", speeds(found), &mut text);
     section("one change of mean in a run", transitions(found), &mut text);
     section("other sets, paired differences", others(found), &mut text);
@@ -63,6 +68,39 @@ fn table(found: &Paper) -> Vec<Vec<String>> {
     found.table.iter().map(row).collect()
 }
 
+fn missed(found: &Paper) -> Vec<Vec<String>> {
+    let row = |missed: &crate::studies::paper::Missed| {
+        let certain = if missed.is_certain { "" } else { "(these seeds do not tell)" };
+        vec![missed.what.clone(), format!("paper {}", missed.paper), format!("here {}", missed.here), certain.to_owned()]
+    };
+    found.not_reproduced.iter().map(row).collect()
+}
+
+fn samples(found: &Paper) -> Vec<Vec<String>> {
+    let Some(mixture) = &found.mixture else { return Vec::new() };
+    let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
+    let row = |size: usize| {
+        let n = (mixture.shares[size - 1] * n_printed as f64).round();
+        vec![size.to_string(), format!("paper n = {}", SIMULATED_SAMPLES[size - 1]), format!("mixture n = {n}")]
+    };
+    (1..=10).map(row).collect()
+}
+
+fn experiment(found: &Paper) -> Vec<Vec<String>> {
+    let row = |row: &crate::studies::paper::Experiment| {
+        vec![row.quantity.clone(), format!("measured {}", quantity(row.measured, row.unit)), with_interval(&row.here, row.unit)]
+    };
+    found.experiment.iter().map(row).collect()
+}
+
+fn forces(found: &Paper) -> Vec<Vec<String>> {
+    let row = |row: &crate::studies::paper::ForceRow| {
+        let largest = format!("largest {}", quantity(row.largest_n, "N"));
+        vec![row.trial.name(), quantity(row.smoothing_s, "s"), format!("mean {}", with_interval(&row.mean_n, "N")), largest]
+    };
+    found.inertial_force.iter().map(row).collect()
+}
+
 fn claim(claim: &Claim) -> Vec<String> {
     let verdict = match claim.holds {
         Some(true) => "holds",
@@ -80,7 +118,7 @@ fn claim(claim: &Claim) -> Vec<String> {
 
 fn speeds(found: &Paper) -> Vec<Vec<String>> {
     let row = |speeds: &crate::studies::paper::Speeds| {
-        let printed = speeds.printed_instants.map_or_else(String::new, |n| format!("paper n = {n}"));
+        let printed = format!("paper n = {}", speeds.printed_instants);
         let n = format!("n = {}", speeds.n_instants);
         let headway = format!("as ants, towards the nest {}", with_interval(&speeds.headway_m_per_s, "m/s"));
         vec![speeds.n_transporting.to_string(), speeds.trial.name(), with_interval(&speeds.load_speed_m_per_s, "m/s"), headway, n, printed]

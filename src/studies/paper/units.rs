@@ -40,8 +40,21 @@ pub struct Estimate {
     pub value: f64,
     /// `null` below two units, or where a resample had no value.
     pub interval_95: Option<Interval>,
+    /// Scatter of the value over samples of as many units; `null` where there is no interval.
+    pub standard_error: Option<f64>,
     /// Number of units that the value depends on.
     pub n_units: usize,
+}
+
+impl Estimate {
+    /// A value with its standard error over `n_units` units and Student's interval.
+    pub fn students(value: f64, standard_error: Option<f64>, n_units: usize) -> Self {
+        let interval_95 = standard_error.filter(|_| n_units > 1).map(|error| {
+            let half = student(0.95, (n_units - 1) as f64) * error;
+            Interval { low: value - half, high: value + half }
+        });
+        Self { value, interval_95, standard_error, n_units }
+    }
 }
 
 /// A statistic of a sample of units; `None` where it has no value.
@@ -53,8 +66,8 @@ const N_RESAMPLES: u64 = 600;
 pub fn estimate(units: &[Unit], statistic: &Statistic) -> Option<Estimate> {
     let value = statistic(units)?;
     let counting: Vec<usize> = (0..units.len()).filter(|at| counts(units, *at, statistic)).collect();
-    let interval_95 = interval(value, &counting, |drawn| statistic(&picked(units, drawn)));
-    Some(Estimate { value, interval_95, n_units: counting.len() })
+    let error = standard_error(&counting, |drawn| statistic(&picked(units, drawn)));
+    Some(Estimate::students(value, error, counting.len()))
 }
 
 /// `statistic` of `a` minus that of `b`, over the seeds that both have.
@@ -63,7 +76,7 @@ pub fn difference(a: &[Unit], b: &[Unit], statistic: &Statistic) -> Option<Estim
     let value = statistic(&a)? - statistic(&b)?;
     let counting: Vec<usize> = (0..a.len()).filter(|at| counts(&a, *at, statistic) || counts(&b, *at, statistic)).collect();
     let of = |drawn: &[usize]| Some(statistic(&picked(&a, drawn))? - statistic(&picked(&b, drawn))?);
-    Some(Estimate { value, interval_95: interval(value, &counting, of), n_units: counting.len() })
+    Some(Estimate::students(value, standard_error(&counting, of), counting.len()))
 }
 
 fn picked<'a>(units: &[Unit<'a>], drawn: &[usize]) -> Vec<Unit<'a>> {
@@ -83,8 +96,9 @@ pub fn paired<'a>(a: &[Unit<'a>], b: &[Unit<'a>]) -> (Vec<Unit<'a>>, Vec<Unit<'a
     (shared(a, b), shared(b, a))
 }
 
-/// About the `value` of all `counting` units.
-fn interval(value: f64, counting: &[usize], of: impl Fn(&[usize]) -> Option<f64>) -> Option<Interval> {
+/// Scatter of a statistic over resamples of the `counting` units; `None` below two of them, or where
+/// a resample has no value.
+fn standard_error(counting: &[usize], of: impl Fn(&[usize]) -> Option<f64>) -> Option<f64> {
     let n = counting.len();
     if n < 2 {
         return None;
@@ -98,9 +112,7 @@ fn interval(value: f64, counting: &[usize], of: impl Fn(&[usize]) -> Option<f64>
         values.add(of(&drawn)?);
     }
     // Resamples scatter as a mean does that divides by n where its standard error divides by n - 1.
-    let degrees_of_freedom = (n - 1) as f64;
-    let half = student(0.95, degrees_of_freedom) * values.sd() * (n as f64 / degrees_of_freedom).sqrt();
-    Some(Interval { low: value - half, high: value + half })
+    Some(values.sd() * (n as f64 / (n - 1) as f64).sqrt())
 }
 
 #[cfg(test)]

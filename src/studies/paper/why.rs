@@ -1,7 +1,7 @@
 //! Why a number of ours is where it is beside the printed one: a sentence a row.
 
 use crate::output::quantity::quantity;
-use crate::studies::paper::{Extreme, Measure, Sample};
+use crate::studies::paper::{Extreme, Measure, Sample, Sampling};
 
 /// What makes the difference, or the agreement, of one quantity.
 pub fn why(measure: Measure) -> &'static str {
@@ -9,12 +9,20 @@ pub fn why(measure: Measure) -> &'static str {
         Measure::PullMean(Sample::Printed) | Measure::PullSd(Sample::Printed) => {
             "fixed by what a spring gains between two decisions, which the paper leaves open and the fit sets; which trials it sampled is inferred from the sample's size"
         }
+        Measure::PullMeanBy(Sampling::ByTime) | Measure::PullSdBy(Sampling::ByTime) => {
+            "a large pull ends within a few decisions but lasts for many control periods; the paper does not say when pulls were taken"
+        }
+        Measure::PullMeanBy(_) | Measure::PullSdBy(_) => "the same pulls without the zero at which each attachment begins",
         Measure::PullMean(_) | Measure::PullSd(_) => {
             "not printed by trial: a load that follows its ants slackens their springs, one that sticks does not"
         }
         Measure::SizeShare(_) => {
             "set by how soon an ant that has let go finds a free tip, so by the reach; ours spread wider than a binomial, as ants come back unequally fast"
         }
+        Measure::MixtureShare(_) => {
+            "the weights of the trials are those that bring all printed counts closest; the paper does not print how many runs each trial had"
+        }
+        Measure::Phase(..) => "the paper shows one run; chance makes 2.5 % of runs significant, and 5 % of the change of all three",
         Measure::TimeToNest(_) => "not printed beyond an order of 100 s; goes with the inferred walking speed of pulling ants",
         Measure::Arrived(_) => "within the longest time of the scenario; not printed",
         _ => "a ratio that no inferred speed changes much",

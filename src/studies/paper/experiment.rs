@@ -1,0 +1,71 @@
+//! What the paper measured on ants, beside the runs. The simulation is not said to meet these
+//! numbers, so that they have no grade.
+
+use serde::Serialize;
+
+use super::facts::RunFacts;
+use super::trial::Trial;
+use super::units::{Estimate, Unit, estimate};
+use crate::math::Summary;
+use crate::model::paper as printed;
+
+/// A measured number, and the same of the runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Experiment {
+    pub quantity: String,
+    pub unit: &'static str,
+    pub measured: f64,
+    /// Number of measured samples (1).
+    pub n_measured: u64,
+    pub here: Option<Estimate>,
+}
+
+/// Pulls at every control period in all trials, and group sizes in the trial of ten ants.
+pub fn experiment(units: &[Unit]) -> Vec<Experiment> {
+    let row = |quantity: String, unit, measured, n_measured, statistic: &dyn Fn(&[Unit]) -> Option<f64>| Experiment {
+        quantity,
+        unit,
+        measured,
+        n_measured,
+        here: estimate(units, statistic),
+    };
+    let n = printed::N_MEASURED_PULLS;
+    let mut rows = vec![
+        row("pull, mean".into(), "N", printed::MEASURED_PULL_MEAN_N, n, &|units| Some(pooled(units)?[0])),
+        row("pull, standard deviation".into(), "N", printed::MEASURED_PULL_SD_N, n, &|units| Some(pooled(units)?[1])),
+        row("share of pulls of at most 30 mN".into(), "", printed::MEASURED_SHARE_BELOW, n, &|units| Some(pooled(units)?[2])),
+    ];
+    let n: u64 = printed::MEASURED_SAMPLES.iter().sum();
+    for (at, count) in printed::MEASURED_SAMPLES.iter().enumerate() {
+        let size = printed::SMALLEST_MEASURED + at;
+        let statistic = move |units: &[Unit]| share_of_measured_sizes(units, size);
+        rows.push(row(format!("share of {size} pulling ants, of 4 to 9"), "", *count as f64 / n as f64, *count, &statistic));
+    }
+    rows
+}
+
+/// Mean, standard deviation and share of at most 30 mN of all pulls.
+fn pooled(units: &[Unit]) -> Option<[f64; 3]> {
+    let runs: Vec<&RunFacts> = units.iter().flat_map(|unit| Trial::ALL.into_iter().filter_map(|trial| unit.of(trial))).collect();
+    let (mut n, mut sum, mut squares, mut n_above) = (0.0, 0.0, 0.0, 0.0);
+    for run in runs {
+        let pulls: &Summary = &run.pulls_by_time;
+        let (n_run, mean, sd) = (pulls.n() as f64, pulls.mean(), pulls.sd());
+        n += n_run;
+        sum += n_run * mean;
+        squares += (n_run - 1.0).max(0.0) * sd * sd + n_run * mean * mean;
+        n_above += run.n_pulls_above as f64;
+    }
+    let mean = sum / n;
+    (n > 1.0).then(|| [mean, ((squares - n * mean * mean).max(0.0) / (n - 1.0)).sqrt(), 1.0 - n_above / n])
+}
+
+/// Share of the time with `size` of ten ants pulling, of that with 4 to 9 (1).
+fn share_of_measured_sizes(units: &[Unit], size: usize) -> Option<f64> {
+    let time = |sizes: std::ops::RangeInclusive<usize>| {
+        let runs = units.iter().filter_map(|unit| unit.of(Trial::TEN_TEN));
+        runs.flat_map(|run| run.by_size.get(sizes.clone()).into_iter().flatten()).map(|of_size| of_size.time_s).sum::<f64>()
+    };
+    let all = time(printed::SMALLEST_MEASURED..=printed::SMALLEST_MEASURED + printed::MEASURED_SAMPLES.len() - 1);
+    (all > 0.0).then(|| time(size..=size) / all)
+}

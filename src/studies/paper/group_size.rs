@@ -1,0 +1,93 @@
+//! Load speed by the number of pulling ants, as in the paper's ninth figure.
+
+use serde::Serialize;
+
+use super::facts::{MIDDLE_WINDOW, OfSize, WINDOWS};
+use super::measures::{Measure, runs};
+use super::trial::Trial;
+use super::units::{Estimate, Unit};
+use crate::math::Summary;
+use crate::model::paper as printed;
+
+/// Time and way of all runs of `trial` while `size` ants pulled.
+pub(super) fn sum_of_size(units: &[Unit], trial: Trial, size: usize) -> OfSize {
+    let found = runs(units, trial).filter_map(|run| run.by_size.get(size));
+    found.fold(OfSize::default(), |sum, one| OfSize { time_s: sum.time_s + one.time_s, way_m: sum.way_m + one.way_m })
+}
+
+/// Number of control periods with `least` or more pulling ants in a trial (1).
+pub(super) fn instants(units: &[Unit], trial: Trial, least: usize) -> f64 {
+    let (mut time, mut ants_time, mut n_pulls) = (0.0, 0.0, 0.0);
+    for run in runs(units, trial) {
+        n_pulls += run.pulls_by_time.n() as f64;
+        for (size, of_size) in run.by_size.iter().enumerate() {
+            ants_time += size as f64 * of_size.time_s;
+            time += if size >= least { of_size.time_s } else { 0.0 };
+        }
+    }
+    // One pull is counted for each pulling ant at each control period.
+    if ants_time > 0.0 { time * n_pulls / ants_time } else { 0.0 }
+}
+
+/// Trial with groups of a size on ten springs: up to five in the trial of five ants, larger groups
+/// in that of ten.
+pub(super) fn trial_of_size(size: usize) -> Trial {
+    if size < printed::SMALLEST_OF_TEN { Trial::FIVE_TEN } else { Trial::TEN_TEN }
+}
+
+/// Speed (m/s) in windows in which on average `size` ants pulled, with ten springs.
+pub(super) fn speed_of(units: &[Unit], size: usize) -> Option<f64> {
+    speed_in_windows(units, size, MIDDLE_WINDOW)
+}
+
+/// The same in windows of the length [`WINDOWS`]`[window]`.
+fn speed_in_windows(units: &[Unit], size: usize, window: usize) -> Option<f64> {
+    let found = runs(units, trial_of_size(size)).filter_map(|run| run.by_window[window].get(size));
+    let (way, time) = found.fold((0.0, 0.0), |(way, time), one| (way + one.way_m, time + one.time_s));
+    (time > 0.0).then(|| way / time)
+}
+
+/// Load speed by group size, as in the paper's ninth figure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Speeds {
+    pub n_transporting: usize,
+    pub trial: Trial,
+    /// Over windows in which on average so many pulled.
+    pub load_speed_m_per_s: Option<Estimate>,
+    /// Standard deviation over runs (m/s).
+    pub sd_over_runs_m_per_s: Option<f64>,
+    /// Mean over the ticks at which so many ants pulled (m/s). The jump after a release then counts
+    /// for the smaller group.
+    pub load_speed_by_tick_m_per_s: Option<f64>,
+    /// In windows of each of [`WINDOWS`] (m/s).
+    pub load_speed_by_window_m_per_s: [Option<f64>; WINDOWS.len()],
+    /// Of those ticks: time (s), number, and the number printed.
+    pub time_s: f64,
+    pub n_instants: u64,
+    pub printed_instants: u64,
+    /// Of so many ants on ten springs, however many of them pull (m/s, towards the nest).
+    pub headway_m_per_s: Option<Estimate>,
+}
+
+/// Speed by the number of ants that pull, and by that of ants, from one to ten.
+pub fn load_speeds(units: &[Unit], control_period: f64) -> Vec<Speeds> {
+    let of_size = |size: usize| {
+        let trial = trial_of_size(size);
+        let of_ticks = sum_of_size(units, trial, size);
+        let mut over_runs = Summary::default();
+        over_runs.extend(units.iter().filter_map(|unit| speed_of(std::slice::from_ref(unit), size)));
+        Speeds {
+            n_transporting: size,
+            trial,
+            load_speed_m_per_s: Measure::LoadSpeed(size).estimate(units),
+            sd_over_runs_m_per_s: (over_runs.n() > 1).then(|| over_runs.sd()),
+            load_speed_by_tick_m_per_s: (of_ticks.time_s > 0.0).then(|| of_ticks.way_m / of_ticks.time_s),
+            load_speed_by_window_m_per_s: std::array::from_fn(|window| speed_in_windows(units, size, window)),
+            time_s: of_ticks.time_s,
+            n_instants: (of_ticks.time_s / control_period).round() as u64,
+            printed_instants: printed::SIMULATED_SAMPLES[size - 1],
+            headway_m_per_s: Measure::Headway(size as u8).estimate(units),
+        }
+    };
+    (1..=Trial::TEN_TEN.n_ants()).map(of_size).collect()
+}
