@@ -9,8 +9,9 @@ use crate::output::chart::canvas::natural_height;
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, ROW_HEIGHT, WIDTH, alone, grid};
 use crate::output::quantity::quantity;
+use crate::studies::paper::TableRow;
 use crate::studies::paper::figure_run;
-use crate::studies::paper::report::{FitRow, Paper, TableRow};
+use crate::studies::paper::report::{FitRow, Paper};
 use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
 use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Shown, Trial, Unit};
 

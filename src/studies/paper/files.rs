@@ -7,8 +7,9 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::table::{Field, Kind, Table, write_rows};
+use crate::studies::paper::TableRow;
 use crate::studies::paper::readme::paper_readme;
-use crate::studies::paper::report::{Paper, TableRow};
+use crate::studies::paper::report::Paper;
 use crate::studies::paper::text::paper_text;
 use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
 

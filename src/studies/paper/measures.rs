@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
+use super::by_size::{instants, speed_of, sum_of_size};
 use super::facts::{Changes, RunFacts};
-use super::group_size::{instants, speed_of, sum_of_size};
 use super::mixture::{mixture, printed_share};
 use super::sampling::{Pool, Sample, Sampling};
 use super::trial::Trial;
-use super::units::{Estimate, Unit, difference, estimate, paired};
+use super::units::{Estimate, Unit, difference, estimate, paired, runs};
 use super::verdict::{Grade, Own, Printed};
 use crate::math::{exact_proportion_interval, proportion_interval, share_difference_interval};
 use crate::model::paper as printed;
@@ -290,10 +290,6 @@ impl Measure {
         }
         .filter(|value| value.is_finite())
     }
-}
-
-pub(super) fn runs<'a>(units: &[Unit<'a>], trial: Trial) -> impl Iterator<Item = &'a RunFacts> {
-    units.iter().filter_map(move |unit| unit.of(trial))
 }
 
 fn arrivals<'a>(units: &[Unit<'a>], trial: Trial) -> impl Iterator<Item = f64> {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::claims::Claim;
-use super::report::TableRow;
+use super::table_row::TableRow;
 use super::verdict::Grade;
 use crate::math::Interval;
 use crate::output::quantity::{number, quantity};

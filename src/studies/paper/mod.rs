@@ -12,14 +12,17 @@
 //! change.rs   one change of mean in a series, and its significance
 //! phase.rs    the printed change of three series at once
 //! force.rs    the inertial force, as a camera would see it
+//! force_rows.rs  the same of all runs
 //! units.rs    runs of one seed, resampled together
 //! sampling.rs samples of pulls: from which trials, and when
 //! maximum.rs  the largest pull of a sample of the printed size
 //! mixture.rs  the printed sample counts as a mixture of the trials
+//! by_size.rs  sums over all runs by the number of pulling ants
 //! group_size.rs  load speed by the number of pulling ants
 //! measures.rs all compared quantities
 //! claims.rs   what the paper says in words, with the models that contradict it
 //! verdict.rs  match, near, calibrated, differs or undecided
+//! table_row.rs  a row of the table of quantities
 //! missed.rs   what is not reproduced
 //! experiment.rs  what the paper measured on ants
 //! inertia.rs  conclusions that change with inertia
@@ -28,6 +31,7 @@
 //! suite.rs    all runs as tasks
 //! ```
 
+mod by_size;
 pub mod change;
 mod claims;
 mod experiment;
@@ -37,6 +41,7 @@ pub mod figure_run;
 pub mod files;
 pub mod fit;
 mod force;
+mod force_rows;
 mod group_size;
 mod inertia;
 mod maximum;
@@ -50,6 +55,7 @@ mod sampling;
 mod shown;
 mod style;
 mod suite;
+mod table_row;
 pub mod text;
 mod trial;
 mod units;
@@ -60,7 +66,8 @@ pub use change::{Change, change_of_mean};
 pub use claims::{Claim, Null, claims};
 pub use experiment::{Experiment, experiment};
 pub use facts::{BLOCK, ChangeAt, Changes, OfSize, PhaseAt, RunFacts, Series, WINDOW_S, WINDOWS, run, series_of};
-pub use force::{FRAME_S, ForceAt, ForceRow, force_rows};
+pub use force::{FRAME_S, ForceAt};
+pub use force_rows::{ForceRow, force_rows};
 pub use group_size::{Speeds, load_speeds};
 pub use inertia::{Conclusion, Standing, conclusions};
 pub use maximum::{Extreme, extreme};
@@ -71,6 +78,7 @@ pub use phase::{PhaseChange, phase_change};
 pub use sampling::{Sample, Sampling};
 pub use shown::{Shown, Snapshot, shown};
 pub use suite::{Answer, Plan, Replayed, Set, Task, tasks};
+pub use table_row::{OtherSet, TableRow};
 pub use trial::{Case, LITERAL_PERIOD_S, Trial};
 pub use units::{Estimate, Unit, difference, estimate, paired, units};
 pub use verdict::{Grade, Own, Printed};

@@ -7,9 +7,9 @@ use crate::model::paper as printed;
 use crate::studies::paper::fit::{self, Found, Point};
 use crate::studies::paper::why::{why, why_maximum};
 use crate::studies::paper::{
-    Answer, Claim, Conclusion, Estimate, Experiment, Extreme, ForceRow, Grade, MEASURES, Measure, Missed, Mixture, Plan, Printed, Replayed,
-    RunFacts, Sample, Sampling, Speeds, Task, Trial, Unit, claims, conclusions, experiment, extreme, force_rows, load_speeds, missed,
-    mixture, units,
+    Answer, Claim, Conclusion, Estimate, Experiment, Extreme, ForceRow, Grade, MEASURES, Measure, Missed, Mixture, OtherSet, Plan, Printed,
+    Replayed, RunFacts, Sample, Sampling, Speeds, TableRow, Task, Trial, Unit, claims, conclusions, experiment, extreme, force_rows,
+    load_speeds, missed, mixture, units,
 };
 
 /// What `paper --json` prints.
@@ -51,31 +51,6 @@ pub struct SetLine {
     pub n_seeds: u64,
     pub n_runs: usize,
     pub n_arrived: usize,
-}
-
-/// A quantity beside the printed one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TableRow {
-    pub quantity: String,
-    pub unit: &'static str,
-    pub printed: Option<f64>,
-    /// On the first set.
-    pub ours: Option<Estimate>,
-    pub grade: Option<Grade>,
-    pub why: String,
-    /// On the other sets, in their order.
-    pub on_others: Vec<OtherSet>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct OtherSet {
-    pub set: String,
-    pub value: Option<Estimate>,
-    pub grade: Option<Grade>,
-    /// Minus the first set, paired by seed.
-    pub minus_first: Option<Estimate>,
-    /// Whether the interval of that leaves out zero.
-    pub is_shifted: bool,
 }
 
 /// Changes of mean in one series over the runs of one trial.

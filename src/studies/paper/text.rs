@@ -61,7 +61,7 @@ fn between(interval: Option<Interval>, unit: &str) -> String {
 }
 
 fn table(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::report::TableRow| {
+    let row = |row: &crate::studies::paper::TableRow| {
         let printed = row.printed.map_or_else(|| "not printed".to_owned(), |printed| quantity(printed, row.unit));
         vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), row.grade.map_or("", |grade| grade.name()).to_owned()]
     };

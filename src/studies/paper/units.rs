@@ -34,6 +34,10 @@ pub fn units<'a>(runs: impl IntoIterator<Item = (Trial, u64, &'a RunFacts)>) -> 
     found.into_values().collect()
 }
 
+pub(super) fn runs<'a>(units: &[Unit<'a>], trial: Trial) -> impl Iterator<Item = &'a RunFacts> {
+    units.iter().filter_map(move |unit| unit.of(trial))
+}
+
 /// A statistic with its interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
