@@ -137,7 +137,8 @@ fn the_schema_describes_every_key_and_says_what_is_inferred() {
     }
     let ants = &definitions["AntsEntry"]["properties"];
     let is_inferred = |key: &str| ants[key]["description"].as_str().unwrap().contains("is inferred");
-    // Every key of a drive is printed, or an open choice with a range, or no part of the paper's text.
+    // Every key of a drive is printed, or an open choice with a range, or no part of the paper's
+    // text.
     let open: Vec<&str> = OPEN_CHOICES.iter().filter_map(|choice| choice.key?.strip_prefix("drive.")).collect();
     let own = ["kind", "n_ants", "preset", "nest_position_m", "avoidance", "body_radius_m", "look_ahead_m"];
     for key in ants.as_object().unwrap().keys().map(String::as_str) {

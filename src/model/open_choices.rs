@@ -19,7 +19,8 @@ pub struct OpenChoice {
 /// Values that an open choice may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
-    /// Numbers from `low` to `high`. Steps are ratios where `is_logarithmic`, differences otherwise.
+    /// Numbers from `low` to `high`. Steps are ratios where `is_logarithmic`, differences
+    /// otherwise.
     Between { low: f64, high: f64, is_logarithmic: bool },
     /// One of these numbers.
     Numbers(&'static [f64]),

@@ -156,7 +156,8 @@ mod tests {
         assert!((FRICTION_COEFFICIENT * LOAD_MASS_KG * 9.81 - FRICTION_FORCE_N).abs() < 0.5e-3);
         assert!((0.5 * DIAMETER_M - REST_LENGTH_M - LOAD_RADIUS_M).abs() < 1e-12);
         assert!((SPRING.rest_length() - REST_LENGTH_M).abs() < 1e-12);
-        // Groups of two to five ants, each with its ants, make up the printed sample of pulls to 1.2 %.
+        // Groups of two to five ants, each with its ants, make up the printed sample of pulls to
+        // 1.2 %.
         let pulls: u64 = (2..=5).map(|size| size * SIMULATED_SAMPLES[size as usize - 1]).sum();
         assert!((pulls as f64 / N_PULLS as f64 - 1.0).abs() < 0.012, "{pulls}");
     }

@@ -16,10 +16,10 @@ use crate::model::paper::{self, PrintedParameter};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The fitted set whose results come closest to the printed ones. Ants decide at every tick with
-    /// a hazard, so that rates do not depend on the control period. It departs from two printed
-    /// values: `steering_half_angle_rad` is 0.6 in place of 60 degrees, fitted to the printed pulls
-    /// and group sizes, and `control_offset_m` is 0 in place of 2 mm.
+    /// The fitted set whose results come closest to the printed ones. Ants decide at every tick
+    /// with a hazard, so that rates do not depend on the control period. It departs from two
+    /// printed values: `steering_half_angle_rad` is 0.6 in place of 60 degrees, fitted to the
+    /// printed pulls and group sizes, and `control_offset_m` is 0 in place of 2 mm.
     #[default]
     Default,
     /// Every value that the paper prints, with the default preset's values of what it does not
@@ -30,7 +30,8 @@ pub enum Preset {
     /// `control_offset_m` as the default preset does.
     PaperSpeed,
     /// Ants decide to release once per decision period after each grasp, with the printed
-    /// probability. Of such sets this one fits the printed results best. It departs from the printed
+    /// probability. Of such sets this one fits the printed results best. It departs from the
+    /// printed
     /// `steering_half_angle_rad` and `control_offset_m` as the default preset does.
     Aged,
     /// Ants decide at every tick with the printed probabilities, for forces in newtons. With a

@@ -1,5 +1,5 @@
-//! Tables of the book that follow from the program: printed values that presets replace, and choices
-//! that the paper leaves open.
+//! Tables of the book that follow from the program: printed values that presets replace, and
+//! choices that the paper leaves open.
 //!
 //! A table stands between the lines `<!-- table NAME -->` and `<!-- end -->`.
 

@@ -74,8 +74,8 @@ const fn of_phase(claim: &'static str, sign: PhaseSign, limit: f64) -> Stated {
     Stated { claim, source: SIMULATION, measure, below: false, limit, contradicts: Null::NoPhases }
 }
 
-/// Tests of a change of mean are significant in a twentieth of runs without one, half of them in the
-/// printed direction: a series and its reverse are equally likely.
+/// Tests of a change of mean are significant in a twentieth of runs without one, half of them in
+/// the printed direction: a series and its reverse are equally likely.
 const ONE_DIRECTION: f64 = 0.025;
 
 const CLAIMS: [Stated; 10] = [
@@ -186,8 +186,8 @@ mod tests {
         found
     }
 
-    /// With speeds proportional to the number of ants and without phases, every claim fails, but for
-    /// the 2.5 % of an interval: 1 of 40 studies, of which 5 are allowed (0.3 % of chance).
+    /// With speeds proportional to the number of ants and without phases, every claim fails, but
+    /// for the 2.5 % of an interval: 1 of 40 studies, of which 5 are allowed (0.3 % of chance).
     #[test]
     fn the_null_models_fail_every_claim() {
         for n_seeds in [12, 40] {

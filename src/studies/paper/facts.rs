@@ -31,8 +31,8 @@ pub struct RunFacts {
     pub n_pulls_above: u64,
     /// By how many ants pulled, from none.
     pub by_size: Vec<OfSize>,
-    /// Sums by the mean number of pulling ants in a window, rounded, for each of [`WINDOWS`]. A jump
-    /// at a release then counts for the group that caused it.
+    /// Sums by the mean number of pulling ants in a window, rounded, for each of [`WINDOWS`]. A
+    /// jump at a release then counts for the group that caused it.
     pub by_window: [Vec<OfSize>; WINDOWS.len()],
     pub changes: Changes,
     /// Inertial force of the load by smoothing time; empty on a backend without inertia.

@@ -1,10 +1,11 @@
 //! The sample counts of Fig. 9 as a mixture of the trials.
 //!
-//! The paper counts the samples in which 1 to 10 ants pulled over all its simulation trials, without
-//! saying how many runs each trial has. Each trial has its own fractions of samples by number of
-//! pulling ants; the weights of the trials are those of the largest likelihood of the printed
-//! counts (expectation and maximization). Samples with one ant come mostly from the trial of one
-//! ant, whose weight they fix; the fractions are therefore compared among samples with two or more.
+//! The paper counts the samples in which 1 to 10 ants pulled over all its simulation trials,
+//! without saying how many runs each trial has. Each trial has its own fractions of samples by
+//! number of pulling ants; the weights of the trials are those of the largest likelihood of the
+//! printed counts (expectation and maximization). Samples with one ant come mostly from the trial
+//! of one ant, whose weight they fix; the fractions are therefore compared among samples with two
+//! or more.
 
 use serde::Serialize;
 
@@ -92,8 +93,8 @@ impl Mixture {
         self.shares[size - 1] / self.shares[1..].iter().sum::<f64>()
     }
 
-    /// Fraction of samples that the mixture has with other numbers of ants than printed (1): half of
-    /// the sum of the differences, among samples with two or more.
+    /// Fraction of samples that the mixture has with other numbers of ants than printed (1): half
+    /// of the sum of the differences, among samples with two or more.
     pub fn misplaced(&self) -> f64 {
         (2..=10).map(|size| (self.share_of_two_or_more(size) - printed_share(size)).abs()).sum::<f64>() / 2.0
     }

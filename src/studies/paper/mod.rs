@@ -3,8 +3,8 @@
 //! The paper prints no step, no pulling speed, no sensing range and no values of its figures. The
 //! numbers of its text are compared. The parameters of the ants that it does not print were fitted
 //! to some of those numbers ([`fit`]), with other seeds than those of the comparison; a number that
-//! was fitted is called calibrated. Every interval is over seeds with their four trials, because the
-//! ticks of one run are not independent.
+//! was fitted is called calibrated. Every interval is over seeds with their four trials, because
+//! the ticks of one run are not independent.
 //!
 //! ```text
 //! trial.rs    the four trials as scenarios

@@ -124,7 +124,8 @@ mod tests {
     }
 
     /// Of 200 runs without phases at most 5 % are significant, up to three standard deviations of
-    /// that number, 0.046. A change in which one of the three goes the other way is no phase change.
+    /// that number, 0.046. A change in which one of the three goes the other way is no phase
+    /// change.
     #[test]
     fn runs_without_phases_and_other_changes_are_not_found() {
         for steps in [[0.0; 3], [2.0, 2.0, 2.0], [2.0, -2.0, -2.0], [-2.0, -2.0, 2.0]] {

@@ -100,8 +100,8 @@ pub fn paired<'a>(a: &[Unit<'a>], b: &[Unit<'a>]) -> (Vec<Unit<'a>>, Vec<Unit<'a
     (shared(a, b), shared(b, a))
 }
 
-/// Scatter of a statistic over resamples of the `counting` units; `None` below two of them, or where
-/// a resample has no value.
+/// Scatter of a statistic over resamples of the `counting` units; `None` below two of them, or
+/// where a resample has no value.
 fn standard_error(counting: &[usize], of: impl Fn(&[usize]) -> Option<f64>) -> Option<f64> {
     let n = counting.len();
     if n < 2 {

@@ -160,8 +160,8 @@ mod tests {
         }
     }
 
-    /// Whatever the truth, a study of 3, 10 or 40 of 160 seeds does not meet the printed number more
-    /// often than one of all: 400 generated studies for each truth, of which three standard
+    /// Whatever the truth, a study of 3, 10 or 40 of 160 seeds does not meet the printed number
+    /// more often than one of all: 400 generated studies for each truth, of which three standard
     /// deviations, 0.06, are allowed. Nor does it more often call a number a match.
     #[test]
     fn leaving_seeds_out_does_not_improve_a_grade() {
