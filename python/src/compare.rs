@@ -132,7 +132,7 @@ impl Comparison {
 
     /// Writes the files of `cohaul compare --out`.
     fn write(&self, py: Python, folder: std::path::PathBuf, command: String) -> PyResult<()> {
-        let written = py.allow_threads(|| write_comparison(&folder, &self.found, &self.scenario, &self.manifest(command)));
+        let written = py.allow_threads(|| write_comparison(&folder, &self.found, &self.scenario, None, &self.manifest(command)));
         written.map_err(|error| PyOSError::new_err(error.to_string()))
     }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::by_size::{instants, speed_of, sum_of_size};
-use super::facts::{Changes, RunFacts};
+use super::facts::Changes;
 use super::mixture::{mixture, printed_share};
 use super::sampling::{Pool, Sample, Sampling};
 use super::trial::Trial;
@@ -220,12 +220,11 @@ impl Measure {
 
     /// For a fraction of runs: whether each run of its trial counts.
     fn hits<'u>(self, units: &'u [Unit<'u>]) -> Option<Vec<Option<bool>>> {
-        let (trial, is_hit): (Trial, &dyn Fn(&RunFacts) -> Option<bool>) = match self {
-            Measure::Arrived(trial) => (trial, &|run| Some(run.arrived)),
-            Measure::Phase(sign, trial) => (trial, &move |run| sign.is_in(&run.changes)),
-            _ => return None,
-        };
-        Some(units.iter().map(|unit| is_hit(unit.of(trial)?)).collect())
+        match self {
+            Measure::Arrived(trial) => Some(units.iter().map(|unit| Some(unit.of(trial)?.arrived)).collect()),
+            Measure::Phase(sign, trial) => Some(units.iter().map(|unit| sign.is_in(&unit.of(trial)?.changes)).collect()),
+            _ => None,
+        }
     }
 
     /// Statistic of all units with its interval. The interval of a fraction of runs is Wilson's,
@@ -310,6 +309,7 @@ fn headway(units: &[Unit], trial: Trial) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::studies::paper::RunFacts;
     use crate::studies::paper::units::units;
 
     /// If every run of one set arrives and none of the other, all resamples are equal. Fractions

@@ -76,14 +76,14 @@ fn best(series: [&[f64]; 3]) -> Option<(usize, [f64; 3])> {
     let margin = ((MARGIN * n as f64) as usize).max(1);
     let mut sums = [0.0; 3];
     let mut found: Option<(usize, [f64; 3])> = None;
-    for i in 0..n - margin {
-        (0..3).for_each(|k| sums[k] += series[k][i] - mean[k]);
-        let (before, after) = ((i + 1) as f64, (n - i - 1) as f64);
+    for at in 1..=n - margin {
+        (0..3).for_each(|k| sums[k] += series[k][at - 1] - mean[k]);
+        let (before, after) = (at as f64, (n - at) as f64);
         // The mean before lies sum / before below the mean of all, that after sum / after above.
         let scale = (n as f64 / (before * after)).sqrt();
         let contrasts = std::array::from_fn(|k| -SIGNS[k] * sums[k] * scale / sd[k]);
-        if i + 1 >= margin && found.is_none_or(|(_, other)| smallest(&contrasts) > smallest(&other)) {
-            found = Some((i + 1, contrasts));
+        if at >= margin && found.is_none_or(|(_, other)| smallest(&contrasts) > smallest(&other)) {
+            found = Some((at, contrasts));
         }
     }
     found
