@@ -62,7 +62,7 @@ fn time_shown(browser: &Browser) -> f64 {
 #[ignore = "needs Chromium and ChromeDriver"]
 fn a_comparison_answers_on_its_first_screen_and_replays_its_traces() {
     let room = tempdir().unwrap();
-    let out = written(&room, &["compare", scene(&room).to_str().unwrap(), "--seeds", "2"]);
+    let out = written(&room, &["compare", scene(&room).to_str().unwrap(), "--seeds", "2", "--traces", "csv"]);
     let browser = Browser::start();
     browser.size(1280, 800);
     browser.open(&out.join("report.html"));

@@ -42,7 +42,7 @@ fn compared(scene: &Value, tier: &str, units: [&str; 3], length: &str) {
     let room = tempdir().unwrap();
     let file = room.path().join("scene.json");
     fs::write(&file, scene.to_string()).unwrap();
-    let out = written(&room, &["compare", file.to_str().unwrap(), "--tier", tier]);
+    let out = written(&room, &["compare", file.to_str().unwrap(), "--tier", tier, "--traces", "csv"]);
     let browser = Browser::start();
     browser.size(1280, 900);
     browser.save_in(room.path());
