@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use cohaul::analysis::TriggerKind;
 use cohaul::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE, with_estimate};
-use cohaul::backend::{Backend, BackendKind, BackendOptions, build};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, TransitionKind, build};
 use cohaul::math::{Twist, Vec2, rotation};
 use cohaul::scenario::{Drive, Scenario, Waypoint};
 use cohaul::simulation::{Keep, SavedRun, Simulation, controller_of};
@@ -320,4 +320,26 @@ fn an_estimate_is_not_valid_once_the_load_touches_an_obstacle() {
     assert!(InertiaEstimate::of(&near, &trace).touches_obstacle);
     assert_eq!(estimate(&far), estimate(&empty));
     assert!(!estimate(&far).touches_obstacle);
+}
+
+/// A load that moves in one jump only, one that never jumps, and four ants: there the same share
+/// from the rows and the transitions of a trace.
+#[test]
+fn jumps_have_their_share_of_the_path() {
+    assert_near(estimate(&scene("analytic/release-jump")).jump_share, 1.0, 1e-12);
+    assert_eq!(estimate(&scene("analytic/centre-pull")).jump_share, 0.0);
+    let mut scenario = scene("paper/four-ants-four-springs");
+    scenario.duration = 30.0;
+    let mut run = Simulation::new(&scenario, &options(&scenario), Keep::Trace);
+    run.run(|_| true);
+    let (trace, radius) = (run.trace(), scenario.system.load.radius);
+    let path: f64 = trace.rows.windows(2).map(|rows| rows[1].motion.pose.edge_displacement(&rows[0].motion.pose, radius)).sum();
+    let jumps = trace.transitions.iter().filter_map(|transition| match transition.kind {
+        TransitionKind::Jump { shift, turn, .. } => Some(shift + radius * turn.abs()),
+        _ => None,
+    });
+    let share = estimate(&scenario).jump_share;
+    // The estimate merges ticks, so that its path is shorter by the bends within them: 3e-5.
+    assert_near(share, jumps.sum::<f64>() / path, 1e-3);
+    assert!((0.1..0.9).contains(&share), "{share}");
 }

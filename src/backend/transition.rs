@@ -80,13 +80,6 @@ pub struct TransitionCounts {
     /// Largest shift in a jump (m); `None` without any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub largest_jump: Option<f64>,
-    /// Sum of the shifts in all jumps (m).
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub jump_path: f64,
-}
-
-fn is_zero(length: &f64) -> bool {
-    *length == 0.0
 }
 
 fn is_none(count: &u64) -> bool {
@@ -108,7 +101,6 @@ impl TransitionCounts {
             TransitionKind::Jump { shift, is_uncertain, .. } => {
                 self.n_jumps += 1;
                 self.n_uncertain_jumps += u64::from(*is_uncertain);
-                self.jump_path += shift;
                 self.largest_jump = Some(self.largest_jump.map_or(*shift, |largest| largest.max(*shift)));
             }
         }

@@ -61,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 65] = [
+pub const FACTS: [Fact; 64] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -139,9 +139,6 @@ pub const FACTS: [Fact; 65] = [
     }),
     number("transitions.largest_jump_m", "largest_jump_m", "Largest displacement in a jump.", |r| {
         r.transitions(|t| t.largest_jump.map_or(Absent, Number))
-    }),
-    number("transitions.jump_path_m", "", "Sum of the displacements in all jumps.", |r| {
-        r.transitions(|t| t.largest_jump.map_or(Absent, |_| Number(t.jump_path)))
     }),
     count("contacts.n_touch", "n_touch", "Number of times the load touched an obstacle.", |r| {
         r.at_obstacles(|o| Count(o.transitions.n_touch))

@@ -10,8 +10,8 @@ use std::str::FromStr;
 use crate::math::{Vec2, direction};
 use crate::output::json::{NotFinite, pretty};
 use crate::scenario::format::{
-    DiscEntry, DriveEntry, GroundEntry, LoadEntry, OutlineEntry, PathEntry, RectangleEntry, ScenarioFile, SpringEntry, SpringsEntry,
-    SupportsEntry, TipsEntry, TipsKind, UniformSupports, UniformSupportsForm,
+    DiscEntry, DriveEntry, GroundEntry, LoadEntry, OutlineEntry, PathEntry, RectangleEntry, STANDARD_GRAVITY, ScenarioFile, SpringEntry,
+    SpringsEntry, SupportsEntry, TipsEntry, TipsKind, UniformSupports, UniformSupportsForm,
 };
 
 /// The numbers of a first scene.
@@ -100,7 +100,7 @@ impl FirstScene {
 
     fn springs(&self) -> Vec<SpringEntry> {
         let (radius, n) = (self.shape.radius(), self.n_robots as f64);
-        let stretched = self.friction * self.mass * 9.81 / (STRETCH * radius);
+        let stretched = self.friction * self.mass * STANDARD_GRAVITY / (STRETCH * radius);
         let stiffness = stretched.max(self.mass * LEAST_RATE * LEAST_RATE) / n;
         let rest_length = rounded(REST_LENGTH * radius);
         let spring = |(root, bearing): (Vec2, f64)| SpringEntry {

@@ -140,6 +140,15 @@ pub struct Journal {
     pub n_dropped: u64,
 }
 
+impl Drop for Journal {
+    /// A program that another thread is starting holds a copy of the file until it runs. The lock
+    /// would last as long if it ended with the last copy only.
+    fn drop(&mut self) {
+        // An error leaves the lock to the end of the last copy, as without this call.
+        let _ = self.file.unlock();
+    }
+}
+
 /// Digits of a line's hash, and the space behind them.
 const MARK: usize = 9;
 
@@ -351,6 +360,19 @@ mod tests {
         };
         journal.visit(&mut keep).unwrap();
         records
+    }
+
+    /// A child that is being started has such a copy until it runs.
+    #[test]
+    fn a_copy_of_the_file_elsewhere_does_not_keep_a_dropped_journal_locked() {
+        let room = tempfile::tempdir().unwrap();
+        let (path, header) = (room.path().join("journal"), header(2, 0..3));
+        let journal = Journal::open(&path, &header).unwrap();
+        let copy = journal.file.try_clone().unwrap();
+        assert!(Journal::open(&path, &header).is_err(), "an open journal is not opened again");
+        drop(journal);
+        Journal::open(&path, &header).unwrap();
+        drop(copy);
     }
 
     /// Cut at every byte of the records, and here and there in the first line: records before the

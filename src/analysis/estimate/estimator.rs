@@ -34,6 +34,9 @@ pub struct InertiaEstimate {
     /// Length scale of the tolerance (m): the quasi-static path length, or the largest edge
     /// displacement from the start with inertia if that is longer.
     pub path_length_m: f64,
+    /// Share of the quasi-static path length that lies in jumps (1).
+    #[serde(skip_serializing_if = "is_zero")]
+    pub jump_share: f64,
     /// Largest edge displacement divided by the path length (1); zero for a load at rest.
     pub share: f64,
     /// Whether the share is at most [`TOLERANCE_SHARE`], with a valid model.
@@ -46,6 +49,10 @@ pub struct InertiaEstimate {
     /// nothing about the run from then on.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub touches_obstacle: bool,
+}
+
+fn is_zero(share: &f64) -> bool {
+    *share == 0.0
 }
 
 /// Follows a run: its methods are called for what happens to the load, in order.
@@ -76,8 +83,10 @@ struct State {
     jump: Option<f64>,
     attribution: Attribution,
     displacements: Displacements,
-    /// Quasi-static path length (m).
+    /// Quasi-static path length (m), and that of the jumps in it.
     path_length: f64,
+    #[serde(default)]
+    jumps_length: f64,
     start: Pose,
     /// Largest edge displacement of the model from the start (m).
     reach: f64,
@@ -126,6 +135,7 @@ impl Estimator {
             attribution: Attribution::new(model.speed > 0.0),
             displacements: Displacements::default(),
             path_length: 0.0,
+            jumps_length: 0.0,
             start: start.pose,
             reach: 0.0,
             warm_start: workspace.solver.warm_start().clone(),
@@ -157,8 +167,11 @@ impl Estimator {
     /// These transitions occurred in the last advance.
     pub fn note(&mut self, transitions: &[Transition]) {
         self.state.touches_obstacle |= transitions.iter().any(|transition| transition.kind.obstacle().is_some());
-        if transitions.iter().any(|transition| matches!(transition.kind, TransitionKind::Jump { .. })) {
-            self.state.jump = Some(self.state.time);
+        for transition in transitions {
+            if let TransitionKind::Jump { shift, turn, .. } = transition.kind {
+                self.state.jump = Some(self.state.time);
+                self.state.jumps_length += shift + self.system.load.radius * turn.abs();
+            }
         }
     }
 
@@ -259,7 +272,7 @@ impl Estimator {
     pub fn estimate(&self) -> InertiaEstimate {
         let mut so_far = self.clone();
         so_far.end_ticks();
-        let State { displacements, path_length, reach, is_invalid, touches_obstacle, .. } = &so_far.state;
+        let State { displacements, path_length, jumps_length, reach, is_invalid, touches_obstacle, .. } = &so_far.state;
         let edge_displacement_max_m = displacements.by_trigger.max();
         let path_length_m = path_length.max(*reach);
         InertiaEstimate {
@@ -268,6 +281,9 @@ impl Estimator {
             largest: displacements.largest,
             by_trigger: displacements.by_trigger,
             path_length_m,
+            // A jump and the slide after it in one tick may go back and forth, so that the tick is
+            // shorter than the jump.
+            jump_share: if *path_length > 0.0 { (jumps_length / path_length).min(1.0) } else { 0.0 },
             share: if path_length_m > 0.0 { edge_displacement_max_m / path_length_m } else { 0.0 },
             is_negligible: !is_invalid && !touches_obstacle && edge_displacement_max_m <= TOLERANCE_SHARE * path_length_m,
             is_invalid: *is_invalid,

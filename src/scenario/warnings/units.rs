@@ -4,10 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use crate::model::{PolarSpring, System};
 use crate::scenario::error::{Findings, short};
+use crate::scenario::format::STANDARD_GRAVITY;
 use crate::scenario::{AntDrive, Drive, Scenario, TipPath};
 
-/// Standard gravity (m/s^2), which turns a weight into a mass.
-const GRAVITY: f64 = 9.81;
 /// Weight of a load over gravity and the area of its disc (kg/m^2): a sheet of paper has 0.1, a
 /// block of steel a metre high has 8000.
 const AREAL_MASS: [f64; 2] = [1e-3, 1e4];
@@ -49,11 +48,11 @@ pub fn check(scenario: &Scenario, findings: &mut Findings) {
 fn weight(system: &System, findings: &mut Findings) {
     let load = &system.load;
     let weight: f64 = system.ground.supports.iter().map(|support| support.normal_load).sum();
-    let areal = weight / GRAVITY / (PI * load.radius * load.radius);
+    let areal = weight / STANDARD_GRAVITY / (PI * load.radius * load.radius);
     let [least, most] = AREAL_MASS;
     if !(least..=most).contains(&areal) {
         let rule = format!("should be in kilograms and metres: most loads have {least:e} to {most:e} kg/m^2 on their disc");
-        let found = format!("{} kg/m^2 ({} kg on a radius of {} m)", short(areal), short(weight / GRAVITY), short(load.radius));
+        let found = format!("{} kg/m^2 ({} kg on a radius of {} m)", short(areal), short(weight / STANDARD_GRAVITY), short(load.radius));
         findings.report("load", rule, found);
     }
     let gravity = weight / load.mass;
@@ -62,7 +61,7 @@ fn weight(system: &System, findings: &mut Findings) {
         findings.report("ground.supports", rule, format_args!("{} N/kg", short(gravity)));
     }
     for (unit, factor) in [("cm/s^2", 1e2), ("mm/s^2", 1e3)] {
-        if (gravity / (factor * GRAVITY) - 1.0).abs() < 0.02 {
+        if (gravity / (factor * STANDARD_GRAVITY) - 1.0).abs() < 0.02 {
             let found = format!("{}, gravity on Earth in {unit}", short(gravity));
             findings.report("ground.gravity_m_per_s2", "should be in m/s^2", found);
         }

@@ -4,9 +4,9 @@
 use serde::Serialize;
 
 use super::facts::RunFacts;
+use super::sampling::{Pool, Sampling};
 use super::trial::Trial;
 use super::units::{Estimate, Unit, estimate};
-use crate::math::Summary;
 use crate::model::paper as printed;
 
 /// A measured number, and the same of the runs.
@@ -30,10 +30,11 @@ pub fn experiment(units: &[Unit]) -> Vec<Experiment> {
         here: estimate(units, statistic),
     };
     let n = printed::N_MEASURED_PULLS;
+    let pool = |units: &[Unit]| Pool::of_runs(all(units), Sampling::ByTime);
     let mut rows = vec![
-        row("pull, mean".into(), "N", printed::MEASURED_PULL_MEAN_N, n, &|units| Some(pooled(units)?[0])),
-        row("pull, standard deviation".into(), "N", printed::MEASURED_PULL_SD_N, n, &|units| Some(pooled(units)?[1])),
-        row("share of pulls of at most 30 mN".into(), "", printed::MEASURED_SHARE_BELOW, n, &|units| Some(pooled(units)?[2])),
+        row("pull, mean".into(), "N", printed::MEASURED_PULL_MEAN_N, n, &|units| pool(units).mean()),
+        row("pull, standard deviation".into(), "N", printed::MEASURED_PULL_SD_N, n, &|units| pool(units).sd()),
+        row("share of pulls of at most 30 mN".into(), "", printed::MEASURED_SHARE_BELOW, n, &share_below),
     ];
     let n: u64 = printed::MEASURED_SAMPLES.iter().sum();
     for (at, count) in printed::MEASURED_SAMPLES.iter().enumerate() {
@@ -44,20 +45,16 @@ pub fn experiment(units: &[Unit]) -> Vec<Experiment> {
     rows
 }
 
-/// Mean, standard deviation and share of at most 30 mN of all pulls.
-fn pooled(units: &[Unit]) -> Option<[f64; 3]> {
-    let runs: Vec<&RunFacts> = units.iter().flat_map(|unit| Trial::ALL.into_iter().filter_map(|trial| unit.of(trial))).collect();
-    let (mut n, mut sum, mut squares, mut n_above) = (0.0, 0.0, 0.0, 0.0);
-    for run in runs {
-        let pulls: &Summary = &run.pulls_by_time;
-        let (n_run, mean, sd) = (pulls.n() as f64, pulls.mean(), pulls.sd());
-        n += n_run;
-        sum += n_run * mean;
-        squares += (n_run - 1.0).max(0.0) * sd * sd + n_run * mean * mean;
-        n_above += run.n_pulls_above as f64;
-    }
-    let mean = sum / n;
-    (n > 1.0).then(|| [mean, ((squares - n * mean * mean).max(0.0) / (n - 1.0)).sqrt(), 1.0 - n_above / n])
+/// Runs of all trials.
+fn all<'a>(units: &[Unit<'a>]) -> impl Iterator<Item = &'a RunFacts> {
+    units.iter().flat_map(|unit| Trial::ALL.into_iter().filter_map(|trial| unit.of(trial)))
+}
+
+/// Share of at most 30 mN of all pulls (1).
+fn share_below(units: &[Unit]) -> Option<f64> {
+    let n_above: u64 = all(units).map(|run| run.n_pulls_above).sum();
+    let n = Pool::of_runs(all(units), Sampling::ByTime).n;
+    (n > 0.0).then(|| 1.0 - n_above as f64 / n)
 }
 
 /// Share of the time with `size` of ten ants pulling, of that with 4 to 9 (1).

@@ -77,7 +77,8 @@ fn row(found: &Paper, measure: Measure) -> Option<&TableRow> {
 /// Mean and standard deviation of pulls by trial, and the largest pull against the size of the
 /// sample.
 pub fn pulls(found: &Paper, units: &[Unit], largest: Option<Extreme>) -> (Vec<Panel>, Vec<Entry>) {
-    let mut moments = Panel::new("ants / springs", "pull at decisions, with zeros at grasps (mN)", Scale::FromZero);
+    let mut moments = Panel::new("ants / springs", "pull at decisions (mN)", Scale::FromZero);
+    moments.note = Some("with a zero at each grasp".to_owned());
     moments.x_names = Trial::ALL.map(Trial::name).to_vec();
     for (level, style) in [(printed::PULL_MEAN_N, PRINTED), (printed::PULL_SD_N, Style { dash: "2 2.5", ..PRINTED })] {
         moments.marks.push(Mark { at: Across::Horizontal(MILLI * level), style });
@@ -135,7 +136,11 @@ pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     ];
     let sets: Vec<usize> = (1..found.sets.len()).filter(|set| found.sets[*set].preset == found.preset).collect();
     let panel = |measure: Measure| {
-        let mut panel = Panel::new("", &format!("{} ({})", short(measure), measure.unit().replace('N', "mN")), Scale::FromZero);
+        let mut panel = Panel::new(
+            "method; × n: inertial, n times the inertia",
+            &format!("{} ({})", short(measure), measure.unit().replace('N', "mN")),
+            Scale::FromZero,
+        );
         panel.x_names = std::iter::once(0).chain(sets.iter().copied()).map(|set| short_name(&found.sets[set].name)).collect();
         let unit = if measure.unit() == "N" { MILLI } else { 1.0 };
         let Some(row) = row(found, measure) else { return panel };
@@ -162,7 +167,7 @@ pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
 
 /// Name of a set of runs that fits below an axis.
 fn short_name(name: &str) -> String {
-    name.replace("quasi-static", "no inertia").replace("inertia x ", "inertia ×")
+    name.replace("quasi-static", "no inertia").replace("inertia x ", "× ")
 }
 
 fn short(measure: Measure) -> String {

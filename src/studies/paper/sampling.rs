@@ -78,8 +78,12 @@ pub(super) struct Pool {
 
 impl Pool {
     pub fn of(units: &[Unit], sample: Sample, sampling: Sampling) -> Self {
+        Self::of_runs(units.iter().flat_map(|unit| sample.runs(unit)), sampling)
+    }
+
+    pub fn of_runs<'a>(runs: impl IntoIterator<Item = &'a RunFacts>, sampling: Sampling) -> Self {
         let mut pool = Self::default();
-        for run in units.iter().flat_map(|unit| sample.runs(unit)) {
+        for run in runs {
             let pulls = sampling.pulls(run);
             let (n, mean, sd) = (pulls.n() as f64, pulls.mean(), pulls.sd());
             pool.n += n;

@@ -28,10 +28,7 @@ pub fn run_text(summary: &RunSummary, detail: Detail) -> String {
             0 => String::new(),
             n => format!("; the ends of {n} depend on the dissipation"),
         };
-        let path_length = run.path_length.or(estimate.map(|estimate| estimate.path_length_m));
-        let share = path_length.filter(|length| *length > 0.0).map_or(String::new(), |length| {
-            format!(", {} % of the path length", short(100.0 * run.outcome.transitions.jump_path / length))
-        });
+        let share = estimate.map_or(String::new(), |estimate| format!(", {} % of the path length", short(100.0 * estimate.jump_share)));
         lines.row("jumps", &format!("{n_jumps}, the largest {}{share}{uncertain}", short_quantity(largest, "m")));
     }
     add_contacts(run, detail, &mut lines);
