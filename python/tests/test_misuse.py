@@ -161,8 +161,10 @@ def test_the_lock_is_released(pulled: Path) -> None:
 
 @pytest.mark.parametrize("call", ["cohaul.run(s, 'rapier', step_s=1e-6)", "cohaul.compare(s, step_s=1e-6)", "cohaul.sweep(s, seeds=10**5)"])
 def test_ctrl_c_ends_a_long_call(call: str, four_ants: Path) -> None:
+    # A shell starts what runs in the background with the signal ignored, and children inherit that.
     code = f"""
-        import time, cohaul
+        import signal, time, cohaul
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         s = cohaul.Scenario({str(four_ants)!r})
         print("ready", flush=True)
         try:
