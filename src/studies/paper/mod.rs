@@ -27,6 +27,7 @@
 //! experiment.rs  what the paper measured on ants
 //! inertia.rs  conclusions that change with inertia
 //! fit.rs      search for the parameters that are not printed
+//! search/     all parameter sets that the paper allows
 //! shown.rs    one run for figures
 //! suite.rs    all runs as tasks
 //! ```
@@ -52,6 +53,7 @@ mod phase;
 pub mod readme;
 pub mod report;
 mod sampling;
+pub mod search;
 mod shown;
 mod style;
 mod suite;
