@@ -18,6 +18,7 @@ use crate::scenario::presets::Preset;
 use crate::studies::paper::figure;
 use crate::studies::paper::files::write_paper;
 use crate::studies::paper::report::{Paper, Runs, largest};
+use crate::studies::paper::search::Stage;
 use crate::studies::paper::search::files::write_search;
 use crate::studies::paper::search::report::Search;
 use crate::studies::paper::search::text::search_text;
@@ -79,8 +80,11 @@ With the defaults it runs half an hour on two processors. Files in DIR: tables
 The state of an interrupted search is kept in DIR.journal.")]
 struct SearchArgs {
     /// Rows of each matrix of the design; there are 12 times as many sets
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 160, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     rows: u64,
+    /// Further sets, in the smallest box around the closest ones
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(0..=10_000_000))]
+    within: u64,
     /// Seeds of the first look at each set
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
@@ -88,7 +92,7 @@ struct SearchArgs {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(2..=1000))]
     more_seeds: u64,
     /// Look again at so many sets at most
-    #[arg(long, value_name = "N", default_value_t = 128)]
+    #[arg(long, value_name = "N", default_value_t = 96)]
     most: usize,
     #[command(flatten)]
     output: OutputArgs,
@@ -96,21 +100,29 @@ struct SearchArgs {
 
 fn search(args: &SearchArgs) -> Result<ExitCode, CliError> {
     args.output.check()?;
-    let plan =
-        paper::search::Plan { n_rows: args.rows, n_screening_seeds: args.seeds, n_judging_seeds: args.more_seeds, most_judged: args.most };
+    let plan = paper::search::Plan {
+        n_rows: args.rows,
+        n_within: args.within,
+        n_screening_seeds: args.seeds,
+        n_judging_seeds: args.more_seeds,
+        most_judged: args.most,
+    };
     let started = SystemTime::now();
     let out = args.output.out.as_deref();
-    let first = plan.screening();
     let mut records = resumable::open("paper search", &json!({ "plan": plan }), out.map(resumable::journal_beside).as_deref())?;
-    watched("first look", |watch| first.run(&mut records, watch))?;
-    let n_first = first.costs.len();
-    if records.n_done() < n_first {
-        return Err(resumable::stopped(&format!("{} of {n_first} sets", records.n_done()), records.path()));
+    let mut stage = Stage::default();
+    let n_first = plan.n_first();
+    for (label, n_tasks) in [("design", n_first[0]), ("within the box", n_first[1])] {
+        watched(label, |watch| plan.tasks(&stage).run(&mut records, watch))?;
+        if records.n_done() < n_tasks {
+            return Err(resumable::stopped(&format!("{} of {n_tasks} sets", records.n_done()), records.path()));
+        }
+        let done = (0..n_tasks).filter_map(|task| records.get(task));
+        stage = if n_tasks == n_first[0] { plan.after_design(done) } else { plan.after_first(stage, done) };
     }
-    let close = plan.close((0..n_first).filter_map(|set| records.get(set)));
-    watched("second look", |watch| plan.all(&close).run(&mut records, watch))?;
-    let mut finished = resumable::finished(records, n_first + close.len())?;
-    let found = Search::new(&plan, &close, std::mem::take(&mut finished.records), finished.wall_s);
+    watched("second look", |watch| plan.tasks(&stage).run(&mut records, watch))?;
+    let mut finished = resumable::finished(records, n_first[1] + stage.close.len())?;
+    let found = Search::new(&plan, &stage, std::mem::take(&mut finished.records), finished.wall_s);
     if let Some(out) = out {
         let question = json!({ "name": "parameter sets that the paper allows", "plan": plan });
         write_search(out, &found, &study_manifest(&question, &json!(plan), started))?;

@@ -76,8 +76,8 @@ pub const OPEN_CHOICES: [OpenChoice; 15] = [
         name: "release decision period",
         key: Some("drive.release_decision_period_s"),
         unit: "s",
-        range: logarithmic(0.05, 0.75),
-        reason: "Eq. 18 is a probability per time step, and no step is printed. A tip gains 1 to 40 mN within one period.",
+        range: logarithmic(0.05, 1.5),
+        reason: "Eq. 18 is a probability per time step, and no step is printed. A spring gains 2.7 to 20 mN within one period: at most F_m.",
     },
     OpenChoice {
         name: "times of release decisions",

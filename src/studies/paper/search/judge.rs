@@ -7,6 +7,7 @@ use super::Plan;
 use super::screen::{distance, runs};
 use super::space::{TRIALS, Templates};
 use crate::backend::BackendKind;
+use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;
 use crate::studies::paper::report::largest;
 use crate::studies::paper::{Estimate, Grade, MEASURES, Measure, Printed, RunFacts, Sampling, Unit, claims, units};
@@ -55,10 +56,9 @@ pub fn reported() -> Vec<Measure> {
     MEASURES.into_iter().chain(speeds).chain([2, 5, 10].map(Measure::Headway)).collect()
 }
 
-/// The second look at set number `set`; `None` when `watch` said no.
-pub fn judged(templates: &Templates, plan: &Plan, set: usize, watch: &dyn Fn() -> bool) -> Option<Judged> {
-    let values = plan.design().values(set);
-    let on = |backend| runs(templates, plan, &values, (backend, &TRIALS), plan.judging_seeds(), watch);
+/// The second look at a set; `None` when `watch` said no.
+pub fn judged(templates: &Templates, plan: &Plan, values: &[Chosen], watch: &dyn Fn() -> bool) -> Option<Judged> {
+    let on = |backend| runs(templates, plan, values, (backend, &TRIALS), plan.judging_seeds(), watch);
     let (without, with) = (on(BackendKind::QuasiStatic)?, on(BackendKind::Inertial)?);
     Some(Judged::of(&as_units(&without), &as_units(&with)))
 }

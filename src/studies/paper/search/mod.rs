@@ -31,17 +31,20 @@ use serde::{Deserialize, Serialize};
 
 use super::trial::Case;
 use crate::backend::BackendKind;
+use crate::model::open_choices::Chosen;
 use crate::scenario::presets::Preset;
 use crate::studies::runner::Tasks;
 pub use judge::{Judged, reported};
 pub use screen::{SCREENED, Screened};
-use space::{Block, Design, Templates};
+use space::{Block, Design, Templates, Within};
 
 /// What a search consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plan {
     /// Rows of both matrices of the design; it has as many sets for each choice and two more.
     pub n_rows: u64,
+    /// Number of further sets, in the smallest box around those that came closest.
+    pub n_within: u64,
     /// Seeds of the first look at each set.
     pub n_screening_seeds: u64,
     /// Seeds of the second look.
@@ -66,6 +69,9 @@ const JUDGING_SEED: u64 = 3_000_001;
 /// Distance up to which a set is looked at again (1). Few seeds scatter by a third of what counts
 /// as near.
 pub const CLOSE: f64 = 4.0 / 3.0;
+/// Share of the design around which the box is (1), and least number of sets.
+const NEAREST: f64 = 0.02;
+const FEWEST_NEAREST: usize = 8;
 /// Distance up to which a set is accepted (1).
 pub const ACCEPTED: f64 = 1.0;
 
@@ -79,9 +85,9 @@ impl Plan {
         Design::new(self.n_rows)
     }
 
-    /// Number of different sets of the first look.
+    /// Number of different sets, those within the box included.
     pub fn n_sets(&self) -> usize {
-        self.design().n_sets()
+        self.design().n_sets() + self.n_within as usize
     }
 
     fn screening_seeds(&self, block: Block) -> Range<u64> {
@@ -93,35 +99,77 @@ impl Plan {
         JUDGING_SEED..JUDGING_SEED + self.n_judging_seeds
     }
 
-    /// The first look at every set, as tasks.
-    pub fn screening(&self) -> Tasks<'_, Answer> {
+    /// Number of tasks of the first look at the design, and at all sets.
+    pub fn n_first(&self) -> [usize; 2] {
+        let n = self.design().n_tasks();
+        [n, n + self.n_within as usize]
+    }
+
+    /// What is known after the first look at the design.
+    pub fn after_design<'a>(&self, screened: impl IntoIterator<Item = &'a Answer>) -> Stage {
+        let design = self.design();
+        let distance = |(set, answer): (usize, &Answer)| Some((answer.distance()?, set));
+        let mut all: Vec<(f64, usize)> = screened.into_iter().take(design.n_sets()).enumerate().filter_map(distance).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let n = ((NEAREST * all.len() as f64) as usize).max(FEWEST_NEAREST).min(all.len());
+        let nearest: Vec<usize> = all[..n].iter().map(|(_, set)| *set).collect();
+        Stage { within: Some(design.around(&nearest)), close: Vec::new() }
+    }
+
+    /// What is known after the first look at all sets: those that came close, as many as are looked
+    /// at again, spread evenly over all of them.
+    pub fn after_first<'a>(&self, stage: Stage, screened: impl IntoIterator<Item = &'a Answer>) -> Stage {
+        let design = self.design();
+        let is_set = |task: usize| task < design.n_sets() || task >= design.n_tasks();
+        let is_close = |answer: &Answer| answer.distance().is_some_and(|distance| distance <= CLOSE);
+        let all = screened.into_iter().enumerate().filter(|(task, answer)| is_set(*task) && is_close(answer));
+        let all: Vec<usize> = all.map(|(task, _)| task).collect();
+        let n = all.len().min(self.most_judged);
+        Stage { close: (0..n).map(|at| all[at * all.len() / n]).collect(), ..stage }
+    }
+
+    /// Tasks of everything that is known by now: the first look at the design, at the sets within
+    /// the box, and the second look at those that came close.
+    pub fn tasks<'a>(&'a self, stage: &'a Stage) -> Tasks<'a, Answer> {
         let design = self.design();
         let templates = Templates::new(&design.searched);
-        let run = move |set: usize, go_on: &(dyn Fn() -> bool + Sync)| screen::screened(&templates, self, set, go_on).map(Answer::Screened);
-        Tasks::equal(design.n_tasks(), run)
-    }
-
-    /// Sets that came close, as many as are looked at again, spread evenly over all of them.
-    pub fn close<'a>(&self, screened: impl IntoIterator<Item = &'a Answer>) -> Vec<usize> {
-        let is_close =
-            |answer: &Answer| matches!(answer, Answer::Screened(found) if found.distance.is_some_and(|distance| distance <= CLOSE));
-        let all: Vec<usize> =
-            screened.into_iter().take(self.n_sets()).enumerate().filter(|(_, answer)| is_close(answer)).map(|(set, _)| set).collect();
-        let n = all.len().min(self.most_judged);
-        (0..n).map(|at| all[at * all.len() / n]).collect()
-    }
-
-    /// The first look, and after it the second look at the sets `close`, as tasks.
-    pub fn all<'a>(&'a self, close: &'a [usize]) -> Tasks<'a, Answer> {
-        let (first, templates) = (self.screening(), Templates::new(&self.design().searched));
-        let n_first = first.costs.len();
-        // Both methods, on more seeds and one more trial that lasts longest.
-        let cost = 12.0 * self.n_judging_seeds as f64 / self.n_screening_seeds as f64;
-        let costs = first.costs.iter().copied().chain(close.iter().map(|_| cost)).collect();
-        let run = move |task: usize, go_on: &(dyn Fn() -> bool + Sync)| match task.checked_sub(n_first) {
-            None => (first.run)(task, go_on),
-            Some(at) => judge::judged(&templates, self, close[at], go_on).map(|found| Answer::Judged(Box::new(found))),
+        let n_within = if stage.within.is_some() { self.n_within as usize } else { 0 };
+        // A look at a set within the box mostly ends early. The second look has both methods, more
+        // seeds, and one more trial that lasts longest.
+        let again = 24.0 * self.n_judging_seeds as f64 / self.n_screening_seeds as f64;
+        let costs = [(design.n_tasks(), 1.0), (n_within, 0.4), (stage.close.len(), again)];
+        let costs = costs.into_iter().flat_map(|(n, cost)| std::iter::repeat_n(cost, n)).collect();
+        let run = move |task: usize, go_on: &(dyn Fn() -> bool + Sync)| {
+            let values = |task: usize| self.values(&design, stage, task);
+            match task.checked_sub(design.n_tasks() + n_within) {
+                Some(at) => judge::judged(&templates, self, &values(stage.close[at]), go_on).map(|found| Answer::Judged(Box::new(found))),
+                None if task < design.n_tasks() => {
+                    screen::screened(&templates, self, &values(task), design.place(task).0, go_on).map(Answer::Screened)
+                }
+                None => screen::screened_briefly(&templates, self, &values(task), go_on).map(Answer::Screened),
+            }
         };
         Tasks { costs, run: Box::new(run) }
+    }
+
+    /// Values of the set of a task of the first look.
+    fn values(&self, design: &Design, stage: &Stage, task: usize) -> Vec<Chosen> {
+        match (task.checked_sub(design.n_tasks()), &stage.within) {
+            (Some(index), Some(within)) => design.values_within(within, index),
+            _ => design.values(task),
+        }
+    }
+}
+
+/// What earlier looks have told: the box of further sets, and the tasks of those that came close.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stage {
+    within: Option<Within>,
+    pub close: Vec<usize>,
+}
+
+impl Answer {
+    fn distance(&self) -> Option<f64> {
+        if let Self::Screened(found) = self { found.distance } else { None }
     }
 }

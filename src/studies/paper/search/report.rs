@@ -6,7 +6,7 @@ use super::judge::{Judged, reported};
 use super::screen::{SCREENED, Screened};
 use super::sensitivity::{Index, Triple, given_data, sobol};
 use super::space::Block;
-use super::{ACCEPTED, Answer, Plan};
+use super::{ACCEPTED, Answer, Plan, Stage};
 use crate::backend::BackendKind;
 use crate::model::open_choices::{Chosen, Range};
 use crate::model::paper as printed;
@@ -124,6 +124,8 @@ pub struct IndexRow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetRow {
     pub set: usize,
+    /// Whether it is one of those in the box around the closest.
+    pub is_within: bool,
     pub values: Vec<Chosen>,
     pub screened: Screened,
     pub judged: Option<Judged>,
@@ -134,10 +136,10 @@ pub struct SetRow {
 pub const SEEDS: &str = "seeds";
 
 impl Search {
-    /// Of a finished search with the second look at the sets `close`.
-    pub fn new(plan: &Plan, close: &[usize], answers: Vec<Answer>, wall_s: f64) -> Self {
-        let design = plan.design();
-        let (mut screened, mut judged) = (Vec::new(), vec![None; plan.n_sets()]);
+    /// Of a finished search.
+    pub fn new(plan: &Plan, stage: &Stage, answers: Vec<Answer>, wall_s: f64) -> Self {
+        let (design, close) = (plan.design(), &stage.close);
+        let (mut screened, mut judged) = (Vec::new(), vec![None; plan.n_first()[1]]);
         let mut again = close.iter();
         for answer in answers {
             match answer {
@@ -145,19 +147,22 @@ impl Search {
                 Answer::Judged(found) => judged[*again.next().expect("one answer a close set")] = Some(*found),
             }
         }
-        let n_close =
-            screened[..plan.n_sets()].iter().filter(|found| found.distance.is_some_and(|distance| distance <= super::CLOSE)).count();
+        let is_set = |task: usize| task < design.n_sets() || task >= design.n_tasks();
         let sets: Vec<SetRow> = judged
             .into_iter()
             .enumerate()
-            .map(|(set, judged)| SetRow {
+            .filter(|(task, _)| is_set(*task))
+            .zip(0..)
+            .map(|((task, judged), set)| SetRow {
                 set,
-                values: design.values(set),
-                screened: screened[set].clone(),
+                is_within: task >= design.n_tasks(),
+                values: plan.values(&design, stage, task),
+                screened: screened[task].clone(),
                 is_accepted: judged.as_ref().and_then(|judged: &Judged| judged.distance).is_some_and(|distance| distance <= ACCEPTED),
                 judged,
             })
             .collect();
+        let n_close = sets.iter().filter(|row| row.screened.distance.is_some_and(|distance| distance <= super::CLOSE)).count();
         let accepted: Vec<Accepted> = sets
             .iter()
             .filter(|row| row.is_accepted)
@@ -393,7 +398,7 @@ mod tests {
     use super::*;
     use crate::math::Interval;
 
-    const PLAN: Plan = Plan { n_rows: 2, n_screening_seeds: 1, n_judging_seeds: 2, most_judged: 3 };
+    const PLAN: Plan = Plan { n_rows: 2, n_within: 5, n_screening_seeds: 1, n_judging_seeds: 2, most_judged: 3 };
 
     fn screened(distance: Option<f64>) -> Answer {
         Answer::Screened(Screened { values: vec![Some(1.0); SCREENED.len()], largest_pull_n: Some(0.03), distance })
@@ -413,26 +418,29 @@ mod tests {
     /// with other seeds are no sets.
     #[test]
     fn close_sets_are_looked_at_again() {
-        let mut answers: Vec<Answer> = (0..PLAN.design().n_tasks()).map(|_| screened(Some(9.0))).collect();
-        assert!(PLAN.close(&answers).is_empty());
-        answers[PLAN.n_sets()] = screened(Some(0.1));
+        let close = |answers: &[Answer]| PLAN.after_first(PLAN.after_design(answers), answers).close;
+        let mut answers: Vec<Answer> = (0..PLAN.n_first()[1]).map(|_| screened(Some(9.0))).collect();
+        assert!(close(&answers).is_empty());
+        answers[PLAN.design().n_sets()] = screened(Some(0.1));
         answers[3] = screened(Some(super::super::CLOSE));
         answers[4] = screened(None);
-        assert_eq!(PLAN.close(&answers), [3]);
+        answers[PLAN.n_first()[0]] = screened(Some(0.1));
+        assert_eq!(close(&answers), [3, PLAN.n_first()[0]]);
+        answers[PLAN.n_first()[0]] = screened(None);
         for set in 0..12 {
             answers[set] = screened(Some(0.5));
         }
-        assert_eq!(PLAN.close(&answers), [0, 4, 8]);
+        assert_eq!(close(&answers), [0, 4, 8]);
     }
 
     /// The second look decides, and fractions are of the accepted sets.
     #[test]
     fn claims_and_effects_are_reported_over_the_accepted_sets() {
-        let first = PLAN.design().n_tasks();
-        let mut answers: Vec<Answer> = (0..first).map(|set| screened(Some(if set < 3 { 0.2 } else { 5.0 }))).collect();
+        let mut answers: Vec<Answer> = (0..PLAN.n_first()[1]).map(|set| screened(Some(if set < 3 { 0.2 } else { 5.0 }))).collect();
         answers.extend([judged(0.9, Some(true), 2.0), judged(1.1, Some(true), 99.0), judged(0.6, None, -0.5)]);
-        let found = Search::new(&PLAN, &[0, 1, 2], answers, 1.0);
-        assert_eq!((found.n_sets, found.n_close, found.n_judged, found.n_accepted), (24, 3, 3, 2));
+        let stage = Stage { close: vec![0, 1, 2], ..PLAN.after_design(&answers[..26]) };
+        let found = Search::new(&PLAN, &stage, answers, 1.0);
+        assert_eq!((found.n_sets, found.n_close, found.n_judged, found.n_accepted), (29, 3, 3, 2));
         assert_eq!(found.closest.as_ref().map(|row| row.set), Some(2));
         let claim = found.claims[0].on;
         assert_eq!((claim[0].holds, claim[0].fails, claim[0].unknown), (0.5, 0.0, 0.5));
@@ -442,6 +450,6 @@ mod tests {
         let time = found.quantities.iter().find(|row| row.quantity == "time to nest, 1/1").unwrap();
         // 2 s +- 1 s is certainly not zero, -0.5 s +- 1 s may be.
         assert_eq!((time.shifted_by_inertia, time.inertia_effect.unwrap().most), (Some(0.5), 2.0));
-        assert!(found.answer.starts_with("2 of 24 parameter sets"), "{}", found.answer);
+        assert!(found.answer.starts_with("2 of 29 parameter sets"), "{}", found.answer);
     }
 }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::space::{TRIALS, Templates};
-use super::{Plan, case};
+use super::space::{Block, TRIALS, Templates};
+use super::{CLOSE, Plan, case};
 use crate::backend::BackendKind;
 use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;
@@ -51,14 +51,18 @@ const NEAR_SHARE: f64 = 0.05;
 /// deviation of the pulls within 10 %, and the fractions of six to ten pulling ants within 0.05.
 /// `None` where one of them has no value.
 pub fn distance(units: &[Unit]) -> Option<f64> {
+    Some(distance_of_pulls(units)?.max(distance_of_shares(units)?))
+}
+
+fn distance_of_pulls(units: &[Unit]) -> Option<f64> {
     let relative = |measure: Measure, printed: f64| Some((measure.of(units)? / printed - 1.0).abs() / NEAR_PULL);
+    let mean = relative(Measure::PullMean(Sample::Printed), printed::PULL_MEAN_N)?;
+    Some(mean.max(relative(Measure::PullSd(Sample::Printed), printed::PULL_SD_N)?))
+}
+
+fn distance_of_shares(units: &[Unit]) -> Option<f64> {
     let share = |size: usize| Some((Measure::SizeShare(size).of(units)? - printed::share_of_size(size)).abs() / NEAR_SHARE);
-    let pulls = [
-        relative(Measure::PullMean(Sample::Printed), printed::PULL_MEAN_N)?,
-        relative(Measure::PullSd(Sample::Printed), printed::PULL_SD_N)?,
-    ];
-    let shares = (printed::SMALLEST_OF_TEN..=Trial::TEN_TEN.n_ants()).map(share).collect::<Option<Vec<f64>>>()?;
-    Some(pulls.into_iter().chain(shares).fold(0.0, f64::max))
+    (printed::SMALLEST_OF_TEN..=Trial::TEN_TEN.n_ants()).map(share).try_fold(0.0, |worst: f64, share| Some(worst.max(share?)))
 }
 
 /// Runs of a set on one backend at `seeds`; `None` when `watch` said no.
@@ -78,11 +82,20 @@ pub fn runs(
     trials.iter().flat_map(|trial| seeds.clone().map(move |seed| (*trial, seed))).map(|(trial, seed)| of(trial, seed)).collect()
 }
 
-/// The first look at set number `set`; `None` when `watch` said no.
-pub fn screened(templates: &Templates, plan: &Plan, set: usize, watch: &dyn Fn() -> bool) -> Option<Screened> {
-    let design = plan.design();
-    let seeds = plan.screening_seeds(design.place(set).0);
-    let runs = runs(templates, plan, &design.values(set), (BackendKind::QuasiStatic, &TRIALS[1..]), seeds, watch)?;
+/// The first look at a set within the box: it ends where the fractions of ten ants, which take
+/// least time, are too far off. `None` when `watch` said no.
+pub fn screened_briefly(templates: &Templates, plan: &Plan, values: &[Chosen], watch: &dyn Fn() -> bool) -> Option<Screened> {
+    let runs = runs(templates, plan, values, (BackendKind::QuasiStatic, &[Trial::TEN_TEN]), plan.screening_seeds(Block::A), watch)?;
+    let distance = distance_of_shares(&units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run))));
+    if distance.is_none_or(|distance| distance > CLOSE) {
+        return Some(Screened { values: vec![None; SCREENED.len()], largest_pull_n: None, distance });
+    }
+    screened(templates, plan, values, Block::A, watch)
+}
+
+/// The first look at a set; `None` when `watch` said no.
+pub fn screened(templates: &Templates, plan: &Plan, values: &[Chosen], block: Block, watch: &dyn Fn() -> bool) -> Option<Screened> {
+    let runs = runs(templates, plan, values, (BackendKind::QuasiStatic, &TRIALS[1..]), plan.screening_seeds(block), watch)?;
     let units = units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run)));
     Some(Screened {
         values: SCREENED.iter().map(|measure| measure.of(&units)).collect(),

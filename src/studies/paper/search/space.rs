@@ -2,7 +2,9 @@
 //!
 //! The design is Saltelli's: two matrices A and B of independent sets, and for each choice the sets
 //! of A with that choice taken from B. A is Sobol's sequence and B a Latin hypercube. The sets of A
-//! come once more with other seeds, which shows what seeds alone do.
+//! come once more with other seeds, which shows what seeds alone do. Further sets fill the smallest
+//! box around the sets that came closest, with some room: where accepted sets are rare, the whole
+//! space would hold too few of them.
 
 use serde_json::Value;
 
@@ -27,8 +29,8 @@ const PULL_SPEED: &str = "drive.pull_speed_m_per_s";
 const RELEASE_PERIOD: &str = "drive.release_decision_period_s";
 const RELEASE_PACE: &str = "drive.release_pace";
 /// Way of a tip between two release decisions (m), in whose place the period follows from the
-/// speed. The spring gains 2.7 to 10 mN on it: half to twice the printed mean pull.
-const WAY: Range = Range::Between { low: 0.004, high: 0.015, is_logarithmic: true };
+/// speed. The spring gains 2.7 to 20 mN on it: half the printed mean pull to F_m.
+const WAY: Range = Range::Between { low: 0.004, high: 0.03, is_logarithmic: true };
 /// Release paces that do not depend on the control period.
 const PACES: Range = Range::Words(&["hazard", "aged"]);
 
@@ -54,6 +56,10 @@ pub struct Design {
     /// Rows of A and of B.
     pub n_rows: u64,
 }
+
+/// A box in the space of all sets: lower and upper place in the range of each choice (1).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Within(Vec<[f64; 2]>);
 
 /// Which matrix of the design a set belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,15 +93,48 @@ impl Design {
         self.n_sets() + self.n_rows as usize
     }
 
-    /// Values of a set by its number, one for each searched choice.
-    pub fn values(&self, set: usize) -> Vec<Chosen> {
+    /// Place of a set within the range of each searched choice (1).
+    fn shares(&self, set: usize) -> Vec<f64> {
         let (block, row) = self.place(set);
         let share = |at: usize| {
             let of_a = || f64::from(sobol_coordinate(row + 1, at)) / 2f64.powi(32);
             let of_b = || hypercube_coordinate(HYPERCUBE_SEED, row, self.n_rows, at as u32);
             if block == Block::B || block == Block::Swapped(at) { of_b() } else { of_a() }
         };
-        self.searched.iter().enumerate().map(|(at, choice)| choice.range.at(share(at)).expect("what is searched has a range")).collect()
+        (0..self.searched.len()).map(share).collect()
+    }
+
+    fn chosen(&self, shares: &[f64]) -> Vec<Chosen> {
+        self.searched.iter().zip(shares).map(|(choice, share)| choice.range.at(*share).expect("what is searched has a range")).collect()
+    }
+
+    /// Values of a set by its number, one for each searched choice.
+    pub fn values(&self, set: usize) -> Vec<Chosen> {
+        self.chosen(&self.shares(set))
+    }
+
+    /// Values of set number `index` of those in the box.
+    pub fn values_within(&self, within: &Within, index: usize) -> Vec<Chosen> {
+        let share = |(at, [low, high]): (usize, &[f64; 2])| {
+            // Behind the rows of A, so that no set comes twice.
+            low + (high - low) * f64::from(sobol_coordinate(self.n_rows + 1 + index as u64, at)) / 2f64.powi(32)
+        };
+        self.chosen(&within.0.iter().enumerate().map(share).collect::<Vec<_>>())
+    }
+
+    /// The smallest box around these sets, with a tenth of its width as room on both sides; all of
+    /// the space without any.
+    pub fn around(&self, sets: &[usize]) -> Within {
+        let all: Vec<Vec<f64>> = sets.iter().map(|set| self.shares(*set)).collect();
+        let of = |at: usize| {
+            if all.is_empty() {
+                return [0.0, 1.0];
+            }
+            let (low, high) = all.iter().fold((1.0f64, 0.0f64), |(low, high), shares| (low.min(shares[at]), high.max(shares[at])));
+            let room = 0.1 * (high - low);
+            [(low - room).max(0.0), (high + room).min(1.0)]
+        };
+        Within((0..self.searched.len()).map(of).collect())
     }
 
     /// Block and row of a set by its number.
@@ -182,6 +221,27 @@ mod tests {
                 Block::B => assert!(n_other >= 7, "{n_other}"),
             }
         }
+    }
+
+    #[test]
+    fn a_box_holds_the_sets_around_which_it_is() {
+        let design = design();
+        let within = design.around(&[3, 5]);
+        let inside = |values: &[Chosen]| {
+            let numbers = values.iter().zip(design.values(3)).zip(design.values(5));
+            numbers
+                .filter(|((value, one), other)| match (value, one, other) {
+                    (Chosen::Number(value), Chosen::Number(one), Chosen::Number(other)) => {
+                        let room = 0.35 * (one - other).abs();
+                        (one.min(*other) - room..=one.max(*other) + room).contains(value)
+                    }
+                    _ => true,
+                })
+                .count()
+                == values.len()
+        };
+        assert!((0..100).all(|index| inside(&design.values_within(&within, index))));
+        assert!((0..16).any(|set| !inside(&design.values(set))));
     }
 
     /// A set keeps every printed value, and has the choices that it says.

@@ -10,12 +10,11 @@ use crate::output::table::Table;
 pub fn search_text(found: &Search) -> String {
     let mut text = format!("{}\n\n", found.answer);
     let counts = format!(
-        "{} sets, {} close, {} looked at again, {} accepted; {} rows, {} and {} seeds, in {}",
+        "{} sets, {} close, {} looked at again, {} accepted; {} and {} seeds, in {}",
         found.n_sets,
         found.n_close,
         found.n_judged,
         found.n_accepted,
-        found.plan.n_rows,
         found.plan.n_screening_seeds,
         found.plan.n_judging_seeds,
         quantity(found.wall_s, "s")
