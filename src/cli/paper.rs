@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use serde_json::json;
 
 use super::choice::choice;
-use super::console::Tone;
+use super::console::{Tone, detail};
 use super::error::CliError;
 use super::output::{OutputArgs, study_manifest};
 use super::resumable;
@@ -75,7 +75,7 @@ Examples:
   cohaul paper search --rows 8 --most 4
   cohaul paper search --out out/search
 
-With the defaults it runs half an hour on two processors. Files in DIR: tables
+With the defaults it runs an hour on two processors. Files in DIR: tables
 (CSV), figures (SVG), README.md, report.html, summary.json and manifest.json.
 The state of an interrupted search is kept in DIR.journal.")]
 struct SearchArgs {
@@ -128,7 +128,7 @@ fn search(args: &SearchArgs) -> Result<ExitCode, CliError> {
         write_search(out, &found, &study_manifest(&question, &json!(plan), started))?;
     }
     finished.remove_journal()?;
-    args.output.print(&found, || search_text(&found), if found.n_accepted > 0 { Tone::Good } else { Tone::Caution })?;
+    args.output.print(&found, || search_text(&found, detail()), if found.n_accepted > 0 { Tone::Good } else { Tone::Caution })?;
     args.output.print_report()?;
     Ok(ExitCode::SUCCESS)
 }

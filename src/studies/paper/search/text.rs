@@ -5,9 +5,11 @@ use std::fmt::Write;
 use super::report::{ClaimRow, IndexRow, QuantityRow, Search, Shares, Spread};
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
+use crate::output::text::Detail;
 
-/// The answer, the counts of sets, and a table each of claims, quantities, choices and indices.
-pub fn search_text(found: &Search) -> String {
+/// The answer, the counts of sets and the claims; in full, a table each of claims, quantities,
+/// choices and indices.
+pub fn search_text(found: &Search, detail: Detail) -> String {
     let mut text = format!("{}\n\n", found.answer);
     let counts = format!(
         "{} sets, {} close, {} looked at again, {} accepted; {} and {} seeds, in {}",
@@ -20,7 +22,8 @@ pub fn search_text(found: &Search) -> String {
         quantity(found.wall_s, "s")
     );
     writeln!(text, "{counts}").expect("a string takes all");
-    for table in tables(found) {
+    let tables = if detail == Detail::Full { tables(found) } else { vec![claims_in_brief(found)] };
+    for table in tables.iter().filter(|table| !table.rows.is_empty()) {
         writeln!(text, "\n{}\n{}", table.caption, table.text().trim_end()).expect("a string takes all");
     }
     text
@@ -54,6 +57,15 @@ fn claims(found: &Search) -> Table {
         ["claim", "without inertia", "with inertia", "limit", "values (median and range)"],
     )
     .with_rows(found.claims.iter().map(row))
+}
+
+/// The claims on lines of 80 columns.
+fn claims_in_brief(found: &Search) -> Table {
+    let row = |row: &ClaimRow| {
+        let [without, with] = &row.on;
+        [row.claim.to_owned(), share(without.holds), share(without.unknown), share(with.holds)]
+    };
+    Table::new("Claims over the accepted sets", ["claim", "holds", "not told", "with inertia"]).with_rows(found.claims.iter().map(row))
 }
 
 fn held_out(found: &Search) -> Table {
