@@ -139,6 +139,7 @@ fn the_command_writes_tables_and_figures_whole() {
         "not-reproduced.csv",
         "path.svg",
         "pulls.svg",
+        "report.html",
         "runs.csv",
         "samples.csv",
     ];

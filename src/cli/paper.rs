@@ -35,8 +35,8 @@ Examples:
   cohaul paper --backend quasi-static inertial --preset aged
   cohaul paper search --out out/search
 
-Files in DIR: tables (CSV), figures (SVG), README.md, summary.json and
-manifest.json. The state of an interrupted run is kept in DIR.journal."
+Files in DIR: tables (CSV), figures (SVG), README.md, report.html, summary.json
+and manifest.json. The state of an interrupted run is kept in DIR.journal."
 )]
 pub struct PaperArgs {
     #[command(subcommand)]

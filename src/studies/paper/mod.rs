@@ -22,6 +22,7 @@
 //! measures.rs all compared quantities
 //! claims.rs   what the paper says in words, with the models that contradict it
 //! verdict.rs  match, near, calibrated, differs or undecided
+//! readme.rs, page.rs  tables with notes, as Markdown and as a page
 //! table_row.rs  a row of the table of quantities
 //! missed.rs   what is not reproduced
 //! experiment.rs  what the paper measured on ants
@@ -49,6 +50,7 @@ mod maximum;
 mod measures;
 mod missed;
 mod mixture;
+mod page;
 mod phase;
 pub mod readme;
 pub mod report;
