@@ -8,8 +8,8 @@ use crate::output::chart::{COLUMN_WIDTH, MILLI, PANEL_HEIGHT, grid};
 use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
 
 const FAINT: Style = Style { color: "#bbbbbb", dash: "", width: 1.0 };
-/// Distances above are drawn there.
-const MOST_SHOWN: f64 = 6.0;
+/// Sets farther from the targets are not drawn (1).
+const MOST_SHOWN: f64 = 3.0;
 
 /// All figures by the name of their file.
 pub(super) fn figures(found: &Search) -> Vec<(&'static str, String)> {
@@ -18,6 +18,10 @@ pub(super) fn figures(found: &Search) -> Vec<(&'static str, String)> {
         figures.push(("one-ant", one_ant(found)));
     }
     figures
+}
+
+fn is_shown(distance: &f64) -> bool {
+    *distance <= MOST_SHOWN
 }
 
 /// Label, factor to the unit of the label, and range of each searched choice that is a number.
@@ -52,8 +56,8 @@ fn region(found: &Search) -> String {
     for (at, label, unit, _) in &axes {
         let mut panel = Panel::new(label, "distance to the targets (1)", Scale::FromZero);
         panel.marks.push(Mark { at: Across::Horizontal(ACCEPTED), style: PRINTED });
-        let screened = |row: &SetRow| Some([unit * number(row, *at), row.screened.distance?.min(MOST_SHOWN)]);
-        let judged = |row: &SetRow| Some([unit * number(row, *at), row.judged.as_ref()?.distance?.min(MOST_SHOWN)]);
+        let screened = |row: &SetRow| Some([unit * number(row, *at), row.screened.distance.filter(is_shown)?]);
+        let judged = |row: &SetRow| Some([unit * number(row, *at), row.judged.as_ref()?.distance?]);
         panel.curves.extend(dots(found, |row| !row.is_accepted, screened, FAINT));
         panel.curves.extend(dots(found, |row| row.is_accepted, judged, OURS));
         panels.push(panel);
@@ -61,17 +65,20 @@ fn region(found: &Search) -> String {
     for (one, other) in [(0, 1), (1, 3), (0, 3)] {
         let ([x, y], [of_x, of_y]) = ([&axes[one], &axes[other]], [axes[one].2, axes[other].2]);
         let mut panel = Panel::new(&x.1, &y.1, Scale::Linear);
-        let place = |row: &SetRow| Some([of_x * number(row, x.0), of_y * number(row, y.0)]);
+        let place = |row: &SetRow| {
+            row.screened.distance.filter(is_shown)?;
+            Some([of_x * number(row, x.0), of_y * number(row, y.0)])
+        };
         panel.curves.extend(dots(found, |row| !row.is_accepted, place, FAINT));
         panel.curves.extend(dots(found, |row| row.is_accepted, place, OURS));
         panels.push(panel);
     }
     let legend = vec![
         Entry::dot("accepted, on seeds of their own", OURS),
-        Entry::dot("other sets of the first look", FAINT),
+        Entry::dot("other sets of the first look, up to a distance of 3", FAINT),
         Entry::line("accepted below", PRINTED),
     ];
-    grid(&panels, &[legend], 3, COLUMN_WIDTH, PANEL_HEIGHT)
+    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
 }
 
 fn dots(found: &Search, is_shown: impl Fn(&SetRow) -> bool, of: impl Fn(&SetRow) -> Option<[f64; 2]>, style: Style) -> Option<Curve> {
@@ -103,5 +110,5 @@ fn one_ant(found: &Search) -> String {
         panels.push(panel);
     }
     let legend = vec![Entry::dot("not certainly other than zero", OURS), Entry::dot("certainly", OTHER), Entry::line("95 %", FAINT)];
-    grid(&panels, &[legend], 3, COLUMN_WIDTH, PANEL_HEIGHT)
+    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
 }

@@ -254,7 +254,8 @@ fn page(found: &Search, figures: Vec<(&'static str, String)>, manifest: &Manifes
     let tone = if found.n_accepted > 0 { Answer::None } else { Answer::No };
     let page = Page::new("All parameter sets that the paper allows", Headline::new(tone, found.answer.clone()));
     let page = page.section("Method", vec![Block::Text(method(found))]);
-    let page = tables(found).into_iter().fold(page, |page, table| page.section(table.caption.clone(), vec![Block::Table(table)]));
+    let page =
+        tables(found).into_iter().fold(page, |page, table| page.section(table.caption.clone(), vec![Block::Table(table.titled(""))]));
     let drawn = figures.into_iter().map(|(name, svg)| Block::figure(svg, caption(name))).collect();
     page.section("Figures", drawn).from(manifest)
 }

@@ -213,7 +213,7 @@ fn answer(plan: &Plan, n_accepted: usize, claims: &[ClaimRow], one_ant: &[OneAnt
     let n_sets = plan.n_sets();
     format!(
         "{n_accepted} of {n_sets} parameter sets with all printed values meet the calibration targets. \
-         Of {} claims, {everywhere} hold on all of them and {nowhere} on none.{of_one}",
+         Claims that certainly hold on all of them: {everywhere} of {}; on none: {nowhere}.{of_one}",
         claims.len()
     )
 }

@@ -83,7 +83,7 @@ fn held_out(found: &Search) -> Table {
     };
     Table::new(
         "Quantities over the accepted sets: median and range",
-        ["quantity", "paper", "role", "here", "sets that meet it", "inertia effect", "sets that inertia certainly shifts"],
+        ["quantity", "paper", "role", "here", "sets that certainly meet it", "inertia effect", "sets that inertia certainly shifts"],
     )
     .with_rows(found.quantities.iter().filter(|row| row.values.is_some()).map(row))
 }
