@@ -10,7 +10,8 @@ use crate::output::page::{Answer, Block, Headline, Page};
 pub fn paper_page(found: &Paper, figures: &Figures, manifest: &Manifest) -> Page {
     let answer = if found.not_reproduced.is_empty() { Answer::Yes } else { Answer::Partly };
     let page =
-        Page::new("The paper's results", Headline::new(answer, found.answer.clone()).with(Block::text(made_by(found)))).from(manifest);
+        Page::new("The paper's results", Headline::new(answer, found.answer.clone()).with(Block::text(made_by(found).replace('`', ""))))
+            .from(manifest);
     let page = parts(found).into_iter().fold(page, |page, Part { title, table, note }| {
         let note = (!note.is_empty()).then(|| Block::text(note.replace('`', "")));
         page.section(title, [Block::Table(table)].into_iter().chain(note).collect())
