@@ -12,8 +12,8 @@
 //! ```
 //!
 //! A last part changes the number: `*1e3` scales it, `inverse` is one over it, `size` is without
-//! sign, `count` is nothing where it is missing, `under` is any bound that is above it and at most twice as large. Two places with ` over `
-//! between them are a ratio.
+//! sign, `count` is nothing where it is missing, `under` is any bound that is above it and at most
+//! twice as large. Two places with ` over ` between them are a ratio.
 
 use std::fmt::Write;
 

@@ -9,14 +9,12 @@ use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::table::{Field, Kind, Table, write_rows};
 use crate::studies::paper::TableRow;
+use crate::studies::paper::figure::Figures;
 use crate::studies::paper::page::paper_page;
 use crate::studies::paper::readme::paper_readme;
 use crate::studies::paper::report::Paper;
 use crate::studies::paper::text::paper_text;
 use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
-
-/// Figures by the name of their file.
-pub type Figures = Vec<(&'static str, String)>;
 
 /// Writes `table.csv`, `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`,
 /// `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`,

@@ -1,6 +1,6 @@
 //! The page of the paper's results: what is not reproduced, then every table, and the figures.
 
-use super::files::Figures;
+use super::figure::Figures;
 use super::readme::{Part, made_by, parts};
 use super::report::Paper;
 use crate::output::manifest::Manifest;

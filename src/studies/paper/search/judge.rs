@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Plan;
+use super::plan::Plan;
 use super::screen::{distance, runs};
 use super::space::{TRIALS, Templates};
 use crate::backend::BackendKind;

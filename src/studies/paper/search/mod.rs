@@ -8,6 +8,7 @@
 //! out: they are reported over the accepted sets, with and without inertia.
 //!
 //! ```text
+//! plan.rs         sizes, seeds, and limits of the distance
 //! space.rs        searched choices, the design, and a set as scenarios
 //! screen.rs       first look: the distance to the targets
 //! judge.rs        second look: quantities and claims, with and without inertia
@@ -19,39 +20,21 @@
 mod figure;
 pub mod files;
 mod judge;
+mod plan;
 pub mod report;
 mod screen;
 mod sensitivity;
 mod space;
 pub mod text;
 
-use std::ops::Range;
-
 use serde::{Deserialize, Serialize};
 
-use super::trial::Case;
-use crate::backend::BackendKind;
 use crate::model::open_choices::Chosen;
-use crate::scenario::presets::Preset;
 use crate::studies::runner::Tasks;
 pub use judge::{Judged, reported};
+pub use plan::{ACCEPTED, CLOSE, Plan};
 pub use screen::{SCREENED, Screened};
-use space::{Block, Design, Templates, Within};
-
-/// What a search consists of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Plan {
-    /// Rows of both matrices of the design; it has as many sets for each choice and two more.
-    pub n_rows: u64,
-    /// Number of further sets, in the smallest box around those that came closest.
-    pub n_within: u64,
-    /// Seeds of the first look at each set.
-    pub n_screening_seeds: u64,
-    /// Seeds of the second look.
-    pub n_judging_seeds: u64,
-    /// Of the sets that came close, at most so many are looked at again.
-    pub most_judged: usize,
-}
+use space::{Design, Templates, Within};
 
 /// What came of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,44 +44,11 @@ pub enum Answer {
     Judged(Box<Judged>),
 }
 
-/// Seeds of searches begin here, far from those of the study.
-const FIRST_SEED: u64 = 1_000_001;
-/// First of the seeds that show what seeds alone do, and of the second look.
-const OTHER_SEED: u64 = 2_000_001;
-const JUDGING_SEED: u64 = 3_000_001;
-/// Distance up to which a set is looked at again (1). Few seeds scatter by a third of what counts
-/// as near.
-pub const CLOSE: f64 = 4.0 / 3.0;
 /// Share of the design around which the box is (1), and least number of sets.
 const NEAREST: f64 = 0.02;
 const FEWEST_NEAREST: usize = 8;
-/// Distance up to which a set is accepted (1).
-pub const ACCEPTED: f64 = 1.0;
-
-/// Model of a set before its own choices.
-fn case() -> Case {
-    Case::new(Preset::Paper, BackendKind::QuasiStatic)
-}
 
 impl Plan {
-    fn design(&self) -> Design {
-        Design::new(self.n_rows)
-    }
-
-    /// Number of different sets, those within the box included.
-    pub fn n_sets(&self) -> usize {
-        self.design().n_sets() + self.n_within as usize
-    }
-
-    fn screening_seeds(&self, block: Block) -> Range<u64> {
-        let first = if block == Block::OtherSeeds { OTHER_SEED } else { FIRST_SEED };
-        first..first + self.n_screening_seeds
-    }
-
-    fn judging_seeds(&self) -> Range<u64> {
-        JUDGING_SEED..JUDGING_SEED + self.n_judging_seeds
-    }
-
     /// Number of tasks of the first look at the design, and at all sets.
     pub fn n_first(&self) -> [usize; 2] {
         let n = self.design().n_tasks();

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::plan::{CLOSE, Plan, case};
 use super::space::{Block, TRIALS, Templates};
-use super::{CLOSE, Plan, case};
+
 use crate::backend::BackendKind;
 use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;

@@ -1,7 +1,7 @@
 //! What a quantity depends on: Sobol's indices of the variance.
 //!
-//! Over the whole design, with f of the matrices A, B and A with choice i from B, and the variance V
-//! over A and B:
+//! Over the whole design, with f of the matrices A, B and A with choice i from B, and the variance
+//! V over A and B:
 //!
 //! ```text
 //! first order  S_i = mean(f_B (f_ABi - f_A)) / V             (Saltelli et al. 2010)
@@ -127,8 +127,8 @@ mod tests {
     }
 
     /// S = (0.3139, 0.4424, 0), T = (0.5576, 0.4424, 0.2437): Ishigami and Homma 1990. The total
-    /// index of the first choice scatters most: by 0.083 over 256 rows, and 0.0104 over 16,384. Three
-    /// of these are allowed, and intervals hold the known values but for 0.02.
+    /// index of the first choice scatters most: by 0.083 over 256 rows, and 0.0104 over 16,384.
+    /// Three of these are allowed, and intervals hold the known values but for 0.02.
     #[test]
     fn indices_of_ishigamis_function_are_the_known_ones() {
         let known = [[0.3139, 0.5576], [0.4424, 0.4424], [0.0, 0.2437]];
@@ -150,9 +150,9 @@ mod tests {
         }
     }
 
-    /// The same first-order indices from one sample alone, but for what five classes cannot resolve:
-    /// the class means of sin x keep sinc(pi/5)^2 = 0.875 of its variance, and those of sin^2 y
-    /// sinc(2 pi/5)^2 = 0.573.
+    /// The same first-order indices from one sample alone, but for what five classes cannot
+    /// resolve: the class means of sin x keep sinc(pi/5)^2 = 0.875 of its variance, and those of
+    /// sin^2 y sinc(2 pi/5)^2 = 0.573.
     #[test]
     fn indices_from_data_are_those_of_the_design() {
         let n = 4096;

@@ -265,7 +265,7 @@ mod tests {
                 // Rounding of a quotient and a product.
                 assert!(
                     (found.pull_speed * found.release.period - way).abs() < 1e-15
-                        && scenario.system.load == Trial::FourFour.scenario(&super::super::case(), 1).system.load
+                        && scenario.system.load == Trial::FourFour.scenario(&super::super::plan::case(), 1).system.load
                 );
             }
         }

@@ -65,7 +65,7 @@ fn claims_in_brief(found: &Search) -> Table {
         let [without, with] = &row.on;
         [row.claim.to_owned(), share(without.holds), share(without.unknown), share(with.holds)]
     };
-    Table::new("Claims over the accepted sets", ["claim", "holds", "not told", "with inertia"]).with_rows(found.claims.iter().map(row))
+    Table::new("Claims over the accepted sets", ["claim", "holds", "unknown", "with inertia"]).with_rows(found.claims.iter().map(row))
 }
 
 fn held_out(found: &Search) -> Table {
@@ -102,7 +102,7 @@ fn choices(found: &Search) -> Table {
 /// For each quantity of the first look, the choices that explain most of it.
 fn dependences(found: &Search) -> Table {
     let mut table = Table::new(
-        "What each quantity depends on over all sets: largest total indices (95 % interval), and that of the seeds",
+        "What each quantity depends on: largest total indices (95 %), and that of the seeds",
         ["quantity", "first", "second", "third", "seeds"],
     );
     let mut names: Vec<&str> = Vec::new();
