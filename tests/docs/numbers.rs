@@ -1,8 +1,8 @@
 //! Numbers of README and book that stand in `results/`: each is found in its file, and written by
 //! `COHAUL_REWRITE=1` as that file has it.
 //!
-//! `numbers.txt` lists them. Under the name of a page stand the words around a number, where `{}` is
-//! the number, and below them its place in `results/`, or why it has none. Parts of a place are
+//! `numbers.txt` lists them. Under the name of a page stand the words around a number, where `{}`
+//! is the number, and below them its place in `results/`, or why it has none. Parts of a place are
 //! separated by ` :: `:
 //!
 //! ```text

@@ -18,8 +18,8 @@ use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
 
 /// Writes `table.csv`, `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`,
 /// `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`,
-/// `fit.csv`, `runs.csv`, the `figures`, `README.md`, `report.html`,
-/// `table.txt`, `summary.json` and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
+/// `fit.csv`, `runs.csv`, the `figures`, `README.md`, `report.html`, `table.txt`, `summary.json`
+/// and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
 ///
 /// # Errors
 ///
