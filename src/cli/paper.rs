@@ -3,33 +3,44 @@
 use std::process::ExitCode;
 use std::time::SystemTime;
 
-use clap::Args;
+use clap::{Args, Subcommand};
 use serde_json::json;
 
 use super::choice::choice;
-use super::console::Tone;
+use super::console::{Tone, detail};
 use super::error::CliError;
 use super::output::{OutputArgs, study_manifest};
 use super::resumable;
+use super::watch::watched;
 use crate::backend::{BackendKind, Status};
 use crate::output::manifest::Manifest;
 use crate::scenario::presets::Preset;
 use crate::studies::paper::figure;
 use crate::studies::paper::files::write_paper;
 use crate::studies::paper::report::{Paper, Runs, largest};
+use crate::studies::paper::search::Stage;
+use crate::studies::paper::search::files::write_search;
+use crate::studies::paper::search::report::Search;
+use crate::studies::paper::search::text::search_text;
 use crate::studies::paper::text::paper_text;
 use crate::studies::paper::{self, Case, Plan, Sampling, Set, Trial};
 
 #[derive(Args)]
-#[command(after_help = "\
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "\
 Examples:
   cohaul paper --quick
   cohaul paper --seeds 200 --out out/paper
   cohaul paper --backend quasi-static inertial --preset aged
+  cohaul paper search --out out/search
 
-Files in DIR: tables (CSV), figures (SVG), README.md, summary.json and
-manifest.json. The state of an interrupted run is kept in DIR.journal.")]
+Files in DIR: tables (CSV), figures (SVG), README.md, report.html, summary.json
+and manifest.json. The state of an interrupted run is kept in DIR.journal."
+)]
 pub struct PaperArgs {
+    #[command(subcommand)]
+    command: Option<PaperCommand>,
     /// Number of seeds of the main set [default: 200; with --quick 12]
     ///
     /// Rapier, other masses and other presets get fewer seeds. Below 8 seeds, other presets and the
@@ -52,6 +63,76 @@ pub struct PaperArgs {
     output: OutputArgs,
 }
 
+#[derive(Subcommand)]
+enum PaperCommand {
+    /// Find all parameter sets that the paper allows, and what holds over them
+    Search(SearchArgs),
+}
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul paper search --rows 8 --most 4
+  cohaul paper search --out out/search
+
+With the defaults it runs an hour on two processors. Files in DIR: tables
+(CSV), figures (SVG), README.md, report.html, summary.json and manifest.json.
+The state of an interrupted search is kept in DIR.journal.")]
+struct SearchArgs {
+    /// Rows of each matrix of the design; there are 12 times as many sets
+    #[arg(long, value_name = "N", default_value_t = 160, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    rows: u64,
+    /// Further sets, in the smallest box around the closest ones
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u64).range(0..=10_000_000))]
+    within: u64,
+    /// Seeds of the first look at each set
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+    /// Seeds of the second look at the sets that came close
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(2..=1000))]
+    more_seeds: u64,
+    /// Look again at so many sets at most
+    #[arg(long, value_name = "N", default_value_t = 96)]
+    most: usize,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+fn search(args: &SearchArgs) -> Result<ExitCode, CliError> {
+    args.output.check()?;
+    let plan = paper::search::Plan {
+        n_rows: args.rows,
+        n_within: args.within,
+        n_screening_seeds: args.seeds,
+        n_judging_seeds: args.more_seeds,
+        most_judged: args.most,
+    };
+    let started = SystemTime::now();
+    let out = args.output.out.as_deref();
+    let mut records = resumable::open("paper search", &json!({ "plan": plan }), out.map(resumable::journal_beside).as_deref())?;
+    let mut stage = Stage::default();
+    let n_first = plan.n_first();
+    for (label, n_tasks) in [("design", n_first[0]), ("within the box", n_first[1])] {
+        watched(label, |watch| plan.tasks(&stage).run(&mut records, watch))?;
+        if records.n_done() < n_tasks {
+            return Err(resumable::stopped(&format!("{} of {n_tasks} sets", records.n_done()), records.path()));
+        }
+        let done = (0..n_tasks).filter_map(|task| records.get(task));
+        stage = if n_tasks == n_first[0] { plan.after_design(done) } else { plan.after_first(stage, done) };
+    }
+    watched("second look", |watch| plan.tasks(&stage).run(&mut records, watch))?;
+    let mut finished = resumable::finished(records, n_first[1] + stage.close.len())?;
+    let found = Search::new(&plan, &stage, std::mem::take(&mut finished.records), finished.wall_s);
+    if let Some(out) = out {
+        let question = json!({ "name": "parameter sets that the paper allows", "plan": plan });
+        write_search(out, &found, &study_manifest(&question, &json!(plan), started))?;
+    }
+    finished.remove_journal()?;
+    args.output.print(&found, || search_text(&found, detail()), if found.n_accepted > 0 { Tone::Good } else { Tone::Caution })?;
+    args.output.print_report()?;
+    Ok(ExitCode::SUCCESS)
+}
+
 /// Default number of seeds: it gives the printed size of the sample of pulls.
 const SEEDS: u64 = 200;
 const QUICK_SEEDS: u64 = 12;
@@ -62,6 +143,9 @@ const FIT_SEEDS: u64 = 8;
 const FEWEST_FOR_OTHERS: u64 = 8;
 
 pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
+    if let Some(PaperCommand::Search(args)) = &args.command {
+        return search(args);
+    }
     args.output.check()?;
     let plan = plan(args);
     let started = SystemTime::now();

@@ -4,6 +4,8 @@
 //! What it needs beyond stands here once: the table of deviations in the book shows this list, and
 //! a search over parameter sets varies it.
 
+use serde::Serialize;
+
 /// A choice that the paper leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenChoice {
@@ -30,6 +32,29 @@ pub enum Range {
     Fixed(&'static str),
 }
 
+/// A value of an open choice.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Chosen {
+    Number(f64),
+    Word(&'static str),
+}
+
+impl Range {
+    /// The value at the fraction `share` of the range, from 0 to below 1. Numbers and words of a
+    /// list have equal parts of it; `None` where there is one way only.
+    pub fn at(&self, share: f64) -> Option<Chosen> {
+        let place = |n: usize| ((share * n as f64) as usize).min(n - 1);
+        match *self {
+            Range::Between { low, high, is_logarithmic: true } => Some(Chosen::Number(low * (high / low).powf(share))),
+            Range::Between { low, high, is_logarithmic: false } => Some(Chosen::Number(low + share * (high - low))),
+            Range::Numbers(all) => Some(Chosen::Number(all[place(all.len())])),
+            Range::Words(all) => Some(Chosen::Word(all[place(all.len())])),
+            Range::Fixed(_) => None,
+        }
+    }
+}
+
 const fn linear(low: f64, high: f64) -> Range {
     Range::Between { low, high, is_logarithmic: false }
 }
@@ -39,7 +64,7 @@ const fn logarithmic(low: f64, high: f64) -> Range {
 }
 
 /// Every open choice about the ants.
-pub const OPEN_CHOICES: [OpenChoice; 14] = [
+pub const OPEN_CHOICES: [OpenChoice; 15] = [
     OpenChoice {
         name: "speed in Transport",
         key: Some("drive.pull_speed_m_per_s"),
@@ -51,8 +76,8 @@ pub const OPEN_CHOICES: [OpenChoice; 14] = [
         name: "release decision period",
         key: Some("drive.release_decision_period_s"),
         unit: "s",
-        range: logarithmic(0.05, 0.5),
-        reason: "Eq. 18 is a probability per time step, and no step is printed. A tip gains 1 to 27 mN within one period.",
+        range: logarithmic(0.05, 1.5),
+        reason: "Eq. 18 is a probability per time step, and no step is printed. A spring gains 2.7 to 20 mN within one period: at most F_m.",
     },
     OpenChoice {
         name: "times of release decisions",
@@ -130,6 +155,13 @@ pub const OPEN_CHOICES: [OpenChoice; 14] = [
         unit: "",
         range: Range::Fixed("from the next control period on"),
         reason: "Section VI lets an ant that has let go search at once. It may grasp the same tip.",
+    },
+    OpenChoice {
+        name: "distance of the supports",
+        key: Some("ground.supports.tripod.radius_m"),
+        unit: "m",
+        range: linear(0.0061, 0.0122),
+        reason: "Section V gives the supports no coordinates. From half the radius of the load to its edge; a uniform disc has 2/3.",
     },
     OpenChoice {
         name: "start of the load",

@@ -5,6 +5,7 @@
 //! scenario.rs  the page of scenario keys, from the JSON schema
 //! console.rs   outputs under `$ cohaul ...`, and commands that are only shown
 //! links.rs     links, anchors and pictures
+//! numbers.rs   numbers that stand in `results/`; numbers.txt says where
 //! tables.rs    tables that follow from the program
 //! ```
 //!
@@ -15,6 +16,7 @@
 mod commands;
 mod console;
 mod links;
+mod numbers;
 mod scenario;
 mod tables;
 
@@ -112,6 +114,20 @@ fn tables_shown_are_those_of_the_program() {
         let text = read(&path);
         expect_page(&path, &tables::with_tables(&path, &text));
     }
+}
+
+/// Numbers of README and book are those of their files, and none beside a file is unchecked.
+#[test]
+fn numbers_shown_are_those_of_the_results() {
+    let unknown: Vec<&str> = numbers::pages_named().filter(|page| !pages().iter().any(|path| path == page)).collect();
+    assert!(unknown.is_empty(), "numbers.txt: no such pages: {unknown:?}");
+    let mut left = Vec::new();
+    for path in pages() {
+        let text = read(&path);
+        expect_page(&path, &numbers::with_numbers(&path, &text));
+        left.extend(numbers::unchecked(&path, &text));
+    }
+    assert!(left.is_empty(), "numbers that nothing checks:\n{}", left.join("\n"));
 }
 
 #[test]

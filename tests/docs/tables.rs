@@ -60,11 +60,14 @@ fn replaced_values() -> Table {
 }
 
 fn open_choices() -> Table {
-    let scene = Scenario::read("scenarios/paper/four-ants-four-springs.json".as_ref()).expect("a scene of the project");
-    let scene = serde_json::to_value(scene.expanded()).expect("a scene is plain data");
-    let default = |key: &str| match &scene[key.split_once('.').map_or(key, |(first, _)| first)] {
-        Value::Object(inner) => text_of(&inner[key.split_once('.').expect("a key of an object").1]),
-        value => text_of(value),
+    let path = "scenarios/paper/four-ants-four-springs.json";
+    let scene = Scenario::read(path.as_ref()).expect("a scene of the project");
+    let expanded = serde_json::to_value(scene.expanded()).expect("a scene is plain data");
+    let written: Value = serde_json::from_str(&super::read(path)).expect("a scene is JSON");
+    // Supports are written out in an expanded scene.
+    let default = |key: &str| {
+        let place = format!("/{}", key.replace('.', "/"));
+        text_of(written.pointer(&place).or_else(|| expanded.pointer(&place)).expect("a key of the scene"))
     };
     let row = |choice: &cohaul::model::open_choices::OpenChoice| {
         let unit = if choice.unit.is_empty() { String::new() } else { format!(" {}", choice.unit) };

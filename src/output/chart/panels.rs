@@ -82,7 +82,8 @@ pub fn edge_difference(traces: &[Labelled], scene: &Scene) -> Panel {
 }
 
 pub fn heading_difference(traces: &[Labelled], scene: &Scene) -> Panel {
-    let turn = |pose: &Pose, start: &Pose| (pose.heading - start.heading).abs();
+    // Headings are rounded to parts of a radian, however little the load turns.
+    let turn = |pose: &Pose, start: &Pose| (pose.heading - start.heading).abs().max(1.0);
     let mut panel = of_pairs(traces, "heading apart (rad)", turn, |difference| difference.heading);
     panel.mark_tolerance(scene.tolerances.map(|[_, heading]| heading));
     panel

@@ -137,7 +137,7 @@ fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
     let decisions = format!("A decision first differs from the inertial run {quasi_static} (quasi-static) and {rapier} (rapier).");
     let chart = Block::Chart {
         svg: bars::spreads(&found.measures.iter().map(spread).collect::<Vec<_>>()),
-        caption: "Each dot is a seed, each vertical line a mean, and each bar a 95 % confidence interval. Axes may not begin at zero."
+        caption: "Each dot is a seed, each vertical line a mean, and each bar its 95 % confidence interval, which stand beside it as numbers. Axes may not begin at zero."
             .to_owned(),
     };
     let ends = found.traces.iter().filter_map(|trace| trace.rows.last()).map(|row| row.time);
@@ -161,6 +161,12 @@ fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
     ]
 }
 
+/// The mean and half of its interval, as drawn.
+fn with_half_interval(found: &Distribution, unit: &str) -> String {
+    let half = found.mean_interval_95.map(|interval| format!(" ± {}", quantity(0.5 * (interval.high - interval.low), unit)));
+    format!("{}{}", quantity(found.mean, unit), half.unwrap_or_default())
+}
+
 fn spread(measure: &Measure) -> Spread {
     let (name, unit) = name_and_unit(measure.name);
     let of = [&measure.quasi_static, &measure.inertial, &measure.rapier];
@@ -170,7 +176,7 @@ fn spread(measure: &Measure) -> Spread {
         values: measure.values.iter().filter_map(|values| values[at]).collect(),
         mean: if found.n > 0 { found.mean } else { f64::NAN },
         interval: found.mean_interval_95.map(|interval| [interval.low, interval.high]),
-        text: if found.n > 0 { format!("{} ± {}", quantity(found.mean, unit), quantity(found.sd, unit)) } else { "none".to_owned() },
+        text: if found.n > 0 { with_half_interval(found, unit) } else { "none".to_owned() },
     };
     Spread { name, unit, lines: of.into_iter().enumerate().map(line).collect() }
 }

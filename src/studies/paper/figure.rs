@@ -258,9 +258,12 @@ const TRIALS: [Style; 4] = [
 ];
 const FRICTION: Style = Style { color: "#999999", dash: "7 3", width: 1.6 };
 
-/// All figures by the name of their file: pulls, group sizes, backends, the inertial force, the
+/// Figures by the name of their file.
+pub type Figures = Vec<(&'static str, String)>;
+
+/// All figures: pulls, group sizes, backends, the inertial force, the
 /// fit, and one run.
-pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Vec<(&'static str, String)> {
+pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Figures {
     let mut figures = vec![
         ("pulls", in_grid(pulls(found, units, largest), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
         ("group-size", in_grid(group_size(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)),

@@ -6,19 +6,19 @@ use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::json;
 use crate::output::manifest::Manifest;
+use crate::output::page::REPORT;
 use crate::output::table::{Field, Kind, Table, write_rows};
 use crate::studies::paper::TableRow;
+use crate::studies::paper::figure::Figures;
+use crate::studies::paper::page::paper_page;
 use crate::studies::paper::readme::paper_readme;
 use crate::studies::paper::report::Paper;
 use crate::studies::paper::text::paper_text;
 use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
 
-/// Figures by the name of their file.
-pub type Figures = Vec<(&'static str, String)>;
-
 /// Writes `table.csv`, `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`,
 /// `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`,
-/// `fit.csv`, `runs.csv`, the `figures`, `README.md`, `table.txt`, `summary.json`
+/// `fit.csv`, `runs.csv`, the `figures`, `README.md`, `report.html`, `table.txt`, `summary.json`
 /// and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
 ///
 /// # Errors
@@ -55,6 +55,7 @@ pub fn write_paper(
         folder.write(&format!("{name}.svg"), |out| out.write_all(svg.as_bytes()))?;
     }
     folder.write("README.md", |out| out.write_all(paper_readme(found).as_bytes()))?;
+    folder.write(REPORT, |out| out.write_all(paper_page(found, figures, manifest).to_html().as_bytes()))?;
     folder.write("table.txt", |out| out.write_all(paper_text(found).as_bytes()))?;
     folder.write_json("summary.json", found)?;
     folder.finish(manifest)

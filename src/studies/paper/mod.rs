@@ -22,11 +22,13 @@
 //! measures.rs all compared quantities
 //! claims.rs   what the paper says in words, with the models that contradict it
 //! verdict.rs  match, near, calibrated, differs or undecided
+//! readme.rs, page.rs  tables with notes, as Markdown and as a page
 //! table_row.rs  a row of the table of quantities
 //! missed.rs   what is not reproduced
 //! experiment.rs  what the paper measured on ants
 //! inertia.rs  conclusions that change with inertia
 //! fit.rs      search for the parameters that are not printed
+//! search/     all parameter sets that the paper allows
 //! shown.rs    one run for figures
 //! suite.rs    all runs as tasks
 //! ```
@@ -48,10 +50,12 @@ mod maximum;
 mod measures;
 mod missed;
 mod mixture;
+mod page;
 mod phase;
 pub mod readme;
 pub mod report;
 mod sampling;
+pub mod search;
 mod shown;
 mod style;
 mod suite;

@@ -16,7 +16,7 @@ const FILES: &str = "\
 - `fit.csv` every set of parameters that was tried, and how far it is from the printed numbers; `runs.csv` every run
 - `pulls.svg` pulls by trial and the largest one; `group-size.svg` speed by group and shares; `backends.svg` what inertia and the engine move; `inertial-force.svg` the inertial force by smoothing time; `fit.svg` how sharp the fit is
 - `transition.svg`, `snapshots.svg`, `path.svg` one run of four ants
-- `table.txt` what the command prints; `summary.json` the same for programs; `manifest.json` where it comes from
+- `report.html` all this as a page; `table.txt` what the command prints; `summary.json` the same for programs; `manifest.json` where it comes from
 ";
 
 const GRADES: &str = "
@@ -29,69 +29,96 @@ const FORCES: &str = "
 On the inertial backend. Positions are those of 30 video frames per second, averaged over the smoothing time; the first row of each trial is the acceleration at the control period. The paper says that inertial forces are of order 1e-4 mN, beside 22 mN of friction, and prints no smoothing time.
 ";
 
+/// A table with its title and what to know of it.
+pub(super) struct Part {
+    pub title: &'static str,
+    pub table: Table,
+    pub note: String,
+}
+
 /// The page in Markdown.
 pub fn paper_readme(found: &Paper) -> String {
-    let mut text = format!(
-        "# The paper's results\n\nMade by `cohaul paper`, preset `{}`, seeds from {}. Intervals are 95 %, Student's t times the standard error by the bootstrap over seeds; ticks and pulls of one run are not \
-         independent.\n",
+    let mut text = format!("# The paper's results\n\n{}\n\n{}\n", found.answer, made_by(found));
+    for Part { title, table, note } in parts(found) {
+        write!(text, "\n## {title}\n\n{}\n{note}\n", table.markdown()).expect("a string takes all");
+    }
+    write!(text, "\n## Files\n\n{FILES}").expect("a string takes all");
+    wrapped_markdown(&text)
+}
+
+/// What made the results, and what the intervals are.
+pub(super) fn made_by(found: &Paper) -> String {
+    format!(
+        "Made by `cohaul paper`, preset `{}`, seeds from {}. Intervals are 95 %, Student's t times the standard error by the bootstrap over seeds; ticks and pulls of one run are not independent.",
         found.preset, found.first_seed
-    );
+    )
+}
+
+/// All tables that have lines, what is not reproduced first.
+pub(super) fn parts(found: &Paper) -> Vec<Part> {
+    let all = [
+        missed(found),
+        sets(found),
+        printed(found),
+        part("Claims", &CLAIM_HEADS, found.claims.iter().map(claim).collect(), NULLS),
+        samples(found),
+        part("Beside what was measured on ants", &["quantity", "measured", "samples", "here"], measured(found), MEASURED),
+        part("Inertial force m a by smoothing time", &["trial", "smoothing", "mean", "rms", "largest"], forces(found), FORCES),
+        part("Conclusions by backend and inertia", &heads(found), found.conclusions.iter().map(conclusion).collect(), CONCLUSIONS),
+        part("Replayed: largest edge displacements", &REPLAYED_HEADS, found.replayed.iter().map(replayed).collect(), ""),
+        part("One change of mean in a run", &TRANSITION_HEADS, transitions(found), TRANSITIONS),
+    ];
+    all.into_iter().filter(|part| !part.table.rows.is_empty()).collect()
+}
+
+const CLAIM_HEADS: [&str; 7] = ["claim", "where", "statistic", "limit", "here", "holds", "contradicts"];
+const REPLAYED_HEADS: [&str; 6] = ["trial", "verdict", "inertia effect", "engine error", "reference error", "path length"];
+const TRANSITION_HEADS: [&str; 6] = ["trial", "series", "runs", "significant", "of those rising", "median time"];
+const MEASURED: &str = "
+Pulls of all trials at every control period, and group sizes of the trial of ten ants. The paper does not say that its simulation meets these numbers; they have no grade.
+";
+const CONCLUSIONS: &str = "
+Each cell is the value and whether the conclusion holds there (`?`: unknown with these seeds). Inertia is scaled at the same friction.
+";
+const TRANSITIONS: &str = "
+Best place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance.
+";
+
+fn part(title: &'static str, heads: &[impl AsRef<str>], lines: Vec<Vec<String>>, note: &str) -> Part {
+    let table = Table::new("", heads.iter().map(AsRef::as_ref)).with_rows(lines);
+    Part { title, table, note: note.trim().to_owned() }
+}
+
+fn missed(found: &Paper) -> Part {
     let missed = found.not_reproduced.iter().map(|missed| {
         let certain = if missed.is_certain { "not reproduced" } else { "these seeds do not tell" };
         vec![missed.what.clone(), missed.paper.clone(), missed.here.clone(), certain.to_owned()]
     });
-    table("What is not reproduced", &["what", "paper", "here", ""], missed.collect(), &mut text);
+    part("What is not reproduced", &["what", "paper", "here", ""], missed.collect(), "")
+}
+
+fn sets(found: &Paper) -> Part {
     let sets = found.sets.iter().map(|set| vec![set.name.clone(), set.n_seeds.to_string(), format!("{} of {}", set.n_arrived, set.n_runs)]);
-    table("Sets of runs", &["set", "seeds", "runs that arrive"], sets.collect(), &mut text);
+    part("Sets of runs", &["set", "seeds", "runs that arrive"], sets.collect(), "")
+}
+
+fn printed(found: &Paper) -> Part {
     let rows = found.table.iter().filter(|row| row.printed.is_some());
     let rows = rows.map(|row| {
         let printed = row.printed.map_or_else(String::new, |printed| quantity(printed, row.unit));
         let grade = row.grade.map_or("", |grade| grade.name()).to_owned();
         vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), grade, row.why.clone()]
     });
-    table("Beside what is printed", &["quantity", "paper", "here", "grade", "why"], rows.collect(), &mut text);
-    text.push_str(GRADES);
-    table(
-        "Claims",
-        &["claim", "where", "statistic", "limit", "here", "holds", "contradicts"],
-        found.claims.iter().map(claim).collect(),
-        &mut text,
-    );
-    text.push_str(NULLS);
-    samples(found, &mut text);
-    measured(found, &mut text);
-    forces(found, &mut text);
-    table("Conclusions by backend and inertia", &heads(found), found.conclusions.iter().map(conclusion).collect(), &mut text);
-    text.push_str("\nEach cell is the value and whether the conclusion holds there (`?`: unknown with these seeds). Inertia is scaled at the same friction.\n");
-    let replayed = found.replayed.iter().map(replayed).collect();
-    table(
-        "Replayed: largest edge displacements",
-        &["trial", "verdict", "inertia effect", "engine error", "reference error", "path length"],
-        replayed,
-        &mut text,
-    );
-    let transitions = found.transitions.iter().map(|row| {
+    part("Beside what is printed", &["quantity", "paper", "here", "grade", "why"], rows.collect(), GRADES)
+}
+
+fn transitions(found: &Paper) -> Vec<Vec<String>> {
+    let row = |row: &crate::studies::paper::report::TransitionRow| {
         let counts = [row.n_runs, row.n_significant, row.n_rising].map(|n| n.to_string());
         let median = row.median_time_s.map_or_else(String::new, |time| quantity(time, "s"));
         [vec![row.trial.name(), row.series.to_owned()], counts.to_vec(), vec![median]].concat()
-    });
-    table(
-        "One change of mean in a run",
-        &["trial", "series", "runs", "significant", "of those rising", "median time"],
-        transitions.collect(),
-        &mut text,
-    );
-    text.push_str("\nBest place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance.\n");
-    write!(text, "\n## Files\n\n{FILES}").expect("a string takes all");
-    wrapped_markdown(&text)
-}
-
-/// A table under its title; nothing without lines.
-fn table(title: &str, heads: &[impl AsRef<str>], lines: Vec<Vec<String>>, text: &mut String) {
-    if !lines.is_empty() {
-        let table = Table::new("", heads.iter().map(AsRef::as_ref)).with_rows(lines);
-        write!(text, "\n## {title}\n\n{}", table.markdown()).expect("a string takes all");
-    }
+    };
+    found.transitions.iter().map(row).collect()
 }
 
 fn with_interval(estimate: &Option<Estimate>, unit: &str) -> String {
@@ -102,35 +129,30 @@ fn with_interval(estimate: &Option<Estimate>, unit: &str) -> String {
 }
 
 /// What the paper measured on ants.
-fn measured(found: &Paper, text: &mut String) {
-    let measured = found.experiment.iter().map(|row| {
+fn measured(found: &Paper) -> Vec<Vec<String>> {
+    let row = |row: &crate::studies::paper::Experiment| {
         vec![row.quantity.clone(), quantity(row.measured, row.unit), row.n_measured.to_string(), with_interval(&row.here, row.unit)]
-    });
-    table("Beside what was measured on ants", &["quantity", "measured", "samples", "here"], measured.collect(), text);
-    text.push_str("\nPulls of all trials at every control period, and group sizes of the trial of ten ants. The paper does not say that its simulation meets these numbers; they have no grade.\n");
+    };
+    found.experiment.iter().map(row).collect()
 }
 
 /// Inertial force by smoothing time.
-fn forces(found: &Paper, text: &mut String) {
-    let forces = found.inertial_force.iter().map(|row| {
-        let mean = with_interval(&row.mean_n, "N");
-        vec![
-            row.trial.name(),
-            quantity(row.smoothing_s, "s"),
-            mean,
-            row.rms_n.map_or_else(String::new, |rms| quantity(rms.value, "N")),
-            quantity(row.largest_n, "N"),
-        ]
-    });
-    table("Inertial force m a by smoothing time", &["trial", "smoothing", "mean", "rms", "largest"], forces.collect(), text);
-    if !found.inertial_force.is_empty() {
-        text.push_str(FORCES);
-    }
+fn forces(found: &Paper) -> Vec<Vec<String>> {
+    let row = |row: &crate::studies::paper::ForceRow| {
+        let rms = row.rms_n.map_or_else(String::new, |rms| quantity(rms.value, "N"));
+        let smoothing = quantity(row.smoothing_s, "s");
+        vec![row.trial.name(), smoothing, with_interval(&row.mean_n, "N"), rms, quantity(row.largest_n, "N")]
+    };
+    found.inertial_force.iter().map(row).collect()
 }
 
 /// Printed counts as a mixture of the trials.
-fn samples(found: &Paper, text: &mut String) {
-    let Some(mixture) = &found.mixture else { return };
+fn samples(found: &Paper) -> Part {
+    let (title, heads) = (
+        "Samples of Fig. 9 as a mixture of the trials",
+        ["pulling ants", "printed samples", "mixture", "printed share of two or more", "mixture"],
+    );
+    let Some(mixture) = &found.mixture else { return part(title, &heads, Vec::new(), "") };
     let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
     let rows = (1..=10).map(|size| {
         let share = |share: f64| if size > 1 { number(share) } else { String::new() };
@@ -143,16 +165,13 @@ fn samples(found: &Paper, text: &mut String) {
             share(mixture.share_of_two_or_more(size)),
         ]
     });
-    let heads = ["pulling ants", "printed samples", "mixture", "printed share of two or more", "mixture"];
-    table("Samples of Fig. 9 as a mixture of the trials", &heads, rows.collect(), text);
     let parts = mixture.trials.iter().map(|part| format!("{} {} ({} runs)", part.trial.name(), number(part.weight), number(part.n_runs)));
-    write!(
-        text,
-        "\nWeights of the trials, by the largest likelihood of the printed counts, and runs with as many samples at every control period: {}. Of samples with two or more ants, a share of {} has another number of ants in the mixture than printed.\n",
+    let note = format!(
+        "Weights of the trials, by the largest likelihood of the printed counts, and runs with as many samples at every control period: {}. Of samples with two or more ants, a share of {} has another number of ants in the mixture than printed.",
         parts.collect::<Vec<_>>().join(", "),
         number(mixture.misplaced())
-    )
-    .expect("a string takes all");
+    );
+    part(title, &heads, rows.collect(), &note)
 }
 
 fn claim(claim: &Claim) -> Vec<String> {

@@ -15,6 +15,8 @@ use crate::studies::paper::{
 /// What `paper --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Paper {
+    /// What became of the printed numbers and of the claims.
+    pub answer: String,
     pub preset: &'static str,
     pub first_seed: u64,
     pub quick: bool,
@@ -132,6 +134,7 @@ impl Paper {
         let is_inertial = |set: &crate::studies::paper::Set| set.case.backend == BackendKind::Inertial && set.case.inertia == 1.0;
         let inertial = plan.sets.iter().position(|set| is_inertial(set) && set.case.preset == plan.preset);
         Self {
+            answer: answer(&table, &claims),
             preset: plan.preset.name(),
             first_seed: plan.first_seed,
             quick,
@@ -153,6 +156,23 @@ impl Paper {
             fit: fit_rows(plan, done),
         }
     }
+}
+
+fn answer(table: &[TableRow], claims: &[Claim]) -> String {
+    let of_grade = |grade: Grade| table.iter().filter(|row| row.grade == Some(grade)).count();
+    let of_claims = |holds: Option<bool>| claims.iter().filter(|claim| claim.holds == holds).count();
+    format!(
+        "Of {} printed numbers, {} are met and {} were calibrated; {} differ, and {} are undecided. Of {} claims, {} hold, {} do not, and {} cannot be told.",
+        table.iter().filter(|row| row.grade.is_some()).count(),
+        of_grade(Grade::Match) + of_grade(Grade::Near),
+        of_grade(Grade::Calibrated),
+        of_grade(Grade::Differs),
+        of_grade(Grade::Undecided),
+        claims.len(),
+        of_claims(Some(true)),
+        of_claims(Some(false)),
+        of_claims(None)
+    )
 }
 
 /// Backend, inertia and preset, as far as they differ from the usual.

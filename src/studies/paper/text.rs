@@ -29,7 +29,7 @@ pub fn paper_text(found: &Paper) -> String {
 }
 
 fn header(found: &Paper, text: &mut String) {
-    writeln!(text, "preset {}, seeds from {}", found.preset, found.first_seed).expect("a string takes all");
+    writeln!(text, "{}\n\npreset {}, seeds from {}", found.answer, found.preset, found.first_seed).expect("a string takes all");
     let lines = found
         .sets
         .iter()

@@ -63,7 +63,7 @@ impl Trial {
         }
     }
 
-    fn text(self) -> &'static str {
+    pub(super) fn text(self) -> &'static str {
         match self {
             Trial::OneOne => include_str!("../../../scenarios/paper/one-ant-one-spring.json"),
             Trial::FourFour => include_str!("../../../scenarios/paper/four-ants-four-springs.json"),

@@ -6,7 +6,7 @@
 //! does not depend on, such as seeds without a run of its trial, do not count. Backends share
 //! seeds, so that their differences are between pairs.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::facts::RunFacts;
 use super::trial::Trial;
@@ -39,7 +39,7 @@ pub(super) fn runs<'a>(units: &[Unit<'a>], trial: Trial) -> impl Iterator<Item =
 }
 
 /// A statistic with its interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     pub value: f64,
     /// `null` below two units, or where a resample had no value.

@@ -24,10 +24,11 @@ const FINE: usize = 121;
 
 /// The largest distance over the path length, and the displacement over that without inertia.
 pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
-    let panels = |panel: fn(&Grid, f64, &[&Cell]) -> CellMap| {
-        grid.zetas.iter().map(|zeta| panel(grid, *zeta, &of_panel(grid, *zeta, cells))).collect::<Vec<CellMap>>()
+    let panels = |panel: &dyn Fn(f64, &[&Cell]) -> CellMap| {
+        grid.zetas.iter().map(|zeta| panel(*zeta, &of_panel(grid, *zeta, cells))).collect::<Vec<CellMap>>()
     };
-    let rows = [panels(distance), panels(displacement)];
+    let lowest = lowest_decade(cells.iter().filter(|cell| cell.scene == grid.scene));
+    let rows = [panels(&|zeta, cells| distance(grid, zeta, cells, lowest)), panels(&|zeta, cells| displacement(grid, zeta, cells))];
     let is_expected = |style: &Style| {
         let levels = || rows.iter().flatten().flat_map(|map| &map.levels).filter(|level| level.style == *style);
         levels().any(|level| {
@@ -35,9 +36,9 @@ pub fn scene_map(grid: &Grid, cells: &[Cell]) -> String {
             above(true) && above(false)
         })
     };
-    let shares = (0..=40).map(|i| 0.1 * f64::from(i) - 4.0);
+    let shares = (0..=20).map(|i| lowest * (1.0 - 0.05 * f64::from(i)));
     let label = |decade: f64| if (decade.round() - decade).abs() < 1e-9 { format!("{:.0e}", 10f64.powf(decade)) } else { String::new() };
-    let shares = shares.step_by(2).map(|decade| (share_color(10f64.powf(decade)), label(decade))).collect();
+    let shares = shares.map(|decade| (share_color(10f64.powf(decade), lowest), label(decade))).collect();
     let line = |style, name: &str| Key::Line(style, name.to_owned());
     let theory = if grid.scene == Scene::Haul { "theory: 2 epsilon f / k is 1 %" } else { "theory: 1 %, 0.9" };
     let mut lines = vec![line(MEASURED, "measured: 1 % above, 0.9 below"), line(MEASURED_ABOVE, "measured: 1.1")];
@@ -84,7 +85,13 @@ pub fn disagreement(grids: &[Grid], cells: &[Cell]) -> String {
     cell_maps("Where theory and measurement disagree: measured / theory", &rows, &[lines, without_number()], SIZE)
 }
 
-fn distance(grid: &Grid, zeta: f64, cells: &[&Cell]) -> CellMap {
+/// Decade below the smallest conclusive distance over the path length, from -6 to -1.
+fn lowest_decade<'a>(cells: impl Iterator<Item = &'a Cell>) -> f64 {
+    let shares = cells.filter(|cell| cell.is_conclusive()).filter_map(Cell::distance_ratio).filter(|share| *share > 0.0);
+    shares.map(|share| share.log10().floor()).fold(-1.0, f64::min).max(-6.0)
+}
+
+fn distance(grid: &Grid, zeta: f64, cells: &[&Cell], lowest: f64) -> CellMap {
     let over = |share: f64| (share / RELATIVE_TOLERANCE).log10();
     let measured = field(grid, cells, &|cell| cell.distance_ratio().map(over));
     let expected = match grid.scene {
@@ -93,7 +100,7 @@ fn distance(grid: &Grid, zeta: f64, cells: &[&Cell]) -> CellMap {
     };
     let fill = |cell: &&Cell| match cell.distance_ratio() {
         Some(_) if !cell.is_conclusive() => HATCHED.to_owned(),
-        Some(share) => share_color(share),
+        Some(share) => share_color(share, lowest),
         None => blank(cell),
     };
     CellMap {
@@ -210,11 +217,11 @@ fn ratio_scale(name: &str) -> Key {
     Key::Scale { name: name.to_owned(), colors: colors.map(|power| (ratio_color(power.exp2()), label(power))).collect() }
 }
 
-/// From dark (1e-4 of the path length and less) to bright (the whole path length and more), in
-/// tenths of a decade.
-fn share_color(share: f64) -> String {
+/// From dark (the lowest decade of the path length and less) to bright (the whole path length and
+/// more), in tenths of a decade.
+fn share_color(share: f64, lowest: f64) -> String {
     let decade = (10.0 * share.max(1e-300).log10()).round() / 10.0;
-    viridis((decade.clamp(-4.0, 0.0) + 4.0) / 4.0)
+    viridis(1.0 - decade.clamp(lowest, 0.0) / lowest)
 }
 
 /// From blue (a quarter and less) over white (one) to orange (four and more), in twentieths.
@@ -232,7 +239,8 @@ mod tests {
 
     #[test]
     fn colours_end_at_their_ranges_and_part_at_one() {
-        assert_eq!((share_color(1e-9), share_color(7.0)), (share_color(1e-4), share_color(1.0)));
+        assert_eq!((share_color(1e-9, -4.0), share_color(7.0, -4.0)), (share_color(1e-4, -4.0), share_color(1.0, -4.0)));
+        assert_ne!(share_color(0.7, -1.0), share_color(0.9, -1.0));
         assert_eq!((ratio_color(1.0), ratio_color(9.0), ratio_color(0.0)), ("#ffffff".to_owned(), ratio_color(4.0), ratio_color(0.25)));
         assert_ne!(ratio_color(0.8), ratio_color(1.25));
     }

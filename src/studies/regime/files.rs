@@ -4,10 +4,12 @@ use std::path::Path;
 
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
+use crate::output::page::REPORT;
 use crate::output::quantity::quantity;
 use crate::output::table::write_rows;
 use crate::studies::regime::figure::{disagreement, scene_map};
-use crate::studies::regime::page::page;
+use crate::studies::regime::page::regime_page;
+use crate::studies::regime::readme::readme;
 use crate::studies::regime::report::{CellLine, Regime};
 use crate::studies::regime::tables;
 
@@ -25,19 +27,22 @@ pub fn regime_text(found: &Regime) -> String {
     )
 }
 
-/// Writes `regime.csv`, a map a scene and the disagreements as SVG, `README.md`, `summary.json` and
-/// `manifest.json` to the folder `target`, all or nothing.
+/// Writes `regime.csv`, a map a scene and the disagreements as SVG, `README.md`, `report.html`,
+/// `summary.json` and `manifest.json` to the folder `target`, all or nothing.
 ///
 /// # Errors
 /// When the folder may not be written, or the disk fails.
 pub fn write_regime(target: &Path, found: &Regime, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     folder.write("regime.csv", |out| write_rows(found.cells.iter().map(CellLine::of), out))?;
-    for grid in &found.grids {
-        folder.write(&format!("{}.svg", grid.scene.name()), |out| out.write_all(scene_map(grid, &found.cells).as_bytes()))?;
+    let maps = found.grids.iter().map(|grid| (grid.scene.name().to_owned(), scene_map(grid, &found.cells)));
+    let disagreement = ("disagreement".to_owned(), disagreement(&found.grids, &found.cells));
+    let figures: Vec<(String, String)> = maps.chain([disagreement]).collect();
+    for (name, svg) in &figures {
+        folder.write(&format!("{name}.svg"), |out| out.write_all(svg.as_bytes()))?;
     }
-    folder.write("disagreement.svg", |out| out.write_all(disagreement(&found.grids, &found.cells).as_bytes()))?;
-    folder.write("README.md", |out| out.write_all(page(found, target).as_bytes()))?;
+    folder.write(REPORT, |out| out.write_all(regime_page(found, &figures, manifest).to_html().as_bytes()))?;
+    folder.write("README.md", |out| out.write_all(readme(found, target).as_bytes()))?;
     folder.write_json("summary.json", found)?;
     folder.finish(manifest)
 }

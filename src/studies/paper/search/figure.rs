@@ -1,0 +1,114 @@
+//! Figures of a search: where the accepted sets lie, and what inertia does to one ant.
+
+use super::ACCEPTED;
+use super::report::{Search, SetRow};
+use crate::model::open_choices::{Chosen, Range};
+use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
+use crate::output::chart::{COLUMN_WIDTH, MILLI, PANEL_HEIGHT, grid};
+use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
+
+const FAINT: Style = Style { color: "#bbbbbb", dash: "", width: 1.0 };
+/// Sets farther from the targets are not drawn (1).
+const MOST_SHOWN: f64 = 3.0;
+
+/// All figures by the name of their file.
+pub(super) fn figures(found: &Search) -> Vec<(&'static str, String)> {
+    let mut figures = vec![("region", region(found))];
+    if !found.one_ant.is_empty() {
+        figures.push(("one-ant", one_ant(found)));
+    }
+    figures
+}
+
+fn is_shown(distance: &f64) -> bool {
+    *distance <= MOST_SHOWN
+}
+
+/// Label, factor to the unit of the label, and range of each searched choice that is a number.
+fn axes(found: &Search) -> Vec<(usize, String, f64, Range)> {
+    let searched = found.plan.design().searched;
+    let of_number = |(at, choice): (usize, &super::space::Searched)| {
+        let Range::Between { high, .. } = choice.range else { return None };
+        let is_small = choice.unit == "m" || high < 0.2;
+        let unit = match (choice.unit, is_small) {
+            ("m", _) => "mm",
+            ("s", true) => "ms",
+            (unit, true) => return Some((at, format!("{} (m{unit})", choice.name), MILLI, choice.range)),
+            (unit, false) => unit,
+        };
+        Some((at, format!("{} ({unit})", choice.name), if is_small { MILLI } else { 1.0 }, choice.range))
+    };
+    searched.iter().enumerate().filter_map(of_number).collect()
+}
+
+fn number(row: &SetRow, at: usize) -> f64 {
+    match row.values[at] {
+        Chosen::Number(value) => value,
+        Chosen::Word(_) => f64::NAN,
+    }
+}
+
+/// Distance of every set against each choice, with the accepted ones, and pairs of the choices that
+/// matter most.
+fn region(found: &Search) -> String {
+    let axes = axes(found);
+    let mut panels = Vec::new();
+    for (at, label, unit, _) in &axes {
+        let mut panel = Panel::new(label, "distance to the targets (1)", Scale::FromZero);
+        panel.marks.push(Mark { at: Across::Horizontal(ACCEPTED), style: PRINTED });
+        let screened = |row: &SetRow| Some([unit * number(row, *at), row.screened.distance.filter(is_shown)?]);
+        let judged = |row: &SetRow| Some([unit * number(row, *at), row.judged.as_ref()?.distance?]);
+        panel.curves.extend(dots(found, |row| !row.is_accepted, screened, FAINT));
+        panel.curves.extend(dots(found, |row| row.is_accepted, judged, OURS));
+        panels.push(panel);
+    }
+    for (one, other) in [(0, 1), (1, 3), (0, 3)] {
+        let ([x, y], [of_x, of_y]) = ([&axes[one], &axes[other]], [axes[one].2, axes[other].2]);
+        let mut panel = Panel::new(&x.1, &y.1, Scale::Linear);
+        let place = |row: &SetRow| {
+            row.screened.distance.filter(is_shown)?;
+            Some([of_x * number(row, x.0), of_y * number(row, y.0)])
+        };
+        panel.curves.extend(dots(found, |row| !row.is_accepted, place, FAINT));
+        panel.curves.extend(dots(found, |row| row.is_accepted, place, OURS));
+        panels.push(panel);
+    }
+    let legend = vec![
+        Entry::dot("accepted, on seeds of their own", OURS),
+        Entry::dot("other sets of the first look, up to a distance of 3", FAINT),
+        Entry::line("accepted below", PRINTED),
+    ];
+    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
+}
+
+fn dots(found: &Search, is_shown: impl Fn(&SetRow) -> bool, of: impl Fn(&SetRow) -> Option<[f64; 2]>, style: Style) -> Option<Curve> {
+    let points: Vec<[f64; 2]> = found.sets.iter().filter(|row| is_shown(row)).filter_map(of).collect();
+    (!points.is_empty()).then(|| curve(points, style, Shape::Dots))
+}
+
+/// Effect of inertia on one ant's time with its interval, set by set.
+fn one_ant(found: &Search) -> String {
+    let axes = axes(found);
+    let mut panels = Vec::new();
+    for (at, label, unit, _) in axes {
+        let mut panel = Panel::new(&label, "inertial minus quasi-static (s)", Scale::Linear);
+        panel.marks.push(Mark { at: Across::Horizontal(0.0), style: FAINT });
+        for row in &found.one_ant {
+            let x = unit * number(&found.sets[row.set], at);
+            if let Some(interval) = row.inertia_effect.interval_95 {
+                panel.curves.push(curve(vec![[x, interval.low], [x, interval.high]], FAINT, Shape::Path));
+            }
+        }
+        let is_certain = |row: &&super::report::OneAnt| row.inertia_effect.interval_95.is_some_and(|it| it.low > 0.0 || it.high < 0.0);
+        for (certain, style) in [(false, OURS), (true, OTHER)] {
+            let rows = found.one_ant.iter().filter(|row| is_certain(row) == certain);
+            let points: Vec<[f64; 2]> = rows.map(|row| [unit * number(&found.sets[row.set], at), row.inertia_effect.value]).collect();
+            if !points.is_empty() {
+                panel.curves.push(curve(points, style, Shape::Dots));
+            }
+        }
+        panels.push(panel);
+    }
+    let legend = vec![Entry::dot("not certainly other than zero", OURS), Entry::dot("certainly", OTHER), Entry::line("95 %", FAINT)];
+    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
+}

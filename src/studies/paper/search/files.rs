@@ -1,0 +1,265 @@
+//! Output folder of `paper search`: tables as CSV, figures, README, page, summary and manifest.
+
+use std::path::Path;
+
+use super::figure::figures;
+use super::report::{IndexRow, Search, SetRow, Shares, Spread, text};
+use super::screen::SCREENED;
+use super::sensitivity::Index;
+use super::text::tables;
+use super::{ACCEPTED, CLOSE, reported};
+use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::manifest::Manifest;
+use crate::output::page::{Answer, Block, Headline, Page, REPORT};
+use crate::output::quantity::quantity;
+use crate::output::table::{Field, Table};
+use crate::output::text::wrapped_markdown;
+
+/// Writes `sets.csv`, `accepted.csv`, `claims.csv`, `quantities.csv`, `choices.csv`, `indices.csv`,
+/// the figures, `README.md`, `report.html`, `summary.json` and `manifest.json` to the folder
+/// `target`, all or nothing. A table without rows is left out.
+///
+/// # Errors
+/// When the folder may not be written, or the disk fails.
+pub fn write_search(target: &Path, found: &Search, manifest: &Manifest) -> Result<(), FolderError> {
+    let mut folder = OutputFolder::create(target)?;
+    let written = [
+        ("sets.csv", sets(found)),
+        ("accepted.csv", accepted(found)),
+        ("claims.csv", claims(found)),
+        ("quantities.csv", quantities(found)),
+        ("choices.csv", choices(found)),
+        ("indices.csv", indices(found)),
+    ];
+    for (name, table) in written.iter().filter(|(_, table)| !table.rows.is_empty()) {
+        folder.write(name, |out| table.write_csv(out))?;
+    }
+    let figures = figures(found);
+    for (name, svg) in &figures {
+        folder.write(&format!("{name}.svg"), |out| out.write_all(svg.as_bytes()))?;
+    }
+    folder.write("README.md", |out| out.write_all(readme(found, target).as_bytes()))?;
+    folder.write(REPORT, |out| out.write_all(page(found, figures, manifest).to_html().as_bytes()))?;
+    folder.write_json("summary.json", found)?;
+    folder.finish(manifest)
+}
+
+/// Values of the choices of a set, as fields.
+fn values(row: &SetRow) -> Vec<Field> {
+    row.values
+        .iter()
+        .map(|value| match value {
+            crate::model::open_choices::Chosen::Number(value) => (*value).into(),
+            crate::model::open_choices::Chosen::Word(_) => text(value).into(),
+        })
+        .collect()
+}
+
+/// A table of sets: number, choices, then the columns `names`.
+fn table_of_sets(found: &Search, names: Vec<(String, &'static str)>) -> Table {
+    let choices = found.choices.iter().map(|row| (row.choice.replace(['(', ')', '\''], ""), row.unit));
+    let all: Vec<(String, &str)> = [("set".to_owned(), "")].into_iter().chain(choices).chain(names).collect();
+    let mut table = Table::new("", all.iter().map(|(name, _)| name.clone()));
+    table.columns.iter_mut().zip(&all).for_each(|(column, (_, unit))| column.unit = unit);
+    table
+}
+
+fn sets(found: &Search) -> Table {
+    let measures = SCREENED.iter().map(|measure| (file_name(&measure.name()), measure.unit()));
+    let names = [("distance".to_owned(), "")]
+        .into_iter()
+        .chain(measures)
+        .chain([("largest pull".to_owned(), "N"), ("is within the box".to_owned(), "")])
+        .collect();
+    table_of_sets(found, names).with_rows(found.sets.iter().map(|row| {
+        let screened = &row.screened;
+        let numbers = [screened.distance].into_iter().chain(screened.values.iter().copied()).chain([screened.largest_pull_n]);
+        let fields = [Field::from(row.set)].into_iter().chain(values(row)).chain(numbers.map(Field::from));
+        fields.chain([row.is_within.into()]).collect::<Vec<Field>>()
+    }))
+}
+
+fn file_name(measure: &str) -> String {
+    measure.replace(['(', ')', ','], "").replace('/', " on ")
+}
+
+fn accepted(found: &Search) -> Table {
+    let measures = reported().into_iter().flat_map(|measure| {
+        let name = file_name(&measure.name());
+        [(name.clone(), measure.unit()), (format!("inertia effect on {name}"), measure.unit())]
+    });
+    let names = [("distance".to_owned(), ""), ("largest pull".to_owned(), "N")].into_iter().chain(measures).collect();
+    let row = |row: &SetRow| {
+        let judged = row.judged.as_ref()?;
+        let pair = |it: &super::judge::OnBoth| [it.quasi_static.map(|it| it.value), it.minus.map(|it| it.value)];
+        let numbers =
+            [judged.distance, judged.largest_pull.map(|it| it.expected_n)].into_iter().chain(judged.measures.iter().flat_map(pair));
+        Some([Field::from(row.set)].into_iter().chain(values(row)).chain(numbers.map(Field::from)).collect::<Vec<Field>>())
+    };
+    table_of_sets(found, names).with_rows(found.sets.iter().filter(|row| row.is_accepted).filter_map(row))
+}
+
+fn least(spread: Option<Spread>) -> Field {
+    spread.map(|spread| spread.least).into()
+}
+
+fn median(spread: Option<Spread>) -> Field {
+    spread.map(|spread| spread.median).into()
+}
+
+fn most(spread: Option<Spread>) -> Field {
+    spread.map(|spread| spread.most).into()
+}
+
+fn claims(found: &Search) -> Table {
+    let on = |row: &super::report::ClaimRow, with: usize| -> Shares { row.on[with] };
+    Table::of(
+        &found.claims,
+        &[
+            ("claim", "", &|it| it.claim.into()),
+            ("statistic", "", &|it| it.statistic.as_str().into()),
+            ("side", "", &|it| if it.below { "below" } else { "above" }.into()),
+            ("limit", "", &|it| it.limit.into()),
+            ("holds", "", &|it| on(it, 0).holds.into()),
+            ("fails", "", &|it| on(it, 0).fails.into()),
+            ("unknown", "", &|it| on(it, 0).unknown.into()),
+            ("on its side", "", &|it| on(it, 0).on_its_side.into()),
+            ("least", "", &|it| least(on(it, 0).values)),
+            ("median", "", &|it| median(on(it, 0).values)),
+            ("most", "", &|it| most(on(it, 0).values)),
+            ("holds with inertia", "", &|it| on(it, 1).holds.into()),
+            ("fails with inertia", "", &|it| on(it, 1).fails.into()),
+            ("unknown with inertia", "", &|it| on(it, 1).unknown.into()),
+            ("median with inertia", "", &|it| median(on(it, 1).values)),
+        ],
+    )
+}
+
+fn quantities(found: &Search) -> Table {
+    Table::of(
+        &found.quantities,
+        &[
+            ("quantity", "", &|it| it.quantity.as_str().into()),
+            ("unit", "", &|it| it.unit.into()),
+            ("printed", "", &|it| it.printed.into()),
+            ("role", "", &|it| if it.is_target { "target" } else { "held out" }.into()),
+            ("least", "", &|it| least(it.values)),
+            ("median", "", &|it| median(it.values)),
+            ("most", "", &|it| most(it.values)),
+            ("met", "", &|it| it.met.into()),
+            ("least inertia effect", "", &|it| least(it.inertia_effect)),
+            ("median inertia effect", "", &|it| median(it.inertia_effect)),
+            ("most inertia effect", "", &|it| most(it.inertia_effect)),
+            ("shifted by inertia", "", &|it| it.shifted_by_inertia.into()),
+        ],
+    )
+}
+
+fn choices(found: &Search) -> Table {
+    Table::of(
+        &found.choices,
+        &[
+            ("choice", "", &|it| it.choice.into()),
+            ("key", "", &|it| it.key.into()),
+            ("unit", "", &|it| it.unit.into()),
+            ("searched", "", &|it| it.searched.as_str().into()),
+            ("least accepted", "", &|it| least(it.accepted)),
+            ("median accepted", "", &|it| median(it.accepted)),
+            ("most accepted", "", &|it| most(it.accepted)),
+            ("reaches an end", "", &|it| it.reaches_an_end.into()),
+        ],
+    )
+}
+
+fn indices(found: &Search) -> Table {
+    let value = |index: Option<Index>| Field::from(index.map(|index| index.value));
+    let low = |index: Option<Index>| Field::from(index.map(|index| index.interval_95.low));
+    let high = |index: Option<Index>| Field::from(index.map(|index| index.interval_95.high));
+    Table::of(
+        &found.indices,
+        &[
+            ("quantity", "", &|it: &IndexRow| it.quantity.as_str().into()),
+            ("choice", "", &|it| it.choice.into()),
+            ("first order", "", &|it| value(it.first_order)),
+            ("first order low 95", "", &|it| low(it.first_order)),
+            ("first order high 95", "", &|it| high(it.first_order)),
+            ("total", "", &|it| value(it.total)),
+            ("total low 95", "", &|it| low(it.total)),
+            ("total high 95", "", &|it| high(it.total)),
+            ("first order among accepted", "", &|it| value(it.among_accepted)),
+            ("among accepted low 95", "", &|it| low(it.among_accepted)),
+            ("among accepted high 95", "", &|it| high(it.among_accepted)),
+            ("first order of inertia effect", "", &|it| value(it.of_inertia_effect)),
+            ("of inertia effect low 95", "", &|it| low(it.of_inertia_effect)),
+            ("of inertia effect high 95", "", &|it| high(it.of_inertia_effect)),
+        ],
+    )
+}
+
+/// How sets are made and accepted, for README and page.
+fn method(found: &Search) -> String {
+    let plan = &found.plan;
+    format!(
+        "Every set has all values that the paper prints. What it leaves open varies within the ranges below: \
+         Sobol's sequence and a Latin hypercube of {} sets each, and the sets that exchange one choice between them. \
+         Further {} sets fill the smallest box around the 2 % that came closest. \
+         The first look runs the trials 4/4, 2/10, 5/10 and 10/10 without inertia on {} seeds. The distance of a set is its \
+         worst deviation from the targets: mean and standard deviation of the pulls over 10 %, and the fractions of six to \
+         ten pulling ants over 0.05. Sets within {CLOSE:.2} are looked at again on {} other seeds, with and without inertia, and \
+         accepted within {ACCEPTED}. All other printed numbers are held out.",
+        plan.n_rows, plan.n_within, plan.n_screening_seeds, plan.n_judging_seeds
+    )
+}
+
+fn readme(found: &Search, target: &Path) -> String {
+    let folder = target.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let plan = &found.plan;
+    let command = format!(
+        "`cohaul paper search --rows {} --within {} --seeds {} --more-seeds {} --most {} --out {folder}`",
+        plan.n_rows, plan.n_within, plan.n_screening_seeds, plan.n_judging_seeds, plan.most_judged
+    );
+    let mut page = format!(
+        "# All parameter sets that the paper allows\n\n{}\n\n{command} made all that is in this folder, in {}. Of {} sets, {} came close, \
+         {} were looked at again, and {} were accepted.\n\n{}\n\n",
+        found.answer,
+        quantity(found.wall_s, "s"),
+        found.n_sets,
+        found.n_close,
+        found.n_judged,
+        found.n_accepted,
+        method(found)
+    );
+    page.push_str("![Where the accepted sets lie](region.svg)\n\n");
+    if !found.one_ant.is_empty() {
+        page.push_str("![Effect of inertia on the time of one ant](one-ant.svg)\n\n");
+    }
+    for table in tables(found) {
+        page.push_str(&format!("## {}\n\n{}\n", table.caption, table.markdown()));
+    }
+    page.push_str(NOTES);
+    wrapped_markdown(&page)
+}
+
+const NOTES: &str = "
+A claim holds on a set where the whole 95 % interval is on its side. The total index of a choice is the share of a \
+quantity's variance in which it takes part. Runs are random, so that seeds have one, too, and all others contain it. \
+Choices of accepted sets depend on each other. For them, `indices.csv` has first-order indices from the sets alone.
+
+- `sets.csv` every set of the first look with its quantities;
+- `accepted.csv` the accepted sets with all quantities, and the inertia effect on each;
+- `claims.csv`, `quantities.csv`, `choices.csv`, `indices.csv` the tables above with all columns.
+";
+
+fn page(found: &Search, figures: Vec<(&'static str, String)>, manifest: &Manifest) -> Page {
+    let tone = if found.n_accepted > 0 { Answer::None } else { Answer::No };
+    let page = Page::new("All parameter sets that the paper allows", Headline::new(tone, found.answer.clone()));
+    let page = page.section("Method", vec![Block::Text(method(found))]);
+    let page =
+        tables(found).into_iter().fold(page, |page, table| page.section(table.caption.clone(), vec![Block::Table(table.titled(""))]));
+    let drawn = figures.into_iter().map(|(name, svg)| Block::figure(svg, caption(name))).collect();
+    page.section("Figures", drawn).from(manifest)
+}
+
+fn caption(figure: &str) -> &'static str {
+    if figure == "region" { "Where the accepted sets lie" } else { "Effect of inertia on the time of one ant" }
+}

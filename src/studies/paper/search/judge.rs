@@ -1,0 +1,96 @@
+//! Second look at a set that came close: more seeds, with and without inertia, and every quantity
+//! and claim of the study.
+
+use serde::{Deserialize, Serialize};
+
+use super::plan::Plan;
+use super::screen::{distance, runs};
+use super::space::{TRIALS, Templates};
+use crate::backend::BackendKind;
+use crate::model::open_choices::Chosen;
+use crate::model::paper as printed;
+use crate::studies::paper::report::largest;
+use crate::studies::paper::{Estimate, Grade, MEASURES, Measure, Printed, RunFacts, Sampling, Unit, claims, units};
+
+/// What is known of one set. Lists have the order of [`reported`] and of the claims.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// As [`distance`], without inertia and on the seeds of this look.
+    pub distance: Option<f64>,
+    pub measures: Vec<OnBoth>,
+    pub largest_pull: Option<Largest>,
+    /// Each without and with inertia.
+    pub claims: Vec<[Standing; 2]>,
+}
+
+/// A quantity without and with inertia.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OnBoth {
+    pub quasi_static: Option<Estimate>,
+    pub inertial: Option<Estimate>,
+    /// Inertial minus quasi-static, in pairs of seeds.
+    pub minus: Option<Estimate>,
+    /// Without inertia, beside the printed number.
+    pub grade: Option<Grade>,
+}
+
+/// The largest pull of a sample of the printed size (N), and its grade.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Largest {
+    pub expected_n: f64,
+    pub grade: Grade,
+}
+
+/// How a claim stands on a set.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Standing {
+    pub value: Option<f64>,
+    /// `null` when these seeds do not tell.
+    pub holds: Option<bool>,
+}
+
+/// All quantities of the second look: those of the study's table, and the load speed by the number
+/// of pulling ants.
+pub fn reported() -> Vec<Measure> {
+    let speeds = (1..=10).map(Measure::LoadSpeed);
+    MEASURES.into_iter().chain(speeds).chain([2, 5, 10].map(Measure::Headway)).collect()
+}
+
+/// The second look at a set; `None` when `watch` said no.
+pub fn judged(templates: &Templates, plan: &Plan, values: &[Chosen], watch: &dyn Fn() -> bool) -> Option<Judged> {
+    let on = |backend| runs(templates, plan, values, (backend, &TRIALS), plan.judging_seeds(), watch);
+    let (without, with) = (on(BackendKind::QuasiStatic)?, on(BackendKind::Inertial)?);
+    Some(Judged::of(&as_units(&without), &as_units(&with)))
+}
+
+fn as_units(runs: &[(crate::studies::paper::Trial, u64, RunFacts)]) -> Vec<Unit<'_>> {
+    units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run)))
+}
+
+impl Judged {
+    fn of(without: &[Unit], with: &[Unit]) -> Self {
+        let on_both = |measure: Measure| {
+            let quasi_static = measure.estimate(without);
+            OnBoth {
+                quasi_static,
+                inertial: measure.estimate(with),
+                minus: measure.difference(with, without),
+                grade: quasi_static.and_then(|ours| measure.grade(without, &ours)),
+            }
+        };
+        let standings = |units: &[Unit]| {
+            let of = |claim: crate::studies::paper::Claim| Standing { value: claim.found.map(|found| found.value), holds: claim.holds };
+            claims(units).into_iter().map(of).collect::<Vec<_>>()
+        };
+        let largest = largest(without, Sampling::AtDecisions).map(|found| {
+            let grade = Printed::new(printed::PULL_MAX_N, 0.05e-3).graded(found.expected, Some(found.error_95), found.draw);
+            Largest { expected_n: found.expected, grade }
+        });
+        Self {
+            distance: distance(without),
+            measures: reported().into_iter().map(on_both).collect(),
+            largest_pull: largest,
+            claims: standings(without).into_iter().zip(standings(with)).map(|(a, b)| [a, b]).collect(),
+        }
+    }
+}
