@@ -427,9 +427,7 @@ mod tests {
         answers[PLAN.n_first()[0]] = screened(Some(0.1));
         assert_eq!(close(&answers), [3, PLAN.n_first()[0]]);
         answers[PLAN.n_first()[0]] = screened(None);
-        for set in 0..12 {
-            answers[set] = screened(Some(0.5));
-        }
+        answers[..12].fill(screened(Some(0.5)));
         assert_eq!(close(&answers), [0, 4, 8]);
     }
 
