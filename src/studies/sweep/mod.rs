@@ -45,6 +45,6 @@ pub use group::{Distribution, Group, Grouper, MEASURES};
 pub use hypercube::coordinate as hypercube_coordinate;
 pub use plan::{Ask, FORMAT, Identity, Plan, Variant};
 pub use shard::{Part, Shards, finish_shard, verified};
-pub use sobol::{MOST_DIMENSIONS, coordinate as sobol_coordinate};
+pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, coordinate as sobol_coordinate};
 pub use template::Template;
 pub use work::{validate, work};

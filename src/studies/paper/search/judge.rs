@@ -15,7 +15,7 @@ use crate::studies::paper::{Estimate, Grade, MEASURES, Measure, Printed, RunFact
 /// What is known of one set. Lists have the order of [`reported`] and of the claims.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judged {
-    /// As [`distance`], without inertia and on the seeds of this look.
+    /// Distance to the targets (1), without inertia and on the seeds of this look.
     pub distance: Option<f64>,
     pub measures: Vec<OnBoth>,
     pub largest_pull: Option<Largest>,
