@@ -44,6 +44,8 @@ mod backend;
 #[cfg(feature = "program")]
 #[doc(hidden)]
 pub mod cli;
+#[cfg(all(feature = "program", not(feature = "internals")))]
+mod live;
 #[cfg(not(feature = "internals"))]
 mod math;
 #[cfg(not(feature = "internals"))]
@@ -61,6 +63,8 @@ mod studies;
 pub mod analysis;
 #[cfg(feature = "internals")]
 pub mod backend;
+#[cfg(all(feature = "program", feature = "internals"))]
+pub mod live;
 #[cfg(feature = "internals")]
 pub mod math;
 #[cfg(feature = "internals")]

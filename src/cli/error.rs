@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::backend::{RestoreError, SaveError};
+use crate::live::ServerError;
 use crate::output::folder::FolderError;
 use crate::output::json::NotFinite;
 use crate::scenario::ScenarioError;
@@ -29,6 +30,8 @@ pub enum CliError {
     Restore { path: PathBuf, source: RestoreError },
     #[error(transparent)]
     Save(#[from] SaveError),
+    #[error(transparent)]
+    Server(#[from] ServerError),
     #[error("{0}")]
     Usage(String),
     #[error(transparent)]

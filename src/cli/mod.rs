@@ -27,6 +27,7 @@ mod stress;
 mod sweep;
 mod vary;
 mod verify;
+mod view;
 mod watch;
 
 use std::ffi::OsString;
@@ -63,6 +64,8 @@ enum Command {
     Run(run::RunArgs),
     /// Run one scenario on all backends and explain the differences
     Compare(compare::CompareArgs),
+    /// Play, change and drag a scene in the browser
+    View(view::ViewArgs),
     /// Run a scenario over seeds and parameters into one table
     Sweep(sweep::SweepArgs),
     /// Join the shards of a sweep into one table
@@ -125,6 +128,7 @@ impl Command {
         match self {
             Command::Run(args) => run::run(args),
             Command::Compare(args) => compare::compare(args),
+            Command::View(args) => view::view(args),
             Command::Sweep(args) => sweep::sweep(args),
             Command::Merge(args) => merge::merge(args),
             Command::Check(args) => check::check(args),

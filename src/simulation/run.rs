@@ -8,6 +8,7 @@ use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Ro
 use crate::backend::{
     AttachedTip, AttachedTips, Backend, BackendOptions, Motion, PoseError, StepReport, Transition, TransitionCounts, build,
 };
+use crate::model::ant::Ant;
 use crate::scenario::Scenario;
 
 /// One run of one scenario on one backend.
@@ -198,6 +199,16 @@ impl<'a> Simulation<'a> {
         self.backend.as_ref()
     }
 
+    /// The ants as they stand now; none under another controller.
+    pub fn ants(&self) -> &[Ant] {
+        self.controller.ants()
+    }
+
+    /// Tip and pull of every attached spring now.
+    pub fn attached_tips(&self) -> AttachedTips {
+        attached_tips(self.scenario, self.backend.as_ref())
+    }
+
     pub fn trace(&self) -> &Trace {
         &self.trace
     }
@@ -329,7 +340,6 @@ mod tests {
     use super::*;
     use crate::backend::BackendKind;
     use crate::math::Vec2;
-    use crate::model::ant::Ant;
     use crate::simulation::controllers::{Replay, follow_ants};
 
     /// Ants that compare the tips in their view with those that the backend returns one by one, and

@@ -56,6 +56,16 @@ impl<'a> Simulation<'a> {
         Self::resume_from_parts(scenario, saved, keep, controller_of(scenario), backend_of(scenario, &saved.options))
     }
 
+    /// Resumes a run in a scenario whose tips and obstacles move otherwise from the time of the
+    /// state on, and which is the same before. The caller promises that.
+    ///
+    /// # Errors When the state does not fit the scenario, or when the run kept no trace and one is
+    /// asked for.
+    pub fn resume_with_other_future(scenario: &'a Scenario, saved: &SavedRun, keep: Keep) -> Result<Self, RestoreError> {
+        let saved = SavedRun { scenario_hash: scenario.hash(), finished: false, ..saved.clone() };
+        Self::resume(scenario, &saved, keep)
+    }
+
     /// Resumes a run with a controller and a backend that were made elsewhere. Both must be of the
     /// kind that was saved; the state of a controller does not name its kind.
     ///

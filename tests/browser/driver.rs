@@ -53,6 +53,10 @@ impl Browser {
         self.post("url", &json!({ "url": format!("file://{}", file.display()) }));
     }
 
+    pub fn open_link(&self, link: &str) {
+        self.post("url", &json!({ "url": link }));
+    }
+
     /// What the body of a function gives back.
     pub fn run(&self, script: &str) -> Value {
         self.post("execute/sync", &json!({ "script": script, "args": [] }))
@@ -83,6 +87,16 @@ impl Browser {
             true => vec![move_to(from), press("pointerDown"), move_to(to), press("pointerUp")],
             false => vec![move_to(from), move_to(to)],
         };
+        self.post("actions", &json!({ "actions": [{ "type": "pointer", "id": "mouse", "actions": steps }] }));
+    }
+
+    /// Drags from one place to another and holds still there before it lets go, as a hand does that
+    /// pulls something along: a second and a half in all.
+    pub fn drag_slowly(&self, from: [f64; 2], to: [f64; 2]) {
+        let move_to = |[x, y]: [f64; 2], ms: u32| json!({ "type": "pointerMove", "duration": ms, "x": x as i64, "y": y as i64 });
+        let press = |what: &str| json!({ "type": what, "button": 0 });
+        let hold = json!({ "type": "pause", "duration": 700 });
+        let steps = [move_to(from, 0), press("pointerDown"), move_to(to, 800), hold, press("pointerUp")];
         self.post("actions", &json!({ "actions": [{ "type": "pointer", "id": "mouse", "actions": steps }] }));
     }
 

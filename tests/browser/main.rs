@@ -1,9 +1,10 @@
 //! Reports in a real browser: what is seen first, that nothing is asked of a network, that the
-//! replay draws what the traces hold, and keys.
+//! replay draws what the traces hold, and keys; and the live testbed.
 //!
 //! `cargo test --test browser -- --ignored`, with Chromium and ChromeDriver on the path.
 
 mod driver;
+mod live;
 mod replay;
 
 use std::fs;

@@ -22,10 +22,12 @@ use std::sync::LazyLock;
 use source::{Source, markdown_files, rust_files};
 
 /// Floors of the tree, from the bottom to the top: a file imports from its own floor and below.
-const FLOORS: [&str; 9] = ["math", "model", "scenario", "backend", "simulation", "analysis", "output", "studies", "cli"];
+const FLOORS: [&str; 10] = ["math", "model", "scenario", "backend", "simulation", "analysis", "output", "studies", "live", "cli"];
 
 /// Beginnings of the names of crates, and the places in which these may be used.
-const FENCES: [(&str, &[&str]); 5] = [
+const FENCES: [(&str, &[&str]); 7] = [
+    ("axum", &["src/live/server.rs"]),
+    ("tokio", &["src/live/server.rs"]),
     ("clap", &["src/cli/", "src/main.rs"]),
     ("clarabel", &["src/backend/friction/clarabel.rs"]),
     ("rapier2d", &["src/backend/rapier/"]),

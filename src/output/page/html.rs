@@ -21,6 +21,7 @@ const SCRIPT: &str = concat!(
     include_str!("script/base.js"),
     include_str!("script/parts.js"),
     include_str!("script/view.js"),
+    include_str!("script/stage.js"),
     include_str!("script/player.js"),
     include_str!("script/curves.js"),
     include_str!("script/figures.js"),

@@ -26,7 +26,7 @@
 //! replay_world.rs  outlines, obstacles and contacts of a replay
 //! thinning.rs   which rows of traces are shown
 //! packed.rs     series of numbers as fixed point in base64
-//! script/       one module for all pages: base, parts, view and player of a replay, curves, figures
+//! script/       one module for all pages: base, parts, view, stage and player, curves, figures
 //! ```
 
 mod content;

@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
+use crate::backend::{AttachedTips, EnergyLedger};
 use crate::math::{Vec2, perpendicular};
 use crate::model::ant::{Ant, Mode};
 use crate::output::chart::outline::front;
@@ -31,7 +32,7 @@ pub struct Shown<'a> {
 }
 
 /// Runs of one scene, ready for a page.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Replay {
     pub(crate) name: String,
     pub(crate) caption: Vec<String>,
@@ -150,6 +151,27 @@ impl Replay {
         };
         let caption = caption(&parts, &rows, &data);
         Self { name: name.into(), caption, data }
+    }
+}
+
+impl Replay {
+    /// Of a scene before it begins, on backends with these names: what a live page draws first.
+    pub fn at_start(scenario: &Scenario, labels: &[&str]) -> Self {
+        let (motion, tips, energy) = (scenario.start, AttachedTips::new(), EnergyLedger::default());
+        let row = Row { time: 0.0, motion, energy, tips, contacts: Vec::new(), error: None };
+        let trace = Trace { rows: vec![row], ..Trace::default() };
+        let runs: Vec<Shown> = labels.iter().map(|label| Shown { label, trace: &trace }).collect();
+        Self::new(scenario.name.clone(), scenario, &runs, 0.0)
+    }
+
+    /// Numbers of the springs that are drawn, in their order.
+    pub fn springs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.data.springs.iter().map(|(number, _)| *number)
+    }
+
+    /// Number of the ants that are drawn.
+    pub fn n_ants(&self) -> usize {
+        self.data.stages.first().map_or(0, |stage| stage.ants.len())
     }
 }
 

@@ -90,10 +90,6 @@ impl Ants {
         }
     }
 
-    pub fn ants(&self) -> &[Ant] {
-        &self.state.ants
-    }
-
     /// Releases by Eq. (18).
     fn release_where_decided(&mut self, view: &View, tick: u64, commands: &mut Commands) {
         for i in 0..self.state.ants.len() {
@@ -322,6 +318,10 @@ impl Controller for Ants {
 
     fn arrived(&self, motion: &Motion) -> Option<bool> {
         Some((motion.pose.position - self.drive.nest_position).norm_squared() <= self.drive.arrival_radius * self.drive.arrival_radius)
+    }
+
+    fn ants(&self) -> &[Ant] {
+        &self.state.ants
     }
 
     fn pulls(&self) -> Summary {

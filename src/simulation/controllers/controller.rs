@@ -2,6 +2,7 @@
 
 use crate::backend::{AttachedTip, Backend, Motion, RestoreError, SaveError, SkipCounts, Skips};
 use crate::math::{Summary, Vec2};
+use crate::model::ant::Ant;
 use crate::scenario::Scenario;
 use crate::simulation::trace::Event;
 
@@ -73,6 +74,11 @@ pub trait Controller {
     /// Pulls at the decisions of ants (N).
     fn pulls(&self) -> Summary {
         Summary::default()
+    }
+
+    /// The ants as they stand now; none for a controller without ants.
+    fn ants(&self) -> &[Ant] {
+        &[]
     }
 
     /// State of the controller, from which [`Controller::restore`] continues.

@@ -2,8 +2,9 @@
 
 const NO_VALUE = { 16: -32768, 32: -2147483648 };
 
-// Series of numbers out of fixed point; NaN stands for no value.
+// Series of numbers out of fixed point; NaN stands for no value. A series that is none comes as it is.
 function unpack(packed) {
+  if (Array.isArray(packed)) return packed;
   const bytes = Uint8Array.from(atob(packed.data), (letter) => letter.charCodeAt(0));
   const view = new DataView(bytes.buffer);
   const size = packed.bits / 8;

@@ -88,8 +88,19 @@ class Plot {
     this.width = this.canvas.clientWidth || 300;
     sized(this.canvas, this.width, PLOT_HEIGHT);
     this.layer = element('canvas', {});
-    this.drawAxes(sized(this.layer, this.width, PLOT_HEIGHT), this.width);
+    this.layerPen = sized(this.layer, this.width, PLOT_HEIGHT);
+    this.redraw();
+  }
+
+  redraw() {
+    this.drawAxes(this.layerPen, this.width);
     this.draw();
+  }
+
+  // After the curves have grown.
+  refresh() {
+    this.axes();
+    if (this.layer) this.redraw(); else this.resize();
   }
 
   // Number to place on the drawing (px).

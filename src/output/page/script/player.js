@@ -1,24 +1,15 @@
 // A replay with its controls: time, what is seen, and files of it.
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
-const FACTORS = [1, 10, 100];
 const REMARKABLE = ['grasp', 'release', 'slip_onset', 'stop', 'pinning', 'unpinning', 'jump', 'touch', 'separation', 'side_stick', 'side_slip', 'impact'];
-const VIDEO = 'video/webm';
 const KEYS = 'Keys: space plays, ← → an instant, shift a second, [ ] events, + − zoom, w a s d move, 0 resets. The wheel zooms once the drawing is clicked, or with ctrl; dragging moves it.';
 
-function readReplay(data) {
-  const all = (packed) => (Array.isArray(packed) ? packed.map(all) : unpack(packed));
-  for (const stage of data.stages) for (const name of ['times', 'tips', 'ants']) stage[name] = all(stage[name]);
-  for (const run of data.runs) {
-    for (const name of ['times', 'x', 'y', 'heading', 'vx', 'vy', 'turn_rate', 'pulls', 'contacts']) run[name] = all(run[name]);
-  }
-  return data;
-}
-
-class Player extends View {
+class Player extends Stage {
   constructor(figure, data) {
     super(data);
     this.figure = figure;
+    this.keys = KEYS;
+    this.what = 'replay';
     this.end = Math.max(...data.runs.map((run) => run.times[run.times.length - 1]));
     this.start = Math.min(...data.runs.map((run) => run.times[0]));
     this.time = Math.min(Math.max(data.opens_at, this.start), this.end);
@@ -62,57 +53,12 @@ class Player extends View {
     this.scrub = element('input', { type: 'range', min: this.start, max: this.end, step: 'any', 'aria-label': 'Time (s)' });
     this.scrub.addEventListener('input', () => this.goTo(Number(this.scrub.value)));
     this.said = element('div', { class: 'said' });
-    this.signs = element('div', { class: 'key' }, ...this.key(), KEYS);
+    this.signs = element('div', { class: 'key' }, ...this.key(), this.keys);
     const stage = this.figure.querySelector('.stage');
     const track = element('div', { class: 'track' }, this.strip, this.scrub);
     const [ofTime, ofView] = [this.timeControls(), this.viewControls()].map((controls) => element('div', { class: 'controls' }, ...controls));
     stage.replaceChildren(this.canvas, track, ofTime, ofView, this.said, this.signs);
     this.figure.addEventListener('keydown', (event) => this.onKey(event));
-  }
-
-  listenToPointer() {
-    const canvas = this.canvas;
-    let last;
-    // From the middle of the view that the pointer is on (px).
-    const fromMiddle = (event) => {
-      const box = canvas.getBoundingClientRect();
-      const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-      return [(x % this.grid.width) - this.grid.width / 2, (y % this.grid.height) - this.grid.height / 2 - 12];
-    };
-    canvas.addEventListener('pointerdown', (event) => {
-      last = event;
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener('pointermove', (event) => {
-      if (!last) return;
-      this.panBy(event.clientX - last.clientX, event.clientY - last.clientY);
-      last = event;
-    });
-    for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, () => { last = undefined; });
-    // A page that is scrolled past the drawing leaves it as it is.
-    canvas.addEventListener('wheel', (event) => {
-      if (document.activeElement !== canvas && !event.ctrlKey) return;
-      event.preventDefault();
-      this.zoomBy(ZOOM.step ** (-event.deltaY / 100), ...fromMiddle(event));
-    }, { passive: false });
-  }
-
-  toggleButton(text, title, key) {
-    const made = button(text, title, () => {
-      this[key] = !this[key];
-      made.setAttribute('aria-pressed', this[key]);
-      this.resize();
-    });
-    made.setAttribute('aria-pressed', this[key]);
-    return made;
-  }
-
-  // A choice among values, with a name before it.
-  choice(name, options, chosen, act) {
-    const made = element('select', { 'aria-label': name }, ...options.map(([value, text]) => element('option', { value }, text)));
-    made.value = chosen;
-    made.addEventListener('change', () => act(Number(made.value)));
-    return element('label', {}, `${name} `, made);
   }
 
   timeControls() {
@@ -123,56 +69,6 @@ class Player extends View {
       button('◂ event', 'The event before ([)', () => this.toMark(-1)), button('event ▸', 'The next event (])', () => this.toMark(1)),
       this.choice('speed', SPEEDS.map((speed) => [speed, `${speed}×`]), this.speed, (speed) => { this.speed = speed; }),
       this.toggleButton('Loop', 'Begin again at the end', 'loops')];
-  }
-
-  viewControls() {
-    const controls = [
-      button('+', 'Zoom in (+)', () => this.zoomBy(ZOOM.step)), button('−', 'Zoom out (-)', () => this.zoomBy(1 / ZOOM.step)),
-      button('Reset view', 'All of it in the middle (0)', () => { this.resetView(); this.draw(); }),
-      this.toggleButton('Follow the load', 'Or show the whole path', 'follows'), this.toggleButton('Numbers', 'Numbers of the springs', 'numbers')];
-    if (this.data.runs.length > 1) controls.push(this.toggleButton('Overlay', 'All runs in one view', 'isOverlaid'));
-    if (this.data.runs.length > 1 && this.isShared) {
-      const runs = this.data.runs.map((run, at) => [at, run.label]);
-      controls.push(
-        this.choice('differences from', runs, this.base, (base) => { this.base = base; this.signs.replaceChildren(...this.key(), KEYS); this.draw(); }),
-        this.choice('drawn', FACTORS.map((factor) => [factor, `×${factor}`]), this.factor, (factor) => { this.factor = factor; this.draw(); }));
-    }
-    controls.push(button('PNG', 'Saves the drawing as an image', () => saveImage(this.canvas, 'replay')));
-    this.videoButton = button('Video', 'Plays from the start to the end and saves it as a video', () => this.record());
-    if (this.canvas.captureStream && window.MediaRecorder?.isTypeSupported(VIDEO)) controls.push(this.videoButton);
-    return controls;
-  }
-
-  // What the signs mean.
-  key() {
-    const sign = (svg, text) => {
-      const made = element('span', {});
-      made.innerHTML = `<svg viewBox="0 0 26 16" aria-hidden="true">${svg}</svg>`;
-      made.append(text);
-      return made;
-    };
-    const signs = [];
-    if (this.data.supports.some((support) => support[2] > 0)) {
-      signs.push(sign('<rect x="8" y="3" width="10" height="10" fill="#777"/>', 'sticking support'));
-      signs.push(sign('<circle cx="7" cy="8" r="4.5" fill="#e69f00"/><path d="M7 8H23M18 4l5 4-5 4" stroke="#009e73" stroke-width="2" fill="none"/>', 'slipping support, slip velocity'));
-      signs.push(sign('<path d="M23 8H3" stroke="#cc3311" stroke-width="3"/><path d="M9 3L2 8l7 5z" fill="#cc3311"/>', 'friction on the load'));
-    }
-    if (this.data.springs.length) {
-      const ramp = element('canvas', { class: 'ramp', width: 90, height: 10, 'aria-hidden': 'true' });
-      const pen = ramp.getContext('2d');
-      for (let x = 0; x < 90; x++) { pen.fillStyle = rampColor(x / 89); pen.fillRect(x, 0, 1, 10); }
-      signs.push(element('span', {}, 'pull on a spring 0', ramp, withPrefix(this.data.largest_pull, 'N')));
-    }
-    if (this.data.obstacles.length) {
-      signs.push(sign('<path d="M3 13V3H23V13Z" fill="none" stroke="#777" stroke-width="1.5"/><path d="M3 9l6-6M4 13L14 3M9 13L19 3M14 13l9-9M19 13l4-4" stroke="#999" stroke-width="0.8"/>', 'obstacle'));
-      if (this.data.force_unit > 0) signs.push(sign('<path d="M6 8H23" stroke="#7b3fa0" stroke-width="2.5"/><path d="M17 3l7 5-7 5z" fill="#7b3fa0"/><circle cx="5" cy="8" r="3.5" fill="#7b3fa0"/>', 'contact, force of an obstacle on the load'));
-    }
-    if (this.data.has_ants) {
-      signs.push(sign('<ellipse cx="8" cy="8" rx="5" ry="3.4" fill="#a04000"/><circle cx="17" cy="8" r="2.6" fill="#a04000"/>', 'ant that pulls'));
-      signs.push(sign('<ellipse cx="8" cy="8" rx="5" ry="3.4" fill="none" stroke="#888"/><circle cx="17" cy="8" r="2.6" fill="none" stroke="#888"/>', 'ant that searches'));
-    }
-    if (this.data.runs.length > 1) signs.push(sign('<circle cx="13" cy="8" r="6.5" fill="none" stroke="#888" stroke-dasharray="3 2"/>', `where ${this.data.runs[this.base].label} is`));
-    return signs;
   }
 
   onKey(event) {
@@ -225,18 +121,14 @@ class Player extends View {
   record() {
     if (this.playing) this.toggle();
     if (this.videoButton.ariaPressed === 'true') return;
-    const chunks = [];
-    this.recorder = new MediaRecorder(this.canvas.captureStream(), { mimeType: VIDEO });
-    this.recorder.addEventListener('dataavailable', (event) => chunks.push(event.data));
-    this.recorder.addEventListener('stop', () => {
-      this.recorder = undefined;
-      this.videoButton.ariaPressed = 'false';
-      save(new Blob(chunks, { type: VIDEO }), 'replay.webm');
-    });
-    this.videoButton.ariaPressed = 'true';
-    this.recorder.start();
+    this.startVideo('replay');
     this.time = this.start;
     this.toggle();
+  }
+
+  resized(width) {
+    sized(this.strip, this.strip.clientWidth || width, 18);
+    this.markLayer = undefined;
   }
 
   goTo(time) {
@@ -255,19 +147,6 @@ class Player extends View {
   toMark(by) {
     const found = by > 0 ? this.marks.find((mark) => mark.time > this.time + 1e-9) : this.marks.findLast((mark) => mark.time < this.time - 1e-9);
     this.goTo(found ? found.time : by > 0 ? this.end : this.start);
-  }
-
-  resize() {
-    const width = this.canvas.clientWidth || 300;
-    const count = this.isOverlaid ? 1 : this.data.runs.length;
-    const columns = width < 640 ? 1 : count;
-    const rows = Math.ceil(count / columns);
-    const height = Math.round(Math.min(Math.max(width / columns, 180), columns === 1 && rows > 1 ? 260 : 420));
-    this.grid = { columns, width: width / columns, height };
-    sized(this.canvas, width, rows * height);
-    sized(this.strip, this.strip.clientWidth || width, 18);
-    this.markLayer = undefined;
-    this.draw();
   }
 
   draw() {

@@ -55,7 +55,11 @@ class View extends Parts {
     const fitted = Math.min((width - 24) / (box[2] - box[0]), (height - 64) / (box[3] - box[1])) || 1;
     const per = this.per = fitted * this.zoom;
     const [x, y] = [(box[0] + box[2]) / 2 + this.shift[0], (box[1] + box[3]) / 2 + this.shift[1]];
-    return { per, to: (wx, wy) => [width / 2 + per * (wx - x), height / 2 + 12 - per * (wy - y)] };
+    return {
+      per,
+      to: (wx, wy) => [width / 2 + per * (wx - x), height / 2 + 12 - per * (wy - y)],
+      from: (px, py) => [x + (px - width / 2) / per, y - (py - height / 2 - 12) / per],
+    };
   }
 
   // Zooms so that what is seen at a place of a view (px from its middle) stays there.

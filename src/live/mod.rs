@@ -1,0 +1,40 @@
+//! A live testbed in the browser: one scene on several backends at once, which a reader plays,
+//! changes and drags.
+//!
+//! What is shown is a function of the scenario, the settings and the time. A change of a parameter
+//! begins the run anew and goes fast to the same time; a drag changes only the future of a tip or a
+//! pusher. What was dragged is thus part of the scenario, and the saved scenario gives the same
+//! path again.
+//!
+//! ```text
+//! message.rs    what a page asks and what it receives
+//! settings.rs   which backends are shown, and their options
+//! scene.rs      scenario and settings as a reader changes them
+//! parameters.rs numbers of a scene that sliders change
+//! hand.rs       drags as paths of tips and pushers
+//! lanes.rs      the scene on each backend, side by side
+//! verdict.rs    the comparison of the scene, beside the runs
+//! session.rs    one page from its opening to its end: time, frames, changes
+//! server.rs     HTTP and WebSocket on the loopback interface
+//! page.rs       the page; live.js and live.css beside the replay's own
+//! shipped.rs    scenes that come with the program
+//! ```
+
+mod hand;
+mod lanes;
+mod message;
+mod page;
+mod parameters;
+mod scene;
+mod server;
+mod session;
+mod settings;
+mod shipped;
+mod verdict;
+
+pub use hand::{Handle, Reach, Span};
+pub use lanes::Lanes;
+pub use scene::{Edit, LiveScene};
+pub use server::{Server, ServerError};
+pub use settings::Settings;
+pub use shipped::shipped;
