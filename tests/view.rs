@@ -52,11 +52,11 @@ fn dragged(mut scene: LiveScene, handle: Handle, from: f64, centre: Vec2, radius
     }
     let (mut saved, mut tip, mut tick) = (lanes.save().unwrap(), rest_tip(&lanes), lanes.tick());
     let mut last = (Vec::new(), 0.0);
-    for step in 0..240 {
+    for step in 0..480 {
         // Now one tick, now three, as frames come.
         let n = 1 + 2 * u64::from(step % 3 == 0);
         let span = Span { from: tick as f64 * period, to: (tick + n) as f64 * period };
-        let angle = 0.02 * f64::from(step);
+        let angle = 0.01 * f64::from(step);
         let to = centre + radius * Vec2::new(angle.cos(), angle.sin());
         let now = span.from;
         let reach = scene.apply(&Edit::Drag { handle, to, span, rest_tip: tip }, now).unwrap();
@@ -89,9 +89,9 @@ fn the_saved_scenario_of_a_drag_gives_the_same_path() {
     for (what, (scene, shown, until)) in cases {
         let again = poses_of_saved(&scene, until);
         // The time in an inertial step is a sum, by whose rounding it may lie behind a turn of the
-        // pusher that a page does not know yet: a last digit of a place of 0.4 m at each of 240
+        // pusher that a page does not know yet: a last digit of a place of 0.4 m at each of 480
         // turns.
-        let rounding = if scene.pushers().is_empty() { 0.0 } else { 240.0 * 1e-16 };
+        let rounding = if scene.pushers().is_empty() { 0.0 } else { 480.0 * 1e-16 };
         for (again, shown) in again.iter().flatten().zip(shown.iter().flatten()) {
             assert!((again - shown).abs() <= rounding, "{what}: {again} {shown}");
         }

@@ -20,6 +20,7 @@ mod new;
 mod output;
 mod paper;
 mod regime;
+mod render;
 mod resumable;
 mod run;
 mod scenario;
@@ -66,6 +67,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Play, change and drag a scene in the browser
     View(view::ViewArgs),
+    /// Draw a scene or a run as a film or a picture
+    Render(render::RenderArgs),
     /// Run a scenario over seeds and parameters into one table
     Sweep(sweep::SweepArgs),
     /// Join the shards of a sweep into one table
@@ -129,6 +132,7 @@ impl Command {
             Command::Run(args) => run::run(args),
             Command::Compare(args) => compare::compare(args),
             Command::View(args) => view::view(args),
+            Command::Render(args) => render::render(args),
             Command::Sweep(args) => sweep::sweep(args),
             Command::Merge(args) => merge::merge(args),
             Command::Check(args) => check::check(args),

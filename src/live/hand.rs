@@ -26,7 +26,7 @@ pub enum Reach {
 
 /// Speed of a dragged tip or pusher at most, in radii of the load in a second (1/s). A hand that
 /// leaps is no hammer, and no pusher may pass through the load within one control period.
-const FASTEST: f64 = 20.0;
+const FASTEST: f64 = 8.0;
 /// Part of the load's radius by which a pusher may move at most in a control period (1).
 const LONGEST_PUSH: f64 = 0.25;
 /// Waypoints that are recorded at most in one scene (1): minutes of dragging.

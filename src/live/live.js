@@ -7,7 +7,7 @@ const KEYS = 'Drag a tip or a pusher to pull the load on all backends; the tip s
 const NEAR = 26;
 const MOST_POINTS = 4000;
 const QUANTITIES = [
-  ['pull', 'largest pull (N)', 'from_zero'], ['speed', 'edge speed (m/s)', 'from_zero'],
+  ['pull', 'largest pull (N)', 'from_zero'], ['force', 'largest force of an obstacle (N)', 'from_zero'], ['speed', 'edge speed (m/s)', 'from_zero'],
   ['kinetic', 'kinetic energy (J)', 'from_zero'], ['dissipated', 'energy dissipated (J)', 'from_zero'],
   ['apart', 'edge displacement from the first (m)', 'from_zero'],
 ];
@@ -47,7 +47,8 @@ class Live extends Stage {
     const [ofTime, ofView] = [this.timeControls(), this.viewControls()].map((controls) => element('div', { class: 'controls' }, ...controls));
     this.videoButton.title = 'Records what is drawn until it is pressed again';
     this.figure.querySelector('.stage').replaceChildren(this.canvas, ofTime, ofView, this.signs);
-    const plots = QUANTITIES.filter(([key]) => key !== 'apart' || this.data.runs.length > 1);
+    const has = { pull: this.data.springs.length, force: this.data.obstacles.length, apart: this.data.runs.length > 1 };
+    const plots = QUANTITIES.filter(([key]) => has[key] ?? true);
     this.plots = plots.map(([key, y, scale], at) => {
       const curves = this.data.runs.map((run) => ({ label: run.label, color: run.color, width: 1.6, dash: '', steps: false, x: run.times, y: run[key] }));
       return new Plot({ x: 'time (s)', y, scale, curves: key === 'apart' ? curves.slice(1) : curves, levels: [], instants: [] }, at + 1, this);
@@ -180,9 +181,11 @@ class Live extends Stage {
       const { pose, energy } = lane;
       run.sticks_below = 1e-4 * data.slip_unit;
       run.times.push(now.time_s);
+      if (pose) this.widen(pose[0], pose[1], 1.3 * data.radius);
       run.x.push(pose ? pose[0] : NaN);
       run.y.push(pose ? pose[1] : NaN);
       run.pull.push(Math.max(0, ...lane.pulls.filter((pull) => pull !== null)));
+      run.force.push(Math.max(0, ...lane.contacts.map(([, , fx, fy]) => Math.hypot(fx, fy))));
       run.speed.push(speeds[i]);
       run.kinetic.push(energy ? energy[1] : NaN);
       run.dissipated.push(energy ? energy[2] : NaN);
@@ -192,6 +195,12 @@ class Live extends Stage {
     if (times.length > MOST_POINTS) {
       for (const run of data.runs) for (const list of [run.times, run.x, run.y, ...QUANTITIES.map(([key]) => run[key])]) list.splice(0, list.length, ...list.filter((_, i) => i % 2 === 0));
     }
+  }
+
+  // Takes a place into what is seen of the whole way.
+  widen(x, y, around) {
+    const box = this.whole;
+    this.whole = [Math.min(box[0], x - around), Math.min(box[1], y - around), Math.max(box[2], x + around), Math.max(box[3], y + around)];
   }
 
   // The scale of the pulls, which grows with them.

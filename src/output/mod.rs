@@ -9,6 +9,8 @@ pub mod junit;
 pub mod lines;
 pub mod manifest;
 pub mod page;
+#[cfg(feature = "program")]
+pub mod picture;
 pub mod progress;
 pub mod quantity;
 pub mod sibling;

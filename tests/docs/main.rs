@@ -3,6 +3,7 @@
 //! ```text
 //! commands.rs  the page of commands, from the program's help
 //! scenario.rs  the page of scenario keys, from the JSON schema
+//! gallery.rs   the page of scenes, from their stored answers
 //! console.rs   outputs under `$ cohaul ...`, and commands that are only shown
 //! links.rs     links, anchors and pictures
 //! numbers.rs   numbers that stand in `results/`; numbers.txt says where
@@ -15,6 +16,7 @@
 
 mod commands;
 mod console;
+mod gallery;
 mod links;
 mod numbers;
 mod scenario;
@@ -98,6 +100,11 @@ fn the_page_of_commands_is_the_help() {
 fn the_page_of_scenario_keys_is_the_schema() {
     let schema = serde_json::from_str(&printed(&["scenario", "schema"])).expect("the schema is JSON");
     expect_page("docs/src/reference/scenario.md", &scenario::page(&schema));
+}
+
+#[test]
+fn the_gallery_has_its_stored_answers() {
+    expect_page("docs/src/gallery.md", &gallery::page());
 }
 
 #[test]

@@ -25,7 +25,8 @@ use source::{Source, markdown_files, rust_files};
 const FLOORS: [&str; 10] = ["math", "model", "scenario", "backend", "simulation", "analysis", "output", "studies", "live", "cli"];
 
 /// Beginnings of the names of crates, and the places in which these may be used.
-const FENCES: [(&str, &[&str]); 7] = [
+const FENCES: [(&str, &[&str]); 8] = [
+    ("tiny_skia", &["src/output/picture/pen.rs"]),
     ("axum", &["src/live/server.rs"]),
     ("tokio", &["src/live/server.rs"]),
     ("clap", &["src/cli/", "src/main.rs"]),
