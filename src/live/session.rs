@@ -1,5 +1,6 @@
 //! One page from its opening to its end: time, frames and changes.
 
+use std::ops::RangeInclusive;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -17,7 +18,7 @@ const FRAME: Duration = Duration::from_nanos(1_000_000_000 / 60);
 /// gone, stops the runs.
 const MOST_AHEAD: u64 = 8;
 /// Simulated time over real time, at least and at most (1).
-const PACES: [f64; 2] = [1e-3, 1e3];
+const PACES: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// The page has gone.
 pub struct Gone;
@@ -239,8 +240,8 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
                 self.send(lanes, 0.0, 0.0)?;
             }
             Ask::GoTo { time_s } => self.goal = time_s,
-            Ask::Pace { factor } if factor >= PACES[0] && factor <= PACES[1] => self.pace = factor,
-            Ask::Pace { factor } => self.refuse(format!("pace: must be from {} to {}, found {factor}", PACES[0], PACES[1]))?,
+            Ask::Pace { factor } if PACES.contains(&factor) => self.pace = factor,
+            Ask::Pace { factor } => self.refuse(format!("pace: must be from {} to {}, found {factor}", PACES.start(), PACES.end()))?,
             Ask::Drawn { frame } => self.n_drawn = frame.min(self.n_sent).max(self.n_drawn),
             Ask::Drag { handle, to } => self.held = Some((handle, Vec2::from(to))),
             Ask::Drop if self.held.take().is_some() => self.compare(lanes.scene()),

@@ -57,10 +57,10 @@ pub fn page() -> String {
         let answer = answers[*scene]["answer"].as_str().unwrap_or_else(|| panic!("{scene} has no answer in {FOLDER}"));
         let name = name_of(scene);
         format!(
-            "\n## {}\n\n{about}\n\n![{about}]({FOLDER}/{name}.png)\n\n{}\n\n```sh\ncohaul {}\n```\n\n\
+            "\n## {}\n\n{about}\n\n![{about}]({FOLDER}/{name}.png)\n\n```text\n{}\n```\n\n```sh\ncohaul {}\n```\n\n\
              ```python\ncohaul.compare(\"scenarios/{scene}.json\").answer\n```\n",
             name.replace('-', " "),
-            format!("```text\n{}\n```", wrapped(answer)),
+            wrapped(answer),
             command(scene),
         )
     };
