@@ -131,7 +131,7 @@ fn drag_tip(paths: &mut Vec<TipPath>, spring: usize, reached: impl Fn(Vec2) -> V
 }
 
 /// Waypoints of all tips and pushers.
-pub fn n_waypoints(scenario: &Scenario) -> usize {
+fn n_waypoints(scenario: &Scenario) -> usize {
     let of_tips = match &scenario.drive {
         Drive::Tips(paths) => paths.iter().map(|path| path.waypoints.len()).sum(),
         Drive::Ants(_) => 0,

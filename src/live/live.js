@@ -299,7 +299,7 @@ class Live extends Stage {
   }
 
   nearest({ view, x, y }) {
-    if (!this.states) return undefined;
+    if (!this.now || this.states?.length !== this.data.runs.length) return undefined;
     const scale = this.scaleIn(view);
     const away = (place) => { const [px, py] = scale.to(...place); return Math.hypot(px - x, py - y); };
     const tips = this.tipsOf(view).map((place, i) => ({ spring: this.data.springs[i][0], distance: away(place) }));

@@ -107,8 +107,6 @@ pub struct SceneNow {
     /// Whether the scene has ants that can be switched on.
     pub has_ants: bool,
     pub ants_on: bool,
-    /// Waypoints that were dragged so far.
-    pub n_dragged: usize,
     /// Scenes that come with the program.
     pub shipped: Vec<&'static str>,
 }

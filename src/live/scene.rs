@@ -146,7 +146,6 @@ impl LiveScene {
             pushers: self.pushers(),
             has_ants: self.ants.is_some() || matches!(scenario.drive, Drive::Ants(_)),
             ants_on: matches!(scenario.drive, Drive::Ants(_)),
-            n_dragged: hand::n_waypoints(scenario),
             shipped: names().collect(),
         }
     }

@@ -14,6 +14,8 @@ use crate::simulation::SavedRun;
 
 /// Real time between two frames.
 const FRAME: Duration = Duration::from_nanos(1_000_000_000 / 60);
+/// Real time that the runs of one frame take at most.
+const LONGEST_FRAME: Duration = Duration::from_millis(50);
 /// Frames that are sent ahead of the page at most. A page that draws no more, as it is hidden or
 /// gone, stops the runs.
 const MOST_AHEAD: u64 = 8;
@@ -190,7 +192,8 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
     fn frame(&mut self, lanes: &mut Lanes, n_ticks: f64) -> Result<(), Gone> {
         let clock = Instant::now();
         let from = lanes.time();
-        for _ in 0..n_ticks as u64 {
+        // A pace that the machine cannot keep is not kept, and the page stays live.
+        for _ in (0..n_ticks as u64).take_while(|_| clock.elapsed() < LONGEST_FRAME) {
             lanes.advance();
         }
         if lanes.has_ended() {
