@@ -38,9 +38,9 @@ for length in np.linspace(0.020, 0.034, 8):
         sim.advance([tip], 0.01)
         tips.append(tip)
         pulls.append(sim.pulls[0])
-luck = np.random.default_rng(1)
-filmed = np.array(tips) + luck.normal(0.0, 2e-4, (len(tips), 2))
-pulls = np.array(pulls) + luck.normal(0.0, 5e-5, (len(tips), 2))
+noise = np.random.default_rng(1)
+filmed = np.array(tips) + noise.normal(0.0, 2e-4, (len(tips), 2))
+pulls = np.array(pulls) + noise.normal(0.0, 5e-5, (len(tips), 2))
 
 # %%
 arm = filmed - [ROOT, 0.0]

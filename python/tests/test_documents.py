@@ -38,6 +38,16 @@ def test_python_code_of_readme_and_book(name: str, monkeypatch: pytest.MonkeyPat
         exec(compile(block, name, "exec"), names)
 
 
+def test_pages_of_notebooks_have_their_code() -> None:
+    notebooks = sorted((ROOT / "python/notebooks").glob("[0-9]*.py"))
+    assert len(notebooks) == 5
+    for notebook in notebooks:
+        page = (ROOT / "docs/src/notebooks" / f"{notebook.stem}.md").read_text()
+        cells = re.split(r"^# %%(.*)$", notebook.read_text(), flags=re.M)[1:]
+        code = [source.strip() for kind, source in zip(cells[::2], cells[1::2]) if "markdown" not in kind]
+        assert code and all(f"```python\n{source}\n```" in page for source in code), f"{notebook.name}: see python/notebooks/execute.py"
+
+
 def test_stubs_name_what_the_native_part_has() -> None:
     from cohaul import _native
 

@@ -33,7 +33,7 @@ fn root() -> PathBuf {
 /// README and all pages of the book but those of `results/`, from the root of the repository.
 fn pages() -> Vec<String> {
     let mut pages = vec!["README.md".to_owned(), "clusters/README.md".to_owned()];
-    for folder in ["docs/src", "docs/src/reference"] {
+    for folder in ["docs/src", "docs/src/reference", "docs/src/notebooks"] {
         let names =
             fs::read_dir(root().join(folder)).expect("the book is there").map(|entry| entry.expect("a folder can be read").file_name());
         let names = names.map(|name| name.to_string_lossy().into_owned()).filter(|name| name.ends_with(".md"));
