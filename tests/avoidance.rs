@@ -275,7 +275,7 @@ fn a_tip_is_not_dragged_through_a_wall() {
 #[test]
 fn runs_with_avoidance_are_repeated_to_the_bit() {
     let text = |scenario: &Scenario| serde_json::to_string(&run(scenario)).unwrap();
-    let among = |drive: Value| scenario(json!({ "obstacles": random_obstacles(2), "duration_s": 2.0 }), drive);
+    let among = |drive: Value| scenario(json!({ "obstacles": random_obstacles(2), "duration_s": 4.0 }), drive);
     let first = text(&among(json!({})));
     assert_eq!(first, text(&among(json!({ "avoidance": "sidestep", "body_radius_m": 0.002 }))));
     assert_ne!(first, text(&among(json!({ "avoidance": "turn" }))));

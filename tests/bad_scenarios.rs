@@ -305,7 +305,7 @@ fn ant_values() -> Vec<Bad> {
         bad("/drive/avoidance", json!("swerve"), "drive.avoidance", "must be one of \"none\", \"sidestep\", \"turn\"", "\"swerve\""),
         bad("/drive/body_radius_m", json!(0), "drive.body_radius_m", "must be positive", "0.0"),
         bad("/drive/look_ahead_m", json!(-0.03), "drive.look_ahead_m", "must be positive", "-0.03"),
-        bad("/drive/preset", json!("papers"), "drive.preset", "must be one of \"default\", \"paper\", \"paper-speed\"", "\"papers\""),
+        bad("/drive/preset", json!("papers"), "drive.preset", "must be one of \"paper\", \"fitted\", \"paper-speed\"", "\"papers\""),
         bad("/drive/nest_position_m", json!(0.2), "drive.nest_position_m", "must be a list", "0.2"),
         bad("/drive/n_antz", json!(5), "drive.n_antz", "did you mean `n_ants`?", "5"),
     ]

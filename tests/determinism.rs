@@ -167,6 +167,7 @@ fn careless_ants() -> Scenario {
     // Slow enough that many ticks pass between decisions; a nest out of reach, lest one backend
     // arrive earlier.
     drive.grasp_decision_period = 0.1;
+    drive.release.period = 0.175;
     drive.nest_position *= 10.0;
     scenario
 }
@@ -213,7 +214,7 @@ fn neither_backend_nor_step_changes_a_draw() {
 fn forces_make_decisions_part() {
     let scenario = four_ants(12.0, 1);
     let options = all_options(&scenario);
-    let [quasi_static, inertial] = [0, 1].map(|at| trace(&scenario, &options[at]).events);
+    let [quasi_static, inertial] = [0, 3].map(|at| trace(&scenario, &options[at]).events);
     assert_ne!(
         quasi_static.iter().map(|event| event.time).collect::<Vec<_>>(),
         inertial.iter().map(|event| event.time).collect::<Vec<_>>()

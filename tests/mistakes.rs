@@ -110,7 +110,7 @@ fn units() -> Vec<Mistake> {
             "speed of ants in mm/s",
             "/drive",
             ants("pull_speed_m_per_s", json!(50)),
-            Warning("drive.pull_speed_m_per_s: should be at most 1.9 m/s, the sensing range per control period, found 50 m/s"),
+            Warning("drive.pull_speed_m_per_s: should be at most 2.14 m/s, the sensing range per control period, found 50 m/s"),
         ),
         mistake(
             "nest in mm",

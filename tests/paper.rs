@@ -26,7 +26,7 @@ fn value(measure: Measure, runs: &[(Trial, u64, RunFacts)]) -> f64 {
 /// group scatters by 0.08.
 #[test]
 fn default_ants_pull_as_printed() {
-    let case = Case::new(Preset::Default, BackendKind::QuasiStatic);
+    let case = Case::new(Preset::default(), BackendKind::QuasiStatic);
     let runs = runs(&[Trial::FourFour, Trial::FIVE_TEN, Trial::TEN_TEN], &case, 501..505);
     let (mean, sd) = (value(Measure::PullMean(Sample::Printed), &runs), value(Measure::PullSd(Sample::Printed), &runs));
     assert!((mean / printed::PULL_MEAN_N - 1.0).abs() < 0.1, "{mean}");
@@ -42,7 +42,7 @@ fn default_ants_pull_as_printed() {
 #[test]
 fn four_ants_bring_the_load_home_on_every_backend() {
     for backend in BackendKind::ALL {
-        let facts = run(Trial::FourFour, &Case::new(Preset::Default, backend), 1, |_| true).unwrap();
+        let facts = run(Trial::FourFour, &Case::new(Preset::default(), backend), 1, |_| true).unwrap();
         // Of the order of 80 s: a factor of two.
         assert!(facts.arrived && (40.0..160.0).contains(&facts.time_s), "{backend:?}: {}", facts.time_s);
     }

@@ -114,7 +114,7 @@ fn the_hash_is_that_of_the_scenario_and_not_of_its_writing() {
         text.replace("\"gravity_m_per_s2\": 9.81,", ""),
         text.replace("\"radius_m\": 0.0122 },", "\"radius_m\": 0.0122, \"heading_rad\": -0.0, \"position_m\": [0, -0.0] },"),
         text.replacen("\"../../docs/src/reference/scenario.schema.json\"", "\"https://example.org/scenario.json\"", 1),
-        text.replace("\"kind\": \"ants\",", "\"kind\": \"ants\", \"preset\": \"default\", \"pull_speed_m_per_s\": 0.05,"),
+        text.replace("\"kind\": \"ants\",", "\"kind\": \"ants\", \"preset\": \"paper\", \"pull_speed_m_per_s\": 0.0252,"),
     ];
     for writing in other_writings {
         assert_ne!(writing, text);
@@ -148,13 +148,13 @@ fn the_schema_describes_every_key_and_says_what_is_inferred() {
         assert_eq!(n_places, if key == "release_steepness_per_n" { 2 } else { 1 }, "{key}");
         assert!(own.contains(&key) || is_inferred(key) != is_printed, "{key}");
     }
-    assert_eq!(ants["pull_speed_m_per_s"]["default"], 0.05);
+    assert_eq!(ants["pull_speed_m_per_s"]["default"], 0.0252);
 }
 
 #[test]
 fn a_key_beats_its_preset_and_a_preset_beats_the_default() {
     let ants = |drive| ants_of(drive);
-    assert_eq!(ants(json!({ "kind": "ants", "n_ants": 4 })), presets::ants(Preset::Default, 4));
+    assert_eq!(ants(json!({ "kind": "ants", "n_ants": 4 })), presets::ants(Preset::Paper, 4));
     let speedy = ants(json!({ "kind": "ants", "n_ants": 4, "preset": "paper-speed" }));
     assert_eq!((speedy.pull_speed, speedy.release.period, speedy.release_pace), (0.08, 0.106, ReleasePace::Hazard));
     let own = ants(json!({ "kind": "ants", "n_ants": 4, "preset": "paper-speed", "pull_speed_m_per_s": 0.05 }));
@@ -190,12 +190,10 @@ fn no_preset_replaces_a_printed_value_silently() {
             assert_eq!(text.contains(printed.key), departs, "{preset:?}: {}", printed.key);
         }
     }
-    let [half_angle, offset] = Preset::Default.departures().try_into().unwrap();
+    assert_eq!(Preset::default(), Preset::Paper);
+    let [half_angle, offset] = Preset::Fitted.departures().try_into().unwrap();
     assert_eq!((half_angle.printed.symbol, half_angle.value), ("beta", 0.6));
     assert_eq!((offset.printed.symbol, offset.value), ("r", 0.0));
-    // What the paper does not print is the same in both.
-    let (own, paper) = (presets::ants(Preset::Default, 4), presets::ants(Preset::Paper, 4));
-    assert_eq!(AntDrive { steering_half_angle: 0.6, control_offset: 0.0, ..paper }, own);
 }
 
 /// Mass and diameter of both structures; structure 1 yields mainly across its springs, structure 2

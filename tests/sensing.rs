@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 fn ants(n_ants: usize, n_springs: usize, drive: Value) -> Scenario {
     let mut file = json!({
-        "name": "ants", "duration_s": 3.0, "control_period_s": 0.0025, "seed": 5,
+        "name": "ants", "duration_s": 6.0, "control_period_s": 0.0025, "seed": 5,
         "load": { "mass_kg": 0.0016, "radius_m": 0.0122, "position_m": [0.03, -0.02], "heading_rad": 0.4 },
         "ground": { "friction_coefficient": 1.4, "supports": { "tripod": { "radius_m": 0.008 } } },
         "springs": [{ "ring": { "n": n_springs, "radius_m": 0.0122, "rest_length_m": 0.0263, "radial_stiffness_n_per_m": 0.664,
@@ -56,7 +56,7 @@ fn ants_that_are_passed_over_change_no_bit() {
 fn every_far_ant_is_counted_at_every_tick() {
     let scenario = ants(50, 4, json!({ "search_speed_m_per_s": 1e-9, "start_half_width_m": 0.1, "sensing_range_m": 1e-3 }));
     let Drive::Ants(drive) = &scenario.drive else { panic!("ants") };
-    // Root and length of the springs, and the reach; what the ants walk in these 3 s is 3 nm.
+    // Root and length of the springs, and the reach; what the ants walk in these 6 s is 6 nm.
     let far = 0.0122 + 0.0263 + 1e-3;
     let away = |ant: &Ant| (ant.position - scenario.start.pose.position).norm();
     let n_far = Ants::new(&scenario, drive).ants().iter().filter(|ant| away(ant) > far).count() as u64;

@@ -148,7 +148,7 @@ fn speeds_in_millimetres_are_told() {
     assert_threshold(&tow(), "/load/velocity_m_per_s", [json!([0.0, 44.0]), json!([45.0, 0.0])], &rule);
     // 19 mm within 10 ms.
     for key in ["search_speed_m_per_s", "pull_speed_m_per_s"] {
-        assert_threshold(&ants(), &format!("/drive/{key}"), [json!(1.9), json!(1.91)], &[key, "the sensing range per control period"]);
+        assert_threshold(&ants(), &format!("/drive/{key}"), [json!(2.13), json!(2.15)], &[key, "the sensing range per control period"]);
     }
     assert_threshold(&ants(), "/drive/sensing_range_m", [json!(1.22), json!(1.23)], &["drive.sensing_range_m", "radii of the load"]);
     assert_threshold(&ants(), "/drive/strong_pull_n", [json!(2.19), json!(2.2)], &["drive.strong_pull_n: should be in newtons"]);

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use cohaul::analysis::compare::Settings;
 use cohaul::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
-use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Setting, Skip, Skips, Tolerance, step_of};
+use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Setting, Skip, Skips, Tolerance};
 use cohaul::scenario::Scenario;
 use cohaul::studies::sweep::Variant;
 use pyo3::exceptions::PyValueError;
@@ -114,13 +114,12 @@ impl Asked {
         if self.tolerance_rad.is_some() {
             return Err(refused("tolerance_rad", "must come with tolerance_m", "it alone"));
         }
-        let step_s = step_of(self.step_s, variant.backend, &scenario.system, scenario.control_period);
         Ok(BackendOptions {
             integrator: variant.integrator,
             rapier: variant.rapier,
             skips: variant.skips,
             second_order: self.second_order,
-            ..BackendOptions::new(variant.backend, step_s)
+            ..BackendOptions::at_step(self.step_s, variant.backend, &scenario.system, scenario.control_period)
         })
     }
 

@@ -41,6 +41,14 @@ def test_runs_equal_those_of_the_program(path: Path, tmp_path: Path, request: py
         assert without_time(run.results) == without_time(expected), backend
 
 
+def test_default_steps_become_shorter_where_springs_are_stretched() -> None:
+    """This scene has springs that no default step resolves, later than the short test looks."""
+    file = SCENES / "stress" / "stiff-light.json"
+    steps = cohaul.run(file, "inertial").results["steps"]
+    assert steps["unresolved_rad"] > 1.0
+    assert steps == json.loads(program("run", file, "--backend", "inertial", "--json"))["steps"]
+
+
 def test_the_trace_equals_that_of_the_program(four_ants: Path, tmp_path: Path) -> None:
     file = tmp_path / "four.json"
     cohaul.Scenario(four_ants, duration_s=5.0).save(file)

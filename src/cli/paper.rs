@@ -43,8 +43,8 @@ pub struct PaperArgs {
     command: Option<PaperCommand>,
     /// Number of seeds of the main set [default: 200; with --quick 12]
     ///
-    /// Rapier, other masses and other presets get fewer seeds. Below 8 seeds, other presets and the
-    /// fit are left out.
+    /// Rapier, other masses and other presets get fewer seeds. Below 8 seeds, other presets are
+    /// left out.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100_000))]
     seeds: Option<u64>,
     /// First seed
@@ -54,9 +54,9 @@ pub struct PaperArgs {
     #[arg(long, num_args = 1.., value_parser = choice::<BackendKind>())]
     backend: Vec<BackendKind>,
     /// Parameters of the ants
-    #[arg(long, value_name = "NAME", default_value = "default", value_parser = choice::<Preset>())]
+    #[arg(long, value_name = "NAME", default_value = Preset::default().name(), value_parser = choice::<Preset>())]
     preset: Preset,
-    /// A few seeds, one other mass, no replays and no fit: half a minute instead of 15
+    /// A few seeds, one other mass, and no replays: half a minute instead of 15
     #[arg(long)]
     quick: bool,
     #[command(flatten)]
@@ -136,10 +136,7 @@ fn search(args: &SearchArgs) -> Result<ExitCode, CliError> {
 /// Default number of seeds: it gives the printed size of the sample of pulls.
 const SEEDS: u64 = 200;
 const QUICK_SEEDS: u64 = 12;
-/// Number of parameter sets of each kind, and of seeds of each: fewer seeds do not separate sets.
-const FIT_POINTS: usize = 80;
-const FIT_SEEDS: u64 = 8;
-/// Below this number of seeds, other presets and the fit are left out.
+/// Below this number of seeds, other presets are left out.
 const FEWEST_FOR_OTHERS: u64 = 8;
 
 pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
@@ -195,8 +192,6 @@ fn plan(args: &PaperArgs) -> Plan {
         preset: args.preset,
         first_seed: args.seed,
         sets,
-        n_fit_points: if has_others && !args.quick { FIT_POINTS } else { 0 },
-        n_fit_seeds: FIT_SEEDS,
         replayed: if has_all && !args.quick { Trial::ALL.to_vec() } else { Vec::new() },
         replayed_s: 60.0,
     }

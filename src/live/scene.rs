@@ -164,7 +164,9 @@ fn recorded(trace: &Trace, now: f64) -> Vec<TipPath> {
         let released = trace.events[at..].iter().find(|event| event.spring == grasp.spring && event.kind == EventKind::Release);
         let end = released.map_or(now, |event| event.time);
         let first = Waypoint { time: grasp.time, position: grasp.tip };
-        let between = rows.iter().filter(|row| row.time > grasp.time && row.time < end).filter_map(|row| {
+        // A tip that is still held is let go where it is in the last row.
+        let is_between = |time: f64| time > grasp.time && (time < end || released.is_none() && time <= end);
+        let between = rows.iter().filter(|row| is_between(row.time)).filter_map(|row| {
             let tip = row.tips.iter().find(|tip| tip.spring == grasp.spring)?;
             Some(Waypoint { time: row.time, position: tip.position })
         });

@@ -142,7 +142,7 @@ fn path_entry(path: &TipPath) -> PathEntry {
 /// where they are the defaults, so that its hash is that of a scenario which knows of no obstacles.
 fn ants_entry(ants: &AntDrive, is_empty: bool) -> AntsEntry {
     let some = |value: f64| Some(plain(value));
-    let standard = presets::ants(Preset::Default, ants.n_ants);
+    let standard = presets::ants(Preset::default(), ants.n_ants);
     let avoidance = |drive: &AntDrive| (drive.avoidance, drive.body_radius, drive.look_ahead);
     let avoids = !is_empty || avoidance(ants) != avoidance(&standard);
     AntsEntry {

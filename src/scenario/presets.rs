@@ -11,37 +11,37 @@ use crate::model::paper::{self, PrintedParameter};
 
 /// Named set of the ants' parameters.
 ///
-/// Section VII of the paper prints eight of them ([`paper::ANTS`]). The preset "paper" has all
-/// eight. The others say which they replace, and why ([`Preset::departures`]).
+/// Section VII of the paper prints eight of them ([`paper::ANTS`]). The preset "paper", which is
+/// the default, has all eight. The others say which they replace, and why
+/// ([`Preset::departures`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The fitted set whose results come closest to the printed ones. Ants decide at every tick
-    /// with a hazard, so that rates do not depend on the control period. It departs from two
-    /// printed values: `steering_half_angle_rad` is 0.6 in place of 60 degrees, fitted to the
-    /// printed pulls and group sizes, and `control_offset_m` is 0 in place of 2 mm.
+    /// Every value that the paper prints. What it does not print is that of the accepted parameter
+    /// set that is closest to the printed pulls and group sizes, to three digits. Ants decide at
+    /// every tick with a hazard, so that rates do not depend on the control period.
     #[default]
-    Default,
-    /// Every value that the paper prints, with the default preset's values of what it does not
-    /// print.
     Paper,
+    /// A fit to the printed pulls and group sizes that may replace the printed half angle. It
+    /// departs from two printed values: `steering_half_angle_rad` is 0.6 in place of 60 degrees,
+    /// and `control_offset_m` is 0 in place of 2 mm.
+    Fitted,
     /// Pulling ants walk as fast as searching ants, at 0.08 m/s. The time between release decisions
     /// keeps forces in the printed range. It departs from the printed `steering_half_angle_rad` and
-    /// `control_offset_m` as the default preset does.
+    /// `control_offset_m` as the preset "fitted" does.
     PaperSpeed,
     /// Ants decide to release once per decision period after each grasp, with the printed
-    /// probability. Of such sets this one fits the printed results best. It departs from the
-    /// printed
-    /// `steering_half_angle_rad` and `control_offset_m` as the default preset does.
+    /// probability. It departs from the printed `steering_half_angle_rad` and `control_offset_m` as
+    /// the preset "fitted" does.
     Aged,
     /// Ants decide at every tick with the printed probabilities, for forces in newtons. With a
     /// control period of 0.08 s the forces are as printed. It departs from the printed
-    /// `steering_half_angle_rad` and `control_offset_m` as the default preset does.
+    /// `steering_half_angle_rad` and `control_offset_m` as the preset "fitted" does.
     LiteralNewtons,
     /// Ants decide at every tick with the printed probabilities, for forces in millinewtons:
     /// `release_steepness_per_n` is then 1e5. The release is nearly a hard limit at 10 mN. It is
     /// meant for a control period of 0.08 s. It departs from the printed `steering_half_angle_rad`
-    /// and `control_offset_m` as the default preset does.
+    /// and `control_offset_m` as the preset "fitted" does.
     LiteralMillinewtons,
 }
 
@@ -57,13 +57,13 @@ pub struct Departure {
 impl Preset {
     /// All presets, the default first.
     pub const ALL: [Preset; 6] =
-        [Preset::Default, Preset::Paper, Preset::PaperSpeed, Preset::Aged, Preset::LiteralNewtons, Preset::LiteralMillinewtons];
+        [Preset::Paper, Preset::Fitted, Preset::PaperSpeed, Preset::Aged, Preset::LiteralNewtons, Preset::LiteralMillinewtons];
 
     /// Name in scenarios and options.
     pub fn name(self) -> &'static str {
         match self {
-            Preset::Default => "default",
             Preset::Paper => "paper",
+            Preset::Fitted => "fitted",
             Preset::PaperSpeed => "paper-speed",
             Preset::Aged => "aged",
             Preset::LiteralNewtons => "literal-newtons",
@@ -104,7 +104,7 @@ fn value(ants: &AntDrive, key: &str) -> f64 {
 fn reason(key: &str) -> &'static str {
     match key {
         "steering_half_angle_rad" => "fitted to the printed pulls and group sizes",
-        "control_offset_m" => "results of earlier versions were computed without it; it moves searching ants only",
+        "control_offset_m" => "left out of the fit: it moves searching ants only",
         "release_steepness_per_n" => "the printed 100 read per millinewton",
         _ => "",
     }
@@ -112,13 +112,11 @@ fn reason(key: &str) -> &'static str {
 
 /// Drive by `n_ants` ants with the parameters of `preset`.
 pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
-    let standard = standard(n_ants);
-    let pulling = |pull_speed: f64, period: f64| AntDrive { pull_speed, release: ReleaseLaw { period, ..standard.release }, ..standard };
+    let fitted = fitted(n_ants);
+    let pulling = |pull_speed: f64, period: f64| AntDrive { pull_speed, release: ReleaseLaw { period, ..fitted.release }, ..fitted };
     match preset {
-        Preset::Default => standard,
-        Preset::Paper => {
-            AntDrive { steering_half_angle: paper::STEERING_HALF_ANGLE_RAD, control_offset: paper::CONTROL_OFFSET_M, ..standard }
-        }
+        Preset::Paper => as_printed(n_ants),
+        Preset::Fitted => fitted,
         Preset::PaperSpeed => AntDrive { sensing_range: 0.0215, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.106) },
         Preset::Aged => AntDrive { release_pace: ReleasePace::Aged, sensing_range: 0.0205, ..pulling(paper::SEARCH_SPEED_M_PER_S, 0.08) },
         Preset::LiteralNewtons => {
@@ -131,30 +129,79 @@ pub fn ants(preset: Preset, n_ants: usize) -> AntDrive {
     }
 }
 
-/// Ants of the default preset. What the paper does not print is inferred from what it prints:
-/// speed, sensing range and decision period are the fit of `cohaul paper`. Two printed numbers are
-/// replaced: the half angle of 60 degrees by that fit, and the offset of 2 mm by zero.
-fn standard(n_ants: usize) -> AntDrive {
+/// Ants with all printed values. What the paper does not print is, to three digits, the accepted
+/// set of the smallest distance in `results/2026-11-25-parameter-search/accepted.csv`.
+fn as_printed(n_ants: usize) -> AntDrive {
     AntDrive {
         n_ants,
         nest_position: paper::NEST_POSITION_M,
-        arrival_radius: 0.01,
-        start_half_width: 0.15,
+        arrival_radius: 0.0114,
+        start_half_width: 0.169,
         search_speed: paper::SEARCH_SPEED_M_PER_S,
-        pull_speed: 0.05,
-        sensing_range: 0.019,
+        pull_speed: 0.0252,
+        sensing_range: 0.0214,
         target_variance: paper::TARGET_VARIANCE_M2,
-        target_redraw_period: 0.01,
+        target_redraw_period: 0.0109,
         steering_gain: paper::STEERING_GAIN_PER_S,
-        steering_half_angle: 0.6,
-        control_offset: 0.0,
+        steering_half_angle: paper::STEERING_HALF_ANGLE_RAD,
+        control_offset: paper::CONTROL_OFFSET_M,
         grasp_probability: paper::GRASP_PROBABILITY,
-        grasp_decision_period: 0.0025,
+        grasp_decision_period: 0.0172,
         grasp_pace: GraspPace::Hazard,
-        release: ReleaseLaw { strong_pull: paper::STRONG_PULL_N, steepness: paper::RELEASE_STEEPNESS_PER_N, period: 0.175 },
+        release: ReleaseLaw { strong_pull: paper::STRONG_PULL_N, steepness: paper::RELEASE_STEEPNESS_PER_N, period: 0.518 },
         release_pace: ReleasePace::Hazard,
         avoidance: Avoidance::None,
         body_radius: 0.002,
         look_ahead: 0.03,
+    }
+}
+
+/// Ants fitted to the printed pulls and group sizes, among sets that may replace the printed half
+/// angle.
+fn fitted(n_ants: usize) -> AntDrive {
+    let printed = as_printed(n_ants);
+    AntDrive {
+        arrival_radius: 0.01,
+        start_half_width: 0.15,
+        pull_speed: 0.05,
+        sensing_range: 0.019,
+        target_redraw_period: 0.01,
+        steering_half_angle: 0.6,
+        control_offset: 0.0,
+        grasp_decision_period: 0.0025,
+        release: ReleaseLaw { period: 0.175, ..printed.release },
+        ..printed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rule by which the default preset was chosen.
+    #[test]
+    fn the_preset_paper_is_the_closest_accepted_set() {
+        let mut table = csv::Reader::from_reader(&include_bytes!("../../results/2026-11-25-parameter-search/accepted.csv")[..]);
+        let names = table.headers().unwrap().clone();
+        let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+        let number =
+            |row: &csv::StringRecord, name: &str| -> f64 { row[names.iter().position(|own| own == name).unwrap()].parse().unwrap() };
+        let closest = rows.iter().min_by(|a, b| number(a, "distance").total_cmp(&number(b, "distance"))).unwrap();
+        let chosen = ants(Preset::Paper, 1);
+        let speed = number(closest, "speed_in_Transport_m_per_s");
+        for (own, theirs) in [
+            (chosen.pull_speed, speed),
+            (chosen.release.period, number(closest, "way_of_a_tip_between_release_decisions_m") / speed),
+            (chosen.grasp_decision_period, number(closest, "grasp_decision_period_s")),
+            (chosen.sensing_range, number(closest, "sensing_range_m")),
+            (chosen.arrival_radius, number(closest, "nest_radius_m")),
+            (chosen.start_half_width, number(closest, "start_area_half_width_m")),
+            (chosen.target_redraw_period, number(closest, "redraw_period_of_the_believed_position_s")),
+        ] {
+            // Half of the third digit of a number that begins with one.
+            assert!((own / theirs - 1.0).abs() < 5e-3, "{own} {theirs}");
+        }
+        assert_eq!(&closest[names.iter().position(|name| name == "times_of_release_decisions").unwrap()], "hazard");
+        assert_eq!(chosen.release_pace, ReleasePace::Hazard);
     }
 }

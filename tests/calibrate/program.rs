@@ -114,7 +114,7 @@ fn the_behaviour_of_a_run_is_fitted_and_its_pulls_are_compared() {
     // The noise is overstated: exact tips are nearer to the fit.
     assert!(found["steering"]["residual_rms_m"].as_f64().unwrap() < 1e-9, "{found}");
     let speed = found["steering"]["pull_speed_m_per_s"]["value"].as_f64().unwrap();
-    assert!((speed - 0.05).abs() < 1e-6, "the speed of the default preset: {found}");
+    assert!((speed - 0.0252).abs() < 1e-6, "the speed of the default preset: {found}");
     assert!(found["n_releases"].as_u64().unwrap() > 5 && found["release"]["bins"].is_array(), "{found}");
     let printed = fs::read_to_string(format!("{behaviour}/behaviour.txt")).unwrap();
     assert!(["zeta", "F_m", "D_r", "beta", "speed in Search"].iter().all(|word| printed.contains(word)), "{printed}");

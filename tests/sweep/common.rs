@@ -13,6 +13,7 @@ pub fn scene(room: &Path) -> PathBuf {
     let text = fs::read_to_string("scenarios/paper/four-ants-four-springs.json").unwrap();
     let mut scene: Value = serde_json::from_str(&text).unwrap();
     scene["duration_s"] = json!(3.0);
+    scene["drive"]["preset"] = json!("fitted");
     scene["drive"]["nest_position_m"] = json!([0.012, -0.005]);
     scene["drive"]["start_half_width_m"] = json!(0.04);
     let path = room.join("short.json");

@@ -19,7 +19,7 @@ fn what_is_wrong_is_named_before_anything_runs() {
         (&["--vary", "load.mass_kg=0.001,heavy"], "load.mass_kg: must be a number, found \"heavy\""),
         (&["--vary", "load.mass_kg=1..2"], "load.mass_kg: must be a list or a grid without --sample"),
         (&["--vary", "load.mass_kg"], "must be PATH=VALUES"),
-        (&["--vary", "drive.preset=default,fast"], "drive.preset: must be"),
+        (&["--vary", "drive.preset=paper,fast"], "drive.preset: must be"),
         (&["--vary", "seed=1,2"], "seed: must be set by --seed and --seeds"),
         (&["--scale-inertia", "1,0"], "inertia_scale: must be a positive number, found 0"),
         (&["--sample", "sobol", "8"], "--sample: must have a range"),

@@ -104,7 +104,7 @@ fn samples_and_words_and_whole_numbers_are_columns() {
     let room = tempdir().unwrap();
     let (scene, out) = (scene(room.path()), room.path().join("out"));
     let args = ["--sample", "latin-hypercube", "8", "--vary", "load.mass_kg=log:1e-4..1e-2", "--vary", "drive.n_ants=1..4"];
-    done(&sweep(&scene, &[&args[..], &["--vary", "drive.preset=default,aged"]].concat(), &out));
+    done(&sweep(&scene, &[&args[..], &["--vary", "drive.preset=paper,aged"]].concat(), &out));
     let rows = rows(&out.join("runs.csv"));
     assert_eq!(rows.len(), 16);
     let of = |name: &str| rows[..8].iter().map(|row| row[name].clone()).collect::<Vec<_>>();
@@ -115,7 +115,7 @@ fn samples_and_words_and_whole_numbers_are_columns() {
     let mut ants = of("drive.n_ants");
     ants.sort_unstable();
     assert_eq!(ants, ["1", "1", "2", "2", "3", "3", "4", "4"]);
-    assert_eq!((&rows[0]["drive.preset"], &rows[8]["drive.preset"]), (&"default".to_owned(), &"aged".to_owned()));
+    assert_eq!((&rows[0]["drive.preset"], &rows[8]["drive.preset"]), (&"paper".to_owned(), &"aged".to_owned()));
 }
 
 /// At a hundredth of the inertia with the same friction a load that tips drag about ends much

@@ -61,8 +61,8 @@ pub struct PathEntry {
 }
 
 /// Ants that search for a tip, grasp it, pull and release it. The default of every key is that of
-/// the preset; the defaults stated here are those of the preset "default". The preset "paper" has
-/// every value that the paper prints.
+/// the preset; the defaults stated here are those of the preset "paper", which has every value that
+/// the paper prints.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AntsEntry {
@@ -70,9 +70,9 @@ pub struct AntsEntry {
     pub kind: AntsKind,
     /// Number of ants (1).
     pub n_ants: usize,
-    /// Named set of parameters for all keys that are left out. The default is "default".
+    /// Named set of parameters for all keys that are left out. The default is "paper".
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Preset", extend("default" = "default"))]
+    #[schemars(with = "Preset", extend("default" = "paper"))]
     pub preset: Option<Preset>,
     /// Position of the nest, to which the ants pull the load (m, world axes). The default is
     /// printed in the paper, with the start of the load as the origin.
@@ -93,8 +93,8 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().search_speed))]
     pub search_speed_m_per_s: Option<f64>,
-    /// Walking speed of a pulling ant (m/s). The default is inferred: it fits the printed forces
-    /// and times best.
+    /// Walking speed of a pulling ant (m/s). The default is inferred: with it the printed forces
+    /// and group sizes are met best.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().pull_speed))]
     pub pull_speed_m_per_s: Option<f64>,
@@ -117,15 +117,13 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().steering_gain))]
     pub steering_gain_per_s: Option<f64>,
-    /// Largest angle between the pull of an ant and the direction of its spring (rad). The paper
-    /// prints 60 degrees, which the preset "paper" has. The default is fitted to the printed pulls
-    /// and group sizes.
+    /// Largest angle between the pull of an ant and the direction of its spring (rad). The
+    /// default, 60 degrees, is printed in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().steering_half_angle))]
     pub steering_half_angle_rad: Option<f64>,
     /// Distance from the mandibles of a searching ant to the point about which it turns (m). A
-    /// pulling ant turns about its mandibles. The paper prints 2 mm, which the preset "paper" has.
-    /// The default is 0, with which the stored results were computed.
+    /// pulling ant turns about its mandibles. The default is printed in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().control_offset))]
     pub control_offset_m: Option<f64>,
@@ -154,7 +152,8 @@ pub struct AntsEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().release.steepness))]
     pub release_steepness_per_n: Option<f64>,
-    /// Time between two release decisions (s). The default is inferred: it fits the printed forces.
+    /// Time between two release decisions (s). The default is inferred: with it the
+    /// printed forces and group sizes are met best.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("default" = standard().release.period))]
     pub release_decision_period_s: Option<f64>,
@@ -182,5 +181,5 @@ pub struct AntsEntry {
 }
 
 fn standard() -> AntDrive {
-    presets::ants(Preset::Default, 1)
+    presets::ants(Preset::default(), 1)
 }

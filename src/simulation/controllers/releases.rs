@@ -132,7 +132,7 @@ mod tests {
     /// for ticks so long that most draws are low.
     #[test]
     fn draws_computed_ahead_cause_the_same_releases() {
-        for preset in ["default", "literal-millinewtons", "literal-newtons", "aged"] {
+        for preset in ["paper", "fitted", "literal-millinewtons", "literal-newtons", "aged"] {
             let text = include_str!("../../../scenarios/paper/four-ants-four-springs.json")
                 .replace("\"n_ants\": 4", &format!("\"n_ants\": 4, \"preset\": \"{preset}\", \"release_pace\": \"hazard\""));
             let Drive::Ants(drive) = Scenario::parse(&text, preset).unwrap().drive else { panic!("ants drive this scene") };

@@ -7,7 +7,7 @@ use crate::math::{Mat3, Vec2, Vec3, rotation};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::scenario::Scenario;
-use crate::simulation::{Keep, Simulation};
+use crate::simulation::{Keep, Row, Simulation};
 
 /// Minimise `1/2 x'Hx - w'x + sum_i c_i |B_i x|` over the body-twist increment x.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,17 +19,19 @@ pub struct Problem {
 }
 
 /// The first problem of each of up to `n` steps, a control period each, of a quasi-static run of
-/// the scenario in which some spring is held.
+/// the scenario in which some spring is held, from the first step in which the load moves.
 pub fn problems_of(scenario: &Scenario, n: usize) -> Vec<Problem> {
     let options = BackendOptions::new(BackendKind::QuasiStatic, scenario.control_period);
     let mut run = Simulation::new(scenario, &options, Keep::Trace);
+    let start = scenario.start.pose;
     let mut n_held = 0;
     while n_held <= n && !run.is_finished() {
         run.step();
-        n_held += usize::from(run.trace().rows.last().is_some_and(|row| !row.tips.is_empty()));
+        let has_moved = |row: &Row| row.motion.pose != start;
+        n_held += usize::from(run.trace().rows.last().is_some_and(|row| has_moved(row) && !row.tips.is_empty()));
     }
     let (springs, length) = (&scenario.system.springs, scenario.system.load.radius);
-    let problem = |pair: &[crate::simulation::Row]| {
+    let problem = |pair: &[Row]| {
         let pose = pair[0].motion.pose;
         let mut held = Attachments::default();
         for tip in &pair[1].tips {
@@ -38,7 +40,8 @@ pub fn problems_of(scenario: &Scenario, n: usize) -> Vec<Problem> {
         let local = in_body_increments(&held.reaction(springs, &pose), &rotation(pose.heading));
         (!held.is_empty()).then(|| Problem { hessian: positive_definite(&local.hessian, length), drive: -local.gradient })
     };
-    run.trace().rows.windows(2).filter_map(problem).take(n).collect()
+    let pairs = run.trace().rows.windows(2).skip_while(|pair| pair[1].motion.pose == start);
+    pairs.filter_map(problem).take(n).collect()
 }
 
 /// Slip over the load's extent (1) below which a support counts as sticking: the direction of such

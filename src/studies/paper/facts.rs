@@ -223,7 +223,7 @@ mod tests {
     /// result.
     #[test]
     fn a_run_is_accounted_for() {
-        let case = Case::new(Preset::Default, BackendKind::QuasiStatic);
+        let case = Case::new(Preset::default(), BackendKind::QuasiStatic);
         let facts = run(Trial::TEN_TEN, &case, 1, |_| true).unwrap();
         assert!(facts.arrived && facts.by_size.len() == 11);
         let time: f64 = facts.by_size.iter().map(|of_size| of_size.time_s).sum();

@@ -1,8 +1,6 @@
-//! Figures of the results beside the printed numbers: pulls, group sizes, backends, inertia and the
-//! fit.
+//! Figures of the results beside the printed numbers: pulls, group sizes, backends and inertia.
 
 use crate::math::Interval;
-use crate::model::behaviour::ReleasePace;
 use crate::model::paper as printed;
 use crate::output::chart::MILLI;
 use crate::output::chart::canvas::natural_height;
@@ -11,7 +9,7 @@ use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, ROW_HEIGHT, WIDTH, alone,
 use crate::output::quantity::quantity;
 use crate::studies::paper::TableRow;
 use crate::studies::paper::figure_run;
-use crate::studies::paper::report::{FitRow, Paper};
+use crate::studies::paper::report::Paper;
 use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
 use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Shown, Trial, Unit};
 
@@ -174,61 +172,6 @@ fn short(measure: Measure) -> String {
     measure.name().replace("standard deviation", "sd").replace(", 4/4 and 5/10", "")
 }
 
-/// Score of every set of parameters against each parameter, and mean against standard deviation of
-/// the pulls.
-pub fn fit(rows: &[FitRow]) -> (Vec<Panel>, Vec<Entry>) {
-    let parameters: [Parameter; 4] = [
-        ("speed of pulling ants (mm/s)", |row| MILLI * row.point.pull_speed_m_per_s),
-        ("way of a tip between decisions (mm)", |row| MILLI * row.point.pull_speed_m_per_s * row.point.release_decision_period_s),
-        ("half angle (rad)", |row| row.point.steering_half_angle_rad),
-        ("reach (mm)", |row| MILLI * row.point.sensing_range_m),
-    ];
-    let scores = |(label, of): Parameter| {
-        let mut panel = Panel::new(label, "worst deviation over near (1)", Scale::FromZero);
-        panel.marks.push(Mark { at: Across::Horizontal(1.0), style: PRINTED });
-        scatter(&mut panel, rows, |row| [of(row), row.score.min(MOST_SHOWN)]);
-        panel
-    };
-    let mut panels: Vec<Panel> = parameters.into_iter().map(scores).collect();
-    let mut moments = Panel::new("mean pull (mN)", "standard deviation (mN)", Scale::Linear);
-    scatter(&mut moments, rows, |row| [MILLI * row.found.pull_mean_n, MILLI * row.found.pull_sd_n]);
-    let (mean, sd) = (MILLI * printed::PULL_MEAN_N, MILLI * printed::PULL_SD_N);
-    let corners = [[0.9, 0.9], [1.1, 0.9], [1.1, 1.1], [0.9, 1.1], [0.9, 0.9]];
-    moments.curves.push(curve(corners.map(|[x, y]| [x * mean, y * sd]).to_vec(), PRINTED, Shape::Path));
-    moments.curves.push(curve(vec![[mean, sd]], PRINTED, Shape::Crosses));
-    panels.push(moments);
-    let mut shares = Panel::new("time to nest, 4/4 (s)", "worst deviation of a share (1)", Scale::FromZero);
-    shares.marks.push(Mark { at: Across::Horizontal(0.05), style: PRINTED });
-    scatter(&mut shares, rows, |row| [row.found.time_four_s, 0.05 * row.deviations[2]]);
-    panels.push(shares);
-    let entries = vec![
-        Entry::line("releases as a hazard", OURS),
-        Entry::line("releases at decisions", OTHER),
-        Entry::line("presets (black)", Style { color: "#000000", ..OURS }),
-        Entry::line("paper, and what counts as near", PRINTED),
-    ];
-    (panels, entries)
-}
-
-/// Label and value.
-type Parameter = (&'static str, fn(&FitRow) -> f64);
-
-/// Scores above are drawn there.
-const MOST_SHOWN: f64 = 6.0;
-
-fn scatter(panel: &mut Panel, rows: &[FitRow], of: impl Fn(&FitRow) -> [f64; 2]) {
-    // Axes end at the outermost points; these have room for dots.
-    let xs = || rows.iter().map(|row| of(row)[0]);
-    let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(f64::NEG_INFINITY, f64::max));
-    let room = 0.03 * (high - low);
-    panel.curves.push(curve(vec![[low - room, of(&rows[0])[1]], [high + room, of(&rows[0])[1]]], FAINT, Shape::Unseen));
-    let points = |is: &dyn Fn(&FitRow) -> bool| rows.iter().filter(|row| is(row)).map(&of).collect::<Vec<_>>();
-    let pace = |pace: ReleasePace| move |row: &FitRow| row.point.preset.is_none() && row.point.release_pace == pace;
-    panel.curves.push(curve(points(&pace(ReleasePace::Hazard)), OURS, Shape::Dots));
-    panel.curves.push(curve(points(&pace(ReleasePace::Aged)), OTHER, Shape::Dots));
-    panel.curves.push(curve(points(&|row| row.point.preset.is_some()), Style { color: "#000000", ..OURS }, Shape::Dots));
-}
-
 /// Mean inertial force by smoothing time for every trial, beside the printed inertial force and the
 /// friction.
 pub fn inertial_force(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
@@ -261,8 +204,8 @@ const FRICTION: Style = Style { color: "#999999", dash: "7 3", width: 1.6 };
 /// Figures by the name of their file.
 pub type Figures = Vec<(&'static str, String)>;
 
-/// All figures: pulls, group sizes, backends, the inertial force, the
-/// fit, and one run.
+/// All figures: pulls, group sizes, backends, the inertial force,
+/// and one run.
 pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Figures {
     let mut figures = vec![
         ("pulls", in_grid(pulls(found, units, largest), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
@@ -273,9 +216,6 @@ pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: 
     }
     if !found.inertial_force.is_empty() {
         figures.push(("inertial-force", in_grid(inertial_force(found), 1, WIDTH, 1.4 * PANEL_HEIGHT)));
-    }
-    if !found.fit.is_empty() {
-        figures.push(("fit", in_grid(fit(&found.fit), 2, COLUMN_WIDTH, PANEL_HEIGHT)));
     }
     if let Some(shown) = shown {
         let runs: Vec<&RunFacts> = units.iter().filter_map(|unit| unit.of(shown.trial)).collect();

@@ -4,10 +4,9 @@ use std::path::Path;
 
 use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::folder::{FolderError, OutputFolder};
-use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
-use crate::output::table::{Field, Kind, Table, write_rows};
+use crate::output::table::{Field, Table, write_rows};
 use crate::studies::paper::TableRow;
 use crate::studies::paper::figure::Figures;
 use crate::studies::paper::page::paper_page;
@@ -18,7 +17,7 @@ use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
 
 /// Writes `table.csv`, `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`,
 /// `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`,
-/// `fit.csv`, `runs.csv`, the `figures`, `README.md`, `report.html`, `table.txt`, `summary.json`
+/// `runs.csv`, the `figures`, `README.md`, `report.html`, `table.txt`, `summary.json`
 /// and `manifest.json` to the folder `target`, all or nothing. A table without rows is left out.
 ///
 /// # Errors
@@ -42,7 +41,6 @@ pub fn write_paper(
         ("inertial-force.csv", inertial_force(found)),
         ("conclusions.csv", conclusions(found)),
         ("replayed.csv", replayed(found)),
-        ("fit.csv", fit(found)),
         ("runs.csv", run_table(found, runs)),
     ];
     for (name, table) in tables.iter().filter(|(_, table)| !table.rows.is_empty()) {
@@ -246,33 +244,6 @@ fn replayed(found: &Paper) -> Table {
             ("path length", "m", &|one| one.path_length_m.into()),
             ("tolerance", "m", &|one| one.tolerance_m.into()),
             ("first divergence", "s", &|one| one.first_divergence_s.into()),
-        ],
-    )
-}
-
-fn fit(found: &Paper) -> Table {
-    Table::of(
-        &found.fit,
-        &[
-            ("preset", "", &|row| row.point.preset.map_or("", |preset| preset.name()).into()),
-            ("release pace", "", &|row| Field::of_value(&json::plain(&row.point.release_pace), Kind::Word)),
-            ("pull speed", "m/s", &|row| row.point.pull_speed_m_per_s.into()),
-            ("release decision period", "s", &|row| row.point.release_decision_period_s.into()),
-            ("steering half angle", "rad", &|row| row.point.steering_half_angle_rad.into()),
-            ("sensing range", "m", &|row| row.point.sensing_range_m.into()),
-            ("score", "", &|row| row.score.into()),
-            ("pull mean", "N", &|row| row.found.pull_mean_n.into()),
-            ("pull sd", "N", &|row| row.found.pull_sd_n.into()),
-            ("pull max", "N", &|row| row.found.pull_max_n.into()),
-            ("n pulls", "", &|row| row.found.n_pulls.into()),
-            ("share of 6", "", &|row| row.found.size_shares[0].into()),
-            ("share of 7", "", &|row| row.found.size_shares[1].into()),
-            ("share of 8", "", &|row| row.found.size_shares[2].into()),
-            ("share of 9", "", &|row| row.found.size_shares[3].into()),
-            ("share of 10", "", &|row| row.found.size_shares[4].into()),
-            ("time four", "s", &|row| row.found.time_four_s.into()),
-            ("time five", "s", &|row| row.found.time_five_s.into()),
-            ("time ten", "s", &|row| row.found.time_ten_s.into()),
         ],
     )
 }

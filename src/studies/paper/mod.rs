@@ -1,9 +1,9 @@
 //! Reproduction of the results in the paper's text: four trials on every backend.
 //!
 //! The paper prints no step, no pulling speed, no sensing range and no values of its figures. The
-//! numbers of its text are compared. The parameters of the ants that it does not print were fitted
-//! to some of those numbers ([`fit`]), with other seeds than those of the comparison; a number that
-//! was fitted is called calibrated. Every interval is over seeds with their four trials, because
+//! numbers of its text are compared. The parameters of the ants that it does not print were chosen
+//! by some of those numbers ([`search`]), with other seeds than those of the comparison; such a
+//! number is called calibrated. Every interval is over seeds with their four trials, because
 //! the ticks of one run are not independent.
 //!
 //! ```text
@@ -27,7 +27,6 @@
 //! missed.rs   what is not reproduced
 //! experiment.rs  what the paper measured on ants
 //! inertia.rs  conclusions that change with inertia
-//! fit.rs      search for the parameters that are not printed
 //! search/     all parameter sets that the paper allows
 //! shown.rs    one run for figures
 //! suite.rs    all runs as tasks
@@ -41,7 +40,6 @@ mod facts;
 pub mod figure;
 pub mod figure_run;
 pub mod files;
-pub mod fit;
 mod force;
 mod force_rows;
 mod group_size;

@@ -25,7 +25,6 @@ fn caption(figure: &str) -> &'static str {
         "group-size" => "Speed by the number of pulling ants, and time by that number beside the printed samples",
         "backends" => "What inertia and the engine move",
         "inertial-force" => "Inertial force of the load by smoothing time",
-        "fit" => "How far sets of parameters are from the printed numbers",
         "transition" => "Speed, turn rate and interaction forces of one run of four ants, with their changes of mean",
         "snapshots" => "The same run, in moments",
         "path" => "Its path",

@@ -13,14 +13,14 @@ use crate::studies::paper::{Claim, Conclusion, Estimate, Replayed, printed_share
 /// What the files are.
 const FILES: &str = "\
 - `table.csv` every quantity on every set of runs, with intervals, grades and paired differences; `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`, `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`
-- `fit.csv` every set of parameters that was tried, and how far it is from the printed numbers; `runs.csv` every run
-- `pulls.svg` pulls by trial and the largest one; `group-size.svg` speed by group and shares; `backends.svg` what inertia and the engine move; `inertial-force.svg` the inertial force by smoothing time; `fit.svg` how sharp the fit is
+- `runs.csv` every run
+- `pulls.svg` pulls by trial and the largest one; `group-size.svg` speed by group and shares; `backends.svg` what inertia and the engine move; `inertial-force.svg` the inertial force by smoothing time
 - `transition.svg`, `snapshots.svg`, `path.svg` one run of four ants
 - `report.html` all this as a page; `table.txt` what the command prints; `summary.json` the same for programs; `manifest.json` where it comes from
 ";
 
 const GRADES: &str = "
-Match: the two numbers are as close as two samples of the same runs, with the printed sample's own size. Near: certainly within 10 %, or within 0.05 of a share. Calibrated: as near, and parameters were fitted to it. Differs: certainly farther apart. Undecided: these seeds do not tell. A wider interval never makes a better grade. The paper's figures are known by form only: none of their values is compared.
+Match: the two numbers are as close as two samples of the same runs, with the printed sample's own size. Near: certainly within 10 %, or within 0.05 of a share. Calibrated: as near, and parameters were chosen by it. Differs: certainly farther apart. Undecided: these seeds do not tell. A wider interval never makes a better grade. The paper's figures are known by form only: none of their values is compared.
 ";
 const NULLS: &str = "
 A claim holds where the whole interval is beyond the limit. Each limit is the value of a model that contradicts the claim, or beyond it: a speed proportional to the number of ants, or a run without phases. The paper gives no limits.

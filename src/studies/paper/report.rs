@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use crate::backend::{BackendKind, Status};
 use crate::model::paper as printed;
-use crate::studies::paper::fit::{self, Found, Point};
 use crate::studies::paper::why::{why, why_maximum};
 use crate::studies::paper::{
     Answer, Claim, Conclusion, Estimate, Experiment, Extreme, ForceRow, Grade, MEASURES, Measure, Missed, Mixture, OtherSet, Plan, Printed,
@@ -39,7 +38,6 @@ pub struct Paper {
     pub transitions: Vec<TransitionRow>,
     pub conclusions: Vec<Conclusion>,
     pub replayed: Vec<Replayed>,
-    pub fit: Vec<FitRow>,
 }
 
 /// A set of runs that have all in common but trial and seed.
@@ -70,18 +68,6 @@ pub struct TransitionRow {
     pub median_time_s: Option<f64>,
     pub median_time_share: Option<f64>,
     pub median_ratio: Option<f64>,
-}
-
-/// One set of parameters and how far from the printed numbers it is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FitRow {
-    #[serde(flatten)]
-    pub point: Point,
-    #[serde(flatten)]
-    pub found: Found,
-    /// Worst deviation over what counts as near (1).
-    pub score: f64,
-    pub deviations: [f64; 4],
 }
 
 /// The runs of all sets, by set.
@@ -153,7 +139,6 @@ impl Paper {
             replayed: answers(plan, done)
                 .filter_map(|(_, answer)| if let Answer::Replay(found) = answer { Some((**found).clone()) } else { None })
                 .collect(),
-            fit: fit_rows(plan, done),
         }
     }
 }
@@ -291,19 +276,4 @@ fn transitions(runs: &[(Trial, u64, &RunFacts)]) -> Vec<TransitionRow> {
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
-}
-
-fn fit_rows(plan: &Plan, done: &[Answer]) -> Vec<FitRow> {
-    let points = fit::points(plan.n_fit_points);
-    let mut rows: Vec<(usize, FitRow)> = answers(plan, done)
-        .filter_map(|(task, answer)| match (task, answer) {
-            (Task::Fit { point }, Answer::Fit(found)) => {
-                let row = FitRow { point: points[point], found: *found, score: found.score(), deviations: found.deviations() };
-                Some((point, row))
-            }
-            _ => None,
-        })
-        .collect();
-    rows.sort_by_key(|(point, _)| *point);
-    rows.into_iter().map(|(_, row)| row).collect()
 }

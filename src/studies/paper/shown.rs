@@ -127,7 +127,7 @@ mod tests {
     /// The figures show the run that is compared. Pulling ants stand at attached tips.
     #[test]
     fn a_watched_run_is_the_run() {
-        let case = Case::new(Preset::Default, BackendKind::QuasiStatic);
+        let case = Case::new(Preset::default(), BackendKind::QuasiStatic);
         let shown = shown(Trial::FIVE_TEN, &case, 2).unwrap();
         let facts = super::super::run(Trial::FIVE_TEN, &case, 2, |_| true).unwrap();
         assert_eq!(shown.changes, facts.changes);

@@ -1,8 +1,7 @@
-//! What a study of the paper consists of: runs, fits and replays, as tasks.
+//! What a study of the paper consists of: runs and replays, as tasks.
 
 use serde::{Deserialize, Serialize};
 
-use super::fit::{self, Found};
 use super::trial::{Case, Trial};
 use super::{RunFacts, facts};
 use crate::analysis::compare::{Cause, Settings, ThreeWay};
@@ -17,9 +16,6 @@ pub struct Plan {
     pub first_seed: u64,
     /// Each with its numbers of seeds.
     pub sets: Vec<Set>,
-    /// Sets of parameters for each pace, and seeds for each; none leaves the fit out.
-    pub n_fit_points: usize,
-    pub n_fit_seeds: u64,
     /// Trials that are replayed pathwise.
     pub replayed: Vec<Trial>,
     /// Followed no longer than this (s).
@@ -39,7 +35,6 @@ pub struct Set {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Task {
     Run { set: usize, trial: Trial, seed: u64 },
-    Fit { point: usize },
     Replay { trial: Trial },
 }
 
@@ -48,7 +43,6 @@ pub enum Task {
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     Run(Box<RunFacts>),
-    Fit(Found),
     Replay(Box<Replayed>),
 }
 
@@ -85,8 +79,7 @@ impl Plan {
         let runs = self.sets.iter().enumerate();
         let runs = runs.flat_map(|(set, of)| trials(of).map(move |(trial, seed)| Task::Run { set, trial, seed }));
         let replays = self.replayed.iter().map(|trial| Task::Replay { trial: *trial });
-        let points = if self.n_fit_points > 0 { fit::points(self.n_fit_points).len() } else { 0 };
-        let mut tasks: Vec<Task> = replays.chain((0..points).map(|point| Task::Fit { point })).chain(runs).collect();
+        let mut tasks: Vec<Task> = replays.chain(runs).collect();
         tasks.sort_by(|a, b| self.cost(b).total_cmp(&self.cost(a)));
         tasks
     }
@@ -94,7 +87,6 @@ impl Plan {
     /// About the time that a task takes (s); for progress and order only.
     fn cost(&self, task: &Task) -> f64 {
         match task {
-            Task::Fit { .. } => 0.2 * self.n_fit_seeds as f64,
             Task::Replay { .. } => 0.3 * self.replayed_s,
             Task::Run { set, trial, .. } => {
                 let case = &self.sets[*set].case;
@@ -113,10 +105,9 @@ impl Plan {
         }
     }
 
-    fn answer(&self, task: &Task, points: &[fit::Point], watch: &(impl Fn() -> bool + Sync)) -> Option<Answer> {
+    fn answer(&self, task: &Task, watch: &(impl Fn() -> bool + Sync)) -> Option<Answer> {
         match task {
             Task::Run { set, trial, seed } => Some(Answer::Run(Box::new(facts::run(*trial, &self.sets[*set].case, *seed, |_| watch())?))),
-            Task::Fit { point } => Some(Answer::Fit(points[*point].try_out(self.n_fit_seeds, watch)?)),
             Task::Replay { trial } => Some(Answer::Replay(Box::new(self.replay(*trial, watch)?))),
         }
     }
@@ -148,7 +139,7 @@ impl Plan {
 
 /// The tasks of `plan`, numbered as [`Plan::tasks`] does.
 pub fn tasks(plan: &Plan) -> Tasks<'_, Answer> {
-    let (tasks, points) = (plan.tasks(), fit::points(plan.n_fit_points));
+    let tasks = plan.tasks();
     let costs = tasks.iter().map(|task| plan.cost(task)).collect();
-    Tasks { costs, run: Box::new(move |task, go_on| plan.answer(&tasks[task], &points, &go_on)) }
+    Tasks { costs, run: Box::new(move |task, go_on| plan.answer(&tasks[task], &go_on)) }
 }

@@ -9,7 +9,7 @@ use crate::studies::paper::report::Paper;
 use crate::studies::paper::{Claim, Estimate};
 
 /// Tables of the results: quantities beside printed ones, claims, speed by group size, transitions,
-/// backends, conclusions that change, replayed runs, and the fit.
+/// backends, conclusions that change, and replayed runs.
 pub fn paper_text(found: &Paper) -> String {
     let mut text = String::new();
     header(found, &mut text);
@@ -24,7 +24,6 @@ pub fn paper_text(found: &Paper) -> String {
     section("other sets, paired differences", others(found), &mut text);
     section("conclusions that change", changed(found), &mut text);
     section("replayed: largest edge displacements", replayed(found), &mut text);
-    section("fit, best first", fit(found), &mut text);
     text
 }
 
@@ -183,31 +182,4 @@ fn replayed(found: &Paper) -> Vec<Vec<String>> {
         line
     };
     found.replayed.iter().map(row).collect()
-}
-
-/// The presets' sets and the best of the others.
-fn fit(found: &Paper) -> Vec<Vec<String>> {
-    let mut rows: Vec<&crate::studies::paper::report::FitRow> = found.fit.iter().collect();
-    rows.sort_by(|a, b| a.score.total_cmp(&b.score));
-    let line = |row: &crate::studies::paper::report::FitRow| {
-        let point = &row.point;
-        let name = point.preset.map_or_else(
-            || serde_json::to_value(point.release_pace).map_or_else(|_| String::new(), |pace| pace.as_str().unwrap_or_default().to_owned()),
-            |preset| format!("preset {}", preset.name()),
-        );
-        let pull = format!("{} +- {}", quantity(row.found.pull_mean_n, "N"), quantity(row.found.pull_sd_n, "N"));
-        vec![
-            format!("score {}", number(row.score)),
-            name,
-            quantity(point.pull_speed_m_per_s, "m/s"),
-            quantity(point.release_decision_period_s, "s"),
-            quantity(point.steering_half_angle_rad, "rad"),
-            quantity(point.sensing_range_m, "m"),
-            pull,
-            format!("4/4 {}", quantity(row.found.time_four_s, "s")),
-        ]
-    };
-    let best = rows.iter().take(8).copied();
-    let presets = rows.iter().skip(8).filter(|row| row.point.preset.is_some()).copied();
-    best.chain(presets).map(line).collect()
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{BackendKind, BackendOptions, default_step};
+use crate::backend::{BackendKind, BackendOptions};
 use crate::scenario::presets::{self, Preset};
 use crate::scenario::{AntDrive, Drive, Scenario};
 
@@ -118,7 +118,7 @@ impl Case {
 
     /// How a scenario of this case is run: at the step that its backend has unasked.
     pub fn options(&self, scenario: &Scenario) -> BackendOptions {
-        BackendOptions::new(self.backend, default_step(self.backend, &scenario.system, scenario.control_period))
+        BackendOptions::at_step(None, self.backend, &scenario.system, scenario.control_period)
     }
 }
 
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn inertia_is_scaled_and_friction_is_not() {
-        let case = |inertia| Case { inertia, ..Case::new(Preset::Default, BackendKind::Inertial) };
+        let case = |inertia| Case { inertia, ..Case::new(Preset::default(), BackendKind::Inertial) };
         for trial in Trial::ALL {
             let [one, ten] = [1.0, 10.0].map(|inertia| trial.scenario(&case(inertia), 3).system);
             assert_eq!((ten.load.mass, ten.load.inertia), (10.0 * one.load.mass, 10.0 * one.load.inertia));
@@ -141,7 +141,7 @@ mod tests {
     fn the_default_case_is_the_shipped_scenario() {
         for trial in Trial::ALL {
             let shipped = Scenario::parse(trial.text(), "shipped").unwrap();
-            assert_eq!(trial.scenario(&Case::new(Preset::Default, BackendKind::QuasiStatic), shipped.seed), shipped);
+            assert_eq!(trial.scenario(&Case::new(Preset::default(), BackendKind::QuasiStatic), shipped.seed), shipped);
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::studies::paper::{Extreme, Measure, Sample, Sampling};
 pub fn why(measure: Measure) -> &'static str {
     match measure {
         Measure::PullMean(Sample::Printed) | Measure::PullSd(Sample::Printed) => {
-            "fixed by what a spring gains between two decisions, which the paper leaves open and the fit sets; which trials it sampled is inferred from the sample's size"
+            "fixed by what a spring gains between two decisions, which the paper leaves open and the parameter search sets; which trials it sampled is inferred from the sample's size"
         }
         Measure::PullMeanBy(Sampling::ByTime) | Measure::PullSdBy(Sampling::ByTime) => {
             "a large pull ends within a few decisions but lasts for many control periods; the paper does not say when pulls were taken"
