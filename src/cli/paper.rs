@@ -56,7 +56,7 @@ pub struct PaperArgs {
     /// Parameters of the ants
     #[arg(long, value_name = "NAME", default_value = Preset::default().name(), value_parser = choice::<Preset>())]
     preset: Preset,
-    /// A few seeds, one other mass, and no replays: half a minute instead of 15
+    /// A few seeds, one other mass, and no replays: half a minute instead of five
     #[arg(long)]
     quick: bool,
     #[command(flatten)]

@@ -13,7 +13,7 @@ use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::attachments::Attachment;
-use super::profile::{Cost, Minimum, N_PASSES, Parameter, Slope, minimum, parameter};
+use super::profile::{Cost, Minimum, N_PASSES, Parameter, Slope, minimum, parameter, threshold};
 use crate::math::{Mat3, Vec3};
 use crate::model::behaviour::ReleaseLaw;
 
@@ -97,12 +97,39 @@ pub fn aged_exposures(attachments: &[Attachment], period: f64) -> Vec<Exposure> 
 /// Distance from a bound within which a parameter is at the bound.
 const EDGE: f64 = 1e-6;
 
+/// Exposures to nearly the same pull in place of all of them: `n` exposures as long as this one.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    exposure: Exposure,
+    n: f64,
+}
+
+/// Number of groups: the law hardly changes between the pulls of one.
+const N_GROUPS: usize = 200;
+
+fn groups(exposures: &[Exposure]) -> Vec<Group> {
+    let pull = |exposure: &Exposure| 0.5 * (exposure.pulls[0] + exposure.pulls[1]);
+    let mut sorted = exposures.to_vec();
+    sorted.sort_by(|a, b| pull(a).total_cmp(&pull(b)));
+    let group = |own: &[Exposure]| {
+        let mean = |of: &dyn Fn(&Exposure) -> f64| own.iter().map(of).sum::<f64>() / own.len() as f64;
+        let exposure = Exposure { pulls: [mean(&pull); 2], duration: mean(&|exposure| exposure.duration), is_release: false };
+        Group { exposure, n: own.len() as f64 }
+    };
+    sorted.chunks(exposures.len().div_ceil(N_GROUPS)).map(group).collect()
+}
+
 /// Negative logarithm of the likelihood.
 struct Likelihood<'a> {
     exposures: &'a [Exposure],
     /// Units of pull (N) and time (s).
     pull: f64,
     time: f64,
+    /// The given ln D_r.
+    period: Option<f64>,
+    /// Confidence level of intervals.
+    level: f64,
+    groups: &'a [Group],
 }
 
 impl Likelihood<'_> {
@@ -114,6 +141,45 @@ impl Likelihood<'_> {
         let small = (-z.abs()).exp();
         let logistic = if z > 0.0 { 1.0 / (1.0 + small) } else { small / (1.0 + small) };
         [z.max(0.0) + small.ln_1p(), logistic * z, -0.5 * steepness * logistic]
+    }
+
+    /// Distance of the law at a point from the nearest edge of the parameter `index`, in standard
+    /// deviations: the root of twice the mean rise of the cost to the best law at that edge, over
+    /// data of the law at the point. As pulls, those that occurred are taken.
+    fn distance(&self, point: &Vec3, index: usize) -> f64 {
+        let mut mean = MeanLikelihood { of: self, truth: *point };
+        let here = mean.at(point).cost;
+        let rise = |(fixed, start): (usize, Vec3)| minimum(&mut mean, &start, std::array::from_fn(|i| i == fixed)).slope.cost - here;
+        let least = self.edges(point, index).map(rise).into_iter().fold(f64::INFINITY, f64::min);
+        (2.0 * least.max(0.0)).sqrt()
+    }
+
+    /// Both edges of a parameter: which parameter is at its bound there, and a law near by.
+    ///
+    /// F_m and the inverse of D_r end with the law that is exponential in the pull, D_r and zeta
+    /// with the law that is zero up to F_m / 2 and linear above ([`Cost::is_far_out`]).
+    fn edges(&self, point: &Vec3, index: usize) -> [(usize, Vec3); 2] {
+        let bounds = self.bounds();
+        let at = |index: usize, bound: f64| {
+            let mut law = *point;
+            law[index] = bound;
+            (index, law)
+        };
+        let [low, high] = [0, 1].map(|side| at(index, bounds[index][side]));
+        if self.period.is_some() {
+            return [low, high];
+        }
+        let (_, mut exponential) = at(2, bounds[2][0]);
+        exponential[1] += 2.0 * (point[2] - exponential[2]) / point[0].exp();
+        exponential[1] = exponential[1].min(bounds[1][1]);
+        let (_, mut linear) = at(0, bounds[0][1]);
+        linear[2] += linear[0] - point[0];
+        linear[2] = linear[2].min(bounds[2][1]);
+        match index {
+            0 => [low, (0, linear)],
+            1 => [low, (2, exponential)],
+            _ => [(2, exponential), (0, linear)],
+        }
     }
 }
 
@@ -142,7 +208,7 @@ impl Cost for Likelihood<'_> {
     }
 
     fn bounds(&self) -> [[f64; 2]; 3] {
-        [[-7.0, 7.0], [0.0, 100.0], [-10.0, 10.0]]
+        [[-7.0, 7.0], [0.0, 100.0], self.period.map_or([-10.0, 10.0], |period| [period; 2])]
     }
 
     /// Where zeta F_m / 2 is large, the rate is exponential in the pull at all pulls that occur: it
@@ -150,11 +216,46 @@ impl Cost for Likelihood<'_> {
     /// below F_m / 2 and linear above, with a slope that zeta and D_r share.
     fn is_far_out(&self, point: &Vec3, index: usize) -> bool {
         let [steepness, _, period] = self.bounds();
-        match index {
-            0 => point[2] >= period[1] - EDGE,
-            1 => point[2] <= period[0] + EDGE,
-            _ => point[0] >= steepness[1] - EDGE,
+        self.period.is_none()
+            && match index {
+                0 => point[2] >= period[1] - EDGE,
+                1 => point[2] <= period[0] + EDGE,
+                _ => point[0] >= steepness[1] - EDGE,
+            }
+    }
+
+    fn allowed_share(&mut self, point: &Vec3, index: usize) -> f64 {
+        let distance = self.distance(point, index);
+        threshold(self.level, distance) / threshold(self.level, f64::INFINITY)
+    }
+}
+
+/// Mean of the negative logarithm of the likelihood over data of the law at `truth`.
+struct MeanLikelihood<'a> {
+    of: &'a Likelihood<'a>,
+    truth: Vec3,
+}
+
+impl Cost for MeanLikelihood<'_> {
+    fn at(&mut self, point: &Vec3) -> Slope {
+        let mut slope = Slope { cost: 0.0, gradient: Vec3::zeros(), curvature: Mat3::zeros() };
+        for Group { exposure, n } in self.of.groups {
+            let expected = |law: &Vec3| {
+                let [rate, by_steepness, by_pull] = self.of.end(law, exposure.pulls[0]);
+                let time = (-law[2]).exp() * exposure.duration / self.of.time;
+                (f64::max(time * rate, f64::MIN_POSITIVE), Vec3::new(time * by_steepness, time * by_pull, -time * rate))
+            };
+            let (releases, (expected, by)) = (-(-expected(&self.truth).0).exp_m1(), expected(point));
+            let odds = expected.exp_m1();
+            slope.cost += *n * ((1.0 - releases) * expected - releases * (-(-expected).exp_m1()).ln());
+            slope.gradient += *n * (1.0 - releases - releases / odds) * by;
+            slope.curvature += *n * by * by.transpose() / odds;
         }
+        slope
+    }
+
+    fn bounds(&self) -> [[f64; 2]; 3] {
+        self.of.bounds()
     }
 }
 
@@ -168,12 +269,12 @@ pub fn fit(exposures: &[Exposure], period: Option<f64>, level: f64) -> Option<Ho
     if n_releases == 0 || !(pull > 0.0 && pull.is_finite()) {
         return None;
     }
-    let mut cost = Likelihood { exposures, pull, time: total / n_releases as f64 };
-    let fixed = [false, false, period.is_some()];
-    let given = period.map(|period| (period / cost.time).ln());
-    let mut best = given_start(&mut cost, given);
-    best = minimum(&mut cost, &best.point, fixed);
-    let rise = 0.5 * ChiSquared::new(1.0).ok()?.inverse_cdf(level);
+    let time = total / n_releases as f64;
+    let (groups, given) = (groups(exposures), period.map(|period| (period / time).ln()));
+    let mut cost = Likelihood { exposures, pull, time, period: given, level, groups: &groups };
+    let mut best = start(&mut cost);
+    best = minimum(&mut cost, &best.point, [false; 3]);
+    let rise = 0.5 * threshold(level, f64::INFINITY);
     let mut found = [Parameter::default(); 3];
     for _ in 0..N_PASSES {
         let before = best.slope.cost;
@@ -184,14 +285,12 @@ pub fn fit(exposures: &[Exposure], period: Option<f64>, level: f64) -> Option<Ho
         if best.slope.cost > before - 1e-3 * rise {
             break;
         }
-        best = minimum(&mut cost, &best.point, fixed);
+        best = minimum(&mut cost, &best.point, [false; 3]);
     }
-    let law =
-        ReleaseLaw { strong_pull: pull * best.point[1], steepness: best.point[0].exp() / pull, period: cost.time * best.point[2].exp() };
+    let law = ReleaseLaw { strong_pull: pull * best.point[1], steepness: best.point[0].exp() / pull, period: time * best.point[2].exp() };
     let bins = bins(exposures, &law);
     let free = bins.len() as f64 - if period.is_some() { 2.0 } else { 3.0 };
     let chi_squared = (free > 0.0).then(|| bins.iter().map(|bin| (bin.n_releases as f64 - bin.n_expected).powi(2) / bin.n_expected).sum());
-    let time = cost.time;
     Some(HoldFit {
         steepness_per_n: found[0].map(|value| value.exp() / pull),
         strong_pull_n: found[1].map(|value| pull * value),
@@ -206,14 +305,14 @@ pub fn fit(exposures: &[Exposure], period: Option<f64>, level: f64) -> Option<Ho
 
 /// The best of several starts. For a steepness and F_m, the period follows from the number of
 /// releases unless it is given.
-fn given_start(cost: &mut Likelihood, given: Option<f64>) -> Minimum {
+fn start(cost: &mut Likelihood) -> Minimum {
     let n_releases = cost.exposures.iter().filter(|exposure| exposure.is_release).count() as f64;
     let mut start = |steepness: f64, strong: f64| {
         let mut point = Vec3::new(steepness.ln(), strong, 0.0);
         let mean = |exposure: &Exposure| 0.5 * exposure.duration * exposure.pulls.map(|pull| cost.end(&point, pull)[0]).iter().sum::<f64>();
         let expected = cost.exposures.iter().map(mean).sum::<f64>() / cost.time;
         let [low, high] = cost.bounds()[2];
-        point[2] = given.unwrap_or((expected / n_releases).ln().clamp(low, high));
+        point[2] = (expected / n_releases).ln().clamp(low, high);
         Minimum { point, slope: cost.at(&point) }
     };
     let mut best = start(1.0, 2.0);

@@ -3,8 +3,13 @@
 //! The interval of a parameter holds all its values at which the cost, minimised over the two
 //! others, exceeds the minimum by at most an allowed rise. Unlike an interval from the curvature,
 //! it shows where data set no limit: an end beyond the bounds of the search is open.
+//!
+//! Where no value lies beyond the edge of a model, the best value cannot lie there either, and the
+//! cost of the truth rises less above the minimum. The rise that a test allows then depends on the
+//! distance from the edge ([`threshold`]).
 
 use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::math::{Mat3, Vec3};
 
@@ -34,6 +39,12 @@ pub trait Cost {
     /// An interval that reaches such a point is open.
     fn is_far_out(&self, _point: &Vec3, _index: usize) -> bool {
         false
+    }
+
+    /// Fraction of the allowed rise that is allowed where the parameter `index` has its value of
+    /// this point. Near the edge of what the model can do, a smaller rise is as rare.
+    fn allowed_share(&mut self, _point: &Vec3, _index: usize) -> f64 {
+        1.0
     }
 }
 
@@ -142,6 +153,27 @@ pub fn parameter(cost: &mut impl Cost, best: &mut Minimum, index: usize, rise: f
     Parameter { value: is_sure.then_some(value), low: ends[0], high: ends[1], is_given: false }
 }
 
+/// Twice the rise of the log-likelihood that a test at `level` allows for a value `distance`
+/// standard deviations away from the edge of its range: the value of Feldman and Cousins, Physical
+/// Review D 57, 3873 (1998), for the mean of a normal law that cannot be negative.
+///
+/// With d the distance, x the measured value and max(x, 0) the best one, twice the rise is
+/// (x - d)^2 for positive x and d^2 - 2 x d for negative. It exceeds s^2 > d^2 above d + s and
+/// below (d^2 - s^2) / (2 d).
+pub fn threshold(level: f64, distance: f64) -> f64 {
+    let normal = Normal::standard();
+    let (mut low, mut high) = (normal.inverse_cdf(level), normal.inverse_cdf(0.5 + 0.5 * level));
+    if distance >= high {
+        return high * high;
+    }
+    for _ in 0..60 {
+        let root = 0.5 * (low + high);
+        let below = normal.cdf(-(distance * distance + root * root) / (2.0 * distance));
+        if normal.cdf(root) - below < level { low = root } else { high = root }
+    }
+    high * high
+}
+
 /// Largest share of the rise by which an end may miss it, in the square root.
 const END: f64 = 1e-3;
 
@@ -156,7 +188,8 @@ fn end(cost: &mut impl Cost, best: &mut Minimum, (index, bound): (usize, f64), r
         if found.slope.cost < best.slope.cost {
             *best = found;
         }
-        (value, ((found.slope.cost - best.slope.cost) / rise).sqrt() - 1.0, cost.is_far_out(&found.point, index))
+        let allowed = rise * cost.allowed_share(&found.point, index);
+        (value, ((found.slope.cost - best.slope.cost) / allowed).sqrt() - 1.0, cost.is_far_out(&found.point, index))
     };
     let variance = best.slope.curvature.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(index, index)]);
     let mut step = (2.0 * rise * variance).sqrt();
@@ -188,4 +221,28 @@ fn end(cost: &mut impl Cost, best: &mut Minimum, (index, bound): (usize, f64), r
         far = found;
     }
     (!far.2).then_some(far.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::threshold;
+
+    /// Known limits: the one-sided test at the edge, the two-sided one far from it. Between them
+    /// the probability of a rise within the threshold, by the sum over a fine grid of measured
+    /// values, is the level.
+    #[test]
+    fn the_threshold_near_an_edge_keeps_its_level() {
+        assert!((threshold(0.95, 0.0) - 1.644_853_627f64.powi(2)).abs() < 1e-8);
+        assert!((threshold(0.95, 2.0) - 1.959_963_985f64.powi(2)).abs() < 1e-8);
+        for distance in [0.01, 0.5, 1.0, 1.5, 1.9] {
+            let allowed = threshold(0.95, distance);
+            let rise = |x: f64| (x - distance).powi(2) - (x - x.max(0.0)).powi(2);
+            let density = |x: f64| (-0.5 * (x - distance).powi(2)).exp() / std::f64::consts::TAU.sqrt();
+            let step = 1e-4;
+            let grid = (-120_000..120_000).map(|i| (f64::from(i) + 0.5) * step);
+            let within: f64 = grid.filter(|x| rise(*x) <= allowed).map(|x| density(x) * step).sum();
+            // A grid cell at either end holds at most 0.4 of its width.
+            assert!((within - 0.95).abs() < step, "{distance}: {within}");
+        }
+    }
 }
