@@ -242,9 +242,12 @@ impl Report<'_> {
 fn saved(folder: &Path, name: &str) -> PathBuf {
     let end = Instant::now() + Duration::from_secs(30);
     while Instant::now() < end {
-        let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-        if let Some(file) = files.into_iter().find(|file| file.to_str().unwrap().ends_with(name)) {
-            return file;
+        let files: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        // An empty file holds the name while Chromium writes another one beside it.
+        let is_whole = |file: &PathBuf| fs::metadata(file).is_ok_and(|data| data.len() > 0);
+        let ends_with = |end: &str| files.iter().find(|file| file.to_str().unwrap().ends_with(end));
+        if let (Some(file), None) = (ends_with(name).filter(|file| is_whole(file)), ends_with(".crdownload")) {
+            return file.clone();
         }
         std::thread::sleep(Duration::from_millis(50));
     }
