@@ -197,8 +197,11 @@ fn simulation(scene: Scenario, keep: Keep) -> Simulation<'static> {
     Simulation::new(Box::leak(Box::new(scene)), &quasi_static(), keep)
 }
 
+/// The paper's scene with the ants of the stored counts, whatever the default preset is.
 fn paper_scene() -> Scenario {
-    Scenario::parse(include_str!("../../scenarios/paper/four-ants-four-springs.json"), "the paper's scene").expect("it is a valid scenario")
+    let text = include_str!("../../scenarios/paper/four-ants-four-springs.json");
+    let text = text.replace("\"n_ants\": 4", "\"n_ants\": 4, \"preset\": \"fitted\"");
+    Scenario::parse(&text, "the paper's scene").expect("it is a valid scenario")
 }
 
 /// The paper's load with all tips held where they rest, for good.
