@@ -25,6 +25,13 @@ pub struct Exposure {
     pub is_release: bool,
 }
 
+impl Exposure {
+    /// (N)
+    fn mean_pull(&self) -> f64 {
+        0.5 * (self.pulls[0] + self.pulls[1])
+    }
+}
+
 /// The fitted release law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HoldFit {
@@ -97,10 +104,11 @@ pub fn aged_exposures(attachments: &[Attachment], period: f64) -> Vec<Exposure> 
 /// Distance from a bound within which a parameter is at the bound.
 const EDGE: f64 = 1e-6;
 
-/// Exposures to nearly the same pull in place of all of them: `n` exposures as long as this one.
+/// So many exposures to nearly the same pull (N), with their mean duration (s).
 #[derive(Clone, Copy, Debug)]
 struct Group {
-    exposure: Exposure,
+    pull: f64,
+    duration: f64,
     n: f64,
 }
 
@@ -108,13 +116,12 @@ struct Group {
 const N_GROUPS: usize = 200;
 
 fn groups(exposures: &[Exposure]) -> Vec<Group> {
-    let pull = |exposure: &Exposure| 0.5 * (exposure.pulls[0] + exposure.pulls[1]);
     let mut sorted = exposures.to_vec();
-    sorted.sort_by(|a, b| pull(a).total_cmp(&pull(b)));
+    sorted.sort_by(|a, b| a.mean_pull().total_cmp(&b.mean_pull()));
     let group = |own: &[Exposure]| {
-        let mean = |of: &dyn Fn(&Exposure) -> f64| own.iter().map(of).sum::<f64>() / own.len() as f64;
-        let exposure = Exposure { pulls: [mean(&pull); 2], duration: mean(&|exposure| exposure.duration), is_release: false };
-        Group { exposure, n: own.len() as f64 }
+        let n = own.len() as f64;
+        let mean = |of: fn(&Exposure) -> f64| own.iter().map(of).sum::<f64>() / n;
+        Group { pull: mean(Exposure::mean_pull), duration: mean(|exposure| exposure.duration), n }
     };
     sorted.chunks(exposures.len().div_ceil(N_GROUPS)).map(group).collect()
 }
@@ -129,6 +136,7 @@ struct Likelihood<'a> {
     period: Option<f64>,
     /// Confidence level of intervals.
     level: f64,
+    /// The exposures in groups, for means over data.
     groups: &'a [Group],
 }
 
@@ -239,10 +247,10 @@ struct MeanLikelihood<'a> {
 impl Cost for MeanLikelihood<'_> {
     fn at(&mut self, point: &Vec3) -> Slope {
         let mut slope = Slope { cost: 0.0, gradient: Vec3::zeros(), curvature: Mat3::zeros() };
-        for Group { exposure, n } in self.of.groups {
+        for Group { pull, duration, n } in self.of.groups {
             let expected = |law: &Vec3| {
-                let [rate, by_steepness, by_pull] = self.of.end(law, exposure.pulls[0]);
-                let time = (-law[2]).exp() * exposure.duration / self.of.time;
+                let [rate, by_steepness, by_pull] = self.of.end(law, *pull);
+                let time = (-law[2]).exp() * duration / self.of.time;
                 (f64::max(time * rate, f64::MIN_POSITIVE), Vec3::new(time * by_steepness, time * by_pull, -time * rate))
             };
             let (releases, (expected, by)) = (-(-expected(&self.truth).0).exp_m1(), expected(point));
@@ -331,18 +339,17 @@ const LEAST_EXPECTED: f64 = 5.0;
 
 /// Bins of the mean pull with about the same expected number of releases.
 fn bins(exposures: &[Exposure], law: &ReleaseLaw) -> Vec<Bin> {
-    let pull = |exposure: &Exposure| 0.5 * (exposure.pulls[0] + exposure.pulls[1]);
     let expected = |exposure: &Exposure| {
         let [from, to] = exposure.pulls.map(|pull| law.hazard(pull));
         -(-0.5 * exposure.duration * (from + to)).exp_m1()
     };
     let mut sorted: Vec<&Exposure> = exposures.iter().collect();
-    sorted.sort_by(|a, b| pull(a).total_cmp(&pull(b)));
+    sorted.sort_by(|a, b| a.mean_pull().total_cmp(&b.mean_pull()));
     let total: f64 = sorted.iter().map(|exposure| expected(exposure)).sum();
     let n = ((total / LEAST_EXPECTED) as usize).clamp(1, N_BINS);
     let (mut found, mut reached): (Vec<Bin>, f64) = (Vec::new(), 0.0);
     for exposure in sorted {
-        let (at, own) = (pull(exposure), expected(exposure));
+        let (at, own) = (exposure.mean_pull(), expected(exposure));
         // Equal pulls stay in one bin.
         let is_full = reached >= total * found.len() as f64 / n as f64;
         if is_full && found.len() < n && found.last().is_none_or(|bin| bin.pull_high_n < at) {
