@@ -190,7 +190,8 @@ impl Obstacles {
         let shift = self.surroundings.longest_path(system, task.from, task.to);
         let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
         let mut reach = 2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size));
-        let warm_start = solver.warm_start().clone();
+        // Features that touch are all that such a step looks at: it is taken once.
+        let warm_start = (task.scope == Scope::Near).then(|| solver.warm_start().clone());
         let mut report = StepReport::default();
         let mut attempt = 0;
         loop {
@@ -209,7 +210,7 @@ impl Obstacles {
             attempt += 1;
             // A load with inertia takes the whole step.
             let is_hit = hit == Some(0.0) || task.has_inertia && hit.is_some();
-            if is_hit && attempt < MOST_ATTEMPTS && reach < 2.0 * moved {
+            if let Some(warm_start) = warm_start.as_ref().filter(|_| is_hit && attempt < MOST_ATTEMPTS && reach < 2.0 * moved) {
                 reach = (4.0 * reach).min(2.0 * moved);
                 solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
                 continue;

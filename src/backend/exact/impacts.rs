@@ -83,7 +83,7 @@ impl Exact<Inertial> {
             if end <= from {
                 break;
             }
-            let part = self.move_on(paths, [from, end]);
+            let part = self.move_on(paths, [from, end], &start);
             report.n_solves += part.n_solves;
             report.n_iterations += part.n_iterations;
             report.status = report.status.max(part.status);
@@ -106,7 +106,7 @@ impl Exact<Inertial> {
     /// Moves the load on, for a shorter time where the whole one has no answer. Returns the share
     /// of the paths there.
     fn move_as_far_as_solved(&mut self, paths: &TipPaths, [from, to]: [f64; 2], start: &Snapshot<Memory>) -> (f64, StepReport) {
-        let whole = self.move_on(paths, [from, to]);
+        let whole = self.move_on(paths, [from, to], start);
         let (mut end, mut report) = (to, whole);
         for _ in 0..MOST_HALVINGS {
             if report.status == Status::Converged {
@@ -118,7 +118,7 @@ impl Exact<Inertial> {
             self.reset(start);
             end = 0.5 * (from + end);
             let StepReport { n_solves, n_iterations, .. } = report;
-            report = self.move_on(paths, [from, end]);
+            report = self.move_on(paths, [from, end], start);
             report.n_solves += n_solves;
             report.n_iterations += n_iterations;
         }
@@ -127,7 +127,7 @@ impl Exact<Inertial> {
         }
         self.reset(start);
         let StepReport { n_solves, n_iterations, .. } = report;
-        report = self.move_on(paths, [from, to]);
+        report = self.move_on(paths, [from, to], start);
         report.n_solves += n_solves;
         report.n_iterations += n_iterations;
         (to, report)
@@ -165,33 +165,43 @@ impl Exact<Inertial> {
         state.energy.obstacle_work += of_obstacles;
         state.memory.forget_friction();
         state.forecast.forget();
+        state.side.halves = Default::default();
         if loss > 0.0 {
             state.side.impacts.push(Impact { time, obstacle, loss });
         }
         springs.refresh(&system.springs, &state.motion.pose);
     }
 
-    /// Moves the load without regard to what it does not touch yet.
-    fn move_on(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> StepReport {
+    /// Moves the load from the `start`, without regard to what it does not touch yet.
+    fn move_on(&mut self, paths: &TipPaths, [from, to]: [f64; 2], start: &Snapshot<Memory>) -> StepReport {
         if self.state.side.touching.is_empty() {
             return self.step_freely(paths, from, to);
         }
-        if self.method.integrator == Integrator::Euler {
-            return self.step_touching(paths, [from, to], Scope::Touching);
-        }
-        let start = self.snapshot();
         let mut report = self.step_touching(paths, [from, to], Scope::Touching);
+        if self.method.integrator == Integrator::Euler {
+            return report;
+        }
         let whole = (self.flow(), self.contacts(), self.state.contact.last());
-        self.reset(&start);
+        let forecast = self.state.forecast;
+        self.reset(start);
         let middle = 0.5 * (from + to);
-        report.add(&self.step_touching(paths, [from, middle], Scope::Touching));
+        report.add(&self.half_step(paths, [from, middle], 0));
         let half = (self.contacts(), self.state.contact.last());
-        report.add(&self.step_touching(paths, [middle, to], Scope::Touching));
+        report.add(&self.half_step(paths, [middle, to], 1));
+        self.state.forecast = forecast;
         let halves = (self.flow(), self.contacts(), self.state.contact.last());
         if (&whole.1, &whole.2) == (&halves.1, &halves.2) && (half.0, half.1) == (whole.1, whole.2) {
             let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();
             self.set_flow(&flow);
         }
         StepReport { n_steps: 1, ..report }
+    }
+
+    /// Takes the first or second half of a step, from its own forecast.
+    fn half_step(&mut self, paths: &TipPaths, span: [f64; 2], which: usize) -> StepReport {
+        self.state.forecast = self.state.side.halves[which];
+        let report = self.step_touching(paths, span, Scope::Touching);
+        self.state.side.halves[which] = self.state.forecast;
+        report
     }
 }

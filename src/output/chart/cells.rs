@@ -73,7 +73,8 @@ pub struct Size {
     pub height: f64,
     /// Space for the labels of the y axis of the first column.
     pub left: f64,
-    /// Least number of panels that the page has room for side by side, for the legend.
+    /// Least number of panels that the page has room for side by side, for the legend. Fewer ones
+    /// are wider, up to twice their width.
     pub least_columns: usize,
 }
 
@@ -102,9 +103,10 @@ const PATTERNS: [&str; 3] = [
 
 /// A page of panels, row by row, with `legend` below, as SVG.
 pub fn cell_maps(title: &str, rows: &[Vec<CellMap>], legend: &[Vec<Key>], size: Size) -> String {
-    let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0).max(size.least_columns);
-    let width = size.left + n_columns as f64 * (size.width + GAP);
-    let mut scene = Scene::new(width, 0.0);
+    let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let inner = n_columns.max(size.least_columns) as f64 * (size.width + GAP);
+    let width = (inner / n_columns.max(1) as f64 - GAP).min(2.0 * size.width);
+    let mut scene = Scene::new(size.left + inner, 0.0);
     scene.font_family = Some(FONTS.to_owned());
     scene.text_color = Some("black".to_owned());
     scene.defs.extend(PATTERNS.map(str::to_owned));
@@ -112,9 +114,9 @@ pub fn cell_maps(title: &str, rows: &[Vec<CellMap>], legend: &[Vec<Key>], size: 
     let row_height = TOP + size.height + BOTTOM;
     for (row, maps) in rows.iter().enumerate() {
         for (column, map) in maps.iter().enumerate() {
-            let left = size.left + column as f64 * (size.width + GAP);
+            let left = size.left + column as f64 * (width + GAP);
             let top = HEAD + row as f64 * row_height + TOP;
-            Area { left, top, width: size.width, height: size.height, words: Vec::new() }.draw(&mut scene, map, column == 0);
+            Area { left, top, width, height: size.height, words: Vec::new() }.draw(&mut scene, map, column == 0);
         }
     }
     let mut y = HEAD + rows.len() as f64 * row_height + LEGEND_LINE;
