@@ -162,7 +162,10 @@ fn a_disc_stops_between_two_posts() {
 fn a_disc_slides_and_turns_along_a_wall() {
     let system = disc(vec![floor(0.2)]);
     let [coarse, found] = [1e-7, 1e-8].map(|tolerance| within(tolerance, &system, Vec2::zeros(), 60, |s| Vec2::new(0.08 * s, -0.02)));
-    assert!((coarse.position - found.position).norm() < EXACT && (coarse.heading - found.heading).abs() < EXACT_TURN, "{coarse:?} {found:?}");
+    assert!(
+        (coarse.position - found.position).norm() < EXACT && (coarse.heading - found.heading).abs() < EXACT_TURN,
+        "{coarse:?} {found:?}"
+    );
     // The known answer has errors of 1e-9 m and 3e-8 rad.
     assert!((found.position - Vec2::new(0.0438441255, 0.0)).norm() < 1.1e-9, "{found:?}");
     assert!((found.heading + 2.0031856).abs() < 8e-8, "{found:?}");
