@@ -314,7 +314,8 @@ impl<'a> Search<'a> {
         let slips: PerContact<f64> = (0..n).map(|k| self.problem.slip(k, &relaxed.path.twist)).collect();
         let missing = DVector::from_fn(n, |k, _| slips[k].abs() - offsets[k]);
         let slope = DMatrix::from_fn(n, n, |k, l| slips[k].signum() * relaxed.slip_by_offset(&self.problem, k, l));
-        if !slope.iter().all(|v| v.is_finite()) {
+        // Without a contact there is nothing to offset.
+        if n == 0 || !slope.iter().all(|v| v.is_finite()) {
             return None;
         }
         let step = if round < LONG_ROUNDS && steepest(&slope) < STEEP {
@@ -398,6 +399,23 @@ fn polish(problem: &Problem, path: &Path, forces: &[SideForce], modes: PerContac
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::contact::solve::ContactSystem;
+    use crate::backend::friction::FrictionSolver;
+    use crate::math::Mat3;
+    use crate::model::{Ground, SupportPoint};
+
+    /// Away from a rest without contacts there is no way by offsets.
+    #[test]
+    fn a_search_without_contacts_has_nothing_to_offset() {
+        let supports = [0.0, 2.0, 4.0].map(|angle| SupportPoint { offset: crate::math::direction(angle), normal_load: 1.0 });
+        let solver = FrictionSolver::new(&Ground { friction_coefficient: 1.0, supports: supports.to_vec() }, 1.0);
+        let (hessian, drive) = (Mat3::identity(), Vec3::new(0.1, 0.0, 0.0));
+        let problem = Problem::new(solver.cones(), &ContactSystem { hessian: &hessian, drive: &drive, rows: &[] }, None);
+        let mut search = Search::new(problem);
+        let relaxed = search.relaxed(&[]);
+        let rest = search.polished(&relaxed).unwrap();
+        assert!(!search.climb(PerContact::new(), relaxed, Some(&rest)));
+    }
 
     /// Slopes of five contacts that resist by very different forces. Without a bound their
     /// eigenvalues take for ever.
