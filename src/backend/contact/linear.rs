@@ -31,11 +31,6 @@ impl Linear {
         self.rows.clear();
     }
 
-    /// Displacement that violations are compared with (m).
-    pub fn displacement(&self) -> f64 {
-        self.displacement
-    }
-
     /// Adds a constraint with the derivative `row` (1, 1, m), a force along `along`, and the
     /// violation (m).
     pub fn push(&mut self, row: Vec3, along: Vec3, violation: f64) {

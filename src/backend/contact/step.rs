@@ -163,54 +163,43 @@ impl ContactStep<'_, '_> {
         let mut last = f64::INFINITY;
         // Both are filled anew in each iteration, and are too large to be passed around.
         let (mut system, mut locals) = (Linear::new(self.step.length), Locals::new());
-        for n_iterations in 1..=MOST_ITERATIONS {
+        for iteration in 0..MOST_ITERATIONS {
             self.newton_system(&at, &sides, &mut system, &mut locals)?;
             let residual = system.residual();
             let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
-            // The iteration after a residual near rounding leaves rounding, which need not be seen.
-            // A displacement that is not much more than the rounding of places needs all of them.
-            let is_long = system.displacement() <= self.step.size(&at) * self.step.length;
-            let is_last = is_done || residual <= STALLED && n_iterations > 1 && is_long;
-            if is_last && !(system.is_stable() && self.is_admissible(&sides, &locals)) {
-                return None;
-            }
-            if !is_done {
-                let change = system.solve()?;
-                let moved = Vec3::new(change[0], change[1], change[2]);
-                if self.step.size(&moved) > 3.0 * self.step.size(&at) {
+            if is_done {
+                if !system.is_stable() || !self.is_admissible(&sides, &locals) {
                     return None;
                 }
-                at += moved;
-                self.change_forces(&mut sides, &change[3..]);
-            }
-            if is_last {
                 let mode = solver.keep_gliding(&at);
-                let n_iterations = n_iterations as u64 - u64::from(is_done);
+                let n_iterations = iteration as u64;
                 let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
                 return Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique: true });
             }
             last = residual;
-        }
-        None
-    }
-
-    /// Adds the `changes` of the forces of a Newton iteration.
-    fn change_forces(&self, sides: &mut Sides, changes: &[f64]) {
-        let mut changes = changes.iter();
-        for ((mode, force), candidate) in sides.iter_mut().zip(self.candidates) {
-            match mode {
-                SideMode::Open => *force = SideForce::default(),
-                SideMode::Stick => {
-                    force.normal += changes.next().expect("a force for each row");
-                    force.tangential += changes.next().expect("a force for each row");
-                }
-                SideMode::Slide { forward } => {
-                    force.normal += changes.next().expect("a force for each row");
-                    let sign = if *forward { -1.0 } else { 1.0 };
-                    force.tangential = sign * candidate.pair.friction_coefficient * force.normal;
+            let change = system.solve()?;
+            let moved = Vec3::new(change[0], change[1], change[2]);
+            if self.step.size(&moved) > 3.0 * self.step.size(&at) {
+                return None;
+            }
+            at += moved;
+            let mut forces = change[3..].iter();
+            for ((mode, force), candidate) in sides.iter_mut().zip(self.candidates) {
+                match mode {
+                    SideMode::Open => *force = SideForce::default(),
+                    SideMode::Stick => {
+                        force.normal += forces.next().expect("a force for each row");
+                        force.tangential += forces.next().expect("a force for each row");
+                    }
+                    SideMode::Slide { forward } => {
+                        force.normal += forces.next().expect("a force for each row");
+                        let sign = if *forward { -1.0 } else { 1.0 };
+                        force.tangential = sign * candidate.pair.friction_coefficient * force.normal;
+                    }
                 }
             }
         }
+        None
     }
 
     /// Equations of the modes at an increment with these forces. `None` where a support stands
