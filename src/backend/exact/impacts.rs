@@ -165,7 +165,6 @@ impl Exact<Inertial> {
         state.energy.obstacle_work += of_obstacles;
         state.memory.forget_friction();
         state.forecast.forget();
-        state.side.halves = Default::default();
         if loss > 0.0 {
             state.side.impacts.push(Impact { time, obstacle, loss });
         }
@@ -182,26 +181,16 @@ impl Exact<Inertial> {
             return report;
         }
         let whole = (self.flow(), self.contacts(), self.state.contact.last());
-        let forecast = self.state.forecast;
         self.reset(start);
         let middle = 0.5 * (from + to);
-        report.add(&self.half_step(paths, [from, middle], 0));
+        report.add(&self.step_touching(paths, [from, middle], Scope::Touching));
         let half = (self.contacts(), self.state.contact.last());
-        report.add(&self.half_step(paths, [middle, to], 1));
-        self.state.forecast = forecast;
+        report.add(&self.step_touching(paths, [middle, to], Scope::Touching));
         let halves = (self.flow(), self.contacts(), self.state.contact.last());
         if (&whole.1, &whole.2) == (&halves.1, &halves.2) && (half.0, half.1) == (whole.1, whole.2) {
             let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();
             self.set_flow(&flow);
         }
         StepReport { n_steps: 1, ..report }
-    }
-
-    /// Takes the first or second half of a step, from its own forecast.
-    fn half_step(&mut self, paths: &TipPaths, span: [f64; 2], which: usize) -> StepReport {
-        self.state.forecast = self.state.side.halves[which];
-        let report = self.step_touching(paths, span, Scope::Touching);
-        self.state.side.halves[which] = self.state.forecast;
-        report
     }
 }

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::backend::RestoreError;
 use crate::backend::contact::Touching;
-use crate::backend::shortcuts::Forecast;
 use crate::model::System;
 
 /// Contacts with obstacles between two steps.
@@ -20,10 +19,6 @@ pub struct SideState {
     pub impacts: Vec<Impact>,
     /// Energy that the last step may have mistaken at obstacles (J).
     pub uncertainty: f64,
-    /// Likely increments of the two halves of a step that touches. Each continues those of its own
-    /// half in the steps before, of the same length and with the same error.
-    #[serde(default)]
-    pub halves: [Forecast; 2],
 }
 
 /// An impact on an obstacle.
