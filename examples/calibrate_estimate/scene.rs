@@ -41,9 +41,11 @@ impl Found {
         if self.path_length > 0.0 { self.measured / self.path_length } else { 0.0 }
     }
 
-    /// Whether the load moves, and the reference error is small enough for a comparison.
+    /// Whether the load moves and touches nothing, and the reference error is small enough for a
+    /// comparison.
     pub fn is_certain(&self) -> bool {
-        self.measured > 0.0 && 3.0 * self.reference_error <= self.measured && self.status == Status::Converged
+        let is_accurate = 3.0 * self.reference_error <= self.measured && self.status == Status::Converged;
+        self.measured > 0.0 && is_accurate && !self.estimate.touches_obstacle
     }
 
     pub fn kind(&self) -> &'static str {
@@ -128,7 +130,7 @@ pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {
             if scene.measured > 0.0 { format!("{:.4}", scene.ratio()) } else { String::new() },
             scene.kind().to_owned(),
             (scene.measured_share() <= TOLERANCE_SHARE).to_string(),
-            estimate.is_negligible.to_string(),
+            estimate.is_negligible.map_or(String::new(), |is_negligible| is_negligible.to_string()),
             scene.is_certain().to_string(),
             format!("{:?}", scene.status),
         ])?;

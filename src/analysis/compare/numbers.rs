@@ -42,6 +42,9 @@ pub struct Predicted {
     /// Inertia effect estimated from the quasi-static run alone (m); `null` if not estimated, or if
     /// the load touches an obstacle.
     pub estimated_m: Option<f64>,
+    /// Whether the estimate calls inertia negligible; `null` also if it is too near to the tolerance
+    /// to decide. See [`InertiaEstimate::is_negligible_within`].
+    pub estimated_is_negligible: Option<bool>,
     /// Displacement after a release divided by that without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,
 }
@@ -85,6 +88,7 @@ impl Numbers {
             where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
             coasting_m: finite(initial / limit),
             estimated_m: None,
+            estimated_is_negligible: None,
             release_factor: if n_releases > 0 { self.release_factor() } else { None },
         }
     }
@@ -104,11 +108,16 @@ impl Numbers {
 
 impl Predicted {
     /// This prediction with the estimate from the trace of the quasi-static run, unless the load
-    /// touches an obstacle in that run or with inertia.
-    pub fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace, inertial: &Trace) -> Self {
+    /// touches an obstacle in that run or with inertia, and whether that is negligible within a
+    /// tolerance (m).
+    pub fn with_estimate(self, scenario: &Scenario, [quasi_static, inertial]: [&Trace; 2], tolerance_m: f64) -> Self {
         let estimate = InertiaEstimate::of(scenario, quasi_static);
         let touches = estimate.touches_obstacle || inertial.transitions.iter().any(|transition| transition.kind.obstacle().is_some());
-        Self { estimated_m: (!touches).then_some(estimate.edge_displacement_max_m), ..self }
+        if touches {
+            return self;
+        }
+        let estimated_is_negligible = estimate.is_negligible_within(tolerance_m);
+        Self { estimated_m: Some(estimate.edge_displacement_max_m), estimated_is_negligible, ..self }
     }
 }
 

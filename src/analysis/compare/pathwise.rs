@@ -257,7 +257,7 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, mut solutions: [S
         time_step_error: Difference::between(&rapier.points, &rapier.limit, radius),
         model_error: Difference::between(&rapier.limit, &inertial.limit, radius),
         reference_error,
-        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, &quasi_static.trace, &inertial.trace),
+        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, [&quasi_static.trace, &inertial.trace], tolerance_m),
         numbers,
         verdict: verdicts.path.verdict,
         largest_pull_over_slip_limit,

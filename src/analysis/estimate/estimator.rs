@@ -17,6 +17,9 @@ use crate::simulation::{Event, EventKind, Row, Trace};
 
 /// Largest edge displacement that counts as agreement, divided by the path length (1).
 pub const TOLERANCE_SHARE: f64 = 0.01;
+/// Factor by which an estimate must lie below or above the tolerance to decide (1). Of 2,000 random
+/// scenes none is measured on the other side: `results/2026-11-26-answers`.
+pub const CLEAR: f64 = 3.0;
 
 /// Estimated inertia effect on a quasi-static run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -39,8 +42,9 @@ pub struct InertiaEstimate {
     pub jump_share: f64,
     /// Largest edge displacement divided by the path length (1); zero for a load at rest.
     pub share: f64,
-    /// Whether the share is at most [`TOLERANCE_SHARE`], with a valid model.
-    pub is_negligible: bool,
+    /// Whether inertia is negligible within [`TOLERANCE_SHARE`]; see
+    /// [`InertiaEstimate::is_negligible_within`].
+    pub is_negligible: Option<bool>,
     /// Whether the reduced inertial model turned too far from the load: the lengths above are then
     /// orders of magnitude.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -117,6 +121,18 @@ impl InertiaEstimate {
             estimator.note(&trace.transitions[until(&rows[0])..until(&rows[1])]);
         }
         estimator.estimate()
+    }
+
+    /// Whether inertia is negligible within a tolerance (m). It is not for an invalid model. `None`
+    /// for a load that touched an obstacle, and for an estimate within a factor of [`CLEAR`] of the
+    /// tolerance.
+    pub fn is_negligible_within(&self, tolerance_m: f64) -> Option<bool> {
+        match self.edge_displacement_max_m {
+            _ if self.touches_obstacle => None,
+            _ if self.is_invalid => Some(false),
+            effect if effect <= tolerance_m / CLEAR => Some(true),
+            effect => (effect >= CLEAR * tolerance_m).then_some(false),
+        }
     }
 }
 
@@ -275,7 +291,7 @@ impl Estimator {
         let State { displacements, path_length, jumps_length, reach, is_invalid, touches_obstacle, .. } = &so_far.state;
         let edge_displacement_max_m = displacements.by_trigger.max();
         let path_length_m = path_length.max(*reach);
-        InertiaEstimate {
+        let mut estimate = InertiaEstimate {
             edge_displacement_max_m,
             edge_displacement_final_m: displacements.shift + self.system.load.radius * displacements.turn,
             largest: displacements.largest,
@@ -285,10 +301,12 @@ impl Estimator {
             // shorter than the jump.
             jump_share: if *path_length > 0.0 { (jumps_length / path_length).min(1.0) } else { 0.0 },
             share: if path_length_m > 0.0 { edge_displacement_max_m / path_length_m } else { 0.0 },
-            is_negligible: !is_invalid && !touches_obstacle && edge_displacement_max_m <= TOLERANCE_SHARE * path_length_m,
+            is_negligible: None,
             is_invalid: *is_invalid,
             touches_obstacle: *touches_obstacle,
-        }
+        };
+        estimate.is_negligible = estimate.is_negligible_within(TOLERANCE_SHARE * path_length_m);
+        estimate
     }
 
     /// State that [`Estimator::restore`] takes.

@@ -28,5 +28,5 @@ mod springs;
 mod static_friction;
 
 pub use displacement::Largest;
-pub use estimator::{Estimator, InertiaEstimate, TOLERANCE_SHARE};
+pub use estimator::{CLEAR, Estimator, InertiaEstimate, TOLERANCE_SHARE};
 pub use hook::with_estimate;

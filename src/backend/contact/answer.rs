@@ -69,8 +69,8 @@ impl Obstacles {
             }
         }
         if let Some(share) = answer.cut {
-            let twist = share * answer.found.increment.twist;
-            let Increment { mode, mut report, .. } = answer.found.increment;
+            let Increment { twist, mode, mut report, .. } = answer.found.increment;
+            let twist = if answer.overlaps_at_cut { Vec3::zeros() } else { share * twist };
             if answer.overlaps_at_cut {
                 (report.status, report.n_not_converged) = (report.status.max(Status::NotConverged), 1);
             }
@@ -126,12 +126,13 @@ impl Obstacles {
                     work.uncertainty += (force_now - before.on_load[0]).norm() * shift.norm();
                 }
             }
-            if candidate.least_gap < 0.0 && gap_at_end < 0.0 {
+            let beyond_at_end = self.surroundings.beyond(key, &end);
+            if candidate.least_gap < 0.0 && gap_at_end < 0.0 && beyond_at_end <= 0.0 {
                 let normal = features.gap_with_derivatives(&end).gradient;
                 let along = normal.component_mul(&mobility(system));
                 work.push_out += (-gap_at_end - normal.dot(&work.push_out)).max(0.0) / normal.dot(&along) * along;
             }
-            if gap_at_end <= closed && self.surroundings.beyond(&candidate.pair, &end) <= closed {
+            if gap_at_end <= closed && beyond_at_end <= closed {
                 let on_load = on_load(features, force, &end, &obstacle);
                 touching.push(Touching { key: *key, mode: *mode, force: *force, slip: slip_at_end, on_load });
             }
@@ -179,9 +180,9 @@ impl Obstacles {
     }
 
     /// Whether a pair overlaps by more than rounding.
-    fn overlaps(&self, system: &System, pair: &Pair, at: &Place, time: f64) -> bool {
-        let seen = Surroundings::relative(at, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
-        pair.features.gap(&seen) < -10.0 * CLOSED * system.load.radius && self.surroundings.beyond(pair, &seen) <= 0.0
+    pub fn overlaps(&self, system: &System, key: &PairKey, at: &Place, time: f64) -> bool {
+        let seen = Surroundings::relative(at, &system.world.obstacles[key.obstacle].path.pose_at(time));
+        self.surroundings.features(key).gap(&seen) < -10.0 * CLOSED * system.load.radius && self.surroundings.beyond(key, &seen) <= 0.0
     }
 
     /// The step with the features within reach, which is widened until it suffices.
@@ -224,7 +225,7 @@ impl Obstacles {
             }
             let at_cut = cut.map(|share| (start.moved_by(&(share * found.increment.twist)), task.from + share * (task.to - task.from)));
             let overlaps_at_cut =
-                at_cut.is_some_and(|(place, time)| candidates.iter().any(|it| self.overlaps(system, &it.pair, &place, time)));
+                at_cut.is_some_and(|(place, time)| candidates.iter().any(|it| self.overlaps(system, &it.pair.key, &place, time)));
             return Answer { found, candidates, cut, overlaps_at_cut };
         }
     }
@@ -264,7 +265,7 @@ impl Obstacles {
         pairs.iter().filter(|pair| !known.iter().any(|(key, _)| *key == pair.key)).any(|pair| {
             let path = &system.world.obstacles[pair.key.obstacle].path;
             let [before, after] = [(start, task.from), (&end, task.to)].map(|(at, time)| Surroundings::relative(at, &path.pose_at(time)));
-            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(pair, &after) <= 0.0;
+            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(&pair.key, &after) <= 0.0;
             overlaps && !self.surroundings.passes_end(pair, &before, &after)
         })
     }

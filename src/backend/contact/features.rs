@@ -9,6 +9,10 @@ use crate::model::{Outline, OutlinePart};
 /// not be touched before they are.
 pub const STRAIGHT: f64 = 1e-9;
 
+/// Length by which edges go on behind an enclosed corner, over that of the shorter one (1): as far
+/// as a load may move in one piece.
+const BEHIND: f64 = 0.25;
+
 /// A convex corner, or the centre of a disc.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corner {
@@ -18,6 +22,8 @@ pub struct Corner {
     pub rounding: f64,
     /// Unit vectors along the edges that end here, away from it.
     pub edges: SmallVec<[Vec2; 2]>,
+    /// Unit vector between them, into the body; zero for a disc.
+    pub inwards: Vec2,
 }
 
 /// A straight edge.
@@ -31,6 +37,12 @@ pub struct Edge {
     pub length: f64,
     /// Whether it can be touched from both sides. Otherwise the body lies on the left of `along`.
     pub has_two_sides: bool,
+    /// Unit vectors along the edges that begin at its ends, away from them, where both can be
+    /// touched from two sides.
+    pub neighbours: [Option<Vec2>; 2],
+    /// Length by which it goes on behind each end (m), on its left, or with a minus on its right:
+    /// there the next edge encloses a corner, and what passes through it passes through both.
+    pub behind: [f64; 2],
 }
 
 /// All features of an outline.
@@ -43,12 +55,37 @@ pub struct Features {
 impl Edge {
     fn between(from: &Vec2, to: &Vec2, has_two_sides: bool) -> Self {
         let length = (to - from).norm();
-        Self { from: *from, along: (to - from) / length, length, has_two_sides }
+        Self { from: *from, along: (to - from) / length, length, has_two_sides, neighbours: [None; 2], behind: [0.0; 2] }
     }
 
     /// Outward normal of an edge that is touched from outside.
     pub fn normal(&self) -> Vec2 {
         -perpendicular(&self.along)
+    }
+
+    /// Whether a point lies on the left of an edge with two sides. Beyond an end where another edge
+    /// begins, the left is what the two edges enclose there.
+    pub fn has_on_left(&self, point: &Vec2) -> bool {
+        let offset = point - self.from;
+        let at = self.along.dot(&offset);
+        match self.neighbours {
+            [Some(next), _] if at < 0.0 => is_between(&offset, &self.along, &next),
+            [_, Some(next)] if at > self.length => is_between(&(offset - self.length * self.along), &next, &-self.along),
+            _ => self.along.perp(&offset) > 0.0,
+        }
+    }
+
+    /// As [`Self::beyond`], with what goes on behind the ends on one side.
+    pub fn beyond_on(&self, is_left: bool, point: &Vec2) -> f64 {
+        let at = self.along.dot(&(point - self.from));
+        let [before, after] = self.behind.map(|length| if is_left { length } else { -length }.max(0.0));
+        (-at - before).max(at - self.length - after)
+    }
+
+    /// Whether the edge ends at a point.
+    pub fn ends_at(&self, point: &Vec2) -> bool {
+        let offset = point - self.from;
+        offset.norm().min((offset - self.length * self.along).norm()) <= STRAIGHT * self.length
     }
 
     /// Distance by which a point lies beyond the ends of the edge, along it (m); negative between
@@ -59,7 +96,18 @@ impl Edge {
     }
 }
 
+/// Whether a direction lies between two others, counter-clockwise from the first to the second.
+fn is_between(direction: &Vec2, first: &Vec2, second: &Vec2) -> bool {
+    let (behind_first, before_second) = (first.perp(direction) > 0.0, direction.perp(second) > 0.0);
+    if first.perp(second) >= 0.0 { behind_first && before_second } else { behind_first || before_second }
+}
+
 impl Corner {
+    fn new(at: &Vec2, edges: SmallVec<[Vec2; 2]>) -> Self {
+        let inwards = edges.iter().sum::<Vec2>().try_normalize(0.0).unwrap_or_default();
+        Self { at: *at, rounding: 0.0, edges, inwards }
+    }
+
     /// Distance by which a point, seen from the corner, lies beside an edge that ends here (m). The
     /// corner is nearer than the edges where it is negative.
     pub fn beside(&self, point: &Vec2) -> f64 {
@@ -73,7 +121,7 @@ impl Features {
         for part in &outline.parts {
             match part {
                 OutlinePart::Disc { centre, radius } => {
-                    features.corners.push(Corner { at: *centre, rounding: *radius, edges: SmallVec::new() });
+                    features.corners.push(Corner { rounding: *radius, ..Corner::new(centre, SmallVec::new()) });
                 }
                 OutlinePart::Polygon { corners } => features.add_polygon(corners),
                 OutlinePart::Polyline { points } => features.add_polyline(points),
@@ -89,9 +137,22 @@ impl Features {
             let before = (corners[(k + n - 1) % n] - at).normalize();
             // The interior lies on the left, so that a convex corner turns left.
             if (-before).perp(&edge.along) > STRAIGHT {
-                self.corners.push(Corner { at: *at, rounding: 0.0, edges: SmallVec::from_slice(&[before, edge.along]) });
+                self.corners.push(Corner::new(at, SmallVec::from_slice(&[before, edge.along])));
             }
             self.edges.push(edge);
+        }
+        let first = self.edges.len() - n;
+        (0..n).for_each(|k| self.join(first + k, first + (k + 1) % n));
+    }
+
+    /// Joins two edges at the end of the first one.
+    fn join(&mut self, one: usize, other: usize) {
+        let [first, second] = [self.edges[one], self.edges[other]];
+        let turn = first.along.perp(&second.along);
+        if turn.abs() > STRAIGHT {
+            let behind = BEHIND * first.length.min(second.length) * turn.signum();
+            self.edges[one].behind[1] = behind;
+            self.edges[other].behind[0] = behind;
         }
     }
 
@@ -102,9 +163,57 @@ impl Features {
             let is_straight =
                 before.zip(after).is_some_and(|(before, after)| before.perp(&after).abs() <= STRAIGHT && before.dot(&after) < 0.0);
             if !is_straight {
-                self.corners.push(Corner { at: *at, rounding: 0.0, edges: before.into_iter().chain(after).collect() });
+                self.corners.push(Corner::new(at, before.into_iter().chain(after).collect()));
             }
         }
+        let first = self.edges.len();
         self.edges.extend(points.windows(2).map(|ends| Edge::between(&ends[0], &ends[1], true)));
+        for at in first + 1..self.edges.len() {
+            let [one, other] = [self.edges[at - 1].along, self.edges[at].along];
+            self.edges[at - 1].neighbours[1] = Some(other);
+            self.edges[at].neighbours[0] = Some(-one);
+            self.join(at - 1, at);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn features(part: OutlinePart) -> Features {
+        Features::of(&Outline { parts: vec![part] })
+    }
+
+    /// Beyond the bend of a line the left of both edges is the corner that they enclose.
+    #[test]
+    fn a_bent_line_has_its_left_where_it_bends_to() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.5, 0.5]].map(Vec2::from);
+        let edges = features(OutlinePart::Polyline { points: points.to_vec() }).edges;
+        // Between the second edge and the line of the first one, and above both.
+        let (outside, inside) = (Vec2::new(1.2, 0.1), Vec2::new(1.1, 0.2));
+        for edge in &edges {
+            assert!(!edge.has_on_left(&outside) && edge.has_on_left(&inside), "{edge:?}");
+        }
+        // Below the second edge, behind its beginning, and right of the first one.
+        assert!(edges.iter().all(|edge| !edge.has_on_left(&Vec2::new(0.8, -0.05))));
+        // Nothing begins where the line ends: the edge's own line has two sides there.
+        assert!(edges[1].has_on_left(&Vec2::new(1.6, 0.7)) && !edges[1].has_on_left(&Vec2::new(1.7, 0.6)));
+    }
+
+    /// A point that has passed through an enclosed corner lies behind both edges, and beside none.
+    #[test]
+    fn edges_go_on_behind_the_corner_that_they_enclose() {
+        let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]].map(Vec2::from);
+        let edges = features(OutlinePart::Polygon { corners: corners.to_vec() }).edges;
+        let behind = Vec2::new(0.9, 0.9);
+        for edge in &edges[2..4] {
+            assert!(edge.beyond(&behind) > 0.09 && edge.beyond_on(false, &behind) < 0.0, "{edge:?}");
+            assert_eq!(edge.beyond_on(true, &behind), edge.beyond(&behind));
+        }
+        // Behind other corners they do not.
+        let outside = Vec2::new(2.1, 1.1);
+        assert!(edges.iter().all(|edge| edge.beyond_on(false, &outside) >= edge.beyond(&outside).min(0.0)));
+        assert_eq!(edges[1].beyond_on(false, &outside), edges[1].beyond(&outside));
     }
 }

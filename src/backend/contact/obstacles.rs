@@ -81,7 +81,7 @@ pub struct Obstacles {
 
 /// Share of the smallest feature that a load moves by in one piece (1).
 pub(super) const PIECE: f64 = 0.25;
-/// Most pieces of a displacement (1).
+/// Most pieces of a displacement that are looked at (1). A longer one is cut behind them.
 const MOST_PIECES: usize = 4096;
 /// Most rounds in which contacts are closed (1): each takes an error to its square, but for
 /// contacts that open each other.
@@ -162,7 +162,8 @@ impl Obstacles {
 
     /// Features that a load passes through along an increment between two times (s), but the known
     /// ones, in the first piece in which it does, with the shares between which this piece lies.
-    /// Whether a pair is known may depend on the number of pieces. `None` for a free path.
+    /// Whether a pair is known may depend on the number of pieces. `None` for a free path; no
+    /// features where a path is too long to be looked at as a whole, and free up to there.
     pub(super) fn hits(
         &mut self,
         system: &System,
@@ -176,14 +177,14 @@ impl Obstacles {
         if self.known_clearance(system, start, from) > moved {
             return None;
         }
-        let n_pieces = (moved / (PIECE * self.surroundings.fineness())).ceil().clamp(1.0, MOST_PIECES as f64) as usize;
+        let n_pieces = (moved / (PIECE * self.surroundings.fineness())).ceil().max(1.0) as usize;
         let closed = CLOSED * system.load.radius;
         let mut pairs = Vec::new();
         let at = |piece: usize| {
             let share = piece as f64 / n_pieces as f64;
             (start.moved_by(&(share * twist)), from + share * (to - from))
         };
-        for piece in 0..n_pieces {
+        for piece in 0..n_pieces.min(MOST_PIECES) {
             let ((here, now), (there, then)) = (at(piece), at(piece + 1));
             pairs.clear();
             let reach = 1.001 * (of_load / n_pieces as f64 + self.surroundings.longest_path(system, now, then)) + closed;
@@ -192,7 +193,7 @@ impl Obstacles {
                 let path = &system.world.obstacles[pair.key.obstacle].path;
                 let start = Surroundings::relative(&here, &path.pose_at(now));
                 let end = Surroundings::relative(&there, &path.pose_at(then));
-                let (gap, beyond) = (pair.features.gap(&end), self.surroundings.beyond(pair, &end));
+                let (gap, beyond) = (pair.features.gap(&end), self.surroundings.beyond(&pair.key, &end));
                 gap < -closed && beyond <= 0.0 && !self.surroundings.passes_end(pair, &start, &end)
             };
             pairs.retain(|pair| !is_known(pair, n_pieces) && is_hit(pair));
@@ -200,7 +201,8 @@ impl Obstacles {
                 return Some((pairs, [piece, piece + 1].map(|piece| piece as f64 / n_pieces as f64)));
             }
         }
-        None
+        let looked_at = [MOST_PIECES - 1, MOST_PIECES].map(|piece| piece as f64 / n_pieces as f64);
+        (n_pieces > MOST_PIECES).then_some((pairs, looked_at))
     }
 
     /// The pose near `pose` at which the contacts are closed that were at the end of a step. Sums
@@ -233,14 +235,14 @@ impl Obstacles {
 
     /// See [`Surroundings::beyond`].
     pub(super) fn beyond(&self, pair: &Pair, at: &Place) -> f64 {
-        self.surroundings.beyond(pair, at)
+        self.surroundings.beyond(&pair.key, at)
     }
 
     /// Whether a pair is closed.
     pub(super) fn is_closed(&self, system: &System, pair: &Pair, at: &Place, time: f64) -> bool {
         let seen = Surroundings::relative(at, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
         let closed = 10.0 * CLOSED * system.load.radius;
-        pair.features.gap(&seen) <= closed && self.surroundings.beyond(pair, &seen) <= closed
+        pair.features.gap(&seen) <= closed && self.surroundings.beyond(&pair.key, &seen) <= closed
     }
 
     pub(super) fn candidates(&mut self, system: &System, start: &Place, task: &Task, reach: f64, touching: &[Touching]) -> Vec<Candidate> {
@@ -256,7 +258,7 @@ impl Obstacles {
             let near = touching.iter().find(|touching| touching.key == pair.key).map_or(0.0, |touching| touching.slip);
             let at_start = Surroundings::relative(start, &path.pose_at(task.from));
             let slip = pair.features.slip(&at_start, near);
-            let overlaps = task.has_inertia && self.surroundings.beyond(&pair, &at_start) <= 0.0;
+            let overlaps = task.has_inertia && self.surroundings.beyond(&pair.key, &at_start) <= 0.0;
             let least_gap = if overlaps { pair.features.gap(&at_start).min(0.0) } else { 0.0 };
             Candidate { pair, start: Surroundings::relative(start, &path.pose_at(task.to)), slip, least_gap }
         };

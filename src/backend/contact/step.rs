@@ -108,7 +108,19 @@ impl ContactStep<'_, '_> {
         {
             return found;
         }
-        self.descend(solver)
+        let mut found = self.descend(solver);
+        if self.overlaps(&found.increment.twist) {
+            let report = &mut found.increment.report;
+            (report.status, report.n_not_converged) = (report.status.max(Status::NotConverged), 1);
+        }
+        found
+    }
+
+    /// Whether a pair overlaps by more than rounding at an increment.
+    fn overlaps(&self, at: &Vec3) -> bool {
+        let mut locals = Locals::new();
+        self.fill_locals(at, &mut locals);
+        locals.iter().any(|local| local.gap.energy < -10.0 * CLOSED * self.step.length && local.beyond <= 0.0)
     }
 
     /// Zero increment, for a load at rest that the last contact forces without friction still hold
@@ -145,7 +157,7 @@ impl ContactStep<'_, '_> {
             Local {
                 gap,
                 slip: by_increment(&features.slip_with_derivatives(&place, candidate.slip), &arc, &shift),
-                beyond: self.surroundings.beyond(&candidate.pair, &place),
+                beyond: self.surroundings.beyond(&candidate.pair.key, &place),
             }
         };
         locals.clear();

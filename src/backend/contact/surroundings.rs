@@ -192,7 +192,7 @@ impl Surroundings {
                 friction_coefficient: obstacle.friction_coefficient,
                 restitution: obstacle.restitution,
             };
-            let (gap, beyond) = (features.gap(at), self.beyond(&pair, at));
+            let (gap, beyond) = (features.gap(at), self.beyond(&pair.key, at));
             let is_near = if beyond > 0.0 { features.distance_beside(gap, beyond) <= reach } else { (deepest..=reach).contains(&gap) };
             if is_near {
                 pairs.push(pair);
@@ -200,11 +200,10 @@ impl Surroundings {
         };
         for (i, corner) in self.load.corners.iter().enumerate() {
             let point = at.pose.position + at.turn * corner.at;
+            // A corner on an edge lies on the side of the load about it.
+            let inside = point + 2.0 * DEEPEST_START * self.radius * (at.turn * corner.inwards);
             for (j, edge) in body.edges.iter().enumerate() {
-                // A load on the line itself lies where its origin lies.
-                let side =
-                    if edge.side(&point).abs() > corner.rounding - deepest { edge.side(&point) } else { edge.side(&at.pose.position) };
-                let kind = PairKind::PointOnLine { is_left: edge.has_two_sides && side > 0.0 };
+                let kind = PairKind::PointOnLine { is_left: edge.has_two_sides && edge.has_on_left(&inside) };
                 add(kind, i, j, point_on_line(corner, edge, kind));
             }
             for (j, other) in body.corners.iter().enumerate().filter(|(_, other)| corner.rounding + other.rounding > 0.0) {
@@ -219,8 +218,8 @@ impl Surroundings {
     }
 
     /// Whether the features that touch change from one pair to the other while the load slides or
-    /// rolls on smoothly: a disc from an edge to its corner, or a corner from an edge to the next
-    /// one on the same line.
+    /// rolls on smoothly: a disc from an edge to its corner, a corner from an edge to the next one
+    /// on the same line, or an edge on an edge over the end of one of them.
     pub fn continues(&self, one: &Pair, other: &Pair) -> bool {
         use PairKind::{LineOnPoint, PointOnLine, PointOnPoint};
         let (a, b) = (&one.key, &other.key);
@@ -232,8 +231,17 @@ impl Surroundings {
             (PointOnPoint, LineOnPoint) | (LineOnPoint, PointOnPoint) => a.of_obstacle == b.of_obstacle,
             (PointOnLine { .. }, PointOnLine { .. }) => a.of_load == b.of_load && one.features.is_in_line(&other.features),
             (LineOnPoint, LineOnPoint) => a.of_obstacle == b.of_obstacle && one.features.is_in_line(&other.features),
+            (PointOnLine { .. }, LineOnPoint) => self.slide_over_an_end(a, b),
+            (LineOnPoint, PointOnLine { .. }) => self.slide_over_an_end(b, a),
             _ => false,
         }
+    }
+
+    /// Whether the corner and the edge of a pair are ends of the edge and the corner of another one.
+    fn slide_over_an_end(&self, corner_on_edge: &PairKey, edge_on_corner: &PairKey) -> bool {
+        let (load, body) = (&self.load, &self.bodies[corner_on_edge.obstacle].features);
+        load.edges[edge_on_corner.of_load].ends_at(&load.corners[corner_on_edge.of_load].at)
+            && body.edges[corner_on_edge.of_obstacle].ends_at(&body.corners[edge_on_corner.of_obstacle].at)
     }
 
     /// Features of a pair.
@@ -247,31 +255,40 @@ impl Surroundings {
     }
 
     /// Whether a point of the load, with its rounding, that has moved straight on from `start` to
-    /// the other side of an edge has passed around the end of the edge.
+    /// the other side of an edge has passed around an end of it where no other edge begins.
     pub fn passes_end(&self, pair: &Pair, start: &Place, end: &Place) -> bool {
         let PairKey { obstacle, kind, of_load, of_obstacle } = pair.key;
-        let has_two_sides = matches!(kind, PairKind::PointOnLine { .. }) && self.bodies[obstacle].features.edges[of_obstacle].has_two_sides;
-        let side = |at: &Place| pair.features.gap(at) + self.load.corners[of_load].rounding;
-        if !has_two_sides || side(start) <= 0.0 || side(end) >= 0.0 {
+        if !matches!(kind, PairKind::PointOnLine { .. }) || !self.bodies[obstacle].features.edges[of_obstacle].has_two_sides {
             return false;
         }
-        let share = side(start) / (side(start) - side(end));
-        self.beyond(pair, start) + share * (self.beyond(pair, end) - self.beyond(pair, start)) > 0.0
+        let (corner, edge) = (&self.load.corners[of_load], &self.bodies[obstacle].features.edges[of_obstacle]);
+        let [before, after] = [start, end].map(|at| pair.features.gap(at) + corner.rounding);
+        if before <= 0.0 || after >= 0.0 {
+            return false;
+        }
+        let [from, to] = [start, end].map(|at| edge.along.dot(&(at.pose.position + at.turn * corner.at - edge.from)));
+        let crossed = from + before / (before - after) * (to - from);
+        let [is_before, is_behind] = edge.neighbours.map(|neighbour| neighbour.is_none());
+        crossed < 0.0 && is_before || crossed > edge.length && is_behind
     }
 
     /// Distance by which the features of a pair lie beside each other (m) for a load at this place
     /// in the obstacle's frame; the pair touches where the gap is closed and this is not positive.
-    pub fn beyond(&self, pair: &Pair, at: &Place) -> f64 {
-        let PairKey { obstacle, kind, of_load, of_obstacle } = pair.key;
+    pub fn beyond(&self, key: &PairKey, at: &Place) -> f64 {
+        let PairKey { obstacle, kind, of_load, of_obstacle } = *key;
         let body = &self.bodies[obstacle].features;
         match kind {
-            PairKind::PointOnLine { .. } => body.edges[of_obstacle].beyond(&(at.pose.position + at.turn * self.load.corners[of_load].at)),
+            PairKind::PointOnLine { is_left } => {
+                body.edges[of_obstacle].beyond_on(is_left, &(at.pose.position + at.turn * self.load.corners[of_load].at))
+            }
             PairKind::PointOnPoint => {
                 let (corner, other) = (&self.load.corners[of_load], &body.corners[of_obstacle]);
                 let seen = at.turn.tr_mul(&(other.at - at.pose.position));
                 other.beside(&(at.pose.position + at.turn * corner.at)).max(corner.beside(&seen))
             }
-            PairKind::LineOnPoint => self.load.edges[of_load].beyond(&at.turn.tr_mul(&(body.corners[of_obstacle].at - at.pose.position))),
+            PairKind::LineOnPoint => {
+                self.load.edges[of_load].beyond_on(false, &at.turn.tr_mul(&(body.corners[of_obstacle].at - at.pose.position)))
+            }
         }
     }
 }

@@ -4,7 +4,8 @@ use smallvec::SmallVec;
 
 use super::load::{Exact, Method};
 use super::side::{Impact, SideState};
-use crate::backend::contact::{PairKey, SideForce, SideMode, Touching, transitions};
+use crate::backend::contact::{Obstacles, PairKey, SideForce, SideMode, Touching, transitions};
+use crate::backend::springs::Place;
 use crate::backend::{SideContact, Transition, TransitionKind};
 
 impl<M: Method> Exact<M> {
@@ -21,6 +22,13 @@ impl<M: Method> Exact<M> {
     pub(super) fn is_pushed(&mut self, duration: f64) -> bool {
         let moves = |load: &Self| load.system.world.obstacles.iter().any(|obstacle| obstacle.path.moves());
         self.obstacles.is_some() && moves(self) && !self.is_free(duration)
+    }
+
+    /// Whether features that touched overlap at `time` (s) by more than rounding.
+    pub(super) fn overlaps_of(&self, touching: &[Touching], time: f64) -> bool {
+        let place = Place::of(&self.state.motion.pose);
+        let overlaps = |obstacles: &Obstacles| touching.iter().any(|it| obstacles.overlaps(&self.system, &it.key, &place, time));
+        self.obstacles.as_ref().is_some_and(overlaps)
     }
 
     /// Takes note of time that has passed (s).

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::backend::Motion;
-use crate::math::Twist;
-use crate::model::System;
+use crate::math::{Twist, Vec2, rotation};
+use crate::model::{SupportPoint, System};
 
 /// What an advance hands on to the next one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -115,7 +115,8 @@ impl Control {
             // what stops a load.
             Some(step) if step == 1 || self.settling_time.is_some() => {
                 let lost = plain.max(self.lost_displacement(before, &row[0], duration));
-                lost.max(self.before_stop(moving, duration)) / CHANGE_SHARE
+                let hidden = if step == 1 { self.of_reversal(moving, before, duration / n as f64) } else { 0.0 };
+                lost.max(self.before_stop(moving, duration)).max(hidden) / CHANGE_SHARE
             }
             Some(_) => plain / CHANGE_SHARE,
         }
@@ -144,6 +145,19 @@ impl Control {
             return 0.0;
         }
         self.size(0.5 * system.total_slip_limit() / system.load.mass * duration * duration, 0.0, 0.0)
+    }
+
+    /// Possible error of the speed by supports that reverse within a step of `duration` (s) from
+    /// the flow `before`, over the tolerance (1): an implicit step has their friction at its end.
+    fn of_reversal(&self, (system, motion): (&System, &Motion), before: &[f64], duration: f64) -> f64 {
+        let (start, ground) = (Motion::of_entries(before), &system.ground);
+        let slip = |motion: &Motion, offset: &Vec2| motion.twist.velocity_at(&(rotation(motion.pose.heading) * offset));
+        let reverses = |support: &SupportPoint| slip(&start, &support.offset).dot(&slip(motion, &support.offset)) < 0.0;
+        let supports = ground.supports.iter().zip(ground.slip_limits());
+        let limit: f64 = supports.filter(|(support, _)| reverses(support)).map(|(_, limit)| limit).sum();
+        let (load, change) = (&system.load, 2.0 * limit * duration);
+        let of_time = |time: f64| self.size(time * change / load.mass, 0.0, time * change * load.radius / load.inertia);
+        self.settling_time.map_or(0.0, of_time)
     }
 
     /// The flow `b` with the displacement that it may have lost since `a`. Where a load stops, one

@@ -12,7 +12,7 @@ use super::inertial::{Inertial, Memory};
 use super::load::{Exact, Snapshot};
 use super::one_step::Integrator;
 use super::side::Impact;
-use crate::backend::contact::{Reflection, Scope, Strike};
+use crate::backend::contact::{PairKey, Reflection, Scope, Strike, Touching};
 use crate::backend::springs::{Place, TipPaths};
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
@@ -31,6 +31,9 @@ const STANDSTILL: usize = 8;
 /// Largest number of attempts to locate a touch, the first ones by Newton's method (1).
 const MOST_ATTEMPTS: usize = 80;
 const MOST_NEWTON_ATTEMPTS: usize = 20;
+/// Largest number of times that a touch is located, since the load would have touched by other
+/// features on the way to it, which is not straight (1).
+const MOST_EARLIER: usize = 8;
 /// Gap over the load's radius at which a touch is located (1).
 const LOCATED: f64 = 1e-13;
 
@@ -66,41 +69,77 @@ impl Exact<Inertial> {
     /// Moves the load up to the next touch, or to the end. Returns the share of the paths there.
     fn move_to_touch(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> (f64, StepReport) {
         let start = self.snapshot();
-        let place = Place::of(&start.state.motion.pose);
         let (to, mut report) = self.move_as_far_as_solved(paths, [from, to], &start);
-        let times = [from, to].map(|share| self.time_at(paths, share));
-        let Self { obstacles, system, state, .. } = self;
-        let Some(obstacles) = obstacles else { return (to, report) };
-        let before = &start.state.side.touching;
-        let Some((strikes, share)) = obstacles.strikes(system, &place, &state.motion.pose, times, before) else { return (to, report) };
+        let Some((mut strikes, share)) = self.strikes(paths, [from, to], &start, &[]) else { return (to, report) };
         if report.status == Status::Failed {
             return (to, report);
         }
-        let (mut free, mut hit) = (from, from + share * (to - from));
-        let mut end = hit;
+        let mut end = from + share * (to - from);
+        for _ in 0..MOST_EARLIER {
+            end = self.locate(&strikes, paths, [from, end], &start, &mut report);
+            let Some((earlier, _)) = self.strikes(paths, [from, end], &start, &strikes) else { break };
+            strikes = earlier;
+        }
+        self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, self.time_at(paths, end));
+        (end, report)
+    }
+
+    /// Features that the load has passed through since the `start`, besides the known ones and
+    /// those that have stayed closed, and the share of this part of the paths by which it has.
+    fn strikes(
+        &mut self,
+        paths: &TipPaths,
+        [from, to]: [f64; 2],
+        start: &Snapshot<Memory>,
+        known: &[Strike],
+    ) -> Option<(Vec<Strike>, f64)> {
+        let times = [from, to].map(|share| self.time_at(paths, share));
+        let Self { obstacles, system, state, .. } = self;
+        let is_closed = |touching: &[Touching], key: &PairKey| touching.iter().any(|touching| touching.key == *key);
+        let stays_closed = |key: &PairKey| [&start.state, state].iter().all(|state| is_closed(&state.side.touching, key));
+        let is_known = |key: &PairKey| known.iter().any(|strike| strike.key == *key) || stays_closed(key);
+        let place = Place::of(&start.state.motion.pose);
+        obstacles.as_mut()?.strikes(system, &place, &state.motion.pose, times, is_known)
+    }
+
+    /// Moves the load from the `start` to where it touches by these features, at the latest at the
+    /// end of this part of the paths, and returns the share there. Where its motion jumps with the
+    /// length of the part, as between contact modes, it stays before the touch.
+    fn locate(
+        &mut self,
+        strikes: &[Strike],
+        paths: &TipPaths,
+        [from, to]: [f64; 2],
+        start: &Snapshot<Memory>,
+        report: &mut StepReport,
+    ) -> f64 {
+        let (mut free, mut hit, mut end) = (from, to, to);
         for attempt in 0..MOST_ATTEMPTS {
-            self.reset(&start);
+            self.reset(start);
             if end <= from {
                 break;
             }
-            let part = self.move_on(paths, [from, end], &start);
+            let part = self.move_on(paths, [from, end], start);
             report.n_solves += part.n_solves;
             report.n_iterations += part.n_iterations;
             report.status = report.status.max(part.status);
             if part.status != Status::Converged && report.n_iterations >= MOST_ITERATIONS {
                 break;
             }
-            let (gap, speed) = self.nearest(&strikes, self.time_at(paths, end));
-            if gap.abs() <= LOCATED * self.system.load.radius || hit - free <= f64::EPSILON * (to - from) {
+            let (gap, speed) = self.nearest(strikes, self.time_at(paths, end));
+            if gap.abs() <= LOCATED * self.system.load.radius || end == free {
                 break;
+            }
+            if hit - free <= 2.0 * f64::EPSILON * hit {
+                end = free;
+                continue;
             }
             *(if gap > 0.0 { &mut free } else { &mut hit }) = end;
             let newton = end - gap / (speed * paths.duration);
             let is_between = newton > free && newton < hit;
             end = if attempt < MOST_NEWTON_ATTEMPTS && is_between { newton } else { 0.5 * (free + hit) };
         }
-        self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, self.time_at(paths, end));
-        (end, report)
+        end
     }
 
     /// Moves the load on, for a shorter time where the whole one has no answer. Returns the share
@@ -190,6 +229,13 @@ impl Exact<Inertial> {
         if (&whole.1, &whole.2) == (&halves.1, &halves.2) && (half.0, half.1) == (whole.1, whole.2) {
             let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();
             self.set_flow(&flow);
+            // Features that part may overlap where both answers have them apart, and small losses
+            // may fall.
+            let (now, before) = (&self.state.energy, &start.state.energy);
+            let falls = now.friction < before.friction || now.side_friction < before.side_friction;
+            if falls || self.overlaps_of(&start.state.side.touching, self.time_at(paths, to)) {
+                self.set_flow(&halves.0);
+            }
         }
         StepReport { n_steps: 1, ..report }
     }

@@ -181,6 +181,9 @@ pub const ESTIMATED: &str = "from the quasi-static run alone; 98 % of random sce
 /// The inertia effect that the quasi-static run alone lets expect.
 pub fn estimate(predicted: &Predicted) -> String {
     match predicted.estimated_m {
+        Some(effect) if predicted.estimated_is_negligible.is_none() => {
+            format!("{}, too near to the tolerance to decide, {ESTIMATED}", short_quantity(effect, "m"))
+        }
         Some(effect) => format!("{} {ESTIMATED}", short_quantity(effect, "m")),
         None => "none: the load touches an obstacle".to_owned(),
     }

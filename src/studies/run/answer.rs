@@ -11,9 +11,11 @@ pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
     match estimate {
         _ if run.outcome.steps.status == Status::Failed => Answer::Open,
         None => Answer::None,
-        Some(estimate) if estimate.touches_obstacle => Answer::Open,
-        Some(estimate) if estimate.is_negligible => Answer::Yes,
-        Some(_) => Answer::No,
+        Some(estimate) => match estimate.is_negligible {
+            Some(true) => Answer::Yes,
+            Some(false) => Answer::No,
+            None => Answer::Open,
+        },
     }
 }
 
@@ -42,7 +44,6 @@ fn end_sentence(run: &Run) -> String {
 }
 
 fn inertia_sentence(estimate: &InertiaEstimate) -> String {
-    let (not, compared) = if estimate.is_negligible { ("", "less") } else { (" not", "more") };
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
     if estimate.touches_obstacle {
         return "Whether inertia is negligible is not known: the load touches an obstacle, and the inertia estimate has none.".to_owned();
@@ -53,8 +54,13 @@ fn inertia_sentence(estimate: &InertiaEstimate) -> String {
     if estimate.edge_displacement_max_m == 0.0 {
         return "Inertia is negligible: by estimate it does not move the load.".to_owned();
     }
-    let moves = format!("Inertia is{not} negligible: by estimate it moves the load by up to {effect} of edge displacement");
-    format!("{moves}, {compared} than the tolerance of {}.", tolerance(estimate))
+    let (is_negligible, compared) = match estimate.is_negligible {
+        Some(true) => ("Inertia is negligible", "less than"),
+        Some(false) => ("Inertia is not negligible", "more than"),
+        None => ("Whether inertia is negligible is not known", "too near to"),
+    };
+    let moves = format!("{is_negligible}: by estimate it moves the load by up to {effect} of edge displacement");
+    format!("{moves}, {compared} the tolerance of {}.", tolerance(estimate))
 }
 
 /// The tolerance, and what it is a share of.

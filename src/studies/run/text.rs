@@ -138,15 +138,20 @@ pub fn resolution_warning(summary: &RunSummary) -> Option<String> {
     Some(format!("{what}; use --tolerance, or a shorter --step-s"))
 }
 
-/// Warning about neglected inertia; `None` if it is negligible.
+/// Warning about neglected inertia that is not known to be negligible.
 pub fn inertia_warning(estimate: &InertiaEstimate) -> Option<String> {
     if estimate.touches_obstacle {
         let what = "the inertia estimate is not valid here, because the load touches an obstacle";
         return Some(format!("{what}; `cohaul compare` measures the inertia effect"));
     }
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
-    let what = format!("inertia is not negligible here: estimated inertia effect {effect}, tolerance {}", tolerance(estimate));
-    (!estimate.is_negligible).then(|| format!("{what}; `cohaul compare` measures it"))
+    let may_be = match estimate.is_negligible {
+        Some(true) => return None,
+        Some(false) => "is not",
+        None => "may not be",
+    };
+    let what = format!("inertia {may_be} negligible here: estimated inertia effect {effect}, tolerance {}", tolerance(estimate));
+    Some(format!("{what}; `cohaul compare` measures it"))
 }
 
 fn finite_residual(steps: &StepReport) -> Option<f64> {

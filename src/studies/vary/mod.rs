@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::analysis::compare::{Pathwise, QuantityVerdict, Settings, ThreeWay, Verdict};
-use crate::analysis::estimate::with_estimate;
+use crate::analysis::estimate::{CLEAR, with_estimate};
 use crate::backend::{BackendKind, Status};
 use crate::output::page::Answer;
 use crate::scenario::{Drive, Scenario};
@@ -29,10 +29,6 @@ use crate::studies::compare::answer;
 use crate::studies::runner::Tasks;
 use crate::studies::stress::guard::guarded;
 use crate::studies::sweep::Plan;
-
-/// Factor by which an estimate must lie below or above the tolerance to decide alone (1). All of
-/// 226 random scenes are within this factor: `results/2026-11-21-inertia-estimate`.
-pub const CLEAR: f64 = 5.0;
 
 /// What is asked of every point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

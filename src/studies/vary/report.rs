@@ -3,8 +3,9 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{CLEAR, Cell, Question};
+use super::{Cell, Question};
 use crate::analysis::compare::Verdict;
+use crate::analysis::estimate::CLEAR;
 use crate::output::quantity::{quantity, short, short_quantity};
 use crate::output::table::{Column, Field, Table};
 use crate::output::text::Lines;
