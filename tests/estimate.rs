@@ -292,10 +292,12 @@ fn the_program_prints_the_estimate_and_warns_where_it_matters() {
     let expected = estimate(&scene("analytic/release-jump"));
     assert_eq!(found["edge_displacement_max_m"].as_f64(), Some(expected.edge_displacement_max_m));
     assert!(warning.starts_with("warning: inertia is not negligible here") && warning.lines().count() == 1, "{warning}");
-    let (out, warning) = call(&["run", pull]);
+    let (out, silence) = call(&["run", pull]);
+    let (_, warning) = call(&["run", pull, "--json"]);
     assert!(
-        out.replace('\n', " ").contains("Whether inertia is negligible is not known: by estimate it moves the load by up to "),
-        "{out}"
+        out.replace('\n', " ").contains("Whether inertia is negligible is not known: by estimate it moves the load by up to ")
+            && silence.is_empty(),
+        "{out}{silence}"
     );
     assert!(warning.starts_with("warning: inertia may not be negligible here") && warning.lines().count() == 1, "{warning}");
     // A sixteenth of the mass at the same friction has a quarter of the effect.

@@ -730,6 +730,7 @@ fn assert_pathwise(tier: &Value) {
         "/predicted/coasting_m",
         "/predicted/release_factor",
         "/predicted/estimated_m",
+        "/predicted/estimated_is_negligible",
         "/largest_pull_over_slip_limit",
         "/first_divergence/inertia_effect",
         "/first_divergence/engine_error",

@@ -42,8 +42,8 @@ pub struct Predicted {
     /// Inertia effect estimated from the quasi-static run alone (m); `null` if not estimated, or if
     /// the load touches an obstacle.
     pub estimated_m: Option<f64>,
-    /// Whether the estimate calls inertia negligible; `null` also if it is too near to the tolerance
-    /// to decide. See [`InertiaEstimate::is_negligible_within`].
+    /// Whether the estimate calls inertia negligible; `null` also if it is too near to the
+    /// tolerance to decide. See [`InertiaEstimate::is_negligible_within`].
     pub estimated_is_negligible: Option<bool>,
     /// Displacement after a release divided by that without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,

@@ -42,8 +42,9 @@ pub struct InertiaEstimate {
     pub jump_share: f64,
     /// Largest edge displacement divided by the path length (1); zero for a load at rest.
     pub share: f64,
-    /// Whether inertia is negligible within [`TOLERANCE_SHARE`]; see
-    /// [`InertiaEstimate::is_negligible_within`].
+    /// Whether inertia is negligible within [`TOLERANCE_SHARE`], left out where that is not known;
+    /// see [`InertiaEstimate::is_negligible_within`].
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub is_negligible: Option<bool>,
     /// Whether the reduced inertial model turned too far from the load: the lengths above are then
     /// orders of magnitude.

@@ -237,7 +237,7 @@ impl Surroundings {
         }
     }
 
-    /// Whether the corner and the edge of a pair are ends of the edge and the corner of another one.
+    /// Whether the corner and the edge of a pair end where the edge and the corner of another do.
     fn slide_over_an_end(&self, corner_on_edge: &PairKey, edge_on_corner: &PairKey) -> bool {
         let (load, body) = (&self.load, &self.bodies[corner_on_edge.obstacle].features);
         load.edges[edge_on_corner.of_load].ends_at(&load.corners[corner_on_edge.of_load].at)

@@ -34,6 +34,8 @@ const MOST_NEWTON_ATTEMPTS: usize = 20;
 /// Largest number of times that a touch is located, since the load would have touched by other
 /// features on the way to it, which is not straight (1).
 const MOST_EARLIER: usize = 8;
+/// Fall of a loss by extrapolation, over slip limit times radius, with which there is none (1).
+const FALL: f64 = 1e-4;
 /// Gap over the load's radius at which a touch is located (1).
 const LOCATED: f64 = 1e-13;
 
@@ -229,10 +231,11 @@ impl Exact<Inertial> {
         if (&whole.1, &whole.2) == (&halves.1, &halves.2) && (half.0, half.1) == (whole.1, whole.2) {
             let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();
             self.set_flow(&flow);
-            // Features that part may overlap where both answers have them apart, and small losses
-            // may fall.
+            // Features that part may overlap where both answers have them apart, and losses of
+            // steps that are no series may fall.
             let (now, before) = (&self.state.energy, &start.state.energy);
-            let falls = now.friction < before.friction || now.side_friction < before.side_friction;
+            let fall = (before.friction - now.friction).max(before.side_friction - now.side_friction);
+            let falls = fall > FALL * self.system.total_slip_limit() * self.system.load.radius;
             if falls || self.overlaps_of(&start.state.side.touching, self.time_at(paths, to)) {
                 self.set_flow(&halves.0);
             }
