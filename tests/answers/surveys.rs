@@ -97,9 +97,9 @@ impl Said {
     }
 }
 
-/// Numbers of scenes from this seed on in which the estimate decides, and contradicts the
-/// measurement, of `n`.
-fn said_of(first: u64, n: usize) -> [usize; 2] {
+/// Numbers of scenes from this seed on in which the estimate decides, lies on the other side of the
+/// tolerance, and contradicts the measurement, of `n`.
+fn said_of(first: u64, n: usize) -> [usize; 3] {
     let scenes: Vec<_> = scenes(first).take(n).collect();
     let said = scenes.par_iter().filter_map(|(seed, scenario)| Some((*seed, Said::of(scenario, &compared(scenario, false))?)));
     let mut said: Vec<_> = said.collect();
@@ -109,7 +109,7 @@ fn said_of(first: u64, n: usize) -> [usize; 2] {
         println!("{seed},{estimated:.3},{measured:.3},{:.3},{word}", (estimated / measured).max(measured / estimated));
     }
     let count = |is: &dyn Fn(&Said) -> bool| said.iter().filter(|(_, said)| is(said)).count();
-    [count(&|said| said.by_estimate[0].is_some()), count(&Said::contradicts)]
+    [count(&|said| said.by_estimate[0].is_some()), count(&Said::is_on_the_other_side), count(&Said::contradicts)]
 }
 
 #[test]
@@ -124,18 +124,20 @@ fn survey_of_fifty_followed_suggestions() {
     println!("enough, not enough, not checked: {:?}", followed(5000, 50));
 }
 
-/// Neither `run` nor `compare` says of a scene by estimate what the measurement denies.
+/// Neither `run` nor `compare` says of a scene by estimate what the measurement denies. In one of
+/// these scenes, 7355, the estimate lies on the other side of the tolerance, and decides nothing.
 #[test]
 fn estimates_contradict_no_measurement() {
-    let [n_decided, n_contradictions] = said_of(7000, 8);
+    let [n_decided, n_on_the_other_side, n_contradictions] = said_of(7352, 8);
     assert!(n_decided >= 4 && n_contradictions == 0, "{n_decided} decided, {n_contradictions} contradictions");
+    assert!(n_on_the_other_side > 0, "a factor of one would pass");
 }
 
 #[test]
 #[ignore = "takes long; a shorter version runs always"]
 fn survey_of_contradictions() {
     let n = std::env::var("COHAUL_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(2000);
-    let [n_decided, n_contradictions] = said_of(7000, n);
+    let [n_decided, _, n_contradictions] = said_of(7000, n);
     println!("the estimate decides in {n_decided} of {n}, and contradicts the measurement in {n_contradictions}");
     assert_eq!(n_contradictions, 0);
 }

@@ -217,10 +217,11 @@ fn random_scenes_show_no_faults() {
 
 /// Scenes in which a load once overlapped an obstacle in steps that were said to converge: at a
 /// line on which it could lie on either side, in an enclosed corner, on a path that was too long to
-/// be looked at as a whole, and where it met one feature on the way to another one.
+/// be looked at as a whole, where it met one feature on the way to another one, and where it slid
+/// along a line into its bend.
 #[test]
 fn scenes_that_once_showed_faults_show_none() {
-    for seed in [24, 33, 57, 144, 149, 177] {
+    for seed in [24, 33, 57, 119, 144, 149, 177] {
         let findings = hunt(seed..seed + 1, &[QuasiStatic, Inertial], &[0, 1]);
         assert!(findings.faults.is_empty(), "{:#?}", findings.faults);
     }

@@ -13,7 +13,7 @@
 
 use super::obstacles::{Obstacles, Touching};
 use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
-use super::surroundings::{Pair, PairKey, Surroundings};
+use super::surroundings::{Pair, Surroundings};
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::springs::Place;
@@ -50,17 +50,20 @@ struct Hit {
 
 impl Obstacles {
     /// Features that a load passes through between two poses within two times (s), besides the
-    /// `known` ones, and the share of the motion by whose end it has; `None` for a free one.
+    /// `known` ones and those that are `kept` closed, and the share of the motion by whose end it
+    /// has; `None` for a free one.
     pub fn strikes(
         &mut self,
         system: &System,
-        start: &Place,
-        end: &Pose,
-        [from, to]: [f64; 2],
-        known: impl Fn(&PairKey) -> bool,
+        (start, end): (&Place, &Pose),
+        times: [f64; 2],
+        known: &[Strike],
+        kept: &[Touching],
     ) -> Option<(Vec<Strike>, f64)> {
         let twist = increment_between(start, end);
-        self.hits(system, start, &twist, [from, to], |pair, _| known(&pair.key)).map(|(pairs, [_, share])| (pairs, share))
+        let keys = || known.iter().map(|strike| &strike.key).chain(kept.iter().map(|touching| &touching.key));
+        let is_known = |pair: &Pair, _| keys().any(|key| *key == pair.key);
+        self.hits(system, (start, &twist), times, kept, is_known).map(|(pairs, [_, share])| (pairs, share))
     }
 
     /// Distance of two features (m), negative for an overlap, and the rate at which it grows (m/s).

@@ -156,20 +156,21 @@ impl Obstacles {
         known: &[(PairKey, bool)],
     ) -> Option<f64> {
         let is_known = |pair: &Pair, n_pieces: usize| known.iter().any(|(key, touches)| *key == pair.key && (*touches || n_pieces == 1));
-        let (_, [share, _]) = self.hits(system, start, twist, [task.from, task.to], is_known)?;
+        let (_, [share, _]) = self.hits(system, (start, twist), [task.from, task.to], &[], is_known)?;
         Some(share)
     }
 
     /// Features that a load passes through along an increment between two times (s), but the known
     /// ones, in the first piece in which it does, with the shares between which this piece lies.
-    /// Whether a pair is known may depend on the number of pieces. `None` for a free path; no
-    /// features where a path is too long to be looked at as a whole, and free up to there.
+    /// The `kept` contacts stay closed on the way. Whether a pair is known may depend on the number
+    /// of pieces. `None` for a free path; no features where a path is too long to be looked at as a
+    /// whole, and free up to there.
     pub(super) fn hits(
         &mut self,
         system: &System,
-        start: &Place,
-        twist: &Vec3,
+        (start, twist): (&Place, &Vec3),
         [from, to]: [f64; 2],
+        kept: &[Touching],
         is_known: impl Fn(&Pair, usize) -> bool,
     ) -> Option<(Vec<Pair>, [f64; 2])> {
         let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
@@ -180,14 +181,16 @@ impl Obstacles {
         let n_pieces = (moved / (PIECE * self.surroundings.fineness())).ceil().max(1.0) as usize;
         let closed = CLOSED * system.load.radius;
         let mut pairs = Vec::new();
-        let at = |piece: usize| {
-            let share = piece as f64 / n_pieces as f64;
-            (start.moved_by(&(share * twist)), from + share * (to - from))
-        };
+        let (mut here, mut now) = (*start, from);
         for piece in 0..n_pieces.min(MOST_PIECES) {
-            let ((here, now), (there, then)) = (at(piece), at(piece + 1));
+            let share = (piece + 1) as f64 / n_pieces as f64;
+            let (mut there, then) = (start.moved_by(&(share * twist)), from + share * (to - from));
+            if !kept.is_empty() && piece + 1 < n_pieces {
+                there = Place::of(&self.close(system, &there.pose, kept, then));
+            }
             pairs.clear();
-            let reach = 1.001 * (of_load / n_pieces as f64 + self.surroundings.longest_path(system, now, then)) + closed;
+            let of_piece = there.pose.edge_displacement(&here.pose, system.load.radius);
+            let reach = 1.001 * (of_piece + self.surroundings.longest_path(system, now, then)) + closed;
             self.surroundings.pairs(system, &here, now, reach, &mut pairs);
             let is_hit = |pair: &Pair| {
                 let path = &system.world.obstacles[pair.key.obstacle].path;
@@ -200,6 +203,7 @@ impl Obstacles {
             if !pairs.is_empty() {
                 return Some((pairs, [piece, piece + 1].map(|piece| piece as f64 / n_pieces as f64)));
             }
+            (here, now) = (there, then);
         }
         let looked_at = [MOST_PIECES - 1, MOST_PIECES].map(|piece| piece as f64 / n_pieces as f64);
         (n_pieces > MOST_PIECES).then_some((pairs, looked_at))

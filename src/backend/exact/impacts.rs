@@ -8,6 +8,8 @@
 //! contact at their end. One whole step and two halves are extrapolated to second order where the
 //! contact modes are the same.
 
+use smallvec::SmallVec;
+
 use super::inertial::{Inertial, Memory};
 use super::load::{Exact, Snapshot};
 use super::one_step::Integrator;
@@ -97,11 +99,10 @@ impl Exact<Inertial> {
     ) -> Option<(Vec<Strike>, f64)> {
         let times = [from, to].map(|share| self.time_at(paths, share));
         let Self { obstacles, system, state, .. } = self;
-        let is_closed = |touching: &[Touching], key: &PairKey| touching.iter().any(|touching| touching.key == *key);
-        let stays_closed = |key: &PairKey| [&start.state, state].iter().all(|state| is_closed(&state.side.touching, key));
-        let is_known = |key: &PairKey| known.iter().any(|strike| strike.key == *key) || stays_closed(key);
+        let was_closed = |key: &PairKey| start.state.side.touching.iter().any(|touching| touching.key == *key);
+        let kept: SmallVec<[Touching; 2]> = state.side.touching.iter().filter(|now| was_closed(&now.key)).copied().collect();
         let place = Place::of(&start.state.motion.pose);
-        obstacles.as_mut()?.strikes(system, &place, &state.motion.pose, times, is_known)
+        obstacles.as_mut()?.strikes(system, (&place, &state.motion.pose), times, known, &kept)
     }
 
     /// Moves the load from the `start` to where it touches by these features, at the latest at the
