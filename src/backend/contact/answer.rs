@@ -5,10 +5,10 @@ use smallvec::SmallVec;
 
 use super::obstacles::{Obstacles, PIECE, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
-use super::step::{CLOSED, Candidate, ContactStep, Found, Sides};
+use super::step::{CLOSED, Candidate, Candidates, ContactStep, Found, Newton, Sides};
 use super::surroundings::{Pair, PairKey, Surroundings};
-use crate::backend::friction::FrictionSolver;
-use crate::backend::increment::{Coasting, Increment, Objective, Step};
+use crate::backend::friction::{ContactMode, FrictionSolver};
+use crate::backend::increment::{Coasting, Course, Increment, Objective, Step, Straight};
 use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
 use crate::math::{Vec2, Vec3, increment_of};
@@ -31,7 +31,7 @@ const REACH: f64 = 0.01;
 /// Answer of a step with the features within reach.
 pub struct Answer {
     pub found: Found,
-    pub candidates: Vec<Candidate>,
+    pub candidates: Candidates,
     /// Share of the increment at which it is cut, before a feature that it would pass.
     cut: Option<f64>,
     /// Whether the load would overlap an obstacle there: a straight path along one cuts its corner.
@@ -78,13 +78,44 @@ impl Obstacles {
             return (step.found(&twist, mode, report), SideWork { cut, ..SideWork::default() });
         }
         let end = if let Some(share) = cut { task.from + share * (task.to - task.from) } else { task.to };
+        let work = self.settle(system, &start, &Task { to: end, ..*task }, &mut answer, touching);
+        (answer.found.increment, SideWork { cut, ..work })
+    }
+
+    /// The step along a straight course, from a guess, in which all that touches goes on to do so
+    /// in the same modes, with its increment along that course; `None` where there is none.
+    pub fn go_on(
+        &mut self,
+        system: &System,
+        course: &mut Straight,
+        solver: &mut FrictionSolver,
+        touching: &mut Vec<Touching>,
+        task: &Task,
+    ) -> Option<(Increment, SideWork, Vec3)> {
+        let start = *course.start;
+        let candidates = self.touching_candidates(system, &start, task, touching);
+        let suggested = suggested(&candidates, touching);
+        let mut contact = ContactStep { step: course, surroundings: &self.surroundings, candidates: &candidates, start_at: Vec3::zeros() };
+        let Newton { at, sides, report } = contact.newton(&suggested, task.guess?)?;
+        let increment = course.found(&at, ContactMode::Slip, report);
+        if !course.goes_on(&at, &increment) {
+            return None;
+        }
+        solver.keep_gliding(&at);
+        let found = Found { increment, sides, are_forces_unique: true };
+        let mut answer = Answer { found, candidates, cut: None, overlaps_at_cut: false };
+        let work = self.settle(system, &start, task, &mut answer, touching);
+        Some((answer.found.increment, work, at))
+    }
+
+    /// Takes note of what is known of the contact forces, and accepts the answer.
+    fn settle(&mut self, system: &System, start: &Place, task: &Task, answer: &mut Answer, touching: &mut Vec<Touching>) -> SideWork {
         let of_found = &mut answer.found.increment.report;
         of_found.is_indeterminate = !answer.found.are_forces_unique;
         if answer.found.sides.iter().any(|(_, force)| force.normal > 0.0) {
             of_found.contact_residual = of_found.residual;
         }
-        let work = self.accept(system, &start, &Task { to: end, ..*task }, &answer, touching);
-        (answer.found.increment, SideWork { cut, ..work })
+        self.accept(system, start, task, answer, touching)
     }
 
     /// Keeps the closed contacts of a step and returns its work at the obstacles.
@@ -109,7 +140,8 @@ impl Obstacles {
                 let apart = Touching { force: SideForce::default(), on_load: [Vec2::zeros(); 2], key: *key, mode: *mode, slip: *slip };
                 let before = last.iter().find(|touching| touching.key == *key).unwrap_or(&apart);
                 let slipped = slip_at_end - slip;
-                work.friction += (-force.tangential * slipped).max(0.0);
+                let tangential = if task.is_smooth { 0.5 * (before.force.tangential + force.tangential) } else { force.tangential };
+                work.friction += (-tangential * slipped).max(0.0);
                 let gap_at_start = features.gap(moved);
                 work.uncertainty +=
                     force.normal * gap_at_start.max(0.0) + (force.tangential - before.force.tangential).abs() * slipped.abs();

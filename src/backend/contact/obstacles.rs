@@ -11,7 +11,7 @@ use smallvec::SmallVec;
 
 use super::gap::FeaturePair;
 use super::solve::{SideForce, SideMode};
-use super::step::{CLOSED, Candidate};
+use super::step::{CLOSED, Candidate, Candidates};
 use super::surroundings::{Pair, PairKey, Surroundings};
 use crate::backend::TransitionKind;
 use crate::backend::friction::FrictionSolver;
@@ -60,6 +60,9 @@ pub struct Task {
     /// Whether the load has inertia: an overlap by rounding is closed without a speed.
     pub has_inertia: bool,
     pub scope: Scope,
+    /// Whether forces change smoothly since the last step: then their works are those of the
+    /// trapezoid rule, and otherwise those of the forces at the end.
+    pub is_smooth: bool,
 }
 
 /// Features that a step looks at.
@@ -249,7 +252,7 @@ impl Obstacles {
         pair.features.gap(&seen) <= closed && self.surroundings.beyond(&pair.key, &seen) <= closed
     }
 
-    pub(super) fn candidates(&mut self, system: &System, start: &Place, task: &Task, reach: f64, touching: &[Touching]) -> Vec<Candidate> {
+    pub(super) fn candidates(&mut self, system: &System, start: &Place, task: &Task, reach: f64, touching: &[Touching]) -> Candidates {
         let mut pairs = Vec::new();
         self.surroundings.pairs(system, start, task.from, reach, &mut pairs);
         if task.scope == Scope::Touching {
@@ -257,16 +260,23 @@ impl Obstacles {
             let closed: SmallVec<[Pair; 4]> = pairs.iter().filter(|pair| touches(pair)).copied().collect();
             pairs.retain(|pair| touches(pair) || closed.iter().any(|closed| self.surroundings.continues(closed, pair)));
         }
-        let candidate = |pair: Pair| {
-            let path = &system.world.obstacles[pair.key.obstacle].path;
-            let near = touching.iter().find(|touching| touching.key == pair.key).map_or(0.0, |touching| touching.slip);
-            let at_start = Surroundings::relative(start, &path.pose_at(task.from));
-            let slip = pair.features.slip(&at_start, near);
-            let overlaps = task.has_inertia && self.surroundings.beyond(&pair.key, &at_start) <= 0.0;
-            let least_gap = if overlaps { pair.features.gap(&at_start).min(0.0) } else { 0.0 };
-            Candidate { pair, start: Surroundings::relative(start, &path.pose_at(task.to)), slip, least_gap }
-        };
-        pairs.into_iter().map(candidate).collect()
+        pairs.into_iter().map(|pair| self.candidate(system, start, task, pair, touching)).collect()
+    }
+
+    /// The pairs that touch, as candidates.
+    pub(super) fn touching_candidates(&self, system: &System, start: &Place, task: &Task, touching: &[Touching]) -> Candidates {
+        let pair = |touching: &Touching| self.surroundings.pair(system, touching.key);
+        touching.iter().map(|it| self.candidate(system, start, task, pair(it), touching)).collect()
+    }
+
+    fn candidate(&self, system: &System, start: &Place, task: &Task, pair: Pair, touching: &[Touching]) -> Candidate {
+        let path = &system.world.obstacles[pair.key.obstacle].path;
+        let near = touching.iter().find(|touching| touching.key == pair.key).map_or(0.0, |touching| touching.slip);
+        let at_start = Surroundings::relative(start, &path.pose_at(task.from));
+        let slip = pair.features.slip(&at_start, near);
+        let overlaps = task.has_inertia && self.surroundings.beyond(&pair.key, &at_start) <= 0.0;
+        let least_gap = if overlaps { pair.features.gap(&at_start).min(0.0) } else { 0.0 };
+        Candidate { pair, start: Surroundings::relative(start, &path.pose_at(task.to)), slip, least_gap }
     }
 }
 

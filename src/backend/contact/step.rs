@@ -17,10 +17,10 @@ use super::linear::Linear;
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::increment::{Increment, LARGEST_RESIDUAL, Objective, Step, by_increment, positive_definite};
+use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
 use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
-use crate::math::{Arc, Mat3, Pose, Vec2, Vec3};
+use crate::math::{Mat3, Pose, Vec2, Vec3};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, Reaction};
 
@@ -45,6 +45,9 @@ impl Candidate {
     }
 }
 
+/// Candidates of a step.
+pub type Candidates = SmallVec<[Candidate; 2]>;
+
 /// Contacts of a step: one entry a candidate.
 pub type Sides = SmallVec<[(SideMode, SideForce); 4]>;
 
@@ -54,6 +57,13 @@ pub struct Found {
     pub sides: Sides,
     /// Whether no other contact forces balance the load.
     pub are_forces_unique: bool,
+}
+
+/// Answer of Newton's method.
+pub struct Newton {
+    pub at: Vec3,
+    pub sides: Sides,
+    pub report: StepReport,
 }
 
 /// Largest number of linear steps.
@@ -77,8 +87,8 @@ pub const CLOSED: f64 = 1e-11;
 const ROUNDED: f64 = 2.0 * f64::EPSILON;
 
 /// A step to be found: everything but the contacts, and the candidates.
-pub struct ContactStep<'a, 'b> {
-    pub step: &'a mut Step<'b>,
+pub struct ContactStep<'a, C> {
+    pub step: &'a mut C,
     pub surroundings: &'a Surroundings,
     pub candidates: &'a [Candidate],
     /// Increment at which the search begins.
@@ -95,7 +105,7 @@ struct Local {
 
 type Locals = SmallVec<[Local; 4]>;
 
-impl ContactStep<'_, '_> {
+impl ContactStep<'_, Step<'_>> {
     /// The step, from what the last one suggests: its modes and forces, and a guess of the
     /// increment.
     pub fn find(&mut self, solver: &mut FrictionSolver, suggested: &Sides, guess: Option<Vec3>) -> Found {
@@ -143,125 +153,6 @@ impl ContactStep<'_, '_> {
         // The friction of the ground may take the place of any contact force.
         let are_forces_unique = sides.iter().all(|(_, force)| force.normal == 0.0);
         Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique })
-    }
-
-    /// Gaps and slips at an increment.
-    fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
-        let arc = Arc::of(at.z);
-        let shift = at.xy();
-        let local = |candidate: &Candidate| {
-            let place = candidate.start.moved(&shift, &arc);
-            let Pair { features, .. } = &candidate.pair;
-            let mut gap = by_increment(&features.gap_with_derivatives(&place), &arc, &shift);
-            gap.energy -= candidate.least_gap;
-            Local {
-                gap,
-                slip: by_increment(&features.slip_with_derivatives(&place, candidate.slip), &arc, &shift),
-                beyond: self.surroundings.beyond(&candidate.pair.key, &place),
-            }
-        };
-        locals.clear();
-        locals.extend(self.candidates.iter().map(local));
-    }
-
-    /// Newton's method on the whole step from a guess, for a load that slips on all supports in
-    /// these contact modes. `None` where it does not lead to an answer, or to another one.
-    fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
-        let n_unknown: usize = sides.iter().map(|(mode, _)| n_forces(*mode)).sum();
-        if n_unknown > 3 || guess == Vec3::zeros() {
-            return None;
-        }
-        let (mut at, mut sides) = (guess, sides.clone());
-        let mut last = f64::INFINITY;
-        // Both are filled anew in each iteration, and are too large to be passed around.
-        let (mut system, mut locals) = (Linear::new(self.step.length), Locals::new());
-        for iteration in 0..MOST_ITERATIONS {
-            self.newton_system(&at, &sides, &mut system, &mut locals)?;
-            let residual = system.residual();
-            let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
-            if is_done {
-                if !system.is_stable() || !self.is_admissible(&sides, &locals) {
-                    return None;
-                }
-                let mode = solver.keep_gliding(&at);
-                let n_iterations = iteration as u64;
-                let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
-                return Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique: true });
-            }
-            last = residual;
-            let change = system.solve()?;
-            let moved = Vec3::new(change[0], change[1], change[2]);
-            if self.step.size(&moved) > 3.0 * self.step.size(&at) {
-                return None;
-            }
-            at += moved;
-            let mut forces = change[3..].iter();
-            for ((mode, force), candidate) in sides.iter_mut().zip(self.candidates) {
-                match mode {
-                    SideMode::Open => *force = SideForce::default(),
-                    SideMode::Stick => {
-                        force.normal += forces.next().expect("a force for each row");
-                        force.tangential += forces.next().expect("a force for each row");
-                    }
-                    SideMode::Slide { forward } => {
-                        force.normal += forces.next().expect("a force for each row");
-                        let sign = if *forward { -1.0 } else { 1.0 };
-                        force.tangential = sign * candidate.pair.friction_coefficient * force.normal;
-                    }
-                }
-            }
-        }
-        None
-    }
-
-    /// Equations of the modes at an increment with these forces. `None` where a support stands
-    /// still.
-    fn newton_system(&mut self, at: &Vec3, sides: &Sides, system: &mut Linear, locals: &mut Locals) -> Option<()> {
-        let length = self.step.length;
-        self.fill_locals(at, locals);
-        let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
-        let force_scale = add_ground_friction(self.step.ground, at, &mut gradient, &mut hessian)?;
-        // A gap cannot be closed to less than its rounding, however little the load moves.
-        let rounding = self.candidates.iter().map(|candidate| candidate.rounding(length)).fold(0.0, f64::max);
-        let displacement = (self.step.size(at) * length).max(rounding / STALLED);
-        system.begin(force_scale + gradient.xy().norm(), displacement);
-        for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
-            if *mode == SideMode::Open {
-                continue;
-            }
-            gradient -= force.normal * local.gap.gradient + force.tangential * local.slip.gradient;
-            hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;
-            let friction = candidate.pair.friction_coefficient;
-            match mode {
-                SideMode::Slide { forward } => {
-                    let sign = if *forward { -1.0 } else { 1.0 };
-                    let along = local.gap.gradient + sign * friction * local.slip.gradient;
-                    system.push(local.gap.gradient, along, local.gap.energy);
-                }
-                _ => {
-                    system.push(local.gap.gradient, local.gap.gradient, local.gap.energy);
-                    system.push(local.slip.gradient, local.slip.gradient, local.slip.energy - candidate.slip);
-                }
-            }
-        }
-        system.set_balance(gradient, hessian);
-        Some(())
-    }
-
-    /// Whether the forces push, the signs of slip are those of the modes, and no other pair of
-    /// features overlaps.
-    fn is_admissible(&self, sides: &Sides, locals: &[Local]) -> bool {
-        let closed = CLOSED * self.step.length;
-        sides.iter().zip(locals).zip(self.candidates).all(|(((mode, force), local), candidate)| {
-            let slip = local.slip.energy - candidate.slip;
-            let friction = candidate.pair.friction_coefficient;
-            let touches = local.beyond <= closed && force.normal >= 0.0;
-            match mode {
-                SideMode::Open => local.gap.energy >= -closed || local.beyond > 0.0,
-                SideMode::Stick => touches && force.tangential.abs() <= friction * force.normal,
-                SideMode::Slide { forward } => touches && (friction == 0.0 || (slip >= 0.0) == *forward || slip.abs() <= closed),
-            }
-        })
     }
 
     /// Linear steps from where the search begins.
@@ -357,6 +248,132 @@ impl ContactStep<'_, '_> {
             row_of.push(index);
         }
         (rows, row_of)
+    }
+}
+
+impl<C: Course> ContactStep<'_, C> {
+    /// Gaps and slips at an increment.
+    fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
+        let moved = self.step.moved(at);
+        let local = |candidate: &Candidate| {
+            let place = self.step.seen(&candidate.start, at, &moved);
+            let Pair { features, .. } = &candidate.pair;
+            let mut gap = self.step.by_increment(&features.gap_with_derivatives(&place), at, &moved);
+            gap.energy -= candidate.least_gap;
+            Local {
+                gap,
+                slip: self.step.by_increment(&features.slip_with_derivatives(&place, candidate.slip), at, &moved),
+                beyond: self.surroundings.beyond(&candidate.pair.key, &place),
+            }
+        };
+        locals.clear();
+        locals.extend(self.candidates.iter().map(local));
+    }
+
+    /// Newton's method on the whole step from a guess, for a load that slips on all supports in
+    /// these contact modes. `None` where it does not lead to an answer, or to another one.
+    fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
+        let Newton { at, sides, report } = self.newton(sides, guess)?;
+        let mode = solver.keep_gliding(&at);
+        Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique: true })
+    }
+
+    /// The increment itself. See [`Self::newton_corrector`].
+    pub fn newton(&mut self, sides: &Sides, guess: Vec3) -> Option<Newton> {
+        let n_unknown: usize = sides.iter().map(|(mode, _)| n_forces(*mode)).sum();
+        if n_unknown > 3 || guess == Vec3::zeros() {
+            return None;
+        }
+        let (mut at, mut sides) = (guess, sides.clone());
+        let mut last = f64::INFINITY;
+        // Both are filled anew in each iteration, and are too large to be passed around.
+        let (mut system, mut locals) = (Linear::new(self.step.length()), Locals::new());
+        for iteration in 0..MOST_ITERATIONS {
+            self.newton_system(&at, &sides, &mut system, &mut locals)?;
+            let residual = system.residual();
+            let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
+            if is_done {
+                if !system.is_stable() || !self.is_admissible(&sides, &locals) {
+                    return None;
+                }
+                let n_iterations = iteration as u64;
+                let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
+                return Some(Newton { at, sides, report });
+            }
+            last = residual;
+            let change = system.solve()?;
+            let moved = Vec3::new(change[0], change[1], change[2]);
+            if self.step.size(&moved) > 3.0 * self.step.size(&at) {
+                return None;
+            }
+            at += moved;
+            let mut forces = change[3..].iter();
+            for ((mode, force), candidate) in sides.iter_mut().zip(self.candidates) {
+                match mode {
+                    SideMode::Open => *force = SideForce::default(),
+                    SideMode::Stick => {
+                        force.normal += forces.next().expect("a force for each row");
+                        force.tangential += forces.next().expect("a force for each row");
+                    }
+                    SideMode::Slide { forward } => {
+                        force.normal += forces.next().expect("a force for each row");
+                        let sign = if *forward { -1.0 } else { 1.0 };
+                        force.tangential = sign * candidate.pair.friction_coefficient * force.normal;
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// Equations of the modes at an increment with these forces. `None` where a support stands
+    /// still.
+    fn newton_system(&mut self, at: &Vec3, sides: &Sides, system: &mut Linear, locals: &mut Locals) -> Option<()> {
+        let length = self.step.length();
+        self.fill_locals(at, locals);
+        let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
+        let force_scale = add_ground_friction(self.step.ground(), at, &mut gradient, &mut hessian)?;
+        // A gap cannot be closed to less than its rounding, however little the load moves.
+        let rounding = self.candidates.iter().map(|candidate| candidate.rounding(length)).fold(0.0, f64::max);
+        let displacement = (self.step.size(at) * length).max(rounding / STALLED);
+        system.begin(force_scale + gradient.xy().norm(), displacement);
+        for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
+            if *mode == SideMode::Open {
+                continue;
+            }
+            gradient -= force.normal * local.gap.gradient + force.tangential * local.slip.gradient;
+            hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;
+            let friction = candidate.pair.friction_coefficient;
+            match mode {
+                SideMode::Slide { forward } => {
+                    let sign = if *forward { -1.0 } else { 1.0 };
+                    let along = local.gap.gradient + sign * friction * local.slip.gradient;
+                    system.push(local.gap.gradient, along, local.gap.energy);
+                }
+                _ => {
+                    system.push(local.gap.gradient, local.gap.gradient, local.gap.energy);
+                    system.push(local.slip.gradient, local.slip.gradient, local.slip.energy - candidate.slip);
+                }
+            }
+        }
+        system.set_balance(gradient, hessian);
+        Some(())
+    }
+
+    /// Whether the forces push, the signs of slip are those of the modes, and no other pair of
+    /// features overlaps.
+    fn is_admissible(&self, sides: &Sides, locals: &[Local]) -> bool {
+        let closed = CLOSED * self.step.length();
+        sides.iter().zip(locals).zip(self.candidates).all(|(((mode, force), local), candidate)| {
+            let slip = local.slip.energy - candidate.slip;
+            let friction = candidate.pair.friction_coefficient;
+            let touches = local.beyond <= closed && force.normal >= 0.0;
+            match mode {
+                SideMode::Open => local.gap.energy >= -closed || local.beyond > 0.0,
+                SideMode::Stick => touches && force.tangential.abs() <= friction * force.normal,
+                SideMode::Slide { forward } => touches && (friction == 0.0 || (slip >= 0.0) == *forward || slip.abs() <= closed),
+            }
+        })
     }
 }
 

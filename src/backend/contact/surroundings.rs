@@ -44,6 +44,10 @@ pub struct Pair {
 }
 
 impl Pair {
+    fn of(key: PairKey, features: FeaturePair, obstacle: &Obstacle) -> Self {
+        Self { key, features, friction_coefficient: obstacle.friction_coefficient, restitution: obstacle.restitution }
+    }
+
     /// The mode in which a contact is named: without friction nothing tells sticking from sliding.
     pub fn mode(&self, mode: SideMode) -> SideMode {
         if self.friction_coefficient == 0.0 && mode != SideMode::Open { SideMode::Slide { forward: true } } else { mode }
@@ -186,12 +190,7 @@ impl Surroundings {
         let body = &self.bodies[index].features;
         let deepest = -DEEPEST_START * self.radius;
         let mut add = |kind, of_load, of_obstacle, features: FeaturePair| {
-            let pair = Pair {
-                key: PairKey { obstacle: index, kind, of_load, of_obstacle },
-                features,
-                friction_coefficient: obstacle.friction_coefficient,
-                restitution: obstacle.restitution,
-            };
+            let pair = Pair::of(PairKey { obstacle: index, kind, of_load, of_obstacle }, features, obstacle);
             let (gap, beyond) = (features.gap(at), self.beyond(&pair.key, at));
             let is_near = if beyond > 0.0 { features.distance_beside(gap, beyond) <= reach } else { (deepest..=reach).contains(&gap) };
             if is_near {
@@ -242,6 +241,11 @@ impl Surroundings {
         let (load, body) = (&self.load, &self.bodies[corner_on_edge.obstacle].features);
         load.edges[edge_on_corner.of_load].ends_at(&load.corners[corner_on_edge.of_load].at)
             && body.edges[corner_on_edge.of_obstacle].ends_at(&body.corners[edge_on_corner.of_obstacle].at)
+    }
+
+    /// The pair with this key.
+    pub fn pair(&self, system: &System, key: PairKey) -> Pair {
+        Pair::of(key, self.features(&key), &system.world.obstacles[key.obstacle])
     }
 
     /// Features of a pair.

@@ -23,12 +23,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::increment::{Corrected, Increment, Objective, Wanted, correct, friction_loss, rounding_of_places};
+use crate::backend::friction::FrictionSolver;
+use crate::backend::increment::{Corrected, Course, Increment, Straight, Wanted, correct};
 use crate::backend::springs::{Place, SpringBlocks};
-use crate::math::{Arc, Mat2, Pose, Vec2, Vec3, shift_of};
-use crate::model::support::slip_velocity;
-use crate::model::{Reaction, System};
+use crate::math::{Arc, Vec2, Vec3, shift_of};
+use crate::model::System;
 
 /// Largest length of a step over that of the last one (1). The method is stable up to 1 + sqrt(2)
 /// (Grigorieff, 1983).
@@ -45,53 +44,11 @@ pub struct Past {
     pub duration: f64,
 }
 
-/// Springs along straight paths of position and heading.
-struct Straight<'a> {
-    springs: &'a mut SpringBlocks,
-    /// Pose at the start of the step.
-    start: &'a Pose,
-    /// Radius of the load (m).
-    radius: f64,
-    /// Shift (m, world) and turn (rad) that the last step carries on.
-    carried: (Vec2, f64),
-    /// Rotation from the axes of the increment to world axes.
-    axes: Mat2,
-    /// Turn that these axes belong to (rad).
-    expected_turn: f64,
-}
-
-impl Straight<'_> {
-    /// Shift (m, world) and turn (rad) of the whole step.
-    fn displacement(&self, at: &Vec3) -> (Vec2, f64) {
-        let (shift, turn) = self.carried;
-        (shift + self.axes * at.xy(), turn + at.z)
-    }
-
-    /// Place at the end of the step, and the rotation from the axes there to those of the
-    /// increment.
-    fn place(&self, at: &Vec3) -> (Place, Mat2) {
-        let (shift, turn) = self.displacement(at);
-        let pose = Pose { position: self.start.position + shift, heading: self.start.heading + turn };
-        let back = Arc::of(turn - self.expected_turn).rotation();
-        (Place::turned(pose, self.axes * back.column(0)), back)
-    }
-}
-
-impl Objective for Straight<'_> {
-    fn rounding(&self) -> f64 {
-        rounding_of_places(&self.start.position, self.radius)
-    }
-
-    fn at(&mut self, at: &Vec3) -> Reaction {
-        let (place, back) = self.place(at);
-        self.springs.reaction(&place).in_axes(&back.transpose())
-    }
-
-    fn gradient(&mut self, at: &Vec3) -> Vec3 {
-        let (place, back) = self.place(at);
-        let gradient = self.springs.gradient(&place);
-        (back * gradient.xy()).push(gradient.z)
-    }
+/// Weights a and b of a step over `ratio` times the duration of the last one; `None` where it is
+/// too long for the method.
+pub fn weights(ratio: f64) -> Option<(f64, f64)> {
+    let whole = 1.0 + 2.0 * ratio;
+    (ratio <= LARGEST_RATIO).then(|| (ratio * ratio / whole, (1.0 + ratio) / whole))
 }
 
 /// Step from `start` over `duration` (s), for a load that slips on all supports and did so in
@@ -104,22 +61,14 @@ pub fn step(
     springs: &mut SpringBlocks,
     solver: &mut FrictionSolver,
 ) -> Option<Increment> {
-    let ratio = duration / past.duration;
-    if ratio > LARGEST_RATIO {
-        return None;
-    }
-    let weight = ratio * ratio / (1.0 + 2.0 * ratio);
-    let (shift, turned) = (weight * past.shift, weight * past.turn);
+    let (weight, _) = weights(duration / past.duration)?;
+    let carried @ (shift, turned) = (weight * past.shift, weight * past.turn);
     let turn = start.turn;
     let axes = turn * Arc::of(guess.z).rotation();
     let near = axes.tr_mul(&(shift_of(&turn, guess) - shift)).push(guess.z - turned);
-    let mut objective =
-        Straight { springs, start: &start.pose, radius: system.load.radius, carried: (shift, turned), axes, expected_turn: guess.z };
-    let Corrected { at, mode, report } = correct(&mut objective, solver, system.load.radius, near, None, Wanted::Nearest)?;
-    let (shift, turned) = objective.displacement(&at);
-    let straight = Arc::of(turned).mean_rotation().try_inverse()? * turn.tr_mul(&shift);
-    let twist = straight.push(turned);
-    let goes_on = |offset: &Vec2| slip_velocity(offset, &twist).dot(&slip_velocity(offset, &at)) > 0.0;
-    let is_slip = mode == ContactMode::Slip && system.ground.supports.iter().all(|support| goes_on(&support.offset));
-    is_slip.then(|| Increment { twist, shift, friction: friction_loss(&system.ground, &twist), mode, report })
+    let (ground, radius) = (&system.ground, system.load.radius);
+    let mut objective = Straight { springs, inertia: None, ground, start, radius, carried, axes, expected_turn: guess.z };
+    let Corrected { at, mode, report } = correct(&mut objective, solver, radius, near, None, Wanted::Nearest)?;
+    let increment = objective.found(&at, mode, report);
+    objective.goes_on(&at, &increment).then_some(increment)
 }

@@ -6,7 +6,7 @@
 //!
 //! Steps of a load that touches an obstacle are those of implicit Euler with the conditions of
 //! contact at their end. One whole step and two halves are extrapolated to second order where the
-//! contact modes are the same.
+//! contact modes are the same, and go on by backward differences (`touching`).
 
 use smallvec::SmallVec;
 
@@ -205,7 +205,7 @@ impl Exact<Inertial> {
         state.energy.kinetic = kinetic;
         state.energy.impacts += loss;
         state.energy.obstacle_work += of_obstacles;
-        state.memory.forget_friction();
+        state.memory.forget_steps();
         state.forecast.forget();
         if loss > 0.0 {
             state.side.impacts.push(Impact { time, obstacle, loss });
@@ -218,10 +218,13 @@ impl Exact<Inertial> {
         if self.state.side.touching.is_empty() {
             return self.step_freely(paths, from, to);
         }
-        let mut report = self.step_touching(paths, [from, to], Scope::Touching);
         if self.method.integrator == Integrator::Euler {
+            return self.step_touching(paths, [from, to], Scope::Touching);
+        }
+        if let Some(report) = self.go_on_touching(paths, [from, to]) {
             return report;
         }
+        let mut report = self.step_touching(paths, [from, to], Scope::Touching);
         let whole = (self.flow(), self.contacts(), self.state.contact.last());
         self.reset(start);
         let middle = 0.5 * (from + to);
@@ -240,6 +243,7 @@ impl Exact<Inertial> {
             if falls || self.overlaps_of(&start.state.side.touching, self.time_at(paths, to)) {
                 self.set_flow(&halves.0);
             }
+            self.remember_touching(start, (to - from) * paths.duration);
         }
         StepReport { n_steps: 1, ..report }
     }

@@ -15,6 +15,7 @@ use super::contact::GroundContact;
 use super::dashpots::Dashpots;
 use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped};
+use super::touching::Touched;
 use super::{euler, midpoint, resolution};
 use crate::backend::contact::Scope;
 use crate::backend::friction::ContactMode;
@@ -36,7 +37,7 @@ const SLOW_SUPPORT: f64 = 2.0;
 pub struct Inertial {
     pub(super) integrator: Integrator,
     resolving_step: f64,
-    is_damped: bool,
+    pub(super) is_damped: bool,
     /// Whether steps are shortened where springs are deformed far.
     adapts_step: bool,
     dashpots: Dashpots,
@@ -50,12 +51,15 @@ pub struct Memory {
     /// springs.
     dashpot_on_tip: Vec<Vec2>,
     past: Option<PastFriction>,
+    /// The last step, if the load touched in the same modes all along.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) touched: Option<Touched>,
 }
 
 impl Memory {
-    /// Forgets the friction of the last steps, after a change of velocity.
-    pub(super) fn forget_friction(&mut self) {
-        self.past = None;
+    /// Forgets the last steps, after a change of velocity.
+    pub(super) fn forget_steps(&mut self) {
+        (self.past, self.touched) = (None, None);
     }
 }
 
@@ -63,7 +67,7 @@ impl Exact<Inertial> {
     pub fn inertial(system: &System, start: Motion, stepping: Stepping, integrator: Integrator, skips: Skips) -> Self {
         let is_damped = system.springs.iter().any(|spring| spring.damping_ratio > 0.0);
         let resolving_step = if is_damped { 0.0 } else { 1.0 / system.fastest_rate() };
-        let memory = Memory { dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()], past: None };
+        let memory = Memory { dashpot_on_tip: vec![Vec2::zeros(); system.springs.len()], past: None, touched: None };
         let method = Inertial { integrator, resolving_step, is_damped, adapts_step: false, dashpots: Dashpots::default() };
         Self::with(method, memory, (system.clone(), start), stepping, skips)
     }
@@ -143,7 +147,7 @@ impl Exact<Inertial> {
     }
 
     /// Accepts a step (s) and adds its energies to the ledger.
-    fn accept(&mut self, Stepped { motion, stage, friction, mode, past, side, .. }: &Stepped, step: f64) {
+    pub(super) fn accept(&mut self, Stepped { motion, stage, friction, mode, past, side, .. }: &Stepped, step: f64) {
         let Self { method: Inertial { dashpots, .. }, state, springs, .. } = self;
         let damping = dashpots.loss(stage, step);
         let mut on_dashpots = 0.0;
@@ -155,7 +159,7 @@ impl Exact<Inertial> {
         let kinetic = self.system.load.kinetic_energy(&motion.twist);
         let stood_still = accepted.tips_stood && motion.twist == Twist::ZERO && state.motion.twist == Twist::ZERO;
         state.contact = if stood_still { GroundContact::Settled(*mode) } else { GroundContact::Known(*mode) };
-        (state.motion, state.memory.past) = (*motion, *past);
+        (state.motion, state.memory.past, state.memory.touched) = (*motion, *past, None);
         let energy = &mut state.energy;
         energy.friction += friction;
         energy.side_friction += side.friction;
@@ -196,7 +200,7 @@ impl Method for Inertial {
     }
 
     fn disturb(state: &mut State<Memory>, spring: usize) {
-        state.memory.past = None;
+        state.memory.forget_steps();
         state.memory.dashpot_on_tip[spring] = Vec2::zeros();
     }
 

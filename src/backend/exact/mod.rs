@@ -30,6 +30,7 @@ mod one_step;
 mod quasi_static;
 mod resolution;
 mod side;
+mod touching;
 
 pub use control::{Column, Control};
 pub use inertial::LONGEST_MACRO_STEP;

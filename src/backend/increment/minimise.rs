@@ -1,7 +1,7 @@
 //! The increment, from a guess where it is good and from rest elsewhere.
 
 use super::corrector::{Wanted, correct};
-use super::potential::{Increment, Potential, Step};
+use super::potential::{Course, Increment, Potential, Step};
 use crate::backend::friction::FrictionSolver;
 use crate::math::Vec3;
 use crate::model::Ground;

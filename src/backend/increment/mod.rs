@@ -16,6 +16,7 @@
 //!
 //! ```text
 //! objective  what is minimised, besides friction;  potential: its energy, with all derivatives
+//! straight   the same about a step that goes on from the last one
 //! corrector  Newton's method on springs and friction at once, from a guess
 //! descent    proximal Newton's method from rest: the cone problem with the Hessian of E, made positive
 //!            definite where it is not, and a line search on the true objective
@@ -27,10 +28,11 @@ mod descent;
 mod minimise;
 mod objective;
 mod potential;
+mod straight;
 
 pub(super) use corrector::{Corrected, Wanted, correct};
 pub use descent::positive_definite;
 pub use minimise::{minimise, minimise_step};
-pub(super) use objective::rounding_of_places;
 pub use objective::{LARGEST_RESIDUAL, Objective};
-pub use potential::{Coasting, Increment, Potential, Stage, Step, by_increment, friction_loss, in_body_increments};
+pub use potential::{Coasting, Course, Increment, Potential, Stage, Step, by_increment, friction_loss, in_body_increments};
+pub use straight::Straight;

@@ -89,8 +89,58 @@ pub struct Step<'a> {
     pub length: f64,
 }
 
-impl Step<'_> {
-    pub fn found(&self, twist: &Vec3, mode: ContactMode, report: StepReport) -> Increment {
+/// An objective with what contacts need of it: how an increment moves the load.
+pub trait Course: Objective {
+    /// What all places at one increment have in common.
+    type Moved;
+
+    fn ground(&self) -> &Ground;
+
+    /// Extent of the load (m).
+    fn length(&self) -> f64;
+
+    fn moved(&self, at: &Vec3) -> Self::Moved;
+
+    /// Place of the load at an increment, from its place at the `start` of the step, both in the
+    /// frame of an obstacle.
+    fn seen(&self, start: &Place, at: &Vec3, moved: &Self::Moved) -> Place;
+
+    /// Derivatives by shifts along the load's axes and by its turn, transformed to derivatives by
+    /// the increment.
+    fn by_increment(&self, local: &Reaction, at: &Vec3, moved: &Self::Moved) -> Reaction;
+
+    fn found(&self, at: &Vec3, mode: ContactMode, report: StepReport) -> Increment;
+
+    /// Size of an increment: shift over the extent of the load plus turn (1).
+    fn size(&self, at: &Vec3) -> f64 {
+        at.xy().norm() / self.length() + at.z.abs()
+    }
+}
+
+impl Course for Step<'_> {
+    type Moved = Arc;
+
+    fn ground(&self) -> &Ground {
+        self.ground
+    }
+
+    fn length(&self) -> f64 {
+        self.length
+    }
+
+    fn moved(&self, at: &Vec3) -> Arc {
+        Arc::of(at.z)
+    }
+
+    fn seen(&self, start: &Place, at: &Vec3, arc: &Arc) -> Place {
+        start.moved(&at.xy(), arc)
+    }
+
+    fn by_increment(&self, local: &Reaction, at: &Vec3, arc: &Arc) -> Reaction {
+        by_increment(local, arc, &at.xy())
+    }
+
+    fn found(&self, twist: &Vec3, mode: ContactMode, report: StepReport) -> Increment {
         Increment {
             twist: *twist,
             shift: shift_of(&self.potential.start.turn, twist),
@@ -99,12 +149,9 @@ impl Step<'_> {
             report,
         }
     }
+}
 
-    /// Size of a body twist: shift over the extent of the load plus turn (1).
-    pub fn size(&self, twist: &Vec3) -> f64 {
-        twist.xy().norm() / self.length + twist.z.abs()
-    }
-
+impl Step<'_> {
     /// Place at which the springs act for the increment `twist` along `arc`. With a stage, also its
     /// share and the rotation from the axes there to those at the end.
     fn place(&self, twist: &Vec3, arc: &Arc) -> (Place, Option<(f64, Mat2)>) {
@@ -194,6 +241,17 @@ impl Coasting {
             shift: step * twist.linear,
             turn: step * twist.angular,
             stiffness: (load.mass / (step * step), load.inertia / (step * step)),
+        }
+    }
+
+    /// Energy with its derivatives by a shift along these `axes`, and by a turn, at both.
+    pub(super) fn straight(&self, axes: &Mat2, at: &Vec3) -> Reaction {
+        let (linear, angular) = self.stiffness;
+        let (away, turn) = (at.xy() - axes.tr_mul(&self.shift), at.z - self.turn);
+        Reaction {
+            energy: 0.5 * linear * away.norm_squared() + 0.5 * angular * turn * turn,
+            gradient: (linear * away).push(angular * turn),
+            hessian: Mat3::from_diagonal(&Vec3::new(linear, linear, angular)),
         }
     }
 

@@ -1,0 +1,91 @@
+//! Steps of second order of a load with inertia that goes on touching obstacles in the same modes,
+//! and slipping on all supports.
+//!
+//! With the weights a and b of backward differences (`bdf2`), over h after a step d_n that changed
+//! the velocity from v_(n-1) to v_n:
+//!
+//! ```text
+//! d = a d_n + b h v                 v at the end
+//! M (v - v_n - a (v_n - v_(n-1))) = b h (forces at the end)
+//! gap = 0 and slip = 0 of contacts that stick, at the end
+//! ```
+//!
+//! It takes one solution, where extrapolation takes three, and no impact or change of modes since
+//! the step before the last one.
+
+use serde::{Deserialize, Serialize};
+
+use super::bdf2::{Past, weights};
+use super::inertial::{Inertial, Memory};
+use super::load::{Exact, Snapshot};
+use super::one_step::Stepped;
+use crate::backend::contact::{Scope, Task};
+use crate::backend::increment::{Coasting, Straight};
+use crate::backend::springs::TipPaths;
+use crate::backend::{Motion, StepReport};
+use crate::math::{Arc, Pose, Twist, Vec3};
+
+/// A step in which the load touched in the same modes all along.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Touched {
+    step: Past,
+    /// Velocity before it (m/s, rad/s).
+    before: Twist,
+}
+
+impl Exact<Inertial> {
+    /// Takes note of the step of this `duration` (s) since the `start`, if nothing has changed at
+    /// the obstacles.
+    pub(super) fn remember_touching(&mut self, start: &Snapshot<Memory>, duration: f64) {
+        let modes = |side: &super::side::SideState| side.touching.iter().map(|it| (it.key, it.mode)).collect::<Vec<_>>();
+        let state = &mut self.state;
+        if modes(&start.state.side) == modes(&state.side) {
+            let Motion { pose, twist } = start.state.motion;
+            let shift = state.motion.pose.position - pose.position;
+            let step = Past { shift, turn: state.motion.pose.heading - pose.heading, duration };
+            state.memory.touched = Some(Touched { step, before: twist });
+        }
+    }
+
+    /// Takes a step by backward differences; `None`, and none is taken, where the load does not go
+    /// on as in the last one.
+    pub(super) fn go_on_touching(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> Option<StepReport> {
+        let Touched { step: past, before } = self.state.memory.touched.filter(|_| !self.method.is_damped)?;
+        let step = (to - from) * paths.duration;
+        let (a, b) = weights(step / past.duration)?;
+        let end = self.state.side.time + to * paths.duration;
+        let Self { system, springs, state, solver, obstacles, .. } = self;
+        let Motion { pose, twist } = state.motion;
+        springs.refresh(&system.springs, &pose);
+        springs.place_tips(paths, to);
+        let start = *springs.place();
+        let share = b * step;
+        let change = Twist { linear: twist.linear - before.linear, angular: twist.angular - before.angular };
+        let carried = (a * past.shift, a * past.turn);
+        let goes_on =
+            |weight: f64| Twist { linear: twist.linear + weight * change.linear, angular: twist.angular + weight * change.angular };
+        let expected = goes_on(step / past.duration);
+        let expected_turn = carried.1 + share * expected.angular;
+        let axes = start.turn * Arc::of(expected_turn).rotation();
+        let guess = share * axes.tr_mul(&expected.linear).push(expected.angular);
+        let inertia = Some(Coasting::of(&system.load, &goes_on(a), share));
+        let (ground, radius) = (&system.ground, system.load.radius);
+        let mut course = Straight { springs: springs.blocks(), inertia, ground, start: &start, radius, carried, axes, expected_turn };
+        let task = Task { from: end - step, to: end, guess: Some(guess), has_inertia: true, scope: Scope::Touching, is_smooth: true };
+        let (found, side, at) = obstacles.as_mut()?.go_on(system, &mut course, solver, &mut state.side.touching, &task)?;
+        let moved = Pose { position: pose.position + found.shift, heading: pose.heading + found.twist.z };
+        let pose = if side.push_out == Vec3::zeros() { moved } else { moved.moved_by(&side.push_out) };
+        let motion = Motion { pose, twist: Twist { linear: axes * at.xy() / share, angular: at.z / share } };
+        if !motion.pose.is_finite() || !motion.twist.is_finite() {
+            return None;
+        }
+        state.side.now = end;
+        state.forecast.learn(&found, step);
+        let report = found.report;
+        let stepped = Stepped { motion, stage: pose, friction: found.friction, mode: found.mode, past: None, side, report };
+        self.accept(&stepped, step);
+        let step = Past { shift: found.shift, turn: found.twist.z, duration: step };
+        self.state.memory.touched = Some(Touched { step, before: twist });
+        Some(report)
+    }
+}
