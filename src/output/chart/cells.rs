@@ -5,13 +5,12 @@
 //! have names. Places on a panel are shares of its width and height (0 to 1, from the lower left).
 
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::ContourPlot;
 use kuva::render::color::Color;
-use kuva::render::layout::Layout;
-use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
+use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use crate::output::chart::axis::power_label;
 use crate::output::chart::canvas::{FONTS, plain};
+pub use crate::output::chart::cell_axis::{CellAxis, place};
+pub use crate::output::chart::level::Level;
 use crate::output::chart::panel::Style;
 
 /// One panel.
@@ -29,27 +28,6 @@ pub struct CellMap {
     pub bars: Vec<[[f64; 2]; 2]>,
     /// Words on free places: each stands at the first of its places where it fits.
     pub words: Vec<(String, Vec<[f64; 2]>)>,
-}
-
-/// An axis of a panel.
-#[derive(Clone, Debug, Default)]
-pub struct CellAxis {
-    pub name: String,
-    /// Number of cells.
-    pub n: usize,
-    /// Places of the ticks and their labels.
-    pub ticks: Vec<(f64, String)>,
-}
-
-/// The lines on which a field has one value, with a word on the longest of them.
-#[derive(Clone, Debug)]
-pub struct Level {
-    /// Values of the field in rows of equal y, from the middles of the first cells to those of the
-    /// last; NaN where there is none.
-    pub field: Vec<Vec<f64>>,
-    pub at: f64,
-    pub style: Style,
-    pub word: &'static str,
 }
 
 /// Part of a legend.
@@ -148,7 +126,12 @@ impl Area {
         for (points, style) in &map.lines {
             stroke(scene, points.iter().map(|place| self.at(*place)).collect(), style);
         }
-        let longest: Vec<Vec<(f64, f64)>> = map.levels.iter().map(|level| self.level(scene, map, level)).collect();
+        let longest = map.levels.iter().map(|level| {
+            let lines = level.lines([left, top], [width, height], [map.x.n, map.y.n]);
+            lines.iter().for_each(|line| stroke(scene, line.clone(), &level.style));
+            lines.into_iter().max_by_key(Vec::len).unwrap_or_default()
+        });
+        let longest: Vec<Vec<(f64, f64)>> = longest.collect();
         for [from, to] in map.bars.iter().map(|ends| ends.map(|end| self.at(end))) {
             bar(scene, from, to);
         }
@@ -181,32 +164,6 @@ impl Area {
                 from += run.len();
             }
         }
-    }
-
-    /// Draws the lines of a level and returns the longest of them.
-    fn level(&self, scene: &mut Scene, map: &CellMap, level: &Level) -> Vec<(f64, f64)> {
-        let nodes = |n: usize| (0..n).map(|i| i as f64 / (n.max(2) - 1) as f64).collect::<Vec<f64>>();
-        let (n, m) = (level.field.first().map_or(0, Vec::len), level.field.len());
-        let plot = ContourPlot::new().with_grid(level.field.clone(), nodes(n), nodes(m)).with_levels(&[level.at]).with_line_color("black");
-        let (width, height) = (self.width * (1.0 - 1.0 / map.x.n as f64), self.height * (1.0 - 1.0 / map.y.n as f64));
-        let layout = Layout::new((0.0, 1.0), (0.0, 1.0))
-            .with_width(width)
-            .with_height(height)
-            .with_force_margins(0.0, 0.0)
-            .with_force_margins_y(0.0, 0.0)
-            .with_x_axis_min(0.0)
-            .with_x_axis_max(1.0)
-            .with_y_axis_min(0.0)
-            .with_y_axis_max(1.0)
-            .with_show_grid(false);
-        let drawn = render_multiple(vec![plot.into()], layout);
-        let paths = drawn.elements.into_iter().filter_map(|it| if let Primitive::Path(path) = it { Some(path.d) } else { None });
-        let (x, y) = (self.left + 0.5 * (self.width - width), self.top + 0.5 * (self.height - height));
-        let lines = joined(paths.flat_map(|path| segments(&path)).collect());
-        let lines: Vec<Vec<(f64, f64)>> =
-            lines.into_iter().map(|line| line.into_iter().map(|[px, py]| (x + px, y + py)).collect()).collect();
-        lines.iter().for_each(|line| stroke(scene, line.clone(), &level.style));
-        lines.into_iter().max_by_key(Vec::len).unwrap_or_default()
     }
 
     /// A word with a white halo at the first of these places that lies inside and on no other word.
@@ -262,35 +219,6 @@ impl Area {
             });
         }
     }
-}
-
-/// Ends of the segments in the path of a contour plot, without those that touch a missing value.
-fn segments(path: &str) -> Vec<[[f64; 2]; 2]> {
-    let numbers: Vec<f64> = path.split_whitespace().filter_map(|word| word.trim_start_matches(['M', 'L']).parse().ok()).collect();
-    let segments = numbers.chunks_exact(4).map(|ends| [[ends[0], ends[1]], [ends[2], ends[3]]]);
-    segments.filter(|segment| segment.iter().flatten().all(|value| value.is_finite())).collect()
-}
-
-/// The segments as whole lines, so that dashes run on from one to the next.
-fn joined(mut segments: Vec<[[f64; 2]; 2]>) -> Vec<Vec<[f64; 2]>> {
-    let mut lines = Vec::new();
-    while let Some([a, b]) = segments.pop() {
-        let mut line = vec![a, b];
-        for _ in 0..2 {
-            let is_end = |end: &[f64; 2], line: &Vec<[f64; 2]>| {
-                let last = line[line.len() - 1];
-                (end[0] - last[0]).abs() + (end[1] - last[1]).abs() < 0.03
-            };
-            while let Some(at) = segments.iter().position(|ends| ends.iter().any(|end| is_end(end, &line))) {
-                let [a, b] = segments.swap_remove(at);
-                line.push(if is_end(&a, &line) { b } else { a });
-            }
-            // Then on from its other end.
-            line.reverse();
-        }
-        lines.push(line);
-    }
-    lines
 }
 
 /// Draws keys from the left, on as many lines as they need; gives the last of these (px).
@@ -382,89 +310,9 @@ pub fn viridis(share: f64) -> String {
     kuva::plot::ColorMap::Viridis.map(share)
 }
 
-impl CellAxis {
-    /// An axis of cells about `values`, with up to `most` ticks: whole decades where the values go
-    /// by factors over more than 50, zero apart.
-    pub fn of(name: impl Into<String>, values: &[f64], most: usize) -> Self {
-        let n = values.len();
-        let first = usize::from(values[0] == 0.0);
-        let (low, high) = (values[first], values[n - 1]);
-        if low > 0.0 && high / low >= 50.0 {
-            return Self::decades(name, values, most);
-        }
-        let tick = |at: usize| ((at as f64 + 0.5) / n as f64, format!("{:.2}", values[at]));
-        Self { name: name.into(), n, ticks: (0..n).step_by(n.div_ceil(most)).map(tick).collect() }
-    }
-
-    /// An axis of cells about `values`, which go by factors and may begin with zero, with up to
-    /// `most` ticks at whole decades.
-    pub fn decades(name: impl Into<String>, values: &[f64], most: usize) -> Self {
-        let (n, first) = (values.len(), usize::from(values[0] == 0.0));
-        let middle = |at: f64| (at + 0.5) / n as f64;
-        let above = &values[first..];
-        let (low, high) = ((above[0].log10() - 1e-9).ceil() as i32, (above[above.len() - 1].log10() + 1e-9).floor() as i32);
-        let step = ((high - low).max(1) as usize).div_ceil(most - 1);
-        let label =
-            |decade: i32| if (0..3).contains(&decade) { 10_i32.pow(decade as u32).to_string() } else { power_label(f64::from(decade)) };
-        let tick = |decade: i32| (middle(first as f64 + place(above, 10f64.powi(decade))), label(decade));
-        let zero = (first == 1).then(|| (middle(0.0), "0".to_owned()));
-        Self { name: name.into(), n, ticks: zero.into_iter().chain((low..=high).step_by(step).map(tick)).collect() }
-    }
-
-    /// An axis of cells with names.
-    pub fn of_names(names: &[&str]) -> Self {
-        let n = names.len();
-        let ticks = names.iter().enumerate().map(|(at, name)| ((at as f64 + 0.5) / n as f64, (*name).to_owned())).collect();
-        Self { name: String::new(), n, ticks }
-    }
-}
-
-/// Place of `value` among `values`, which go by factors: 0 at the first, 1 at the second.
-pub fn place(values: &[f64], value: f64) -> f64 {
-    let next = values.partition_point(|other| *other < value * (1.0 - 1e-9)).clamp(1, values.len().max(2) - 1);
-    let (Some(a), Some(b)) = (values.get(next - 1), values.get(next)) else { return 0.0 };
-    next as f64 - 1.0 + (value.log10() - a.log10()) / (b.log10() - a.log10())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_stand_at_the_cells_of_their_values() {
-        let values: Vec<f64> = std::iter::once(0.0).chain((-6..=0).map(|decade| 10f64.powi(decade))).collect();
-        let ticks = CellAxis::of("step", &values, 7).ticks;
-        assert_eq!(ticks.len(), 8);
-        assert_eq!((ticks[0].1.as_str(), ticks[1].1.as_str(), ticks[7].1.as_str()), ("0", "10⁻⁶", "1"));
-        // The middle of the second of eight cells, and of the last.
-        assert!((ticks[1].0 - 1.5 / 8.0).abs() < 1e-9 && (ticks[7].0 - 7.5 / 8.0).abs() < 1e-9, "{ticks:?}");
-        assert!((place(&[0.3, 3.0, 30.0], 0.03) + 1.0).abs() < 1e-12, "beyond the first value");
-    }
-
-    /// A circle by the chords of a grid is one closed line; squares with a missing value have none.
-    #[test]
-    fn lines_of_equal_value_are_whole_and_leave_gaps() {
-        let field = |hole: bool| -> Vec<Vec<f64>> {
-            let axis = || (-10..=10).map(|i| 0.1 * f64::from(i));
-            axis().map(|y| axis().map(|x| if hole && x > 0.0 { f64::NAN } else { x.hypot(y) }).collect()).collect()
-        };
-        let style = Style { color: "#d0006f", dash: "7 4", width: 2.0 };
-        let axis = CellAxis { n: 21, ..CellAxis::default() };
-        let map = CellMap { x: axis.clone(), y: axis, ..CellMap::default() };
-        let area = Area { left: 0.0, top: 0.0, width: 210.0, height: 210.0, words: Vec::new() };
-        let drawn = |hole: bool| {
-            let mut scene = Scene::new(210.0, 210.0);
-            let line = area.level(&mut scene, &map, &Level { field: field(hole), at: 0.73, style, word: "" });
-            (scene.elements.len(), line)
-        };
-        let (n_lines, line) = drawn(false);
-        assert_eq!(n_lines, 1);
-        // 73 px about the middle of the panel, to the square of the grid over eight radii.
-        assert!(line.iter().all(|(x, y)| ((x - 105.0).hypot(y - 105.0) - 73.0).abs() < 0.3), "{line:?}");
-        assert!((line[0].0 - line[line.len() - 1].0).abs() < 0.1);
-        let (_, half) = drawn(true);
-        assert!(!half.is_empty() && half.iter().all(|(x, _)| *x < 106.0), "{half:?}");
-    }
 
     /// As many words as there is room for, and no two on each other.
     #[test]

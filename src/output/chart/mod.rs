@@ -17,14 +17,19 @@
 //! unit.rs        units that fit the largest value of a panel
 //! axis.rs        ranges, ticks and their labels
 //! thin.rs        fewer points, same picture
-//! canvas.rs      panels -> SVG; the only file that knows the plotting library
+//! canvas.rs      panels -> SVG
+//! cells.rs       maps of cells -> SVG
+//! cell_axis.rs   axis of a map of cells: ticks and their labels
+//! level.rs       lines of equal value over a map of cells
 //! ```
 
 pub mod axis;
 pub mod bars;
 pub mod canvas;
+mod cell_axis;
 pub mod cells;
 pub mod difference;
+mod level;
 pub mod outline;
 pub mod panel;
 pub mod panels;
