@@ -11,38 +11,14 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use twox_hash::XxHash3_128;
 
+pub use crate::output::earlier::{FolderError, MANIFEST, check_files, check_target};
+use crate::output::earlier::{at, check_in_turn, in_text};
 use crate::output::json;
 use crate::output::manifest::Manifest;
-use crate::output::manifest::PROGRAM;
 use crate::output::sibling::{Partial, folder_beside, turn_at};
-
-pub const MANIFEST: &str = "manifest.json";
-
-/// Why an output folder was not written.
-#[derive(Debug, thiserror::Error)]
-pub enum FolderError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
-    #[error("{}: {source}", path.display())]
-    Content { path: PathBuf, source: Box<dyn std::error::Error + Send + Sync> },
-    #[error("{}: is a file; an output folder needs a name of its own", path.display())]
-    IsFile { path: PathBuf },
-    #[error("{}: is not empty and no earlier output of this program: it has no {MANIFEST} of it", path.display())]
-    Foreign { path: PathBuf },
-    #[error("{}: is not part of the earlier output beside it; move it away, or write to another folder", path.display())]
-    ForeignFile { path: PathBuf },
-    #[error("{}: is a link to what is not there; write to a folder, or to a link to one", path.display())]
-    DanglingLink { path: PathBuf },
-    #[error("{}: is a mount point, in whose place no folder can be put; write to a folder inside it", path.display())]
-    MountPoint { path: PathBuf },
-    #[error("{}: must be as it was written, found {found}; move the folder away, or write to another", path.display())]
-    Changed { path: PathBuf, found: &'static str },
-    #[error("{}: is or holds the working folder; write to a folder inside it", path.display())]
-    WorkingFolder { path: PathBuf },
-}
 
 /// A folder being written. Dropped before [`OutputFolder::finish`] it leaves nothing.
 #[derive(Debug)]
@@ -57,114 +33,12 @@ pub struct OutputFolder {
     made: Vec<PathBuf>,
 }
 
-/// The manifest as written, and as much of it as is read back.
+/// The manifest as written.
 #[derive(Serialize)]
 struct Listed<'a> {
     #[serde(flatten)]
     manifest: &'a Manifest,
     files: &'a BTreeMap<String, String>,
-}
-
-#[derive(Deserialize)]
-struct Earlier {
-    program: String,
-    files: BTreeMap<String, String>,
-}
-
-/// Whether an output may be written to `target`: it is missing, empty, or an earlier output that
-/// holds nothing else. Changes nothing: ask before a long run.
-///
-/// # Errors
-/// When it may not.
-pub fn check_target(target: &Path) -> Result<(), FolderError> {
-    let _turn = turn_at(target);
-    check_in_turn(target)
-}
-
-fn check_in_turn(target: &Path) -> Result<(), FolderError> {
-    let metadata = match fs::metadata(target) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            // Without a slash at its end, which stands for where a link leads.
-            let is_link = fs::symlink_metadata(target.components().as_path()).is_ok();
-            return if is_link { Err(FolderError::DanglingLink { path: target.to_owned() }) } else { Ok(()) };
-        }
-        other => other.map_err(at(target))?,
-    };
-    if !metadata.is_dir() {
-        return Err(FolderError::IsFile { path: target.to_owned() });
-    }
-    let whole = fs::canonicalize(target).map_err(at(target))?;
-    if std::env::current_dir().is_ok_and(|here| here.starts_with(&whole)) {
-        return Err(FolderError::WorkingFolder { path: target.to_owned() });
-    }
-    if is_mount_point(&whole, &metadata) {
-        return Err(FolderError::MountPoint { path: target.to_owned() });
-    }
-    let mut names = Vec::new();
-    for entry in fs::read_dir(target).map_err(at(target))? {
-        names.push(entry.map_err(at(target))?.file_name());
-    }
-    if names.is_empty() {
-        return Ok(());
-    }
-    let earlier = earlier_output(target).ok_or_else(|| FolderError::Foreign { path: target.to_owned() })?;
-    let belongs = |name: &str| name == MANIFEST || earlier.files.contains_key(name);
-    match names.iter().find(|name| !name.to_str().is_some_and(belongs)) {
-        Some(foreign) => Err(FolderError::ForeignFile { path: target.join(foreign) }),
-        None => Ok(()),
-    }
-}
-
-/// Whether another file system begins with this folder, as far as the system tells.
-#[cfg(unix)]
-fn is_mount_point(folder: &Path, metadata: &fs::Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    folder.parent().and_then(|parent| fs::metadata(parent).ok()).is_none_or(|parent| parent.dev() != metadata.dev())
-}
-
-#[cfg(not(unix))]
-fn is_mount_point(_: &Path, _: &fs::Metadata) -> bool {
-    false
-}
-
-/// Whether all files of an earlier output are there as its manifest has them.
-///
-/// # Errors
-/// When one of them is missing, cannot be read, or is another.
-pub fn check_files(folder: &Path) -> Result<(), FolderError> {
-    let earlier = earlier_output(folder).ok_or_else(|| FolderError::Foreign { path: folder.to_owned() })?;
-    for (name, hash) in &earlier.files {
-        let path = folder.join(name);
-        let mut file = match File::open(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(FolderError::Changed { path, found: "nothing" }),
-            file => file.map_err(at(&path))?,
-        };
-        let mut hashed = Hashed(XxHash3_128::new());
-        io::copy(&mut file, &mut hashed).map_err(at(&path))?;
-        if in_text(hashed.0.finish_128()) != *hash {
-            return Err(FolderError::Changed { path, found: "another hash than its manifest's" });
-        }
-    }
-    Ok(())
-}
-
-/// What is written to it is only hashed.
-struct Hashed(XxHash3_128);
-
-impl Write for Hashed {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.write(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-fn earlier_output(folder: &Path) -> Option<Earlier> {
-    let text = fs::read(folder.join(MANIFEST)).ok()?;
-    serde_json::from_slice(&text).ok().filter(|earlier: &Earlier| earlier.program == PROGRAM)
 }
 
 impl OutputFolder {
@@ -317,18 +191,6 @@ impl Write for OutputFile {
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
     }
-}
-
-/// Text of a file's hash in a manifest. XXH3 detects a truncated or changed file as reliably as a
-/// cryptographic hash, in far less time. It does not protect against forgery, which the unsigned
-/// manifest could not do with any hash.
-fn in_text(hash: u128) -> String {
-    format!("xxh128:{hash:032x}")
-}
-
-pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
-    let path = path.to_owned();
-    move |source| FolderError::Io { path, source }
 }
 
 #[cfg(test)]

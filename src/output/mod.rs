@@ -2,6 +2,7 @@
 //! Knows no study.
 
 pub mod chart;
+mod earlier;
 pub mod folder;
 pub mod glossary;
 pub mod json;

@@ -1,0 +1,150 @@
+//! What may stand where an output goes: an earlier output that its manifest tells from other files.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use twox_hash::XxHash3_128;
+
+use crate::output::manifest::PROGRAM;
+use crate::output::sibling::turn_at;
+
+pub const MANIFEST: &str = "manifest.json";
+
+/// Why an output folder was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: io::Error },
+    #[error("{}: {source}", path.display())]
+    Content { path: PathBuf, source: Box<dyn std::error::Error + Send + Sync> },
+    #[error("{}: is a file; an output folder needs a name of its own", path.display())]
+    IsFile { path: PathBuf },
+    #[error("{}: is not empty and no earlier output of this program: it has no {MANIFEST} of it", path.display())]
+    Foreign { path: PathBuf },
+    #[error("{}: is not part of the earlier output beside it; move it away, or write to another folder", path.display())]
+    ForeignFile { path: PathBuf },
+    #[error("{}: is a link to what is not there; write to a folder, or to a link to one", path.display())]
+    DanglingLink { path: PathBuf },
+    #[error("{}: is a mount point, in whose place no folder can be put; write to a folder inside it", path.display())]
+    MountPoint { path: PathBuf },
+    #[error("{}: must be as it was written, found {found}; move the folder away, or write to another", path.display())]
+    Changed { path: PathBuf, found: &'static str },
+    #[error("{}: is or holds the working folder; write to a folder inside it", path.display())]
+    WorkingFolder { path: PathBuf },
+}
+
+/// The part of a manifest that is read back.
+#[derive(Deserialize)]
+struct Earlier {
+    program: String,
+    files: BTreeMap<String, String>,
+}
+
+/// Whether an output may be written to `target`: it is missing, empty, or an earlier output that
+/// holds nothing else. Changes nothing: ask before a long run.
+///
+/// # Errors
+/// When it may not.
+pub fn check_target(target: &Path) -> Result<(), FolderError> {
+    let _turn = turn_at(target);
+    check_in_turn(target)
+}
+
+pub(super) fn check_in_turn(target: &Path) -> Result<(), FolderError> {
+    let metadata = match fs::metadata(target) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            // Without a slash at its end, which stands for where a link leads.
+            let is_link = fs::symlink_metadata(target.components().as_path()).is_ok();
+            return if is_link { Err(FolderError::DanglingLink { path: target.to_owned() }) } else { Ok(()) };
+        }
+        other => other.map_err(at(target))?,
+    };
+    if !metadata.is_dir() {
+        return Err(FolderError::IsFile { path: target.to_owned() });
+    }
+    let whole = fs::canonicalize(target).map_err(at(target))?;
+    if std::env::current_dir().is_ok_and(|here| here.starts_with(&whole)) {
+        return Err(FolderError::WorkingFolder { path: target.to_owned() });
+    }
+    if is_mount_point(&whole, &metadata) {
+        return Err(FolderError::MountPoint { path: target.to_owned() });
+    }
+    let names = fs::read_dir(target).and_then(|all| all.map(|entry| Ok(entry?.file_name())).collect::<io::Result<Vec<_>>>());
+    let names = names.map_err(at(target))?;
+    if names.is_empty() {
+        return Ok(());
+    }
+    let earlier = earlier_output(target).ok_or_else(|| FolderError::Foreign { path: target.to_owned() })?;
+    let belongs = |name: &str| name == MANIFEST || earlier.files.contains_key(name);
+    match names.iter().find(|name| !name.to_str().is_some_and(belongs)) {
+        Some(foreign) => Err(FolderError::ForeignFile { path: target.join(foreign) }),
+        None => Ok(()),
+    }
+}
+
+/// Whether another file system begins with this folder, as far as the system tells.
+#[cfg(unix)]
+fn is_mount_point(folder: &Path, metadata: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    folder.parent().and_then(|parent| fs::metadata(parent).ok()).is_none_or(|parent| parent.dev() != metadata.dev())
+}
+
+#[cfg(not(unix))]
+fn is_mount_point(_: &Path, _: &fs::Metadata) -> bool {
+    false
+}
+
+/// Whether all files of an earlier output are there as its manifest has them.
+///
+/// # Errors
+/// When one of them is missing, cannot be read, or is another.
+pub fn check_files(folder: &Path) -> Result<(), FolderError> {
+    let earlier = earlier_output(folder).ok_or_else(|| FolderError::Foreign { path: folder.to_owned() })?;
+    for (name, hash) in &earlier.files {
+        let path = folder.join(name);
+        let mut file = match File::open(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(FolderError::Changed { path, found: "nothing" }),
+            file => file.map_err(at(&path))?,
+        };
+        let mut hashed = Hashed(XxHash3_128::new());
+        io::copy(&mut file, &mut hashed).map_err(at(&path))?;
+        if in_text(hashed.0.finish_128()) != *hash {
+            return Err(FolderError::Changed { path, found: "another hash than its manifest's" });
+        }
+    }
+    Ok(())
+}
+
+/// What is written to it is only hashed.
+struct Hashed(XxHash3_128);
+
+impl Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn earlier_output(folder: &Path) -> Option<Earlier> {
+    let text = fs::read(folder.join(MANIFEST)).ok()?;
+    serde_json::from_slice(&text).ok().filter(|earlier: &Earlier| earlier.program == PROGRAM)
+}
+
+/// Text of a file's hash in a manifest. XXH3 detects a truncated or changed file as reliably as a
+/// cryptographic hash, in far less time. It does not protect against forgery, which the unsigned
+/// manifest could not do with any hash.
+pub(super) fn in_text(hash: u128) -> String {
+    format!("xxh128:{hash:032x}")
+}
+
+pub(super) fn at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
+    let path = path.to_owned();
+    move |source| FolderError::Io { path, source }
+}
