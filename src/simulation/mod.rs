@@ -22,3 +22,6 @@ pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller
 pub use run::{MakeBackend, Simulation, backend_of};
 pub use saved::SavedRun;
 pub use trace::{Event, EventKind, Keep, Outcome, Row, Trace};
+
+#[cfg(test)]
+mod tests;

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::controllers::{Controller, controller_of};
-use super::run::{Simulation, Totals, attached_tips, backend_of};
-use super::trace::{Keep, Trace};
+use super::run::{Simulation, attached_tips, backend_of};
+use super::trace::{Keep, Totals, Trace};
 use crate::backend::{Backend, BackendOptions, RestoreError, SaveError, SavedState};
 use crate::scenario::Scenario;
 

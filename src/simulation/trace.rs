@@ -93,6 +93,17 @@ pub enum EventKind {
 /// bound of its memory.
 pub const MOST_CONTACT_TRANSITIONS: usize = 50;
 
+/// What is added up over the advances of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Totals {
+    pub steps: StepReport,
+    /// Largest error bound of the pose so far; `None` where the backend finds none.
+    pub error: Option<PoseError>,
+    pub transitions: TransitionCounts,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contact_transitions: Vec<Transition>,
+}
+
 /// Result of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
