@@ -11,121 +11,8 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use sha2::{Digest, Sha256};
-
-use crate::output::sibling::write_whole;
-
-/// Why a journal cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum JournalError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
-    /// The file is damaged, is in use, or is not a journal.
-    #[error("{}: {what}", path.display())]
-    Unusable { path: PathBuf, what: String },
-    /// The journal was written for another question or by another build.
-    #[error("{}: is of another {study}: {}; finish that one, or remove the file", path.display(), differences.join("; "))]
-    Other { path: PathBuf, study: String, differences: Vec<String> },
-}
-
-impl JournalError {
-    pub fn unusable(path: &Path, what: impl Into<String>) -> Self {
-        Self::Unusable { path: path.to_owned(), what: what.into() }
-    }
-}
-
-/// Adds the path of a file to an error of the system, for `map_err`.
-pub fn at(path: &Path) -> impl FnOnce(io::Error) -> JournalError {
-    let path = path.to_owned();
-    move |source| JournalError::Io { path, source }
-}
-
-/// What the records of a file belong to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Header {
-    /// Name of the study.
-    pub study: String,
-    /// Everything that a record depends on: the build, the question and the options.
-    pub identity: Value,
-    /// First task of the file.
-    pub begin: u64,
-    /// First task after those of the file.
-    pub end: u64,
-}
-
-impl Header {
-    /// Header of the tasks `range` of a study.
-    ///
-    /// # Panics
-    /// When `identity` is not plain data.
-    pub fn new(study: &str, identity: &impl Serialize, range: Range<u64>) -> Self {
-        let identity = serde_json::to_value(identity).expect("an identity is plain data");
-        Self { study: study.to_owned(), identity, begin: range.start, end: range.end }
-    }
-
-    /// The line of the header, with mark and end.
-    pub fn line(&self) -> String {
-        marked(&serde_json::to_string(self).expect("a header is plain data"))
-    }
-
-    fn parse(line: &[u8]) -> Option<Self> {
-        serde_json::from_str(unmarked(line)?).ok()
-    }
-
-    /// Header of the file at `path`.
-    ///
-    /// # Errors
-    /// When the file cannot be read, or does not begin with a header.
-    pub fn read(path: &Path) -> Result<Self, JournalError> {
-        let mut line = Vec::new();
-        BufReader::new(File::open(path).map_err(at(path))?).read_until(b'\n', &mut line).map_err(at(path))?;
-        Self::parse(&line).ok_or_else(|| not_a_journal(path))
-    }
-
-    /// Compares the header that was `found` at `path` with this one.
-    ///
-    /// # Errors
-    /// When the records belong to another question; the error lists the differences.
-    pub fn check(&self, path: &Path, found: &Header) -> Result<(), JournalError> {
-        let (study, mut differences) = if self.study == found.study {
-            (self.study.clone(), differences(&self.identity, &found.identity))
-        } else {
-            ("study".to_owned(), vec![format!("it is {}, not {}", found.study, self.study)])
-        };
-        if differences.is_empty() && (self.begin, self.end) != (found.begin, found.end) {
-            differences.push(format!("tasks are {} to {}, not {} to {}", found.begin, found.end, self.begin, self.end));
-        }
-        if differences.is_empty() { Ok(()) } else { Err(JournalError::Other { path: path.to_owned(), study, differences }) }
-    }
-}
-
-fn not_a_journal(path: &Path) -> JournalError {
-    let what = "is not a journal that this version of cohaul reads; remove the file to begin again";
-    JournalError::unusable(path, what)
-}
-
-/// Keys whose values differ, each with the value that was `found` and the one `asked` for.
-pub fn differences(asked: &Value, found: &Value) -> Vec<String> {
-    let of = |value: &Value, key: &str| value.get(key).map_or_else(|| "absent".to_owned(), shortened);
-    let mut keys: Vec<&String> = [asked, found].into_iter().filter_map(Value::as_object).flat_map(|map| map.keys()).collect();
-    keys.sort_unstable();
-    keys.dedup();
-    let differing = keys.into_iter().filter(|key| asked.get(*key) != found.get(*key));
-    differing.map(|key| format!("{key} is {}, not {}", of(found, key), of(asked, key))).collect()
-}
-
-fn shortened(value: &Value) -> String {
-    const MOST: usize = 160;
-    let text = value.to_string();
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text,
-    }
-}
+pub use super::journal_text::{Header, JournalError, at, differences, load_single, marked, save_single, task_of, unmarked};
+use super::journal_text::{MARK, not_a_journal};
 
 /// A journal that is open for new records. No other process can open it meanwhile.
 pub struct Journal {
@@ -148,9 +35,6 @@ impl Drop for Journal {
         let _ = self.file.unlock();
     }
 }
-
-/// Digits of a line's hash, and the space behind them.
-const MARK: usize = 9;
 
 impl Journal {
     /// Opens the journal at `path`, which is new or was left by a program that was stopped.
@@ -293,57 +177,6 @@ impl Journal {
     }
 }
 
-/// Writes a journal of one record to `path`, completely or not at all.
-///
-/// # Errors
-/// When the disk fails.
-///
-/// # Panics
-/// When the record is not plain data.
-pub fn save_single(path: &Path, study: &str, record: &impl Serialize) -> Result<(), JournalError> {
-    let text = serde_json::to_string(record).expect("a record is plain data");
-    let text = Header::new(study, &Value::Null, 0..1).line() + &marked(&format!("0,{text}"));
-    write_whole(path, |file| file.write_all(text.as_bytes())).map_err(at(path))
-}
-
-/// Reads the record of a journal that [`save_single`] wrote; `None` if there is no file.
-///
-/// # Errors
-/// When the file cannot be read, or is not a whole journal of such a record.
-pub fn load_single<R: DeserializeOwned>(path: &Path, study: &str) -> Result<Option<R>, JournalError> {
-    let bytes = match std::fs::read(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        bytes => bytes.map_err(at(path))?,
-    };
-    let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
-    let is_asked = lines.next().and_then(Header::parse).is_some_and(|header| header.study == study);
-    let record = lines.next().and_then(unmarked).and_then(|line| line.strip_prefix("0,")).filter(|_| is_asked);
-    let not_saved = |why: &str| JournalError::unusable(path, format!("is not a saved {study}{why}"));
-    let record = record.ok_or_else(|| not_saved("; remove the file to begin again"))?;
-    serde_json::from_str(record).map(Some).map_err(|error| not_saved(&format!(": {error}")))
-}
-
-/// A line with its mark and end.
-pub fn marked(text: &str) -> String {
-    format!("{} {text}\n", mark(text))
-}
-
-/// Text of a whole line, or `None` if the line was cut off or damaged.
-pub fn unmarked(line: &[u8]) -> Option<&str> {
-    let line = std::str::from_utf8(line.strip_suffix(b"\n")?).ok()?;
-    let (found, text) = line.split_at_checked(MARK)?;
-    (found.strip_suffix(' ') == Some(&mark(text))).then_some(text)
-}
-
-fn mark(text: &str) -> String {
-    Sha256::digest(text)[..4].iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// Number of the task that a record begins with.
-pub fn task_of(record: &str) -> Option<u64> {
-    record.split(',').next()?.parse().ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -439,21 +272,5 @@ mod tests {
             assert!(error(&header(2, 0..3)).contains("is not a journal that this version of cohaul reads"));
             assert_eq!(std::fs::read_to_string(&path).unwrap(), thesis);
         }
-    }
-
-    #[test]
-    fn a_single_record_is_written_whole_or_not_at_all() {
-        let room = tempfile::tempdir().unwrap();
-        let file = room.path().join("deep/run");
-        assert_eq!(load_single::<Vec<f64>>(&file, "run").unwrap(), None);
-        for state in [vec![1.5], vec![2.5, 0.1 + 0.2]] {
-            save_single(&file, "run", &state).unwrap();
-            assert_eq!(load_single(&file, "run").unwrap(), Some(state));
-        }
-        assert!(load_single::<Vec<f64>>(&file, "walk").unwrap_err().to_string().contains("is not a saved walk"));
-        // What cannot take its name is removed again.
-        let taken = room.path().join("deep");
-        assert!(matches!(save_single(&taken, "run", &0), Err(JournalError::Io { path, .. }) if path == taken));
-        assert_eq!(std::fs::read_dir(room.path()).unwrap().count(), 1);
     }
 }

@@ -26,6 +26,7 @@ pub mod compare;
 pub mod first_scene;
 pub mod from_tips;
 pub mod journal;
+mod journal_text;
 pub mod known_answers;
 pub mod methods;
 pub mod paper;
