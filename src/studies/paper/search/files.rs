@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::accepted::text;
 use super::figure::figures;
-use super::report::{IndexRow, Search, SetRow, Shares, Spread, text};
+use super::report::{IndexRow, Search, SetRow, Shares, Spread};
 use super::screen::SCREENED;
 use super::sensitivity::Index;
 use super::text::tables;

@@ -13,10 +13,12 @@
 //! screen.rs       first look: the distance to the targets
 //! judge.rs        second look: quantities and claims, with and without inertia
 //! sensitivity.rs  what a quantity depends on: Sobol indices
-//! report.rs       the accepted sets in numbers
+//! accepted.rs     what holds over the accepted sets
+//! report.rs       the whole result in numbers
 //! text.rs, figure.rs, files.rs   the same for people, and in files
 //! ```
 
+mod accepted;
 mod figure;
 pub mod files;
 mod judge;

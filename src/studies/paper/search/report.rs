@@ -1,16 +1,18 @@
-//! The accepted sets in numbers.
+//! Result of a search: every set, what holds over the accepted ones, and sensitivity indices.
 
 use serde::Serialize;
 
+use super::accepted::{Accepted, choice_rows, claim_rows, one_ant, quantity_rows, spread};
+pub use super::accepted::{ChoiceRow, ClaimRow, OneAnt, QuantityRow, Shares, Spread};
 use super::judge::{Judged, reported};
 use super::screen::{SCREENED, Screened};
 use super::sensitivity::{Index, Triple, given_data, sobol};
 use super::space::Block;
 use super::{ACCEPTED, Answer, Plan, Stage};
 use crate::backend::BackendKind;
-use crate::model::open_choices::{Chosen, Range};
+use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;
-use crate::studies::paper::{Estimate, Measure, Trial, claims};
+use crate::studies::paper::Measure;
 
 /// What `paper search --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,77 +36,6 @@ pub struct Search {
     pub closest: Option<SetRow>,
     #[serde(skip)]
     pub sets: Vec<SetRow>,
-}
-
-/// A searched choice, and where the accepted sets lie.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ChoiceRow {
-    pub choice: &'static str,
-    pub key: &'static str,
-    pub unit: &'static str,
-    pub searched: String,
-    /// Smallest, median and largest value of the accepted sets; `null` for words.
-    pub accepted: Option<Spread>,
-    /// Whether the accepted sets reach the last tenth of the range, at either end.
-    pub reaches_an_end: bool,
-    /// Number of accepted sets by word or number of a list.
-    pub counts: Vec<(String, usize)>,
-}
-
-/// Smallest, median and largest of some values.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
-    pub least: f64,
-    pub median: f64,
-    pub most: f64,
-}
-
-/// A claim over the accepted sets. Fractions are of those sets.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ClaimRow {
-    pub claim: &'static str,
-    pub statistic: String,
-    pub limit: f64,
-    pub below: bool,
-    /// Without and with inertia.
-    pub on: [Shares; 2],
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Shares {
-    pub holds: f64,
-    pub fails: f64,
-    /// The seeds of the set do not tell.
-    pub unknown: f64,
-    /// Value of the claim's statistic.
-    pub values: Option<Spread>,
-    /// Sets whose value is on the side of the claim, certainly or not.
-    pub on_its_side: f64,
-}
-
-/// A quantity over the accepted sets.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct QuantityRow {
-    pub quantity: String,
-    pub unit: &'static str,
-    pub printed: Option<f64>,
-    /// Whether sets were accepted by it. Other printed numbers are held out.
-    pub is_target: bool,
-    pub values: Option<Spread>,
-    /// Fraction of the accepted sets that meet the printed number or are near.
-    pub met: Option<f64>,
-    /// Inertial minus quasi-static.
-    pub inertia_effect: Option<Spread>,
-    /// Fraction of the accepted sets in which that is certainly not zero, at 95 %.
-    pub shifted_by_inertia: Option<f64>,
-}
-
-/// Effect of inertia on one ant's time to the nest on an accepted set.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct OneAnt {
-    pub set: usize,
-    pub quasi_static_s: f64,
-    pub inertia_effect: Estimate,
 }
 
 /// How much of a quantity's variance comes from a choice.
@@ -190,13 +121,6 @@ impl Search {
     }
 }
 
-/// An accepted set.
-struct Accepted<'a> {
-    set: usize,
-    values: &'a [Chosen],
-    judged: &'a Judged,
-}
-
 fn answer(plan: &Plan, n_accepted: usize, claims: &[ClaimRow], one_ant: &[OneAnt]) -> String {
     if n_accepted == 0 {
         return format!("None of {} parameter sets with all printed values meets the calibration targets.", plan.n_sets());
@@ -216,126 +140,6 @@ fn answer(plan: &Plan, n_accepted: usize, claims: &[ClaimRow], one_ant: &[OneAnt
          Claims that certainly hold on all of them: {everywhere} of {}; on none: {nowhere}.{of_one}",
         claims.len()
     )
-}
-
-fn spread(values: impl IntoIterator<Item = f64>) -> Option<Spread> {
-    let mut values: Vec<f64> = values.into_iter().collect();
-    values.sort_by(f64::total_cmp);
-    let (least, most) = (*values.first()?, *values.last()?);
-    Some(Spread { least, median: values[values.len() / 2], most })
-}
-
-fn choice_rows(plan: &Plan, accepted: &[Accepted]) -> Vec<ChoiceRow> {
-    let row = |(at, choice): (usize, &super::space::Searched)| {
-        let values: Vec<Chosen> = accepted.iter().map(|row| row.values[at]).collect();
-        let numbers = values.iter().filter_map(|value| if let Chosen::Number(value) = value { Some(*value) } else { None });
-        let all = spread(numbers);
-        let end = |share: f64| if let Some(Chosen::Number(value)) = choice.range.at(share) { value } else { f64::NAN };
-        let is_list = !matches!(choice.range, Range::Between { .. });
-        let reaches = |spread: Spread| spread.least < end(0.1) || spread.most > end(0.9);
-        let listed = if is_list { words(choice.range) } else { Vec::new() };
-        let count = |word: &String| values.iter().filter(|value| text(value) == *word).count();
-        ChoiceRow {
-            choice: choice.name,
-            key: choice.key,
-            unit: choice.unit,
-            searched: searched_text(choice.range),
-            accepted: all.filter(|_| !is_list),
-            reaches_an_end: all.is_some_and(|all| !is_list && reaches(all)),
-            counts: listed.iter().map(|word| (word.clone(), count(word))).collect(),
-        }
-    };
-    plan.design().searched.iter().enumerate().map(row).collect()
-}
-
-fn words(range: Range) -> Vec<String> {
-    match range {
-        Range::Numbers(all) => all.iter().map(f64::to_string).collect(),
-        Range::Words(all) => all.iter().map(|word| (*word).to_owned()).collect(),
-        Range::Between { .. } | Range::Fixed(_) => Vec::new(),
-    }
-}
-
-pub(super) fn text(value: &Chosen) -> String {
-    match value {
-        Chosen::Number(value) => value.to_string(),
-        Chosen::Word(word) => (*word).to_owned(),
-    }
-}
-
-fn searched_text(range: Range) -> String {
-    match range {
-        Range::Between { low, high, .. } => format!("{low} to {high}"),
-        of_list => words(of_list).join(", "),
-    }
-}
-
-fn claim_rows(accepted: &[Accepted]) -> Vec<ClaimRow> {
-    let n = accepted.len() as f64;
-    let row = |(at, claim): (usize, crate::studies::paper::Claim)| {
-        let on = |with: usize| {
-            let all = || accepted.iter().map(|row| row.judged.claims[at][with]);
-            let share = |is: &dyn Fn(super::judge::Standing) -> bool| all().filter(|standing| is(*standing)).count() as f64 / n;
-            Shares {
-                holds: share(&|standing| standing.holds == Some(true)),
-                fails: share(&|standing| standing.holds == Some(false)),
-                unknown: share(&|standing| standing.holds.is_none()),
-                values: spread(all().filter_map(|standing| standing.value)),
-                on_its_side: share(&|standing| standing.value.is_some_and(|value| (value < claim.limit) == claim.below)),
-            }
-        };
-        ClaimRow { claim: claim.claim, limit: claim.limit, below: claim.below, on: [on(0), on(1)], statistic: claim.statistic }
-    };
-    // Without runs, the claims have no values, but their names and limits.
-    let stated = if accepted.is_empty() { Vec::new() } else { claims(&[]) };
-    stated.into_iter().enumerate().map(row).collect()
-}
-
-/// Measures by which sets are accepted.
-fn is_target(measure: Measure) -> bool {
-    use crate::studies::paper::Sample::Printed;
-    matches!(measure, Measure::PullMean(Printed) | Measure::PullSd(Printed) | Measure::SizeShare(_))
-}
-
-fn quantity_rows(accepted: &[Accepted]) -> Vec<QuantityRow> {
-    let n = accepted.len() as f64;
-    let share = |hits: Vec<bool>| (!hits.is_empty()).then(|| hits.iter().filter(|hit| **hit).count() as f64 / n);
-    let row = |(at, measure): (usize, Measure)| {
-        let all = || accepted.iter().map(move |row| row.judged.measures[at]);
-        let effects: Vec<Estimate> = all().filter_map(|found| found.minus).collect();
-        let certain = effects.iter().filter_map(|effect| effect.interval_95).map(|interval| interval.low > 0.0 || interval.high < 0.0);
-        QuantityRow {
-            quantity: measure.name(),
-            unit: measure.unit(),
-            printed: measure.printed().map(|printed| printed.value),
-            is_target: is_target(measure),
-            values: spread(all().filter_map(|found| Some(found.quasi_static?.value))),
-            met: share(all().filter_map(|found| Some(found.grade?.is_met())).collect()),
-            inertia_effect: spread(effects.iter().map(|effect| effect.value)),
-            shifted_by_inertia: share(certain.collect()),
-        }
-    };
-    let largest = accepted.iter().filter_map(|row| row.judged.largest_pull);
-    let of_largest = QuantityRow {
-        quantity: format!("pull, largest of {}", printed::N_PULLS),
-        unit: "N",
-        printed: Some(printed::PULL_MAX_N),
-        is_target: false,
-        values: spread(largest.clone().map(|found| found.expected_n)),
-        met: share(largest.map(|found| found.grade.is_met()).collect()),
-        inertia_effect: None,
-        shifted_by_inertia: None,
-    };
-    [of_largest].into_iter().chain(reported().into_iter().enumerate().map(row)).collect()
-}
-
-fn one_ant(accepted: &[Accepted]) -> Vec<OneAnt> {
-    let at = reported().iter().position(|measure| *measure == Measure::TimeToNest(Trial::OneOne)).expect("a reported quantity");
-    let row = |row: &Accepted| {
-        let found = row.judged.measures[at];
-        Some(OneAnt { set: row.set, quasi_static_s: found.quasi_static?.value, inertia_effect: found.minus? })
-    };
-    accepted.iter().filter_map(row).collect()
 }
 
 /// Rows of the indices: each first-look quantity by each choice and by seeds, then each further
@@ -397,6 +201,7 @@ mod tests {
     use super::super::judge::{OnBoth, Standing};
     use super::*;
     use crate::math::Interval;
+    use crate::studies::paper::{Estimate, claims};
 
     const PLAN: Plan = Plan { n_rows: 2, n_within: 5, n_screening_seeds: 1, n_judging_seeds: 2, most_judged: 3 };
 
