@@ -1,18 +1,16 @@
 //! Comparison of distributions over paired seeds: the closed-loop tier.
 
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use serde::{Serialize, Serializer};
 
-use rayon::prelude::*;
-use serde::{Deserialize, Serialize, Serializer};
-
+use super::seed_runs::{MEASURES, Quantity, SeedRuns};
 use super::seeds::{pairs_needed, pairs_needed_of_fractions};
-use super::settings::{MakeController, Settings, Tier};
+use super::settings::Tier;
 use super::verdict::Verdict;
-use crate::backend::{BackendKind, BackendOptions, Status};
+use crate::backend::Status;
 use crate::math::{Interval, Summary, proportion_interval, share_difference_interval};
-use crate::scenario::{AntDrive, Drive, Scenario};
-use crate::simulation::run_facts::{self, fact, unit_of};
-use crate::simulation::{Keep, MakeBackend, Simulation, Trace, backend_of};
+use crate::scenario::{Drive, Scenario};
+use crate::simulation::Trace;
+use crate::simulation::run_facts::unit_of;
 
 /// Result of paired closed-loop runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,7 +29,8 @@ pub struct ClosedLoop {
     pub n_seeds_needed: Option<u64>,
     /// Worst status of a step in all runs.
     pub status: Status,
-    /// Run of each backend at the first seed, in the order of [`BackendKind::ALL`], for figures.
+    /// Run of each backend at the first seed, for figures, in the order of
+    /// [`BackendKind::ALL`](crate::backend::BackendKind::ALL).
     #[serde(skip)]
     pub traces: Vec<Trace>,
 }
@@ -48,7 +47,8 @@ pub struct Measure {
     pub inertia_effect: PairedDifference,
     /// Rapier minus inertial.
     pub engine_error: PairedDifference,
-    /// Values of every seed, in the order of [`BackendKind::ALL`], for figures.
+    /// Values of every seed, for figures, in the order of
+    /// [`BackendKind::ALL`](crate::backend::BackendKind::ALL).
     #[serde(skip)]
     pub values: Vec<[Option<f64>; 3]>,
 }
@@ -117,124 +117,6 @@ pub struct FirstDifferentDecision {
 const EQUAL: f64 = 0.05;
 /// Largest difference that rounding can cause, divided by the size of the terms of a measure (1).
 const ROUNDING: f64 = 1e-9;
-
-/// What a comparison keeps of the runs with one seed, in the order of [`BackendKind::ALL`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SeedRuns {
-    /// Quantities of each run; `null` where the run has none.
-    values: [Vec<Option<f64>>; 3],
-    statuses: [Status; 3],
-    /// First time at which decisions of the quasi-static run and of rapier differ from those of the
-    /// inertial run (s).
-    first_different: [Option<f64>; 2],
-}
-
-/// Quantities of one run; `None` where the run has none.
-struct Run {
-    values: Vec<Option<f64>>,
-    trace: Trace,
-    status: Status,
-}
-
-/// Quantity that runs are compared by.
-struct Quantity {
-    /// Name that ends in the unit.
-    name: &'static str,
-    of: fn(&run_facts::Run, &Trace) -> Option<f64>,
-    /// Order of magnitude of the terms of the quantity, which sets its rounding.
-    size: fn(&AntDrive, &Scenario) -> f64,
-    /// Whether the values are 0 and 1, and the mean a fraction of the runs.
-    is_fraction: bool,
-}
-
-const MEASURES: [Quantity; 6] = [
-    mean("time_to_nest_s", |run, _| fact("time_to_nest_s").in_table(run).as_number(), |_, scenario| scenario.duration),
-    Quantity { is_fraction: true, ..mean("fraction_arrived", |run, _| fact("arrived").in_table(run).as_number(), |_, _| 1.0) },
-    mean("mean_speed_m_per_s", |run, _| fact("mean_speed_m_per_s").in_table(run).as_number(), |drive, _| drive.pull_speed),
-    mean("pull_mean_n", |run, _| fact("pull_mean_n").in_table(run).as_number(), |drive, _| drive.release.strong_pull),
-    mean("pull_sd_n", |run, _| fact("pull_sd_n").in_table(run).as_number(), |drive, _| drive.release.strong_pull),
-    mean("n_transporting", |_, trace| mean_attached(trace), |_, _| 1.0),
-];
-
-const fn mean(name: &'static str, of: fn(&run_facts::Run, &Trace) -> Option<f64>, size: fn(&AntDrive, &Scenario) -> f64) -> Quantity {
-    Quantity { name, of, size, is_fraction: false }
-}
-
-/// Mean number of attached springs over all rows (1).
-fn mean_attached(trace: &Trace) -> Option<f64> {
-    let mut attached = Summary::default();
-    attached.extend(trace.rows.iter().map(|row| row.tips.len() as f64));
-    (attached.n() > 0).then(|| attached.mean())
-}
-
-/// See [`ThreeWay::closed_loop`](super::ThreeWay::closed_loop).
-pub(super) fn closed_loop(
-    scenario: &Scenario,
-    settings: &Settings,
-    n_seeds: usize,
-    engine: &MakeBackend,
-    controller: &MakeController,
-    watch: impl Fn(f64) -> bool + Sync,
-) -> Option<ClosedLoop> {
-    assert!(n_seeds > 0, "a comparison over seeds needs at least one");
-    let n_done = AtomicUsize::new(0);
-    let runs: Option<Vec<(SeedRuns, Option<[Trace; 3]>)>> = (0..n_seeds)
-        .into_par_iter()
-        .map(|at| {
-            let watch = |share: f64| watch((n_done.load(Relaxed) as f64 + share) / n_seeds as f64);
-            let (runs, traces) = seed_runs(scenario, settings, at, engine, controller, watch)?;
-            n_done.fetch_add(1, Relaxed);
-            // Figures show the first seed only.
-            Some((runs, (at == 0).then_some(traces)))
-        })
-        .collect();
-    let (seeds, traces): (Vec<_>, Vec<_>) = runs?.into_iter().unzip();
-    let first = traces.into_iter().next().flatten().expect("there is a first seed");
-    Some(judge(scenario, &seeds, first))
-}
-
-/// Runs the seed `at` places after the scenario's on all backends.
-pub(super) fn seed_runs(
-    scenario: &Scenario,
-    settings: &Settings,
-    at: usize,
-    engine: &MakeBackend,
-    controller: &MakeController,
-    watch: impl Fn(f64) -> bool,
-) -> Option<(SeedRuns, [Trace; 3])> {
-    let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
-    let run = |nth: u32, kind, make: &MakeBackend| {
-        let options = settings.at_fixed_step(&seeded, kind);
-        run_of(&seeded, &options, make, controller, |share| watch((f64::from(nth) + share) / BackendKind::ALL.len() as f64))
-    };
-    let runs =
-        [run(0, BackendKind::QuasiStatic, &backend_of)?, run(1, BackendKind::Inertial, &backend_of)?, run(2, BackendKind::Rapier, engine)?];
-    let first_different = [0, 2].map(|other| first_different_decision(&runs[1].trace, &runs[other].trace));
-    let found = SeedRuns {
-        values: runs.each_ref().map(|run| run.values.clone()),
-        statuses: runs.each_ref().map(|run| run.status),
-        first_different,
-    };
-    Some((found, runs.map(|run| run.trace)))
-}
-
-fn run_of(
-    scenario: &Scenario,
-    options: &BackendOptions,
-    make: &MakeBackend,
-    controller: &MakeController,
-    watch: impl Fn(f64) -> bool,
-) -> Option<Run> {
-    let mut run = Simulation::from_parts(scenario, options, Keep::Trace, controller(scenario), make(scenario, options));
-    run.run(|time| watch(time / scenario.duration));
-    if !run.is_finished() {
-        return None;
-    }
-    let (trace, outcome) = run.into_results();
-    let facts = run_facts::Run { scenario, options, outcome: &outcome, path_length: None, wall_time: None };
-    let values = MEASURES.iter().map(|measure| (measure.of)(&facts, &trace)).collect();
-    Some(Run { values, trace, status: outcome.steps.status })
-}
 
 /// The comparison of all seeds, with the traces of the first.
 pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) -> ClosedLoop {
@@ -323,8 +205,7 @@ impl Measure {
 
 impl Distribution {
     fn of(values: Vec<f64>, is_fraction: bool) -> Self {
-        let mut summary = Summary::default();
-        summary.extend(values.iter().copied());
+        let summary = Summary::of(values.iter().copied());
         let n_hits = values.iter().filter(|value| **value == 1.0).count() as u64;
         let mean_interval_95 = match is_fraction {
             true => proportion_interval(n_hits, summary.n(), 0.95).filter(|_| values.len() > 1),
@@ -368,8 +249,7 @@ impl PairedDifference {
     }
 
     fn within(values: &[f64], interval: Option<Interval>, rounding: f64, margin: f64) -> Self {
-        let mut summary = Summary::default();
-        summary.extend(values.iter().copied());
+        let summary = Summary::of(values.iter().copied());
         Self {
             n: summary.n(),
             mean: summary.mean(),
@@ -382,15 +262,6 @@ impl PairedDifference {
             n_needed: None,
         }
     }
-}
-
-/// First time at which the events of two runs differ (s).
-fn first_different_decision(a: &Trace, b: &Trace) -> Option<f64> {
-    let mut events = a.events.iter().zip(&b.events);
-    let differ = events.find(|(a, b)| (a.time, a.spring, a.ant, a.kind) != (b.time, b.spring, b.ant, b.kind));
-    let n_common = a.events.len().min(b.events.len());
-    let first_unpaired = || a.events.get(n_common).or(b.events.get(n_common)).map(|event| event.time);
-    differ.map(|(a, b)| a.time.min(b.time)).or_else(first_unpaired)
 }
 
 /// Verdict on the differences of means. Too few seeds are inconclusive.

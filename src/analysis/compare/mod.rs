@@ -15,6 +15,7 @@
 //! attributed.rs  attribution of the inertia effect to triggers
 //! numbers.rs     epsilon, Phi and zeta of a run, and what theory predicts from them
 //! pathwise.rs    comparison of paths
+//! seed_runs.rs   runs of one seed on the three backends
 //! ensemble.rs    comparison of distributions
 //! seeds.rs       number of seeds that would decide
 //! verdict.rs     the result in one word
@@ -34,6 +35,7 @@ mod jump_mode;
 mod numbers;
 mod pathwise;
 mod quantity;
+mod seed_runs;
 mod seeds;
 mod settings;
 mod solution;
@@ -45,10 +47,11 @@ mod verdicts;
 
 pub use difference::Difference;
 pub use divergence::Divergence;
-pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference, SeedRuns};
+pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference};
 pub use numbers::{Numbers, Predicted};
 pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
 pub use quantity::{FirstDivergence, QuantityVerdict, RunMeasure, Verdicts};
+pub use seed_runs::SeedRuns;
 pub use settings::{MakeController, Settings, Tier};
 pub use solution::{Point, Solution};
 pub use suggestion::{SuggestedChange, Tried};

@@ -1,9 +1,13 @@
 //! The entry to a comparison: one question to three backends.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use super::ensemble::{self, ClosedLoop, SeedRuns};
+use rayon::prelude::*;
+
+use super::ensemble::{self, ClosedLoop};
 use super::pathwise::Pathwise;
+use super::seed_runs::{self, SeedRuns};
 use super::settings::{MakeController, Settings, Tier};
 use super::trial;
 use crate::scenario::{Drive, Scenario};
@@ -104,13 +108,27 @@ impl<'a> ThreeWay<'a> {
     /// # Panics
     /// Without a seed.
     pub fn closed_loop(&self, n_seeds: usize, watch: impl Fn(f64) -> bool + Sync) -> Option<ClosedLoop> {
-        ensemble::closed_loop(self.scenario, self.settings, n_seeds, self.engine, self.controller, watch)
+        assert!(n_seeds > 0, "a comparison over seeds needs at least one");
+        let n_done = AtomicUsize::new(0);
+        let runs: Option<Vec<(SeedRuns, Option<[Trace; 3]>)>> = (0..n_seeds)
+            .into_par_iter()
+            .map(|at| {
+                let watch = |share: f64| watch((n_done.load(Relaxed) as f64 + share) / n_seeds as f64);
+                let (runs, traces) = self.seed_runs(at, watch)?;
+                n_done.fetch_add(1, Relaxed);
+                // Figures show the first seed only.
+                Some((runs, (at == 0).then_some(traces)))
+            })
+            .collect();
+        let (seeds, traces): (Vec<_>, Vec<_>) = runs?.into_iter().unzip();
+        let first = traces.into_iter().next().flatten().expect("there is a first seed");
+        Some(self.judged(&seeds, first))
     }
 
     /// Runs the seed `at` places after the scenario's on all backends. Returns what
     /// [`ThreeWay::judged`] needs of it, and the traces of the three runs.
     pub fn seed_runs(&self, at: usize, watch: impl Fn(f64) -> bool) -> Option<(SeedRuns, [Trace; 3])> {
-        ensemble::seed_runs(self.scenario, self.settings, at, self.engine, self.controller, watch)
+        seed_runs::seed_runs(self.scenario, self.settings, at, self.engine, self.controller, watch)
     }
 
     /// Compares distributions over consecutive seeds, all of which have run. The traces are those
