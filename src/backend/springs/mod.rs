@@ -10,3 +10,6 @@ pub(in crate::backend) use attached::{AttachedSprings, SavedSprings, TipPaths};
 pub use attachments::{AttachedTip, AttachedTips, Attachment, Attachments, pulls_with};
 pub use blocks::SpringBlocks;
 pub use place::Place;
+
+#[cfg(test)]
+mod tests;
