@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
-use cohaul::backend::{Backend, BackendOptions, Integrator, Status, build};
+use cohaul::backend::{Backend, BackendOptions, Integrator, Status, StepReport, build};
 use cohaul::math::{Pose, Twist, Vec2, direction};
 use cohaul::model::{Motion, Obstacle, ObstaclePath, OutlinePart, System};
 
@@ -195,6 +195,59 @@ fn a_disc_with_inertia_slides_along_a_wall() {
     assert!(coarse > 3.5 * middle && middle > 3.5 * fine, "second order: {coarse:e} {middle:e} {fine:e}");
     let (position, speed) = error(&exact(Inertial, &system, 1e-9), 40);
     assert!(position < EXACT && speed < 1e-9, "{position:e} {speed:e}");
+}
+
+/// Distance of two poses at the edge of the load, or more (m).
+fn distance(a: &Pose, b: &Pose) -> f64 {
+    (a.position - b.position).norm() + RADIUS * (a.heading - b.heading).abs()
+}
+
+/// K3 with inertia and a rough post, which turns the disc: steps of second order lead to the path
+/// of a tolerance. Where nothing changes, each of them takes one solution.
+#[test]
+fn a_disc_with_inertia_goes_round_a_rough_post() {
+    let system = disc(vec![Obstacle { friction_coefficient: 0.1, ..post(Vec2::zeros(), 0.005) }]);
+    let start = (BEHIND / 0.035f64).asin() / 2.5;
+    let path = |s: f64| 0.035 * direction(FRAC_PI_2 - 2.5 * (start + (1.0 - start) * s));
+    let from = at_rest(0.0, 0.0172);
+    let (exact, _) = drive(&system, from, &exact(Inertial, &system, 1e-9), 400, path);
+    assert!(exact.motion().pose.heading.abs() > 0.1, "it turns");
+    let [coarse, middle, fine] = [400, 800, 1600].map(|n| {
+        let (load, report) = drive(&system, from, &fixed(Inertial, n), 400, path);
+        assert_eq!((report.status, report.n_not_converged), (Status::Converged, 0));
+        // What side friction holds at rest at first takes more.
+        assert!(report.n_solves < 3 * report.n_steps, "{report:?}");
+        // The work of the tip is within second order of a step of a four hundredth.
+        let energy = load.energy();
+        assert!(energy.defect().abs() < 1e-6 * energy.tip_work, "{energy:?}");
+        distance(&load.motion().pose, &exact.motion().pose)
+    });
+    assert!(coarse > 3.5 * middle && middle > 3.5 * fine, "second order: {coarse:e} {middle:e} {fine:e}");
+}
+
+/// A disc that spins while it slides along a wall: friction turns with the load.
+#[test]
+fn a_spinning_disc_slides_along_a_wall() {
+    let system = disc(vec![wall(Vec2::new(0.0, -RADIUS), Vec2::new(1.0, 0.0), 0.1)]);
+    let start = Motion { pose: Pose::new(0.0, 0.0, 0.0), twist: Twist { linear: Vec2::new(0.5, 0.0), angular: 30.0 } };
+    let end = |options: &BackendOptions| {
+        let mut load = build(&system, start, options);
+        let tip = |time: f64| Vec2::new(0.5 * time, -0.03);
+        load.attach(0, tip(0.0));
+        let mut report = StepReport::default();
+        for tick in 1..=10 {
+            report.add(&load.advance(&[tip(1e-3 * f64::from(tick))], 1e-3));
+        }
+        assert_eq!(report.status, Status::Converged);
+        (load.motion().pose, report)
+    };
+    let (exact, _) = end(&exact(Inertial, &system, 1e-9));
+    assert!(exact.heading > 0.05, "{exact:?}");
+    let [coarse, middle, fine] = [1e-3, 5e-4, 2.5e-4].map(|step| {
+        let (pose, report) = end(&by(Integrator::Midpoint, step));
+        distance(&pose, &exact)
+    });
+    assert!(coarse > 3.5 * middle && middle > 3.5 * fine, "second order: {coarse:e} {middle:e} {fine:e}");
 }
 
 /// A disc with rough sides is drawn into a notch at a right angle. Where it arrives, each impact on
