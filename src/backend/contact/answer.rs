@@ -25,8 +25,10 @@ const MOST_RESISTANCES: usize = 6;
 const SHORTEST: f64 = 1e-9;
 /// Most attempts with farther and farther features (1).
 const MOST_ATTEMPTS: usize = 12;
-/// Reach of the first look for features, over the load's radius (1).
+/// Reach of the first look for features, over the load's radius, and of the last one (1). Paths
+/// beyond it are cut where they would pass through one.
 const REACH: f64 = 0.01;
+const LONGEST_REACH: f64 = 2.0;
 
 /// Answer of a step with the features within reach.
 pub struct Answer {
@@ -71,7 +73,9 @@ impl Obstacles {
         if let Some(share) = answer.cut {
             let Increment { twist, mode, mut report, .. } = answer.found.increment;
             let twist = if answer.overlaps_at_cut { Vec3::zeros() } else { share * twist };
-            if answer.overlaps_at_cut {
+            // Another leg would end there as well.
+            let cut = cut.filter(|_| !answer.overlaps_at_cut);
+            if cut.is_none() {
                 (report.status, report.n_not_converged) = (report.status.max(Status::NotConverged), 1);
             }
             touching.clear();
@@ -222,7 +226,8 @@ impl Obstacles {
         let (start, radius) = (step.potential.start, system.load.radius);
         let shift = self.surroundings.longest_path(system, task.from, task.to);
         let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
-        let mut reach = 2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size));
+        let longest = 2.0 * shift + LONGEST_REACH * radius;
+        let mut reach = (2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size))).min(longest);
         // Features that touch are all that such a step looks at: it is taken once.
         let warm_start = (task.scope == Scope::Near).then(|| solver.warm_start().clone());
         let mut report = StepReport::default();
@@ -243,8 +248,9 @@ impl Obstacles {
             attempt += 1;
             // A load with inertia takes the whole step.
             let is_hit = hit == Some(0.0) || task.has_inertia && hit.is_some();
-            if let Some(warm_start) = warm_start.as_ref().filter(|_| is_hit && attempt < MOST_ATTEMPTS && reach < 2.0 * moved) {
-                reach = (4.0 * reach).min(2.0 * moved);
+            if let Some(warm_start) = warm_start.as_ref().filter(|_| is_hit && attempt < MOST_ATTEMPTS && reach < longest.min(2.0 * moved))
+            {
+                reach = (4.0 * reach).min(2.0 * moved).min(longest);
                 solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
                 continue;
             }
@@ -255,9 +261,10 @@ impl Obstacles {
                 of_found.status = of_found.status.max(Status::NotConverged);
                 of_found.n_not_converged = 1;
             }
-            let at_cut = cut.map(|share| (start.moved_by(&(share * found.increment.twist)), task.from + share * (task.to - task.from)));
-            let overlaps_at_cut =
-                at_cut.is_some_and(|(place, time)| candidates.iter().any(|it| self.overlaps(system, &it.pair.key, &place, time)));
+            let overlaps_at_cut = cut.is_some_and(|share| {
+                let to = task.from + share * (task.to - task.from);
+                self.ends_across(system, &start, &(share * found.increment.twist), &Task { to, ..*task })
+            });
             return Answer { found, candidates, cut, overlaps_at_cut };
         }
     }
@@ -278,28 +285,15 @@ impl Obstacles {
         let sides = candidates.iter().zip(&found.sides);
         let known: SmallVec<[(PairKey, bool); 4]> = sides.map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
         let twist = &found.increment.twist;
-        self.first_hit(system, start, twist, task, &known)
-            .or_else(|| self.overlaps_at_end(system, start, twist, task, &known).then_some(0.0))
+        self.first_hit(system, start, twist, task, &known).or_else(|| self.ends_across(system, start, twist, task).then_some(0.0))
     }
 
-    /// Whether features that were apart at the start overlap at the end of an increment, but the
-    /// known ones. Those that the load reaches through a known one are not on the path elsewhere.
-    fn overlaps_at_end(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task, known: &[(PairKey, bool)]) -> bool {
-        let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
-        let moved = of_load + self.surroundings.longest_path(system, task.from, task.to);
-        if moved == 0.0 || !known.iter().any(|(_, touches)| *touches) {
-            return false;
-        }
-        let closed = CLOSED * system.load.radius;
-        let mut pairs = Vec::new();
-        self.surroundings.pairs(system, start, task.from, 1.001 * moved + closed, &mut pairs);
-        let end = start.moved_by(twist);
-        pairs.iter().filter(|pair| !known.iter().any(|(key, _)| *key == pair.key)).any(|pair| {
-            let path = &system.world.obstacles[pair.key.obstacle].path;
-            let [before, after] = [(start, task.from), (&end, task.to)].map(|(at, time)| Surroundings::relative(at, &path.pose_at(time)));
-            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(&pair.key, &after) <= 0.0;
-            overlaps && !self.surroundings.passes_end(pair, &before, &after)
-        })
+    /// Whether the outlines of load and obstacles cross at the end of an increment, and did not at
+    /// its start.
+    fn ends_across(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task) -> bool {
+        let rounding = 1e3 * CLOSED * system.load.radius;
+        let mut crosses = |place: &Place, time: f64| self.surroundings.crosses(system, place, time, rounding);
+        crosses(&start.moved_by(twist), task.to) && !crosses(start, task.from)
     }
 }
 

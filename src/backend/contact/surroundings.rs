@@ -77,12 +77,14 @@ struct Body {
     radius: f64,
 }
 
-/// Obstacles within `margin` (m) of a load at `about`, at `time` (s).
+/// Obstacles within twice the `margin` (m) of a load at `about` (pose and time, s).
 #[derive(Debug, Default)]
 struct Near {
     obstacles: Vec<usize>,
     about: Option<(Pose, f64)>,
     margin: f64,
+    /// The margin without regard to how far a step reached (m).
+    usual: f64,
 }
 
 /// Penetration over the load's radius that a load may have at the start of a step (1): rounding of
@@ -129,7 +131,7 @@ impl Surroundings {
     /// Lower bound of the distance between load and obstacles (m) at `time` (s), exact where it is
     /// less than the margin of the list of near obstacles.
     pub fn clearance(&mut self, system: &System, load: &Place, time: f64) -> f64 {
-        self.update_near(system, load, time);
+        self.update_near(system, load, time, 0.0);
         let mut least = self.near.margin;
         for obstacle in &self.near.obstacles {
             let at = Self::relative(load, &system.world.obstacles[*obstacle].path.pose_at(time));
@@ -138,11 +140,13 @@ impl Surroundings {
         least
     }
 
-    /// Renews the list of near obstacles where the load or an obstacle has moved too far for it.
-    fn update_near(&mut self, system: &System, load: &Place, time: f64) {
-        let obstacles = &system.world.obstacles;
+    /// Renews the list of near obstacles where the load or an obstacle has moved too far for it, and
+    /// where it lacks obstacles within `reach` (m) or has those of a longer one.
+    fn update_near(&mut self, system: &System, load: &Place, time: f64, reach: f64) {
+        let (obstacles, &Near { margin, usual, .. }) = (&system.world.obstacles, &self.near);
         let moved = |(pose, since): &(Pose, f64)| load.pose.edge_displacement(pose, self.radius) + self.longest_path(system, *since, time);
-        if self.near.about.as_ref().is_some_and(|about| moved(about) <= self.near.margin) {
+        let holds = |about: &(Pose, f64)| moved(about) + reach.max(margin) <= 2.0 * margin;
+        if (margin == usual || reach > usual) && self.near.about.as_ref().is_some_and(holds) {
             return;
         }
         let distance = |index: usize| {
@@ -151,9 +155,10 @@ impl Surroundings {
         };
         // A list far from all obstacles holds for long.
         let least = (0..obstacles.len()).map(distance).fold(f64::INFINITY, f64::min);
-        let margin = (0.5 * least).max(MARGIN * self.radius);
+        let usual = (0.5 * least).max(MARGIN * self.radius);
+        let margin = usual.max(reach);
         let is_near = |index: &usize| distance(*index) <= 2.0 * margin;
-        self.near = Near { obstacles: (0..obstacles.len()).filter(is_near).collect(), about: Some((load.pose, time)), margin };
+        self.near = Near { obstacles: (0..obstacles.len()).filter(is_near).collect(), about: Some((load.pose, time)), margin, usual };
     }
 
     /// Distance of the load from an obstacle in whose frame it is `at` (m). It is exact, but for a
@@ -175,10 +180,32 @@ impl Surroundings {
         least
     }
 
+    /// Whether the outline of a load at `load` crosses that of an obstacle at `time` (s) by more than
+    /// `rounding` (m).
+    pub fn crosses(&mut self, system: &System, load: &Place, time: f64, rounding: f64) -> bool {
+        self.update_near(system, load, time, 0.0);
+        let crosses = |index: &usize| {
+            let (body, at) = (&self.bodies[*index].features, Self::relative(load, &system.world.obstacles[*index].path.pose_at(time)));
+            let to_obstacle = |point: &Vec2| at.pose.position + at.turn * point;
+            let edges = || self.load.edges.iter().map(|edge| [to_obstacle(&edge.from), to_obstacle(&edge.end())]);
+            let discs = |features: &Features| -> Vec<_> {
+                features.corners.iter().filter(|corner| corner.rounding > 0.0).map(|disc| (disc.at, disc.rounding)).collect()
+            };
+            let mut of_load = discs(&self.load).into_iter().map(|(centre, radius)| (to_obstacle(&centre), radius));
+            let mut of_body = discs(body).into_iter().map(|(centre, radius)| (at.turn.tr_mul(&(centre - at.pose.position)), radius));
+            let touches =
+                |edges: &[Edge], (centre, radius): (Vec2, f64)| edges.iter().any(|edge| edge.distance(&centre) < radius - rounding);
+            body.edges.iter().any(|edge| edges().any(|ends| edge.crosses(&ends, rounding)))
+                || of_load.any(|disc| touches(&body.edges, disc))
+                || of_body.any(|disc| touches(&self.load.edges, disc))
+        };
+        self.near.obstacles.iter().any(crosses)
+    }
+
     /// Pairs of features that a load at `load` (world) may touch within a displacement of `reach`
     /// (m) relative to the near obstacles, which stand as at `time` (s).
     pub fn pairs(&mut self, system: &System, load: &Place, time: f64, reach: f64, pairs: &mut Vec<Pair>) {
-        self.update_near(system, load, time);
+        self.update_near(system, load, time, reach);
         for index in &self.near.obstacles {
             let obstacle = &system.world.obstacles[*index];
             let at = Self::relative(load, &obstacle.path.pose_at(time));
@@ -314,6 +341,20 @@ fn line_on_point(edge: &Edge, other: &Corner) -> FeaturePair {
 }
 
 impl Edge {
+    fn end(&self) -> Vec2 {
+        self.from + self.length * self.along
+    }
+
+    /// Whether an edge with these ends crosses this one, all ends being farther than this from the
+    /// other's line (m).
+    fn crosses(&self, ends: &[Vec2; 2], least: f64) -> bool {
+        let way = (ends[1] - ends[0]).normalize();
+        let [one, other] = ends.map(|end| self.side(&end));
+        let [from, to] = [self.from, self.end()].map(|end| way.perp(&(end - ends[0])));
+        let are_apart = |a: f64, b: f64| a.min(b) < -least && a.max(b) > least;
+        are_apart(one, other) && are_apart(from, to)
+    }
+
     /// Distance of a point from the line (m), positive on the left.
     fn side(&self, point: &Vec2) -> f64 {
         self.along.perp(&(point - self.from))
@@ -328,7 +369,7 @@ impl Edge {
 impl Features {
     /// Centre (m) and radius (m) of a circle about all features.
     fn bounding_circle(&self) -> (Vec2, f64) {
-        let ends = self.edges.iter().flat_map(|edge| [edge.from, edge.from + edge.length * edge.along]).map(|end| (end, 0.0));
+        let ends = self.edges.iter().flat_map(|edge| [edge.from, edge.end()]).map(|end| (end, 0.0));
         let extents: Vec<(Vec2, f64)> = self.corners.iter().map(|corner| (corner.at, corner.rounding)).chain(ends).collect();
         let Some((first, _)) = extents.first() else { return (Vec2::zeros(), 0.0) };
         let (low, high) = extents.iter().fold((*first, *first), |(low, high), (at, rounding)| {
