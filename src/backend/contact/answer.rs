@@ -262,8 +262,10 @@ impl Obstacles {
                 of_found.n_not_converged = 1;
             }
             let overlaps_at_cut = cut.is_some_and(|share| {
-                let to = task.from + share * (task.to - task.from);
-                self.ends_across(system, &start, &(share * found.increment.twist), &Task { to, ..*task })
+                let (twist, to) = (share * found.increment.twist, task.from + share * (task.to - task.from));
+                let place = start.moved_by(&twist);
+                candidates.iter().any(|it| self.overlaps(system, &it.pair.key, &place, to))
+                    || self.ends_across(system, &start, &twist, &Task { to, ..*task })
             });
             return Answer { found, candidates, cut, overlaps_at_cut };
         }
@@ -285,7 +287,30 @@ impl Obstacles {
         let sides = candidates.iter().zip(&found.sides);
         let known: SmallVec<[(PairKey, bool); 4]> = sides.map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
         let twist = &found.increment.twist;
-        self.first_hit(system, start, twist, task, &known).or_else(|| self.ends_across(system, start, twist, task).then_some(0.0))
+        self.first_hit(system, start, twist, task, &known).or_else(|| {
+            let overlaps = self.overlaps_at_end(system, start, twist, task, &known) || self.ends_across(system, start, twist, task);
+            overlaps.then_some(0.0)
+        })
+    }
+
+    /// Whether features that were apart at the start overlap at the end of an increment, but the
+    /// known ones. Those that the load reaches through a known one are not on the path elsewhere.
+    fn overlaps_at_end(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task, known: &[(PairKey, bool)]) -> bool {
+        let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
+        let moved = of_load + self.surroundings.longest_path(system, task.from, task.to);
+        if moved == 0.0 || !known.iter().any(|(_, touches)| *touches) {
+            return false;
+        }
+        let closed = CLOSED * system.load.radius;
+        let mut pairs = Vec::new();
+        self.surroundings.pairs(system, start, task.from, 1.001 * moved + closed, &mut pairs);
+        let end = start.moved_by(twist);
+        pairs.iter().filter(|pair| !known.iter().any(|(key, _)| *key == pair.key)).any(|pair| {
+            let path = &system.world.obstacles[pair.key.obstacle].path;
+            let [before, after] = [(start, task.from), (&end, task.to)].map(|(at, time)| Surroundings::relative(at, &path.pose_at(time)));
+            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(&pair.key, &after) <= 0.0;
+            overlaps && !self.surroundings.passes_end(pair, &before, &after)
+        })
     }
 
     /// Whether the outlines of load and obstacles cross at the end of an increment, and did not at

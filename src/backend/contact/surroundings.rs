@@ -140,8 +140,8 @@ impl Surroundings {
         least
     }
 
-    /// Renews the list of near obstacles where the load or an obstacle has moved too far for it, and
-    /// where it lacks obstacles within `reach` (m) or has those of a longer one.
+    /// Renews the list of near obstacles where the load or an obstacle has moved too far for it,
+    /// and where it lacks obstacles within `reach` (m) or has those of a longer one.
     fn update_near(&mut self, system: &System, load: &Place, time: f64, reach: f64) {
         let (obstacles, &Near { margin, usual, .. }) = (&system.world.obstacles, &self.near);
         let moved = |(pose, since): &(Pose, f64)| load.pose.edge_displacement(pose, self.radius) + self.longest_path(system, *since, time);
@@ -180,8 +180,8 @@ impl Surroundings {
         least
     }
 
-    /// Whether the outline of a load at `load` crosses that of an obstacle at `time` (s) by more than
-    /// `rounding` (m).
+    /// Whether the outline of a load at `load` crosses that of an obstacle at `time` (s) by more
+    /// than `rounding` (m).
     pub fn crosses(&mut self, system: &System, load: &Place, time: f64, rounding: f64) -> bool {
         self.update_near(system, load, time, 0.0);
         let crosses = |index: &usize| {

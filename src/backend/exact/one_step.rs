@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::bdf2::Past;
 use crate::backend::contact::{Obstacles, Scope, SideWork, Touching};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Forecast;
 use crate::backend::springs::SpringBlocks;
 use crate::backend::{Motion, StepReport};
-use crate::math::{Pose, Vec3};
+use crate::math::{Pose, Twist, Vec3};
 use crate::model::System;
 
 /// How a step discretises the equation of motion.
@@ -74,4 +75,12 @@ pub struct PastFriction {
     pub before: Option<Vec3>,
     /// Length of the last step (s).
     pub step: f64,
+}
+
+/// A step in which the load touched in the same modes all along.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Touched {
+    pub step: Past,
+    /// Velocity before it (m/s, rad/s).
+    pub before: Twist,
 }

@@ -13,31 +13,22 @@
 //! It takes one solution, where extrapolation takes three, and no impact or change of modes since
 //! the step before the last one.
 
-use serde::{Deserialize, Serialize};
-
 use super::bdf2::{Past, weights};
 use super::inertial::{Inertial, Memory};
 use super::load::{Exact, Snapshot};
-use super::one_step::Stepped;
+use super::one_step::{Stepped, Touched};
+use super::side::SideState;
 use crate::backend::contact::{Scope, Task};
 use crate::backend::increment::{Coasting, Straight};
 use crate::backend::springs::TipPaths;
 use crate::backend::{Motion, StepReport};
 use crate::math::{Arc, Pose, Twist, Vec3};
 
-/// A step in which the load touched in the same modes all along.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Touched {
-    step: Past,
-    /// Velocity before it (m/s, rad/s).
-    before: Twist,
-}
-
 impl Exact<Inertial> {
     /// Takes note of the step of this `duration` (s) since the `start`, if nothing has changed at
     /// the obstacles.
     pub(super) fn remember_touching(&mut self, start: &Snapshot<Memory>, duration: f64) {
-        let modes = |side: &super::side::SideState| side.touching.iter().map(|it| (it.key, it.mode)).collect::<Vec<_>>();
+        let modes = |side: &SideState| side.touching.iter().map(|it| (it.key, it.mode)).collect::<Vec<_>>();
         let state = &mut self.state;
         if modes(&start.state.side) == modes(&state.side) {
             let Motion { pose, twist } = start.state.motion;
