@@ -59,44 +59,64 @@ Examples:
 SCENARIO may be - for standard input. Exit codes: 0 done; 1 a run failed or a
 check did not hold; 2 wrong usage or input; 3 internal error; 130 interrupted.";
 
-#[derive(Subcommand)]
-enum Command {
+/// Makes the enum of commands, and what runs each, from one table.
+macro_rules! commands {
+    ($($(#[$about:meta])* $name:ident($args:ty) => $run:expr,)*) => {
+        #[derive(Subcommand)]
+        enum Command {
+            $($(#[$about])* $name($args),)*
+        }
+
+        impl Command {
+            fn run(&self) -> Result<ExitCode, CliError> {
+                match self {
+                    $(Command::$name(args) => {
+                        let run: fn(&$args) -> Result<ExitCode, CliError> = $run;
+                        run(args)
+                    })*
+                }
+            }
+        }
+    };
+}
+
+commands! {
     /// Run one scenario on one backend
-    Run(run::RunArgs),
+    Run(run::RunArgs) => run::run,
     /// Run one scenario on all backends and explain the differences
-    Compare(compare::CompareArgs),
+    Compare(compare::CompareArgs) => compare::compare,
     /// Play, change and drag a scene in the browser
-    View(view::ViewArgs),
+    View(view::ViewArgs) => view::view,
     /// Draw a scene or a run as a film or a picture
-    Render(render::RenderArgs),
+    Render(render::RenderArgs) => render::render,
     /// Run a scenario over seeds and parameters into one table
-    Sweep(sweep::SweepArgs),
+    Sweep(sweep::SweepArgs) => sweep::sweep,
     /// Join the shards of a sweep into one table
-    Merge(merge::MergeArgs),
+    Merge(merge::MergeArgs) => merge::merge,
     /// Compare this build with stored baselines
-    Check(check::CheckArgs),
+    Check(check::CheckArgs) => check::check,
     /// Compare every backend with known answers
-    Verify(verify::VerifyArgs),
+    Verify(verify::VerifyArgs) => verify::verify,
     /// Measure run time and error of every method
-    Bench(bench::BenchArgs),
+    Bench(bench::BenchArgs) => bench::bench,
     /// Find where each backend breaks, and why
-    Stress(stress::StressArgs),
+    Stress(stress::StressArgs) => stress::stress,
     /// Map where inertia matters
-    Regime(regime::RegimeArgs),
+    Regime(regime::RegimeArgs) => regime::regime,
     /// Reproduce the paper's results
-    Paper(paper::PaperArgs),
+    Paper(paper::PaperArgs) => paper::paper,
     /// Use springs as force sensors: fit, design, read forces
     #[command(subcommand)]
-    Calibrate(calibrate::CalibrateCommand),
+    Calibrate(calibrate::CalibrateCommand) => calibrate::calibrate,
     /// Check and show scenario files
     #[command(subcommand)]
-    Scenario(scenario::ScenarioCommand),
+    Scenario(scenario::ScenarioCommand) => scenario::scenario,
     /// Explain a term that cohaul prints
-    Explain(explain::ExplainArgs),
+    Explain(explain::ExplainArgs) => explain::explain,
     /// Print a completion script for a shell
-    Completions(generate::CompletionsArgs),
+    Completions(generate::CompletionsArgs) => |args| generate::completions(args, &mut command()),
     /// Print or write man pages
-    Man(generate::ManArgs),
+    Man(generate::ManArgs) => |args| generate::man(args, command()),
 }
 
 /// Parses the command line, runs the command and returns its exit code.
@@ -122,30 +142,6 @@ pub fn main() -> ExitCode {
                 _ => console::error(&error),
             }
             ExitCode::from(error.exit_code())
-        }
-    }
-}
-
-impl Command {
-    fn run(&self) -> Result<ExitCode, CliError> {
-        match self {
-            Command::Run(args) => run::run(args),
-            Command::Compare(args) => compare::compare(args),
-            Command::View(args) => view::view(args),
-            Command::Render(args) => render::render(args),
-            Command::Sweep(args) => sweep::sweep(args),
-            Command::Merge(args) => merge::merge(args),
-            Command::Check(args) => check::check(args),
-            Command::Verify(args) => verify::verify(args),
-            Command::Bench(args) => bench::bench(args),
-            Command::Stress(args) => stress::stress(args),
-            Command::Regime(args) => regime::regime(args),
-            Command::Paper(args) => paper::paper(args),
-            Command::Calibrate(command) => calibrate::calibrate(command),
-            Command::Scenario(command) => scenario::scenario(command),
-            Command::Explain(args) => explain::explain(args),
-            Command::Completions(args) => generate::completions(args, &mut command()),
-            Command::Man(args) => generate::man(args, command()),
         }
     }
 }
