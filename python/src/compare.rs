@@ -139,7 +139,9 @@ impl Comparison {
     fn trace(&self, tier: &str, backend: &str) -> PyResult<TraceData> {
         let (tier, backend) = (named::<Tier>("tier", tier)?, named::<BackendKind>("backend", backend)?);
         let traces = self.traces(tier).ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
-        Ok(TraceData::new(Arc::new(traces[backend as usize].clone()), self.scenario.system.springs.len()))
+        let at = BackendKind::COMPARED.iter().position(|kind| *kind == backend);
+        let at = at.ok_or_else(|| refused("backend", "must be one that was compared", backend.name()))?;
+        Ok(TraceData::new(Arc::new(traces[at].clone()), self.scenario.system.springs.len()))
     }
 
     /// Paths, differences and pulls over time, as SVG.
@@ -147,7 +149,7 @@ impl Comparison {
         let tier = named::<Tier>("tier", tier)?;
         let traces = self.traces(tier).ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
         let labelled: Vec<Labelled> =
-            BackendKind::ALL.iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
+            BackendKind::COMPARED.iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
         let found = self.found.tiers.pathwise().find(|found| found.tier == tier);
         let scene = found.map_or_else(|| chart::Scene::of(&self.scenario), |found| scene_of(found, &self.scenario));
         Ok(py.allow_threads(|| chart::overview(&labelled, &scene)))

@@ -138,7 +138,7 @@ impl Asked {
             return Err(refused(name, "must come with a backend that reads it", backend.name()));
         }
         if self.tolerance_m.is_some() && !backend.is_exact() {
-            return Err(refused("tolerance_m", "applies to quasi-static and inertial only; the steps of rapier are fixed", backend.name()));
+            return Err(refused("tolerance_m", &backend.tolerance_rule(), backend.name()));
         }
         let of_steps = [("step_s", self.step_s.is_some()), ("integrator", self.integrator.is_some()), ("second_order", self.second_order)];
         if let Some((name, _)) = of_steps.iter().find(|(_, is_given)| self.tolerance_m.is_some() && *is_given) {

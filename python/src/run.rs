@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
 use cohaul::analysis::estimate::{Estimator, InertiaEstimate, with_estimate};
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Shared};
+use cohaul::backend::{Backend, BackendOptions, Shared};
 use cohaul::output::chart::{self, Labelled};
 use cohaul::output::json;
 use cohaul::output::manifest::Manifest;
@@ -61,7 +61,7 @@ pub fn run(
 type SharedEstimator = Option<Shared<Estimator>>;
 
 fn backend(scenario: &Scenario, options: &BackendOptions) -> (Box<dyn Backend>, SharedEstimator) {
-    if options.kind != BackendKind::QuasiStatic {
+    if !options.kind.has_inertia_estimate() {
         return (backend_of(scenario, options), None);
     }
     let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);

@@ -1,7 +1,7 @@
 //! Steps that are taken by default, and the time scale of error control.
 
 use super::exact::SHORTEST_STEP;
-use super::{BackendKind, BackendOptions};
+use super::{BackendKind, BackendOptions, Setting};
 use crate::model::System;
 
 /// Longest default step of the quasi-static method (s), the control period of the paper. The tips
@@ -29,7 +29,7 @@ impl BackendOptions {
     /// Default options at the requested step (s), or else at the default step.
     pub fn at_step(requested: Option<f64>, kind: BackendKind, system: &System, control_period: f64) -> Self {
         let step_s = step_of(requested, kind, system, control_period);
-        Self { adapts_step: requested.is_none() && kind == BackendKind::Inertial, ..Self::new(kind, step_s) }
+        Self { adapts_step: requested.is_none() && kind.reads(Setting::AdaptsStep), ..Self::new(kind, step_s) }
     }
 }
 

@@ -27,6 +27,8 @@ pub enum Setting {
     ConeSolver,
     /// [`BackendOptions::second_order`].
     SecondOrder,
+    /// [`BackendOptions::adapts_step`].
+    AdaptsStep,
     /// [`BackendOptions::rapier`].
     Engine,
 }
@@ -42,13 +44,18 @@ struct Properties {
 impl BackendKind {
     /// All backends, the simplest first.
     pub const ALL: [BackendKind; 3] = [BackendKind::QuasiStatic, BackendKind::Inertial, BackendKind::Rapier];
+    /// The backends that a comparison runs, in the order of its traces: without inertia, with
+    /// inertia, and the engine.
+    pub const COMPARED: [BackendKind; 3] = [BackendKind::QuasiStatic, BackendKind::Inertial, BackendKind::Rapier];
 
     const fn properties(self) -> Properties {
         match self {
             BackendKind::QuasiStatic => {
                 Properties { name: "quasi-static", has_inertia: false, is_exact: true, reads: &[Setting::ConeSolver, Setting::SecondOrder] }
             }
-            BackendKind::Inertial => Properties { name: "inertial", has_inertia: true, is_exact: true, reads: &[Setting::Integrator] },
+            BackendKind::Inertial => {
+                Properties { name: "inertial", has_inertia: true, is_exact: true, reads: &[Setting::Integrator, Setting::AdaptsStep] }
+            }
             BackendKind::Rapier => Properties { name: "rapier", has_inertia: true, is_exact: false, reads: &[Setting::Engine] },
         }
     }
@@ -69,9 +76,29 @@ impl BackendKind {
         self.properties().is_exact
     }
 
+    /// Whether the inertia effect is estimated along a run: that needs an exact solution without
+    /// inertia.
+    pub const fn has_inertia_estimate(self) -> bool {
+        self.is_exact() && !self.has_inertia()
+    }
+
     /// Whether this backend reads an option that not all backends read.
     pub fn reads(self, setting: Setting) -> bool {
         self.properties().reads.contains(&setting)
+    }
+
+    /// Names of the backends of which `is_asked` holds, in words: `inertial and rapier`.
+    pub fn names_of(is_asked: impl Fn(Self) -> bool) -> String {
+        let names: Vec<&str> = Self::ALL.into_iter().filter(|kind| is_asked(*kind)).map(Self::name).collect();
+        match names.split_last() {
+            Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+            _ => names.concat(),
+        }
+    }
+
+    /// The rule that a tolerance for a backend without error control breaks.
+    pub fn tolerance_rule(self) -> String {
+        format!("applies to {} only; the steps of {} are fixed", Self::names_of(Self::is_exact), self.name())
     }
 }
 

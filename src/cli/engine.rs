@@ -1,11 +1,12 @@
-//! Options of the rapier backend, and warnings of options that change nothing.
+//! Options of the rapier backend, and options that a backend does not read.
 
 use clap::Args;
 
 use super::choice::choice;
 use super::console;
+use super::error::CliError;
 use crate::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
-use crate::backend::{BackendKind, Integrator, RapierOptions};
+use crate::backend::{BackendKind, Integrator, RapierOptions, Setting};
 use crate::scenario::{Drive, Scenario};
 
 #[derive(Args)]
@@ -40,29 +41,44 @@ impl EngineArgs {
     }
 }
 
-/// Warns of options for a backend that does not run.
-pub fn warn_of_idle(backends: &[BackendKind], integrator: Option<Integrator>, engine: &EngineArgs) {
-    let options = [
-        ("--integrator", BackendKind::Inertial, integrator.is_some()),
-        ("--friction", BackendKind::Rapier, engine.friction.is_some()),
-        ("--springs", BackendKind::Rapier, engine.springs.is_some()),
-        ("--precision", BackendKind::Rapier, engine.precision.is_some()),
-        ("--settings", BackendKind::Rapier, engine.settings.is_some()),
-    ];
-    for (name, of, _) in options.iter().filter(|(_, of, is_given)| *is_given && !backends.contains(of)) {
-        let names: Vec<&str> = backends.iter().map(|backend| backend.name()).collect();
-        warn_idle(name, of.name(), &names.join(", "));
+/// Refuses a tolerance for a backend without error control.
+///
+/// # Errors
+/// When one of the backends is such a one.
+pub fn check_error_control(backends: &[BackendKind]) -> Result<(), CliError> {
+    match backends.iter().find(|backend| !backend.is_exact()) {
+        Some(stepped) => Err(CliError::Usage(format!("--tolerance: {}, found {}", stepped.tolerance_rule(), stepped.name()))),
+        None => Ok(()),
     }
 }
 
+/// Warns of options for a backend that does not run.
+pub fn warn_of_idle(backends: &[BackendKind], integrator: Option<Integrator>, engine: &EngineArgs) {
+    let options = [
+        ("--integrator", Setting::Integrator, integrator.is_some()),
+        ("--friction", Setting::Engine, engine.friction.is_some()),
+        ("--springs", Setting::Engine, engine.springs.is_some()),
+        ("--precision", Setting::Engine, engine.precision.is_some()),
+        ("--settings", Setting::Engine, engine.settings.is_some()),
+    ];
+    let is_idle = |setting: Setting| backends.iter().all(|backend| !backend.reads(setting));
+    for (name, setting, _) in options.into_iter().filter(|(_, setting, is_given)| *is_given && is_idle(*setting)) {
+        warn_idle(name, &BackendKind::names_of(|kind| kind.reads(setting)), &names(backends));
+    }
+}
+
+fn names(backends: &[BackendKind]) -> String {
+    backends.iter().map(|backend| backend.name()).collect::<Vec<_>>().join(", ")
+}
+
 /// Warns of options of a sweep that its drive or backends do not have: only ants are random, and
-/// quasi-static runs have no inertia.
+/// some backends have no inertia.
 pub fn warn_of_idle_points(scenario: &Scenario, backends: &[BackendKind], n_seeds: u64, scales_inertia: bool) {
     if n_seeds > 1 && matches!(scenario.drive, Drive::Tips(_)) {
         warn_idle("--seeds", "ants", "tips");
     }
-    if scales_inertia && backends.iter().all(|backend| *backend == BackendKind::QuasiStatic) {
-        warn_idle("--scale-inertia", "inertial and rapier", "quasi-static");
+    if scales_inertia && !backends.iter().any(|backend| backend.has_inertia()) {
+        warn_idle("--scale-inertia", &BackendKind::names_of(BackendKind::has_inertia), &names(backends));
     }
 }
 

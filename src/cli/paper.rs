@@ -164,17 +164,18 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
 
 fn plan(args: &PaperArgs) -> Plan {
     let n_seeds = args.seeds.unwrap_or(if args.quick { QUICK_SEEDS } else { SEEDS });
-    let is_asked = |backend: &BackendKind| args.backend.is_empty() || args.backend.contains(backend);
+    let asked: &[BackendKind] = if args.backend.is_empty() { &BackendKind::COMPARED } else { &args.backend };
+    let is_asked = |backend: &BackendKind| asked.contains(backend);
     let fewer = |by: u64, least: u64| (n_seeds / by).max(least).min(n_seeds);
     let set = |case: Case, n_seeds: u64| {
-        // Rapier is slow, and other models need no large teams.
-        let has_crowd = case.preset == args.preset && case.backend != BackendKind::Rapier;
+        // An engine is slow, and other models need no large teams.
+        let has_crowd = case.preset == args.preset && case.backend.is_exact();
         let of_crowd = if args.quick { 4 } else { n_seeds.div_ceil(4) };
         Set { case, n_seeds, n_crowd_seeds: if has_crowd { of_crowd.min(n_seeds) } else { 0 } }
     };
     let mut sets: Vec<Set> = Vec::new();
     for backend in BackendKind::ALL.into_iter().filter(is_asked) {
-        let n_seeds = if backend == BackendKind::Rapier { fewer(4, 2) } else { n_seeds };
+        let n_seeds = if backend.is_exact() { n_seeds } else { fewer(4, 2) };
         sets.push(set(Case::new(args.preset, backend), n_seeds));
     }
     if is_asked(&BackendKind::Inertial) {
@@ -187,7 +188,7 @@ fn plan(args: &PaperArgs) -> Plan {
         let other = |preset: Preset| set(Case::new(preset, BackendKind::QuasiStatic), fewer(8, 2));
         sets.extend(Preset::ALL.into_iter().filter(|preset| *preset != args.preset).map(other));
     }
-    let has_all = BackendKind::ALL.iter().all(is_asked);
+    let has_all = BackendKind::COMPARED.iter().all(is_asked);
     Plan {
         preset: args.preset,
         first_seed: args.seed,

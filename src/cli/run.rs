@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::choice::{choice, positive, seconds};
 use super::console::{self, Tone};
 use super::cost::warn_of_cost;
-use super::engine::{EngineArgs, warn_idle, warn_of_idle};
+use super::engine::{EngineArgs, check_error_control, warn_idle, warn_of_idle};
 use super::error::{CliError, at_file};
 use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, manifest_of};
@@ -19,7 +19,7 @@ use super::resumable::stopped;
 use super::watch::watched_by;
 use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate};
-use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Shared, Skip, Skips, Status, Tolerance, build};
+use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Status, Tolerance, build};
 use crate::output::chart::Scene;
 use crate::output::json;
 use crate::output::progress::Progress;
@@ -108,8 +108,8 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     warn_of_cost("run", &scenario, &ExpectedCost::of_run(&scenario, &options));
     warn_of_scenario(&args.scenario, &scenario);
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
-    if args.no_estimate && options.kind != BackendKind::QuasiStatic {
-        warn_idle("--no-estimate", "quasi-static", options.kind.name());
+    if args.no_estimate && !options.kind.has_inertia_estimate() {
+        warn_idle("--no-estimate", &BackendKind::names_of(BackendKind::has_inertia_estimate), options.kind.name());
     }
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
@@ -201,8 +201,9 @@ fn print(args: &RunArgs, summary: &RunSummary) -> Result<(), CliError> {
 fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {
     check_step(args.step_s, scenario)?;
     let skips = Skips::ALL.without_all(&args.no_skip);
-    if args.second_order && args.backend != BackendKind::QuasiStatic {
-        return Err(CliError::Usage(format!("--second-order: applies to quasi-static only, found {}", args.backend.name())));
+    if args.second_order && !args.backend.reads(Setting::SecondOrder) {
+        let names = BackendKind::names_of(|kind| kind.reads(Setting::SecondOrder));
+        return Err(CliError::Usage(format!("--second-order: applies to {names} only, found {}", args.backend.name())));
     }
     let Some(position_m) = args.tolerance else {
         return Ok(BackendOptions {
@@ -213,10 +214,7 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
             ..BackendOptions::at_step(args.step_s, args.backend, &scenario.system, scenario.control_period)
         });
     };
-    if args.backend == BackendKind::Rapier {
-        let rule = "applies to quasi-static and inertial only; the steps of rapier are fixed";
-        return Err(CliError::Usage(format!("--tolerance: {rule}, found rapier")));
-    }
+    check_error_control(&[args.backend])?;
     let tolerance = Tolerance::at_edge(position_m, &scenario.system.load);
     let heading_rad = args.tolerance_rad.unwrap_or(tolerance.heading_rad);
     Ok(BackendOptions { skips, ..BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }) })
@@ -224,7 +222,7 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
 
 /// The backend, and what follows a quasi-static one to estimate the inertia effect.
 fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> (Box<dyn Backend>, SharedEstimator) {
-    if options.kind != BackendKind::QuasiStatic || no_estimate {
+    if !options.kind.has_inertia_estimate() || no_estimate {
         return (build(&scenario.system, scenario.start, options), None);
     }
     let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);

@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::choice::{choice, parse, positive, seconds};
 use super::console::{self, Tone, print, print_answer};
-use super::engine::{EngineArgs, warn_of_idle, warn_of_idle_points};
+use super::engine::{EngineArgs, check_error_control, warn_of_idle, warn_of_idle_points};
 use super::error::CliError;
 use super::error::at_file;
 use super::input::{check_step, name_of, read_text};
@@ -137,9 +137,8 @@ fn sample(args: &SweepArgs) -> Result<Option<Sample>, CliError> {
 
 /// Every backend at every step.
 fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
-    if args.tolerance.is_some() && args.backend.contains(&BackendKind::Rapier) {
-        let rule = "applies to quasi-static and inertial only; the steps of rapier are fixed";
-        return Err(CliError::Usage(format!("--tolerance: {rule}, found rapier")));
+    if args.tolerance.is_some() {
+        check_error_control(&args.backend)?;
     }
     let steps: Vec<Option<f64>> = if args.step_s.is_empty() { vec![None] } else { args.step_s.iter().copied().map(Some).collect() };
     let of = |backend: BackendKind, step_s: Option<f64>| Variant {

@@ -30,7 +30,7 @@ pub struct ClosedLoop {
     /// Worst status of a step in all runs.
     pub status: Status,
     /// Run of each backend at the first seed, for figures, in the order of
-    /// [`BackendKind::ALL`](crate::backend::BackendKind::ALL).
+    /// [`BackendKind::COMPARED`](crate::backend::BackendKind::COMPARED).
     #[serde(skip)]
     pub traces: Vec<Trace>,
 }
@@ -48,7 +48,7 @@ pub struct Measure {
     /// Rapier minus inertial.
     pub engine_error: PairedDifference,
     /// Values of every seed, for figures, in the order of
-    /// [`BackendKind::ALL`](crate::backend::BackendKind::ALL).
+    /// [`BackendKind::COMPARED`](crate::backend::BackendKind::COMPARED).
     #[serde(skip)]
     pub values: Vec<[Option<f64>; 3]>,
 }

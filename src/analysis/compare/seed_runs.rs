@@ -9,7 +9,7 @@ use crate::scenario::{AntDrive, Scenario};
 use crate::simulation::run_facts::{self, fact};
 use crate::simulation::{Keep, MakeBackend, Simulation, Trace, backend_of};
 
-/// What a comparison keeps of the runs with one seed, in the order of [`BackendKind::ALL`].
+/// What a comparison keeps of the runs with one seed, in the order of [`BackendKind::COMPARED`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SeedRuns {
     /// Quantities of each run; `null` where the run has none.
@@ -69,7 +69,7 @@ pub(super) fn seed_runs(
     let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
     let run = |nth: u32, kind, make: &MakeBackend| {
         let options = settings.at_fixed_step(&seeded, kind);
-        run_of(&seeded, &options, make, controller, |share| watch((f64::from(nth) + share) / BackendKind::ALL.len() as f64))
+        run_of(&seeded, &options, make, controller, |share| watch((f64::from(nth) + share) / BackendKind::COMPARED.len() as f64))
     };
     let runs =
         [run(0, BackendKind::QuasiStatic, &backend_of)?, run(1, BackendKind::Inertial, &backend_of)?, run(2, BackendKind::Rapier, engine)?];

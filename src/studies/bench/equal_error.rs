@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::scene::Level;
 use super::work::Row;
+use crate::backend::Setting;
 use crate::studies::methods::{METHODS, Method};
 
 /// Levels of error over the length of the path (1).
@@ -53,7 +54,7 @@ fn at_level(scene: &str, error: f64, rows: &[Row]) -> Vec<EqualError> {
     let time = |row: &Row| row.timing().map(|timing| timing.min_s);
     let tried = METHODS.iter().map(|method| (method, of(method.name))).filter(|(_, rows)| !rows.is_empty());
     let found: Vec<_> = tried.map(|(method, rows)| (method, cheapest(&rows, error))).collect();
-    let rapier = found.iter().filter(|(method, _)| !method.kind.is_exact()).filter_map(|(_, row)| time((*row)?));
+    let rapier = found.iter().filter(|(method, _)| method.kind.reads(Setting::Engine)).filter_map(|(_, row)| time((*row)?));
     let rapier = rapier.min_by(f64::total_cmp);
     let line = |(method, row): &(&Method, Option<&Row>)| {
         let cpu_s = row.and_then(time);

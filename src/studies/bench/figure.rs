@@ -103,9 +103,9 @@ pub fn growth(lines: &[GrowthLine]) -> (Vec<Panel>, Vec<Entry>) {
 
 fn backend_style(backend: &str) -> Style {
     match backend {
-        "quasi-static" => style("quasi-static"),
         "inertial" => style("inertial midpoint"),
-        _ => style("rapier aligned"),
+        "rapier" => style("rapier aligned"),
+        other => style(other),
     }
 }
 

@@ -3,7 +3,6 @@
 
 use serde::Serialize;
 
-use super::COMPARED;
 use crate::analysis::compare::Pathwise;
 use crate::backend::{BackendKind, EnergyLedger, Motion};
 use crate::math::{Pose, Twist};
@@ -80,7 +79,7 @@ impl Beside {
     /// When no recorded instant lies within the runs.
     pub fn new(file: &str, trace: Trace, found: &Pathwise) -> Result<Self, String> {
         let of = |(kind, at): (BackendKind, usize)| from_recorded(kind, &trace, &found.solutions[at].trace);
-        let [quasi_static, inertial, rapier] = [0, 1, 2].map(|at| of((COMPARED[at], at)));
+        let [quasi_static, inertial, rapier] = [0, 1, 2].map(|at| of((BackendKind::COMPARED[at], at)));
         let (Some(quasi_static), Some(inertial), Some(rapier)) = (quasi_static, inertial, rapier) else {
             let times = trace.rows.first().zip(trace.rows.last()).map_or([0.0; 2], |(first, last)| [first.time, last.time]);
             return Err(format!("{file}: must have a time within the runs, found {} to {} s", times[0], times[1]));

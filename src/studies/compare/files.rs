@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::COMPARED;
+use crate::backend::BackendKind;
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
@@ -52,7 +52,8 @@ fn write_tier(
     with: Option<(TraceFormat, &Manifest)>,
 ) -> Result<(), FolderError> {
     let columns = TraceColumns::Full { n_springs: scenario.system.springs.len() };
-    let labelled: Vec<Labelled> = COMPARED.into_iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
+    let labelled: Vec<Labelled> =
+        BackendKind::COMPARED.into_iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
     for (Labelled { label, trace }, (format, manifest)) in labelled.iter().filter_map(|labelled| Some((labelled, with?))) {
         write_trace(folder, &format!("trace-{tier}-{label}"), (trace, columns), format, manifest)?;
         folder.write(&format!("events-{tier}-{label}.csv"), |out| trace_csv::write_events(trace, out))?;

@@ -7,8 +7,3 @@ pub mod comparison;
 pub mod files;
 pub mod page;
 pub mod text;
-
-use crate::backend::BackendKind;
-
-/// The backends that a comparison runs, in the order of its traces.
-const COMPARED: [BackendKind; 3] = [BackendKind::QuasiStatic, BackendKind::Inertial, BackendKind::Rapier];

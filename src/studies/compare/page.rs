@@ -1,7 +1,7 @@
 //! The HTML page of a comparison: the answer, the replay, and the evidence.
 
-use super::COMPARED;
 use crate::analysis::compare::{ClosedLoop, Distribution, Measure, Pathwise};
+use crate::backend::BackendKind;
 use crate::output::chart::bars::{self, Bar, Spread, SpreadLine};
 use crate::output::chart::{self, Labelled, Scene, trace_color};
 use crate::output::manifest::Manifest;
@@ -130,7 +130,8 @@ fn over_time(shown: &[Shown], scene: &Scene) -> Vec<Block> {
 }
 
 fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
-    let shown: Vec<Shown> = COMPARED.iter().zip(&found.traces).map(|(kind, trace)| Shown { label: kind.name(), trace }).collect();
+    let shown: Vec<Shown> =
+        BackendKind::COMPARED.iter().zip(&found.traces).map(|(kind, trace)| Shown { label: kind.name(), trace }).collect();
     let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| format!("at {}", quantity(time, "s")));
     let first = &found.first_different_decision;
     let (quasi_static, rapier) = (time(first.quasi_static_s), time(first.rapier_s));
@@ -171,7 +172,7 @@ fn spread(measure: &Measure) -> Spread {
     let (name, unit) = name_and_unit(measure.name);
     let of = [&measure.quasi_static, &measure.inertial, &measure.rapier];
     let line = |(at, found): (usize, &Distribution)| SpreadLine {
-        name: COMPARED[at].name().to_owned(),
+        name: BackendKind::COMPARED[at].name().to_owned(),
         color: trace_color(at),
         values: measure.values.iter().filter_map(|values| values[at]).collect(),
         mean: if found.n > 0 { found.mean } else { f64::NAN },

@@ -92,12 +92,12 @@ const STEPS_UNASKED: u64 = 64;
 fn run(scenario: &Scenario, options: &BackendOptions, most_attached: usize, go_on: &dyn Fn() -> bool) -> Option<(Outcome, Totals)> {
     let mut options = *options;
     loop {
-        let (backend, estimator) = match options.kind.has_inertia() {
-            true => (backend_of(scenario, &options), None),
-            false => {
+        let (backend, estimator) = match options.kind.has_inertia_estimate() {
+            true => {
                 let (backend, estimator) = with_estimate(&scenario.system, scenario.start, &options);
                 (backend, Some(estimator))
             }
+            false => (backend_of(scenario, &options), None),
         };
         let mut run = Simulation::from_parts(scenario, &options, Keep::Outcome, controller_of(scenario), backend);
         let mut totals = Totals { path_length: 0.0, time_attached: vec![0.0; most_attached + 1], estimate: None };
