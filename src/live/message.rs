@@ -100,7 +100,9 @@ pub struct SceneNow {
     /// Numbers that are known before a run.
     pub numbers: Numbers,
     pub settings: Settings,
-    /// Step of each backend (s).
+    /// Names of all backends, shown or not.
+    pub all_backends: Vec<&'static str>,
+    /// Step of each of all backends (s).
     pub steps_s: Vec<f64>,
     /// Numbers of the obstacles that can be dragged.
     pub pushers: Vec<usize>,

@@ -6,7 +6,6 @@ const RAPIER = {
   springs: ['joint', 'aggregate', 'force'],
   precision: ['f64', 'f32'],
 };
-const BACKENDS = ['quasi-static', 'inertial', 'rapier'];
 
 class Panel {
   constructor(place, send) {
@@ -23,8 +22,8 @@ class Panel {
       this.build();
     }
     for (const parameter of scene.parameters) this.sliders.get(parameter.key).show(parameter);
-    const { settings, steps_s: steps, control_period_s: period } = scene;
-    BACKENDS.forEach((kind, i) => {
+    const { settings, all_backends: all, steps_s: steps, control_period_s: period } = scene;
+    all.forEach((kind, i) => {
       this.backends[i].checked = settings.backends.includes(kind);
       const step = { key: kind, name: `step of ${kind}`, unit: 's', about: 'Longest time step', value: steps[i], least: period / 1000, most: period, is_log: true };
       this.steps[i].show(step);
@@ -33,18 +32,19 @@ class Panel {
   }
 
   build() {
+    const { all_backends: all } = this.scene;
     this.sliders.clear();
     const sliders = this.scene.parameters.map((parameter) => {
       const slider = new Slider((value) => this.send({ do: 'set', what: parameter.key, value }));
       this.sliders.set(parameter.key, slider);
       return slider.box;
     });
-    this.backends = BACKENDS.map((kind) => {
+    this.backends = all.map((kind) => {
       const box = element('input', { type: 'checkbox', name: kind });
       box.addEventListener('change', () => this.choose(box));
       return box;
     });
-    this.steps = BACKENDS.map((_, i) => new Slider((value) => this.settings((settings) => { settings.steps_s[i] = value; })));
+    this.steps = all.map((_, i) => new Slider((value) => this.settings((settings) => { settings.steps_s[i] = value; })));
     this.rapier = Object.fromEntries(Object.entries(RAPIER).map(([key, names]) => {
       const select = element('select', { name: key, 'aria-label': `${key} of rapier` }, ...names.map((name) => element('option', { value: name }, name)));
       select.addEventListener('change', () => this.settings(({ rapier }) => {
@@ -58,7 +58,7 @@ class Panel {
     this.place.replaceChildren(
       element('div', { class: 'scenes' }, this.scenes(), this.opener()),
       element('h2', {}, 'Parameters'), ...sliders,
-      element('h2', {}, 'Backends'), ...BACKENDS.map((kind, i) => labelled(this.backends[i], kind)),
+      element('h2', {}, 'Backends'), ...all.map((kind, i) => labelled(this.backends[i], kind)),
       element('details', {}, element('summary', {}, 'Steps and options of rapier'), ...this.steps.map((step) => step.box),
         ...Object.entries(this.rapier).map(([key, select]) => element('label', { class: 'pair' }, `${key} `, select))));
   }
@@ -66,7 +66,7 @@ class Panel {
   // The last backend stays.
   choose(box) {
     if (!this.backends.some((other) => other.checked)) box.checked = true;
-    else this.settings((settings) => { settings.backends = BACKENDS.filter((_, i) => this.backends[i].checked); });
+    else this.settings((settings) => { settings.backends = this.scene.all_backends.filter((_, i) => this.backends[i].checked); });
   }
 
   settings(change) {

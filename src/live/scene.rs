@@ -142,6 +142,7 @@ impl LiveScene {
             parameters: parameters(scenario, &self.base, self.speed),
             numbers: Numbers::before_run(scenario),
             settings: self.settings.clone(),
+            all_backends: BackendKind::ALL.map(BackendKind::name).to_vec(),
             steps_s: BackendKind::ALL.map(|kind| self.settings.steps_s[kind as usize].unwrap_or_else(|| step(kind))).to_vec(),
             pushers: self.pushers(),
             has_ants: self.ants.is_some() || matches!(scenario.drive, Drive::Ants(_)),

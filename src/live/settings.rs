@@ -13,13 +13,13 @@ pub struct Settings {
     pub backends: Vec<BackendKind>,
     /// Longest step of each backend in the order of `BackendKind::ALL` (s); the default where there
     /// is none.
-    pub steps_s: [Option<f64>; 3],
+    pub steps_s: [Option<f64>; BackendKind::ALL.len()],
     pub rapier: RapierOptions,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { backends: BackendKind::ALL.to_vec(), steps_s: [None; 3], rapier: RapierOptions::default() }
+        Self { backends: BackendKind::ALL.to_vec(), steps_s: [None; BackendKind::ALL.len()], rapier: RapierOptions::default() }
     }
 }
 
