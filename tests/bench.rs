@@ -201,7 +201,7 @@ fn a_benchmark_that_was_stopped_goes_on_and_measures_nothing_twice() {
 fn error_control_reaches_levels_that_no_engine_does_and_costs_are_monotone() {
     let found = measured(&plan(scene("tripod-spin-pinned"), 10.0));
     let table = equal_errors(&found.rows);
-    for method in METHODS {
+    for method in METHODS.iter() {
         let costs: Vec<Option<f64>> = table.iter().filter(|line| line.method == method.name).map(|line| line.cpu_s).collect();
         assert!(costs.is_empty() == (method.kind == BackendKind::QuasiStatic));
         assert!(costs.is_empty() || costs.len() == LEVELS.len());

@@ -215,7 +215,7 @@ impl Session<'_, '_> {
 }
 
 fn settings(scene: &Scene, effort: &Effort, path_length: f64) -> Vec<(Method, Level)> {
-    let asked = METHODS.into_iter().filter(|method| scene.asks(method));
+    let asked = METHODS.iter().copied().filter(|method| scene.asks(method));
     asked.flat_map(|method| scene.levels(&method, path_length, effort.quick).into_iter().map(move |level| (method, level))).collect()
 }
 
