@@ -1,11 +1,15 @@
 //! The numbers of a run. [`FACTS`] is the one table from which the JSON of `run`, the columns of a
-//! sweep, baselines and comparisons over seeds are made: a new number is one more entry of it.
+//! sweep, baselines and comparisons over seeds are made: a new number is one more entry of it. That
+//! holds as well for a number that is followed over a run, such as a sum or a maximum: its entry
+//! says how the number changes in an advance of the backend.
+
+use std::sync::LazyLock;
 
 use serde::Serialize;
 
 use self::Value::{Absent, Count, Flag, Number, Undefined};
 use super::Outcome;
-use crate::backend::{BackendOptions, PoseError, Status, Tolerance, TransitionCounts};
+use crate::backend::{Backend, BackendOptions, PoseError, Status, Tolerance, TransitionCounts};
 use crate::math::Summary;
 use crate::scenario::Scenario;
 
@@ -36,8 +40,21 @@ pub struct Fact {
     pub is_reproducible: bool,
     /// Number of pulls without which tables leave the number out.
     least_pulls: u64,
-    get: fn(&Run) -> Value,
+    source: Source,
 }
+
+/// Where the value of a number comes from.
+#[derive(Clone, Copy)]
+enum Source {
+    /// It follows from the end of the run.
+    End(fn(&Run) -> Value),
+    /// It is followed over the run.
+    Followed(Follow),
+}
+
+/// Value of a followed number after an advance of the backend: from its value so far, which is zero
+/// at the start, the backend, and the duration of the advance (s).
+pub type Follow = fn(f64, &dyn Backend, f64) -> f64;
 
 /// Type of the values of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -195,6 +212,13 @@ pub const FACTS: [Fact; 64] = [
     number("wall_s", "", "Real time that the run took.", |r| r.wall_time.map_or(Absent, Number)),
 ];
 
+/// Names of the numbers that are followed over a run, in the order of [`FACTS`], and how they
+/// change.
+pub static FOLLOWED: LazyLock<Vec<(&str, Follow)>> = LazyLock::new(|| {
+    let followed = |fact: &Fact| if let Source::Followed(follow) = fact.source { Some((fact.name, follow)) } else { None };
+    FACTS.iter().filter_map(followed).collect()
+});
+
 /// The number with this column.
 ///
 /// # Panics
@@ -204,7 +228,12 @@ pub fn fact(column: &str) -> &'static Fact {
 }
 
 const fn number(name: &'static str, column: &'static str, meaning: &'static str, get: fn(&Run) -> Value) -> Fact {
-    Fact { name, column, meaning, kind: Kind::Number, is_reproducible: true, least_pulls: 0, get }
+    Fact { name, column, meaning, kind: Kind::Number, is_reproducible: true, least_pulls: 0, source: Source::End(get) }
+}
+
+#[expect(dead_code, reason = "no number is followed yet")]
+const fn followed(name: &'static str, column: &'static str, meaning: &'static str, follow: Follow) -> Fact {
+    Fact { source: Source::Followed(follow), ..number(name, column, meaning, |_| Absent) }
 }
 
 const fn count(name: &'static str, column: &'static str, meaning: &'static str, get: fn(&Run) -> Value) -> Fact {
@@ -226,7 +255,10 @@ impl Fact {
 
     /// The value in a run.
     pub fn value(&self, run: &Run) -> Value {
-        (self.get)(run)
+        match self.source {
+            Source::End(get) => get(run),
+            Source::Followed(_) => run.followed(self.name),
+        }
     }
 
     /// The value in a run, as a table has it: a statistic of too few pulls is [`Value::Absent`].
@@ -296,6 +328,12 @@ impl Run<'_> {
     pub fn is_accurate(&self) -> bool {
         let is_known = self.outcome.steps.status == Status::Converged;
         self.options.tolerance.zip(self.outcome.error).is_none_or(|(asked, error)| is_known && asked.allows(&error))
+    }
+
+    /// A followed number; a run that was saved without it has none.
+    fn followed(&self, name: &str) -> Value {
+        let mut values = FOLLOWED.iter().zip(&self.outcome.followed);
+        values.find(|((other, _), _)| *other == name).map_or(Absent, |(_, value)| Number(*value))
     }
 
     fn pulls(&self, get: fn(&Summary) -> Value) -> Value {
