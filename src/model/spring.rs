@@ -10,6 +10,13 @@
 //! dd/dx = -Q^T,  dd/dtheta = -J (d + a)            with J a quarter turn
 //! ```
 //!
+//! The second derivative of the force by the tip along a unit vector u, at an angle from e_r, is
+//!
+//! ```text
+//! (A sin^2 + B sin 2) e_r + (B cos 2 + A sin 2) e_t,   at most (2 / sqrt 3) |A| + |B|
+//! A = (k_r l_0 - 2 k_t / l) / l^2,   B = 2 k_t psi / l^3
+//! ```
+//!
 //! Deviation: Eq. (8) sets the tip frame to the world's orientation, so that an undeformed spring
 //! beside the load would carry 27 mN. The swing here is the polar angle of the tip in the root's
 //! frame.
@@ -21,8 +28,9 @@
 
 use crate::math::{Mat2, Mat3, Pose, Vec2, Vec3, direction, perpendicular, rotation, unwrap_near};
 
-/// One spring of the load. Nothing in it changes during a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One spring of the load. Nothing in it changes during a run. The default is the base of others:
+/// it has no length, no stiffness and no damping.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PolarSpring {
     /// Root in the load's frame (m).
     pub root: Vec2,
@@ -38,7 +46,9 @@ pub struct PolarSpring {
     pub damping_ratio: f64,
 }
 
-/// Tip of an attached spring in the frame of its root.
+/// Tip of an attached spring in the frame of its root. Where a spring has a direction, its law is
+/// the same in all axes: with a tip in axes turned otherwise, pull and stiffness are in these axes
+/// too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringShape {
     /// Tip from root in the frame turned by the bearing (m).
@@ -113,6 +123,35 @@ impl PolarSpring {
         [radial, torsional * square]
     }
 
+    /// Stiffness against change of length and against swing at this length (N/m, N m/rad). The law
+    /// is linear in both, so that they are the same at every length.
+    pub fn stiffness_at(&self, _length: f64) -> (f64, f64) {
+        (self.radial_stiffness, self.torsional_stiffness)
+    }
+
+    /// Pull along the spring at this length (N).
+    pub fn radial_pull(&self, length: f64) -> f64 {
+        self.radial_stiffness * (length - self.rest_length)
+    }
+
+    /// Entries of H_d at this length (m), which is positive, and swing (rad): along the spring,
+    /// across it, and between the two (N/m).
+    pub fn polar_stiffness(&self, length: f64, swing: f64) -> [f64; 3] {
+        let torsion = self.torsional_stiffness / (length * length);
+        let across = self.radial_stiffness * (1.0 - self.rest_length / length) + torsion;
+        [self.radial_stiffness, across, -(torsion * swing)]
+    }
+
+    /// Bound of the second derivative of the pull by the tip, at lengths of `shortest` (m) or more
+    /// and swings of at most `swing` (rad) (N/m^2).
+    pub fn largest_curvature(&self, shortest: f64, swing: f64) -> f64 {
+        let torsional = self.torsional_stiffness;
+        let largest_a = (self.radial_stiffness * self.rest_length).max(2.0 * torsional / shortest) / (shortest * shortest);
+        let largest_b = 2.0 * torsional * swing / (shortest * shortest * shortest);
+        // 2 / sqrt 3, rounded up.
+        1.155 * largest_a + largest_b
+    }
+
     /// A spring with the same root and these stiffnesses (N/m, N m/rad) that is undeformed in
     /// `shape`.
     pub fn about(&self, shape: &SpringShape, radial_stiffness: f64, torsional_stiffness: f64) -> PolarSpring {
@@ -152,7 +191,7 @@ impl PolarSpring {
         }
         let (length, radial) = self.polar_axis(shape);
         let torsional = self.torsional_stiffness * shape.swing / length;
-        self.radial_stiffness * (length - self.rest_length) * radial + torsional * perpendicular(&radial)
+        self.radial_pull(length) * radial + torsional * perpendicular(&radial)
     }
 
     /// Force of the ant or robot on the tip (N, world axes): dU/d(tip), the negative of Eq. (10).
@@ -185,17 +224,15 @@ impl PolarSpring {
 
     /// H_d: second derivative of the energy by the tip's position in the frame turned by the
     /// bearing (N/m).
-    fn stiffness_in_root(&self, shape: &SpringShape) -> Mat2 {
+    pub fn stiffness_in_root(&self, shape: &SpringShape) -> Mat2 {
         if self.is_isotropic() {
             return Mat2::from_diagonal_element(self.radial_stiffness);
         }
         let (length, radial) = self.polar_axis(shape);
         let tangential = perpendicular(&radial);
-        let torsion = self.torsional_stiffness / (length * length);
-        let across = self.radial_stiffness * (1.0 - self.rest_length / length) + torsion;
-        let coupling = radial * tangential.transpose();
-        self.radial_stiffness * radial * radial.transpose() + across * tangential * tangential.transpose()
-            - torsion * shape.swing * (coupling + coupling.transpose())
+        let [along, across, between] = self.polar_stiffness(length, shape.swing);
+        let mixed = radial * tangential.transpose();
+        along * radial * radial.transpose() + across * tangential * tangential.transpose() + between * (mixed + mixed.transpose())
     }
 
     /// Length, kept away from zero (m), and unit vector from root to tip.

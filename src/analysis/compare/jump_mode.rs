@@ -79,10 +79,11 @@ fn quadratic_forms(system: &System, spring: &PolarSpring, row: &Row, tip: Vec2, 
     let is_isotropic = spring.rest_length == 0.0 || length == 0.0;
     let along = if is_isotropic { moved.norm() } else { moved.dot(&offset) / length };
     let across_squared = if is_isotropic { 0.0 } else { (moved.norm_squared() - along * along).max(0.0) / (length * length) };
-    let tension = spring.radial_stiffness * (length - spring.rest_length).max(0.0) * length;
+    let (radial, torsional) = spring.stiffness_at(length);
+    let tension = spring.radial_pull(length).max(0.0) * length;
     let of_unit = PolarSpring { damping_ratio: 1.0, ..*spring };
     let form = |(radial, torsional): (f64, f64)| radial * along * along + torsional * across_squared;
-    let stiffness = form((spring.radial_stiffness, spring.torsional_stiffness + tension));
+    let stiffness = form((radial, torsional + tension));
     [stiffness, form(system.dashpot(spring)), form(system.dashpot(&of_unit))]
 }
 

@@ -59,7 +59,7 @@ impl PreparedSpring {
         let shape = self.shape(attachment, position, &turn);
         let radial = turned(&turn, &self.spring.polar_axis(&shape).1);
         let pull = turned(&turn, &self.spring.pull_in_root(&shape));
-        let stiffness = self.spring.along_and_across(shape.length, (self.spring.radial_stiffness, self.spring.torsional_stiffness));
+        let stiffness = self.spring.along_and_across(shape.length, self.spring.stiffness_at(shape.length));
         let damping = self.spring.along_and_across(shape.length, self.damping);
         let law = |at: usize, axis: &Vec2| {
             let (stiffness, damping) = (stiffness[at], damping[at]);

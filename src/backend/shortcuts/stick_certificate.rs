@@ -5,15 +5,13 @@
 //! made where friction forces f_i with room to their limits balance w. Those forces and the least
 //! forces for the change of w balance it elsewhere. At the end of one step w is simply evaluated.
 //! Over many steps it is known to first order in the displacements d of the tips, and the second
-//! order is bounded. With a = k_r (l - l_0), b = k_t psi / l, e along the spring and t across,
+//! order is bounded. With the derivative K of F, and a bound L of its second derivative,
 //!
 //! ```text
-//! K = dF/dp = k_r ee' + (a / l + k_t / l^2) tt' - (b / l) (et' + te')
-//! d^2 F/dp^2 (u, u) = (A sin^2 + B sin 2) e + (B cos 2 + A sin 2) t  of the angle from e to u,    A = (k_r l_0 - 2 k_t / l) / l^2,   B = 2 b / l^2
-//! |F - F_0 - K d| <= L |d|^2 / 2,   L = (2 / sqrt 3) |A| + |B|           |tau - tau_0 - d x F_0 - p x K d| <= (|K| + |p| L / 2) |d|^2
+//! |F - F_0 - K d| <= L |d|^2 / 2           |tau - tau_0 - d x F_0 - p x K d| <= (|K| + |p| L / 2) |d|^2
 //! ```
 //!
-//! A, B and p are taken at their largest in a ball about the tip. A change of w by no more than
+//! L and p are taken at their largest in a ball about the tip. A change of w by no more than
 //! that changes each f_i by at most `c_i^2 |B_i M|` times as much, with M of the friction solver.
 //! The displacements for which all forces stay within their limits by this bound are a convex set:
 //! a straight path of the tips that begins and ends in it lies in it.
@@ -23,9 +21,9 @@ use serde::{Deserialize, Serialize};
 use crate::backend::RestoreError;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::springs::{AttachedSprings, Attachment, Place, SpringBlocks, TipPaths};
-use crate::math::{Mat2, Mat3x2, Vec2, Vec3, perpendicular};
-use crate::model::PolarSpring;
+use crate::math::{Mat3x2, Vec2, Vec3};
 use crate::model::spring::SHORTEST_LENGTH;
+use crate::model::{PolarSpring, SpringShape};
 
 /// Radius of the ball over the length of the spring (1). The law changes little in it.
 const BALL: f64 = 0.125;
@@ -182,8 +180,8 @@ impl Ball {
     /// Ball about the tip of an attachment, and the wrench of its spring on the load (N, N, N m;
     /// load axes). `None` for a spring too short to have a direction.
     fn about(attachment: &Attachment, spring: &PolarSpring, at: &Place) -> Option<(Self, Vec3)> {
-        let Reach { arm, length, pull, .. } = Reach::of(attachment, spring, at)?;
-        let radius = if spring.is_isotropic() { f64::MAX } else { BALL * length };
+        let Reach { arm, shape, pull } = Reach::of(attachment, spring, at)?;
+        let radius = if spring.is_isotropic() { f64::MAX } else { BALL * shape.length };
         Some((Self { attachment: *attachment, radius }, pull.push(arm.perp(&pull))))
     }
 
@@ -193,11 +191,10 @@ impl Ball {
     }
 }
 
-/// Tip from the origin of the load and from the root of its spring (m, load axes), and its pull.
+/// Tip from the origin of the load (m, load axes), shape of its spring in load axes, and its pull.
 struct Reach {
     arm: Vec2,
-    along: Vec2,
-    length: f64,
+    shape: SpringShape,
     /// Pull on the tip, which is the force of the spring on the load (N, load axes).
     pull: Vec2,
 }
@@ -207,13 +204,9 @@ impl Reach {
     fn of(attachment: &Attachment, spring: &PolarSpring, at: &Place) -> Option<Self> {
         let arm = at.turn.tr_mul(&(attachment.tip - at.pose.position));
         let along = arm - spring.root;
-        let (length, radial) = (along.norm(), spring.radial_stiffness);
-        if spring.is_isotropic() {
-            return Some(Self { arm, along, length, pull: radial * along });
-        }
-        let e = along / length;
-        let (stretch, swing) = (radial * (length - spring.rest_length), spring.torsional_stiffness * attachment.swing / length);
-        (length > SHORTEST_LENGTH * spring.rest_length).then(|| Self { arm, along, length, pull: stretch * e + swing * perpendicular(&e) })
+        let shape = SpringShape { tip_in_root: along, length: along.norm(), swing: attachment.swing };
+        let has_direction = spring.is_isotropic() || shape.length > SHORTEST_LENGTH * spring.rest_length;
+        has_direction.then(|| Self { arm, shape, pull: spring.pull_in_root(&shape) })
     }
 }
 
@@ -221,24 +214,15 @@ impl Growth {
     /// Growth within a ball about the tip of a spring. `None` for a spring too short to have a
     /// direction, and where nothing is known of the supports.
     fn in_ball(Ball { attachment, radius }: &Ball, spring: &PolarSpring, at: &Place, solver: &FrictionSolver) -> Option<Self> {
-        let Reach { arm, along, length, pull } = Reach::of(attachment, spring, at)?;
-        let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
-        let (bend, stiffness) = if spring.is_isotropic() {
-            (0.0, radial * Mat2::identity())
+        let Reach { arm, shape, pull } = Reach::of(attachment, spring, at)?;
+        let stiffness = spring.stiffness_in_root(&shape);
+        let bend = if spring.is_isotropic() {
+            0.0
         } else {
-            let e = along / length;
-            let t = perpendicular(&e);
-            let across = (radial * (length - spring.rest_length) + torsional / length) / length;
-            let coupling = torsional * attachment.swing / (length * length);
-            let mixed = e * t.transpose();
-            let stiffness = radial * e * e.transpose() + across * t * t.transpose() - coupling * (mixed + mixed.transpose());
-            let shortest = length - radius;
-            let largest_a = (radial * spring.rest_length).max(2.0 * torsional / shortest) / (shortest * shortest);
-            let largest_b = 2.0 * torsional * (attachment.swing.abs() + LARGEST_TURN) / (shortest * shortest * shortest);
-            let curvature = 1.155 * largest_a + largest_b;
-            let largest = radial.max(across.abs()) + coupling.abs();
-            let bend = solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature);
-            (bend, stiffness)
+            let [along, across, between] = spring.polar_stiffness(shape.length, shape.swing);
+            let largest = along.max(across.abs()) + between.abs();
+            let curvature = spring.largest_curvature(shape.length - radius, shape.swing.abs() + LARGEST_TURN);
+            solver.scaled_wrench(0.5 * curvature, largest + 0.5 * (arm.norm() + radius) * curvature)
         };
         let column = |shift: Vec2| {
             let force = stiffness * shift;
@@ -272,7 +256,7 @@ mod tests {
                 rest_length: if case % 5 == 0 { 0.0 } else { 0.0263 },
                 radial_stiffness: 0.664 * 8f64.powf(draw(2)),
                 torsional_stiffness: if case % 3 == 0 { 0.0 } else { 4.52e-4 * 8f64.powf(draw(3)) },
-                damping_ratio: 0.0,
+                ..PolarSpring::default()
             };
             let place = Place::of(&Pose::new(0.1, -0.2, 2.0 * draw(4)));
             let swing = 2.5 * draw(5);

@@ -101,7 +101,7 @@ fn lengths(system: &System, findings: &mut Findings) {
         within(format!("springs[{index}].rest_length_m"), LONGEST_SPRING, spring.rest_length);
     }
     for (index, spring) in system.springs.iter().enumerate().filter(|(_, spring)| spring.radial_stiffness > 0.0) {
-        let [along, across] = spring.along_and_across(spring.rest_length, (spring.radial_stiffness, spring.torsional_stiffness));
+        let [along, across] = spring.along_and_across(spring.rest_length, spring.stiffness_at(spring.rest_length));
         if across > STIFFEST_ACROSS * along {
             let rule = format!("should be in N m/rad: a spring is at most {STIFFEST_ACROSS} times as stiff across as along");
             let found = format!("{} N/m across and {} N/m along", short(across), short(along));

@@ -100,8 +100,8 @@ impl Observer {
             let spring = &self.system.springs[at];
             let shape = spring.shape(&Pose::new(0.0, 0.0, 0.0), &(spring.root + rotation(spring.bearing) * after), self.swings[at]);
             self.swings[at] = shape.swing;
-            let torsion = if spring.torsional_stiffness > 0.0 { spring.torsional_stiffness / shape.length.powi(2) } else { 0.0 };
-            let stiffness = spring.radial_stiffness.max(torsion);
+            let (radial, torsional) = spring.stiffness_at(shape.length);
+            let stiffness = radial.max(if torsional > 0.0 { torsional / shape.length.powi(2) } else { 0.0 });
             linear += stiffness;
             angular += stiffness * (spring.root + rotation(spring.bearing) * after).norm_squared();
             if spring.rest_length > 0.0 {
@@ -174,9 +174,8 @@ fn closest(a: &Vec2, b: &Vec2) -> f64 {
 
 /// Whether both principal minors of H_d (see `model::spring`) are positive.
 fn is_convex(spring: &PolarSpring, length: f64, swing: f64) -> bool {
-    let torsion = spring.torsional_stiffness / (length * length);
-    let across = spring.radial_stiffness * (1.0 - spring.rest_length / length) + torsion;
-    spring.radial_stiffness * across > (torsion * swing).powi(2)
+    let [along, across, between] = spring.polar_stiffness(length, swing);
+    along * across > between.powi(2)
 }
 
 impl Hook for Observer {
