@@ -133,18 +133,11 @@ fn spring(draws: &mut Draws) -> PolarSpring {
     let root = draws.point(0.5);
     let stiffness = 0.37 * 10f64.powf(draws.between(-0.5, 1.0));
     if draws.is(0.5) {
-        return PolarSpring {
-            root,
-            bearing: 0.0,
-            rest_length: 0.0,
-            radial_stiffness: stiffness,
-            torsional_stiffness: 0.0,
-            damping_ratio: 0.0,
-        };
+        return PolarSpring { root, radial_stiffness: stiffness, ..PolarSpring::default() };
     }
     let (bearing, rest_length) = (TAU * draws.unit(), draws.between(1.0, 2.5));
     let torsional_stiffness = stiffness * draws.between(0.5, 5.0);
-    PolarSpring { root, bearing, rest_length, radial_stiffness: stiffness, torsional_stiffness, damping_ratio: 0.0 }
+    PolarSpring { root, bearing, rest_length, radial_stiffness: stiffness, torsional_stiffness, ..PolarSpring::default() }
 }
 
 fn scaled_part(part: &OutlinePart, scale: f64) -> OutlinePart {

@@ -21,7 +21,7 @@ pub const BOX: [f64; 2] = [0.0122, 0.008];
 
 /// An isotropic spring whose root is `root` (m, load axes).
 pub fn spring(root: Vec2) -> PolarSpring {
-    PolarSpring { root, bearing: 0.0, rest_length: 0.0, radial_stiffness: STIFFNESS, torsional_stiffness: 0.0, damping_ratio: 0.0 }
+    PolarSpring { root, radial_stiffness: STIFFNESS, ..PolarSpring::default() }
 }
 
 fn system(outline: Outline, obstacles: Vec<Obstacle>, springs: Vec<PolarSpring>) -> System {

@@ -84,7 +84,7 @@ pub(super) mod tests {
             rest_length: 0.0263,
             radial_stiffness: 0.664,
             torsional_stiffness: 4.52e-4,
-            damping_ratio: 0.0,
+            ..PolarSpring::default()
         }
     }
 }
