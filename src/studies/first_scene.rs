@@ -103,15 +103,19 @@ impl FirstScene {
         let stretched = self.friction * self.mass * STANDARD_GRAVITY / (STRETCH * radius);
         let stiffness = stretched.max(self.mass * LEAST_RATE * LEAST_RATE) / n;
         let rest_length = rounded(REST_LENGTH * radius);
-        let spring = |(root, bearing): (Vec2, f64)| SpringEntry {
-            root_m: [rounded(root.x), rounded(root.y)],
-            bearing_rad: rounded(bearing),
+        let equal = SpringEntry {
             rest_length_m: rest_length,
             radial_stiffness_n_per_m: rounded(stiffness),
             torsional_stiffness_nm_per_rad: rounded(ACROSS * stiffness * rest_length * rest_length),
             damping_ratio: DAMPING,
+            ..SpringEntry::default()
         };
-        self.roots().into_iter().map(spring).collect()
+        let at = |(root, bearing): (Vec2, f64)| SpringEntry {
+            root_m: [rounded(root.x), rounded(root.y)],
+            bearing_rad: rounded(bearing),
+            ..equal
+        };
+        self.roots().into_iter().map(at).collect()
     }
 
     /// Roots on the front of the load, and the directions of the springs there (m, rad).

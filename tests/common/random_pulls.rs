@@ -66,7 +66,7 @@ impl Pull {
             let stretch = rest_length * draws.log_between(0.05, 0.6);
             let radial_stiffness = limit / stretch;
             let torsional_stiffness = radial_stiffness * rest_length.powi(2) * draws.log_between(0.003, 1.0);
-            springs.push(PolarSpring { root, bearing, rest_length, radial_stiffness, torsional_stiffness, damping_ratio: 0.0 });
+            springs.push(PolarSpring { root, bearing, rest_length, radial_stiffness, torsional_stiffness, ..PolarSpring::default() });
             let length = rest_length / draws.log_between(0.5, 2.0);
             let mut corner = pose.to_world(&(root + length * direction(bearing + draws.between(-0.4, 0.4))));
             let corners = [0; 4].map(|_| {

@@ -161,6 +161,7 @@ fn springs(radius: f64, kind: Kind, draws: &mut Draws) -> Vec<SpringEntry> {
     let torsion = draws.log_between(0.2, 2.0);
     let highest = draws.one_of([0.0, 1.0, 1.0, 2.0]);
     let damping_ratio = if draws.happens(0.1) { 0.0 } else { highest * draws.unit() };
+    let damped = SpringEntry { damping_ratio, ..SpringEntry::default() };
     let spring = |index: usize, draws: &mut Draws| {
         let [aside, turned, inwards, longer, softer] = if is_ring || kind == Kind::Ants {
             [0.0, 0.0, 1.0, 1.0, 1.0]
@@ -181,7 +182,7 @@ fn springs(radius: f64, kind: Kind, draws: &mut Draws) -> Vec<SpringEntry> {
             rest_length_m,
             radial_stiffness_n_per_m: softer,
             torsional_stiffness_nm_per_rad: softer * torsion * rest_length_m * rest_length_m,
-            damping_ratio,
+            ..damped
         }
     };
     (0..n).map(|index| spring(index, draws)).collect()

@@ -34,7 +34,7 @@ fn tripod(radius: f64, support_radius: f64) -> System {
 
 /// The isotropic spring of the test scenes.
 pub fn isotropic(root: Vec2) -> PolarSpring {
-    PolarSpring { root, bearing: 0.0, rest_length: 0.0, radial_stiffness: 0.664, torsional_stiffness: 0.0, damping_ratio: 0.0 }
+    PolarSpring { root, radial_stiffness: 0.664, ..PolarSpring::default() }
 }
 
 /// The paper's spring at this bearing of its hub.
@@ -45,7 +45,7 @@ pub fn polar(bearing: f64) -> PolarSpring {
         rest_length: 0.0263,
         radial_stiffness: 0.664,
         torsional_stiffness: 4.52e-4,
-        damping_ratio: 0.0,
+        ..PolarSpring::default()
     }
 }
 

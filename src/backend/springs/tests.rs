@@ -17,7 +17,7 @@ fn attached(n: u32, seed: u64) -> (Vec<PolarSpring>, Attachments) {
         rest_length: if i % 3 == 2 { 0.0 } else { 0.0263 },
         radial_stiffness: STIFFNESS * 4f64.powf(draw(i, 3)),
         torsional_stiffness: if i % 3 == 2 { 0.0 } else { 4.52e-4 },
-        damping_ratio: 0.0,
+        ..PolarSpring::default()
     };
     let springs: Vec<PolarSpring> = (0..n).map(spring).collect();
     let mut held = Attachments::default();

@@ -18,7 +18,7 @@ pub enum SpringsEntry {
 
 /// One spring. A spring without rest length and torsional stiffness is isotropic: its force is
 /// linear in the position of its tip.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringEntry {
     /// Position of the root in the load's frame (m).

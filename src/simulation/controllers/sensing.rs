@@ -198,7 +198,7 @@ mod tests {
                 rest_length: 0.028 * v,
                 radial_stiffness: 1.0,
                 torsional_stiffness: 0.0,
-                damping_ratio: 0.0,
+                ..PolarSpring::default()
             }
         };
         (0..n as u32).map(spring).collect()

@@ -150,7 +150,7 @@ fn dragged(n_springs: usize, n_supports: usize) -> System {
             rest_length: paper::REST_LENGTH_M,
             radial_stiffness: share * STIFFNESS.0,
             torsional_stiffness: share * STIFFNESS.1,
-            damping_ratio: 0.0,
+            ..PolarSpring::default()
         }
     };
     let support = |i: usize| {

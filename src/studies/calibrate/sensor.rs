@@ -62,7 +62,7 @@ impl Sensor {
             rest_length: paper::SPRING.rest_length(),
             radial_stiffness: paper::RADIAL_STIFFNESS_N_PER_M,
             torsional_stiffness: paper::TORSIONAL_STIFFNESS_NM_PER_RAD,
-            damping_ratio: 0.0,
+            ..PolarSpring::default()
         };
         Self { model: Some(paper::SPRING), ..Self::exact(vec![spring]) }
     }

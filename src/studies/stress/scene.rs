@@ -139,7 +139,7 @@ pub fn spring(bearing: f64) -> SpringEntry {
         rest_length_m: REST_LENGTH,
         radial_stiffness_n_per_m: RADIAL,
         torsional_stiffness_nm_per_rad: TORSIONAL,
-        damping_ratio: 0.0,
+        ..SpringEntry::default()
     }
 }
 

@@ -60,7 +60,7 @@ pub fn paper_springs(n: usize) -> Vec<PolarSpring> {
             rest_length: REST_LENGTH,
             radial_stiffness: RADIAL,
             torsional_stiffness: TORSIONAL,
-            damping_ratio: 0.0,
+            ..PolarSpring::default()
         }
     };
     (0..n).map(spring).collect()
@@ -68,7 +68,7 @@ pub fn paper_springs(n: usize) -> Vec<PolarSpring> {
 
 /// A spring of the paper's radial stiffness in every direction, rooted at `root` (m).
 pub fn isotropic(root: Vec2, damping_ratio: f64) -> PolarSpring {
-    PolarSpring { root, bearing: 0.0, rest_length: 0.0, radial_stiffness: RADIAL, torsional_stiffness: 0.0, damping_ratio }
+    PolarSpring { root, radial_stiffness: RADIAL, damping_ratio, ..PolarSpring::default() }
 }
 
 /// The load on which engines are compared: a disc of radius 38.5 mm on supports at 20 mm.
