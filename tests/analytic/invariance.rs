@@ -46,10 +46,7 @@ fn check_same(name: &str, kind: BackendKind, other: &[Pose], undo: impl Fn(&Pose
 /// change of regime magnify. The engine linearises in world axes and stops its sweeps at a
 /// residual.
 fn tolerance(kind: BackendKind) -> f64 {
-    match kind {
-        BackendKind::QuasiStatic | BackendKind::Inertial => 1e-14,
-        BackendKind::Rapier => 1e-11,
-    }
+    if kind.is_exact() { 1e-14 } else { 1e-11 }
 }
 
 #[test]
