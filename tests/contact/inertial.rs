@@ -55,6 +55,23 @@ fn a_disc_rebounds_from_a_wall() {
     assert!((load.energy().impacts - lost).abs() < 1e-12);
 }
 
+/// The end of a line enters a box by one edge and would leave it by the next one within a step: the
+/// box then lies across the line, and no feature that it touches says so. Short steps see the end
+/// inside of the box. Both lead to the same impact.
+#[test]
+fn a_box_does_not_pass_over_the_end_of_a_line() {
+    let end = Vec2::from(BOX) + Vec2::new(-1.2e-3, 0.4e-3);
+    let line = OutlinePart::Polyline { points: vec![end, end + Vec2::new(-0.05, 0.05)] };
+    let system = boxed(vec![obstacle(line, 0.0)], Vec2::zeros());
+    let losses = [1e-3, 1e-4].map(|step| {
+        let load = coasted(&system, moving(-2.1, 2.1), &by(Integrator::Midpoint, step), 1);
+        load.energy().impacts
+    });
+    assert!(losses[1] > 1e-4, "{losses:?}");
+    // Ahead of the impact the box is slowed down evenly, which each step follows to rounding.
+    assert!((losses[0] / losses[1] - 1.0).abs() < 1e-9, "{losses:?}");
+}
+
 fn pulled_at_a_wall(restitution: f64) -> (System, Vec2) {
     (disc(vec![elastic(wall(Vec2::new(0.010 + RADIUS, 0.0), Vec2::new(0.0, 1.0), 0.0), restitution)]), Vec2::new(2.0 * BEHIND, 0.0))
 }

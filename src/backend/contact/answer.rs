@@ -3,10 +3,11 @@
 
 use smallvec::SmallVec;
 
-use super::obstacles::{Obstacles, PIECE, Scope, SideWork, Task, Touching, mobility, on_load};
+use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
 use super::step::{CLOSED, Candidate, Candidates, ContactStep, Found, Newton, Sides};
 use super::surroundings::{Pair, PairKey, Surroundings};
+use super::way::PIECE;
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Coasting, Course, Increment, Objective, Step, Straight};
 use crate::backend::springs::Place;
@@ -23,6 +24,9 @@ const STIFFER: f64 = 8.0;
 const MOST_RESISTANCES: usize = 6;
 /// Increment, over the load's radius, that is none (1).
 const SHORTEST: f64 = 1e-9;
+/// Increment over the load's radius that is no answer (1). Where hardly anything resists, contact
+/// conditions contradict each other up to there by less than rounding.
+const FARTHEST: f64 = 1e9;
 /// Most attempts with farther and farther features (1).
 const MOST_ATTEMPTS: usize = 12;
 /// Reach of the first look for features, over the load's radius, and of the last one (1). Paths
@@ -240,10 +244,16 @@ impl Obstacles {
             let mut found = contact.find(solver, &suggested, task.guess);
             report.n_solves += found.increment.report.n_solves;
             report.n_iterations += found.increment.report.n_iterations;
+            let length = size(&found.increment.twist);
+            if !length.is_finite() || length > FARTHEST * radius {
+                found = contact.none(found.increment.report);
+            }
             let moved = size(&found.increment.twist) + shift;
             // Candidates that hold all that the load can reach leave nothing to hit.
-            let is_known =
-                task.scope == Scope::Near && 1.001 * moved + CLOSED * radius <= reach && moved <= PIECE * self.surroundings.fineness();
+            let is_known = task.scope == Scope::Near
+                && 1.001 * moved + CLOSED * radius <= reach
+                && moved <= PIECE * self.surroundings.fineness()
+                && !passes_beside(&candidates, &found, radius);
             let hit = if is_known { None } else { self.hit_of(system, &start, task, (&candidates, &found), touching) };
             attempt += 1;
             // A load with inertia takes the whole step.
@@ -265,7 +275,7 @@ impl Obstacles {
                 let (twist, to) = (share * found.increment.twist, task.from + share * (task.to - task.from));
                 let place = start.moved_by(&twist);
                 candidates.iter().any(|it| self.overlaps(system, &it.pair.key, &place, to))
-                    || self.ends_across(system, &start, &twist, &Task { to, ..*task })
+                    || self.comes_to_cross(system, &[start, place], [task.from, to])
             });
             return Answer { found, candidates, cut, overlaps_at_cut };
         }
@@ -288,38 +298,18 @@ impl Obstacles {
         let known: SmallVec<[(PairKey, bool); 4]> = sides.map(|(it, (_, force))| (it.pair.key, touches(&it.pair.key, force))).collect();
         let twist = &found.increment.twist;
         self.first_hit(system, start, twist, task, &known).or_else(|| {
-            let overlaps = self.overlaps_at_end(system, start, twist, task, &known) || self.ends_across(system, start, twist, task);
+            let overlaps = self.overlaps_at_end(system, start, twist, task, &known)
+                || self.comes_to_cross(system, &[*start, start.moved_by(twist)], [task.from, task.to]);
             overlaps.then_some(0.0)
         })
     }
+}
 
-    /// Whether features that were apart at the start overlap at the end of an increment, but the
-    /// known ones. Those that the load reaches through a known one are not on the path elsewhere.
-    fn overlaps_at_end(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task, known: &[(PairKey, bool)]) -> bool {
-        let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
-        let moved = of_load + self.surroundings.longest_path(system, task.from, task.to);
-        if moved == 0.0 || !known.iter().any(|(_, touches)| *touches) {
-            return false;
-        }
-        let closed = CLOSED * system.load.radius;
-        let mut pairs = Vec::new();
-        self.surroundings.pairs(system, start, task.from, 1.001 * moved + closed, &mut pairs);
-        let end = start.moved_by(twist);
-        pairs.iter().filter(|pair| !known.iter().any(|(key, _)| *key == pair.key)).any(|pair| {
-            let path = &system.world.obstacles[pair.key.obstacle].path;
-            let [before, after] = [(start, task.from), (&end, task.to)].map(|(at, time)| Surroundings::relative(at, &path.pose_at(time)));
-            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(&pair.key, &after) <= 0.0;
-            overlaps && !self.surroundings.passes_end(pair, &before, &after)
-        })
-    }
-
-    /// Whether the outlines of load and obstacles cross at the end of an increment, and did not at
-    /// its start.
-    fn ends_across(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task) -> bool {
-        let rounding = 1e3 * CLOSED * system.load.radius;
-        let mut crosses = |place: &Place, time: f64| self.surroundings.crosses(system, place, time, rounding);
-        crosses(&start.moved_by(twist), task.to) && !crosses(start, task.from)
-    }
+/// Whether features without a force are past each other at the end: beside each other there, they
+/// may have touched on the way.
+fn passes_beside(candidates: &[Candidate], found: &Found, radius: f64) -> bool {
+    let is_past = |it: &Candidate| it.pair.features.gap(&it.start.moved_by(&found.increment.twist)) < it.least_gap - CLOSED * radius;
+    candidates.iter().zip(&found.sides).any(|(it, (_, force))| force.normal == 0.0 && is_past(it))
 }
 
 /// Increment of a load that a moving obstacle carries along: that on which it rests, or else one

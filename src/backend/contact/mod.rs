@@ -7,6 +7,7 @@
 //! solve         one linear step with contacts, exactly
 //! step          one nonlinear step with contacts
 //! answer        one step with the features within reach, and shorter ones where it has no answer
+//! way           what a load meets on its way through a step
 //! obstacles     when a step needs them, and the contacts between two steps
 //! ```
 
@@ -19,6 +20,7 @@ mod obstacles;
 mod solve;
 mod step;
 mod surroundings;
+mod way;
 
 pub use impact::{Reflection, Strike};
 pub use obstacles::{Obstacles, Scope, SideWork, Task, Touching, transitions};

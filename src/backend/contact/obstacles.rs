@@ -82,10 +82,6 @@ pub struct Obstacles {
     pub(super) clear: Option<(Place, f64, f64)>,
 }
 
-/// Share of the smallest feature that a load moves by in one piece (1).
-pub(super) const PIECE: f64 = 0.25;
-/// Most pieces of a displacement that are looked at (1). A longer one is cut behind them.
-const MOST_PIECES: usize = 4096;
 /// Most rounds in which contacts are closed (1): each takes an error to its square, but for
 /// contacts that open each other.
 const MOST_CLOSINGS: usize = 12;
@@ -117,7 +113,7 @@ impl Obstacles {
     }
 
     /// Distance that the load is certainly away from all obstacles (m), at the start of the task.
-    fn known_clearance(&self, system: &System, at: &Place, time: f64) -> f64 {
+    pub(super) fn known_clearance(&self, system: &System, at: &Place, time: f64) -> f64 {
         let Some((place, since, clearance)) = &self.clear else { return 0.0 };
         clearance - at.pose.edge_displacement(&place.pose, system.load.radius) - self.surroundings.longest_path(system, *since, time)
     }
@@ -145,71 +141,6 @@ impl Obstacles {
             self.clear = Some((end, task.to, self.surroundings.clearance(system, &end, task.to)));
         }
         is_free
-    }
-
-    /// Share of an increment after which a load meets a feature, at the start of the piece in which
-    /// it does; `None` for a free path. The `known` features are left out where the end of the
-    /// increment says all of them, and those that touch anywhere.
-    pub(super) fn first_hit(
-        &mut self,
-        system: &System,
-        start: &Place,
-        twist: &Vec3,
-        task: &Task,
-        known: &[(PairKey, bool)],
-    ) -> Option<f64> {
-        let is_known = |pair: &Pair, n_pieces: usize| known.iter().any(|(key, touches)| *key == pair.key && (*touches || n_pieces == 1));
-        let (_, [share, _]) = self.hits(system, (start, twist), [task.from, task.to], &[], is_known)?;
-        Some(share)
-    }
-
-    /// Features that a load passes through along an increment between two times (s), but the known
-    /// ones, in the first piece in which it does, with the shares between which this piece lies.
-    /// The `kept` contacts stay closed on the way. Whether a pair is known may depend on the number
-    /// of pieces. `None` for a free path; no features where a path is too long to be looked at as a
-    /// whole, and free up to there.
-    pub(super) fn hits(
-        &mut self,
-        system: &System,
-        (start, twist): (&Place, &Vec3),
-        [from, to]: [f64; 2],
-        kept: &[Touching],
-        is_known: impl Fn(&Pair, usize) -> bool,
-    ) -> Option<(Vec<Pair>, [f64; 2])> {
-        let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
-        let moved = of_load + self.surroundings.longest_path(system, from, to);
-        if self.known_clearance(system, start, from) > moved {
-            return None;
-        }
-        let n_pieces = (moved / (PIECE * self.surroundings.fineness())).ceil().max(1.0) as usize;
-        let closed = CLOSED * system.load.radius;
-        let mut pairs = Vec::new();
-        let (mut here, mut now) = (*start, from);
-        for piece in 0..n_pieces.min(MOST_PIECES) {
-            let share = (piece + 1) as f64 / n_pieces as f64;
-            let (mut there, then) = (start.moved_by(&(share * twist)), from + share * (to - from));
-            if !kept.is_empty() && piece + 1 < n_pieces {
-                there = Place::of(&self.close(system, &there.pose, kept, then));
-            }
-            pairs.clear();
-            let of_piece = there.pose.edge_displacement(&here.pose, system.load.radius);
-            let reach = 1.001 * (of_piece + self.surroundings.longest_path(system, now, then)) + closed;
-            self.surroundings.pairs(system, &here, now, reach, &mut pairs);
-            let is_hit = |pair: &Pair| {
-                let path = &system.world.obstacles[pair.key.obstacle].path;
-                let start = Surroundings::relative(&here, &path.pose_at(now));
-                let end = Surroundings::relative(&there, &path.pose_at(then));
-                let (gap, beyond) = (pair.features.gap(&end), self.surroundings.beyond(&pair.key, &end));
-                gap < -closed && beyond <= 0.0 && !self.surroundings.passes_end(pair, &start, &end)
-            };
-            pairs.retain(|pair| !is_known(pair, n_pieces) && is_hit(pair));
-            if !pairs.is_empty() {
-                return Some((pairs, [piece, piece + 1].map(|piece| piece as f64 / n_pieces as f64)));
-            }
-            (here, now) = (there, then);
-        }
-        let looked_at = [MOST_PIECES - 1, MOST_PIECES].map(|piece| piece as f64 / n_pieces as f64);
-        (n_pieces > MOST_PIECES).then_some((pairs, looked_at))
     }
 
     /// The pose near `pose` at which the contacts are closed that were at the end of a step. Sums

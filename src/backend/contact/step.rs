@@ -184,8 +184,7 @@ impl ContactStep<'_, Step<'_>> {
                     at *= if round == 0 { 0.0 } else { 0.5 };
                     continue;
                 }
-                let failed = StepReport { status: Status::Failed, residual: 1.0, ..report };
-                return self.ended(at, ContactMode::Stick, self.open(), failed);
+                return self.none(report);
             }
             sides = self.open();
             for (row, candidate) in row_of.iter().enumerate() {
@@ -215,6 +214,12 @@ impl ContactStep<'_, Step<'_>> {
             }
         }
         self.ended(at, mode, sides, StepReport { status: Status::NotConverged, residual: report.residual.max(1e-9), ..report })
+    }
+
+    /// A step without an answer: the load stays.
+    pub fn none(&self, report: StepReport) -> Found {
+        let failed = StepReport { status: Status::Failed, residual: 1.0, ..report };
+        self.ended(Vec3::zeros(), ContactMode::Stick, self.open(), failed)
     }
 
     fn open(&self) -> Sides {

@@ -34,12 +34,14 @@ const STANDSTILL: usize = 8;
 const MOST_ATTEMPTS: usize = 80;
 const MOST_NEWTON_ATTEMPTS: usize = 20;
 /// Largest number of times that a touch is located, since the load would have touched by other
-/// features on the way to it, which is not straight (1).
+/// features on the way to it, which is not straight (1). Then the step is taken as one of implicit
+/// Euler.
 const MOST_EARLIER: usize = 8;
 /// Fall of a loss by extrapolation, over slip limit times radius, with which there is none (1).
 const FALL: f64 = 1e-4;
-/// Gap over the load's radius at which a touch is located (1).
+/// Gap over the load's radius at which a touch is located (1), and up to which features touch.
 const LOCATED: f64 = 1e-13;
+const CLOSED: f64 = 1e-10;
 
 /// Height of a bounce that is none, over the tolerance of a macro-step (1).
 const NEGLIGIBLE: f64 = 0.01;
@@ -74,18 +76,29 @@ impl Exact<Inertial> {
     fn move_to_touch(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> (f64, StepReport) {
         let start = self.snapshot();
         let (to, mut report) = self.move_as_far_as_solved(paths, [from, to], &start);
-        let Some((mut strikes, share)) = self.strikes(paths, [from, to], &start, &[]) else { return (to, report) };
+        let Some(mut found) = self.strikes(paths, [from, to], &start, &[]) else { return (to, report) };
         if report.status == Status::Failed {
             return (to, report);
         }
-        let mut end = from + share * (to - from);
+        let mut end = to;
         for _ in 0..MOST_EARLIER {
-            end = self.locate(&strikes, paths, [from, end], &start, &mut report);
-            let Some((earlier, _)) = self.strikes(paths, [from, end], &start, &strikes) else { break };
-            strikes = earlier;
+            let (strikes, share) = found;
+            end = self.locate(&strikes, paths, [from, from + share * (end - from)], &start, &mut report);
+            let Some(earlier) = self.strikes(paths, [from, end], &start, &self.located(&strikes, self.time_at(paths, end))) else {
+                self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, self.time_at(paths, end));
+                return (end, report);
+            };
+            found = earlier;
         }
-        self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, self.time_at(paths, end));
-        (end, report)
+        self.reset(&start);
+        report.add(&self.step_touching(paths, [from, to], Scope::Near));
+        (to, report)
+    }
+
+    /// Those of these features that touch now.
+    fn located(&self, strikes: &[Strike], time: f64) -> Vec<Strike> {
+        let closed = CLOSED * self.system.load.radius;
+        strikes.iter().filter(|strike| self.nearest(std::slice::from_ref(strike), time).0.abs() <= closed).copied().collect()
     }
 
     /// Features that the load has passed through since the `start`, besides the known ones and
