@@ -78,7 +78,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 64] = [
+pub const FACTS: [Fact; 65] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -99,6 +99,12 @@ pub const FACTS: [Fact; 64] = [
     number("path_length_m", "path_length_m", "Length of the load's path, straight between control instants.", |r| {
         r.path_length.map_or(Absent, Number)
     }),
+    followed(
+        "largest_speed_m_per_s",
+        "largest_speed_m_per_s",
+        "Largest speed of the load's origin at a control instant.",
+        |so_far, backend, _| so_far.max(backend.motion().twist.linear.norm()),
+    ),
     number("mean_speed_m_per_s", "mean_speed_m_per_s", "Distance from start to end over the time of the run.", mean_speed),
     number("pull_force_n.mean", "pull_mean_n", "Mean pull at the ants' grasps (zero) and decisions.", |r| r.pulls(|p| Number(p.mean())))
         .of_pulls(1),
@@ -231,7 +237,6 @@ const fn number(name: &'static str, column: &'static str, meaning: &'static str,
     Fact { name, column, meaning, kind: Kind::Number, is_reproducible: true, least_pulls: 0, source: Source::End(get) }
 }
 
-#[expect(dead_code, reason = "no number is followed yet")]
 const fn followed(name: &'static str, column: &'static str, meaning: &'static str, follow: Follow) -> Fact {
     Fact { source: Source::Followed(follow), ..number(name, column, meaning, |_| Absent) }
 }
