@@ -3,11 +3,11 @@
 
 use smallvec::SmallVec;
 
+use super::displacement::PIECE;
 use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
 use super::step::{CLOSED, Candidate, Candidates, ContactStep, Found, Newton, Sides};
 use super::surroundings::{Pair, PairKey, Surroundings};
-use super::way::PIECE;
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Coasting, Course, Increment, Objective, Step, Straight};
 use crate::backend::springs::Place;

@@ -1,9 +1,9 @@
-//! What a load meets on its way through a step.
+//! What a load meets along a displacement.
 //!
-//! A way is looked at piece by piece, each as long as a share of the smallest feature. A piece is
-//! free where no two features that were apart at its start overlap at its end, and where outlines
-//! cross at its end that did not at its start, it is halved until they do. What passes between both
-//! leaves no trace at the end: a corner that is clipped by less than a piece.
+//! A displacement is looked at piece by piece, each as long as a share of the smallest feature. A
+//! piece is free where no two features that were apart at its start overlap at its end. Where
+//! outlines cross at its end that did not at its start, it is halved until features overlap. What
+//! overlaps in between alone leaves no trace: a corner that is clipped by less than a piece.
 
 use super::obstacles::{Obstacles, Task, Touching};
 use super::step::CLOSED;
@@ -19,11 +19,11 @@ const MOST_PIECES: usize = 4096;
 /// Most times that a piece is halved at whose end outlines cross (1): down to rounding.
 const MOST_HALVINGS: usize = 40;
 /// Depth over the load's radius by which outlines cross (1): a hundred times what a contact may
-/// overlap by, lest those that touch corner to corner seem to.
+/// overlap by, so that those that touch corner to corner do not.
 const CROSSED: f64 = 1e-8;
 
-/// A straight way of a load, along which the `kept` contacts stay closed.
-pub(super) struct Way<'a> {
+/// A straight displacement of a load, along which the `kept` contacts stay closed.
+pub(super) struct Displacement<'a> {
     pub start: &'a Place,
     pub twist: &'a Vec3,
     /// Begin and end (s).
@@ -34,14 +34,14 @@ pub(super) struct Way<'a> {
     pub has_chords: bool,
 }
 
-/// Part of a way between two shares of it, with the places and times there.
+/// Part of a displacement between two shares of it, with the places and times there.
 struct Piece {
     shares: [f64; 2],
     places: [Place; 2],
     times: [f64; 2],
 }
 
-impl Way<'_> {
+impl Displacement<'_> {
     fn time(&self, share: f64) -> f64 {
         self.times[0] + share * (self.times[1] - self.times[0])
     }
@@ -69,18 +69,24 @@ impl Obstacles {
     ) -> Option<f64> {
         let is_known = |pair: &Pair, n_pieces: usize| known.iter().any(|(key, touches)| *key == pair.key && (*touches || n_pieces == 1));
         let has_chords = known.iter().any(|(_, touches)| *touches);
-        let (_, [share, _]) = self.hits(system, &Way { start, twist, times: [task.from, task.to], kept: &[], has_chords }, is_known)?;
+        let (_, [share, _]) =
+            self.hits(system, &Displacement { start, twist, times: [task.from, task.to], kept: &[], has_chords }, is_known)?;
         Some(share)
     }
 
-    /// Features that a load passes through on its way, but the known ones, in the first piece in
-    /// which it does, with the shares between which this piece lies. The first share is zero where
-    /// the end of the piece does not show what the load passes through. Whether a pair is known may
-    /// depend on the number of pieces. `None` for a free path. No features where a way is too long
-    /// to be looked at as a whole, or where outlines come to cross by known ones: then it is free
-    /// up to the second share.
-    pub(super) fn hits(&mut self, system: &System, way: &Way, is_known: impl Fn(&Pair, usize) -> bool) -> Option<(Vec<Pair>, [f64; 2])> {
-        let Way { start, twist, times: [from, to], .. } = *way;
+    /// Features that a load passes through along a displacement, but the known ones, in the first
+    /// piece in which it does, with the shares between which this piece lies. The first share is
+    /// zero where the end of the piece does not show what the load passes through. Whether a pair
+    /// is known may depend on the number of pieces. `None` for a free path. No features where a
+    /// displacement is too long to be looked at as a whole, or where outlines come to cross by
+    /// known ones: then it is free up to the second share.
+    pub(super) fn hits(
+        &mut self,
+        system: &System,
+        displacement: &Displacement,
+        is_known: impl Fn(&Pair, usize) -> bool,
+    ) -> Option<(Vec<Pair>, [f64; 2])> {
+        let Displacement { start, twist, times: [from, to], .. } = *displacement;
         let of_load = twist.xy().norm() + system.load.radius * twist.z.abs();
         let moved = of_load + self.surroundings.longest_path(system, from, to);
         if self.known_clearance(system, start, from) > moved {
@@ -91,10 +97,10 @@ impl Obstacles {
         let (mut here, mut now) = (*start, from);
         for index in 0..n_pieces.min(MOST_PIECES) {
             let shares = [index, index + 1].map(|index| index as f64 / n_pieces as f64);
-            let (there, then) = (way.place(self, system, shares[1]), way.time(shares[1]));
+            let (there, then) = (displacement.place(self, system, shares[1]), displacement.time(shares[1]));
             let piece = Piece { shares, places: [here, there], times: [now, then] };
             let is_new = |pair: &Pair| !is_known(pair, n_pieces);
-            if let Some(shares) = self.hit_in(system, way, piece, is_new, &mut pairs) {
+            if let Some(shares) = self.hit_in(system, displacement, piece, is_new, &mut pairs) {
                 return Some((pairs, shares));
             }
             (here, now) = (there, then);
@@ -104,12 +110,12 @@ impl Obstacles {
         (n_pieces > MOST_PIECES).then_some((pairs, looked_at))
     }
 
-    /// Shares between which a load passes through features in a piece of its way, with these
+    /// Shares between which a load passes through features in a piece of a displacement, with these
     /// `pairs`; `None` for a free piece. See [`Self::hits`].
     fn hit_in(
         &mut self,
         system: &System,
-        way: &Way,
+        displacement: &Displacement,
         mut piece: Piece,
         is_new: impl Fn(&Pair) -> bool,
         pairs: &mut Vec<Pair>,
@@ -135,11 +141,11 @@ impl Obstacles {
             if !pairs.is_empty() {
                 return Some([if halving == 0 { from } else { 0.0 }, to]);
             }
-            if halving == 0 && !(may_cross && !way.has_chords && self.comes_to_cross(system, &piece.places, piece.times)) {
+            if halving == 0 && !(may_cross && !displacement.has_chords && self.comes_to_cross(system, &piece.places, piece.times)) {
                 return None;
             }
             let share = 0.5 * (from + to);
-            let (middle, time) = (way.place(self, system, share), way.time(share));
+            let (middle, time) = (displacement.place(self, system, share), displacement.time(share));
             piece = if self.cross(system, &middle, time) {
                 Piece { shares: [from, share], places: [here, middle], times: [now, time] }
             } else {
@@ -169,8 +175,8 @@ impl Obstacles {
         })
     }
 
-    /// Whether the outlines of load and obstacles cross at the end of a way, and did not at its
-    /// start.
+    /// Whether the outlines of load and obstacles cross at the second place, and did not at the
+    /// first.
     pub(super) fn comes_to_cross(&mut self, system: &System, [start, end]: &[Place; 2], times: [f64; 2]) -> bool {
         self.cross(system, end, times[1]) && !self.cross(system, start, times[0])
     }

@@ -11,10 +11,10 @@
 //! (Poisson's law), which never gains any: the kinetic energy along that line is least at 1 or
 //! beyond.
 
+use super::displacement::Displacement;
 use super::obstacles::{Obstacles, Touching};
 use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
-use super::way::Way;
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::springs::Place;
@@ -64,7 +64,8 @@ impl Obstacles {
         let twist = increment_between(start, end);
         let keys = || known.iter().map(|strike| &strike.key).chain(kept.iter().map(|touching| &touching.key));
         let is_known = |pair: &Pair, _| keys().any(|key| *key == pair.key);
-        self.hits(system, &Way { start, twist: &twist, times, kept, has_chords: false }, is_known).map(|(pairs, [_, share])| (pairs, share))
+        self.hits(system, &Displacement { start, twist: &twist, times, kept, has_chords: false }, is_known)
+            .map(|(pairs, [_, share])| (pairs, share))
     }
 
     /// Distance of two features (m), negative for an overlap, and the rate at which it grows (m/s).

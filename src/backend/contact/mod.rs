@@ -7,11 +7,12 @@
 //! solve         one linear step with contacts, exactly
 //! step          one nonlinear step with contacts
 //! answer        one step with the features within reach, and shorter ones where it has no answer
-//! way           what a load meets on its way through a step
+//! displacement  what a load meets along a displacement
 //! obstacles     when a step needs them, and the contacts between two steps
 //! ```
 
 mod answer;
+mod displacement;
 mod features;
 mod gap;
 mod impact;
@@ -20,7 +21,6 @@ mod obstacles;
 mod solve;
 mod step;
 mod surroundings;
-mod way;
 
 pub use impact::{Reflection, Strike};
 pub use obstacles::{Obstacles, Scope, SideWork, Task, Touching, transitions};
