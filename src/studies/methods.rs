@@ -2,7 +2,7 @@
 //! answer.
 //!
 //! `bench` measures all of them, `verify` and `stress` those that say so. A new backend is measured
-//! by itself, and becomes part of the other two by a line in [`LISTED`].
+//! by itself, and becomes part of the other two by a line in `LISTED`.
 
 use std::str::FromStr;
 use std::sync::LazyLock;
@@ -43,7 +43,7 @@ const ENGINE: RapierOptions = RapierOptions {
 };
 const ENGINE_DEFAULTS: RapierOptions = RapierOptions { friction: FrictionModel::Box, settings: EngineSettings::EngineDefaults, ..ENGINE };
 
-/// All methods, in the order of tables. A backend that is not [`LISTED`] has one, with a step.
+/// All methods, in the order of tables. A backend that is not `LISTED` has one, with a step.
 pub static METHODS: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let unlisted = BackendKind::ALL.into_iter().filter(|kind| LISTED.iter().all(|method| method.kind != *kind));
     LISTED.into_iter().chain(unlisted.map(|kind| Method::with_step(kind.name(), kind.name(), kind))).collect()
