@@ -67,12 +67,12 @@ impl Obstacles {
         let mut answer = self.find_near(system, step, solver, touching, task);
         let mut cut = answer.cut;
         if answer.is_poor() && task.scope == Scope::Near && !task.has_inertia {
-            let report = answer.found.increment.report;
-            if let Some((other, share)) = self.find_shorter(system, step, solver, touching, task) {
+            let mut spent = answer.found.increment.report;
+            if let Some((other, share)) = self.find_shorter(system, step, solver, touching, task, &mut spent) {
                 (answer, cut) = (other, Some(share));
-                answer.found.increment.report.n_solves += report.n_solves;
-                answer.found.increment.report.n_iterations += report.n_iterations;
             }
+            let of_found = &mut answer.found.increment.report;
+            (of_found.n_solves, of_found.n_iterations) = (spent.n_solves, spent.n_iterations);
         }
         if let Some(share) = answer.cut {
             let Increment { twist, mode, mut report, .. } = answer.found.increment;
@@ -181,7 +181,8 @@ impl Obstacles {
         work
     }
 
-    /// Answer of a shorter path, and the share of the time of the step at its end.
+    /// Answer of a shorter path, and the share of the time of the step at its end. Adds what it
+    /// takes to the work that has been `spent`.
     fn find_shorter(
         &mut self,
         system: &System,
@@ -189,7 +190,12 @@ impl Obstacles {
         solver: &mut FrictionSolver,
         touching: &[Touching],
         task: &Task,
+        spent: &mut StepReport,
     ) -> Option<(Answer, f64)> {
+        let mut add = |StepReport { n_solves, n_iterations, .. }: &StepReport| {
+            spent.n_solves += n_solves;
+            spent.n_iterations += n_iterations;
+        };
         let warm_start = solver.warm_start().clone();
         let n_moving = if self.surroundings.longest_path(system, task.from, task.to) > 0.0 { MOST_HALVINGS } else { 0 };
         for halving in 1..=n_moving {
@@ -197,6 +203,7 @@ impl Obstacles {
             let to = task.from + share * (task.to - task.from);
             solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
             let answer = self.find_near(system, step, solver, touching, &Task { to, guess: None, ..*task });
+            add(&answer.found.increment.report);
             if !answer.is_poor() && answer.cut.is_none() {
                 return Some((answer, share));
             }
@@ -210,6 +217,7 @@ impl Obstacles {
             solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
             let answer = self.find_near(system, step, solver, touching, &Task { guess: None, ..*task });
             step.potential.inertia = None;
+            add(&answer.found.increment.report);
             if !answer.is_poor() && answer.cut.is_none() {
                 let moves = step.size(&answer.found.increment.twist) > SHORTEST;
                 return moves.then_some((answer, 1.0));

@@ -33,6 +33,10 @@ const MOST_LEGS: usize = 1024;
 /// Largest number of those that end where no longer one has an answer (1).
 const MOST_HELD_LEGS: u32 = 16;
 
+/// Number of Newton iterations after which a path is divided no further (1). A piece without an
+/// answer takes some ten thousand of them, and a second has a few million.
+const MOST_ITERATIONS: u64 = 1_000_000;
+
 /// The quasi-static method.
 pub struct QuasiStatic {
     /// Whether steps are of second order where they can be.
@@ -83,12 +87,16 @@ impl Exact<QuasiStatic> {
         self.state.side.now = to;
         let mut n_held = 0;
         for _ in 0..MOST_LEGS {
-            let Some(share) = work.cut.filter(|_| n_held < MOST_HELD_LEGS) else { break };
+            let goes_on = n_held < MOST_HELD_LEGS && report.n_iterations < MOST_ITERATIONS;
+            let Some(share) = work.cut.filter(|_| goes_on) else { break };
             n_held += u32::from(share == 1.0);
             from += share * (to - from);
             let (next, next_work) = self.leg(None, [from, to]);
             report.add(&StepReport { n_steps: 0, ..next });
             work = SideWork { uncertainty: work.uncertainty + next_work.uncertainty, ..next_work };
+        }
+        if work.cut.is_some() {
+            report.add(&StepReport { status: Status::NotConverged, n_not_converged: 1, ..StepReport::default() });
         }
         self.state.side.uncertainty = work.uncertainty;
         report
