@@ -230,6 +230,14 @@ fn scenes_that_once_showed_faults_show_none() {
     }
 }
 
+/// A path of which each short piece has an answer, and no longer one, ends after bounded work, and
+/// is reported. It once went on for minutes, in pieces of a 64th of what was left.
+#[test]
+fn a_path_that_obstacles_divide_takes_bounded_work() {
+    let findings = hunt(40580..40581, &[QuasiStatic], &[0]);
+    assert!(findings.n_not_converged > 0 && findings.most_solves < 20_000, "{findings:?}");
+}
+
 #[test]
 #[ignore = "takes minutes"]
 fn many_random_scenes_show_no_faults() {
