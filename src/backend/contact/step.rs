@@ -148,7 +148,7 @@ impl ContactStep<'_, Step<'_>> {
             gradient -= force.normal * local.gap.gradient;
             sides.push((*mode, SideForce { tangential: 0.0, ..*force }));
         }
-        let residual = solver.rest(&gradient)?;
+        let residual = solver.rest(&gradient).filter(|residual| *residual <= LARGEST_RESIDUAL)?;
         let report = StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() };
         // The friction of the ground may take the place of any contact force.
         let are_forces_unique = sides.iter().all(|(_, force)| force.normal == 0.0);
@@ -227,9 +227,10 @@ impl ContactStep<'_, Step<'_>> {
     }
 
     fn ended(&self, at: Vec3, mode: ContactMode, sides: Sides, report: StepReport) -> Found {
-        let n_not_converged = u64::from(report.status != Status::Converged);
+        let status = report.status.max(status_of(report.residual));
+        let n_not_converged = u64::from(status != Status::Converged);
         let are_forces_unique = !report.is_indeterminate;
-        Found { increment: self.step.found(&at, mode, StepReport { n_not_converged, ..report }), sides, are_forces_unique }
+        Found { increment: self.step.found(&at, mode, StepReport { status, n_not_converged, ..report }), sides, are_forces_unique }
     }
 
     /// Rows of the candidates that can touch near an increment, and the candidate of each.
