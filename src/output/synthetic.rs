@@ -50,7 +50,6 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
         },
         transitions: TransitionCounts { n_slip_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },
         contact_transitions: Vec::new(),
-        followed: Vec::new(),
         error: None,
         arrived,
         pulls,

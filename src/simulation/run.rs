@@ -2,7 +2,6 @@
 
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
-use super::run_facts::FOLLOWED;
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
 use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Transition, build};
 use crate::model::ant::Ant;
@@ -59,7 +58,7 @@ impl<'a> Simulation<'a> {
             keep,
             clock: Clock::new(scenario.control_period, scenario.duration),
             finished: false,
-            totals: Totals { followed: vec![0.0; FOLLOWED.len()], ..Totals::default() },
+            totals: Totals::default(),
             trace: Trace::default(),
             tips: attached_tips(scenario, backend.as_ref()),
             commands: Commands::default(),
@@ -158,7 +157,7 @@ impl<'a> Simulation<'a> {
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.controller.targets(&view, until);
         self.totals.steps.add(&self.backend.advance(targets, until - time));
-        self.observe(until - time);
+        self.observe();
         self.clock.move_to(until);
     }
 
@@ -209,7 +208,6 @@ impl<'a> Simulation<'a> {
             steps: self.totals.steps,
             transitions: self.totals.transitions,
             contact_transitions: self.totals.contact_transitions.clone(),
-            followed: self.totals.followed.clone(),
             error: self.totals.error,
             arrived: self.controller.arrived(&motion),
             pulls: self.controller.pulls(),
@@ -249,11 +247,8 @@ impl<'a> Simulation<'a> {
         self.commands.events.clear();
     }
 
-    /// Adds up what the backend reports of its last advance, which took `duration` (s).
-    fn observe(&mut self, duration: f64) {
-        for (value, (_, follow)) in self.totals.followed.iter_mut().zip(FOLLOWED.iter()) {
-            *value = follow(*value, self.backend.as_ref(), duration);
-        }
+    /// Adds up what the backend reports of its last advance.
+    fn observe(&mut self) {
         if let Some(now) = self.backend.pose_error() {
             self.totals.error = Some(self.totals.error.unwrap_or_default().max(&now));
         }

@@ -1,15 +1,11 @@
 //! The numbers of a run. [`FACTS`] is the one table from which the JSON of `run`, the columns of a
-//! sweep, baselines and comparisons over seeds are made: a new number is one more entry of it. That
-//! holds as well for a number that is followed over a run, such as a sum or a maximum: its entry
-//! says how the number changes in an advance of the backend.
-
-use std::sync::LazyLock;
+//! sweep, baselines and comparisons over seeds are made: a new number is one more entry of it.
 
 use serde::Serialize;
 
 use self::Value::{Absent, Count, Flag, Number, Undefined};
 use super::Outcome;
-use crate::backend::{Backend, BackendOptions, PoseError, Status, Tolerance, TransitionCounts};
+use crate::backend::{BackendOptions, PoseError, Status, Tolerance, TransitionCounts};
 use crate::math::Summary;
 use crate::scenario::Scenario;
 
@@ -40,21 +36,8 @@ pub struct Fact {
     pub is_reproducible: bool,
     /// Number of pulls without which tables leave the number out.
     least_pulls: u64,
-    source: Source,
+    get: fn(&Run) -> Value,
 }
-
-/// Where the value of a number comes from.
-#[derive(Clone, Copy)]
-enum Source {
-    /// It follows from the end of the run.
-    End(fn(&Run) -> Value),
-    /// It is followed over the run.
-    Followed(Follow),
-}
-
-/// Value of a followed number after an advance of the backend: from its value so far, which is zero
-/// at the start, the backend, and the duration of the advance (s).
-pub type Follow = fn(f64, &dyn Backend, f64) -> f64;
 
 /// Type of the values of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 65] = [
+pub const FACTS: [Fact; 64] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -99,12 +82,6 @@ pub const FACTS: [Fact; 65] = [
     number("path_length_m", "path_length_m", "Length of the load's path, straight between control instants.", |r| {
         r.path_length.map_or(Absent, Number)
     }),
-    followed(
-        "largest_speed_m_per_s",
-        "largest_speed_m_per_s",
-        "Largest speed of the load's origin at a control instant.",
-        |so_far, backend, _| so_far.max(backend.motion().twist.linear.norm()),
-    ),
     number("mean_speed_m_per_s", "mean_speed_m_per_s", "Distance from start to end over the time of the run.", mean_speed),
     number("pull_force_n.mean", "pull_mean_n", "Mean pull at the ants' grasps (zero) and decisions.", |r| r.pulls(|p| Number(p.mean())))
         .of_pulls(1),
@@ -218,13 +195,6 @@ pub const FACTS: [Fact; 65] = [
     number("wall_s", "", "Real time that the run took.", |r| r.wall_time.map_or(Absent, Number)),
 ];
 
-/// Names of the numbers that are followed over a run, in the order of [`FACTS`], and how they
-/// change.
-pub static FOLLOWED: LazyLock<Vec<(&str, Follow)>> = LazyLock::new(|| {
-    let followed = |fact: &Fact| if let Source::Followed(follow) = fact.source { Some((fact.name, follow)) } else { None };
-    FACTS.iter().filter_map(followed).collect()
-});
-
 /// The number with this column.
 ///
 /// # Panics
@@ -234,11 +204,7 @@ pub fn fact(column: &str) -> &'static Fact {
 }
 
 const fn number(name: &'static str, column: &'static str, meaning: &'static str, get: fn(&Run) -> Value) -> Fact {
-    Fact { name, column, meaning, kind: Kind::Number, is_reproducible: true, least_pulls: 0, source: Source::End(get) }
-}
-
-const fn followed(name: &'static str, column: &'static str, meaning: &'static str, follow: Follow) -> Fact {
-    Fact { source: Source::Followed(follow), ..number(name, column, meaning, |_| Absent) }
+    Fact { name, column, meaning, kind: Kind::Number, is_reproducible: true, least_pulls: 0, get }
 }
 
 const fn count(name: &'static str, column: &'static str, meaning: &'static str, get: fn(&Run) -> Value) -> Fact {
@@ -260,10 +226,7 @@ impl Fact {
 
     /// The value in a run.
     pub fn value(&self, run: &Run) -> Value {
-        match self.source {
-            Source::End(get) => get(run),
-            Source::Followed(_) => run.followed(self.name),
-        }
+        (self.get)(run)
     }
 
     /// The value in a run, as a table has it: a statistic of too few pulls is [`Value::Absent`].
@@ -333,12 +296,6 @@ impl Run<'_> {
     pub fn is_accurate(&self) -> bool {
         let is_known = self.outcome.steps.status == Status::Converged;
         self.options.tolerance.zip(self.outcome.error).is_none_or(|(asked, error)| is_known && asked.allows(&error))
-    }
-
-    /// A followed number; a run that was saved without it has none.
-    fn followed(&self, name: &str) -> Value {
-        let mut values = FOLLOWED.iter().zip(&self.outcome.followed);
-        values.find(|((other, _), _)| *other == name).map_or(Absent, |(_, value)| Number(*value))
     }
 
     fn pulls(&self, get: fn(&Summary) -> Value) -> Value {

@@ -102,9 +102,6 @@ pub(super) struct Totals {
     pub transitions: TransitionCounts,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contact_transitions: Vec<Transition>,
-    /// Numbers that are followed over the run, in the order of `run_facts::FOLLOWED`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub followed: Vec<f64>,
 }
 
 /// Result of a run.
@@ -121,9 +118,6 @@ pub struct Outcome {
     /// What happened at obstacles: the first `MOST_CONTACT_TRANSITIONS` such transitions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contact_transitions: Vec<Transition>,
-    /// Numbers that were followed over the run, in the order of `run_facts::FOLLOWED`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub followed: Vec<f64>,
     /// Bound of the error of the pose; `None` where the backend finds none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<PoseError>,
