@@ -221,21 +221,36 @@ fn random_scenes_show_no_faults() {
 /// a line into its bend, where it moved so far that an end of a line passed a corner, where such an
 /// end entered and left it within a step, where two features that it would touch hid each other,
 /// and where an increment overflowed. One scene was restored with another list of near obstacles,
-/// and in one a cut path ended across an obstacle that it did not know.
+/// in one a cut path ended across an obstacle that it did not know, and in one a rest with a
+/// residual of 1e-6 was said to converge.
 #[test]
 fn scenes_that_once_showed_faults_show_none() {
-    for seed in [24, 33, 57, 119, 144, 149, 177, 40008, 40087, 40095, 40120, 40146, 40326, 40354, 40406, 40455] {
+    for seed in [24, 33, 57, 119, 144, 149, 177, 40008, 40087, 40095, 40120, 40146, 40326, 40354, 40406, 40455, 81158] {
         let findings = hunt(seed..seed + 1, &[QuasiStatic, Inertial], &[0, 1]);
         assert!(findings.faults.is_empty(), "{:#?}", findings.faults);
     }
 }
 
 /// A path of which each short piece has an answer, and no longer one, ends after bounded work, and
-/// is reported. It once went on for minutes, in pieces of a 64th of what was left.
+/// is reported. The seventh advance of this scene once went on for minutes, in pieces of a 64th of
+/// what was left. It takes 1.3 million iterations, of which the last piece is a part.
 #[test]
 fn a_path_that_obstacles_divide_takes_bounded_work() {
-    let findings = hunt(40580..40581, &[QuasiStatic], &[0]);
-    assert!(findings.n_not_converged > 0 && findings.most_solves < 20_000, "{findings:?}");
+    let mut run = Run::new(40580, QuasiStatic, 0);
+    let reports = [1, 2, 3, 4, 5, 6, 7].map(|tick| {
+        let targets = run.scene.targets(run.share(tick));
+        run.load.advance(&targets, run.scene.duration)
+    });
+    let StepReport { status, n_iterations, .. } = reports[6];
+    assert!(status == Status::NotConverged && (1_000_000..2_000_000).contains(&n_iterations), "{status:?} {n_iterations}");
+}
+
+/// A load that slides along a bent line overlaps it on the straight way between two poses, where it
+/// has contacts at both. That is no reason for shorter steps, which take ten times as many solves.
+#[test]
+fn a_contact_that_is_kept_cuts_no_path() {
+    let findings = hunt(177..178, &[QuasiStatic], &[0]);
+    assert!(findings.most_solves < 10_000, "{findings:?}");
 }
 
 #[test]

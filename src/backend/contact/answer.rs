@@ -24,8 +24,9 @@ const STIFFER: f64 = 8.0;
 const MOST_RESISTANCES: usize = 6;
 /// Increment, over the load's radius, that is none (1).
 const SHORTEST: f64 = 1e-9;
-/// Increment over the load's radius that is no answer (1). Where hardly anything resists, contact
-/// conditions contradict each other up to there by less than rounding.
+/// Increment over the load's radius beyond which it is no answer (1): there a gap as small as a
+/// contact may have is far below the rounding of positions. Where nothing resists, and rounding
+/// alone says that contacts can be met, increments overflow.
 const FARTHEST: f64 = 1e9;
 /// Most attempts with farther and farther features (1).
 const MOST_ATTEMPTS: usize = 12;

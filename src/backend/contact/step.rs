@@ -192,8 +192,7 @@ impl ContactStep<'_, Step<'_>> {
             }
             let next = solution.increment;
             if at == Vec3::zeros() && next == Vec3::zeros() {
-                let status = status_of(solution.residual);
-                return self.ended(next, mode, sides, StepReport { status, ..report });
+                return self.ended(next, mode, sides, report);
             }
             if mode == ContactMode::Slip
                 && let Some(found) = self.newton_corrector(solver, &sides, next)
@@ -206,8 +205,7 @@ impl ContactStep<'_, Step<'_>> {
             let change = next - at;
             at = if round < STEPS_IN_FULL { next } else { at + 0.5 * change };
             if self.step.size(&change) <= 1e-12 * self.step.size(&at) + 1e-15 {
-                let status = status_of(solution.residual);
-                return self.ended(at, mode, sides, StepReport { status, ..report });
+                return self.ended(at, mode, sides, report);
             }
             if n_failed == MOST_FAILED {
                 break;
@@ -226,6 +224,7 @@ impl ContactStep<'_, Step<'_>> {
         self.candidates.iter().map(|_| (SideMode::Open, SideForce::default())).collect()
     }
 
+    /// A step that ends here; one with a large residual has not converged.
     fn ended(&self, at: Vec3, mode: ContactMode, sides: Sides, report: StepReport) -> Found {
         let status = report.status.max(status_of(report.residual));
         let n_not_converged = u64::from(status != Status::Converged);

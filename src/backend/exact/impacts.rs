@@ -39,8 +39,10 @@ const MOST_NEWTON_ATTEMPTS: usize = 20;
 const MOST_EARLIER: usize = 8;
 /// Fall of a loss by extrapolation, over slip limit times radius, with which there is none (1).
 const FALL: f64 = 1e-4;
-/// Gap over the load's radius at which a touch is located (1), and up to which features touch.
+/// Gap over the load's radius at which a touch is located (1).
 const LOCATED: f64 = 1e-13;
+/// Gap over the load's radius up to which features touch (1): as for contacts that are kept, and
+/// far more than what locating leaves.
 const CLOSED: f64 = 1e-10;
 
 /// Height of a bounce that is none, over the tolerance of a macro-step (1).

@@ -33,8 +33,8 @@ const MOST_LEGS: usize = 1024;
 /// Largest number of those that end where no longer one has an answer (1).
 const MOST_HELD_LEGS: u32 = 16;
 
-/// Number of Newton iterations after which a path is divided no further (1). A piece without an
-/// answer takes some ten thousand of them, and a second has a few million.
+/// Number of Newton iterations after which a path is divided no further (1): about a second's
+/// worth. A path whose pieces become shorter and shorter would take minutes.
 const MOST_ITERATIONS: u64 = 1_000_000;
 
 /// The quasi-static method.
