@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use cohaul::backend::BackendKind::QuasiStatic;
+use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
 use cohaul::backend::{BackendOptions, Status, build};
 use cohaul::math::{Pose, RandomStreams, Stream, Twist, Vec2, direction, perpendicular, rotation};
 use cohaul::model::{Ground, Load, Motion, Obstacle, ObstaclePath, Outline, OutlinePart, SupportPoint, System, World};
@@ -95,4 +95,91 @@ fn a_pushed_load_turns_as_the_lines_vote() {
         n_by_the_pusher += u32::from(votes[1] * votes[2] < 0.0);
     }
     assert!(n_turned[0] > 200 && n_turned[1] > 200 && n_by_the_pusher > 40, "{n_turned:?} {n_by_the_pusher}");
+}
+
+/// A box that the whole face of another one pushes along a line through its centre of friction.
+/// Where the push is in the friction cone and the line meets the face, the box sticks to it.
+struct FacePush {
+    system: System,
+    start: Motion,
+    /// Displacement of the pusher (m).
+    shift: Vec2,
+}
+
+impl FacePush {
+    /// `case` says which of their corners lie on one line, and whether both are aligned with the
+    /// axes, in which case numbers that are equal have no rounding. Pushes of even seeds are along
+    /// the normal.
+    fn new(seed: u64, case: usize) -> Self {
+        let streams = RandomStreams::new(seed);
+        let mut n = 0;
+        let mut unit = || {
+            n += 1;
+            streams.uniform(Stream::Scene, 1, n)
+        };
+        let (half, depth) = (Vec2::new(0.3 + 0.7 * unit(), 0.3 + 0.7 * unit()), 0.05 + 0.3 * unit());
+        let heading = if case.is_multiple_of(2) { 0.0 } else { TAU * unit() };
+        let (width, offset) = match case / 2 {
+            0 => (half.y, 0.0),
+            1 => (0.5 * half.y, 0.5 * half.y),
+            2 => (0.3 * half.y, 0.2 * half.y),
+            _ => (2.0 * half.y, 0.3 * half.y),
+        };
+        let [low, high] = [(offset - width).max(-half.y), (offset + width).min(half.y)];
+        let friction_coefficient = 0.2 + unit();
+        let slope = if seed.is_multiple_of(2) { 0.0 } else { 0.9 * friction_coefficient * (2.0 * unit() - 1.0) };
+        let support = |at: Vec2| SupportPoint { offset: Vec2::new(at.x, at.y), normal_load: 1.0 };
+        // Pairs of supports about a point on the line of the push.
+        let on_line = Vec2::new(-half.x, low + (0.1 + 0.8 * unit()) * (high - low)) + half.x * Vec2::new(1.0, slope);
+        let supports = (0..3)
+            .flat_map(|_| {
+                let arm = Vec2::new((2.0 * unit() - 1.0) * half.x, (2.0 * unit() - 1.0) * half.y);
+                [support(on_line + arm), support(on_line - arm)]
+            })
+            .collect();
+        let pose = Pose { position: Vec2::new(unit(), unit()), heading };
+        let shift = rotation(heading) * (0.5 * Vec2::new(1.0, slope));
+        let from = Pose { position: pose.to_world(&Vec2::new(-half.x - depth, offset)), heading };
+        let to = Pose { position: from.position + shift, heading };
+        let rectangle = |half: Vec2| {
+            let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|corner| Vec2::from(corner).component_mul(&half));
+            OutlinePart::Polygon { corners: corners.to_vec() }
+        };
+        let outline = Outline { parts: vec![rectangle(half)] };
+        let pusher = obstacle(rectangle(Vec2::new(depth, width)), friction_coefficient);
+        let system = System {
+            load: Load { mass: 6.0 / 9.81, inertia: 2.0 / 9.81, radius: outline.extent() },
+            ground: Ground { friction_coefficient: 0.5, supports },
+            springs: vec![],
+            world: World {
+                outline,
+                obstacles: vec![Obstacle { path: ObstaclePath { waypoints: vec![(0.0, from), (1.0, to)] }, ..pusher }],
+            },
+        };
+        Self { system, start: Motion { pose, twist: Twist { linear: shift, angular: 0.0 } }, shift }
+    }
+}
+
+/// A face that pushes a face: the box moves with the pusher, however long steps are, and whatever
+/// other corners lie on the same line. Two corners that stick are one constraint more than a load
+/// can break.
+#[test]
+fn a_face_that_pushes_a_face_sticks_to_it() {
+    for (seed, case, n_steps) in (0..40).flat_map(|seed| (0..8).flat_map(move |case| [3_u32, 20, 101].map(|n| (seed, case, n)))) {
+        let FacePush { system, start, shift } = FacePush::new(seed, case);
+        for kind in [QuasiStatic, Inertial] {
+            let mut load = build(&system, start, &BackendOptions::new(kind, 1.0 / f64::from(n_steps)));
+            let report = load.advance(&[], 1.0);
+            let name = format!("{seed} {case} {n_steps} {}", kind.name());
+            assert_eq!(report.status, Status::Converged, "{name}");
+            let moved = load.motion().pose.position - start.pose.position;
+            // What counts as a closed gap.
+            assert!((moved - shift).norm() < 1e-11, "{name}: {moved:?} {shift:?}");
+            assert!((load.motion().pose.heading - start.pose.heading).abs() < 1e-12, "{name}");
+            // Without a tangential force and without corners on one line, nothing is on the edge of
+            // sliding, and the first step alone takes more than one solution.
+            let is_plain = kind == QuasiStatic && seed % 2 == 0 && matches!(case, 4 | 6);
+            assert!(!is_plain || report.n_solves <= u64::from(n_steps) + 4, "{name}: {}", report.n_solves);
+        }
+    }
 }

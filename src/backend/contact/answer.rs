@@ -105,13 +105,13 @@ impl Obstacles {
         let candidates = self.touching_candidates(system, &start, task, touching);
         let suggested = suggested(&candidates, touching);
         let mut contact = ContactStep { step: course, surroundings: &self.surroundings, candidates: &candidates, start_at: Vec3::zeros() };
-        let Newton { at, sides, report } = contact.newton(&suggested, task.guess?)?;
+        let Newton { at, sides, are_forces_unique, report } = contact.newton(&suggested, task.guess?)?;
         let increment = course.found(&at, ContactMode::Slip, report);
         if !course.goes_on(&at, &increment) {
             return None;
         }
         solver.keep_gliding(&at);
-        let found = Found { increment, sides, are_forces_unique: true };
+        let found = Found { increment, sides, are_forces_unique };
         let mut answer = Answer { found, candidates, cut: None, overlaps_at_cut: false };
         let work = self.settle(system, &start, task, &mut answer, touching);
         Some((answer.found.increment, work, at))
@@ -140,7 +140,7 @@ impl Obstacles {
         let mut work = SideWork::default();
         let last = std::mem::take(touching);
         for (candidate, (mode, force)) in candidates.iter().zip(&found.sides) {
-            let Candidate { pair: Pair { key, features, .. }, start: moved, slip, .. } = candidate;
+            let Candidate { pair: pair @ Pair { key, features, .. }, start: moved, slip, .. } = candidate;
             let end = moved.moved_by(&found.increment.twist);
             let (gap_at_end, slip_at_end) = (features.gap(&end), features.slip(&end, *slip));
             let path = &system.world.obstacles[key.obstacle].path;
@@ -167,7 +167,7 @@ impl Obstacles {
                     work.uncertainty += (force_now - before.on_load[0]).norm() * shift.norm();
                 }
             }
-            let beyond_at_end = self.surroundings.beyond(key, &end);
+            let beyond_at_end = self.surroundings.pair_beyond(pair, &end);
             if candidate.least_gap < 0.0 && gap_at_end < 0.0 && beyond_at_end <= 0.0 {
                 let normal = features.gap_with_derivatives(&end).gradient;
                 let along = normal.component_mul(&mobility(system));

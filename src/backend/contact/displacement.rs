@@ -133,7 +133,7 @@ impl Obstacles {
                 let end = Surroundings::relative(&there, &path.pose_at(then));
                 let gap = pair.features.gap(&end);
                 may_cross |= gap < -closed;
-                if gap >= -closed || !is_new(pair) || self.surroundings.beyond(&pair.key, &end) > 0.0 {
+                if gap >= -closed || !is_new(pair) || self.surroundings.pair_beyond(pair, &end) > 0.0 {
                     return false;
                 }
                 !self.surroundings.passes_end(pair, &Surroundings::relative(&here, &path.pose_at(now)), &end)
@@ -170,7 +170,7 @@ impl Obstacles {
         pairs.iter().filter(|pair| !known.iter().any(|(key, _)| *key == pair.key)).any(|pair| {
             let path = &system.world.obstacles[pair.key.obstacle].path;
             let [before, after] = [(start, task.from), (&end, task.to)].map(|(at, time)| Surroundings::relative(at, &path.pose_at(time)));
-            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(&pair.key, &after) <= 0.0;
+            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.pair_beyond(pair, &after) <= 0.0;
             overlaps && !self.surroundings.passes_end(pair, &before, &after)
         })
     }

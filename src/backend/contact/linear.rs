@@ -1,4 +1,5 @@
-//! Equations of a step in given contact modes: three of balance and up to three of contact.
+//! Equations of a step in given contact modes: three of balance and up to three of contact. Further
+//! ones of contact depend on those; their forces are held.
 
 use smallvec::SmallVec;
 
@@ -16,12 +17,21 @@ pub struct Linear {
     hessian: Mat3,
     /// Derivative of each constraint, direction of its force, and its violation (m).
     rows: SmallVec<[(Vec3, Vec3, f64); 3]>,
+    /// Constraints whose forces are held, of which those from the next one on come first.
+    held: Rows,
+    next: Rows,
+    /// Largest violation of those (m).
+    violation_of_held: f64,
 }
+
+/// Constraints by their numbers, as bits.
+pub type Rows = u32;
 
 impl Linear {
     /// For a load of this `length` (m).
     pub fn new(length: f64) -> Self {
-        Self { length, force: 1.0, displacement: 1.0, gradient: Vec3::zeros(), hessian: Mat3::zeros(), rows: SmallVec::new() }
+        let (gradient, hessian) = (Vec3::zeros(), Mat3::zeros());
+        Self { length, force: 1.0, displacement: 1.0, gradient, hessian, rows: SmallVec::new(), held: 0, next: 0, violation_of_held: 0.0 }
     }
 
     /// Leaves out all constraints, for a load under forces of the size `force` (N) that moves by
@@ -29,12 +39,28 @@ impl Linear {
     pub fn begin(&mut self, force: f64, displacement: f64) {
         (self.force, self.displacement) = (force, displacement);
         self.rows.clear();
+        (self.next, self.violation_of_held) = (self.held, 0.0);
+    }
+
+    /// Holds the forces of these constraints, which hold only if the others see to it.
+    pub fn hold(&mut self, rows: Rows) {
+        self.held = rows;
+    }
+
+    /// Whether the forces of any constraints are held.
+    pub fn holds_any(&self) -> bool {
+        self.held != 0
     }
 
     /// Adds a constraint with the derivative `row` (1, 1, m), a force along `along`, and the
     /// violation (m).
     pub fn push(&mut self, row: Vec3, along: Vec3, violation: f64) {
-        self.rows.push((row, along, violation));
+        if self.next & 1 == 0 {
+            self.rows.push((row, along, violation));
+        } else {
+            self.violation_of_held = self.violation_of_held.max(violation.abs());
+        }
+        self.next >>= 1;
     }
 
     /// Sets the forces out of balance (N, N, N m) and their derivative.
@@ -45,12 +71,12 @@ impl Linear {
     /// Largest violation over the scales (1).
     pub fn residual(&self) -> f64 {
         let torque = self.gradient.z / self.length;
-        let balance = self.gradient.xy().amax().max(torque.abs()) / self.force;
+        let balance = (self.gradient.xy().amax().max(torque.abs()) / self.force).max(self.violation_of_held / self.displacement);
         self.rows.iter().map(|(_, _, violation)| violation.abs() / self.displacement).fold(balance, f64::max)
     }
 
-    /// Change of the increment (m, m, rad), then of the force of each constraint (N). `None` where
-    /// there is none.
+    /// Change of the increment (m, m, rad), then of the force of each constraint (N), which is zero
+    /// where it is held. `None` where there is none.
     pub fn solve(&self) -> Option<SmallVec<[f64; MOST]>> {
         let n = 3 + self.rows.len();
         let units = [1.0, 1.0, 1.0 / self.length];
@@ -71,7 +97,10 @@ impl Linear {
         }
         let x = eliminated(&mut a, n)?;
         let scale = |i: usize| if i < 3 { self.length * units[i] } else { self.force };
-        Some((0..n).map(|i| x[i] * scale(i)).collect())
+        let mut change: SmallVec<[f64; MOST]> = (0..n).map(|i| x[i] * scale(i)).collect();
+        let is_held = |row: &usize| self.held >> row & 1 == 1;
+        (0..Rows::BITS as usize).take_while(|_| self.held != 0).filter(is_held).for_each(|row| change.insert(3 + row, 0.0));
+        Some(change)
     }
 
     /// Whether the branch is stable: all principal minors of N C A' are positive, with C the

@@ -13,8 +13,8 @@
 
 use smallvec::SmallVec;
 
-use super::linear::Linear;
-use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
+use super::linear::{Linear, Rows};
+use super::solve::{ContactRow, ContactSystem, DEPENDENT, Ending, PerContact, SideForce, SideMode, across, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
@@ -63,6 +63,8 @@ pub struct Found {
 pub struct Newton {
     pub at: Vec3,
     pub sides: Sides,
+    /// Whether no other contact forces balance the load.
+    pub are_forces_unique: bool,
     pub report: StepReport,
 }
 
@@ -99,7 +101,7 @@ pub struct ContactStep<'a, C> {
 struct Local {
     gap: Reaction,
     slip: Reaction,
-    /// See [`Surroundings::beyond`] (m).
+    /// See [`Surroundings::pair_beyond`] (m).
     beyond: f64,
 }
 
@@ -268,7 +270,7 @@ impl<C: Course> ContactStep<'_, C> {
             Local {
                 gap,
                 slip: self.step.by_increment(&features.slip_with_derivatives(&place, candidate.slip), at, &moved),
-                beyond: self.surroundings.beyond(&candidate.pair.key, &place),
+                beyond: self.surroundings.pair_beyond(&candidate.pair, &place),
             }
         };
         locals.clear();
@@ -278,21 +280,24 @@ impl<C: Course> ContactStep<'_, C> {
     /// Newton's method on the whole step from a guess, for a load that slips on all supports in
     /// these contact modes. `None` where it does not lead to an answer, or to another one.
     fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
-        let Newton { at, sides, report } = self.newton(sides, guess)?;
+        let Newton { at, sides, are_forces_unique, report } = self.newton(sides, guess)?;
         let mode = solver.keep_gliding(&at);
-        Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique: true })
+        Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique })
     }
 
     /// The increment itself. See [`Self::newton_corrector`].
     pub fn newton(&mut self, sides: &Sides, guess: Vec3) -> Option<Newton> {
         let n_unknown: usize = sides.iter().map(|(mode, _)| n_forces(*mode)).sum();
-        if n_unknown > 3 || guess == Vec3::zeros() {
+        if n_unknown > Rows::BITS as usize || guess == Vec3::zeros() {
             return None;
         }
         let (mut at, mut sides) = (guess, sides.clone());
         let mut last = f64::INFINITY;
         // Both are filled anew in each iteration, and are too large to be passed around.
         let (mut system, mut locals) = (Linear::new(self.step.length()), Locals::new());
+        if n_unknown > 3 {
+            system.hold(self.dependent(&guess, &sides, &mut locals));
+        }
         for iteration in 0..MOST_ITERATIONS {
             self.newton_system(&at, &sides, &mut system, &mut locals)?;
             let residual = system.residual();
@@ -303,7 +308,7 @@ impl<C: Course> ContactStep<'_, C> {
                 }
                 let n_iterations = iteration as u64;
                 let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
-                return Some(Newton { at, sides, report });
+                return Some(Newton { at, sides, are_forces_unique: !system.holds_any(), report });
             }
             last = residual;
             let change = system.solve()?;
@@ -363,6 +368,33 @@ impl<C: Course> ContactStep<'_, C> {
         }
         system.set_balance(gradient, hessian);
         Some(())
+    }
+
+    /// Constraints that depend on the three with the most room for their forces: a face that sticks
+    /// to another one by both of its corners has one more than the load can break.
+    fn dependent(&self, at: &Vec3, sides: &Sides, locals: &mut Locals) -> Rows {
+        self.fill_locals(at, locals);
+        let in_units = |row: &Vec3| Vec3::new(row.x, row.y, row.z / self.step.length());
+        let mut rows: SmallVec<[(f64, Vec3); 8]> = SmallVec::new();
+        for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
+            if *mode != SideMode::Open {
+                rows.push((force.normal, in_units(&local.gap.gradient)));
+            }
+            if *mode == SideMode::Stick {
+                let room = candidate.pair.friction_coefficient * force.normal - force.tangential.abs();
+                rows.push((room, in_units(&local.slip.gradient)));
+            }
+        }
+        let mut order: SmallVec<[usize; 8]> = (0..rows.len()).collect();
+        order.sort_by(|i, j| rows[*j].0.total_cmp(&rows[*i].0));
+        let mut basis: SmallVec<[Vec3; 3]> = SmallVec::new();
+        let mut held = 0;
+        for index in order {
+            let row = &rows[index].1;
+            let rest = across(row, &basis);
+            if basis.len() < 3 && rest.norm() > DEPENDENT * row.norm() { basis.push(rest.normalize()) } else { held |= 1 << index }
+        }
+        held
     }
 
     /// Whether the forces push, the signs of slip are those of the modes, and no other pair of

@@ -41,11 +41,13 @@ pub struct Pair {
     pub friction_coefficient: f64,
     /// Coefficient of restitution (1).
     pub restitution: f64,
+    /// Distance that is rounding where its features lie beside each other (m), see [`BESIDE`].
+    behind: f64,
 }
 
 impl Pair {
     fn of(key: PairKey, features: FeaturePair, obstacle: &Obstacle) -> Self {
-        Self { key, features, friction_coefficient: obstacle.friction_coefficient, restitution: obstacle.restitution }
+        Self { key, features, friction_coefficient: obstacle.friction_coefficient, restitution: obstacle.restitution, behind: 0.0 }
     }
 
     /// The mode in which a contact is named: without friction nothing tells sticking from sliding.
@@ -90,6 +92,10 @@ struct Near {
 /// Penetration over the load's radius that a load may have at the start of a step (1): rounding of
 /// many steps. Deeper features lie on the other side of the load.
 const DEEPEST_START: f64 = 1e-6;
+/// Distance over the load's radius up to which a point that was behind an edge still lies beside it
+/// where it comes to be within its ends (1). If it touches the next edge there, rounding would
+/// decide. It is more than a closed gap.
+const BESIDE: f64 = 4e-11;
 /// Least margin of the list of near obstacles over the load's radius (1).
 const MARGIN: f64 = 0.5;
 
@@ -218,10 +224,16 @@ impl Surroundings {
         let deepest = -DEEPEST_START * self.radius;
         let mut add = |kind, of_load, of_obstacle, features: FeaturePair| {
             let pair = Pair::of(PairKey { obstacle: index, kind, of_load, of_obstacle }, features, obstacle);
-            let (gap, beyond) = (features.gap(at), self.beyond(&pair.key, at));
+            let gap = features.gap(at);
+            // Features beside each other are no nearer than that.
+            if gap > reach {
+                return;
+            }
+            let beyond = self.beyond(&pair.key, at);
             let is_near = if beyond > 0.0 { features.distance_beside(gap, beyond) <= reach } else { (deepest..=reach).contains(&gap) };
             if is_near {
-                pairs.push(pair);
+                let behind = if features.depth(gap) > -deepest { BESIDE * self.radius } else { 0.0 };
+                pairs.push(Pair { behind, ..pair });
             }
         };
         for (i, corner) in self.load.corners.iter().enumerate() {
@@ -301,6 +313,13 @@ impl Surroundings {
         let crossed = from + before / (before - after) * (to - from);
         let [is_before, is_behind] = edge.neighbours.map(|neighbour| neighbour.is_none());
         crossed < 0.0 && is_before || crossed > edge.length && is_behind
+    }
+
+    /// As [`Self::beyond`], and farther by the depth up to [`BESIDE`] where a point was behind an
+    /// edge before.
+    pub fn pair_beyond(&self, pair: &Pair, at: &Place) -> f64 {
+        let beyond = self.beyond(&pair.key, at);
+        if pair.behind == 0.0 { beyond } else { beyond + pair.features.depth(pair.features.gap(at)).clamp(0.0, pair.behind) }
     }
 
     /// Distance by which the features of a pair lie beside each other (m) for a load at this place

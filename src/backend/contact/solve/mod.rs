@@ -26,4 +26,6 @@ mod search;
 mod types;
 
 pub use answer::{certificate, mode_newton, solve_contacts};
+pub use linear::across;
+pub use modes::DEPENDENT;
 pub use types::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};

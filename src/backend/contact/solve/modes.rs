@@ -28,7 +28,7 @@ const ROUNDED: f64 = 1e-15;
 /// Residual below which a rise is rounding (1).
 const CLOSE: f64 = 1e-11;
 /// Length of the part of a unit row across the others below which it depends on them (1).
-const DEPENDENT: f64 = 1e-9;
+pub const DEPENDENT: f64 = 1e-9;
 /// Error of an equation that depends on others, over the size of the increment, that is rounding
 /// (1).
 pub const CONSISTENT: f64 = 1e-11;
@@ -75,12 +75,18 @@ impl Candidate {
     /// Rest with the forces of an increment that has shrunk to rounding: those of a load at the
     /// very limit of slipping, whose direction the increment still shows.
     fn at_the_limit(self, problem: &Problem) -> Self {
-        let at_rest = |(k, mode): (usize, &SideMode)| match mode {
-            SideMode::Slide { .. } if problem.rows[k].friction_coefficient > 0.0 && !problem.slips(k, &Vec3::zeros()) => SideMode::Stick,
-            mode => *mode,
-        };
-        let modes = self.modes.iter().enumerate().map(at_rest).collect();
-        Self { twist: Vec3::zeros(), ground: ContactMode::Stick, modes, is_consistent: true, ..self }
+        Self { twist: Vec3::zeros(), ground: ContactMode::Stick, is_consistent: true, ..self }.sticking(problem)
+    }
+
+    /// The same with contacts that stick where they resist a slip, and slip by rounding only.
+    pub fn sticking(mut self, problem: &Problem) -> Self {
+        for (k, mode) in self.modes.iter_mut().enumerate() {
+            let slides = matches!(mode, SideMode::Slide { .. }) && problem.slips(k, &self.twist);
+            if *mode != SideMode::Open && !slides && problem.rows[k].friction_coefficient > 0.0 {
+                *mode = SideMode::Stick;
+            }
+        }
+        self
     }
 }
 

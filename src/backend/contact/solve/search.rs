@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
             path = self.follow(&smooth);
         }
         let modes = self.modes_of(&smooth, &path);
-        let found = polish(&smooth, &path, &sides_of(&path.forces), modes)?;
+        let found = polish(&smooth, &path, &sides_of(&path.forces), modes)?.sticking(&self.problem);
         self.n_iterations += found.n_iterations;
         if self.consider(found.clone()) {
             return Some(Stage::Frictionless);
