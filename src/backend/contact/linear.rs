@@ -17,10 +17,11 @@ pub struct Linear {
     hessian: Mat3,
     /// Derivative of each constraint, direction of its force, and its violation (m).
     rows: SmallVec<[(Vec3, Vec3, f64); 3]>,
-    /// Constraints whose forces are held, of which those from the next one on come first.
+    /// Constraints whose forces are held.
     held: Rows,
-    next: Rows,
-    /// Largest violation of those (m).
+    /// The same, with the next constraint that is added as the first one.
+    held_from_next: Rows,
+    /// Largest violation of those that are held (m).
     violation_of_held: f64,
 }
 
@@ -31,7 +32,17 @@ impl Linear {
     /// For a load of this `length` (m).
     pub fn new(length: f64) -> Self {
         let (gradient, hessian) = (Vec3::zeros(), Mat3::zeros());
-        Self { length, force: 1.0, displacement: 1.0, gradient, hessian, rows: SmallVec::new(), held: 0, next: 0, violation_of_held: 0.0 }
+        Self {
+            length,
+            force: 1.0,
+            displacement: 1.0,
+            gradient,
+            hessian,
+            rows: SmallVec::new(),
+            held: 0,
+            held_from_next: 0,
+            violation_of_held: 0.0,
+        }
     }
 
     /// Leaves out all constraints, for a load under forces of the size `force` (N) that moves by
@@ -39,7 +50,7 @@ impl Linear {
     pub fn begin(&mut self, force: f64, displacement: f64) {
         (self.force, self.displacement) = (force, displacement);
         self.rows.clear();
-        (self.next, self.violation_of_held) = (self.held, 0.0);
+        (self.held_from_next, self.violation_of_held) = (self.held, 0.0);
     }
 
     /// Holds the forces of these constraints, which hold only if the others see to it.
@@ -55,12 +66,12 @@ impl Linear {
     /// Adds a constraint with the derivative `row` (1, 1, m), a force along `along`, and the
     /// violation (m).
     pub fn push(&mut self, row: Vec3, along: Vec3, violation: f64) {
-        if self.next & 1 == 0 {
+        if self.held_from_next & 1 == 0 {
             self.rows.push((row, along, violation));
         } else {
             self.violation_of_held = self.violation_of_held.max(violation.abs());
         }
-        self.next >>= 1;
+        self.held_from_next >>= 1;
     }
 
     /// Sets the forces out of balance (N, N, N m) and their derivative.
@@ -98,8 +109,9 @@ impl Linear {
         let x = eliminated(&mut a, n)?;
         let scale = |i: usize| if i < 3 { self.length * units[i] } else { self.force };
         let mut change: SmallVec<[f64; MOST]> = (0..n).map(|i| x[i] * scale(i)).collect();
-        let is_held = |row: &usize| self.held >> row & 1 == 1;
-        (0..Rows::BITS as usize).take_while(|_| self.held != 0).filter(is_held).for_each(|row| change.insert(3 + row, 0.0));
+        if self.holds_any() {
+            (0..Rows::BITS as usize).filter(|row| self.held >> row & 1 == 1).for_each(|row| change.insert(3 + row, 0.0));
+        }
         Some(change)
     }
 

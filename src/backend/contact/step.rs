@@ -14,7 +14,7 @@
 use smallvec::SmallVec;
 
 use super::linear::{Linear, Rows};
-use super::solve::{ContactRow, ContactSystem, DEPENDENT, Ending, PerContact, SideForce, SideMode, across, solve_contacts};
+use super::solve::{Basis, ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
@@ -387,14 +387,8 @@ impl<C: Course> ContactStep<'_, C> {
         }
         let mut order: SmallVec<[usize; 8]> = (0..rows.len()).collect();
         order.sort_by(|i, j| rows[*j].0.total_cmp(&rows[*i].0));
-        let mut basis: SmallVec<[Vec3; 3]> = SmallVec::new();
-        let mut held = 0;
-        for index in order {
-            let row = &rows[index].1;
-            let rest = across(row, &basis);
-            if basis.len() < 3 && rest.norm() > DEPENDENT * row.norm() { basis.push(rest.normalize()) } else { held |= 1 << index }
-        }
-        held
+        let mut basis = Basis::default();
+        order.into_iter().filter(|index| !basis.takes(&rows[*index].1)).fold(0, |held, index| held | 1 << index)
     }
 
     /// Whether the forces push, the signs of slip are those of the modes, and no other pair of

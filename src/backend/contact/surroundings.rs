@@ -94,7 +94,8 @@ struct Near {
 const DEEPEST_START: f64 = 1e-6;
 /// Distance over the load's radius up to which a point that was behind an edge still lies beside it
 /// where it comes to be within its ends (1). If it touches the next edge there, rounding would
-/// decide. It is more than a closed gap.
+/// decide. It is more than the gap at which contacts are closed, 1e-11, up to which they also lie
+/// within the ends.
 const BESIDE: f64 = 4e-11;
 /// Least margin of the list of near obstacles over the load's radius (1).
 const MARGIN: f64 = 0.5;

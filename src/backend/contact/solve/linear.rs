@@ -1,5 +1,7 @@
 //! Small dense linear systems.
 
+use smallvec::SmallVec;
+
 use crate::math::Vec3;
 
 /// Unknowns at most: a twist and three forces.
@@ -72,6 +74,25 @@ impl System {
             }
         }
         sign
+    }
+}
+
+/// Length of the part of a unit row across the others below which it depends on them (1).
+const DEPENDENT: f64 = 1e-9;
+
+/// Up to three orthonormal rows, which span those that were taken.
+#[derive(Default)]
+pub struct Basis(SmallVec<[Vec3; 3]>);
+
+impl Basis {
+    /// Takes a row unless it depends on those before; returns whether it did.
+    pub fn takes(&mut self, row: &Vec3) -> bool {
+        let rest = across(row, &self.0);
+        let is_independent = self.0.len() < 3 && rest.norm() > DEPENDENT * row.norm();
+        if is_independent {
+            self.0.push(rest.normalize());
+        }
+        is_independent
     }
 }
 

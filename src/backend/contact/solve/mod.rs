@@ -26,6 +26,5 @@ mod search;
 mod types;
 
 pub use answer::{certificate, mode_newton, solve_contacts};
-pub use linear::across;
-pub use modes::DEPENDENT;
+pub use linear::Basis;
 pub use types::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};

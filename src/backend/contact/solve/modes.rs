@@ -15,7 +15,7 @@
 
 use smallvec::SmallVec;
 
-use super::linear::{MOST, System, across};
+use super::linear::{Basis, MOST, System};
 use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
 use super::types::{PerContact, SideForce, SideMode};
 use crate::backend::friction::ContactMode;
@@ -27,8 +27,6 @@ const MOST_ITERATIONS: u32 = 14;
 const ROUNDED: f64 = 1e-15;
 /// Residual below which a rise is rounding (1).
 const CLOSE: f64 = 1e-11;
-/// Length of the part of a unit row across the others below which it depends on them (1).
-pub const DEPENDENT: f64 = 1e-9;
 /// Error of an equation that depends on others, over the size of the increment, that is rounding
 /// (1).
 pub const CONSISTENT: f64 = 1e-11;
@@ -184,16 +182,9 @@ fn independent(mut equations: SmallVec<[Equation; 8]>, twist: &Vec3) -> (SmallVe
     if equations.len() > 1 {
         equations.sort_by(|a, b| b.room.total_cmp(&a.room).then_with(|| a.error(twist).total_cmp(&b.error(twist))));
     }
-    let mut basis: SmallVec<[Vec3; 3]> = SmallVec::new();
-    let (mut chosen, mut others) = (SmallVec::new(), SmallVec::new());
+    let (mut basis, mut chosen, mut others) = (Basis::default(), SmallVec::new(), SmallVec::new());
     for equation in equations {
-        let rest = across(&equation.row, &basis);
-        if basis.len() < 3 && rest.norm() > DEPENDENT * equation.row.norm() {
-            basis.push(rest.normalize());
-            chosen.push(equation);
-        } else {
-            others.push(equation);
-        }
+        if basis.takes(&equation.row) { chosen.push(equation) } else { others.push(equation) }
     }
     (chosen, others)
 }
