@@ -183,3 +183,34 @@ fn a_face_that_pushes_a_face_sticks_to_it() {
         }
     }
 }
+
+/// A fence turns a box that it meets by a corner until a face lies along it. The load has no
+/// springs, so that its step has a stiffness across its slip only, and the corner that turns under
+/// it a negative one along it.
+#[test]
+fn a_fence_aligns_a_box() {
+    let half = Vec2::new(0.05, 0.03);
+    let outline = Outline { parts: vec![rectangle(&half)] };
+    let paths = [Pose::new(0.0, -0.07, 0.0), Pose::new(0.0, 0.08, 0.0)];
+    let fence = obstacle(rectangle(&Vec2::new(0.15, 0.01)), 0.2);
+    let supports = (0..6).map(|k| SupportPoint { offset: 0.03 * direction(TAU * f64::from(k) / 6.0), normal_load: 1.0 });
+    let system = System {
+        load: Load { mass: 0.5, inertia: 6e-4, radius: outline.extent() },
+        ground: Ground { friction_coefficient: 0.3, supports: supports.collect() },
+        springs: vec![],
+        world: World {
+            outline,
+            obstacles: vec![Obstacle { path: ObstaclePath { waypoints: vec![(0.0, paths[0]), (1.0, paths[1])] }, ..fence }],
+        },
+    };
+    let start = Motion { pose: Pose::new(0.0, 0.0, 0.5), twist: Twist::ZERO };
+    let n_steps = 200_u32;
+    let mut load = build(&system, start, &BackendOptions::new(QuasiStatic, 1.0 / f64::from(n_steps)));
+    let report = load.advance(&[], 1.0);
+    assert_eq!(report.status, Status::Converged);
+    let Pose { position, heading } = load.motion().pose;
+    // What counts as a closed gap, over the length of a face.
+    assert!(heading.abs() < 1e-9 && (position.y - 0.12).abs() < 1e-10, "{position:?} {heading:e}");
+    // A search takes three or more.
+    assert!(report.n_solves < (n_steps + n_steps / 2).into(), "{report:?}");
+}

@@ -1,7 +1,7 @@
 //! Known answers without inertia. Under a tolerance they hold to 1e-8 of the load's size; at fixed
 //! steps with the order of the method.
 
-use cohaul::backend::BackendKind::QuasiStatic;
+use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
 use cohaul::backend::{Backend, Status, Transition, TransitionKind, build};
 use cohaul::math::{Pose, Vec2};
 use cohaul::model::System;
@@ -87,8 +87,32 @@ fn a_box_sticks_to_a_wall() {
     let system = boxed(vec![wall(Vec2::new(0.0, -BOX[1]), Vec2::new(1.0, 0.0), 1.2)], Vec2::zeros());
     let load = after(&system, Vec2::zeros(), 100, |s| Vec2::new(0.1 * s, -0.05 * s));
     assert!((load.motion().pose.position - Vec2::new(6.906024096386e-3, 0.0)).norm() < EXACT);
-    let load = after(&system, Vec2::zeros(), 100, |s| Vec2::new(0.3 * s, -0.27 * s));
-    assert_eq!(load.motion().pose, Pose::new(0.0, 0.0, 0.0));
+    for kind in [QuasiStatic, Inertial] {
+        let (load, report) = drive(&system, at_rest(0.0, 0.0), &fixed(kind, 100), 100, |s| Vec2::new(0.3 * s, -0.27 * s));
+        assert_eq!((load.motion().pose, report.status), (Pose::new(0.0, 0.0, 0.0), Status::Converged));
+        // It goes on resting without a search, but for some steps at the limit of the ground alone.
+        assert!(report.n_solves < 130, "{report:?}");
+    }
+}
+
+/// A disc that was pressed into a notch of rough walls comes out as soon as the ground alone lets
+/// it: forces that wedge it need no drive, and do not stay.
+#[test]
+fn a_disc_comes_out_of_a_rough_notch() {
+    let sides = [1.0, -1.0].map(|side| {
+        let normal = Vec2::new(side, 1.0).normalize();
+        wall(-RADIUS * normal, Vec2::new(normal.y, -normal.x), 2.0)
+    });
+    for kind in [QuasiStatic, Inertial] {
+        let path = |s: f64| Vec2::new(0.0, if s < 0.5 { -0.2 * s } else { -0.1 + 0.36 * (s - 0.5) });
+        let (load, report) = drive(&disc(sides.to_vec()), at_rest(0.0, 0.0), &fixed(kind, 2000), 2000, path);
+        assert_eq!(report.status, Status::Converged);
+        let lag = 0.08 - load.motion().pose.position.y;
+        // With inertia the load goes on at the speed of the tip behind a spring that swings: its
+        // amplitude is that of a start from rest, v sqrt(m / k).
+        let swing = if kind == Inertial { 0.36 * (MASS / STIFFNESS).sqrt() } else { EXACT };
+        assert!((lag - BEHIND).abs() <= swing, "{lag}");
+    }
 }
 
 /// K3: a tip draws a disc round a post.

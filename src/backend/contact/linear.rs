@@ -3,7 +3,9 @@
 
 use smallvec::SmallVec;
 
-use crate::math::{Mat3, Vec3};
+use super::solve::System;
+use crate::backend::increment::positive_definite;
+use crate::math::{Mat3, PositiveDefinite, Vec3};
 
 /// Largest number of equations.
 const MOST: usize = 6;
@@ -117,21 +119,29 @@ impl Linear {
 
     /// Whether the branch is stable: all principal minors of N C A' are positive, with C the
     /// inverse of the Hessian, N the constraints and A the directions of their forces.
+    ///
+    /// The Hessian need not be positive definite: a pushed load without springs resists no motion
+    /// along its slip, and its contact may turn with it. It then has to be where the constraints
+    /// let the load move, and is made so elsewhere.
     pub fn is_stable(&self) -> bool {
         if self.rows.is_empty() {
             return true;
         }
         let units = Vec3::new(self.length, self.length, 1.0);
         let mut hessian = Mat3::from_fn(|i, j| self.hessian[(i, j)] * units[i] * units[j]);
-        // A load without springs resists no motion along its slip.
         let least = 1e-9 * hessian.amax();
         (0..3).for_each(|i| hessian[(i, i)] += least);
-        let Some(inverse) = hessian.try_inverse() else { return false };
+        let scaled = |row: &Vec3| row.component_mul(&units);
+        let definite = PositiveDefinite::new(&hessian).or_else(|| {
+            let rows: SmallVec<[[Vec3; 2]; 3]> = self.rows.iter().map(|(row, along, _)| [scaled(row), scaled(along)]).collect();
+            resists(&hessian, &rows).then(|| PositiveDefinite::new(&positive_definite(&hessian, 1.0)))?
+        });
+        let Some(definite) = definite else { return false };
         let n = self.rows.len();
         let mut w = [[0.0; 3]; 3];
         for (entries, (row, ..)) in w.iter_mut().zip(&self.rows) {
             for (entry, (_, along, ..)) in entries.iter_mut().zip(&self.rows) {
-                *entry = row.component_mul(&units).dot(&(inverse * along.component_mul(&units)));
+                *entry = scaled(row).dot(&definite.solve(&scaled(along)));
             }
         }
         let pair = |i: usize, j: usize| w[i][i] * w[j][j] - w[i][j] * w[j][i];
@@ -142,6 +152,22 @@ impl Linear {
                 > 0.0;
         single && double && whole
     }
+}
+
+/// Whether the Hessian is positive definite for motions that these constraints allow, each with the
+/// direction of its force: its part there, along the forces, has a positive determinant and, for a
+/// single constraint, a positive trace.
+fn resists(hessian: &Mat3, rows: &[[Vec3; 2]]) -> bool {
+    let mut bordered = System::new(3 + rows.len());
+    for i in 0..3 {
+        (0..3).for_each(|j| bordered.set(i, j, hessian[(i, j)]));
+        for (k, [row, along]) in rows.iter().enumerate() {
+            bordered.set(i, 3 + k, -along[i]);
+            bordered.set(3 + k, i, row[i]);
+        }
+    }
+    let trace = || rows.iter().all(|[row, along]| hessian.trace() * row.dot(along) > row.dot(&(hessian * along)));
+    bordered.sign() > 0.0 && (rows.len() > 1 || rows.iter().all(|[row, along]| row.dot(along) > 0.0) && trace())
 }
 
 /// Gauss's elimination with row pivots; the right side stands in column n.
@@ -164,4 +190,26 @@ fn eliminated(a: &mut [[f64; MOST + 1]; MOST], n: usize) -> Option<[f64; MOST]> 
         x[i] = (a[i][n] - rest) / a[i][i];
     }
     x.iter().all(|value| value.is_finite()).then_some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact holds the load against a negative stiffness along its normal, and against none
+    /// that is negative along the contact: neither one of the shift nor one of both motions there,
+    /// whose product is positive. Two contacts leave one motion.
+    #[test]
+    fn a_contact_holds_what_it_does_not_let_move() {
+        let is_stable = |stiffness: [f64; 3], rows: &[Vec3]| {
+            let mut system = Linear::new(1.0);
+            rows.iter().for_each(|row| system.push(*row, *row, 0.0));
+            system.set_balance(Vec3::zeros(), Mat3::from_diagonal(&stiffness.into()));
+            system.is_stable()
+        };
+        let [x, y] = [Vec3::x(), Vec3::y()];
+        assert!(is_stable([1.0, 1.0, 1.0], &[x]) && is_stable([-1.0, 1.0, 1.0], &[x]));
+        assert!(!is_stable([1.0, -1.0, 1.0], &[x]) && !is_stable([1.0, -1.0, -1.0], &[x]) && !is_stable([-1.0, -1.0, -1.0], &[x]));
+        assert!(is_stable([-1.0, -1.0, 1.0], &[x, y]) && !is_stable([1.0, 1.0, -1.0], &[x, y]));
+    }
 }

@@ -14,7 +14,7 @@
 use smallvec::SmallVec;
 
 use super::linear::{Linear, Rows};
-use super::solve::{Basis, ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
+use super::solve::{Basis, ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, go_on_resting, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
@@ -135,23 +135,35 @@ impl ContactStep<'_, Step<'_>> {
         locals.iter().any(|local| local.gap.energy < -10.0 * CLOSED * self.step.length && local.beyond <= 0.0)
     }
 
-    /// Zero increment, for a load at rest that the last contact forces without friction still hold
-    /// there. Where it takes side friction to rest, sliding may be an answer as well, and comes
-    /// first (see `solve_contacts`).
+    /// Zero increment, for a load at rest that forces near the last ones still hold there, by so
+    /// much that it cannot slide as well.
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;
-        let mut gradient = self.step.gradient(&Vec3::zeros());
+        let drive = -self.step.gradient(&Vec3::zeros());
         let (mut sides, mut locals) = (Sides::new(), Locals::new());
         self.fill_locals(&Vec3::zeros(), &mut locals);
+        let mut missing = drive;
         for ((mode, force), local) in last.iter().zip(&locals) {
             if local.gap.energy < -closed && local.beyond <= 0.0 || local.gap.energy > closed && force.normal > 0.0 {
                 return None;
             }
-            gradient -= force.normal * local.gap.gradient;
+            missing += force.normal * local.gap.gradient;
             sides.push((*mode, SideForce { tangential: 0.0, ..*force }));
         }
-        let residual = solver.rest(&gradient).filter(|residual| *residual <= LARGEST_RESIDUAL)?;
-        let report = StepReport { residual, n_steps: 1, n_solves: 1, ..StepReport::default() };
+        let mut report = StepReport { n_steps: 1, n_solves: 1, ..StepReport::default() };
+        if let Some(residual) = solver.rest(&-missing).filter(|residual| *residual <= LARGEST_RESIDUAL) {
+            report.residual = residual;
+        } else {
+            let (rows, row_of) = self.rows(&Vec3::zeros(), &locals);
+            let of_rows = |index: &usize| last[*index];
+            let (modes, forces): (PerContact<SideMode>, PerContact<SideForce>) = row_of.iter().map(of_rows).unzip();
+            let system = ContactSystem { hessian: &Mat3::zeros(), drive: &drive, rows: &rows };
+            let solution = go_on_resting(&system, solver, &modes, &forces)?;
+            (report.residual, report.n_iterations) = (solution.residual, solution.n_iterations.into());
+            for (row, index) in row_of.into_iter().enumerate() {
+                sides[index] = (self.candidates[index].pair.mode(solution.modes[row]), solution.forces[row]);
+            }
+        }
         // The friction of the ground may take the place of any contact force.
         let are_forces_unique = sides.iter().all(|(_, force)| force.normal == 0.0);
         Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique })

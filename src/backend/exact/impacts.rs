@@ -18,6 +18,7 @@ use crate::backend::contact::{PairKey, Reflection, Scope, Strike, Touching};
 use crate::backend::springs::{Place, TipPaths};
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
+use crate::math::Twist;
 
 /// Largest number of touches in one step (1). The rest of the step is taken as one of implicit
 /// Euler that regards all features within reach, and without bounces.
@@ -240,6 +241,10 @@ impl Exact<Inertial> {
             return report;
         }
         let mut report = self.step_touching(paths, [from, to], Scope::Touching);
+        if self.has_stood(start) {
+            self.remember_touching(start, (to - from) * paths.duration);
+            return report;
+        }
         let whole = (self.flow(), self.contacts(), self.state.contact.last());
         self.reset(start);
         let middle = 0.5 * (from + to);
@@ -261,5 +266,14 @@ impl Exact<Inertial> {
             self.remember_touching(start, (to - from) * paths.duration);
         }
         StepReport { n_steps: 1, ..report }
+    }
+
+    /// Whether the load has stood still since the `start`, and nothing was lost. Halves of such a
+    /// step would give the same: forces between those at its ends hold the load as well.
+    fn has_stood(&self, start: &Snapshot<Memory>) -> bool {
+        let (now, before) = (&self.state, &start.state);
+        let is_lossless =
+            now.energy.side_friction == before.energy.side_friction && now.energy.obstacle_work == before.energy.obstacle_work;
+        now.motion == before.motion && now.motion.twist == Twist::ZERO && is_lossless && !self.method.is_damped
     }
 }

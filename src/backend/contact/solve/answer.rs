@@ -5,6 +5,7 @@ use smallvec::SmallVec;
 use super::feasible::conflict;
 use super::modes::newton;
 use super::problem::{Candidate, PerCone, Problem, Start};
+use super::rest::{balance, is_clear};
 use super::search::{ACCEPTED, Search};
 use super::types::{ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::cones::Cones;
@@ -61,6 +62,29 @@ fn untouched(free: &FrictionSolution, solver: &FrictionSolver, n_contacts: usize
         is_stable: true,
         n_iterations: 0,
     }
+}
+
+/// The answer of a load that goes on resting with forces near the last ones. `None`, with nothing
+/// changed, where it may slide.
+pub fn go_on_resting(
+    system: &ContactSystem,
+    solver: &mut FrictionSolver,
+    modes: &[SideMode],
+    forces: &[SideForce],
+) -> Option<ContactSolution> {
+    let cones = solver.cones();
+    let problem = Problem::new(cones, system, None);
+    let forces: PerContact<SideForce> = forces.iter().map(|force| scaled_force(cones, force)).collect();
+    let last = &solver.warm_start().forces;
+    // The last forces may be near limits which others are far from.
+    let (candidate, residual) = [1.0, 0.0].into_iter().find_map(|share| {
+        let ground_forces: PerCone<Vec2> = last.iter().map(|force| share * force).collect();
+        let found = balance(&problem, modes, &Start { twist: &Vec3::zeros(), ground_forces: &ground_forces, forces: &forces })?;
+        let residual = problem.residual_of(&found);
+        (residual <= ACCEPTED && is_clear(&problem, &found)).then_some((found, residual))
+    })?;
+    let counts = Counts { n_solves: 1, n_iterations: candidate.n_iterations };
+    Some(Answer { candidate, residual, stage: Stage::Warm, counts }.keep(solver))
 }
 
 /// Newton's method in the modes of the last answer; an answer only where all conditions hold.

@@ -12,7 +12,8 @@
 //!
 //! Without side friction they are those of a convex minimum. With it they are not: rest and sliding
 //! may both satisfy them. Sliding is then preferred, and rest is taken only if it is stable
-//! (`rest_or_slide`).
+//! (`rest_or_slide`). A load that rests goes on resting while its forces say that it cannot slide
+//! (`go_on_resting`).
 
 mod answer;
 mod feasible;
@@ -25,6 +26,6 @@ mod rest;
 mod search;
 mod types;
 
-pub use answer::{certificate, mode_newton, solve_contacts};
-pub use linear::Basis;
+pub use answer::{certificate, go_on_resting, mode_newton, solve_contacts};
+pub use linear::{Basis, System};
 pub use types::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};
