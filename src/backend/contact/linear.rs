@@ -129,6 +129,7 @@ impl Linear {
         }
         let units = Vec3::new(self.length, self.length, 1.0);
         let mut hessian = Mat3::from_fn(|i, j| self.hessian[(i, j)] * units[i] * units[j]);
+        // More than what rounding leaves of a stiffness that cancels.
         let least = 1e-9 * hessian.amax();
         (0..3).for_each(|i| hessian[(i, i)] += least);
         let scaled = |row: &Vec3| row.component_mul(&units);

@@ -135,8 +135,9 @@ impl ContactStep<'_, Step<'_>> {
         locals.iter().any(|local| local.gap.energy < -10.0 * CLOSED * self.step.length && local.beyond <= 0.0)
     }
 
-    /// Zero increment, for a load at rest that forces near the last ones still hold there, by so
-    /// much that it cannot slide as well.
+    /// Zero increment, for a load at rest that the last normal forces without friction still hold
+    /// there, which is then the only answer, or that forces near the last ones hold by so much that
+    /// it cannot slide as well.
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;
         let drive = -self.step.gradient(&Vec3::zeros());
