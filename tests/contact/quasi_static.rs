@@ -3,8 +3,10 @@
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
 use cohaul::backend::{Backend, Status, Transition, TransitionKind, build};
-use cohaul::math::{Pose, Vec2};
-use cohaul::model::System;
+use std::f64::consts::{PI, TAU};
+
+use cohaul::math::{Pose, Vec2, direction, rotation};
+use cohaul::model::{Outline, OutlinePart, System};
 
 use crate::scenes::*;
 
@@ -157,6 +159,54 @@ fn the_rear_of_a_box_lifts_off() {
     assert_order(2.0, &errors);
     let found = within_tolerance(&system, Vec2::zeros(), 60, path);
     assert!((found.position - end.position).norm() < EXACT && (found.heading - end.heading).abs() < EXACT_TURN, "{found:?}");
+}
+
+/// A polygon that is drawn into a smooth wall tips over its corner until a face lies on it. The
+/// path from corner to corner leads through the wall, so that the step has to see both.
+#[test]
+fn a_heptagon_tips_onto_a_face() {
+    let corners: Vec<Vec2> = (0..7).map(|k| RADIUS * direction(TAU * f64::from(k) / 7.0)).collect();
+    let mut system = disc(vec![wall(Vec2::new(0.0, -1.05 * RADIUS), Vec2::new(1.0, 0.0), 0.0)]);
+    system.world.outline = Outline { parts: vec![OutlinePart::Polygon { corners }] };
+    for turn in [0.0, 0.5 * PI, PI] {
+        system.ground.supports.iter_mut().for_each(|support| support.offset = rotation(turn) * support.offset);
+        let path = |s: f64| 3.0 * BEHIND * (s / 0.75).min(1.0) * direction(-0.7);
+        let (load, report) = drive(&system, at_rest(0.0, 0.0), &fixed(QuasiStatic, 40), 40, path);
+        assert_eq!(report.status, Status::Converged);
+        // Shorter paths along a resistance, each stopped where it meets the next corner, take 500.
+        assert!(report.n_solves < 200, "{report:?}");
+        let Pose { position, heading } = load.motion().pose;
+        let on_its_face = RADIUS * (PI / 7.0).cos() - 1.05 * RADIUS;
+        assert!((position.y - on_its_face).abs() < EXACT && (heading + PI / 14.0).abs() < EXACT_TURN, "{position} {heading}");
+    }
+}
+
+/// A disc sticks to the corner of a square until it jumps past it by more than its radius, along
+/// faces and corners that the path meets one after the other. It then follows the tip.
+#[test]
+fn a_disc_jumps_past_a_square() {
+    let size = 0.5 * RADIUS;
+    let nearest = RADIUS * Vec2::new(2.0, -1.2);
+    let corners = (0..4).map(|k| nearest + size * (Vec2::x() + direction(0.5 * PI * f64::from(k)))).collect();
+    let system = disc(vec![obstacle(OutlinePart::Polygon { corners }, 0.1)]);
+    let tip = Vec2::new(6.0 * RADIUS, 0.0);
+    let (load, report) = drive(&system, at_rest(0.0, 0.0), &fixed(QuasiStatic, 60), 60, |s| s * tip);
+    assert_eq!(report.status, Status::Converged);
+    assert!(((load.motion().pose.position - tip).norm() - BEHIND).abs() < EXACT);
+    assert!(load.side_contacts().is_empty());
+}
+
+/// A disc on a spring so soft that it slides in jumps of radii along a rough wall. Linear steps
+/// that each take a share of the path would need thousands of solutions a step.
+#[test]
+fn a_disc_on_a_soft_spring_takes_few_solutions() {
+    let mut system = disc(vec![floor(0.3)]);
+    system.springs[0].radial_stiffness = 0.1;
+    let behind = LIMIT / 0.1;
+    let (load, report) = drive(&system, at_rest(0.0, 0.0), &fixed(QuasiStatic, 40), 40, |s| behind * Vec2::new(3.0 * s, -s));
+    assert_eq!(report.status, Status::Converged);
+    assert!(load.motion().pose.position.y.abs() < EXACT);
+    assert!(report.n_solves < 40 * 100, "{report:?}");
 }
 
 /// K6: a disc rolls along a wall.

@@ -265,8 +265,15 @@ impl Obstacles {
                 && !passes_beside(&candidates, &found, radius);
             let hit = if is_known { None } else { self.hit_of(system, &start, task, (&candidates, &found), touching) };
             attempt += 1;
-            // A load with inertia takes the whole step.
-            let is_hit = hit == Some(0.0) || task.has_inertia && hit.is_some();
+            let cut = hit.filter(|share| *share > 0.0 && !task.has_inertia);
+            let overlaps_at_cut = cut.is_some_and(|share| {
+                let (twist, to) = (share * found.increment.twist, task.from + share * (task.to - task.from));
+                let place = start.moved_by(&twist);
+                candidates.iter().any(|it| self.overlaps(system, &it.pair.key, &place, to))
+                    || self.comes_to_cross(system, &[start, place], [task.from, to])
+            });
+            // A load with inertia takes the whole step, as does one whose path cuts a corner.
+            let is_hit = hit.is_some() && cut.is_none() || overlaps_at_cut;
             if let Some(warm_start) = warm_start.as_ref().filter(|_| is_hit && attempt < MOST_ATTEMPTS && reach < longest.min(2.0 * moved))
             {
                 reach = (4.0 * reach).min(2.0 * moved).min(longest);
@@ -275,17 +282,10 @@ impl Obstacles {
             }
             let of_found = &mut found.increment.report;
             (of_found.n_solves, of_found.n_iterations) = (report.n_solves, report.n_iterations);
-            let cut = hit.filter(|share| *share > 0.0 && !task.has_inertia);
             if hit.is_some() && cut.is_none() {
                 of_found.status = of_found.status.max(Status::NotConverged);
                 of_found.n_not_converged = 1;
             }
-            let overlaps_at_cut = cut.is_some_and(|share| {
-                let (twist, to) = (share * found.increment.twist, task.from + share * (task.to - task.from));
-                let place = start.moved_by(&twist);
-                candidates.iter().any(|it| self.overlaps(system, &it.pair.key, &place, to))
-                    || self.comes_to_cross(system, &[start, place], [task.from, to])
-            });
             return Answer { found, candidates, cut, overlaps_at_cut };
         }
     }

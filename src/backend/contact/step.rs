@@ -75,6 +75,12 @@ const MOST_FAILED: u32 = 3;
 /// Number of linear steps after which only half of each is taken, where the whole ones do not
 /// settle.
 const STEPS_IN_FULL: usize = 20;
+/// Cosine of the angle between linear steps that point the same way (1).
+const ALIKE: f64 = 0.9;
+/// Number of linear steps the same way after which they are doubled, and the longest way that the
+/// load then goes in one of them (1).
+const FEW_ALIKE: i32 = 2;
+const LONGEST_STRIDE: f64 = 0.5;
 /// Largest number of Newton iterations of the corrector.
 const MOST_ITERATIONS: usize = 12;
 /// Residual over the forces at which the corrector is done (1), and up to which it may end where it
@@ -95,6 +101,30 @@ pub struct ContactStep<'a, C> {
     pub candidates: &'a [Candidate],
     /// Increment at which the search begins.
     pub start_at: Vec3,
+}
+
+/// How far the search goes along each linear step.
+///
+/// Where the springs are not convex, a linear step makes them so and takes only a share of the
+/// path. Steps that point the same way are therefore doubled, and doubled again.
+#[derive(Default)]
+struct Pace {
+    last: Vec3,
+    n_alike: i32,
+}
+
+impl Pace {
+    /// Share of the next linear step (1, 1, rad) that the load goes.
+    fn stride(&mut self, step: &Vec3) -> f64 {
+        let last = std::mem::replace(&mut self.last, *step);
+        let is_alike = step.dot(&last) >= ALIKE * step.norm() * last.norm() && 2.0 * step.norm() >= last.norm();
+        self.n_alike = if is_alike { self.n_alike + 1 } else { 0 };
+        if self.n_alike < FEW_ALIKE {
+            return 1.0;
+        }
+        let longest = LONGEST_STRIDE / step.norm();
+        2f64.powi(self.n_alike + 1 - FEW_ALIKE).min(longest).max(1.0)
+    }
 }
 
 /// Gap and slip of a candidate with their derivatives by the increment.
@@ -176,7 +206,7 @@ impl ContactStep<'_, Step<'_>> {
         let (mut at, mut sides) = (self.start_at, Sides::new());
         let mut report = StepReport { n_steps: 1, ..StepReport::default() };
         let mut mode = ContactMode::Stick;
-        let (mut n_failed, mut locals) = (0, Locals::new());
+        let (mut n_failed, mut locals, mut pace) = (0, Locals::new(), Pace::default());
         for round in 0..MOST_STEPS {
             let local = self.step.at(&at);
             self.fill_locals(&at, &mut locals);
@@ -218,7 +248,9 @@ impl ContactStep<'_, Step<'_>> {
             }
             n_failed += u32::from(solution.ending != Ending::Converged);
             let change = next - at;
-            at = if round < STEPS_IN_FULL { next } else { at + 0.5 * change };
+            let stride = pace.stride(&change.component_div(&Vec3::new(length, length, 1.0)));
+            let stride = if stride > 1.0 || round < STEPS_IN_FULL { stride } else { 0.5 };
+            at = if stride == 1.0 { next } else { at + stride * change };
             if self.step.size(&change) <= 1e-12 * self.step.size(&at) + 1e-15 {
                 return self.ended(at, mode, sides, report);
             }
