@@ -76,10 +76,12 @@ pub fn go_on_resting(
     let problem = Problem::new(cones, system, None);
     let forces: PerContact<SideForce> = forces.iter().map(|force| scaled_force(cones, force)).collect();
     let last = &solver.warm_start().forces;
-    // The last forces may be near limits which others are far from.
-    let (candidate, residual) = [1.0, 0.0].into_iter().find_map(|share| {
+    // The last forces may be near limits. Without any to start from, friction is spread evenly.
+    let (candidate, residual) = [(1.0, 2), (0.0, 1)].into_iter().find_map(|(share, power)| {
         let ground_forces: PerCone<Vec2> = last.iter().map(|force| share * force).collect();
-        let found = balance(&problem, modes, &Start { twist: &Vec3::zeros(), ground_forces: &ground_forces, forces: &forces })?;
+        let forces: PerContact<SideForce> = forces.iter().map(|f| SideForce { tangential: share * f.tangential, ..*f }).collect();
+        let start = Start { twist: &Vec3::zeros(), ground_forces: &ground_forces, forces: &forces };
+        let found = balance(&problem, modes, &start, power)?;
         let residual = problem.residual_of(&found);
         (residual <= ACCEPTED && is_clear(&problem, &found)).then_some((found, residual))
     })?;

@@ -92,7 +92,7 @@ impl Candidate {
 /// not satisfy any inequality.
 pub fn newton(problem: &Problem, ground: ContactMode, modes: &[SideMode], start: &Start) -> Option<Candidate> {
     let pin = match ground {
-        ContactMode::Stick => return super::rest::balance(problem, modes, start),
+        ContactMode::Stick => return super::rest::balance(problem, modes, start, 2),
         ContactMode::Pinned(cone) => Some(cone),
         ContactMode::Slip => None,
     };

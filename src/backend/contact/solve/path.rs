@@ -77,11 +77,11 @@ impl Path {
 pub fn follow(problem: &Problem, rows: &[ContactRow]) -> Path {
     let mut state = State::new(problem, rows);
     let (mut smoothing, mut n_iterations, mut is_converged) = (1.0, 0, false);
-    let mut inverse = Mat3::zeros();
+    let mut slopes = Mat3::zeros();
     while n_iterations < MOST_ITERATIONS {
         n_iterations += 1;
         let Some((step, found)) = state.newton_step(smoothing) else { break };
-        inverse = found;
+        slopes = found;
         let Some(share) = state.advance(&step, smoothing) else { break };
         if smoothing <= END && state.is_solved(smoothing) {
             is_converged = true;
@@ -97,7 +97,7 @@ pub fn follow(problem: &Problem, rows: &[ContactRow]) -> Path {
             })
         .max(END);
     }
-    state.end(problem, smoothing, inverse, is_converged, n_iterations)
+    state.end(problem, smoothing, &slopes, is_converged, n_iterations)
 }
 
 /// State of Newton's method in units of the path: lengths by the extent of the increment, forces by
@@ -112,6 +112,10 @@ struct State<'a> {
     ground: PerCone<Vec2>,
     gaps: SmallVec<[f64; 8]>,
     sides: SmallVec<[SideForce; 8]>,
+    /// Force of each support after a step of the forces alone, and its derivative by the slip.
+    next_ground: PerCone<(Vec2, Mat2)>,
+    /// The same of each row.
+    next_sides: SmallVec<[Side; 8]>,
 }
 
 impl<'a> State<'a> {
@@ -128,6 +132,8 @@ impl<'a> State<'a> {
             ground: SmallVec::from_elem(Vec2::zeros(), cones.len()),
             gaps: rows.iter().map(|row| (row.gap / extent).max(1.0)).collect(),
             sides: SmallVec::from_elem(SideForce { normal: 1.0, tangential: 0.0 }, rows.len()),
+            next_ground: PerCone::new(),
+            next_sides: SmallVec::new(),
         }
     }
 
@@ -162,26 +168,25 @@ impl<'a> State<'a> {
         self.rows[j].gap + self.rows[j].normal.dot(&self.twist) + smoothing * self.sides[j].normal - self.gaps[j]
     }
 
-    /// Newton step of the twist, and the inverse of the derivative of the imbalance by the twist.
-    fn newton_step(&self, smoothing: f64) -> Option<(Vec3, Mat3)> {
+    /// Newton step of the twist, and the derivative of the imbalance by the twist.
+    fn newton_step(&mut self, smoothing: f64) -> Option<(Vec3, Mat3)> {
         let mut slopes = self.h;
         let mut sum = self.h * self.twist - self.w;
-        for k in 0..self.ground.len() {
-            let (force, slope) = self.support(k, smoothing);
+        self.next_ground = (0..self.ground.len()).map(|k| self.support(k, smoothing)).collect();
+        self.next_sides = (0..self.rows.len()).map(|j| self.side(j, smoothing)).collect();
+        for (k, (force, slope)) in self.next_ground.iter().enumerate() {
             let offset = self.problem.cones.offsets[k];
-            sum += Vec3::new(force.x, force.y, offset.perp(&force));
+            sum += Vec3::new(force.x, force.y, offset.perp(force));
             let jacobian = nalgebra::Matrix2x3::new(1.0, 0.0, -offset.y, 0.0, 1.0, offset.x);
             slopes += jacobian.transpose() * slope * jacobian;
         }
-        for (j, row) in self.rows.iter().enumerate() {
-            let side = self.side(j, smoothing);
+        for (side, row) in self.next_sides.iter().zip(&self.rows) {
             sum -= side.normal * row.normal + side.tangential * row.tangent;
             slopes += side.stiffness * row.normal * row.normal.transpose();
             slopes += row.tangent * (side.by_slip * row.tangent - side.coupling * row.normal).transpose();
         }
-        let inverse = slopes.try_inverse().filter(|inverse| inverse.iter().all(|v| v.is_finite()))?;
         let step = slopes.lu().solve(&-sum).filter(|step| step.iter().all(|v| v.is_finite()))?;
-        Some((step, inverse))
+        Some((step, slopes))
     }
 
     /// Force of support k without a step, and its derivative by the slip.
@@ -220,7 +225,7 @@ impl<'a> State<'a> {
         let mut changes: SmallVec<[(f64, SideForce); 8]> = SmallVec::new();
         for (j, row) in self.rows.iter().enumerate() {
             let (along, across) = (row.normal.dot(step), row.tangent.dot(step));
-            let side = self.side(j, smoothing);
+            let side = &self.next_sides[j];
             let normal = side.normal - side.stiffness * along - self.sides[j].normal;
             let gap = along + smoothing * normal + self.gap_error(j, smoothing);
             let tangential = side.tangential - side.by_slip * across + side.coupling * along - self.sides[j].tangential;
@@ -236,7 +241,7 @@ impl<'a> State<'a> {
             changes.push((gap, SideForce { normal, tangential }));
         }
         for k in 0..self.ground.len() {
-            let (force, slope) = self.support(k, smoothing);
+            let (force, slope) = self.next_ground[k];
             let next = force + slope * self.problem.cones.slip(k, step);
             let change = next - self.ground[k];
             self.ground[k] += share * change;
@@ -256,7 +261,7 @@ impl<'a> State<'a> {
         Some(share)
     }
 
-    fn end(self, problem: &Problem, smoothing: f64, inverse: Mat3, is_converged: bool, n_iterations: u32) -> Path {
+    fn end(self, problem: &Problem, smoothing: f64, slopes: &Mat3, is_converged: bool, n_iterations: u32) -> Path {
         let Problem { extent, force, cones, .. } = problem;
         let slow = smoothing.sqrt();
         let sticking = (0..cones.len()).filter(|k| cones.slip(*k, &self.twist).norm() < slow).collect();
@@ -269,7 +274,7 @@ impl<'a> State<'a> {
             sticking,
             is_converged,
             n_iterations,
-            inverse,
+            inverse: slopes.try_inverse().filter(|inverse| inverse.iter().all(|v| v.is_finite())).unwrap_or_default(),
             stiffness: self.sides.iter().zip(&self.gaps).map(|(side, gap)| side.normal / (gap + smoothing * side.normal)).collect(),
         }
     }

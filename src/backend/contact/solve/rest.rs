@@ -24,7 +24,11 @@ const PARALLEL: f64 = 1e-9;
 const RIDGE: f64 = 1e-15;
 
 /// Rest with forces near those of `start`; `None` where they cannot balance.
-pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start) -> Option<Candidate> {
+///
+/// The squares of their changes over this `power` of their rooms have the least sum. With the
+/// second one, forces near a limit hardly change. With the first one, forces that start from none
+/// all take the same share of their limits along a straight drive.
+pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start, power: i32) -> Option<Candidate> {
     // A contact that has not slipped sticks.
     let at_rest = |(k, mode): (usize, &SideMode)| match mode {
         SideMode::Slide { .. } if problem.rows[k].friction_coefficient > 0.0 && !problem.slips(k, &Vec3::zeros()) => SideMode::Stick,
@@ -34,6 +38,7 @@ pub fn balance(problem: &Problem, modes: &[SideMode], start: &Start) -> Option<C
     let mut forces = Forces {
         problem,
         modes: &modes,
+        power,
         ground: start.ground_forces.iter().copied().collect(),
         sides: start.forces.iter().copied().collect(),
     };
@@ -83,6 +88,7 @@ pub fn is_clear(problem: &Problem, rest: &Candidate) -> bool {
 struct Forces<'a> {
     problem: &'a Problem<'a>,
     modes: &'a [SideMode],
+    power: i32,
     ground: PerCone<Vec2>,
     sides: PerContact<SideForce>,
 }
@@ -117,16 +123,16 @@ impl Forces<'_> {
     fn change(&mut self, missing: &Vec3) -> Option<()> {
         let Problem { cones, rows, force, .. } = self.problem;
         let ground_room: PerCone<f64> =
-            self.ground.iter().zip(&cones.limits).map(|(f, limit)| (limit - f.norm()).max(LEAST_ROOM * limit).powi(2)).collect();
+            self.ground.iter().zip(&cones.limits).map(|(f, limit)| (limit - f.norm()).max(LEAST_ROOM * limit).powi(self.power)).collect();
         // Columns of the sides with their rooms: what one unit of each adds to the wrench.
         let mut columns: SmallVec<[(usize, bool, Vec3, f64); 8]> = SmallVec::new();
         for k in (0..rows.len()).filter(|k| self.modes[*k] != SideMode::Open) {
             let SideForce { normal, tangential } = self.sides[k];
             let room = normal.max(LEAST_ROOM * force);
-            columns.push((k, true, -self.problem.direction_of(k, self.modes[k]), room * room));
+            columns.push((k, true, -self.problem.direction_of(k, self.modes[k]), room.powi(self.power)));
             if self.modes[k] == SideMode::Stick {
                 let room = (self.friction(k) * normal - tangential.abs()).max(LEAST_ROOM * self.friction(k) * room);
-                columns.push((k, false, -rows[k].tangent, room * room));
+                columns.push((k, false, -rows[k].tangent, room.powi(self.power)));
             }
         }
         let mut gram = Mat3::zeros();
@@ -189,6 +195,8 @@ mod tests {
         let force = |normal: f64, tangential: f64| SideForce { normal, tangential };
         let wall = Vec2::y();
         assert!(goes_on(Vec2::new(2.0, -1.0), Vec2::new(0.6, 0.0), &[(wall, force(1.0, -1.4))]));
+        // Nor does it matter that the ground pressed it so far.
+        assert!(goes_on(Vec2::new(1.75, -1.0), Vec2::new(0.0, 1.0), &[(wall, force(2.0, -1.75))]));
         assert!(!goes_on(Vec2::new(2.5, -1.0), Vec2::new(1.0, 0.0), &[(wall, force(1.0, -1.5))]));
         let pressed = |push: f64| goes_on(Vec2::new(push, 0.0), Vec2::new(0.2, 0.6), &[(wall, force(0.6, 0.2 - push))]);
         assert!(!pressed(1.0) && !pressed(1.05));
