@@ -31,7 +31,7 @@ const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
 const MOST_LEGS: usize = 1024;
 
 /// Largest number of those that end where no longer one has an answer (1).
-const MOST_HELD_LEGS: u32 = 64;
+const MOST_HELD_LEGS: u32 = 32;
 
 /// Number of Newton iterations after which a path is divided no further (1): about a second's
 /// worth. A path whose pieces become shorter and shorter would take minutes.
