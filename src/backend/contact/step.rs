@@ -77,9 +77,9 @@ const MOST_FAILED: u32 = 3;
 const STEPS_IN_FULL: usize = 20;
 /// Cosine of the angle between linear steps that point the same way (1).
 const ALIKE: f64 = 0.9;
-/// Number of linear steps the same way after which they are doubled, and the longest way that the
-/// load then goes in one of them (1).
+/// Number of linear steps the same way after which they are doubled: most searches end in fewer.
 const FEW_ALIKE: i32 = 2;
+/// Longest step that they are extended to (1). The linear step says little beyond.
 const LONGEST_STRIDE: f64 = 0.5;
 /// Largest number of Newton iterations of the corrector.
 const MOST_ITERATIONS: usize = 12;
@@ -166,8 +166,8 @@ impl ContactStep<'_, Step<'_>> {
     }
 
     /// Zero increment, for a load at rest that the last normal forces without friction still hold
-    /// there, which is then the only answer, or that forces near the last ones hold by so much that
-    /// it cannot slide as well.
+    /// there, which is then the only answer, or that other forces hold by so much that it cannot
+    /// slide as well.
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;
         let drive = -self.step.gradient(&Vec3::zeros());

@@ -64,8 +64,8 @@ fn untouched(free: &FrictionSolution, solver: &FrictionSolver, n_contacts: usize
     }
 }
 
-/// The answer of a load that goes on resting with forces near the last ones. `None`, with nothing
-/// changed, where it may slide.
+/// The answer of a load that goes on resting, with forces near the last ones or, if those leave too
+/// little room, with friction from none. `None`, with nothing changed, where it may slide.
 pub fn go_on_resting(
     system: &ContactSystem,
     solver: &mut FrictionSolver,

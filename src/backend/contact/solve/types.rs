@@ -62,7 +62,7 @@ pub enum Ending {
 /// Method that found an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
-    /// Newton's method in the modes of the last step, or rest with forces near the last ones.
+    /// Newton's method in the modes of the last step, or rest that goes on.
     Warm,
     /// Nothing touches.
     Free,
