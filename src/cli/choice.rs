@@ -15,7 +15,7 @@ pub fn choice<T: Serialize + DeserializeOwned + Clone + Send + Sync + 'static>()
         // The help wants static names: a few bytes for each option that is built.
         let plain: &'static str = name.replace('_', "-").leak();
         let about = glossary::entry(plain)
-            .filter(|entry| !names.iter().any(|other| other != name && !is_alias::<T>(other) && entry.has_name(other)));
+            .filter(|entry| !names.iter().any(|other| other != name && !is_alias::<T>(other) && glossary::entry(other) == Some(entry)));
         let value = PossibleValue::new(plain).hide(is_alias::<T>(name));
         about.map_or(value.clone(), |entry| value.help(entry.summary().to_owned()))
     });

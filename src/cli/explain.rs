@@ -31,7 +31,7 @@ pub fn explain(args: &ExplainArgs) -> Result<ExitCode, CliError> {
     }
     let term = args.term.join(" ");
     let found = entry(&term).ok_or_else(|| unknown(&term))?;
-    print(&explanation(&found))?;
+    print(&explanation(found))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -42,14 +42,10 @@ fn explanation(entry: &Entry) -> String {
 }
 
 fn unknown(term: &str) -> CliError {
-    let mut names: Vec<(f64, String)> = entries()
-        .into_iter()
-        .flat_map(|entry| std::iter::once(entry.term.to_owned()).chain(entry.aliases))
-        .map(|name| (likeness(term, &name), name))
-        .filter(|(likeness, _)| *likeness > 0.8)
-        .collect();
+    let mut names: Vec<(f64, &str)> =
+        entries().iter().flat_map(Entry::names).map(|name| (likeness(term, name), name)).filter(|(likeness, _)| *likeness > 0.8).collect();
     names.sort_by(|one, other| other.0.total_cmp(&one.0));
-    let names: Vec<String> = names.into_iter().take(MOST_SUGGESTIONS).map(|(_, name)| name).collect();
+    let names: Vec<&str> = names.into_iter().take(MOST_SUGGESTIONS).map(|(_, name)| name).collect();
     let hint = if names.is_empty() { "`cohaul explain` lists all terms".to_owned() } else { format!("did you mean {}?", names.join(", ")) };
     CliError::Usage(format!("TERM: no entry for \"{term}\"; {hint}"))
 }

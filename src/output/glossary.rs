@@ -1,5 +1,8 @@
 //! The glossary: what every printed term means, read from the page of the book.
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 /// One term.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
@@ -12,14 +15,26 @@ pub struct Entry {
     pub page: Option<&'static str>,
 }
 
+static ENTRIES: LazyLock<Vec<Entry>> =
+    LazyLock::new(|| include_str!("../../docs/src/glossary.md").split("\n## ").skip(1).map(Entry::parse).collect());
+
+/// Entries by the plain forms of all their names.
+static BY_NAME: LazyLock<HashMap<String, &Entry>> =
+    LazyLock::new(|| ENTRIES.iter().flat_map(|entry| entry.names().map(move |name| (plain(name), entry))).collect());
+
 /// All entries in alphabetical order.
-pub fn entries() -> Vec<Entry> {
-    include_str!("../../docs/src/glossary.md").split("\n## ").skip(1).map(Entry::parse).collect()
+pub fn entries() -> &'static [Entry] {
+    &ENTRIES
 }
 
-/// The entry of a term or of another name of it.
-pub fn entry(term: &str) -> Option<Entry> {
-    entries().into_iter().find(|entry| entry.has_name(term.trim()))
+/// The entry of a term or of another name of it. Letter case does not matter, and hyphens and
+/// underscores count as spaces.
+pub fn entry(term: &str) -> Option<&'static Entry> {
+    BY_NAME.get(&plain(term.trim())).copied()
+}
+
+fn plain(name: &str) -> String {
+    name.to_lowercase().replace(['-', '_'], " ")
 }
 
 impl Entry {
@@ -39,11 +54,9 @@ impl Entry {
         found
     }
 
-    /// Whether this is the term or another name of it. Letter case does not matter, and hyphens and
-    /// underscores count as spaces.
-    pub fn has_name(&self, name: &str) -> bool {
-        let plain = |name: &str| name.to_lowercase().replace(['-', '_'], " ");
-        std::iter::once(self.term).chain(self.aliases.iter().map(String::as_str)).any(|own| plain(own) == plain(name))
+    /// The term and its other names.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(self.term).chain(self.aliases.iter().map(String::as_str))
     }
 
     /// The first sentence of the meaning, without its full stop.
@@ -60,16 +73,13 @@ mod tests {
     fn every_entry_has_a_meaning_and_names_of_its_own() {
         let entries = entries();
         assert!(entries.len() > 100);
-        let mut names: Vec<String> = entries
-            .iter()
-            .flat_map(|entry| std::iter::once(entry.term).chain(entry.aliases.iter().map(String::as_str)))
-            .map(str::to_lowercase)
-            .collect();
+        let mut names: Vec<String> = entries.iter().flat_map(Entry::names).map(str::to_lowercase).collect();
         names.sort();
         assert_eq!(names.windows(2).find(|pair| pair[0] == pair[1]), None);
         for found in entries {
             assert!(found.meaning.ends_with('.') && !found.meaning.contains("  "), "{found:?}");
-            assert_eq!(entry(&found.term.to_uppercase()).unwrap().term, found.term);
+            // However it is written, a name leads to its own entry alone.
+            assert!(found.names().all(|name| entry(&name.to_uppercase()) == Some(found)), "{found:?}");
         }
         let mode = entry("Sticking").unwrap();
         assert_eq!((mode.term, mode.page), ("contact mode", Some("method.md#quasi-static-step")));

@@ -19,6 +19,7 @@ mod answer;
 mod feasible;
 mod linear;
 mod modes;
+mod offsets;
 mod path;
 mod problem;
 mod relaxed;

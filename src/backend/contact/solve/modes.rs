@@ -23,6 +23,9 @@ use crate::math::{Mat3, Vec2, Vec3};
 
 /// Iterations at most; a start that needs more was not near.
 const MOST_ITERATIONS: u32 = 14;
+/// Iterations in a row, none of which halves the least residual, after which hardly any method
+/// still converges.
+const MOST_IDLE: u32 = 6;
 /// Residual at which nothing is left to gain (1).
 const ROUNDED: f64 = 1e-15;
 /// Residual below which a rise is rounding (1).
@@ -77,11 +80,14 @@ impl Candidate {
     }
 
     /// The same with contacts that stick where they resist a slip, and slip by rounding only.
+    /// Others slide as they slip.
     pub fn sticking(mut self, problem: &Problem) -> Self {
         for (k, mode) in self.modes.iter_mut().enumerate() {
-            let slides = matches!(mode, SideMode::Slide { .. }) && problem.slips(k, &self.twist);
-            if *mode != SideMode::Open && !slides && problem.rows[k].friction_coefficient > 0.0 {
-                *mode = SideMode::Stick;
+            let slips = problem.slips(k, &self.twist);
+            match mode {
+                SideMode::Slide { forward } if slips => *forward = problem.slip(k, &self.twist) > 0.0,
+                SideMode::Slide { .. } if problem.rows[k].friction_coefficient > 0.0 => *mode = SideMode::Stick,
+                _ => (),
             }
         }
         self
@@ -202,15 +208,17 @@ impl Search<'_> {
     /// Runs Newton's method; returns the number of iterations and the derivative of the imbalance.
     fn run(&mut self) -> Option<(u32, Mat3)> {
         let (mut best, mut best_size) = ((self.twist, self.equations.clone()), f64::INFINITY);
-        let mut n = 0;
+        let (mut n, mut n_idle) = (0, 0);
         loop {
             let mut slopes = self.problem.h;
             let imbalance = self.imbalance(Some(&mut slopes))?;
             let size = self.size(&imbalance);
+            n_idle = if size < 0.5 * best_size { 0 } else { n_idle + 1 };
             if size < best_size {
                 best = (self.twist, self.equations.clone());
             }
-            let is_over = size <= ROUNDED || size >= best_size && best_size <= CLOSE || n == MOST_ITERATIONS;
+            let leads_nowhere = n == MOST_ITERATIONS || n_idle == MOST_IDLE;
+            let is_over = size <= ROUNDED || size >= best_size && best_size <= CLOSE || leads_nowhere;
             best_size = best_size.min(size);
             if is_over {
                 (self.twist, self.equations) = best;

@@ -35,9 +35,6 @@ const ROUNDED: f64 = 1e-15;
 /// Share of the distance to a limit that a step may go (1).
 const SHARE: f64 = 0.97;
 
-/// One row of the smoothed step: a gap or a facet of a friction cone.
-pub type Rows = SmallVec<[ContactRow; 8]>;
-
 /// End of a path, in units of the cones.
 #[derive(Clone, Debug)]
 pub struct Path {
@@ -73,9 +70,9 @@ impl Path {
     }
 }
 
-/// The answer with these rows in place of the contacts of `problem`.
-pub fn follow(problem: &Problem, rows: &[ContactRow]) -> Path {
-    let mut state = State::new(problem, rows);
+/// The answer of a step.
+pub fn follow(problem: &Problem) -> Path {
+    let mut state = State::new(problem);
     let (mut smoothing, mut n_iterations, mut is_converged) = (1.0, 0, false);
     let mut slopes = Mat3::zeros();
     while n_iterations < MOST_ITERATIONS {
@@ -107,7 +104,7 @@ struct State<'a> {
     h: Mat3,
     w: Vec3,
     limits: PerCone<f64>,
-    rows: Rows,
+    rows: SmallVec<[ContactRow; 8]>,
     twist: Vec3,
     ground: PerCone<Vec2>,
     gaps: SmallVec<[f64; 8]>,
@@ -119,8 +116,8 @@ struct State<'a> {
 }
 
 impl<'a> State<'a> {
-    fn new(problem: &'a Problem, rows: &[ContactRow]) -> Self {
-        let Problem { cones, h, w, extent, force, .. } = problem;
+    fn new(problem: &'a Problem) -> Self {
+        let Problem { cones, h, w, rows, extent, force, .. } = problem;
         let scaled = |row: &ContactRow| ContactRow { gap: row.gap / extent, slip: row.slip / extent, ..*row };
         Self {
             problem,

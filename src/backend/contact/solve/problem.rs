@@ -81,8 +81,18 @@ impl<'a> Problem<'a> {
 
     /// The step without side friction.
     pub fn frictionless(&self) -> Self {
-        let rows = self.rows.iter().map(|row| ContactRow { friction_coefficient: 0.0, ..*row }).collect();
+        self.with_rows(self.rows.iter().map(|row| ContactRow { friction_coefficient: 0.0, ..*row }).collect())
+    }
+
+    /// The step with other rows.
+    pub fn with_rows(&self, rows: PerContact<ContactRow>) -> Self {
         Self { rows, ..self.clone() }
+    }
+
+    /// Modes of a load that touches all obstacles without a gap, and sticks to those with friction.
+    pub fn touching(&self) -> PerContact<SideMode> {
+        let closed = |row: &ContactRow| if row.friction_coefficient > 0.0 { SideMode::Stick } else { SideMode::Slide { forward: true } };
+        self.rows.iter().map(|row| if row.gap == 0.0 { closed(row) } else { SideMode::Open }).collect()
     }
 
     /// What the lengths after an increment are compared with: its size, unless it is rounding.
