@@ -3,12 +3,9 @@
 
 use smallvec::SmallVec;
 
-use super::solve::System;
+use super::solve::{MOST, System};
 use crate::backend::increment::positive_definite;
 use crate::math::{Mat3, PositiveDefinite, Vec3};
-
-/// Largest number of equations.
-const MOST: usize = 6;
 
 /// Linear equations for the change of an increment and of contact forces, in scaled units.
 pub struct Linear {
@@ -92,23 +89,16 @@ impl Linear {
     /// where it is held. `None` where there is none.
     pub fn solve(&self) -> Option<SmallVec<[f64; MOST]>> {
         let n = 3 + self.rows.len();
-        let units = [1.0, 1.0, 1.0 / self.length];
+        let units = Vec3::new(1.0, 1.0, 1.0 / self.length);
         let stiffness = self.force / self.length;
-        let mut a = [[0.0; MOST + 1]; MOST];
-        for i in 0..3 {
-            for j in 0..3 {
-                a[i][j] = self.hessian[(i, j)] * units[i] * units[j] / stiffness;
-            }
-            a[i][n] = -self.gradient[i] * units[i] / self.force;
+        let hessian = Mat3::from_fn(|i, j| self.hessian[(i, j)] * units[i] * units[j] / stiffness);
+        let scaled = |row: &Vec3| row.component_mul(&units);
+        let mut system = System::bordered(&hessian, self.rows.iter().map(|(row, along, _)| (scaled(row), scaled(along))));
+        (0..3).for_each(|i| system.set_right(i, -self.gradient[i] * units[i] / self.force));
+        for (k, (.., violation)) in self.rows.iter().enumerate() {
+            system.set_right(3 + k, -violation / self.length);
         }
-        for (k, (row, along, violation)) in self.rows.iter().enumerate() {
-            for i in 0..3 {
-                a[i][3 + k] = -along[i] * units[i];
-                a[3 + k][i] = row[i] * units[i];
-            }
-            a[3 + k][n] = -violation / self.length;
-        }
-        let x = eliminated(&mut a, n)?;
+        let x = system.solve()?;
         let scale = |i: usize| if i < 3 { self.length * units[i] } else { self.force };
         let mut change: SmallVec<[f64; MOST]> = (0..n).map(|i| x[i] * scale(i)).collect();
         if self.holds_any() {
@@ -159,38 +149,10 @@ impl Linear {
 /// direction of its force: its part there, along the forces, has a positive determinant and, for a
 /// single constraint, a positive trace.
 fn resists(hessian: &Mat3, rows: &[[Vec3; 2]]) -> bool {
-    let mut bordered = System::new(3 + rows.len());
-    for i in 0..3 {
-        (0..3).for_each(|j| bordered.set(i, j, hessian[(i, j)]));
-        for (k, [row, along]) in rows.iter().enumerate() {
-            bordered.set(i, 3 + k, -along[i]);
-            bordered.set(3 + k, i, row[i]);
-        }
-    }
+    let mut bordered = System::bordered(hessian, rows.iter().map(|[row, along]| (*row, *along)));
+    bordered.scale();
     let trace = || rows.iter().all(|[row, along]| hessian.trace() * row.dot(along) > row.dot(&(hessian * along)));
     bordered.sign() > 0.0 && (rows.len() > 1 || rows.iter().all(|[row, along]| row.dot(along) > 0.0) && trace())
-}
-
-/// Gauss's elimination with row pivots; the right side stands in column n.
-fn eliminated(a: &mut [[f64; MOST + 1]; MOST], n: usize) -> Option<[f64; MOST]> {
-    for column in 0..n {
-        let pivot = (column..n).max_by(|i, j| a[*i][column].abs().total_cmp(&a[*j][column].abs()))?;
-        a.swap(column, pivot);
-        if a[column][column] == 0.0 || !a[column][column].is_finite() {
-            return None;
-        }
-        let row = a[column];
-        for other in &mut a[column + 1..n] {
-            let factor = other[column] / row[column];
-            other.iter_mut().zip(&row).skip(column).for_each(|(entry, of_row)| *entry -= factor * of_row);
-        }
-    }
-    let mut x = [0.0; MOST];
-    for i in (0..n).rev() {
-        let rest: f64 = (i + 1..n).map(|j| a[i][j] * x[j]).sum();
-        x[i] = (a[i][n] - rest) / a[i][i];
-    }
-    x.iter().all(|value| value.is_finite()).then_some(x)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! gap           gap and slip of two features, with all derivatives
 //! surroundings  which features may touch, and how far the obstacles are
 //! solve         one linear step with contacts, exactly
+//! newton        Newton's method on one nonlinear step in given contact modes
 //! step          one nonlinear step with contacts
 //! answer        one step with the features within reach, and shorter ones where it has no answer
 //! displacement  what a load meets along a displacement
@@ -17,6 +18,7 @@ mod features;
 mod gap;
 mod impact;
 mod linear;
+mod newton;
 mod obstacles;
 mod solve;
 mod step;

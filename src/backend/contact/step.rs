@@ -13,16 +13,15 @@
 
 use smallvec::SmallVec;
 
-use super::linear::{Linear, Rows};
-use super::solve::{Basis, ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, go_on_resting, solve_contacts};
+use super::newton::Newton;
+use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, go_on_resting, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
 use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
-use crate::math::{Mat3, Pose, Vec2, Vec3};
-use crate::model::support::{slip_velocity, wrench_of};
-use crate::model::{Ground, Reaction};
+use crate::math::{Mat3, Pose, Vec3};
+use crate::model::Reaction;
 
 /// A pair of features that may touch in a step.
 #[derive(Clone, Debug)]
@@ -39,7 +38,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// Rounding of the gap and of the slip of a load of this `length` (m).
-    fn rounding(&self, length: f64) -> f64 {
+    pub fn rounding(&self, length: f64) -> f64 {
         let Pose { position, heading } = self.start.pose;
         ROUNDED * (position.norm() + length * (1.0 + heading.abs()))
     }
@@ -59,15 +58,6 @@ pub struct Found {
     pub are_forces_unique: bool,
 }
 
-/// Answer of Newton's method.
-pub struct Newton {
-    pub at: Vec3,
-    pub sides: Sides,
-    /// Whether no other contact forces balance the load.
-    pub are_forces_unique: bool,
-    pub report: StepReport,
-}
-
 /// Largest number of linear steps.
 const MOST_STEPS: usize = 40;
 /// Largest number of those without an answer, each of which takes as long as many with one.
@@ -81,12 +71,6 @@ const ALIKE: f64 = 0.9;
 const FEW_ALIKE: i32 = 2;
 /// Longest step that they are extended to (1). The linear step says little beyond.
 const LONGEST_STRIDE: f64 = 0.5;
-/// Largest number of Newton iterations of the corrector.
-const MOST_ITERATIONS: usize = 12;
-/// Residual over the forces at which the corrector is done (1), and up to which it may end where it
-/// no longer improves.
-const DONE: f64 = 3e-14;
-const STALLED: f64 = 1e-11;
 /// Gap over the load's radius that is rounding (1).
 pub const CLOSED: f64 = 1e-11;
 /// Rounding of a gap and of a slip, over the sum of the lengths that they come from (1). In a step,
@@ -128,14 +112,14 @@ impl Pace {
 }
 
 /// Gap and slip of a candidate with their derivatives by the increment.
-struct Local {
-    gap: Reaction,
-    slip: Reaction,
+pub struct Local {
+    pub gap: Reaction,
+    pub slip: Reaction,
     /// See [`Surroundings::pair_beyond`] (m).
-    beyond: f64,
+    pub beyond: f64,
 }
 
-type Locals = SmallVec<[Local; 4]>;
+pub type Locals = SmallVec<[Local; 4]>;
 
 impl ContactStep<'_, Step<'_>> {
     /// The step, from what the last one suggests: its modes and forces, and a guess of the
@@ -305,7 +289,7 @@ impl ContactStep<'_, Step<'_>> {
 
 impl<C: Course> ContactStep<'_, C> {
     /// Gaps and slips at an increment.
-    fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
+    pub fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
         let moved = self.step.moved(at);
         let local = |candidate: &Candidate| {
             let place = self.step.seen(&candidate.start, at, &moved);
@@ -329,164 +313,9 @@ impl<C: Course> ContactStep<'_, C> {
         let mode = solver.keep_gliding(&at);
         Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique })
     }
-
-    /// The increment itself. See [`Self::newton_corrector`].
-    pub fn newton(&mut self, sides: &Sides, guess: Vec3) -> Option<Newton> {
-        let n_unknown: usize = sides.iter().map(|(mode, _)| n_forces(*mode)).sum();
-        if n_unknown > Rows::BITS as usize || guess == Vec3::zeros() {
-            return None;
-        }
-        let (mut at, mut sides) = (guess, sides.clone());
-        let mut last = f64::INFINITY;
-        // Both are filled anew in each iteration, and are too large to be passed around.
-        let (mut system, mut locals) = (Linear::new(self.step.length()), Locals::new());
-        if n_unknown > 3 {
-            system.hold(self.dependent(&guess, &sides, &mut locals));
-        }
-        for iteration in 0..MOST_ITERATIONS {
-            self.newton_system(&at, &sides, &mut system, &mut locals)?;
-            let residual = system.residual();
-            let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
-            if is_done {
-                if !system.is_stable() || !self.is_admissible(&sides, &locals) {
-                    return None;
-                }
-                let n_iterations = iteration as u64;
-                let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
-                return Some(Newton { at, sides, are_forces_unique: !system.holds_any(), report });
-            }
-            last = residual;
-            let change = system.solve()?;
-            let moved = Vec3::new(change[0], change[1], change[2]);
-            if self.step.size(&moved) > 3.0 * self.step.size(&at) {
-                return None;
-            }
-            at += moved;
-            let mut forces = change[3..].iter();
-            for ((mode, force), candidate) in sides.iter_mut().zip(self.candidates) {
-                match mode {
-                    SideMode::Open => *force = SideForce::default(),
-                    SideMode::Stick => {
-                        force.normal += forces.next().expect("a force for each row");
-                        force.tangential += forces.next().expect("a force for each row");
-                    }
-                    SideMode::Slide { forward } => {
-                        force.normal += forces.next().expect("a force for each row");
-                        let sign = if *forward { -1.0 } else { 1.0 };
-                        force.tangential = sign * candidate.pair.friction_coefficient * force.normal;
-                    }
-                }
-            }
-        }
-        None
-    }
-
-    /// Equations of the modes at an increment with these forces. `None` where a support stands
-    /// still.
-    fn newton_system(&mut self, at: &Vec3, sides: &Sides, system: &mut Linear, locals: &mut Locals) -> Option<()> {
-        let length = self.step.length();
-        self.fill_locals(at, locals);
-        let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
-        let force_scale = add_ground_friction(self.step.ground(), at, &mut gradient, &mut hessian)?;
-        // A gap cannot be closed to less than its rounding, however little the load moves.
-        let rounding = self.candidates.iter().map(|candidate| candidate.rounding(length)).fold(0.0, f64::max);
-        let displacement = (self.step.size(at) * length).max(rounding / STALLED);
-        system.begin(force_scale + gradient.xy().norm(), displacement);
-        for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
-            if *mode == SideMode::Open {
-                continue;
-            }
-            gradient -= force.normal * local.gap.gradient + force.tangential * local.slip.gradient;
-            hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;
-            let friction = candidate.pair.friction_coefficient;
-            match mode {
-                SideMode::Slide { forward } => {
-                    let sign = if *forward { -1.0 } else { 1.0 };
-                    let along = local.gap.gradient + sign * friction * local.slip.gradient;
-                    system.push(local.gap.gradient, along, local.gap.energy);
-                }
-                _ => {
-                    system.push(local.gap.gradient, local.gap.gradient, local.gap.energy);
-                    system.push(local.slip.gradient, local.slip.gradient, local.slip.energy - candidate.slip);
-                }
-            }
-        }
-        system.set_balance(gradient, hessian);
-        Some(())
-    }
-
-    /// Constraints that depend on the three with the most room for their forces: a face that sticks
-    /// to another one by both of its corners has one more than the load can break.
-    fn dependent(&self, at: &Vec3, sides: &Sides, locals: &mut Locals) -> Rows {
-        self.fill_locals(at, locals);
-        let in_units = |row: &Vec3| Vec3::new(row.x, row.y, row.z / self.step.length());
-        let mut rows: SmallVec<[(f64, Vec3); 8]> = SmallVec::new();
-        for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
-            if *mode != SideMode::Open {
-                rows.push((force.normal, in_units(&local.gap.gradient)));
-            }
-            if *mode == SideMode::Stick {
-                let room = candidate.pair.friction_coefficient * force.normal - force.tangential.abs();
-                rows.push((room, in_units(&local.slip.gradient)));
-            }
-        }
-        let mut order: SmallVec<[usize; 8]> = (0..rows.len()).collect();
-        order.sort_by(|i, j| rows[*j].0.total_cmp(&rows[*i].0));
-        let mut basis = Basis::default();
-        order.into_iter().filter(|index| !basis.takes(&rows[*index].1)).fold(0, |held, index| held | 1 << index)
-    }
-
-    /// Whether the forces push, the signs of slip are those of the modes, and no other pair of
-    /// features overlaps.
-    fn is_admissible(&self, sides: &Sides, locals: &[Local]) -> bool {
-        let closed = CLOSED * self.step.length();
-        sides.iter().zip(locals).zip(self.candidates).all(|(((mode, force), local), candidate)| {
-            let slip = local.slip.energy - candidate.slip;
-            let friction = candidate.pair.friction_coefficient;
-            let touches = local.beyond <= closed && force.normal >= 0.0;
-            match mode {
-                SideMode::Open => local.gap.energy >= -closed || local.beyond > 0.0,
-                SideMode::Stick => touches && force.tangential.abs() <= friction * force.normal,
-                SideMode::Slide { forward } => touches && (friction == 0.0 || (slip >= 0.0) == *forward || slip.abs() <= closed),
-            }
-        })
-    }
-}
-
-/// Adds the friction of the ground of a load that slips on all supports, and its derivative.
-/// Returns the sum of the slip limits (N); `None` where a support stands still.
-fn add_ground_friction(ground: &Ground, at: &Vec3, gradient: &mut Vec3, hessian: &mut Mat3) -> Option<f64> {
-    let mut total = 0.0;
-    for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
-        if limit == 0.0 {
-            continue;
-        }
-        let slip = slip_velocity(&support.offset, at);
-        let speed = slip.norm();
-        if speed == 0.0 {
-            return None;
-        }
-        let direction: Vec2 = slip / speed;
-        *gradient += wrench_of(&support.offset, &(limit * direction));
-        // B' (1 - u u') B = b b' with b the row of B across the slip.
-        let across = Vec2::new(-direction.y, direction.x);
-        let row = wrench_of(&support.offset, &across);
-        *hessian += limit / speed * row * row.transpose();
-        total += limit;
-    }
-    Some(total)
 }
 
 /// Status of a step with this residual (1), as without contacts.
 fn status_of(residual: f64) -> Status {
     if residual <= LARGEST_RESIDUAL { Status::Converged } else { Status::NotConverged }
-}
-
-/// Number of unknown forces of a contact.
-fn n_forces(mode: SideMode) -> usize {
-    match mode {
-        SideMode::Open => 0,
-        SideMode::Stick => 2,
-        SideMode::Slide { .. } => 1,
-    }
 }

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use crate::math::Vec3;
+use crate::math::{Mat3, Vec3};
 
 /// Unknowns at most: a twist and three forces.
 pub const MOST: usize = 6;
@@ -19,6 +19,22 @@ impl System {
         Self { entries: [[0.0; MOST + 1]; MOST], n }
     }
 
+    /// The system of a load and of its constraints: the Hessian, with the derivative of each
+    /// constraint below and the direction of its force, with the sign changed, beside.
+    pub fn bordered(hessian: &Mat3, rows: impl ExactSizeIterator<Item = (Vec3, Vec3)>) -> Self {
+        let mut system = Self::new(3 + rows.len());
+        for i in 0..3 {
+            (0..3).for_each(|j| system.set(i, j, hessian[(i, j)]));
+        }
+        for (k, (row, direction)) in rows.enumerate() {
+            for i in 0..3 {
+                system.set(i, 3 + k, -direction[i]);
+                system.set(3 + k, i, row[i]);
+            }
+        }
+        system
+    }
+
     pub fn set(&mut self, i: usize, j: usize, value: f64) {
         self.entries[i][j] = value;
     }
@@ -27,9 +43,19 @@ impl System {
         self.entries[i][self.n] = value;
     }
 
-    /// Solution by elimination with scaled rows and partial pivoting; `None` where it is not
-    /// finite.
-    pub fn solve(mut self) -> Option<[f64; MOST]> {
+    /// Divides each row by its largest entry, for pivots where the units differ.
+    pub fn scale(&mut self) {
+        let n = self.n;
+        for row in &mut self.entries[..n] {
+            let size = row[..n].iter().fold(0.0f64, |size, v| size.max(v.abs()));
+            if size > 0.0 {
+                row[..=n].iter_mut().for_each(|v| *v /= size);
+            }
+        }
+    }
+
+    /// Solution by elimination with partial pivoting, in place; `None` where it is not finite.
+    pub fn solve(&mut self) -> Option<[f64; MOST]> {
         let n = self.n;
         self.eliminate();
         let mut x = [0.0; MOST];
@@ -41,7 +67,7 @@ impl System {
     }
 
     /// Sign of the determinant.
-    pub fn sign(mut self) -> f64 {
+    pub fn sign(&mut self) -> f64 {
         let sign = self.eliminate();
         (0..self.n).map(|i| self.entries[i][i]).fold(sign, |sign, pivot| if pivot == 0.0 { 0.0 } else { sign * pivot.signum() })
     }
@@ -49,12 +75,6 @@ impl System {
     /// Makes the matrix upper triangular; returns the sign of the exchanges of rows.
     fn eliminate(&mut self) -> f64 {
         let (n, mut sign) = (self.n, 1.0);
-        for row in &mut self.entries[..n] {
-            let size = row[..n].iter().fold(0.0f64, |size, v| size.max(v.abs()));
-            if size > 0.0 {
-                row[..=n].iter_mut().for_each(|v| *v /= size);
-            }
-        }
         for j in 0..n {
             let larger = |a: usize, b: usize| if self.entries[b][j].abs() > self.entries[a][j].abs() { b } else { a };
             let pivot = (j..n).fold(j, larger);

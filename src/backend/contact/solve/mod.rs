@@ -28,5 +28,5 @@ mod search;
 mod types;
 
 pub use answer::{certificate, go_on_resting, mode_newton, solve_contacts};
-pub use linear::{Basis, System};
+pub use linear::{Basis, MOST, System};
 pub use types::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};

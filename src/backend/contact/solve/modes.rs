@@ -263,23 +263,15 @@ impl Search<'_> {
     }
 
     fn step(&mut self, imbalance: &Vec3, slopes: &Mat3) -> Option<()> {
-        let n = 3 + self.equations.len();
-        let mut system = System::new(n);
         // Forces in units in which the entries of rows and slopes are alike.
         let unit = slopes.amax().max(f64::MIN_POSITIVE);
-        for i in 0..3 {
-            for j in 0..3 {
-                system.set(i, j, slopes[(i, j)]);
-            }
-            system.set_right(i, -imbalance[i]);
-        }
+        let rows = self.equations.iter().map(|equation| (equation.row, unit * equation.direction));
+        let mut system = System::bordered(slopes, rows);
+        (0..3).for_each(|i| system.set_right(i, -imbalance[i]));
         for (j, equation) in self.equations.iter().enumerate() {
-            for i in 0..3 {
-                system.set(i, 3 + j, -unit * equation.direction[i]);
-                system.set(3 + j, i, equation.row[i]);
-            }
             system.set_right(3 + j, -equation.error(&self.twist));
         }
+        system.scale();
         let step: [f64; MOST] = system.solve()?;
         self.twist += Vec3::new(step[0], step[1], step[2]);
         self.equations.iter_mut().zip(&step[3..]).for_each(|(equation, change)| equation.force += unit * change);
@@ -314,17 +306,11 @@ impl Search<'_> {
     /// The `slopes` with the rows of some equations below, and their directions beside. Its
     /// determinant has the sign of that of `R C D'`, times -1 for each row of a support.
     fn bordered(&self, slopes: &Mat3, chosen: &[usize]) -> System {
-        let mut system = System::new(3 + chosen.len());
         let size = slopes.amax().max(f64::MIN_POSITIVE);
-        for i in 0..3 {
-            for j in 0..3 {
-                system.set(i, j, slopes[(i, j)] / size + if i == j { RIDGE } else { 0.0 });
-            }
-            for (j, equation) in chosen.iter().map(|j| &self.equations[*j]).enumerate() {
-                system.set(i, 3 + j, -equation.direction[i]);
-                system.set(3 + j, i, equation.row[i]);
-            }
-        }
+        let hessian = slopes / size + RIDGE * Mat3::identity();
+        let equations = chosen.iter().map(|j| &self.equations[*j]);
+        let mut system = System::bordered(&hessian, equations.map(|equation| (equation.row, equation.direction)));
+        system.scale();
         system
     }
 
