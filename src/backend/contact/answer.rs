@@ -3,11 +3,12 @@
 
 use smallvec::SmallVec;
 
+use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Sides};
 use super::displacement::PIECE;
 use super::newton::Newton;
 use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
-use super::step::{CLOSED, Candidate, Candidates, ContactStep, Found, Sides};
+use super::step::Found;
 use super::surroundings::{Pair, PairKey, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Coasting, Course, Increment, Objective, Step, Straight};

@@ -5,8 +5,8 @@
 //! outlines cross at its end that did not at its start, it is halved until features overlap. What
 //! overlaps in between alone leaves no trace: a corner that is clipped by less than a piece.
 
+use super::candidates::CLOSED;
 use super::obstacles::{Obstacles, Task, Touching};
-use super::step::CLOSED;
 use super::surroundings::{Pair, PairKey, Surroundings};
 use crate::backend::springs::Place;
 use crate::math::Vec3;

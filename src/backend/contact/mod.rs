@@ -5,6 +5,7 @@
 //! gap           gap and slip of two features, with all derivatives
 //! surroundings  which features may touch, and how far the obstacles are
 //! solve         one linear step with contacts, exactly
+//! candidates    what a step with contacts is made of
 //! newton        Newton's method on one nonlinear step in given contact modes
 //! step          one nonlinear step with contacts
 //! answer        one step with the features within reach, and shorter ones where it has no answer
@@ -13,6 +14,7 @@
 //! ```
 
 mod answer;
+mod candidates;
 mod displacement;
 mod features;
 mod gap;

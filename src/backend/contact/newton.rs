@@ -3,9 +3,9 @@
 
 use smallvec::SmallVec;
 
+use super::candidates::{CLOSED, ContactStep, Local, Locals, Sides};
 use super::linear::{Linear, Rows};
 use super::solve::{Basis, SideForce, SideMode};
-use super::step::{CLOSED, ContactStep, Local, Locals, Sides};
 use crate::backend::StepReport;
 use crate::backend::increment::Course;
 use crate::math::{Mat3, Vec2, Vec3};

@@ -9,9 +9,9 @@
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
+use super::candidates::{CLOSED, Candidate, Candidates};
 use super::gap::FeaturePair;
 use super::solve::{SideForce, SideMode};
-use super::step::{CLOSED, Candidate, Candidates};
 use super::surroundings::{Pair, PairKey, Surroundings};
 use crate::backend::TransitionKind;
 use crate::backend::friction::FrictionSolver;

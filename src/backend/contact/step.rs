@@ -13,42 +13,15 @@
 
 use smallvec::SmallVec;
 
+use super::candidates::{CLOSED, ContactStep, Local, Locals, Sides};
 use super::newton::Newton;
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, go_on_resting, solve_contacts};
-use super::surroundings::{Pair, Surroundings};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
 use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::model::Reaction;
-
-/// A pair of features that may touch in a step.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    pub pair: Pair,
-    /// The load at the start of the step in the frame of the obstacle at its end.
-    pub start: Place,
-    /// Slip coordinate at the start, with the obstacle there (m).
-    pub slip: f64,
-    /// Least gap at the end (m): zero, or for a load with inertia that overlaps by rounding at the
-    /// start, as much as there. To close an overlap within a step would take a speed.
-    pub least_gap: f64,
-}
-
-impl Candidate {
-    /// Rounding of the gap and of the slip of a load of this `length` (m).
-    pub fn rounding(&self, length: f64) -> f64 {
-        let Pose { position, heading } = self.start.pose;
-        ROUNDED * (position.norm() + length * (1.0 + heading.abs()))
-    }
-}
-
-/// Candidates of a step.
-pub type Candidates = SmallVec<[Candidate; 2]>;
-
-/// Contacts of a step: one entry a candidate.
-pub type Sides = SmallVec<[(SideMode, SideForce); 4]>;
 
 /// What a step with contacts found.
 pub struct Found {
@@ -71,22 +44,6 @@ const ALIKE: f64 = 0.9;
 const FEW_ALIKE: i32 = 2;
 /// Longest step that they are extended to (1). The linear step says little beyond.
 const LONGEST_STRIDE: f64 = 0.5;
-/// Gap over the load's radius that is rounding (1).
-pub const CLOSED: f64 = 1e-11;
-/// Rounding of a gap and of a slip, over the sum of the lengths that they come from (1). In a step,
-/// a load that leans on a corner may move by no more than thousands of it, and a slip that is
-/// rounding must not point its friction.
-const ROUNDED: f64 = 2.0 * f64::EPSILON;
-
-/// A step to be found: everything but the contacts, and the candidates.
-pub struct ContactStep<'a, C> {
-    pub step: &'a mut C,
-    pub surroundings: &'a Surroundings,
-    pub candidates: &'a [Candidate],
-    /// Increment at which the search begins.
-    pub start_at: Vec3,
-}
-
 /// How far the search goes along each linear step.
 ///
 /// Where the springs are not convex, a linear step makes them so and takes only a share of the
@@ -110,16 +67,6 @@ impl Pace {
         2f64.powi(self.n_alike + 1 - FEW_ALIKE).min(longest).max(1.0)
     }
 }
-
-/// Gap and slip of a candidate with their derivatives by the increment.
-pub struct Local {
-    pub gap: Reaction,
-    pub slip: Reaction,
-    /// See [`Surroundings::pair_beyond`] (m).
-    pub beyond: f64,
-}
-
-pub type Locals = SmallVec<[Local; 4]>;
 
 impl ContactStep<'_, Step<'_>> {
     /// The step, from what the last one suggests: its modes and forces, and a guess of the
@@ -288,24 +235,6 @@ impl ContactStep<'_, Step<'_>> {
 }
 
 impl<C: Course> ContactStep<'_, C> {
-    /// Gaps and slips at an increment.
-    pub fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
-        let moved = self.step.moved(at);
-        let local = |candidate: &Candidate| {
-            let place = self.step.seen(&candidate.start, at, &moved);
-            let Pair { features, .. } = &candidate.pair;
-            let mut gap = self.step.by_increment(&features.gap_with_derivatives(&place), at, &moved);
-            gap.energy -= candidate.least_gap;
-            Local {
-                gap,
-                slip: self.step.by_increment(&features.slip_with_derivatives(&place, candidate.slip), at, &moved),
-                beyond: self.surroundings.pair_beyond(&candidate.pair, &place),
-            }
-        };
-        locals.clear();
-        locals.extend(self.candidates.iter().map(local));
-    }
-
     /// Newton's method on the whole step from a guess, for a load that slips on all supports in
     /// these contact modes. `None` where it does not lead to an answer, or to another one.
     fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
