@@ -18,10 +18,8 @@ use super::newton::Newton;
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, go_on_resting, solve_contacts};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
-use crate::backend::springs::Place;
 use crate::backend::{Status, StepReport};
-use crate::math::{Mat3, Pose, Vec3};
-use crate::model::Reaction;
+use crate::math::{Mat3, Vec3};
 
 /// What a step with contacts found.
 pub struct Found {
