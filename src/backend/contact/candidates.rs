@@ -61,6 +61,7 @@ pub struct Local {
     pub beyond: f64,
 }
 
+/// Gaps and slips of all candidates.
 pub type Locals = SmallVec<[Local; 4]>;
 
 impl<C: Course> ContactStep<'_, C> {

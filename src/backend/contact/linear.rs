@@ -98,6 +98,7 @@ impl Linear {
         for (k, (.., violation)) in self.rows.iter().enumerate() {
             system.set_right(3 + k, -violation / self.length);
         }
+        // Not scaled: in these units the entries are alike.
         let x = system.solve()?;
         let scale = |i: usize| if i < 3 { self.length * units[i] } else { self.force };
         let mut change: SmallVec<[f64; MOST]> = (0..n).map(|i| x[i] * scale(i)).collect();

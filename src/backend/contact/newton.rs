@@ -1,5 +1,5 @@
-//! Newton's method on one step in given contact modes, with the curvature of springs, gaps and
-//! slips.
+//! Newton's method on the equations of `step` in given contact modes, with the curvature of
+//! springs, gaps and slips.
 
 use smallvec::SmallVec;
 
@@ -14,6 +14,7 @@ use crate::model::{Ground, Reaction};
 
 /// Answer of Newton's method.
 pub struct Newton {
+    /// Increment (m, m, rad).
     pub at: Vec3,
     pub sides: Sides,
     /// Whether no other contact forces balance the load.
@@ -21,10 +22,10 @@ pub struct Newton {
     pub report: StepReport,
 }
 
-/// Largest number of Newton iterations of the corrector.
+/// Iterations at most; a guess that needs more was not near.
 const MOST_ITERATIONS: usize = 12;
-/// Residual over the forces at which the corrector is done (1), and up to which it may end where it
-/// no longer improves.
+/// Residual over the forces at which the method is done (1), a hundred roundings, and up to which
+/// it may end where it no longer improves.
 const DONE: f64 = 3e-14;
 const STALLED: f64 = 1e-11;
 

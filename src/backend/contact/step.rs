@@ -42,6 +42,7 @@ const ALIKE: f64 = 0.9;
 const FEW_ALIKE: i32 = 2;
 /// Longest step that they are extended to (1). The linear step says little beyond.
 const LONGEST_STRIDE: f64 = 0.5;
+
 /// How far the search goes along each linear step.
 ///
 /// Where the springs are not convex, a linear step makes them so and takes only a share of the
@@ -127,6 +128,13 @@ impl ContactStep<'_, Step<'_>> {
         // The friction of the ground may take the place of any contact force.
         let are_forces_unique = sides.iter().all(|(_, force)| force.normal == 0.0);
         Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique })
+    }
+
+    /// The answer of [`Self::newton`], with which the friction solver goes on.
+    fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
+        let Newton { at, sides, are_forces_unique, report } = self.newton(sides, guess)?;
+        let mode = solver.keep_gliding(&at);
+        Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique })
     }
 
     /// Linear steps from where the search begins.
@@ -229,16 +237,6 @@ impl ContactStep<'_, Step<'_>> {
             row_of.push(index);
         }
         (rows, row_of)
-    }
-}
-
-impl<C: Course> ContactStep<'_, C> {
-    /// Newton's method on the whole step from a guess, for a load that slips on all supports in
-    /// these contact modes. `None` where it does not lead to an answer, or to another one.
-    fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
-        let Newton { at, sides, are_forces_unique, report } = self.newton(sides, guess)?;
-        let mode = solver.keep_gliding(&at);
-        Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique })
     }
 }
 

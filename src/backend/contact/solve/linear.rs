@@ -14,36 +14,28 @@ pub struct System {
 }
 
 impl System {
-    /// A system of `n` unknowns with zeros everywhere.
-    pub fn new(n: usize) -> Self {
-        Self { entries: [[0.0; MOST + 1]; MOST], n }
-    }
-
-    /// The system of a load and of its constraints: the Hessian, with the derivative of each
-    /// constraint below and the direction of its force, with the sign changed, beside.
+    /// The system of a load and of up to three constraints: the Hessian, with the derivative of
+    /// each constraint below and the direction of its force, with the sign changed, beside. The
+    /// right side is zero.
     pub fn bordered(hessian: &Mat3, rows: impl ExactSizeIterator<Item = (Vec3, Vec3)>) -> Self {
-        let mut system = Self::new(3 + rows.len());
+        let (mut entries, n) = ([[0.0; MOST + 1]; MOST], 3 + rows.len());
         for i in 0..3 {
-            (0..3).for_each(|j| system.set(i, j, hessian[(i, j)]));
+            (0..3).for_each(|j| entries[i][j] = hessian[(i, j)]);
         }
         for (k, (row, direction)) in rows.enumerate() {
             for i in 0..3 {
-                system.set(i, 3 + k, -direction[i]);
-                system.set(3 + k, i, row[i]);
+                entries[i][3 + k] = -direction[i];
+                entries[3 + k][i] = row[i];
             }
         }
-        system
-    }
-
-    pub fn set(&mut self, i: usize, j: usize, value: f64) {
-        self.entries[i][j] = value;
+        Self { entries, n }
     }
 
     pub fn set_right(&mut self, i: usize, value: f64) {
         self.entries[i][self.n] = value;
     }
 
-    /// Divides each row by its largest entry, for pivots where the units differ.
+    /// Divides each row by its largest entry. Pivots need it unless the units make entries alike.
     pub fn scale(&mut self) {
         let n = self.n;
         for row in &mut self.entries[..n] {
@@ -126,4 +118,49 @@ pub fn across(row: &Vec3, basis: &[Vec3]) -> Vec3 {
         }
     }
     rest
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{SMatrix, SVector};
+
+    use super::*;
+
+    /// A system in which pivots have to be exchanged, against nalgebra's elimination and
+    /// determinant; its entries are of the size 1, so that 1e-14 is rounding.
+    #[test]
+    fn a_bordered_system_is_solved_as_by_nalgebra() {
+        let hessian = Mat3::new(0.0, 0.3, 0.1, 0.3, 2.0, -0.4, 0.1, -0.4, 1.0);
+        let rows = [(Vec3::new(0.0, 1.0, 0.5), Vec3::new(0.3, 1.0, 0.4)), (Vec3::new(1.0, 0.0, -0.2), Vec3::new(1.0, 0.0, -0.2))];
+        let right = SVector::<f64, 5>::new(0.7, -0.2, 0.4, 0.1, -0.3);
+        let mut matrix = SMatrix::<f64, 5, 5>::zeros();
+        matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&hessian);
+        for (k, (row, direction)) in rows.iter().enumerate() {
+            matrix.fixed_view_mut::<1, 3>(3 + k, 0).copy_from(&row.transpose());
+            matrix.fixed_view_mut::<3, 1>(0, 3 + k).copy_from(&-direction);
+        }
+        let known = matrix.lu().solve(&right).unwrap();
+        let system = || {
+            let mut system = System::bordered(&hessian, rows.into_iter());
+            (0..5).for_each(|i| system.set_right(i, right[i]));
+            system
+        };
+        let mut scaled = system();
+        scaled.scale();
+        for mut system in [system(), scaled] {
+            let x = system.solve().unwrap();
+            assert!((0..5).all(|i| (x[i] - known[i]).abs() < 1e-14), "{x:?} {known}");
+        }
+        assert_eq!(system().sign(), matrix.determinant().signum());
+    }
+
+    /// A constraint that is there twice leaves its forces open.
+    #[test]
+    fn a_singular_system_has_no_solution() {
+        let rows = [(Vec3::x(), Vec3::x()); 2];
+        let mut system = System::bordered(&Mat3::identity(), rows.into_iter());
+        (0..5).for_each(|i| system.set_right(i, 1.0));
+        assert!(system.solve().is_none());
+        assert_eq!(System::bordered(&Mat3::identity(), rows.into_iter()).sign(), 0.0);
+    }
 }

@@ -35,6 +35,7 @@ const CLOSE: f64 = 1e-11;
 pub const CONSISTENT: f64 = 1e-11;
 /// Ridge that stands for the stiffness of directions without any, over the largest one (1).
 const RIDGE: f64 = 1e-12;
+
 /// What the force of a row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Owner {
