@@ -16,7 +16,7 @@ use super::error::{CliError, at_file};
 use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, manifest_of};
 use super::resumable::stopped;
-use super::watch::watched_by;
+use super::watch::{catch_interrupts, watched_by};
 use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate};
 use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Status, Tolerance, build};
@@ -114,6 +114,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let n_springs = scenario.system.springs.len();
     let columns = if args.full_trace { TraceColumns::Full { n_springs } } else { TraceColumns::Motion };
     args.output.check()?;
+    catch_interrupts();
     let mut writer =
         args.output.out.as_deref().map(|out| RunWriter::create(out, columns, args.traces.unwrap_or(TraceFormat::Csv))).transpose()?;
     let (started, clock) = (SystemTime::now(), Instant::now());

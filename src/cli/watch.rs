@@ -13,8 +13,9 @@ use crate::output::progress::Progress;
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 static HANDLER: OnceLock<bool> = OnceLock::new();
 
-/// Whether the user asked to stop. The first call installs the handler.
-pub fn is_interrupted() -> bool {
+/// Has Ctrl-C end the program in good order from here on. What must not be left half written is
+/// begun only after this.
+pub fn catch_interrupts() {
     // Where no handler can be set, Ctrl-C ends the program as it always does.
     HANDLER.get_or_init(|| {
         let handler = || {
@@ -24,6 +25,11 @@ pub fn is_interrupted() -> bool {
         };
         ctrlc::set_handler(handler).is_ok()
     });
+}
+
+/// Whether the user asked to stop; interrupts are caught from the first call on.
+pub fn is_interrupted() -> bool {
+    catch_interrupts();
     INTERRUPTED.load(Ordering::Relaxed)
 }
 

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use super::error::CliError;
-use super::watch::is_interrupted;
+use super::watch::catch_interrupts;
 pub use sensor::table_of;
 
 #[derive(Subcommand)]
@@ -32,7 +32,7 @@ pub enum CalibrateCommand {
 
 pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
     // These commands are short: an interrupt waits until the files are written.
-    is_interrupted();
+    catch_interrupts();
     match command {
         CalibrateCommand::Fit(args) => fit::fit(args),
         CalibrateCommand::Design(args) => design::design(args),
