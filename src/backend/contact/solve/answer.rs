@@ -5,9 +5,10 @@ use smallvec::SmallVec;
 use super::feasible::conflict;
 use super::modes::newton;
 use super::problem::{Candidate, PerCone, Problem, Start};
-use super::rest::{balance, is_clear};
+use super::rest::balance;
 use super::search::{ACCEPTED, Search};
 use super::types::{ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};
+use super::unique::is_only_answer;
 use crate::backend::friction::cones::Cones;
 use crate::backend::friction::{ContactMode, FrictionSolution, FrictionSolver};
 use crate::math::{Vec2, Vec3};
@@ -83,7 +84,7 @@ pub fn go_on_resting(
         let start = Start { twist: &Vec3::zeros(), ground_forces: &ground_forces, forces: &forces };
         let found = balance(&problem, modes, &start, power)?;
         let residual = problem.residual_of(&found);
-        (residual <= ACCEPTED && is_clear(&problem, &found)).then_some((found, residual))
+        (residual <= ACCEPTED && is_only_answer(&problem, &found)).then_some((found, residual))
     })?;
     let counts = Counts { n_solves: 1, n_iterations: candidate.n_iterations };
     Some(Answer { candidate, residual, stage: Stage::Warm, counts }.keep(solver))

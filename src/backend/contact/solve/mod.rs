@@ -26,6 +26,7 @@ mod relaxed;
 mod rest;
 mod search;
 mod types;
+mod unique;
 
 pub use answer::{certificate, go_on_resting, mode_newton, solve_contacts};
 pub use linear::{Basis, MOST, System};

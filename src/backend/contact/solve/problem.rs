@@ -95,6 +95,11 @@ impl<'a> Problem<'a> {
         self.rows.iter().map(|row| if row.gap == 0.0 { closed(row) } else { SideMode::Open }).collect()
     }
 
+    /// Contacts that touch.
+    pub fn touching_rows(&self) -> impl Iterator<Item = usize> {
+        (0..self.rows.len()).filter(|k| self.rows[*k].gap <= 0.0)
+    }
+
     /// What the lengths after an increment are compared with: its size, unless it is rounding.
     pub fn lengths(&self, twist: &Vec3) -> f64 {
         let size = twist.amax();
