@@ -7,6 +7,7 @@ use cohaul::analysis::compare::{Pathwise, Settings, ThreeWay};
 use cohaul::analysis::estimate::InertiaEstimate;
 use cohaul::analysis::{ByTrigger, TriggerKind};
 use cohaul::scenario::Scenario;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 fn compared(scenario: &Scenario) -> Pathwise {
@@ -67,7 +68,7 @@ fn the_cause_that_is_built_in_is_named() {
         // The stop of a tip after most of a half swing counts more than the onset.
         (stored("analytic/ramp-and-hold"), "driving", TriggerKind::Driving, None),
     ];
-    for (at, (scenario, name, kind, spring)) in scenes.iter().enumerate() {
+    scenes.par_iter().enumerate().for_each(|(at, (scenario, name, kind, spring))| {
         let found = compared(scenario);
         let (measured, estimated) = (found.edge_displacement.by_trigger, InertiaEstimate::of(scenario, &found.solutions[0].trace));
         assert_eq!(largest(&measured), *name, "{at}: {measured:?}");
@@ -80,7 +81,7 @@ fn the_cause_that_is_built_in_is_named() {
             let trigger = first.trigger.unwrap();
             assert_eq!((trigger.kind, trigger.spring), (*kind, *spring), "{at}: {first:?}");
         }
-    }
+    });
 }
 
 /// A damped load that is towed into a wall and rebounds: from the impact on, the effect belongs to

@@ -225,10 +225,12 @@ fn random_scenes_show_no_faults() {
 /// residual of 1e-6 was said to converge.
 #[test]
 fn scenes_that_once_showed_faults_show_none() {
-    for seed in [24, 33, 57, 119, 144, 149, 177, 40008, 40087, 40095, 40120, 40146, 40326, 40354, 40406, 40455, 81158] {
+    // The first one takes nearly as long as all others together.
+    let seeds = [81158, 24, 33, 57, 119, 144, 149, 177, 40008, 40087, 40095, 40120, 40146, 40326, 40354, 40406, 40455];
+    seeds.into_par_iter().with_max_len(1).for_each(|seed| {
         let findings = hunt(seed..seed + 1, &[QuasiStatic, Inertial], &[0, 1]);
         assert!(findings.faults.is_empty(), "{:#?}", findings.faults);
-    }
+    });
 }
 
 /// A path of which each short piece has an answer, and no longer one, ends after bounded work, and
