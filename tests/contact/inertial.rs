@@ -4,9 +4,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
-use cohaul::backend::{Backend, BackendOptions, Integrator, Status, StepReport, build};
+use cohaul::backend::{Backend, BackendOptions, Integrator, Status, StepReport, Transition, TransitionKind, build};
 use cohaul::math::{Pose, Twist, Vec2, direction};
-use cohaul::model::{Motion, Obstacle, ObstaclePath, OutlinePart, System};
+use cohaul::model::{Motion, Obstacle, ObstaclePath, Outline, OutlinePart, System};
 
 use crate::scenes::*;
 
@@ -286,4 +286,39 @@ fn a_step_with_endless_impacts_takes_bounded_work() {
     assert!(most < 30_000, "{most} iterations");
     let gap = load.motion().pose.position - Vec2::new(0.0, depth);
     assert!(gap.norm() < 1e-6 * RADIUS, "it ends in the notch: {gap}");
+}
+
+/// Two smooth fingers push a box, fall behind it, and turn. Where one of them hits it, the box
+/// parts from the other one at (I - m b^2) / (I + m b^2) of that speed, with the arm b of the
+/// fingers, and friction brings it back. It rocks ever faster, until that takes less than a step.
+/// From then on it touches both, and moves as they do.
+#[test]
+fn a_box_rocks_between_two_fingers_and_comes_to_rest() {
+    let (arm, radius, turn_rate) = (0.0075, 0.002, 0.5);
+    let finger = |side: f64| OutlinePart::Disc { centre: Vec2::new(-BOX[0] - radius, side * arm), radius };
+    let way = [(0.0, Pose::new(-1e-4, 0.0, 0.0)), (0.1, Pose::new(0.006, 0.0, 0.0)), (0.3, Pose::new(0.016, 0.0, 0.2 * turn_rate))];
+    let fingers = Obstacle {
+        outline: Outline { parts: vec![finger(1.0), finger(-1.0)] },
+        path: ObstaclePath { waypoints: way.to_vec() },
+        ..obstacle(finger(1.0), 0.0)
+    };
+    for step in [1e-3, 2.5e-4] {
+        let mut system = boxed(vec![fingers.clone()], Vec2::zeros());
+        system.ground.friction_coefficient = 0.1;
+        let mut load = build(&system, at_rest(0.0, 0.0), &by(Integrator::Midpoint, step));
+        let mut impacts = Vec::new();
+        for tick in 0..300 {
+            assert_eq!(load.advance(&[Vec2::zeros()], 1e-3).status, Status::Converged);
+            let since = 1e-3 * f64::from(tick);
+            let is_impact = |transition: &&Transition| matches!(transition.kind, TransitionKind::Impact { .. });
+            impacts.extend(load.transitions().iter().filter(is_impact).map(|impact| since + impact.time));
+        }
+        // One where both meet the box, and others after they fell behind, none within a step.
+        assert!(impacts[0] < 0.01 && impacts[1] > 0.1 && (2..8).contains(&impacts.len()), "{impacts:?}");
+        assert!(impacts.windows(2).all(|two| two[1] - two[0] > step), "{impacts:?}");
+        // Both contacts keep the box on the fingers to rounding.
+        let Motion { pose, twist } = load.motion();
+        assert!((twist.angular - turn_rate).abs() < 1e-9 * turn_rate, "{twist:?}");
+        assert!((pose.heading - 0.2 * turn_rate).abs() < 1e-9, "{pose:?}");
+    }
 }

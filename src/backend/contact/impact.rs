@@ -11,6 +11,8 @@
 //! (Poisson's law), which never gains any: the kinetic energy along that line is least at 1 or
 //! beyond.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::displacement::Displacement;
 use super::obstacles::{Obstacles, Touching};
 use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
@@ -40,6 +42,9 @@ const GAINED: f64 = 1e-12;
 
 /// Speed of separation over the largest speed at which a contact counts as closed (1).
 const STAYS: f64 = 1e-9;
+
+/// Singular value over the largest one that is rounding (1).
+const SINGULAR: f64 = 1e-10;
 
 /// Answer of the impact law, seen by the obstacle that was hit.
 struct Hit {
@@ -83,7 +88,8 @@ impl Obstacles {
     }
 
     /// Velocity of a load that touches by the features `strikes`, and by those that were closed
-    /// before. An approach that would rebound at less than `softest` (m/s) does not.
+    /// before. An approach that would rebound at less than `softest` (m/s) does not, nor does a
+    /// contact part that slowly.
     pub fn reflect(
         &mut self,
         system: &System,
@@ -120,7 +126,8 @@ impl Obstacles {
             let restitution = pairs.iter().map(|pair| pair.restitution).fold(0.0, f64::max);
             found = solved(0.0).map(|plastic| hit(plastic, 1.0 + restitution));
         }
-        let found = found.unwrap_or(Hit { after: before, work: 0.0 });
+        let mut found = found.unwrap_or(Hit { after: before, work: 0.0 });
+        found.after = without_hops(&mass, &rows, found.after, softest);
         *touching = self.closed_after(system, &pairs, &rows, &found.after, &place, time);
         let loss = lost(&found).max(0.0);
         let change = found.after - before;
@@ -210,6 +217,27 @@ impl Obstacles {
     }
 }
 
+/// The nearest twist at which all contacts stay closed that would part at no more than `softest`
+/// (m/s). A load that is pressed against two obstacles would rock between them infinitely often.
+fn without_hops(mass: &Mat3, rows: &[(ContactRow, f64)], after: Vec3, softest: f64) -> Vec3 {
+    let parting = |row: &ContactRow, twist: &Vec3| row.gap + row.normal.dot(twist);
+    let slow: PerContact<&ContactRow> = rows.iter().map(|(row, _)| row).filter(|row| parting(row, &after) <= softest).collect();
+    let rounding = STAYS * softest;
+    if slow.iter().all(|row| parting(row, &after).abs() <= rounding) {
+        return after;
+    }
+    let normals = DMatrix::from_fn(slow.len(), 3, |k, axis| slow[k].normal[axis]);
+    let moved = DMatrix::from_fn(3, slow.len(), |axis, k| slow[k].normal[axis] / mass[(axis, axis)]);
+    let wanted = DVector::from_fn(slow.len(), |k, _| -parting(slow[k], &after));
+    // Contacts may depend on each other.
+    let gram = &normals * &moved;
+    let cutoff = SINGULAR * gram.amax();
+    let Ok(inverse) = gram.pseudo_inverse(cutoff) else { return after };
+    let change = moved * (inverse * wanted);
+    let closed = after + Vec3::new(change[0], change[1], change[2]);
+    if rows.iter().all(|(row, _)| parting(row, &closed) >= -rounding) { closed } else { after }
+}
+
 /// Twist of the load relative to an obstacle (m/s, m/s, rad/s; load axes).
 fn relative_twist(system: &System, obstacle: usize, motion: &Motion, place: &Place, time: f64) -> Vec3 {
     let path = &system.world.obstacles[obstacle].path;
@@ -225,4 +253,36 @@ fn increment_between(start: &Place, end: &Pose) -> Vec3 {
     let along = start.turn.tr_mul(&(end.position - start.pose.position));
     let mean = crate::math::Arc::of(turn).mean_rotation();
     mean.try_inverse().map_or(along, |inverse| inverse * along).push(turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of 2 kg that is hit 0.1 m beside its centre, and parts 0.1 m on the other side. Slower
+    /// than the limit, both contacts stay closed: what is left is the motion along them, and it has
+    /// less energy.
+    #[test]
+    fn contacts_that_part_slowly_stay_closed() {
+        let mass = Mat3::from_diagonal(&Vec3::new(2.0, 2.0, 0.0217));
+        let row = |arm: f64| {
+            let [normal, tangent] = [Vec3::new(1.0, 0.0, -arm), Vec3::new(0.0, 1.0, -0.1)];
+            (ContactRow { normal, tangent, gap: 0.0, slip: 0.0, friction_coefficient: 0.0 }, 0.0)
+        };
+        let rows = [row(0.1), row(-0.1)];
+        let after = Vec3::new(1.5e-3, 0.2, 1.5e-2);
+        let parting = rows.map(|(row, _)| row.normal.dot(&after));
+        assert!(parting[0].abs() < 1e-18 && (parting[1] - 3e-3).abs() < 1e-18, "{parting:?}");
+        assert_eq!(without_hops(&mass, &rows, after, 2.9e-3), after);
+        let closed = without_hops(&mass, &rows, after, 3.1e-3);
+        assert!((closed - Vec3::new(0.0, 0.2, 0.0)).amax() < 1e-16, "{closed}");
+        // A third contact between them, which depends on both, changes nothing.
+        let all = [row(0.1), row(-0.1), row(0.05)];
+        assert!((without_hops(&mass, &all, after, 3.1e-3) - closed).amax() < 1e-16);
+        // A wall on the other side, which moves as fast as the load, stays closed as well.
+        let mut facing = row(0.0);
+        (facing.0.normal, facing.0.gap) = (Vec3::new(-1.0, 0.0, 0.0), 1.5e-3);
+        let held = without_hops(&mass, &[row(-0.1), facing], after, 3.1e-3);
+        assert!((held - Vec3::new(1.5e-3, 0.2, -1.5e-2)).amax() < 1e-16, "{held}");
+    }
 }
