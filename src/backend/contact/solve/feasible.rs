@@ -2,7 +2,8 @@
 //!
 //! By Farkas' lemma, none does if and only if the rows have a combination with shares r >= 0, not
 //! all zero, with `sum r_k n_k = 0` and `sum r_k g_k < 0`. In three dimensions at most four rows
-//! take part in the smallest ones, so that all groups of up to four rows are tried.
+//! take part in the smallest ones, so that all groups of up to four rows are tried, unless an
+//! increment that satisfies all gaps is found before.
 
 use smallvec::SmallVec;
 
@@ -16,11 +17,14 @@ const ROUNDED: f64 = 1e-12;
 /// Overlap over the size of the increment that is rounding (1).
 const OVERLAP: f64 = 1e-12;
 
+/// Reflections at most, before all groups are tried.
+const MOST_REFLECTIONS: usize = 50;
+
 /// The smallest group of contacts whose gaps no increment satisfies together; empty if there is
 /// none.
 pub fn conflict(problem: &Problem) -> PerContact<usize> {
     let n = problem.rows.len();
-    if problem.rows.iter().all(|row| row.gap >= 0.0) {
+    if are_met(problem) {
         return PerContact::new();
     }
     for size in 1..=4.min(n) {
@@ -38,6 +42,24 @@ pub fn conflict(problem: &Problem) -> PerContact<usize> {
         }
     }
     PerContact::new()
+}
+
+/// Whether an increment is found that satisfies all gaps. From none on, it is reflected in the gap
+/// that it overlaps most (Motzkin and Schoenberg 1954), which ends where increments near each other
+/// satisfy them.
+fn are_met(problem: &Problem) -> bool {
+    let mut increment = Vec3::zeros();
+    for _ in 0..=MOST_REFLECTIONS {
+        let depth = |row: &ContactRow| -(row.gap + row.normal.dot(&increment)) / row.normal.norm();
+        let deepest = problem.rows.iter().map(|row| (row, depth(row))).max_by(|a, b| a.1.total_cmp(&b.1));
+        match deepest {
+            // A gap that no increment changes.
+            Some((_, depth)) if !depth.is_finite() => return false,
+            Some((row, depth)) if depth > 0.0 => increment += 2.0 * depth * row.normal.normalize(),
+            _ => return true,
+        }
+    }
+    false
 }
 
 /// Whether the gaps of exactly these contacts contradict each other: their rows depend on each
@@ -79,4 +101,33 @@ fn dependence(units: &[Vec3]) -> Option<SmallVec<[f64; 4]>> {
         shares[i] = -known / others[i].dot(&basis[i]);
     }
     Some(shares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::contact::solve::ContactSystem;
+    use crate::backend::friction::FrictionSolver;
+    use crate::math::Mat3;
+    use crate::model::Ground;
+
+    /// Gaps that no increment changes contradict others only by themselves.
+    #[test]
+    fn a_gap_that_nothing_changes_is_told_from_a_squeeze() {
+        let solver = FrictionSolver::new(&Ground { friction_coefficient: 0.0, supports: Vec::new() }, 1.0);
+        let row = |normal: f64, gap: f64| ContactRow {
+            normal: Vec3::new(normal, 0.0, 0.0),
+            tangent: Vec3::new(0.0, normal, 0.0),
+            gap,
+            slip: 0.0,
+            friction_coefficient: 0.0,
+        };
+        let of = |rows: &[ContactRow]| {
+            let system = ContactSystem { hessian: &Mat3::identity(), drive: &Vec3::zeros(), rows };
+            conflict(&Problem::new(solver.cones(), &system, None)).to_vec()
+        };
+        assert_eq!(of(&[row(0.0, 0.0), row(1.0, -1.0), row(-1.0, -1.0)]), [1, 2]);
+        assert_eq!(of(&[row(1.0, -1.0), row(0.0, -1.0)]), [1]);
+        assert!(of(&[row(0.0, 0.0), row(1.0, -1.0), row(-1.0, 1.5)]).is_empty());
+    }
 }
