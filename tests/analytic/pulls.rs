@@ -95,7 +95,7 @@ fn a_spring_swings_by_half_a_turn_in_a_jump() {
 
 /// `cargo test --release --test analytic a_thousand_pulls -- --ignored`, some minutes.
 #[test]
-#[ignore = "a longer version of the test above"]
+#[ignore = "a thousand pulls in place of the 60 of random_pulls_converge_and_their_jumps_stay, which runs always"]
 fn a_thousand_pulls_converge_and_their_jumps_stay() {
     let n_refused = check_pulls(0..1000, 1000);
     assert!(n_refused <= 5, "{n_refused}");
@@ -190,7 +190,7 @@ fn a_straight_jump_is_certain() {
 
 /// `cargo test --release --test analytic two_hundred_jumps -- --ignored`, about a minute.
 #[test]
-#[ignore = "a longer version of the test above"]
+#[ignore = "210 jumps in place of the 24 of jumps_end_where_damped_springs_lead_or_are_flagged, which runs always"]
 fn two_hundred_jumps_end_where_damped_springs_lead_or_are_flagged() {
     check_jumps(210, 1e-3);
 }

@@ -116,7 +116,7 @@ fn random_links_have_finite_answers() {
 
 /// As above, on more links.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "sixty times as many links as random_links_have_finite_answers, which runs always"]
 fn many_random_links_have_finite_answers() {
     search(300..20_000);
 }

@@ -119,7 +119,7 @@ fn what_is_said_of_suggestions_is_what_happens_when_they_are_followed() {
 }
 
 #[test]
-#[ignore = "takes minutes; a shorter version runs always"]
+#[ignore = "twenty-five times the test above, which runs always"]
 fn survey_of_fifty_followed_suggestions() {
     println!("enough, not enough, not checked: {:?}", followed(5000, 50));
 }
@@ -134,7 +134,7 @@ fn estimates_contradict_no_measurement() {
 }
 
 #[test]
-#[ignore = "takes long; a shorter version runs always"]
+#[ignore = "2,000 scenes in place of the 8 of estimates_contradict_no_measurement, which runs always"]
 fn survey_of_contradictions() {
     let n = std::env::var("COHAUL_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(2000);
     let [n_decided, _, n_contradictions] = said_of(7000, n);
@@ -151,7 +151,7 @@ fn shipped() -> Vec<PathBuf> {
 
 /// The same for the scenes in `scenarios`; those with ants over 60 s.
 #[test]
-#[ignore = "takes long"]
+#[ignore = "all shipped scenes; estimates_contradict_no_measurement runs always, on random ones"]
 fn survey_of_contradictions_in_shipped_scenes() {
     for path in shipped() {
         let mut scenario = Scenario::read(&path).unwrap();

@@ -42,7 +42,6 @@ const GAINED: f64 = 1e-12;
 
 /// Speed of separation over the largest speed at which a contact counts as closed (1).
 const STAYS: f64 = 1e-9;
-
 /// Singular value over the largest one that is rounding (1).
 const SINGULAR: f64 = 1e-10;
 
@@ -275,7 +274,9 @@ mod tests {
         assert!(parting[0].abs() < 1e-18 && (parting[1] - 3e-3).abs() < 1e-18, "{parting:?}");
         assert_eq!(without_hops(&mass, &rows, after, 2.9e-3), after);
         let closed = without_hops(&mass, &rows, after, 3.1e-3);
+        // Half of the last digit of 0.2 is 1.4e-17.
         assert!((closed - Vec3::new(0.0, 0.2, 0.0)).amax() < 1e-16, "{closed}");
+        assert!(closed.dot(&(mass * closed)) < after.dot(&(mass * after)));
         // A third contact between them, which depends on both, changes nothing.
         let all = [row(0.1), row(-0.1), row(0.05)];
         assert!((without_hops(&mass, &all, after, 3.1e-3) - closed).amax() < 1e-16);

@@ -16,8 +16,8 @@ use crate::math::Vec3;
 const ROUNDED: f64 = 1e-12;
 /// Overlap over the size of the increment that is rounding (1).
 const OVERLAP: f64 = 1e-12;
-
-/// Reflections at most, before all groups are tried.
+/// Reflections at most, before all groups are tried. They take as long as some hundred groups, and
+/// thirty contacts have 31,900.
 const MOST_REFLECTIONS: usize = 50;
 
 /// The smallest group of contacts whose gaps no increment satisfies together; empty if there is

