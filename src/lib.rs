@@ -27,10 +27,10 @@
 //! A model of your own implements [`Backend`], and a controller of your own implements
 //! [`Controller`]. Units are SI; angles are in radians, counter-clockwise.
 //!
-//! Features: `program` (default) builds the command line on the studies, figures and reports of
-//! `reports`, and `parquet` (default) writes tables as Parquet. `rapier-f32` (default) adds rapier
-//! in single precision. `internals` shows the modules of the tree to the project's own tests and
-//! Python package; what they hold may change at any time.
+//! Features: `program` (default) builds the command line on the studies of `reports` and the
+//! figures, tables and pages of `output`, and `parquet` (default) writes tables as Parquet.
+//! `rapier-f32` (default) adds rapier in single precision. `internals` shows the modules of the tree
+//! to the project's own tests and Python package; what they hold may change at any time.
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(feature = "internals"),
@@ -50,7 +50,7 @@ mod live;
 mod math;
 #[cfg(not(feature = "internals"))]
 mod model;
-#[cfg(all(feature = "reports", not(feature = "internals")))]
+#[cfg(all(feature = "output", not(feature = "internals")))]
 mod output;
 #[cfg(not(feature = "internals"))]
 mod scenario;
@@ -69,7 +69,7 @@ pub mod live;
 pub mod math;
 #[cfg(feature = "internals")]
 pub mod model;
-#[cfg(all(feature = "reports", feature = "internals"))]
+#[cfg(all(feature = "output", feature = "internals"))]
 pub mod output;
 #[cfg(feature = "internals")]
 pub mod scenario;

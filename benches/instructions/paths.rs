@@ -4,13 +4,13 @@
 use std::hint::black_box;
 
 use cohaul::backend::friction::{ContactMode, FrictionSolver};
-use cohaul::backend::{Backend, BackendKind, BackendOptions, Status, build};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, Status, build};
 use cohaul::math::{Mat3, Pose, Vec2, Vec3, direction};
+use cohaul::model::paper::LOAD_RADIUS_M;
 use cohaul::model::{Obstacle, ObstaclePath, Outline, OutlinePart, System, World};
 use cohaul::output::trace_csv::{TraceColumns, write_trace};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Keep, Simulation};
-use cohaul::studies::verify::scenes::{LOAD_RADIUS, SLIP_LIMIT, SUPPORT_RADIUS, at_rest, paper_springs, paper_system};
 
 /// One hot path.
 pub struct HotPath {
@@ -64,31 +64,31 @@ fn dynamic(kind: BackendKind) -> BackendOptions {
 /// One step of the paper's load, dragged by the tips of `n` springs in directions up to 0.3 rad
 /// apart.
 fn dragging(n: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
-    dragged(&paper_system(paper_springs(n)), |j| 0.3 * j as f64 / n as f64, 0, options)
+    dragged(&paper_system(n), |j| 0.3 * j as f64 / n as f64, 0, options)
 }
 
 /// One step of a load of this outline that is dragged by four springs along a wall with friction
 /// and at it, with so many contacts.
 fn along_a_wall(outline: Outline, n_contacts: usize, options: &BackendOptions) -> Box<dyn FnMut()> {
-    let mut system = paper_system(paper_springs(4));
+    let mut system = paper_system(4);
     let points = vec![Vec2::new(-1.0, 0.0), Vec2::new(1.0, 0.0)];
     let wall = Obstacle {
         name: "wall".to_owned(),
         outline: Outline { parts: vec![OutlinePart::Polyline { points }] },
         friction_coefficient: 0.3,
         restitution: 0.0,
-        path: ObstaclePath::fixed(Pose::new(0.0, -LOAD_RADIUS, 0.0)),
+        path: ObstaclePath::fixed(Pose::new(0.0, -LOAD_RADIUS_M, 0.0)),
     };
     system.world = World { outline, obstacles: vec![wall] };
     dragged(&system, |_| -0.1, n_contacts, options)
 }
 
 fn disc() -> Outline {
-    Outline::disc(LOAD_RADIUS)
+    Outline::disc(LOAD_RADIUS_M)
 }
 
 fn square() -> Outline {
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| LOAD_RADIUS * Vec2::new(x, y));
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| LOAD_RADIUS_M * Vec2::new(x, y));
     Outline { parts: vec![OutlinePart::Polygon { corners: corners.to_vec() }] }
 }
 
@@ -98,7 +98,7 @@ fn dragged(system: &System, bearing: impl Fn(usize) -> f64, n_contacts: usize, o
     let step = options.step_s;
     let mut tips: Vec<Vec2> = system.springs.iter().map(|spring| spring.rest_tip()).collect();
     let ways: Vec<Vec2> = (0..tips.len()).map(|j| step * PULL_SPEED * direction(bearing(j))).collect();
-    let mut backend = build(system, at_rest(), options);
+    let mut backend = build(system, Motion::of_entries(&[0.0; 6]), options);
     tips.iter().enumerate().for_each(|(spring, tip)| backend.attach(spring, *tip));
     let mut advance = move |backend: &mut dyn Backend| {
         tips.iter_mut().zip(&ways).for_each(|(tip, way)| *tip += way);
@@ -120,16 +120,17 @@ fn dragged(system: &System, bearing: impl Fn(usize) -> f64, n_contacts: usize, o
 /// The cone problem of a load on the paper's tripod whose drive turns a little from call to call,
 /// as from step to step.
 fn cone_solve() -> Box<dyn FnMut()> {
-    let system = paper_system(Vec::new());
+    let system = paper_system(4);
     let mut solver = FrictionSolver::new(&system.ground, system.load.radius);
-    let stiffness = SLIP_LIMIT / SUPPORT_RADIUS;
-    let across = SUPPORT_RADIUS * SUPPORT_RADIUS;
-    let hessian = stiffness * Mat3::new(1.0, 0.1, 0.0, 0.1, 1.5, 0.2 * SUPPORT_RADIUS, 0.0, 0.2 * SUPPORT_RADIUS, across);
+    let support_radius = 2.0 * LOAD_RADIUS_M / 3.0;
+    let slip_limit = system.ground.friction_coefficient * system.ground.supports.iter().map(|support| support.normal_load).sum::<f64>();
+    let across = support_radius * support_radius;
+    let hessian = slip_limit / support_radius * Mat3::new(1.0, 0.1, 0.0, 0.1, 1.5, 0.2 * support_radius, 0.0, 0.2 * support_radius, across);
     let mut angle = 0.0;
     let mut solve = move || {
         angle += 1e-3;
-        let pull = 1.1 * SLIP_LIMIT * direction(angle);
-        let solution = solver.solve(&hessian, &Vec3::new(pull.x, pull.y, 0.1 * SLIP_LIMIT * SUPPORT_RADIUS));
+        let pull = 1.1 * slip_limit * direction(angle);
+        let solution = solver.solve(&hessian, &Vec3::new(pull.x, pull.y, 0.1 * slip_limit * support_radius));
         assert_eq!(solution.mode, ContactMode::Slip);
         solution.increment
     };
@@ -197,10 +198,21 @@ fn simulation(scene: Scenario, keep: Keep) -> Simulation<'static> {
     Simulation::new(Box::leak(Box::new(scene)), &quasi_static(), keep)
 }
 
-/// The paper's scene with the ants of the stored counts, whatever the default preset is.
+/// The paper's load on so many of its springs, evenly spaced from bearing zero.
+fn paper_system(n_springs: usize) -> System {
+    scene(n_springs).system
+}
+
 fn paper_scene() -> Scenario {
+    scene(4)
+}
+
+/// The paper's scene with so many springs, and with the ants of the stored counts, whatever the
+/// default preset is.
+fn scene(n_springs: usize) -> Scenario {
     let text = include_str!("../../scenarios/paper/four-ants-four-springs.json");
     let text = text.replace("\"n_ants\": 4", "\"n_ants\": 4, \"preset\": \"fitted\"");
+    let text = text.replace("\"n\": 4", &format!("\"n\": {n_springs}"));
     Scenario::parse(&text, "the paper's scene").expect("it is a valid scenario")
 }
 
