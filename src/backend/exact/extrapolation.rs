@@ -60,8 +60,9 @@ const GROWTH_AFTER_MANY: f64 = 32.0;
 /// steps and the run beside show what that is worth.
 const FORCED_GROWTH: f64 = 2.0;
 /// Number of rows below which a macro-step may be longer at less cost in all. At obstacles the
-/// errors need not be a series, and a macro-step that is twice as long may fail again and again: it
-/// is tried less and less often then.
+/// errors need not be a series: they may be as large at twice the length, and macro-steps that have
+/// become short would remain so. Longer ones are tried there whatever the number of rows, and less
+/// and less often where they fail.
 const FAVOURED_ROWS: usize = 5;
 /// Share of the tolerance that a macro-step aims at, so that few fail (1).
 const AIM: f64 = 0.5;
@@ -91,7 +92,7 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
         match attempt(load, task, &start, [at, to], shortest, &mut report) {
             Attempt::Taken { growth, error, n_rows } => {
                 let touches = !start.state.side.touching.is_empty();
-                let is_favoured = n_rows < FAVOURED_ROWS && (!touches || load.pace.trial.is_due());
+                let is_favoured = if touches { n_rows < MOST_ROWS && load.pace.trial.is_due() } else { n_rows < FAVOURED_ROWS };
                 let growth = if is_favoured { growth.max(2.0) } else { growth };
                 if error > 1.0 {
                     shortest *= FORCED_GROWTH;
