@@ -29,8 +29,8 @@
 //!
 //! Features: `program` (default) builds the command line on the studies of `reports` and the
 //! figures, tables and pages of `output`, and `parquet` (default) writes tables as Parquet.
-//! `rapier-f32` (default) adds rapier in single precision. `internals` shows the modules of the tree
-//! to the project's own tests and Python package; what they hold may change at any time.
+//! `rapier-f32` (default) adds rapier in single precision. `internals` shows the modules of the
+//! tree to the project's own tests and Python package; what they hold may change at any time.
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(feature = "internals"),

@@ -464,3 +464,19 @@ fn a_motion_that_nothing_resists_ends_and_is_told() {
     assert!(!tolerance.allows(&outcome.error.unwrap()), "{outcome:?}");
     assert!(outcome.steps.n_steps + outcome.steps.n_rejected < 20_000, "{:?}", outcome.steps);
 }
+
+/// Behind a change at an obstacle, macro-steps grow again: along the wall, the parcel takes one or
+/// two a control period in each of the two runs. Those that remained as short as behind a change
+/// were 6,734.
+#[test]
+fn macro_steps_grow_again_along_a_wall() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/robots/sorting.json");
+    let scenario = Scenario::read(&path).unwrap();
+    let n_periods = (scenario.duration / scenario.control_period).round() as u64;
+    let scene = Scene { name: scenario.name.clone(), scenario, recorded: None };
+    let options = scene.options(BackendKind::QuasiStatic, 1e-5);
+    let mut run = scene.start(&options);
+    run.run(|_| true);
+    let steps = &run.outcome().steps;
+    assert!((2 * n_periods..3 * n_periods).contains(&(steps.n_steps + steps.n_skipped)), "{n_periods} periods: {steps:?}");
+}
