@@ -59,6 +59,17 @@ pub struct SpringShape {
     pub swing: f64,
 }
 
+impl SpringShape {
+    /// Shape of a spring that goes on from here by this `weight` of its change since `before`.
+    pub fn going_on(&self, before: &Self, weight: f64) -> Self {
+        Self {
+            tip_in_root: self.tip_in_root + weight * (self.tip_in_root - before.tip_in_root),
+            length: self.length + weight * (self.length - before.length),
+            swing: self.swing + weight * (self.swing - before.swing),
+        }
+    }
+}
+
 /// Energy of attached springs at one pose of the load, with its derivatives by the pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reaction {

@@ -67,7 +67,7 @@ pub fn step(
     let axes = turn * Arc::of(guess.z).rotation();
     let near = axes.tr_mul(&(shift_of(&turn, guess) - shift)).push(guess.z - turned);
     let (ground, radius) = (&system.ground, system.load.radius);
-    let mut objective = Straight { springs, inertia: None, ground, start, radius, carried, axes, expected_turn: guess.z };
+    let mut objective = Straight { springs, dashpots: None, inertia: None, ground, start, radius, carried, axes, expected_turn: guess.z };
     let Corrected { at, mode, report } = correct(&mut objective, solver, radius, near, None, Wanted::Nearest)?;
     let increment = objective.found(&at, mode, report);
     objective.goes_on(&at, &increment).then_some(increment)

@@ -2,11 +2,12 @@
 //!
 //! A dashpot is a spring of stiffness c / t about the shape at the start of the step, evaluated
 //! after the time t. Its force is c times the mean rate in that time, and twice its energy over t
-//! is the power that it takes.
+//! is the power that it takes. A step that carries on a part of the last one has the shape start
+//! there.
 
 use crate::backend::springs::{AttachedSprings, Attachment, SpringBlocks};
 use crate::math::{Pose, Vec2};
-use crate::model::{PolarSpring, System};
+use crate::model::{PolarSpring, SpringShape, System};
 
 /// Dashpots of one step as springs. The index of a dashpot is the place of its attachment; there
 /// are none without damping.
@@ -24,23 +25,47 @@ impl Dashpots {
     /// step, with the load at `before`. The springs are evaluated with the tips of the blocks after
     /// `time` (s).
     pub fn renew(&mut self, system: &System, attached: &AttachedSprings, before: &Pose, time: f64) {
+        self.renew_about(system, attached, before, time, |_, last| last.shape(&system.springs, before));
+    }
+
+    /// As [`Self::renew`], with dashpots about these shapes of the attachments, of which `about` is
+    /// given the place.
+    pub fn renew_about(
+        &mut self,
+        system: &System,
+        attached: &AttachedSprings,
+        before: &Pose,
+        time: f64,
+        about: impl Fn(usize, &Attachment) -> SpringShape,
+    ) {
         let stiffness = |spring: &PolarSpring| {
             let (radial, torsional) = system.dashpot(spring);
             (radial / time, torsional / time)
         };
-        self.renew_as(system, attached, before, stiffness);
+        self.fill(system, attached, before, stiffness, about);
         self.time = time;
     }
 
     /// Sets one spring of this radial and torsional stiffness (N/m, N m/rad) for each attached
     /// spring, about its shape.
     pub fn renew_as(&mut self, system: &System, attached: &AttachedSprings, before: &Pose, stiffness: impl Fn(&PolarSpring) -> (f64, f64)) {
+        self.fill(system, attached, before, stiffness, |_, last| last.shape(&system.springs, before));
+    }
+
+    fn fill(
+        &mut self,
+        system: &System,
+        attached: &AttachedSprings,
+        before: &Pose,
+        stiffness: impl Fn(&PolarSpring) -> (f64, f64),
+        about: impl Fn(usize, &Attachment) -> SpringShape,
+    ) {
         self.springs.clear();
         self.attachments.clear();
         for (at, (last, tip)) in attached.iter().zip(attached.block_tips()).enumerate() {
             let spring = &system.springs[last.spring];
             let (radial, torsional) = stiffness(spring);
-            let dashpot = spring.about(&last.shape(&system.springs, before), radial, torsional);
+            let dashpot = spring.about(&about(at, last), radial, torsional);
             self.attachments.push(Attachment { spring: at, tip, swing: dashpot.shape(before, &tip, 0.0).swing });
             self.springs.push(dashpot);
         }

@@ -39,7 +39,7 @@ pub struct Inertial {
     pub(super) is_damped: bool,
     /// Whether steps are shortened where springs are deformed far.
     adapts_step: bool,
-    dashpots: Dashpots,
+    pub(super) dashpots: Dashpots,
 }
 
 /// What a step with inertia leaves for the next one.

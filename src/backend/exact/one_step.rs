@@ -8,7 +8,7 @@ use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Forecast;
 use crate::backend::springs::SpringBlocks;
 use crate::backend::{Motion, StepReport};
-use crate::math::{Pose, Twist, Vec3};
+use crate::math::{Pose, Twist, Vec2, Vec3};
 use crate::model::System;
 
 /// How a step discretises the equation of motion.
@@ -78,9 +78,12 @@ pub struct PastFriction {
 }
 
 /// A step in which the load touched in the same modes all along.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Touched {
     pub step: Past,
     /// Velocity before it (m/s, rad/s).
     pub before: Twist,
+    /// Attached tips before it, where springs are damped (m, world).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tips: Vec<Vec2>,
 }

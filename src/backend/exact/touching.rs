@@ -7,11 +7,12 @@
 //! ```text
 //! d = a d_n + b h v                 v at the end
 //! M (v - v_n - a (v_n - v_(n-1))) = b h (forces at the end)
+//! s - s_n = a (s_n - s_(n-1)) + b h (rate at the end)      shape s of a dashpot
 //! gap = 0 and slip = 0 of contacts that stick, at the end
 //! ```
 //!
 //! It takes one solution, where extrapolation takes three, and no impact or change of modes since
-//! the step before the last one.
+//! the step before the last one. With dashpots the tips go straight on.
 
 use super::bdf2::{Past, weights};
 use super::inertial::{Inertial, Memory};
@@ -20,9 +21,13 @@ use super::one_step::{Stepped, Touched};
 use super::side::SideState;
 use crate::backend::contact::{Scope, Task};
 use crate::backend::increment::{Coasting, Straight};
-use crate::backend::springs::TipPaths;
+use crate::backend::springs::{Attachment, TipPaths};
 use crate::backend::{Motion, StepReport};
-use crate::math::{Arc, Pose, Twist, Vec3};
+use crate::math::{Arc, Pose, Twist, Vec2, Vec3};
+
+/// Distance by which a tip may miss the continuation of its last path, over the radius of the load
+/// and the distance from the origin: far above rounding, far below what a step is wrong by (1).
+const STRAIGHT: f64 = 1e-11;
 
 impl Exact<Inertial> {
     /// Takes note of the step of this `duration` (s) since the `start`, if nothing has changed at
@@ -34,23 +39,40 @@ impl Exact<Inertial> {
             let Motion { pose, twist } = start.state.motion;
             let shift = state.motion.pose.position - pose.position;
             let step = Past { shift, turn: state.motion.pose.heading - pose.heading, duration };
-            state.memory.touched = Some(Touched { step, before: twist });
+            let tips = if self.method.is_damped { start.attachments.iter().map(|it| it.tip).collect() } else { Vec::new() };
+            state.memory.touched = Some(Touched { step, before: twist, tips });
         }
     }
 
     /// Takes a step by backward differences; `None`, and none is taken, where the load does not go
     /// on as in the last one.
     pub(super) fn go_on_touching(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> Option<StepReport> {
-        let Touched { step: past, before } = self.state.memory.touched.filter(|_| !self.method.is_damped)?;
+        let Touched { step: past, before, mut tips } = self.state.memory.touched.take()?;
         let step = (to - from) * paths.duration;
         let (a, b) = weights(step / past.duration)?;
         let end = self.state.side.time + to * paths.duration;
-        let Self { system, springs, state, solver, obstacles, .. } = self;
+        let Self { method, system, springs, state, solver, obstacles, .. } = self;
         let Motion { pose, twist } = state.motion;
         springs.refresh(&system.springs, &pose);
         springs.place_tips(paths, to);
         let start = *springs.place();
         let share = b * step;
+        if method.is_damped {
+            let earlier_share = from - past.duration / paths.duration;
+            let bend = |at: usize, tip: &Vec2| (paths.tip(at, earlier_share) - tip).norm();
+            let is_straight = |(at, tip): (usize, &Vec2)| bend(at, tip) <= STRAIGHT * (system.load.radius + tip.norm());
+            // A dashpot pulls otherwise at once where its tip changes its velocity.
+            if tips.len() != springs.len() || !tips.iter().enumerate().all(is_straight) {
+                return None;
+            }
+            let earlier = Pose { position: pose.position - past.shift, heading: pose.heading - past.turn };
+            let carried_on = |at: usize, last: &Attachment| {
+                let before = Attachment { tip: tips[at], ..*last };
+                let [before, now] = [before.shape(&system.springs, &earlier), last.shape(&system.springs, &pose)];
+                now.going_on(&before, a)
+            };
+            method.dashpots.renew_about(system, springs, &pose, share, carried_on);
+        }
         let change = Twist { linear: twist.linear - before.linear, angular: twist.angular - before.angular };
         let carried = (a * past.shift, a * past.turn);
         let goes_on =
@@ -60,8 +82,9 @@ impl Exact<Inertial> {
         let axes = start.turn * Arc::of(expected_turn).rotation();
         let guess = share * axes.tr_mul(&expected.linear).push(expected.angular);
         let inertia = Some(Coasting::of(&system.load, &goes_on(a), share));
-        let (ground, radius) = (&system.ground, system.load.radius);
-        let mut course = Straight { springs: springs.blocks(), inertia, ground, start: &start, radius, carried, axes, expected_turn };
+        let (ground, radius, dashpots) = (&system.ground, system.load.radius, method.dashpots.blocks());
+        let mut course =
+            Straight { springs: springs.blocks(), dashpots, inertia, ground, start: &start, radius, carried, axes, expected_turn };
         let task = Task { from: end - step, to: end, guess: Some(guess), has_inertia: true, scope: Scope::Touching, is_smooth: true };
         let (found, side, at) = obstacles.as_mut()?.go_on(system, &mut course, solver, &mut state.side.touching, &task)?;
         let moved = Pose { position: pose.position + found.shift, heading: pose.heading + found.twist.z };
@@ -70,13 +93,18 @@ impl Exact<Inertial> {
         if !motion.pose.is_finite() || !motion.twist.is_finite() {
             return None;
         }
+        if method.is_damped {
+            // Mean rates give work and losses of second order.
+            method.dashpots.renew(system, springs, &start.pose, step);
+            tips.iter_mut().zip(springs.iter()).for_each(|(tip, last)| *tip = last.tip);
+        }
         state.side.now = end;
         state.forecast.learn(&found, step);
         let report = found.report;
         let stepped = Stepped { motion, stage: pose, friction: found.friction, mode: found.mode, past: None, side, report };
         self.accept(&stepped, step);
-        let step = Past { shift: found.shift, turn: found.twist.z, duration: step };
-        self.state.memory.touched = Some(Touched { step, before: twist });
+        let past = Past { shift: found.shift, turn: found.twist.z, duration: step };
+        self.state.memory.touched = Some(Touched { step: past, before: twist, tips });
         Some(report)
     }
 }

@@ -21,6 +21,8 @@ use crate::model::{Ground, Reaction};
 /// Potential of a straight step.
 pub struct Straight<'a> {
     pub springs: &'a mut SpringBlocks,
+    /// Dashpots as springs of this step.
+    pub dashpots: Option<&'a mut SpringBlocks>,
     /// Inertia of the load; `None` neglects it.
     pub inertia: Option<Coasting>,
     pub ground: &'a Ground,
@@ -70,7 +72,12 @@ impl Objective for Straight<'_> {
 
     fn at(&mut self, at: &Vec3) -> Reaction {
         let moved = self.moved(at);
-        let mut sum = self.springs.reaction(&self.place(&moved)).in_axes(&moved.back.transpose());
+        let place = self.place(&moved);
+        let mut sum = self.springs.reaction(&place);
+        if let Some(dashpots) = &mut self.dashpots {
+            sum.add(&dashpots.reaction(&place));
+        }
+        let mut sum = sum.in_axes(&moved.back.transpose());
         if let Some(coasting) = &self.inertia {
             sum.add(&coasting.straight(&self.axes, at));
         }
@@ -79,7 +86,11 @@ impl Objective for Straight<'_> {
 
     fn gradient(&mut self, at: &Vec3) -> Vec3 {
         let moved = self.moved(at);
-        let gradient = self.springs.gradient(&self.place(&moved));
+        let place = self.place(&moved);
+        let mut gradient = self.springs.gradient(&place);
+        if let Some(dashpots) = &mut self.dashpots {
+            gradient += dashpots.gradient(&place);
+        }
         let sum = (moved.back * gradient.xy()).push(gradient.z);
         self.inertia.as_ref().map_or(sum, |coasting| sum + coasting.straight(&self.axes, at).gradient)
     }
