@@ -2,8 +2,8 @@
 //!
 //! A dashpot is a spring of stiffness c / t about the shape at the start of the step, evaluated
 //! after the time t. Its force is c times the mean rate in that time, and twice its energy over t
-//! is the power that it takes. A step that carries on a part of the last one has the shape start
-//! there.
+//! is the power that it takes. In a step of backward differences (`touching`), it is a spring about
+//! the shape that the last step carries on.
 
 use crate::backend::springs::{AttachedSprings, Attachment, SpringBlocks};
 use crate::math::{Pose, Vec2};
@@ -28,8 +28,7 @@ impl Dashpots {
         self.renew_about(system, attached, before, time, |_, last| last.shape(&system.springs, before));
     }
 
-    /// As [`Self::renew`], with dashpots about these shapes of the attachments, of which `about` is
-    /// given the place.
+    /// As [`Self::renew`], about the shape that `about` gives for an attachment and its place.
     pub fn renew_about(
         &mut self,
         system: &System,
@@ -42,17 +41,13 @@ impl Dashpots {
             let (radial, torsional) = system.dashpot(spring);
             (radial / time, torsional / time)
         };
-        self.fill(system, attached, before, stiffness, about);
+        self.renew_as(system, attached, before, stiffness, about);
         self.time = time;
     }
 
     /// Sets one spring of this radial and torsional stiffness (N/m, N m/rad) for each attached
-    /// spring, about its shape.
-    pub fn renew_as(&mut self, system: &System, attached: &AttachedSprings, before: &Pose, stiffness: impl Fn(&PolarSpring) -> (f64, f64)) {
-        self.fill(system, attached, before, stiffness, |_, last| last.shape(&system.springs, before));
-    }
-
-    fn fill(
+    /// spring, about the shape that `about` gives for an attachment and its place.
+    pub fn renew_as(
         &mut self,
         system: &System,
         attached: &AttachedSprings,

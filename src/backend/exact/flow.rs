@@ -61,7 +61,7 @@ impl Exact<QuasiStatic> {
             let pull = -springs.reaction(&system.springs, &place.pose).gradient;
             let pull = rotation(place.pose.heading).tr_mul(&pull.xy()).push(pull.z);
             let mut dashpots = Dashpots::default();
-            dashpots.renew_as(system, springs, &place.pose, in_proportion);
+            dashpots.renew_as(system, springs, &place.pose, in_proportion, |_, last| last.shape(&system.springs, &place.pose));
             let Some(blocks) = dashpots.blocks() else { return 0.0 };
             blocks.start(&place);
             let drag = (blocks.reaction(&place).hessian * twist).component_mul(&units);

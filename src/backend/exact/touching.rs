@@ -58,11 +58,8 @@ impl Exact<Inertial> {
         let start = *springs.place();
         let share = b * step;
         if method.is_damped {
-            let earlier_share = from - past.duration / paths.duration;
-            let bend = |at: usize, tip: &Vec2| (paths.tip(at, earlier_share) - tip).norm();
-            let is_straight = |(at, tip): (usize, &Vec2)| bend(at, tip) <= STRAIGHT * (system.load.radius + tip.norm());
             // A dashpot pulls otherwise at once where its tip changes its velocity.
-            if tips.len() != springs.len() || !tips.iter().enumerate().all(is_straight) {
+            if !go_straight_on(paths, from - past.duration / paths.duration, &tips, system.load.radius) {
                 return None;
             }
             let earlier = Pose { position: pose.position - past.shift, heading: pose.heading - past.turn };
@@ -107,4 +104,14 @@ impl Exact<Inertial> {
         self.state.memory.touched = Some(Touched { step: past, before: twist, tips });
         Some(report)
     }
+}
+
+/// Whether paths of tips that began at a `share` of them, before their start, would have begun at
+/// these `tips` (m, world), for a load of this `radius` (m).
+fn go_straight_on(paths: &TipPaths, share: f64, tips: &[Vec2], radius: f64) -> bool {
+    let goes = |(from, tip): (&Attachment, &Vec2)| {
+        let missed = from.tip_towards(paths.targets, share) - tip;
+        missed.norm() <= STRAIGHT * (radius + tip.norm())
+    };
+    tips.len() == paths.from.len() && paths.from.iter().zip(tips).all(goes)
 }

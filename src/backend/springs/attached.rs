@@ -22,14 +22,6 @@ pub struct TipPaths<'a> {
     pub duration: f64,
 }
 
-impl TipPaths<'_> {
-    /// Tip of the attachment at this place in the list, at a `share` of its path (m, world).
-    pub fn tip(&self, at: usize, share: f64) -> Vec2 {
-        let Attachment { spring, tip, .. } = self.from[at];
-        tip + share * (self.targets[spring] - tip)
-    }
-}
-
 /// Attachments, and the same springs in blocks as a cache. Reading the attachments is as cheap as
 /// reading a list.
 #[derive(Debug, Default)]

@@ -126,10 +126,7 @@ impl Attachments {
     /// Puts every tip at a `share` of the line from `from` to its entry of `targets`. A share of
     /// one lands exactly on the target.
     pub fn place_tips(&mut self, from: &[Attachment], targets: &[Vec2], share: f64) {
-        for (attachment, start) in self.list.iter_mut().zip(from) {
-            let target = targets[attachment.spring];
-            attachment.tip = if share == 1.0 { target } else { start.tip + share * (target - start.tip) };
-        }
+        self.list.iter_mut().zip(from).for_each(|(attachment, start)| attachment.tip = start.tip_towards(targets, share));
     }
 
     /// Puts every tip at its entry of `targets` and returns the longest displacement (m).
@@ -194,6 +191,13 @@ impl Attachments {
 }
 
 impl Attachment {
+    /// Point at a `share` of the line from the tip to its entry of `targets` (m, world). A share of
+    /// one lands exactly on the target.
+    pub fn tip_towards(&self, targets: &[Vec2], share: f64) -> Vec2 {
+        let target = targets[self.spring];
+        if share == 1.0 { target } else { self.tip + share * (target - self.tip) }
+    }
+
     /// Shape of the spring with the load at `pose`.
     pub fn shape(&self, springs: &[PolarSpring], pose: &Pose) -> SpringShape {
         springs[self.spring].shape(pose, &self.tip, self.swing)

@@ -101,9 +101,7 @@ impl SpringBlocks {
     pub fn place_tips(&mut self, from: &[Attachment], targets: &[Vec2], share: f64) {
         for (block, from) in self.blocks.iter_mut().zip(from.chunks(LANES)) {
             for k in 0..LANES {
-                let start = from.get(k).unwrap_or(&from[0]);
-                let target = targets[start.spring];
-                block.tip.set_lane(k, if share == 1.0 { target } else { start.tip + share * (target - start.tip) });
+                block.tip.set_lane(k, from.get(k).unwrap_or(&from[0]).tip_towards(targets, share));
             }
         }
         self.evaluated = Evaluated::default();
