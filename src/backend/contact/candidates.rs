@@ -33,9 +33,13 @@ pub struct Candidate {
 impl Candidate {
     /// Rounding of the gap and of the slip of a load of this `length` (m).
     pub fn rounding(&self, length: f64) -> f64 {
-        let Pose { position, heading } = self.start.pose;
-        ROUNDED * (position.norm() + length * (1.0 + heading.abs()))
+        gap_rounding(&self.start.pose, length)
     }
+}
+
+/// Rounding of the gap and of the slip of a load of this `length` (m) at a pose.
+pub fn gap_rounding(pose: &Pose, length: f64) -> f64 {
+    ROUNDED * (pose.position.norm() + length * (1.0 + pose.heading.abs()))
 }
 
 /// Candidates of a step.

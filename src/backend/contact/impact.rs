@@ -12,9 +12,10 @@
 //! beyond.
 
 use nalgebra::{DMatrix, DVector};
+use smallvec::SmallVec;
 
 use super::displacement::Displacement;
-use super::obstacles::{Obstacles, Touching};
+use super::obstacles::{Obstacles, Touching, mobility};
 use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
 use crate::backend::Motion;
@@ -155,6 +156,37 @@ impl Obstacles {
         pairs.iter().zip(rows).zip(impulses).map(work).sum()
     }
 
+    /// The twist along which contacts stay closed at the end of a step from `before` to `time` (s),
+    /// and those that stick go on to do so, after the impulses of these contacts that lead there,
+    /// with their friction.
+    ///
+    /// The velocity of a step is the one along its chord. The gap that a chord leaves has a
+    /// rounding, which over a short step is a velocity: contacts have made it by impulses with
+    /// their friction, and take it back by such.
+    pub fn along(&self, system: &System, motion: &Motion, touching: &[Touching], [before, time]: [f64; 2]) -> Twist {
+        let place = Place::of(&motion.pose);
+        let mut rates: SmallVec<[Rate; 4]> = SmallVec::new();
+        for Touching { key, mode, slip, force, .. } in touching.iter().filter(|touching| touching.mode != SideMode::Open) {
+            let (features, path) = (self.surroundings.features(key), &system.world.obstacles[key.obstacle].path);
+            let obstacle = path.pose_at(time);
+            let seen = Surroundings::relative(&place, &obstacle);
+            // An obstacle may change its velocity at the end.
+            let own = relative_to(&obstacle, &path.twist_after(0.5 * (before + time)), motion, &place);
+            let [gap, slip] = [features.gap_with_derivatives(&seen), features.slip_with_derivatives(&seen, *slip)].map(|it| it.gradient);
+            let mut stop = |row: Vec3, along: Vec3| rates.push(Rate { row, along, change: -row.dot(&own) });
+            if *mode == SideMode::Stick {
+                stop(gap, gap);
+                stop(slip, slip);
+            } else {
+                let friction = if force.normal > 0.0 { force.tangential / force.normal } else { 0.0 };
+                stop(gap, gap + friction * slip);
+            }
+        }
+        let change = if rates.is_empty() { None } else { change_by_impulses(&mobility(system), &rates) };
+        let change = change.unwrap_or_default();
+        Twist { linear: motion.twist.linear + place.turn * change.xy(), angular: motion.twist.angular + change.z }
+    }
+
     /// Pairs that are closed at an impact.
     fn closed_pairs(&mut self, system: &System, place: &Place, time: f64, strikes: &[Strike], touching: &[Touching]) -> Vec<Pair> {
         let mut pairs = self.pairs_within(system, place, time, 0.0);
@@ -225,25 +257,50 @@ fn without_hops(mass: &Mat3, rows: &[(ContactRow, f64)], after: Vec3, softest: f
     if slow.iter().all(|row| parting(row, &after).abs() <= rounding) {
         return after;
     }
-    let normals = DMatrix::from_fn(slow.len(), 3, |k, axis| slow[k].normal[axis]);
-    let moved = DMatrix::from_fn(3, slow.len(), |axis, k| slow[k].normal[axis] / mass[(axis, axis)]);
-    let wanted = DVector::from_fn(slow.len(), |k, _| -parting(slow[k], &after));
-    // Contacts may depend on each other.
-    let gram = &normals * &moved;
-    let cutoff = SINGULAR * gram.amax();
-    let Ok(inverse) = gram.pseudo_inverse(cutoff) else { return after };
-    let change = moved * (inverse * wanted);
-    let closed = after + Vec3::new(change[0], change[1], change[2]);
+    let close = |row: &&ContactRow| Rate { row: row.normal, along: row.normal, change: -parting(row, &after) };
+    let rates: PerContact<Rate> = slow.iter().map(close).collect();
+    let Some(change) = change_by_impulses(&mass.diagonal().map(f64::recip), &rates) else { return after };
+    let closed = after + change;
     if rows.iter().all(|(row, _)| parting(row, &closed) >= -rounding) { closed } else { after }
+}
+
+/// A rate that is to change.
+struct Rate {
+    /// Its derivative by the twist.
+    row: Vec3,
+    /// Direction of the impulse that changes it.
+    along: Vec3,
+    change: f64,
+}
+
+/// Change of a twist by impulses that change these rates, for a load of this mobility: of all such
+/// impulses the least ones, since rates may depend on each other.
+fn change_by_impulses(mobility: &Vec3, rates: &[Rate]) -> Option<Vec3> {
+    if let [Rate { row, along, change }] = rates {
+        let moved = along.component_mul(mobility);
+        let gain = row.dot(&moved);
+        return (gain > 0.0).then(|| *change / gain * moved);
+    }
+    let rows = DMatrix::from_fn(rates.len(), 3, |k, axis| rates[k].row[axis]);
+    let moved = DMatrix::from_fn(3, rates.len(), |axis, k| rates[k].along[axis] * mobility[axis]);
+    let wanted = DVector::from_fn(rates.len(), |k, _| rates[k].change);
+    let gains = &rows * &moved;
+    let cutoff = SINGULAR * gains.amax();
+    let change = moved * (gains.pseudo_inverse(cutoff).ok()? * wanted);
+    Some(Vec3::new(change[0], change[1], change[2]))
 }
 
 /// Twist of the load relative to an obstacle (m/s, m/s, rad/s; load axes).
 fn relative_twist(system: &System, obstacle: usize, motion: &Motion, place: &Place, time: f64) -> Vec3 {
     let path = &system.world.obstacles[obstacle].path;
-    let of_obstacle = path.twist_after(time);
-    let arm: Vec2 = motion.pose.position - path.pose_at(time).position;
-    let linear = place.turn.tr_mul(&(motion.twist.linear - of_obstacle.velocity_at(&arm)));
-    linear.push(motion.twist.angular - of_obstacle.angular)
+    relative_to(&path.pose_at(time), &path.twist_after(time), motion, place)
+}
+
+/// Twist of the load relative to an obstacle at this pose with this twist.
+fn relative_to(obstacle: &Pose, twist: &Twist, motion: &Motion, place: &Place) -> Vec3 {
+    let arm: Vec2 = motion.pose.position - obstacle.position;
+    let linear = place.turn.tr_mul(&(motion.twist.linear - twist.velocity_at(&arm)));
+    linear.push(motion.twist.angular - twist.angular)
 }
 
 /// Pose `end` seen from `start` as a body-twist increment.

@@ -26,6 +26,7 @@ mod solve;
 mod step;
 mod surroundings;
 
+pub use candidates::gap_rounding;
 pub use impact::{Reflection, Strike};
 pub use obstacles::{Obstacles, Scope, SideWork, Task, Touching, transitions};
 pub use solve::{

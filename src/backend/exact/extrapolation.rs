@@ -86,10 +86,11 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
             (n_attempts, shortest) = (0.0, (shortest * GROWTH_AFTER_MANY).min(1.0));
         }
         let limit = change_by.unwrap_or(1.0);
-        macro_step = macro_step.min(longest).max(shortest);
+        let least = shortest.max((M::shortest_macro_step(load) / duration).min(longest));
+        macro_step = macro_step.min(longest).max(least);
         let to = if limit - at <= 1.01 * macro_step { limit } else { at + macro_step };
         let (start, before, n_not_converged) = (load.snapshot(), load.state.contact.last(), report.n_not_converged);
-        match attempt(load, task, &start, [at, to], shortest, &mut report) {
+        match attempt(load, task, &start, [at, to], least, &mut report) {
             Attempt::Taken { growth, error, n_rows } => {
                 let touches = !start.state.side.touching.is_empty();
                 let is_favoured = if touches { n_rows < MOST_ROWS && load.pace.trial.is_due() } else { n_rows < FAVOURED_ROWS };
@@ -252,7 +253,7 @@ fn row<M: Method>(load: &mut Exact<M>, paths: &TipPaths, start: &Snapshot<M::Mem
         }
         (mode, slips, sides) = (mode_now, slips_now, sides_now);
     }
-    M::end_row(load, support, macro_step / n as f64);
+    M::end_row(load, support, macro_step / n as f64, changed_in.is_none());
     Row { flow: load.flow(), cost, changed_in }
 }
 

@@ -15,15 +15,16 @@ use super::contact::GroundContact;
 use super::dashpots::Dashpots;
 use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched};
+use super::side::SideState;
 use super::{euler, midpoint, resolution};
-use crate::backend::contact::Scope;
+use crate::backend::contact::{Scope, gap_rounding};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
 use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, RestoreError, Status, StepReport};
 use crate::math::{Arc, Twist, Vec2, perpendicular, rotation};
-use crate::model::System;
+use crate::model::{Load, System};
 
 /// Longest macro-step, in radians of the fastest oscillation.
 pub const LONGEST_MACRO_STEP: f64 = 2.0;
@@ -31,6 +32,9 @@ pub const LONGEST_MACRO_STEP: f64 = 2.0;
 /// Speed of a support below which it may stop or have stopped within a macro-step, over the change
 /// of the load's speed by its turn about the support in that time (1).
 const SLOW_SUPPORT: f64 = 2.0;
+
+/// Force by the rounding of a gap, over the slip limit, that macro-steps may not exceed (1).
+const ROUNDED_FORCE: f64 = 1e-3;
 
 /// The methods with inertia.
 pub struct Inertial {
@@ -83,11 +87,31 @@ impl Exact<Inertial> {
     /// keeps the load on its circle. It would prevent the slip onset of a support, or stop a
     /// slipping support, at any length of the step.
     fn shift_speed(&mut self, support: usize, step: f64, sign: f64) {
-        let State { motion: Motion { pose, twist }, energy, .. } = &mut self.state;
+        let Motion { pose, mut twist } = self.state.motion;
         let arm = rotation(pose.heading) * self.system.ground.supports[support].offset;
         let mean_arm = Arc::of(-twist.angular * step).mean_rotation() * arm;
         twist.linear += sign * twist.angular * perpendicular(&(arm - mean_arm));
-        let kinetic = self.system.load.kinetic_energy(twist);
+        self.set_speed(twist);
+    }
+
+    /// Turns the velocity of a load that touches obstacles, at the end of a `step` (s), along them.
+    fn turn_along_obstacles(&mut self, step: f64) {
+        let Self { obstacles, system, state, .. } = self;
+        let (motion, SideState { now, touching, .. }) = (&state.motion, &state.side);
+        if let Some(obstacles) = obstacles
+            && motion.twist != Twist::ZERO
+            && !touching.is_empty()
+        {
+            let twist = obstacles.along(system, motion, touching, [now - step, *now]);
+            self.set_speed(twist);
+        }
+    }
+
+    /// Corrects the velocity at an instant.
+    fn set_speed(&mut self, twist: Twist) {
+        let State { motion, energy, .. } = &mut self.state;
+        motion.twist = twist;
+        let kinetic = self.system.load.kinetic_energy(&twist);
         energy.numerical_damping -= kinetic - energy.kinetic;
         energy.kinetic = kinetic;
     }
@@ -198,6 +222,16 @@ impl Method for Inertial {
         LONGEST_MACRO_STEP / load.system.fastest_rate_on(attached)
     }
 
+    /// At obstacles, the rounding of a gap asks for a force that grows with the inverse square of
+    /// the step.
+    fn shortest_macro_step(load: &Exact<Self>) -> f64 {
+        let (Load { mass, radius, .. }, limit) = (load.system.load, load.system.total_slip_limit());
+        if load.state.side.touching.is_empty() || limit == 0.0 {
+            return 0.0;
+        }
+        (gap_rounding(&load.state.motion.pose, radius) * mass / (ROUNDED_FORCE * limit)).sqrt()
+    }
+
     fn disturb(state: &mut State<Memory>, spring: usize) {
         state.memory.forget_steps();
         state.memory.dashpot_on_tip[spring] = Vec2::zeros();
@@ -240,10 +274,15 @@ impl Method for Inertial {
         support
     }
 
-    fn end_row(load: &mut Exact<Self>, support: Option<usize>, step: f64) {
+    fn end_row(load: &mut Exact<Self>, support: Option<usize>, step: f64, is_smooth: bool) {
         let support = if let ContactMode::Pinned(support) = load.state.contact.last() { Some(support) } else { support };
         if let Some(support) = support {
             load.shift_speed(support, step, -1.0);
+        }
+        // Where the modes change, the load goes on from the plain answer. Steps from its chord see
+        // whether a contact still presses, and steps from its tangent do not.
+        if is_smooth {
+            load.turn_along_obstacles(step);
         }
     }
 

@@ -52,14 +52,20 @@ pub trait Method: Sized + Send {
         None
     }
 
+    /// Length of a macro-step below which rounding counts (s).
+    fn shortest_macro_step(_load: &Exact<Self>) -> f64 {
+        0.0
+    }
+
     /// Prepares for a row of `n_steps` equal steps over a macro-step (s), and returns the support
     /// that [`Method::end_row`] needs.
     fn begin_row(_load: &mut Exact<Self>, _macro_step: f64, _n_steps: usize) -> Option<usize> {
         None
     }
 
-    /// Takes the result of steps of this length (s) to the instant at which they end.
-    fn end_row(_load: &mut Exact<Self>, _support: Option<usize>, _step: f64) {}
+    /// Takes the result of steps of this length (s), smooth or not, to the instant at which they
+    /// end.
+    fn end_row(_load: &mut Exact<Self>, _support: Option<usize>, _step: f64, _is_smooth: bool) {}
 
     /// Quantities that change smoothly, besides those of all methods.
     fn extra_flow(_state: &State<Self::Memory>) -> Vec<f64> {
