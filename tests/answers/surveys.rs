@@ -119,7 +119,7 @@ fn what_is_said_of_suggestions_is_what_happens_when_they_are_followed() {
 }
 
 #[test]
-#[ignore = "twenty-five times the test above, which runs always"]
+#[ignore = "50 in place of the 2 of what_is_said_of_suggestions_is_what_happens_when_they_are_followed, which runs always"]
 fn survey_of_fifty_followed_suggestions() {
     println!("enough, not enough, not checked: {:?}", followed(5000, 50));
 }

@@ -264,17 +264,24 @@ fn without_hops(mass: &Mat3, rows: &[(ContactRow, f64)], after: Vec3, softest: f
     if rows.iter().all(|(row, _)| parting(row, &closed) >= -rounding) { closed } else { after }
 }
 
-/// A rate that is to change.
+/// The rate of a gap or a slip that is to change.
 struct Rate {
-    /// Its derivative by the twist.
+    /// Its derivative by the twist (1, 1, m; load axes).
     row: Vec3,
-    /// Direction of the impulse that changes it.
+    /// Direction of the impulse that changes it (1, 1, m; load axes).
     along: Vec3,
+    /// (m/s)
     change: f64,
 }
 
-/// Change of a twist by impulses that change these rates, for a load of this mobility: of all such
-/// impulses the least ones, since rates may depend on each other.
+/// Change of a twist by impulses that change these rates, for a load of this mobility:
+///
+/// ```text
+/// C A x with N C A x = changes    N rows, A directions of the impulses x, C mobility
+/// ```
+///
+/// Rates may depend on each other: of all such impulses these are the least. `None` where a
+/// single one would not change its rate the way it points.
 fn change_by_impulses(mobility: &Vec3, rates: &[Rate]) -> Option<Vec3> {
     if let [Rate { row, along, change }] = rates {
         let moved = along.component_mul(mobility);
@@ -296,7 +303,7 @@ fn relative_twist(system: &System, obstacle: usize, motion: &Motion, place: &Pla
     relative_to(&path.pose_at(time), &path.twist_after(time), motion, place)
 }
 
-/// Twist of the load relative to an obstacle at this pose with this twist.
+/// The same for an obstacle at this pose (world) with this twist.
 fn relative_to(obstacle: &Pose, twist: &Twist, motion: &Motion, place: &Place) -> Vec3 {
     let arm: Vec2 = motion.pose.position - obstacle.position;
     let linear = place.turn.tr_mul(&(motion.twist.linear - twist.velocity_at(&arm)));
