@@ -202,6 +202,12 @@ impl Arc {
         self.mean_rotation() * u
     }
 
+    /// Displacement of the end of an `arm` that turns about its other end, with all its digits.
+    pub fn turning(&self, arm: &Vec2) -> Vec2 {
+        let shorter = -self.delta * self.delta * self.cosine_rest;
+        Vec2::new(shorter * arm.x - self.sin * arm.y, self.sin * arm.x + shorter * arm.y)
+    }
+
     /// First derivative of V by delta in the axes at the end of the arc: R(-delta) V'.
     pub fn first_at_end(&self) -> Mat2 {
         let (along, across) = (self.delta * self.sine_rest, self.cosine_rest);

@@ -85,20 +85,12 @@ impl World {
 impl Obstacle {
     /// Bound of the path length of any point of the obstacle between two times (m).
     pub fn path_length(&self, from: f64, to: f64) -> f64 {
-        if !self.path.moves() || from == to {
-            return 0.0;
-        }
-        let (from, to, extent) = (from.min(to), from.max(to), self.outline.extent());
-        let mut last = self.path.pose_at(from);
-        let mut length = 0.0;
-        let corners = self.path.waypoints.iter().filter(|(time, _)| *time > from && *time < to).map(|(_, pose)| *pose);
-        for next in corners.chain([self.path.pose_at(to)]) {
-            length += next.edge_displacement(&last, extent);
-            last = next;
-        }
-        length
+        if self.path.moves() { self.path.length(self.outline.extent(), from, to) } else { 0.0 }
     }
 }
+
+/// Share of a step in which a waypoint lies at its end (1).
+const CORNER: f64 = 1e-6;
 
 impl ObstaclePath {
     /// An obstacle that stands still.
@@ -119,6 +111,23 @@ impl ObstaclePath {
         (&self.waypoints[next.saturating_sub(1)], &self.waypoints[next.min(last)])
     }
 
+    /// Bound of the path length of the points within `extent` (m) of the origin between two times
+    /// (m).
+    pub fn length(&self, extent: f64, from: f64, to: f64) -> f64 {
+        if from == to {
+            return 0.0;
+        }
+        let (from, to) = (from.min(to), from.max(to));
+        let mut last = self.pose_at(from);
+        let mut length = 0.0;
+        let corners = self.waypoints.iter().filter(|(time, _)| *time > from && *time < to).map(|(_, pose)| *pose);
+        for next in corners.chain([self.pose_at(to)]) {
+            length += next.edge_displacement(&last, extent);
+            last = next;
+        }
+        length
+    }
+
     /// Pose at `time` (s).
     pub fn pose_at(&self, time: f64) -> Pose {
         let ((from, a), (to, b)) = self.around(time);
@@ -127,6 +136,18 @@ impl ObstaclePath {
         }
         let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
         Pose { position: a.position + share * (b.position - a.position), heading: a.heading + share * (b.heading - a.heading) }
+    }
+
+    /// Shift (m) and turn (rad) in a step of this length (s) between two times, of which the
+    /// difference of poses has fewer digits.
+    pub fn displacement(&self, [from, to]: [f64; 2], step: f64) -> (Vec2, f64) {
+        let is_within = |at: f64| (at - from).min(to - at) > CORNER * (to - from);
+        if self.waypoints.iter().any(|(at, _)| is_within(*at)) {
+            let [from, to] = [from, to].map(|time| self.pose_at(time));
+            return (to.position - from.position, to.heading - from.heading);
+        }
+        let twist = self.twist_after(0.5 * (from + to));
+        (step * twist.linear, step * twist.angular)
     }
 
     /// Twist just after `time` (s).
@@ -149,6 +170,11 @@ mod tests {
         assert_eq!(path.pose_at(0.0), Pose::new(0.0, 0.0, 0.0));
         assert_eq!(path.pose_at(2.0), Pose::new(1.0, -0.5, 0.25));
         assert_eq!(path.pose_at(9.0), Pose::new(2.0, -1.0, 0.5));
+        // Within a part of the path, beside its corners and beyond them.
+        for [from, to] in [[0.0, 0.5], [1.0, 1.5], [1.25, 3.0], [0.5, 2.0], [2.0, 4.0]] {
+            let ([a, b], (shift, turn)) = ([from, to].map(|time| path.pose_at(time)), path.displacement([from, to], to - from));
+            assert!((b.position - a.position - shift).norm() < 1e-15 && (b.heading - a.heading - turn).abs() < 1e-15, "{from} {to}");
+        }
         assert_eq!(path.twist_after(0.5), Twist::ZERO);
         assert_eq!(path.twist_after(1.0), Twist { linear: Vec2::new(1.0, -0.5), angular: 0.25 });
         assert_eq!(path.twist_after(3.0), Twist::ZERO);

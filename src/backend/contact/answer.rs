@@ -3,7 +3,7 @@
 
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Sides};
+use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Sides, gap_rounding};
 use super::displacement::PIECE;
 use super::newton::Newton;
 use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
@@ -107,7 +107,8 @@ impl Obstacles {
         let candidates = self.touching_candidates(system, &start, task, touching);
         let suggested = suggested(&candidates, touching);
         let mut contact = ContactStep { step: course, surroundings: &self.surroundings, candidates: &candidates, start_at: Vec3::zeros() };
-        let Newton { at, sides, are_forces_unique, report } = contact.newton(&suggested, task.guess?)?;
+        let Newton { at, sides, are_forces_unique, report, .. } =
+            contact.newton(&suggested, task.guess?).filter(|found| found.is_stable)?;
         let increment = course.found(&at, ContactMode::Slip, report);
         if !course.goes_on(&at, &increment) {
             return None;
@@ -139,6 +140,7 @@ impl Obstacles {
         touching: &mut Vec<Touching>,
     ) -> SideWork {
         let closed = 10.0 * CLOSED * system.load.radius;
+        let rounding = gap_rounding(&start.pose, system.load.radius);
         let mut work = SideWork::default();
         let last = std::mem::take(touching);
         for (candidate, (mode, force)) in candidates.iter().zip(&found.sides) {
@@ -170,10 +172,14 @@ impl Obstacles {
                 }
             }
             let beyond_at_end = self.surroundings.pair_beyond(pair, &end);
-            if candidate.least_gap < 0.0 && gap_at_end < 0.0 && beyond_at_end <= 0.0 {
-                let normal = features.gap_with_derivatives(&end).gradient;
+            // What rounding has made of a gap is taken back without a speed.
+            let overlaps = candidate.closed < 0.0 && gap_at_end < 0.0;
+            let has_parted = force.normal > 0.0 && (rounding..=closed).contains(&(2.0 * gap_at_end));
+            if task.has_inertia && (overlaps || has_parted) && beyond_at_end <= 0.0 {
+                let normal = features.gap_with_derivatives(&end, gap_at_end).gradient;
                 let along = normal.component_mul(&mobility(system));
-                work.push_out += (-gap_at_end - normal.dot(&work.push_out)).max(0.0) / normal.dot(&along) * along;
+                let missing = -gap_at_end - normal.dot(&work.push_out);
+                work.push_out += if overlaps { missing.max(0.0) } else { missing } / normal.dot(&along) * along;
             }
             if gap_at_end <= closed && beyond_at_end <= closed {
                 let on_load = on_load(features, force, &end, &obstacle);
@@ -205,7 +211,7 @@ impl Obstacles {
             let share = 0.5f64.powi(halving);
             let to = task.from + share * (task.to - task.from);
             solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
-            let answer = self.find_near(system, step, solver, touching, &Task { to, guess: None, ..*task });
+            let answer = self.find_near(system, step, solver, touching, &Task { to, step: share * task.step, guess: None, ..*task });
             add(&answer.found.increment.report);
             if !answer.is_poor() && answer.cut.is_none() {
                 return Some((answer, share));
@@ -319,7 +325,7 @@ impl Obstacles {
 /// Whether features without a force are past each other at the end: beside each other there, they
 /// may have touched on the way.
 fn passes_beside(candidates: &[Candidate], found: &Found, radius: f64) -> bool {
-    let is_past = |it: &Candidate| it.pair.features.gap(&it.start.moved_by(&found.increment.twist)) < it.least_gap - CLOSED * radius;
+    let is_past = |it: &Candidate| it.pair.features.gap(&it.start.moved_by(&found.increment.twist)) < it.closed - CLOSED * radius;
     candidates.iter().zip(&found.sides).any(|(it, (_, force))| force.normal == 0.0 && is_past(it))
 }
 

@@ -23,11 +23,15 @@ pub struct Candidate {
     pub pair: Pair,
     /// The load at the start of the step in the frame of the obstacle at its end.
     pub start: Place,
-    /// Slip coordinate at the start, with the obstacle there (m).
+    /// Gap at the start, with the obstacle at its end, over that which counts as closed (m).
+    pub gap: f64,
+    /// Slip coordinate at the start, with the obstacle there (m), and its change until the obstacle
+    /// is at its end (m).
     pub slip: f64,
-    /// Least gap at the end (m): zero, or for a load with inertia that overlaps by rounding at the
-    /// start, as much as there. To close an overlap within a step would take a speed.
-    pub least_gap: f64,
+    pub slipped: f64,
+    /// Gap that counts as closed (m): zero, or for a load with inertia what rounding makes of it at
+    /// the start. To close that within a step would take a speed.
+    pub closed: f64,
 }
 
 impl Candidate {
@@ -57,7 +61,7 @@ pub struct ContactStep<'a, C> {
     pub start_at: Vec3,
 }
 
-/// Gap and slip of a candidate with their derivatives by the increment.
+/// Gap and slip of a candidate in the step, with their derivatives by the increment.
 pub struct Local {
     pub gap: Reaction,
     pub slip: Reaction,
@@ -73,14 +77,15 @@ impl<C: Course> ContactStep<'_, C> {
     pub fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
         let moved = self.step.moved(at);
         let local = |candidate: &Candidate| {
-            let place = self.step.seen(&candidate.start, at, &moved);
-            let Pair { features, .. } = &candidate.pair;
-            let mut gap = self.step.by_increment(&features.gap_with_derivatives(&place), at, &moved);
-            gap.energy -= candidate.least_gap;
+            let Candidate { pair: pair @ Pair { features, .. }, start, .. } = candidate;
+            let travel = self.step.seen(start, at, &moved);
+            let place = start.after(&travel);
+            let gap = candidate.gap + features.gap_change([start, &place], &travel);
+            let slip = candidate.slipped + features.slip_change([start, &place], &travel);
             Local {
-                gap,
-                slip: self.step.by_increment(&features.slip_with_derivatives(&place, candidate.slip), at, &moved),
-                beyond: self.surroundings.pair_beyond(&candidate.pair, &place),
+                gap: self.step.by_increment(&features.gap_with_derivatives(&place, gap), at, &moved),
+                slip: self.step.by_increment(&features.slip_with_derivatives(&place, slip), at, &moved),
+                beyond: self.surroundings.pair_beyond(pair, &place),
             }
         };
         locals.clear();

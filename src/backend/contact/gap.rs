@@ -11,11 +11,13 @@
 //! ```
 //!
 //! Slip is a function of the pose, so that sticking and rolling are constraints on poses and
-//! nothing creeps. A body twist of the load is the same in the frame of a moving obstacle, so that
-//! the derivatives by an increment hold there as well.
+//! nothing creeps. Steps are made of the changes of gap and slip, by the displacement of the point
+//! that touches: as differences of places they would have the rounding of those, which over a short
+//! step is a velocity. A body twist of the load is the same in the frame of a moving obstacle, so
+//! that the derivatives by an increment hold there as well.
 
 use super::features::STRAIGHT;
-use crate::backend::springs::Place;
+use crate::backend::springs::{Place, Travel};
 use crate::math::{Mat3, Vec2, Vec3, perpendicular, unwrap_near};
 use crate::model::Reaction;
 
@@ -46,7 +48,7 @@ impl FeaturePair {
     /// one to the line beyond the edge.
     pub fn distance_beside(&self, gap: f64, beside: f64) -> f64 {
         match self {
-            Self::PointOnLine { rounding, .. } | Self::LineOnPoint { rounding, .. } => (gap + rounding).hypot(beside) - rounding,
+            Self::PointOnLine { rounding, .. } | Self::LineOnPoint { rounding, .. } => Vec2::new(gap + rounding, beside).norm() - rounding,
             Self::PointOnPoint { .. } => gap,
         }
     }
@@ -102,8 +104,37 @@ impl FeaturePair {
         }
     }
 
-    /// Gap (m), as the energy of the answer, with its derivatives along the load's axes.
-    pub fn gap_with_derivatives(&self, at: &Place) -> Reaction {
+    /// Change of the gap (m) by a travel from `start` to `end`, with all its digits.
+    pub fn gap_change(&self, [start, end]: [&Place; 2], travel: &Travel) -> f64 {
+        match self {
+            Self::PointOnLine { point, normal, .. } => normal.dot(&travel.of_point(&(start.turn * point))),
+            Self::PointOnPoint { point, centre, .. } => {
+                let (before, moved) = (world(start, point) - centre, travel.of_point(&(start.turn * point)));
+                moved.dot(&(2.0 * before + moved)) / (before.norm() + (before + moved).norm())
+            }
+            Self::LineOnPoint { normal, centre, .. } => -(end.turn * normal).dot(&travel.of_point(&(centre - start.pose.position))),
+        }
+    }
+
+    /// Change of the slip coordinate (m), by less than half a turn, with all its digits.
+    pub fn slip_change(&self, [start, end]: [&Place; 2], travel: &Travel) -> f64 {
+        let turn = travel.arc.angle();
+        match self {
+            Self::PointOnLine { point, rounding, normal, .. } => {
+                perpendicular(normal).dot(&travel.of_point(&(start.turn * point))) - rounding * turn
+            }
+            Self::PointOnPoint { point, rounding, centre, reach } => {
+                let (before, moved) = (world(start, point) - centre, travel.of_point(&(start.turn * point)));
+                reach * before.perp(&moved).atan2(before.dot(&(before + moved))) - rounding * turn
+            }
+            Self::LineOnPoint { normal, centre, rounding, .. } => {
+                rounding * turn - (end.turn * perpendicular(normal)).dot(&travel.of_point(&(centre - start.pose.position)))
+            }
+        }
+    }
+
+    /// This `gap` (m), as the energy of the answer, with its derivatives along the load's axes.
+    pub fn gap_with_derivatives(&self, at: &Place, gap: f64) -> Reaction {
         let (gradient, hessian) = match self {
             Self::PointOnLine { point, normal, .. } => of_point_on_line(&(at.turn * point), normal),
             Self::PointOnPoint { point, centre, .. } => {
@@ -112,11 +143,11 @@ impl FeaturePair {
             }
             Self::LineOnPoint { normal, centre, .. } => of_line_on_point(&(at.turn * normal), &(centre - at.pose.position)),
         };
-        Reaction { energy: self.gap(at), gradient, hessian }.in_axes(&at.turn)
+        Reaction { energy: gap, gradient, hessian }.in_axes(&at.turn)
     }
 
-    /// Slip (m), as the energy of the answer, with its derivatives along the load's axes.
-    pub fn slip_with_derivatives(&self, at: &Place, near: f64) -> Reaction {
+    /// This `slip` (m), as the energy of the answer, with its derivatives along the load's axes.
+    pub fn slip_with_derivatives(&self, at: &Place, slip: f64) -> Reaction {
         let (gradient, hessian) = match self {
             Self::PointOnLine { point, rounding, normal, .. } => {
                 let (gradient, hessian) = of_point_on_line(&(at.turn * point), &perpendicular(normal));
@@ -133,7 +164,7 @@ impl FeaturePair {
                 (gradient + Vec3::new(0.0, 0.0, *rounding), hessian)
             }
         };
-        Reaction { energy: self.slip(at, near), gradient, hessian }.in_axes(&at.turn)
+        Reaction { energy: slip, gradient, hessian }.in_axes(&at.turn)
     }
 }
 
@@ -194,6 +225,47 @@ impl Polar {
             normal_rate: normal.push(normal.dot(&turning)),
             across_rate: across.push(across.dot(&turning)),
             bend,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Arc, Pose};
+
+    fn pairs() -> [FeaturePair; 3] {
+        let (point, centre) = (Vec2::new(0.02, -0.03), Vec2::new(0.05, 0.04));
+        let normal = crate::math::direction(0.7);
+        [
+            FeaturePair::PointOnLine { point, rounding: 0.005, normal, offset: 0.01 },
+            FeaturePair::PointOnPoint { point, rounding: 0.005, centre, reach: 0.02 },
+            FeaturePair::LineOnPoint { normal, offset: 0.03, centre, rounding: 0.01 },
+        ]
+    }
+
+    /// Changes are differences of what they change for a long travel, and for a short one the slope
+    /// along it: less the curvature, which is a share of the travel, no digit is lost.
+    #[test]
+    fn changes_of_gap_and_slip_keep_all_digits() {
+        let start = Place::of(&Pose::new(0.3, -0.2, 0.4));
+        let twist = Vec3::new(0.02, -0.03, 0.5);
+        for pair in pairs() {
+            for size in [1.0, 1e-3, 1e-9, 1e-12] {
+                let (shift, arc) = (size * twist.xy(), Arc::of(size * twist.z));
+                let travel = Travel { shift: start.turn * arc.shift(&shift), arc };
+                let end = start.after(&travel);
+                let (gap, slip) = (pair.gap_change([&start, &end], &travel), pair.slip_change([&start, &end], &travel));
+                let before = pair.slip(&start, 0.0);
+                // Some roundings of lengths of 0.5 m and of their differences.
+                assert!((gap - (pair.gap(&end) - pair.gap(&start))).abs() < 5e-16, "{pair:?} {size}");
+                assert!((slip - (pair.slip(&end, before) - before)).abs() < 5e-16, "{pair:?} {size}");
+                let slopes = [pair.gap_with_derivatives(&start, 0.0), pair.slip_with_derivatives(&start, 0.0)];
+                let along = slopes.map(|it| it.gradient.dot(&(size * twist)));
+                // The second derivatives are at most 0.2 m/rad^2, or 20 1/m.
+                let bent = 0.1 * size * size + 1e-15 * size;
+                assert!((gap - along[0]).abs() < bent && (slip - along[1]).abs() < bent, "{pair:?} {size}: {gap:e} {slip:e} {along:?}");
+            }
         }
     }
 }

@@ -79,7 +79,7 @@ impl Obstacles {
     pub fn distance_and_rate(&self, system: &System, pair: &Strike, motion: &Motion, time: f64) -> (f64, f64) {
         let place = Place::of(&motion.pose);
         let at = Surroundings::relative(&place, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
-        let gap = pair.features.gap_with_derivatives(&at);
+        let gap = pair.features.gap_with_derivatives(&at, pair.features.gap(&at));
         let beyond = self.beyond(pair, &at);
         if beyond > gap.energy.max(0.0) {
             return (beyond, f64::NAN);
@@ -160,19 +160,18 @@ impl Obstacles {
     /// and those that stick go on to do so, after the impulses of these contacts that lead there,
     /// with their friction.
     ///
-    /// The velocity of a step is the one along its chord. The gap that a chord leaves has a
-    /// rounding, which over a short step is a velocity: contacts have made it by impulses with
-    /// their friction, and take it back by such.
+    /// The velocity of a step is the one along its chord, which leaves the obstacle: contacts have
+    /// made it by impulses with their friction, and take it back by such.
     pub fn along(&self, system: &System, motion: &Motion, touching: &[Touching], [before, time]: [f64; 2]) -> Twist {
         let place = Place::of(&motion.pose);
         let mut rates: SmallVec<[Rate; 4]> = SmallVec::new();
-        for Touching { key, mode, slip, force, .. } in touching.iter().filter(|touching| touching.mode != SideMode::Open) {
+        for Touching { key, mode, force, .. } in touching.iter().filter(|touching| touching.mode != SideMode::Open) {
             let (features, path) = (self.surroundings.features(key), &system.world.obstacles[key.obstacle].path);
             let obstacle = path.pose_at(time);
             let seen = Surroundings::relative(&place, &obstacle);
             // An obstacle may change its velocity at the end.
             let own = relative_to(&obstacle, &path.twist_after(0.5 * (before + time)), motion, &place);
-            let [gap, slip] = [features.gap_with_derivatives(&seen), features.slip_with_derivatives(&seen, *slip)].map(|it| it.gradient);
+            let [gap, slip] = [features.gap_with_derivatives(&seen, 0.0), features.slip_with_derivatives(&seen, 0.0)].map(|it| it.gradient);
             let mut stop = |row: Vec3, along: Vec3| rates.push(Rate { row, along, change: -row.dot(&own) });
             if *mode == SideMode::Stick {
                 stop(gap, gap);
@@ -208,7 +207,7 @@ impl Obstacles {
     ) -> (ContactRow, f64) {
         let obstacle = &system.world.obstacles[pair.key.obstacle];
         let at = Surroundings::relative(place, &obstacle.path.pose_at(time));
-        let (gap, slip) = (pair.features.gap_with_derivatives(&at), pair.features.slip_with_derivatives(&at, 0.0));
+        let (gap, slip) = (pair.features.gap_with_derivatives(&at, 0.0), pair.features.slip_with_derivatives(&at, 0.0));
         let own = relative_twist(system, pair.key.obstacle, motion, place, time);
         let seen = relative_twist(system, reference, motion, place, time);
         let approach = gap.gradient.dot(&own);

@@ -19,6 +19,8 @@ pub struct Newton {
     pub sides: Sides,
     /// Whether no other contact forces balance the load.
     pub are_forces_unique: bool,
+    /// Whether a small disturbance of the answer does not grow.
+    pub is_stable: bool,
     pub report: StepReport,
 }
 
@@ -49,12 +51,12 @@ impl<C: Course> ContactStep<'_, C> {
             let residual = system.residual();
             let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
             if is_done {
-                if !system.is_stable() || !self.is_admissible(&sides, &locals) {
+                if !self.is_admissible(&sides, &locals) {
                     return None;
                 }
                 let n_iterations = iteration as u64;
                 let report = StepReport { residual, n_steps: 1, n_solves: 1, n_iterations, ..StepReport::default() };
-                return Some(Newton { at, sides, are_forces_unique: !system.holds_any(), report });
+                return Some(Newton { at, sides, are_forces_unique: !system.holds_any(), is_stable: system.is_stable(), report });
             }
             last = residual;
             let change = system.solve()?;
@@ -85,14 +87,10 @@ impl<C: Course> ContactStep<'_, C> {
     /// Equations of the modes at an increment with these forces. `None` where a support stands
     /// still.
     fn newton_system(&mut self, at: &Vec3, sides: &Sides, system: &mut Linear, locals: &mut Locals) -> Option<()> {
-        let length = self.step.length();
         self.fill_locals(at, locals);
         let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
         let force_scale = add_ground_friction(self.step.ground(), at, &mut gradient, &mut hessian)?;
-        // A gap cannot be closed to less than its rounding, however little the load moves.
-        let rounding = self.candidates.iter().map(|candidate| candidate.rounding(length)).fold(0.0, f64::max);
-        let displacement = (self.step.size(at) * length).max(rounding / STALLED);
-        system.begin(force_scale + gradient.xy().norm(), displacement);
+        system.begin(force_scale + gradient.xy().norm(), self.step.size(at) * self.step.length());
         for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
             if *mode == SideMode::Open {
                 continue;
@@ -108,7 +106,7 @@ impl<C: Course> ContactStep<'_, C> {
                 }
                 _ => {
                     system.push(local.gap.gradient, local.gap.gradient, local.gap.energy);
-                    system.push(local.slip.gradient, local.slip.gradient, local.slip.energy - candidate.slip);
+                    system.push(local.slip.gradient, local.slip.gradient, local.slip.energy);
                 }
             }
         }
@@ -142,7 +140,7 @@ impl<C: Course> ContactStep<'_, C> {
     fn is_admissible(&self, sides: &Sides, locals: &[Local]) -> bool {
         let closed = CLOSED * self.step.length();
         sides.iter().zip(locals).zip(self.candidates).all(|(((mode, force), local), candidate)| {
-            let slip = local.slip.energy - candidate.slip;
+            let slip = local.slip.energy;
             let friction = candidate.pair.friction_coefficient;
             let touches = local.beyond <= closed && force.normal >= 0.0;
             match mode {
@@ -167,12 +165,12 @@ fn add_ground_friction(ground: &Ground, at: &Vec3, gradient: &mut Vec3, hessian:
         if speed == 0.0 {
             return None;
         }
-        let direction: Vec2 = slip / speed;
+        let (direction, stiffness) = (slip * speed.recip(), limit * speed.recip());
         *gradient += wrench_of(&support.offset, &(limit * direction));
         // B' (1 - u u') B = b b' with b the row of B across the slip.
         let across = Vec2::new(-direction.y, direction.x);
         let row = wrench_of(&support.offset, &across);
-        *hessian += limit / speed * row * row.transpose();
+        *hessian += stiffness * row * row.transpose();
         total += limit;
     }
     Some(total)

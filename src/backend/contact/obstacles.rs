@@ -9,16 +9,16 @@
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, Candidate, Candidates};
+use super::candidates::{CLOSED, Candidate, Candidates, gap_rounding};
 use super::gap::FeaturePair;
 use super::solve::{SideForce, SideMode};
 use super::surroundings::{Pair, PairKey, Surroundings};
 use crate::backend::TransitionKind;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Increment, Step, minimise_step};
-use crate::backend::springs::Place;
-use crate::math::{Pose, Vec2, Vec3};
-use crate::model::System;
+use crate::backend::springs::{Place, Travel};
+use crate::math::{Arc, Pose, Vec2, Vec3, rotation};
+use crate::model::{ObstaclePath, System};
 
 /// A contact that is closed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,6 +56,8 @@ pub struct Task {
     pub from: f64,
     /// (s)
     pub to: f64,
+    /// Length (s), with more digits than the difference of these times.
+    pub step: f64,
     pub guess: Option<Vec3>,
     /// Whether the load has inertia: an overlap by rounding is closed without a speed.
     pub has_inertia: bool,
@@ -151,7 +153,8 @@ impl Obstacles {
             let mut worst = 0.0f64;
             for Touching { key, force, .. } in touching {
                 let seen = Surroundings::relative(&Place::of(&closed), &system.world.obstacles[key.obstacle].path.pose_at(time));
-                let gap = self.surroundings.features(key).gap_with_derivatives(&seen);
+                let features = self.surroundings.features(key);
+                let gap = features.gap_with_derivatives(&seen, features.gap(&seen));
                 let missing = if force.normal > 0.0 { -gap.energy } else { (-gap.energy).max(0.0) };
                 let along = gap.gradient.component_mul(&mobility);
                 closed = closed.moved_by(&(missing / gap.gradient.dot(&along) * along));
@@ -202,21 +205,38 @@ impl Obstacles {
 
     fn candidate(&self, system: &System, start: &Place, task: &Task, pair: Pair, touching: &[Touching]) -> Candidate {
         let path = &system.world.obstacles[pair.key.obstacle].path;
-        let near = touching.iter().find(|touching| touching.key == pair.key).map_or(0.0, |touching| touching.slip);
+        let last = touching.iter().find(|touching| touching.key == pair.key);
+        let near = last.map_or(0.0, |touching| touching.slip);
         let at_start = Surroundings::relative(start, &path.pose_at(task.from));
-        let slip = pair.features.slip(&at_start, near);
-        let overlaps = task.has_inertia && self.surroundings.beyond(&pair.key, &at_start) <= 0.0;
-        let least_gap = if overlaps { pair.features.gap(&at_start).min(0.0) } else { 0.0 };
-        Candidate { pair, start: Surroundings::relative(start, &path.pose_at(task.to)), slip, least_gap }
+        let (gap, slip) = (pair.features.gap(&at_start), pair.features.slip(&at_start, near));
+        let has_touched = last.is_some() && gap <= gap_rounding(&start.pose, system.load.radius);
+        let is_rounding = task.has_inertia && (gap < 0.0 || has_touched) && self.surroundings.beyond(&pair.key, &at_start) <= 0.0;
+        let closed = if is_rounding { gap } else { 0.0 };
+        let still = Candidate { pair, start: at_start, gap: gap - closed, slip, slipped: 0.0, closed };
+        if !path.moves() {
+            return still;
+        }
+        let moved = Surroundings::relative(start, &path.pose_at(task.to));
+        let travel = travel_seen(path, task, &at_start);
+        let gap = still.gap + pair.features.gap_change([&at_start, &moved], &travel);
+        Candidate { start: moved, gap, slipped: pair.features.slip_change([&at_start, &moved], &travel), ..still }
     }
 }
 
 /// Force of a contact on the load (N, world) and where it acts (m, world), for a load at `at` in
 /// the frame of an obstacle.
-pub(super) fn on_load(features: &FeaturePair, force: &SideForce, at: &Place, obstacle: &crate::math::Pose) -> [Vec2; 2] {
+pub(super) fn on_load(features: &FeaturePair, force: &SideForce, at: &Place, obstacle: &Pose) -> [Vec2; 2] {
     let normal = features.normal(at);
     let in_frame = force.normal * normal + force.tangential * crate::math::perpendicular(&normal);
-    [crate::math::rotation(obstacle.heading) * in_frame, obstacle.to_world(&features.contact_point(at))]
+    [rotation(obstacle.heading) * in_frame, obstacle.to_world(&features.contact_point(at))]
+}
+
+/// Displacement of a load that stands still, seen by an obstacle that moves along a path, in whose
+/// frame it is at `start` when a step begins.
+fn travel_seen(path: &ObstaclePath, task: &Task, start: &Place) -> Travel {
+    let (shift, turn) = path.displacement([task.from, task.to], task.step);
+    let arc = Arc::of(-turn);
+    Travel { shift: arc.turning(&start.pose.position) - rotation(-path.pose_at(task.to).heading) * shift, arc }
 }
 
 /// Directions in which contact forces move the load (1, 1, 1/m^2): the inverse of its inertia, over
@@ -228,6 +248,10 @@ pub(super) fn mobility(system: &System) -> Vec3 {
 /// What happened at the obstacles between two sets of contacts.
 pub fn transitions(before: &[Touching], after: &[Touching]) -> SmallVec<[TransitionKind; 2]> {
     let mut kinds = SmallVec::new();
+    let goes_on = |(a, b): (&Touching, &Touching)| a.key == b.key && a.mode == b.mode;
+    if before.len() == after.len() && before.iter().zip(after).all(goes_on) {
+        return kinds;
+    }
     let of = |touching: &[Touching], obstacle: usize| {
         let mine = || touching.iter().filter(move |touching| touching.key.obstacle == obstacle);
         (mine().count() > 0).then(|| mine().any(|touching| touching.mode == SideMode::Stick))

@@ -15,7 +15,7 @@ use smallvec::SmallVec;
 
 use super::candidates::{CLOSED, ContactStep, Local, Locals, Sides};
 use super::newton::Newton;
-use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, go_on_resting, solve_contacts};
+use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, go_on_resting, solve_contacts};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
 use crate::backend::{Status, StepReport};
@@ -76,7 +76,7 @@ impl ContactStep<'_, Step<'_>> {
                 return found;
             }
         } else if let Some(guess) = guess
-            && let Some(found) = self.newton_corrector(solver, suggested, guess)
+            && let Some(found) = self.newton_corrector(solver, suggested, guess, false)
         {
             return found;
         }
@@ -130,9 +130,11 @@ impl ContactStep<'_, Step<'_>> {
         Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique })
     }
 
-    /// The answer of [`Self::newton`], with which the friction solver goes on.
-    fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3) -> Option<Found> {
-        let Newton { at, sides, are_forces_unique, report } = self.newton(sides, guess)?;
+    /// The answer of [`Self::newton`], with which the friction solver goes on. It may be unstable
+    /// where the linear step has no other answer.
+    fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3, may_be_unstable: bool) -> Option<Found> {
+        let found = self.newton(sides, guess).filter(|found| found.is_stable || may_be_unstable)?;
+        let Newton { at, sides, are_forces_unique, report, .. } = found;
         let mode = solver.keep_gliding(&at);
         Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique })
     }
@@ -176,8 +178,9 @@ impl ContactStep<'_, Step<'_>> {
             if at == Vec3::zeros() && next == Vec3::zeros() {
                 return self.ended(next, mode, sides, report);
             }
+            let may_be_unstable = solution.stage == Stage::Unstable;
             if mode == ContactMode::Slip
-                && let Some(found) = self.newton_corrector(solver, &sides, next)
+                && let Some(found) = self.newton_corrector(solver, &sides, next, may_be_unstable)
             {
                 let residual = found.increment.report.residual;
                 let report = StepReport { residual, is_indeterminate: false, ..report };
@@ -231,7 +234,7 @@ impl ContactStep<'_, Step<'_>> {
                 normal: local.gap.gradient,
                 tangent: local.slip.gradient,
                 gap: rounded(gap - local.gap.gradient.dot(at)),
-                slip: rounded(local.slip.energy - candidate.slip - local.slip.gradient.dot(at)),
+                slip: rounded(local.slip.energy - local.slip.gradient.dot(at)),
                 friction_coefficient: candidate.pair.friction_coefficient,
             });
             row_of.push(index);

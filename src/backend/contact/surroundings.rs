@@ -63,8 +63,8 @@ pub struct Surroundings {
     /// Radius of the load about its origin (m).
     radius: f64,
     bodies: Vec<Body>,
-    /// Obstacles that move.
-    moving: Vec<usize>,
+    /// Obstacles that move, and their extents about their origins (m).
+    moving: Vec<(usize, f64)>,
     /// Smallest extent of a part that matters when a long displacement is searched for contacts
     /// (m).
     fineness: f64,
@@ -110,17 +110,15 @@ impl Surroundings {
         let bodies: Vec<Body> = system.world.obstacles.iter().map(body).collect();
         let load = Features::of(&system.world.outline);
         let sizes = bodies.iter().map(|body| &body.features).chain([&load]).flat_map(Features::sizes);
-        let moves = |index: &usize| system.world.obstacles[*index].path.moves();
-        let moving = (0..bodies.len()).filter(moves).collect();
+        let obstacles = system.world.obstacles.iter().enumerate();
+        let moving = obstacles.filter(|(_, it)| it.path.moves()).map(|(index, it)| (index, it.outline.extent())).collect();
         Self { fineness: sizes.fold(system.load.radius, f64::min), load, radius: system.load.radius, bodies, moving, near: Near::default() }
     }
 
     /// Bound of the path lengths of all obstacles between two times (m).
     pub fn longest_path(&self, system: &System, from: f64, to: f64) -> f64 {
-        if from == to {
-            return 0.0;
-        }
-        self.moving.iter().map(|index| system.world.obstacles[*index].path_length(from, to)).fold(0.0, f64::max)
+        let lengths = self.moving.iter().map(|(index, extent)| system.world.obstacles[*index].path.length(*extent, from, to));
+        lengths.fold(0.0, f64::max)
     }
 
     /// Length (m) in which a load that moves farther may pass over a feature.

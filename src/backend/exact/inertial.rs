@@ -33,9 +33,10 @@ pub const LONGEST_MACRO_STEP: f64 = 2.0;
 /// of the load's speed by its turn about the support in that time (1).
 const SLOW_SUPPORT: f64 = 2.0;
 
-/// Force by the rounding of a gap, over the slip limit, that macro-steps may not exceed (1). A row
-/// has up to eight steps, in which it is up to 64 times as large: it is still far from the slip
-/// limit then, and does not decide what sticks.
+/// Force that the rounding of a position would ask for, over the slip limit, which limits how short
+/// macro-steps are at obstacles (1). Contact forces keep their digits in shorter steps. Yet where
+/// contacts begin to slide, stick or part, these need not agree: random scenes ended with larger
+/// errors without the limit.
 const ROUNDED_FORCE: f64 = 1e-3;
 
 /// The methods with inertia.
@@ -224,8 +225,8 @@ impl Method for Inertial {
         LONGEST_MACRO_STEP / load.system.fastest_rate_on(attached)
     }
 
-    /// At obstacles, the rounding e of a gap asks for the force m e / h^2 in a step h, with m the
-    /// mass of the load.
+    /// At obstacles: the step h in which the rounding e of a position asks for the force m e / h^2,
+    /// with m the mass of the load.
     fn shortest_macro_step(load: &Exact<Self>) -> f64 {
         let (Load { mass, radius, .. }, limit) = (load.system.load, load.system.total_slip_limit());
         if load.state.side.touching.is_empty() || limit == 0.0 {

@@ -110,7 +110,7 @@ impl Exact<QuasiStatic> {
             unreachable!("there are obstacles");
         };
         let mut problem = Step { potential: Potential::of(springs.blocks(), start), ground: &system.ground, length: system.load.radius };
-        let task = Task { from, to, guess, has_inertia: false, scope: Scope::Near, is_smooth: false };
+        let task = Task { from, to, step: to - from, guess, has_inertia: false, scope: Scope::Near, is_smooth: false };
         let (increment, work) = obstacles.find(system, &mut problem, solver, &mut state.side.touching, &task);
         let report = self.accept(increment, step);
         if report.status != Status::Failed {

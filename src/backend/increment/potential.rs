@@ -5,7 +5,7 @@ use super::objective::{Objective, rounding_of_places};
 use crate::backend::StepReport;
 use crate::backend::friction::ContactMode;
 use crate::backend::friction::cones::slip_gram;
-use crate::backend::springs::{Place, SpringBlocks};
+use crate::backend::springs::{Place, SpringBlocks, Travel};
 use crate::math::{Arc, Mat2, Mat3, Pose, Twist, Vec2, Vec3, shift_of};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, Load, Reaction, SupportPoint};
@@ -101,9 +101,9 @@ pub trait Course: Objective {
 
     fn moved(&self, at: &Vec3) -> Self::Moved;
 
-    /// Place of the load at an increment, from its place at the `start` of the step, both in the
-    /// frame of an obstacle.
-    fn seen(&self, start: &Place, at: &Vec3, moved: &Self::Moved) -> Place;
+    /// Displacement of the load by an increment, seen in the frame in which it is at `start` when
+    /// the step begins.
+    fn seen(&self, start: &Place, at: &Vec3, moved: &Self::Moved) -> Travel;
 
     /// Derivatives by shifts along the load's axes and by its turn, transformed to derivatives by
     /// the increment.
@@ -132,8 +132,8 @@ impl Course for Step<'_> {
         Arc::of(at.z)
     }
 
-    fn seen(&self, start: &Place, at: &Vec3, arc: &Arc) -> Place {
-        start.moved(&at.xy(), arc)
+    fn seen(&self, start: &Place, at: &Vec3, arc: &Arc) -> Travel {
+        Travel { shift: start.turn * arc.shift(&at.xy()), arc: *arc }
     }
 
     fn by_increment(&self, local: &Reaction, at: &Vec3, arc: &Arc) -> Reaction {

@@ -13,7 +13,7 @@ use super::objective::{Objective, rounding_of_places};
 use super::potential::{Coasting, Course, Increment, friction_loss};
 use crate::backend::StepReport;
 use crate::backend::friction::ContactMode;
-use crate::backend::springs::{Place, SpringBlocks};
+use crate::backend::springs::{Place, SpringBlocks, Travel};
 use crate::math::{Arc, Mat2, Pose, Vec2, Vec3};
 use crate::model::support::slip_velocity;
 use crate::model::{Ground, Reaction};
@@ -112,10 +112,8 @@ impl Course for Straight<'_> {
         Displacement { shift, turn, back: Arc::of(turn - self.expected_turn).rotation() }
     }
 
-    fn seen(&self, start: &Place, _at: &Vec3, Displacement { shift, turn, .. }: &Displacement) -> Place {
-        let seen = start.turn * self.start.turn.tr_mul(shift);
-        let pose = Pose { position: start.pose.position + seen, heading: start.pose.heading + turn };
-        Place::turned(pose, Arc::of(*turn).rotation() * start.turn.column(0))
+    fn seen(&self, start: &Place, _at: &Vec3, Displacement { shift, turn, .. }: &Displacement) -> Travel {
+        Travel { shift: start.turn * self.start.turn.tr_mul(shift), arc: Arc::of(*turn) }
     }
 
     fn by_increment(&self, local: &Reaction, _at: &Vec3, moved: &Displacement) -> Reaction {

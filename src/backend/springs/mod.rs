@@ -9,7 +9,7 @@ mod place;
 pub(in crate::backend) use attached::{AttachedSprings, SavedSprings, TipPaths};
 pub use attachments::{AttachedTip, AttachedTips, Attachment, Attachments, pulls_with};
 pub use blocks::SpringBlocks;
-pub use place::Place;
+pub use place::{Place, Travel};
 
 #[cfg(test)]
 mod tests;

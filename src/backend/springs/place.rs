@@ -12,6 +12,20 @@ pub struct Place {
     pub turn: Mat2,
 }
 
+/// Displacement of a body: the shift of its origin (m) and its turn.
+#[derive(Clone, Copy, Debug)]
+pub struct Travel {
+    pub shift: Vec2,
+    pub arc: Arc,
+}
+
+impl Travel {
+    /// Displacement of the point at an `arm` from the origin (m), with all its digits.
+    pub fn of_point(&self, arm: &Vec2) -> Vec2 {
+        self.shift + self.arc.turning(arm)
+    }
+}
+
 impl Place {
     pub fn of(pose: &Pose) -> Self {
         Self { pose: *pose, turn: rotation(pose.heading) }
@@ -29,9 +43,13 @@ impl Place {
     /// Place after the body-twist increment with this linear part (m) along this arc.
     #[inline]
     pub fn moved(&self, shift: &Vec2, arc: &Arc) -> Self {
+        self.after(&Travel { shift: self.turn * arc.shift(shift), arc: *arc })
+    }
+
+    #[inline]
+    pub fn after(&self, Travel { shift, arc }: &Travel) -> Self {
         let Pose { position, heading } = self.pose;
-        let pose = Pose { position: position + self.turn * arc.shift(shift), heading: heading + arc.angle() };
-        Self::turned(pose, arc.rotation() * self.turn.column(0))
+        Self::turned(Pose { position: position + shift, heading: heading + arc.angle() }, arc.rotation() * self.turn.column(0))
     }
 
     /// Place after a body-twist increment (m, m, rad).
