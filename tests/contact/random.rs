@@ -69,7 +69,8 @@ struct Run {
     /// The same run, restored.
     restored: Option<Box<dyn Backend>>,
     attached: Vec<bool>,
-    sides: Vec<bool>,
+    /// Sides of the long walls on which the load was last.
+    sides: Vec<Option<bool>>,
     energy: EnergyLedger,
 }
 
@@ -155,7 +156,7 @@ impl Run {
         faults
     }
 
-    fn overlaps(&self, pose: &Pose, time: f64) -> Vec<String> {
+    fn overlaps(&mut self, pose: &Pose, time: f64) -> Vec<String> {
         let (system, mut faults) = (&self.scene.system, Vec::new());
         for (index, obstacle) in system.world.obstacles.iter().enumerate() {
             let allowed = ROUNDING_OF_LOAD * system.load.radius + ROUNDING_OF_OBSTACLE * obstacle.outline.extent();
@@ -164,9 +165,10 @@ impl Run {
                 faults.push(format!("overlap of {:e} R with obstacle {index}", depth / system.load.radius));
             }
         }
-        let walls = system.world.obstacles.iter().zip(&self.sides).enumerate();
-        let passed = walls.filter(|(_, (wall, side))| is_left_of(wall, pose) != **side);
+        let now: Vec<Option<bool>> = system.world.obstacles[..self.sides.len()].iter().map(|wall| is_left_of(wall, pose)).collect();
+        let passed = now.iter().zip(&self.sides).enumerate().filter(|(_, (now, side))| now.zip(**side).is_some_and(|(a, b)| a != b));
         faults.extend(passed.map(|(index, _)| format!("passed through wall {index}")));
+        self.sides = now;
         faults
     }
 
@@ -178,9 +180,11 @@ impl Run {
     }
 }
 
-fn is_left_of(wall: &Obstacle, pose: &Pose) -> bool {
+/// Whether a load is left of a wall; `None` beyond its ends, where the load may go round.
+fn is_left_of(wall: &Obstacle, pose: &Pose) -> Option<bool> {
     let at = wall.path.pose_at(0.0);
-    direction(at.heading).perp(&(pose.position - at.position)) > 0.0
+    let (along, offset) = (direction(at.heading), pose.position - at.position);
+    (along.dot(&offset).abs() <= wall.outline.extent()).then(|| along.perp(&offset) > 0.0)
 }
 
 fn bits(load: &dyn Backend) -> [u64; 8] {
