@@ -38,10 +38,6 @@ pub fn perpendicular(v: &Vec2) -> Vec2 {
 
 /// Rotation matrix by `angle`, whose columns are the turned axes.
 pub fn rotation(angle: f64) -> Mat2 {
-    // Few obstacles are turned, and each is looked at several times in a step.
-    if angle == 0.0 {
-        return Mat2::identity();
-    }
     let (sin, cos) = angle.sin_cos();
     Mat2::new(cos, -sin, sin, cos)
 }

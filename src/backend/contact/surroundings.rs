@@ -128,9 +128,14 @@ impl Surroundings {
 
     /// Place of the load at `load` in the frame of an obstacle at `obstacle`.
     pub fn relative(load: &Place, obstacle: &Pose) -> Place {
+        let offset = load.pose.position - obstacle.position;
+        // Few obstacles are turned, and each is looked at several times in a step.
+        if obstacle.heading == 0.0 {
+            return Place { pose: Pose { position: offset, ..load.pose }, turn: load.turn };
+        }
         let back = rotation(-obstacle.heading);
-        let pose = Pose { position: back * (load.pose.position - obstacle.position), heading: load.pose.heading - obstacle.heading };
-        if obstacle.heading == 0.0 { Place { pose, turn: load.turn } } else { Place::turned(pose, back * load.turn.column(0)) }
+        let pose = Pose { position: back * offset, heading: load.pose.heading - obstacle.heading };
+        Place::turned(pose, back * load.turn.column(0))
     }
 
     /// Lower bound of the distance between load and obstacles (m) at `time` (s), exact where it is
