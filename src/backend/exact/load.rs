@@ -52,7 +52,7 @@ pub trait Method: Sized + Send {
         None
     }
 
-    /// Length of a macro-step below which rounding counts (s).
+    /// Length below which macro-steps are not shortened further (s).
     fn shortest_macro_step(_load: &Exact<Self>) -> f64 {
         0.0
     }

@@ -46,6 +46,7 @@ impl Place {
         self.after(&Travel { shift: self.turn * arc.shift(shift), arc: *arc })
     }
 
+    /// Place after a displacement in the same frame.
     #[inline]
     pub fn after(&self, Travel { shift, arc }: &Travel) -> Self {
         let Pose { position, heading } = self.pose;
