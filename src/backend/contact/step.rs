@@ -105,7 +105,8 @@ impl ContactStep<'_, Step<'_>> {
         self.fill_locals(&Vec3::zeros(), &mut locals);
         let mut missing = drive;
         for ((mode, force), local) in last.iter().zip(&locals) {
-            if local.gap.energy < -closed && local.beyond <= 0.0 || local.gap.energy > closed && force.normal > 0.0 {
+            let (overlaps, touches) = (local.gap.energy < -closed, local.gap.energy.abs() <= closed && local.beyond <= closed);
+            if overlaps && local.beyond <= 0.0 || force.normal > 0.0 && !touches {
                 return None;
             }
             missing += force.normal * local.gap.gradient;
