@@ -4,9 +4,10 @@
 use std::f64::consts::{PI, TAU};
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
-use cohaul::backend::{Backend, Status, Transition, TransitionKind, build};
+use cohaul::backend::{Backend, BackendOptions, Status, StepReport, Tolerance, Transition, TransitionKind, build};
 use cohaul::math::{Pose, Vec2, direction, rotation};
 use cohaul::model::{Outline, OutlinePart, System};
+use cohaul::scenario::{Drive, Scenario};
 
 use crate::scenes::*;
 
@@ -285,4 +286,35 @@ fn a_disc_snaps_round_a_post() {
     }
     let beyond = at(0.080, 400);
     assert!(beyond.x > 0.045 && (beyond - Vec2::new(0.04, 0.01)).norm() >= RADIUS + 0.003 - ROUNDING, "{beyond}");
+}
+
+/// A pentagon on two springs snaps twice past two posts. Each time its path comes out of balance
+/// next to where it ends, and is followed against a resistance. Under any tolerance and in fixed
+/// steps it comes to the same end, without a turn more. Fixed steps miss it by their first order.
+#[test]
+fn a_pentagon_snaps_past_two_posts() {
+    let text = include_str!("../common/corners-past-posts.json");
+    let Scenario { system, start, drive: Drive::Tips(paths), .. } = Scenario::parse(text, "corners past posts").unwrap() else {
+        panic!("tips are prescribed")
+    };
+    let tips = |share: f64| -> [Vec2; 2] {
+        [0, 1].map(|spring| {
+            let [from, to] = [0, 1].map(|at| paths[spring].waypoints[at].position);
+            from + share * (to - from)
+        })
+    };
+    let within = |size: f64| BackendOptions::within(QuasiStatic, Tolerance::at_edge(size * system.load.radius, &system.load));
+    let [coarse, fine, stepped] = [within(1e-3), within(1e-5), BackendOptions::new(QuasiStatic, 1e-4)].map(|options| {
+        let mut load = build(&system, start, &options);
+        (0..2).for_each(|spring| load.attach(spring, tips(0.0)[spring]));
+        let mut report = StepReport::default();
+        for tick in 1..=200 {
+            report.add(&load.advance(&tips(0.005 * f64::from(tick)), 0.01));
+        }
+        assert_eq!((report.status, report.n_not_converged), (Status::Converged, 0), "{report:?}");
+        assert!(report.n_iterations < 5_000_000, "{report:?}");
+        load.motion().pose
+    });
+    let distance = |pose: &Pose| pose.edge_displacement(&fine, system.load.radius) / system.load.radius;
+    assert!(distance(&coarse) < 1e-3 && distance(&stepped) < 1e-3, "{coarse:?} {stepped:?} {fine:?}");
 }

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Sides, gap_rounding};
 use super::displacement::PIECE;
 use super::newton::Newton;
-use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
+use super::obstacles::{Obstacles, Resistance, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
 use super::step::Found;
 use super::surroundings::{Pair, PairKey, Surroundings};
@@ -24,6 +24,8 @@ const MOST_HALVINGS: i32 = 6;
 const SOFTEST: f64 = 0.3;
 const STIFFER: f64 = 8.0;
 const MOST_RESISTANCES: usize = 6;
+/// Ratio of a resistance to that of the next leg of the same path (1).
+const SOFTER: f64 = 4.0;
 /// Increment, over the load's radius, that is none (1).
 const SHORTEST: f64 = 1e-9;
 /// Increment over the load's radius beyond which it is no answer (1): there a gap as small as a
@@ -37,20 +39,29 @@ const MOST_ATTEMPTS: usize = 12;
 const REACH: f64 = 0.01;
 const LONGEST_REACH: f64 = 2.0;
 
+/// Answer of a shorter path than that of a step.
+struct Shorter {
+    answer: Answer,
+    /// Share of the time of the step at its end; `None` for the whole path.
+    share: Option<f64>,
+    resistance: Option<Resistance>,
+}
+
 /// Answer of a step with the features within reach.
 pub struct Answer {
     pub found: Found,
     pub candidates: Candidates,
     /// Share of the increment at which it is cut, before a feature that it would pass.
     cut: Option<f64>,
-    /// Whether the load would overlap an obstacle there: a straight path along one cuts its corner.
-    overlaps_at_cut: bool,
+    /// Whether a load without inertia stays where it is: it would overlap an obstacle at the end,
+    /// or at the cut, as a straight path along one cuts its corner.
+    stays: bool,
 }
 
 impl Answer {
     /// Whether the step did not converge, or is not one to go.
     fn is_poor(&self) -> bool {
-        self.found.increment.report.status != Status::Converged || self.overlaps_at_cut
+        self.found.increment.report.status != Status::Converged || self.stays
     }
 }
 
@@ -66,22 +77,25 @@ impl Obstacles {
         touching: &mut Vec<Touching>,
         task: &Task,
     ) -> (Increment, SideWork) {
-        let start = step.potential.start;
-        let mut answer = self.find_near(system, step, solver, touching, task);
-        let mut cut = answer.cut;
-        if answer.is_poor() && task.scope == Scope::Near && !task.has_inertia {
-            let mut spent = answer.found.increment.report;
-            if let Some((other, share)) = self.find_shorter(system, step, solver, touching, task, &mut spent) {
-                (answer, cut) = (other, Some(share));
-            }
-            let of_found = &mut answer.found.increment.report;
-            (of_found.n_solves, of_found.n_iterations) = (spent.n_solves, spent.n_iterations);
-        }
-        if let Some(share) = answer.cut {
+        let (start, mut spent) = (step.potential.start, StepReport::default());
+        let held = task.resistance.and_then(|last| {
+            let found = self.find_held(system, step, solver, touching, task, (last.next, 2.0), &mut spent)?;
+            let resistance = found.resistance?;
+            (resistance.moved > last.moved || resistance.stiffness > last.next).then_some(found)
+        });
+        let Shorter { mut answer, share: mut cut, resistance } = held.unwrap_or_else(|| {
+            let answer = self.find_near(system, step, solver, touching, task, &mut spent);
+            let is_stuck = answer.is_poor() && task.scope == Scope::Near && !task.has_inertia;
+            let shorter = if is_stuck { self.find_shorter(system, step, solver, touching, task, &mut spent) } else { None };
+            shorter.unwrap_or_else(|| Shorter { share: answer.cut, answer, resistance: None })
+        });
+        let of_found = &mut answer.found.increment.report;
+        (of_found.n_solves, of_found.n_iterations) = (spent.n_solves, spent.n_iterations);
+        if answer.cut.is_some() || answer.stays {
             let Increment { twist, mode, mut report, .. } = answer.found.increment;
-            let twist = if answer.overlaps_at_cut { Vec3::zeros() } else { share * twist };
+            let twist = answer.cut.filter(|_| !answer.stays).unwrap_or_default() * twist;
             // Another leg would end there as well.
-            let cut = cut.filter(|_| !answer.overlaps_at_cut);
+            cut = cut.filter(|_| !answer.stays);
             if cut.is_none() {
                 (report.status, report.n_not_converged) = (report.status.max(Status::NotConverged), 1);
             }
@@ -90,7 +104,7 @@ impl Obstacles {
         }
         let end = if let Some(share) = cut { task.from + share * (task.to - task.from) } else { task.to };
         let work = self.settle(system, &start, &Task { to: end, ..*task }, &mut answer, touching);
-        (answer.found.increment, SideWork { cut, ..work })
+        (answer.found.increment, SideWork { cut, resistance, ..work })
     }
 
     /// The step along a straight course, from a guess, in which all that touches goes on to do so
@@ -115,7 +129,7 @@ impl Obstacles {
         }
         solver.keep_gliding(&at);
         let found = Found { increment, sides, are_forces_unique };
-        let mut answer = Answer { found, candidates, cut: None, overlaps_at_cut: false };
+        let mut answer = Answer { found, candidates, cut: None, stays: false };
         let work = self.settle(system, &start, task, &mut answer, touching);
         Some((answer.found.increment, work, at))
     }
@@ -190,8 +204,7 @@ impl Obstacles {
         work
     }
 
-    /// Answer of a shorter path, and the share of the time of the step at its end. Adds what it
-    /// takes to the work that has been `spent`.
+    /// Answer of a shorter path.
     fn find_shorter(
         &mut self,
         system: &System,
@@ -200,40 +213,77 @@ impl Obstacles {
         touching: &[Touching],
         task: &Task,
         spent: &mut StepReport,
-    ) -> Option<(Answer, f64)> {
-        let mut add = |StepReport { n_solves, n_iterations, .. }: &StepReport| {
-            spent.n_solves += n_solves;
-            spent.n_iterations += n_iterations;
-        };
+    ) -> Option<Shorter> {
         let warm_start = solver.warm_start().clone();
         let n_moving = if self.surroundings.longest_path(system, task.from, task.to) > 0.0 { MOST_HALVINGS } else { 0 };
         for halving in 1..=n_moving {
             let share = 0.5f64.powi(halving);
             let to = task.from + share * (task.to - task.from);
             solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
-            let answer = self.find_near(system, step, solver, touching, &Task { to, step: share * task.step, guess: None, ..*task });
-            add(&answer.found.increment.report);
+            let answer = self.find_near(system, step, solver, touching, &Task { to, step: share * task.step, guess: None, ..*task }, spent);
             if !answer.is_poor() && answer.cut.is_none() {
-                return Some((answer, share));
+                return Some(Shorter { answer, share: Some(share), resistance: None });
             }
         }
         let length = system.load.radius;
         let gradient = step.gradient(&Vec3::zeros());
-        let mut stiffness = (gradient.xy().norm() + gradient.z.abs() / length) / (SOFTEST * length);
+        let first = || (gradient.xy().norm() + gradient.z.abs() / length) / (SOFTEST * length);
+        let tried = task.resistance.map_or_else(|| (first(), STIFFER), |last| (last.next / SOFTER, 2.0));
+        solver.set_warm_start(warm_start).expect("it is the solver's own");
+        let found = self.find_held(system, step, solver, touching, task, tried, spent)?;
+        (found.resistance?.moved > SHORTEST * length).then_some(found)
+    }
+
+    /// Answer against the first resistance that has one, of a stiffness (N/m) and, in turn, of the
+    /// last one times a ratio. A softer one is next unless the first one had none.
+    #[expect(clippy::too_many_arguments, reason = "a step and what is tried")]
+    fn find_held(
+        &mut self,
+        system: &System,
+        step: &mut Step,
+        solver: &mut FrictionSolver,
+        touching: &[Touching],
+        task: &Task,
+        (first, ratio): (f64, f64),
+        spent: &mut StepReport,
+    ) -> Option<Shorter> {
+        let (warm_start, mut stiffness) = (solver.warm_start().clone(), first);
         for _ in 0..MOST_RESISTANCES {
-            step.potential.inertia =
-                Some(Coasting { shift: Vec2::zeros(), turn: 0.0, stiffness: (stiffness, stiffness * length * length) });
             solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
-            let answer = self.find_near(system, step, solver, touching, &Task { guess: None, ..*task });
-            step.potential.inertia = None;
-            add(&answer.found.increment.report);
-            if !answer.is_poor() && answer.cut.is_none() {
-                let moves = step.size(&answer.found.increment.twist) > SHORTEST;
-                return moves.then_some((answer, 1.0));
+            if let Some(mut found) = self.find_resisted(system, step, solver, touching, task, stiffness, spent) {
+                let may_be_softer = stiffness == first && task.resistance.is_none_or(|last| last.next < last.stiffness);
+                let next = if may_be_softer { stiffness / SOFTER } else { stiffness };
+                found.resistance = found.resistance.map(|it| Resistance { next, ..it });
+                return Some(found);
             }
-            stiffness *= STIFFER;
+            stiffness *= ratio;
         }
         None
+    }
+
+    /// Answer of the path against a resistance that is proportional to the displacement, of this
+    /// `stiffness` (N/m); `None` where there is none.
+    #[expect(clippy::too_many_arguments, reason = "a step and one number more")]
+    fn find_resisted(
+        &mut self,
+        system: &System,
+        step: &mut Step,
+        solver: &mut FrictionSolver,
+        touching: &[Touching],
+        task: &Task,
+        stiffness: f64,
+        spent: &mut StepReport,
+    ) -> Option<Shorter> {
+        let turning = stiffness * system.load.radius * system.load.radius;
+        step.potential.inertia = Some(Coasting { shift: Vec2::zeros(), turn: 0.0, stiffness: (stiffness, turning) });
+        let answer = self.find_near(system, step, solver, touching, &Task { guess: None, ..*task }, spent);
+        step.potential.inertia = None;
+        let moved = step.size(&answer.found.increment.twist);
+        (!answer.is_poor() && answer.cut.is_none()).then_some(Shorter {
+            answer,
+            share: Some(1.0),
+            resistance: Some(Resistance { stiffness, moved, next: stiffness }),
+        })
     }
 
     /// Whether a pair overlaps by more than rounding.
@@ -243,7 +293,16 @@ impl Obstacles {
     }
 
     /// The step with the features within reach, which is widened until it suffices.
-    fn find_near(&mut self, system: &System, step: &mut Step, solver: &mut FrictionSolver, touching: &[Touching], task: &Task) -> Answer {
+    /// Adds what it takes to the work that has been `spent`.
+    fn find_near(
+        &mut self,
+        system: &System,
+        step: &mut Step,
+        solver: &mut FrictionSolver,
+        touching: &[Touching],
+        task: &Task,
+        spent: &mut StepReport,
+    ) -> Answer {
         let (start, radius) = (step.potential.start, system.load.radius);
         let shift = self.surroundings.longest_path(system, task.from, task.to);
         let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
@@ -251,7 +310,6 @@ impl Obstacles {
         let mut reach = (2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size))).min(longest);
         // Features that touch are all that such a step looks at: it is taken once.
         let warm_start = (task.scope == Scope::Near).then(|| solver.warm_start().clone());
-        let mut report = StepReport::default();
         let mut attempt = 0;
         loop {
             let candidates = self.candidates(system, &start, task, reach, touching);
@@ -259,8 +317,8 @@ impl Obstacles {
             let start_at = carried(system, &start, task, &candidates, touching);
             let mut contact = ContactStep { step, surroundings: &self.surroundings, candidates: &candidates, start_at };
             let mut found = contact.find(solver, &suggested, task.guess);
-            report.n_solves += found.increment.report.n_solves;
-            report.n_iterations += found.increment.report.n_iterations;
+            spent.n_solves += found.increment.report.n_solves;
+            spent.n_iterations += found.increment.report.n_iterations;
             let length = size(&found.increment.twist);
             if !length.is_finite() || length > FARTHEST * radius {
                 found = contact.none(found.increment.report);
@@ -280,7 +338,6 @@ impl Obstacles {
                 candidates.iter().any(|it| self.overlaps(system, &it.pair.key, &place, to))
                     || self.comes_to_cross(system, &[start, place], [task.from, to])
             });
-            // A load with inertia takes the whole step, as does one whose path cuts a corner.
             let is_hit = hit.is_some() && cut.is_none() || overlaps_at_cut;
             if let Some(warm_start) = warm_start.as_ref().filter(|_| is_hit && attempt < MOST_ATTEMPTS && reach < longest.min(2.0 * moved))
             {
@@ -288,13 +345,13 @@ impl Obstacles {
                 solver.set_warm_start(warm_start.clone()).expect("it is the solver's own");
                 continue;
             }
-            let of_found = &mut found.increment.report;
-            (of_found.n_solves, of_found.n_iterations) = (report.n_solves, report.n_iterations);
             if hit.is_some() && cut.is_none() {
+                let of_found = &mut found.increment.report;
                 of_found.status = of_found.status.max(Status::NotConverged);
                 of_found.n_not_converged = 1;
             }
-            return Answer { found, candidates, cut, overlaps_at_cut };
+            // A load with inertia takes the whole step.
+            return Answer { found, candidates, cut, stays: is_hit && !task.has_inertia };
         }
     }
 

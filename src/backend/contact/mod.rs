@@ -28,7 +28,7 @@ mod surroundings;
 
 pub use candidates::gap_rounding;
 pub use impact::{Reflection, Strike};
-pub use obstacles::{Obstacles, Scope, SideWork, Task, Touching, transitions};
+pub use obstacles::{Obstacles, Resistance, Scope, SideWork, Task, Touching, transitions};
 pub use solve::{
     ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, mode_newton, solve_contacts,
 };

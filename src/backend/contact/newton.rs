@@ -7,7 +7,7 @@ use super::candidates::{CLOSED, ContactStep, Local, Locals, Sides};
 use super::linear::{Linear, Rows};
 use super::solve::{Basis, SideForce, SideMode};
 use crate::backend::StepReport;
-use crate::backend::increment::Course;
+use crate::backend::increment::{Course, LONGEST_TURN};
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, Reaction};
@@ -61,7 +61,7 @@ impl<C: Course> ContactStep<'_, C> {
             last = residual;
             let change = system.solve()?;
             let moved = Vec3::new(change[0], change[1], change[2]);
-            if self.step.size(&moved) > 3.0 * self.step.size(&at) {
+            if self.step.size(&moved) > 3.0 * self.step.size(&at) || moved.z.abs() > LONGEST_TURN {
                 return None;
             }
             at += moved;

@@ -47,6 +47,20 @@ pub struct SideWork {
     /// Shift along the load's axes at the end, and turn, that close overlaps by rounding (m, m,
     /// rad).
     pub push_out: Vec3,
+    /// Against which the load has moved; `None` for none.
+    pub resistance: Option<Resistance>,
+}
+
+/// A resistance to a load that is proportional to its displacement. It holds a load that has come
+/// out of balance near its path, which is that of a load in a viscous fluid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resistance {
+    /// (N/m)
+    pub stiffness: f64,
+    /// Size of the displacement (m).
+    pub moved: f64,
+    /// Stiffness to try next (N/m): a softer one, or the same where a softer one has failed.
+    pub next: f64,
 }
 
 /// A step: when it begins and ends, and the guess of its increment.
@@ -65,6 +79,15 @@ pub struct Task {
     /// Whether forces change smoothly since the last step: then their works are those of the
     /// trapezoid rule, and otherwise those of the forces at the end.
     pub is_smooth: bool,
+    /// Resistance of the leg before on the same path.
+    pub resistance: Option<Resistance>,
+}
+
+impl Task {
+    /// The last `step` (s) before a time (s), for a load with inertia.
+    pub fn inertial(end: f64, step: f64, guess: Option<Vec3>, scope: Scope, is_smooth: bool) -> Self {
+        Self { from: end - step, to: end, step, guess, has_inertia: true, scope, is_smooth, resistance: None }
+    }
 }
 
 /// Features that a step looks at.

@@ -17,7 +17,7 @@ use super::candidates::{CLOSED, ContactStep, Local, Locals, Sides};
 use super::newton::Newton;
 use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, go_on_resting, solve_contacts};
 use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite};
+use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite, shortened};
 use crate::backend::{Status, StepReport};
 use crate::math::{Mat3, Vec3};
 
@@ -150,11 +150,7 @@ impl ContactStep<'_, Step<'_>> {
         for round in 0..MOST_STEPS {
             let local = self.step.at(&at);
             self.fill_locals(&at, &mut locals);
-            let mut hessian = local.hessian;
-            for ((_, force), local) in sides.iter().zip(&locals) {
-                hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;
-            }
-            let hessian = if local.hessian == Mat3::zeros() { local.hessian } else { positive_definite(&hessian, length) };
+            let hessian = self.curvature(&local.hessian, &at, mode, (&sides, &locals));
             let (rows, row_of) = self.rows(&at, &locals);
             let drive = hessian * at - local.gradient;
             let solution = solve_contacts(&ContactSystem { hessian: &hessian, drive: &drive, rows: &rows }, solver, None);
@@ -180,7 +176,10 @@ impl ContactStep<'_, Step<'_>> {
                 return self.ended(next, mode, sides, report);
             }
             let may_be_unstable = solution.stage == Stage::Unstable;
-            if mode == ContactMode::Slip
+            let change = shortened(next - at);
+            let is_whole = change == next - at;
+            if is_whole
+                && mode == ContactMode::Slip
                 && let Some(found) = self.newton_corrector(solver, &sides, next, may_be_unstable)
             {
                 let residual = found.increment.report.residual;
@@ -188,10 +187,9 @@ impl ContactStep<'_, Step<'_>> {
                 return Found { increment: Increment { report, ..found.increment }, ..found };
             }
             n_failed += u32::from(solution.ending != Ending::Converged);
-            let change = next - at;
             let stride = pace.stride(&change.component_div(&Vec3::new(length, length, 1.0)));
             let stride = if stride > 1.0 || round < STEPS_IN_FULL { stride } else { 0.5 };
-            at = if stride == 1.0 { next } else { at + stride * change };
+            at = if is_whole && stride == 1.0 { next } else { at + stride * change };
             if self.step.size(&change) <= 1e-12 * self.step.size(&at) + 1e-15 {
                 return self.ended(at, mode, sides, report);
             }
@@ -200,6 +198,23 @@ impl ContactStep<'_, Step<'_>> {
             }
         }
         self.ended(at, mode, sides, StepReport { status: Status::NotConverged, residual: report.residual.max(1e-9), ..report })
+    }
+
+    /// Curvature at an increment, of the springs and of gaps and slips with these forces, made
+    /// positive definite. Where the load slips, ground friction may suffice for it: what is left of
+    /// the path then needs fewer linear steps.
+    fn curvature(&self, of_springs: &Mat3, at: &Vec3, mode: ContactMode, (sides, locals): (&Sides, &Locals)) -> Mat3 {
+        if *of_springs == Mat3::zeros() {
+            return *of_springs;
+        }
+        let mut hessian = *of_springs;
+        for ((_, force), local) in sides.iter().zip(locals) {
+            hessian -= force.normal * local.gap.hessian + force.tangential * local.slip.hessian;
+        }
+        let stiffened = positive_definite(&hessian, self.step.length);
+        let may_be_held = *at != Vec3::zeros() && mode == ContactMode::Slip && stiffened != hessian;
+        let held = if may_be_held { self.step.held_by_friction(&hessian, at) } else { None };
+        held.unwrap_or(stiffened)
     }
 
     /// A step without an answer: the load stays.

@@ -6,7 +6,7 @@ use super::features::{Corner, Edge, Features};
 use super::gap::FeaturePair;
 use super::solve::SideMode;
 use crate::backend::springs::Place;
-use crate::math::{Pose, Vec2, rotation};
+use crate::math::{Mat2, Pose, Vec2, rotation};
 use crate::model::{Obstacle, System};
 
 /// Features of a pair by their indices, by which contacts are recognised from step to step.
@@ -197,15 +197,22 @@ impl Surroundings {
         let crosses = |index: &usize| {
             let (body, at) = (&self.bodies[*index].features, Self::relative(load, &system.world.obstacles[*index].path.pose_at(time)));
             let to_obstacle = |point: &Vec2| at.pose.position + at.turn * point;
+            let to_load = |point: &Vec2| at.turn.tr_mul(&(point - at.pose.position));
             let edges = || self.load.edges.iter().map(|edge| [to_obstacle(&edge.from), to_obstacle(&edge.end())]);
             let discs = |features: &Features| -> Vec<_> {
                 features.corners.iter().filter(|corner| corner.rounding > 0.0).map(|disc| (disc.at, disc.rounding)).collect()
             };
             let mut of_load = discs(&self.load).into_iter().map(|(centre, radius)| (to_obstacle(&centre), radius));
-            let mut of_body = discs(body).into_iter().map(|(centre, radius)| (at.turn.tr_mul(&(centre - at.pose.position)), radius));
+            let mut of_body = discs(body).into_iter().map(|(centre, radius)| (to_load(&centre), radius));
             let touches =
                 |edges: &[Edge], (centre, radius): (Vec2, f64)| edges.iter().any(|edge| edge.distance(&centre) < radius - rounding);
+            let enter = |edges: &[Edge], corner: Vec2, turn: &Mat2, ways: &[Vec2]| {
+                let Ok(ways) = <&[Vec2; 2]>::try_from(ways) else { return false };
+                edges.iter().any(|edge| edge.enters(&corner, &ways.map(|way| turn * way), self.fineness) > rounding)
+            };
             body.edges.iter().any(|edge| edges().any(|ends| edge.crosses(&ends, rounding)))
+                || self.load.corners.iter().any(|it| enter(&body.edges, to_obstacle(&it.at), &at.turn, &it.edges))
+                || body.corners.iter().any(|it| enter(&self.load.edges, to_load(&it.at), &at.turn.transpose(), &it.edges))
                 || of_load.any(|disc| touches(&body.edges, disc))
                 || of_body.any(|disc| touches(&self.load.edges, disc))
         };
@@ -376,6 +383,15 @@ impl Edge {
         let [from, to] = [self.from, self.end()].map(|end| way.perp(&(end - ends[0])));
         let are_apart = |a: f64, b: f64| a.min(b) < -least && a.max(b) > least;
         are_apart(one, other) && are_apart(from, to)
+    }
+
+    /// Depth (m) by which this edge, within a `reach` (m), lies between the two edges that begin in
+    /// these directions at a corner on it; zero for a corner elsewhere.
+    fn enters(&self, corner: &Vec2, ways: &[Vec2; 2], reach: f64) -> f64 {
+        let [one, other] = if ways[0].perp(&ways[1]) > 0.0 { *ways } else { [ways[1], ways[0]] };
+        let at = self.along.dot(&(corner - self.from));
+        let depth = |along: &Vec2, length: f64| length.clamp(0.0, reach) * one.perp(along).min(along.perp(&other));
+        (depth(&self.along, self.length - at).max(depth(&-self.along, at)) - self.distance(corner)).max(0.0)
     }
 
     /// Distance of a point from the line (m), positive on the left.

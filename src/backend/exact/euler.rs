@@ -24,7 +24,7 @@ pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
         None => (minimise(potential, &system.ground, solver, system.load.radius, guess), SideWork::default()),
         Some(Among { obstacles, touching, end, scope }) => {
             let mut at_end = Step { potential, ground: &system.ground, length: system.load.radius };
-            let task = Task { from: end - step, to: end, step, guess, has_inertia: true, scope, is_smooth: false };
+            let task = Task::inertial(end, step, guess, scope, false);
             obstacles.find(system, &mut at_end, solver, touching, &task)
         }
     };

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::bdf2::{self, Past};
 use super::contact::GroundContact;
 use super::load::{Exact, Method, SnapStart, State};
-use crate::backend::contact::{Scope, SideWork, Task};
+use crate::backend::contact::{Resistance, Scope, SideWork, Task};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Increment, Potential, Step, minimise};
 use crate::backend::shortcuts::{Skip, Skips};
@@ -31,7 +31,7 @@ const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
 const MOST_LEGS: usize = 1024;
 
 /// Largest number of those that end where no longer one has an answer (1).
-const MOST_HELD_LEGS: u32 = 32;
+const MOST_HELD_LEGS: u32 = 128;
 
 /// Number of Newton iterations after which a path is divided no further (1): about a second's
 /// worth. A path whose pieces become shorter and shorter would take minutes.
@@ -83,7 +83,7 @@ impl Exact<QuasiStatic> {
     // A function of its own: most loads have no obstacles.
     #[inline(never)]
     fn balance_among_obstacles(&mut self, step: Option<f64>, [mut from, to]: [f64; 2]) -> StepReport {
-        let (mut report, mut work) = self.leg(step, [from, to]);
+        let (mut report, mut work) = self.leg(step, [from, to], None);
         self.state.side.now = to;
         let mut n_held = 0;
         for _ in 0..MOST_LEGS {
@@ -91,7 +91,7 @@ impl Exact<QuasiStatic> {
             let Some(share) = work.cut.filter(|_| goes_on) else { break };
             n_held += u32::from(share == 1.0);
             from += share * (to - from);
-            let (next, next_work) = self.leg(None, [from, to]);
+            let (next, next_work) = self.leg(None, [from, to], work.resistance);
             report.add(&StepReport { n_steps: 0, ..next });
             work = SideWork { uncertainty: work.uncertainty + next_work.uncertainty, ..next_work };
         }
@@ -102,15 +102,16 @@ impl Exact<QuasiStatic> {
         report
     }
 
-    /// One leg of the path to a balance among obstacles, and its work at them.
-    fn leg(&mut self, step: Option<f64>, [from, to]: [f64; 2]) -> (StepReport, SideWork) {
+    /// One leg of the path to a balance among obstacles, after one against a `resistance`, and its
+    /// work at the obstacles.
+    fn leg(&mut self, step: Option<f64>, [from, to]: [f64; 2], resistance: Option<Resistance>) -> (StepReport, SideWork) {
         let start = *self.springs.place();
         let guess = step.and_then(|step| self.state.forecast.increment(step));
         let Self { springs, system, solver, obstacles: Some(obstacles), state, .. } = self else {
             unreachable!("there are obstacles");
         };
         let mut problem = Step { potential: Potential::of(springs.blocks(), start), ground: &system.ground, length: system.load.radius };
-        let task = Task { from, to, step: to - from, guess, has_inertia: false, scope: Scope::Near, is_smooth: false };
+        let task = Task { from, to, step: to - from, guess, has_inertia: false, scope: Scope::Near, is_smooth: false, resistance };
         let (increment, work) = obstacles.find(system, &mut problem, solver, &mut state.side.touching, &task);
         let report = self.accept(increment, step);
         if report.status != Status::Failed {

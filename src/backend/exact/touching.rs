@@ -82,7 +82,7 @@ impl Exact<Inertial> {
         let (ground, radius, dashpots) = (&system.ground, system.load.radius, method.dashpots.blocks());
         let mut course =
             Straight { springs: springs.blocks(), dashpots, inertia, ground, start: &start, radius, carried, axes, expected_turn };
-        let task = Task { from: end - step, to: end, step, guess: Some(guess), has_inertia: true, scope: Scope::Touching, is_smooth: true };
+        let task = Task::inertial(end, step, Some(guess), Scope::Touching, true);
         let (found, side, at) = obstacles.as_mut()?.go_on(system, &mut course, solver, &mut state.side.touching, &task)?;
         let moved = Pose { position: pose.position + found.shift, heading: pose.heading + found.twist.z };
         let pose = if side.push_out == Vec3::zeros() { moved } else { moved.moved_by(&side.push_out) };

@@ -21,7 +21,7 @@ const STEADY: f64 = 0.98;
 const MOST_CORRECTIONS: u32 = 4;
 /// Longest turn in one Newton step (rad), and largest size that one is extended to (1). The
 /// quadratic model says little beyond.
-const LONGEST_TURN: f64 = 0.5;
+pub const LONGEST_TURN: f64 = 0.5;
 
 /// Iterations after which a descent with springs that are not convex counts as slow.
 const FEW_ITERATIONS: u64 = 4;
@@ -122,7 +122,7 @@ impl Step<'_> {
     /// is zero along the increment: the stiffness along it, which sets its length, stays exact.
     /// `None` where all of that curvature does not suffice: no minimum is near.
     #[inline(never)]
-    fn held_by_friction(&self, hessian: &Mat3, at: &Vec3) -> Option<Mat3> {
+    pub fn held_by_friction(&self, hessian: &Mat3, at: &Vec3) -> Option<Mat3> {
         let units = Vec3::new(self.length, self.length, 1.0);
         let size = |matrix: &Mat3| Mat3::from_fn(|i, j| matrix[(i, j)] * units[i] * units[j]).amax();
         let curvature = friction_curvature(self.ground, at, HELD * self.length * self.size(at));
@@ -285,7 +285,8 @@ pub fn positive_definite(hessian: &Mat3, length: f64) -> Mat3 {
     Mat3::from_fn(|i, j| scaled[(i, j)] / (units[i] * units[j]))
 }
 
-fn shortened(step: Vec3) -> Vec3 {
+/// A step without what lies beyond the longest turn.
+pub fn shortened(step: Vec3) -> Vec3 {
     if step.z.abs() > LONGEST_TURN { step * (LONGEST_TURN / step.z.abs()) } else { step }
 }
 

@@ -31,7 +31,7 @@ mod potential;
 mod straight;
 
 pub(super) use corrector::{Corrected, Wanted, correct};
-pub use descent::positive_definite;
+pub use descent::{LONGEST_TURN, positive_definite, shortened};
 pub use minimise::{minimise, minimise_step};
 pub use objective::{LARGEST_RESIDUAL, Objective};
 pub use potential::{Coasting, Course, Increment, Potential, Stage, Step, by_increment, friction_loss, in_body_increments};
