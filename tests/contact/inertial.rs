@@ -7,6 +7,7 @@ use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
 use cohaul::backend::{Backend, BackendOptions, Integrator, Status, StepReport, Transition, TransitionKind, build};
 use cohaul::math::{Pose, Twist, Vec2, direction};
 use cohaul::model::{Motion, Obstacle, ObstaclePath, Outline, OutlinePart, System};
+use cohaul::scenario::{Drive, Scenario};
 
 use crate::scenes::*;
 
@@ -414,4 +415,29 @@ fn a_box_rocks_between_two_fingers_and_comes_to_rest() {
         assert!((twist.angular - turn_rate).abs() < 1e-9 * turn_rate, "{twist:?}");
         assert!((pose.heading - 0.2 * turn_rate).abs() < 1e-9, "{pose:?}");
     }
+}
+
+/// A box on a soft spring slides along a rough wall and past two posts, and parts from each. Where
+/// a contact parts, steps so short that rounding of the gap is a force do not agree at any length,
+/// and the control took them for converged. Both tolerances lead to the same end, up to what errors
+/// of the looser one add up to.
+#[test]
+fn a_box_past_two_posts_ends_where_the_tolerance_says() {
+    let text = include_str!("../common/box-past-posts.json");
+    let Scenario { system, start, drive: Drive::Tips(paths), .. } = Scenario::parse(text, "box past posts").unwrap() else {
+        panic!("tips are prescribed")
+    };
+    let [from, to] = [0, 1].map(|at| paths[0].waypoints[at].position);
+    let radius = system.load.radius;
+    let ends = [1e-5, 1e-6].map(|size| {
+        let mut load = build(&system, start, &exact(Inertial, &system, size * radius));
+        load.attach(0, from);
+        let mut report = StepReport::default();
+        for tick in 1..=200 {
+            report.add(&load.advance(&[from + f64::from(tick) / 200.0 * (to - from)], 0.01));
+        }
+        assert_eq!((report.status, report.n_not_converged), (Status::Converged, 0), "{report:?}");
+        load.motion().pose
+    });
+    assert!(ends[0].edge_displacement(&ends[1], radius) < 3e-5 * radius, "{ends:?}");
 }

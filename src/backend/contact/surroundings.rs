@@ -425,3 +425,36 @@ impl Features {
         self.edges.iter().map(|edge| edge.length).chain(discs)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::direction;
+    use crate::model::{Outline, OutlinePart};
+
+    /// An edge that ends at a corner or passes through it enters what the corner encloses, and one
+    /// along a side of it, or along the outside, does not. It enters by the depth of its end.
+    #[test]
+    fn an_edge_enters_a_body_through_its_corner() {
+        let depth = |from: [f64; 2], to: [f64; 2]| {
+            let line = OutlinePart::Polyline { points: vec![from.into(), to.into()] };
+            let edge = Features::of(&Outline { parts: vec![line] }).edges[0];
+            let ways = [direction(0.6), direction(-0.6)];
+            [ways, [ways[1], ways[0]]].map(|ways| edge.enters(&Vec2::zeros(), &ways, 1.0))
+        };
+        let [x, y] = [0.6f64.cos(), 0.6f64.sin()];
+        for (from, to, expected) in [
+            ([-1.0, 0.0], [0.25, 0.0], 0.25 * y),
+            ([0.0, 0.0], [0.25, 0.0], 0.25 * y),
+            ([-1.0, 0.0], [2.0, 0.0], y),
+            ([0.0, -1.0], [0.0, 1.0], 0.0),
+            ([-x, -y], [x, y], 0.0),
+            ([-1.0, 0.0], [-0.01, 0.0], 0.0),
+            ([-1.0, 1.0], [1.0, 1.0], 0.0),
+        ] {
+            for (a, b) in [(from, to), (to, from)] {
+                depth(a, b).iter().for_each(|depth| assert!((depth - expected).abs() < 1e-15, "{a:?} {b:?}: {depth:e}"));
+            }
+        }
+    }
+}
