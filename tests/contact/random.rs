@@ -227,12 +227,12 @@ fn random_scenes_show_no_faults() {
 /// and where an increment overflowed. One scene was restored with another list of near obstacles,
 /// in one a cut path ended across an obstacle that it did not know, in one a rest with a residual
 /// of 1e-6 was said to converge, in one the force of a contact held a load at rest although the
-/// obstacle had moved past its corner, and in one a jump ended with a line that enters the load
-/// through its corner.
+/// obstacle had moved past its corner, and in two a line was wrongly said to enter the load through
+/// its corner, or not to.
 #[test]
 fn scenes_that_once_showed_faults_show_none() {
     // The first one takes nearly as long as all others together.
-    let seeds = [81158, 24, 33, 57, 119, 144, 149, 177, 40008, 40087, 40095, 40120, 40146, 40326, 40354, 40406, 40455, 62218, 81095];
+    let seeds = [81158, 24, 33, 57, 119, 144, 149, 177, 40008, 40087, 40095, 40120, 40146, 40326, 40354, 40406, 40455, 61364, 62218, 81095];
     seeds.into_par_iter().with_max_len(1).for_each(|seed| {
         let findings = hunt(seed..seed + 1, &[QuasiStatic, Inertial], &[0, 1]);
         assert!(findings.faults.is_empty(), "{:#?}", findings.faults);

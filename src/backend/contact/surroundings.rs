@@ -208,7 +208,7 @@ impl Surroundings {
                 |edges: &[Edge], (centre, radius): (Vec2, f64)| edges.iter().any(|edge| edge.distance(&centre) < radius - rounding);
             let enter = |edges: &[Edge], corner: Vec2, turn: &Mat2, ways: &[Vec2]| {
                 let Ok(ways) = <&[Vec2; 2]>::try_from(ways) else { return false };
-                edges.iter().any(|edge| edge.enters(&corner, &ways.map(|way| turn * way), self.fineness) > rounding)
+                edges.iter().any(|edge| edge.enters(&corner, &ways.map(|way| turn * way), [rounding, self.fineness]))
             };
             body.edges.iter().any(|edge| edges().any(|ends| edge.crosses(&ends, rounding)))
                 || self.load.corners.iter().any(|it| enter(&body.edges, to_obstacle(&it.at), &at.turn, &it.edges))
@@ -385,13 +385,13 @@ impl Edge {
         are_apart(one, other) && are_apart(from, to)
     }
 
-    /// Depth (m) by which this edge, within a `reach` (m), lies between the two edges that begin in
-    /// these directions at a corner on it; zero for a corner elsewhere.
-    fn enters(&self, corner: &Vec2, ways: &[Vec2; 2], reach: f64) -> f64 {
+    /// Whether a corner lies on this edge, and the edge lies between the two that begin there in
+    /// these directions, by more than `least` (m) within a `reach` (m).
+    fn enters(&self, corner: &Vec2, ways: &[Vec2; 2], [least, reach]: [f64; 2]) -> bool {
         let [one, other] = if ways[0].perp(&ways[1]) > 0.0 { *ways } else { [ways[1], ways[0]] };
         let at = self.along.dot(&(corner - self.from));
-        let depth = |along: &Vec2, length: f64| length.clamp(0.0, reach) * one.perp(along).min(along.perp(&other));
-        (depth(&self.along, self.length - at).max(depth(&-self.along, at)) - self.distance(corner)).max(0.0)
+        let depth = |along: &Vec2, length: f64| length.min(reach) * one.perp(along).min(along.perp(&other));
+        self.distance(corner) <= least && (depth(&self.along, self.length - at) > least || depth(&-self.along, at) > least)
     }
 
     /// Distance of a point from the line (m), positive on the left.
@@ -432,28 +432,32 @@ mod tests {
     use crate::math::direction;
     use crate::model::{Outline, OutlinePart};
 
-    /// An edge that ends at a corner or passes through it enters what the corner encloses, and one
-    /// along a side of it, or along the outside, does not. It enters by the depth of its end.
+    /// An edge that ends at a corner or passes through it enters what the corner encloses, by the
+    /// depth of its end. One along a side of it or along the outside does not, nor one beside it.
     #[test]
     fn an_edge_enters_a_body_through_its_corner() {
-        let depth = |from: [f64; 2], to: [f64; 2]| {
+        let ways = [direction(0.6), direction(-0.6)];
+        let enters = |from: [f64; 2], to: [f64; 2], least: f64| {
             let line = OutlinePart::Polyline { points: vec![from.into(), to.into()] };
             let edge = Features::of(&Outline { parts: vec![line] }).edges[0];
-            let ways = [direction(0.6), direction(-0.6)];
-            [ways, [ways[1], ways[0]]].map(|ways| edge.enters(&Vec2::zeros(), &ways, 1.0))
+            let [one, other] = [ways, [ways[1], ways[0]]].map(|ways| edge.enters(&Vec2::zeros(), &ways, [least, 1.0]));
+            assert_eq!(one, other);
+            one
         };
         let [x, y] = [0.6f64.cos(), 0.6f64.sin()];
-        for (from, to, expected) in [
+        for (from, to, depth) in [
             ([-1.0, 0.0], [0.25, 0.0], 0.25 * y),
             ([0.0, 0.0], [0.25, 0.0], 0.25 * y),
             ([-1.0, 0.0], [2.0, 0.0], y),
             ([0.0, -1.0], [0.0, 1.0], 0.0),
             ([-x, -y], [x, y], 0.0),
             ([-1.0, 0.0], [-0.01, 0.0], 0.0),
+            ([0.5, 0.0], [1.5, 0.0], 0.0),
             ([-1.0, 1.0], [1.0, 1.0], 0.0),
         ] {
             for (a, b) in [(from, to), (to, from)] {
-                depth(a, b).iter().for_each(|depth| assert!((depth - expected).abs() < 1e-15, "{a:?} {b:?}: {depth:e}"));
+                assert_eq!(enters(a, b, 1e-8), depth > 0.0, "{a:?} {b:?}");
+                assert!(depth == 0.0 || enters(a, b, 0.999 * depth) && !enters(a, b, 1.001 * depth), "{a:?} {b:?}");
             }
         }
     }
