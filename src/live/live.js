@@ -32,6 +32,8 @@ class Live extends Stage {
     this.reach = this.reachOfSprings();
     this.now = undefined;
     this.clear();
+    // What the canvas says of itself is of the earlier scene.
+    for (const said of Object.keys(this.canvas?.dataset || {})) delete this.canvas.dataset[said];
     const shape = ({ name, ants_on: on, settings, replay }) => JSON.stringify([name, on, settings.backends, replay.data.springs?.length]);
     if (before && shape(before) === shape(scene)) return;
     if (!before || before.name !== scene.name) this.resetView();
