@@ -278,7 +278,7 @@ impl<'a> Simulation<'a> {
     fn record(&mut self, motion: Motion) {
         if self.keep == Keep::Trace && (self.clock.ends_part() || self.is_over(&motion)) {
             let (energy, error) = (self.backend.energy(), self.backend.pose_error());
-            let contacts = self.backend.side_contacts();
+            let contacts = if self.scenario.system.world.is_empty() { Vec::new() } else { self.backend.side_contacts() };
             self.trace.rows.push(Row { time: self.clock.time, motion, energy, tips: AttachedTips::new(), contacts, error });
             // The row is long, so its tips are written in place.
             self.trace.rows.last_mut().expect("a row was just added").tips.extend_from_slice(&self.tips);

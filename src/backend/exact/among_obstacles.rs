@@ -42,17 +42,15 @@ impl<M: Method> Exact<M> {
 
     /// Records what happened at obstacles up to `time` (s) since these contacts were closed.
     pub(super) fn note_contacts(&mut self, before: &[Touching], time: f64) {
-        if self.obstacles.is_some() {
-            let side = &mut self.state.side;
-            let kinds = transitions(before, &side.touching);
-            self.transitions.extend(kinds.into_iter().map(|kind| Transition { time, kind }));
-            let since = side.time;
-            self.transitions.extend(side.impacts.drain(..).map(|Impact { time, obstacle, loss }| Transition {
-                time: time - since,
-                kind: TransitionKind::Impact { obstacle, energy: loss },
-            }));
-            self.transitions.sort_by(|a, b| a.time.total_cmp(&b.time));
-        }
+        let side = &mut self.state.side;
+        let kinds = transitions(before, &side.touching);
+        self.transitions.extend(kinds.into_iter().map(|kind| Transition { time, kind }));
+        let since = side.time;
+        self.transitions.extend(side.impacts.drain(..).map(|Impact { time, obstacle, loss }| Transition {
+            time: time - since,
+            kind: TransitionKind::Impact { obstacle, energy: loss },
+        }));
+        self.transitions.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 
     /// Closed contacts with their modes, and the number of impacts: what does not change while the

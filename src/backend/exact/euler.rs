@@ -9,7 +9,7 @@
 
 use super::one_step::{Among, Problem, Stepped};
 use crate::backend::Motion;
-use crate::backend::contact::{SideWork, Task};
+use crate::backend::contact::Task;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Coasting, Increment, Potential, Step, minimise};
 use crate::backend::springs::Place;
@@ -21,18 +21,19 @@ pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let potential = Potential { dashpots, inertia, ..Potential::of(springs, Place::of(&before)) };
     let guess = forecast.increment(step);
     let (found, side) = match among {
-        None => (minimise(potential, &system.ground, solver, system.load.radius, guess), SideWork::default()),
+        None => (minimise(potential, &system.ground, solver, system.load.radius, guess), None),
         Some(Among { obstacles, touching, end, scope }) => {
             let mut at_end = Step { potential, ground: &system.ground, length: system.load.radius };
             let task = Task::inertial(end, step, guess, scope, false);
-            obstacles.find(system, &mut at_end, solver, touching, &task)
+            let (found, side) = obstacles.find(system, &mut at_end, solver, touching, &task);
+            (found, Some(side))
         }
     };
     forecast.learn(&found, step);
     let Increment { twist: increment, shift, friction, mode, report } = found;
     let pose = Pose { position: before.position + shift, heading: before.heading + increment.z };
-    let out = side.push_out;
-    let pose = if out == Vec3::zeros() { pose } else { pose.moved_by(&out) };
+    let pushed_out = side.as_ref().map(|side| side.push_out).filter(|out| *out != Vec3::zeros());
+    let pose = pushed_out.map_or(pose, |out| pose.moved_by(&out));
     let twist = Twist { linear: shift / step, angular: increment.z / step };
     Stepped { motion: Motion { pose, twist }, stage: pose, friction, mode, past: None, side, report }
 }

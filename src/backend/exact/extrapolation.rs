@@ -99,7 +99,9 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
                     shortest *= FORCED_GROWTH;
                     had_answers &= report.n_not_converged == n_not_converged;
                 }
-                load.note_contacts(&start.state.side.touching, to * duration);
+                if load.obstacles.is_some() {
+                    load.note_contacts(&start.state.side.touching, to * duration);
+                }
                 let kind = TransitionKind::between(before, load.state.contact.last());
                 let kinds = complete_snap_through(load, &start, &mut report).into_iter().chain(kind);
                 load.transitions.extend(kinds.map(|kind| Transition { time: to * duration, kind }));

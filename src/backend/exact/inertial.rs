@@ -17,7 +17,7 @@ use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched};
 use super::side::SideState;
 use super::{euler, midpoint, resolution};
-use crate::backend::contact::{Scope, gap_rounding};
+use crate::backend::contact::{Scope, SideWork, gap_rounding};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
 use crate::backend::springs::TipPaths;
@@ -173,6 +173,7 @@ impl Exact<Inertial> {
     }
 
     /// Accepts a step (s) and adds its energies to the ledger.
+    #[inline]
     pub(super) fn accept(&mut self, Stepped { motion, stage, friction, mode, past, side, .. }: &Stepped, step: f64) {
         let Self { method: Inertial { dashpots, .. }, state, springs, .. } = self;
         let damping = dashpots.loss(stage, step);
@@ -188,12 +189,13 @@ impl Exact<Inertial> {
         (state.motion, state.memory.past, state.memory.touched) = (*motion, *past, None);
         let energy = &mut state.energy;
         energy.friction += friction;
-        energy.side_friction += side.friction;
-        energy.obstacle_work += side.of_obstacles;
+        let SideWork { friction: side_friction, of_obstacles, .. } = side.unwrap_or_default();
+        energy.side_friction += side_friction;
+        energy.obstacle_work += of_obstacles;
         energy.damping += damping;
         energy.add_tip_work(accepted.of_tips + on_dashpots, accepted.elastic);
         // A dashpot stores nothing: the work on its tip goes to the load, less what it dissipates.
-        let on_load = accepted.on_load + on_dashpots - damping + (side.of_obstacles - side.friction);
+        let on_load = accepted.on_load + on_dashpots - damping + (of_obstacles - side_friction);
         energy.numerical_damping += on_load - friction - (kinetic - energy.kinetic);
         energy.kinetic = kinetic;
     }
@@ -202,6 +204,7 @@ impl Exact<Inertial> {
 impl Method for Inertial {
     type Memory = Memory;
 
+    #[inline]
     fn step(load: &mut Exact<Self>, paths: &TipPaths, from: f64, to: f64) -> StepReport {
         if load.obstacles.is_some() { load.step_among_obstacles(paths, from, to) } else { load.step_freely(paths, from, to) }
     }
@@ -215,6 +218,7 @@ impl Method for Inertial {
         load.state.motion.twist != Twist::ZERO
     }
 
+    #[inline]
     fn longest_step(load: &Exact<Self>, paths: &TipPaths, longest: f64, report: &mut StepReport) -> f64 {
         let adapted = |report| resolution::longest_step(&load.system, &load.state.motion.pose, paths, longest, report);
         if load.method.adapts_step { adapted(report) } else { longest }

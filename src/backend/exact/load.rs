@@ -185,7 +185,7 @@ impl<M: Method> Exact<M> {
             if done == n_steps {
                 break;
             }
-            let touching = if self.obstacles.is_some() { self.state.side.touching.clone() } else { Vec::new() };
+            let touching = self.obstacles.is_some().then(|| self.state.side.touching.clone());
             let (start, last) = (self.state.snap_start(), self.state.contact.last());
             report.add(&M::step(self, paths, share(done), share(done + 1)));
             done += 1;
@@ -193,14 +193,16 @@ impl<M: Method> Exact<M> {
             let jump = M::complete_snap_through(self, &start, |load| load.springs.last_work_error(), report);
             self.transitions.extend(jump.map(|kind| Transition { time, kind }));
             self.note_mode_change(last, time);
-            self.note_contacts(&touching, time);
+            if let Some(touching) = touching {
+                self.note_contacts(&touching, time);
+            }
         }
     }
 
     /// Skips the next of `n_steps` steps, of which some are `done`, as far as the stick certificate
     /// reaches, and returns their number.
     fn skip_certain_steps(&mut self, paths: &TipPaths, [done, n_steps]: [u64; 2], report: &mut StepReport) -> u64 {
-        if !self.skips.stick_certificate {
+        if !(self.skips.stick_certificate && self.state.certificate.is_made()) {
             return 0;
         }
         let Self { state, springs, system, solver, .. } = self;

@@ -28,7 +28,6 @@
 //! ends in another mode than that of its correction is taken without it.
 
 use super::one_step::{PastFriction, Problem, Stepped};
-use crate::backend::contact::SideWork;
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Coasting, Increment, Potential, Stage, minimise};
 use crate::backend::springs::Place;
@@ -80,15 +79,7 @@ pub fn step(problem: Problem, solver: &mut FrictionSolver) -> Stepped {
     let friction = (-resistance.dot(&moved)).max(0.0);
     let in_world = start.turn * half_turn(increment.z) * resistance.xy();
     let past = friction_after(past, mode, in_world.push(resistance.z), step);
-    Stepped {
-        motion: Motion { pose, twist },
-        stage: stage.place(&start, &increment).0.pose,
-        friction,
-        mode,
-        past,
-        side: SideWork::default(),
-        report,
-    }
+    Stepped { motion: Motion { pose, twist }, stage: stage.place(&start, &increment).0.pose, friction, mode, past, side: None, report }
 }
 
 /// Friction after a further step; `None` for a load at rest.

@@ -61,8 +61,8 @@ pub struct Stepped {
     pub mode: ContactMode,
     /// Friction for the next step.
     pub past: Option<PastFriction>,
-    /// Work at the obstacles.
-    pub side: SideWork,
+    /// Work at the obstacles; `None` of a step that regards none.
+    pub side: Option<SideWork>,
     pub report: StepReport,
 }
 

@@ -193,6 +193,7 @@ impl Method for QuasiStatic {
         report
     }
 
+    #[inline]
     fn rest(load: &mut Exact<Self>) -> bool {
         let last = load.state.contact.last();
         load.state.contact = GroundContact::Known(ContactMode::Stick);

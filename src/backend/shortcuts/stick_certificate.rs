@@ -101,8 +101,13 @@ impl StickCertificate {
         Err(RestoreError(format!("a stick certificate with forces on {n_forces} supports, not on {n_supports}")))
     }
 
+    pub fn is_made(&self) -> bool {
+        self.is_made
+    }
+
     /// Moves the tips through as many of the remaining ones of `n_steps` equal steps, of which some
-    /// are `done`, as the load certainly sticks for. Returns their number.
+    /// are `done`, as the load certainly sticks for. Returns their number. The certificate must be
+    /// made.
     pub fn advance_tips(
         &mut self,
         springs: &[PolarSpring],
@@ -110,9 +115,6 @@ impl StickCertificate {
         (paths, [done, n_steps]): (&TipPaths, [u64; 2]),
         solver: &FrictionSolver,
     ) -> u64 {
-        if !self.is_made {
-            return 0;
-        }
         // One step is known from its end, which costs less than a bound for all of it and reaches
         // farther.
         let n_left = n_steps - done;
