@@ -8,7 +8,8 @@
 //! candidates    what a step with contacts is made of
 //! newton        Newton's method on one nonlinear step in given contact modes
 //! step          one nonlinear step with contacts
-//! answer        one step with the features within reach, and shorter ones where it has no answer
+//! search        one step with the features within reach, and shorter ones where it has no answer
+//! answer        an answer of such a step, and what it leaves behind
 //! displacement  what a load meets along a displacement
 //! obstacles     when a step needs them, and the contacts between two steps
 //! ```
@@ -22,6 +23,7 @@ mod impact;
 mod linear;
 mod newton;
 mod obstacles;
+mod search;
 mod solve;
 mod step;
 mod surroundings;

@@ -59,8 +59,24 @@ pub struct Resistance {
     pub stiffness: f64,
     /// Size of the displacement (m).
     pub moved: f64,
+    /// Whether no softer one has failed.
+    pub may_soften: bool,
+}
+
+/// Ratio of a resistance to that of the next leg of the same path (1). A leg is four times as long
+/// as the one before where that is possible. Where it is not, six attempts with twice the stiffness
+/// each reach eight times the resistance before.
+const SOFTER: f64 = 4.0;
+
+impl Resistance {
+    pub fn softer(&self) -> f64 {
+        self.next() / SOFTER
+    }
+
     /// Stiffness to try next (N/m): a softer one, or the same where a softer one has failed.
-    pub next: f64,
+    pub fn next(&self) -> f64 {
+        if self.may_soften { self.stiffness / SOFTER } else { self.stiffness }
+    }
 }
 
 /// A step: when it begins and ends, and the guess of its increment.
