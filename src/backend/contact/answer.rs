@@ -3,16 +3,15 @@
 use smallvec::SmallVec;
 
 use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Sides, gap_rounding};
-use super::displacement::PIECE;
 use super::newton::Newton;
-use super::obstacles::{Obstacles, Resistance, Scope, SideWork, Task, Touching, mobility, on_load};
+use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
 use super::solve::{SideForce, SideMode};
 use super::step::Found;
 use super::surroundings::{Pair, PairKey, Surroundings};
+use crate::backend::Status;
 use crate::backend::friction::{ContactMode, FrictionSolver};
-use crate::backend::increment::{Coasting, Course, Increment, Objective, Step, Straight};
+use crate::backend::increment::{Course, Increment, Straight};
 use crate::backend::springs::Place;
-use crate::backend::{Status, StepReport};
 use crate::math::{Vec2, Vec3, increment_of};
 use crate::model::System;
 

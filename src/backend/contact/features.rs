@@ -94,6 +94,39 @@ impl Edge {
         let at = self.along.dot(&(point - self.from));
         (-at).max(at - self.length)
     }
+
+    pub fn end(&self) -> Vec2 {
+        self.from + self.length * self.along
+    }
+
+    /// Whether an edge with these ends crosses this one, all ends being farther than this from the
+    /// other's line (m).
+    pub fn crosses(&self, ends: &[Vec2; 2], least: f64) -> bool {
+        let way = (ends[1] - ends[0]).normalize();
+        let [one, other] = ends.map(|end| self.side(&end));
+        let [from, to] = [self.from, self.end()].map(|end| way.perp(&(end - ends[0])));
+        let are_apart = |a: f64, b: f64| a.min(b) < -least && a.max(b) > least;
+        are_apart(one, other) && are_apart(from, to)
+    }
+
+    /// Whether a corner lies on this edge, and the edge lies between the two that begin there in
+    /// these directions, by more than `least` (m) within a `reach` (m).
+    pub fn enters(&self, corner: &Vec2, ways: &[Vec2; 2], [least, reach]: [f64; 2]) -> bool {
+        let [one, other] = if ways[0].perp(&ways[1]) > 0.0 { *ways } else { [ways[1], ways[0]] };
+        let at = self.along.dot(&(corner - self.from));
+        let depth = |along: &Vec2, length: f64| length.min(reach) * one.perp(along).min(along.perp(&other));
+        self.distance(corner) <= least && (depth(&self.along, self.length - at) > least || depth(&-self.along, at) > least)
+    }
+
+    /// Distance of a point from the line (m), positive on the left.
+    fn side(&self, point: &Vec2) -> f64 {
+        self.along.perp(&(point - self.from))
+    }
+
+    /// Distance of a point from the edge (m).
+    pub fn distance(&self, point: &Vec2) -> f64 {
+        self.beyond(point).max(0.0).hypot(self.side(point))
+    }
 }
 
 /// Whether a direction lies between two others, counter-clockwise from the first to the second.
@@ -175,11 +208,31 @@ impl Features {
             self.join(at - 1, at);
         }
     }
+
+    /// Centre (m) and radius (m) of a circle about all features.
+    pub fn bounding_circle(&self) -> (Vec2, f64) {
+        let ends = self.edges.iter().flat_map(|edge| [edge.from, edge.end()]).map(|end| (end, 0.0));
+        let extents: Vec<(Vec2, f64)> = self.corners.iter().map(|corner| (corner.at, corner.rounding)).chain(ends).collect();
+        let Some((first, _)) = extents.first() else { return (Vec2::zeros(), 0.0) };
+        let (low, high) = extents.iter().fold((*first, *first), |(low, high), (at, rounding)| {
+            let reach = Vec2::repeat(*rounding);
+            (low.inf(&(at - reach)), high.sup(&(at + reach)))
+        });
+        let centre = 0.5 * (low + high);
+        (centre, extents.iter().map(|(at, rounding)| (at - centre).norm() + rounding).fold(0.0, f64::max))
+    }
+
+    /// Lengths of edges and diameters of discs (m).
+    pub fn sizes(&self) -> impl Iterator<Item = f64> + '_ {
+        let discs = self.corners.iter().filter(|corner| corner.rounding > 0.0).map(|corner| 2.0 * corner.rounding);
+        self.edges.iter().map(|edge| edge.length).chain(discs)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::direction;
 
     fn features(part: OutlinePart) -> Features {
         Features::of(&Outline { parts: vec![part] })
@@ -214,5 +267,34 @@ mod tests {
         // Behind other corners they do not.
         let outside = Vec2::new(2.1, 1.1);
         assert_eq!(edges[1].beyond_on(false, &outside), edges[1].beyond(&outside));
+    }
+
+    /// An edge that ends at a corner or passes through it enters what the corner encloses, by the
+    /// depth of its end. One along a side of it or along the outside does not, nor one beside it.
+    #[test]
+    fn an_edge_enters_a_body_through_its_corner() {
+        let ways = [direction(0.6), direction(-0.6)];
+        let enters = |from: [f64; 2], to: [f64; 2], least: f64| {
+            let edge = features(OutlinePart::Polyline { points: vec![from.into(), to.into()] }).edges[0];
+            let [one, other] = [ways, [ways[1], ways[0]]].map(|ways| edge.enters(&Vec2::zeros(), &ways, [least, 1.0]));
+            assert_eq!(one, other);
+            one
+        };
+        let [x, y] = [0.6f64.cos(), 0.6f64.sin()];
+        for (from, to, depth) in [
+            ([-1.0, 0.0], [0.25, 0.0], 0.25 * y),
+            ([0.0, 0.0], [0.25, 0.0], 0.25 * y),
+            ([-1.0, 0.0], [2.0, 0.0], y),
+            ([0.0, -1.0], [0.0, 1.0], 0.0),
+            ([-x, -y], [x, y], 0.0),
+            ([-1.0, 0.0], [-0.01, 0.0], 0.0),
+            ([0.5, 0.0], [1.5, 0.0], 0.0),
+            ([-1.0, 1.0], [1.0, 1.0], 0.0),
+        ] {
+            for (a, b) in [(from, to), (to, from)] {
+                assert_eq!(enters(a, b, 1e-8), depth > 0.0, "{a:?} {b:?}");
+                assert!(depth == 0.0 || enters(a, b, 0.999 * depth) && !enters(a, b, 1.001 * depth), "{a:?} {b:?}");
+            }
+        }
     }
 }

@@ -30,7 +30,8 @@ const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
 /// Largest number of pieces of a path that obstacles divide (1).
 const MOST_LEGS: usize = 1024;
 
-/// Largest number of those that end where no longer one has an answer (1).
+/// Largest number of those that end where no longer one has an answer (1). Of random paths with
+/// more than four of them, 98 % have fewer than 35.
 const MOST_HELD_LEGS: u32 = 128;
 
 /// Number of Newton iterations after which a path is divided no further (1): about a second's
