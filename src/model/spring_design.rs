@@ -94,8 +94,8 @@ impl SpringDesign {
     }
 
     /// Force across the spring in case 3, Eq. (3), when the whole spring has swung by `swing` (rad)
-    /// about the pivot of the short member (N). The paper measures about five times this force
-    /// ([`super::paper::CASE_3_FACTOR`]), and proposes that factor on k_1.
+    /// about the pivot of the short member (N). The paper measures about five times this force,
+    /// and proposes that factor on k_1.
     pub fn tangential_case_3(&self, swing: f64) -> f64 {
         self.pivot_stiffnesses()[0] * swing / self.rest_length()
     }

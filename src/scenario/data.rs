@@ -9,8 +9,7 @@ use crate::model::{Motion, System};
 pub(crate) const SAME_INSTANT: f64 = 1e-9;
 
 /// One run, checked against all rules when it was read. After a change in code,
-/// `scenario.expanded().checked(name)` checks it again ([`super::format::ScenarioFile::checked`]).
-/// Nothing in it changes during a run.
+/// `scenario.expanded().checked(name)` checks it again. Nothing in it changes during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// Name of the run, in a few words.

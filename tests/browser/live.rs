@@ -102,9 +102,11 @@ fn a_scene_is_played_changed_dragged_and_saved() {
     // time.
     slide(&browser, "inertia", 1000);
     browser.wait_until(&format!("const now = (() => {{ {verdict} }})(); return now !== '' && now !== '{}'", first.as_str().unwrap()));
-    browser.wait_until(&format!("return Math.abs(document.querySelector('.replay canvas').dataset.time - {stopped}) < 1e-6"));
+    let stands_there = format!("return Math.abs(document.querySelector('.replay canvas').dataset.time - {stopped}) < 1e-6");
+    browser.wait_until(&stands_there);
     slide(&browser, "inertia", 500);
     wait_for_verdict(&browser, first.as_str().unwrap());
+    browser.wait_until(&stands_there);
 
     // A dragged tip takes the load along on all backends.
     let before = poses(&browser);

@@ -42,8 +42,8 @@ pub struct InertiaEstimate {
     pub jump_share: f64,
     /// Largest edge displacement divided by the path length (1); zero for a load at rest.
     pub share: f64,
-    /// Whether inertia is negligible within [`TOLERANCE_SHARE`], left out where that is not known;
-    /// see [`InertiaEstimate::is_negligible_within`].
+    /// Whether inertia is negligible within 1 % of the path, left out where that is not known; see
+    /// [`InertiaEstimate::is_negligible_within`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub is_negligible: Option<bool>,
     /// Whether the reduced inertial model turned too far from the load: the lengths above are then
@@ -125,7 +125,7 @@ impl InertiaEstimate {
     }
 
     /// Whether inertia is negligible within a tolerance (m). It is not for an invalid model. `None`
-    /// for a load that touched an obstacle, and for an estimate within a factor of [`CLEAR`] of the
+    /// for a load that touched an obstacle, and for an estimate within a factor of 3 of the
     /// tolerance.
     pub fn is_negligible_within(&self, tolerance_m: f64) -> Option<bool> {
         match self.edge_displacement_max_m {

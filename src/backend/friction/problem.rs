@@ -11,7 +11,7 @@ pub enum ConeSolver {
     /// Exact methods in three variables.
     #[default]
     Exact,
-    /// Interior-point solver for comparison: see [`super::clarabel`].
+    /// The interior-point solver clarabel, for comparison.
     Clarabel,
 }
 
