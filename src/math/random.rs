@@ -7,6 +7,7 @@
 use std::convert::Infallible;
 use std::f64::consts::TAU;
 
+use rand::distr::{Distribution, Open01};
 use rand::{Rng, TryRng};
 
 use super::Vec2;
@@ -45,18 +46,18 @@ impl RandomStreams {
     }
 
     /// Generator of the draws of one agent at one tick.
-    #[inline]
+    // Inlined, so that a pair of draws takes them from registers.
+    #[inline(always)]
     pub fn draws(&self, stream: Stream, agent: u32, tick: u64) -> Draws {
-        let (key, counter) = (self.key(), counter(stream, agent, tick));
+        let (key, counter) = (self.key(), [tick, tick >> 32, agent.into(), stream as u64]);
         Draws { key, counter, words: block(counter, key), n_used: 0 }
     }
 
-    /// Two independent uniform draws in (0, 1) with 52 random bits each: the first that `Open01` of
-    /// `rand` makes of [`RandomStreams::draws`].
+    /// Two independent uniform draws in (0, 1) with 52 random bits each.
     #[inline]
     pub fn uniform_pair(&self, stream: Stream, agent: u32, tick: u64) -> [f64; 2] {
-        let [first, second, third, fourth] = block(counter(stream, agent, tick), self.key());
-        [open_unit(first, second), open_unit(third, fourth)]
+        let mut draws = self.draws(stream, agent, tick);
+        [Open01.sample(&mut draws), Open01.sample(&mut draws)]
     }
 
     /// One uniform draw in (0, 1): the first of [`RandomStreams::uniform_pair`].
@@ -135,12 +136,7 @@ impl TryRng for Draws {
     }
 }
 
-fn counter(stream: Stream, agent: u32, tick: u64) -> [u64; 4] {
-    [tick, tick >> 32, agent.into(), stream as u64]
-}
-
-/// The draw that `Open01` of `rand` makes of these words, without a conversion, which would go one
-/// by one.
+/// The draw that [`Open01`] makes of these words, without a conversion, which would go one by one.
 fn open_unit(high: u32, low: u32) -> f64 {
     let bits = ((u64::from(high) << 32) | u64::from(low)) >> 12;
     // The bits are the digits of a number from 1 to 2.

@@ -101,6 +101,7 @@ impl StickCertificate {
         Err(RestoreError(format!("a stick certificate with forces on {n_forces} supports, not on {n_supports}")))
     }
 
+    /// Whether there is a certificate since the load was last found at rest.
     pub fn is_made(&self) -> bool {
         self.is_made
     }
