@@ -44,6 +44,18 @@ impl Lines {
     }
 }
 
+/// Rows of cells in columns two spaces apart, each line after `indent`.
+pub fn aligned(rows: &[Vec<String>], indent: &str) -> String {
+    let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |at: usize| rows.iter().filter_map(|row| row.get(at)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..n_columns).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
+        format!("{indent}{}\n", cells.join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
 /// Markdown whose paragraphs and list items, a line each in `page`, continue below themselves at
 /// 100 columns. Headings, tables and pictures keep their lines.
 pub fn wrapped_markdown(page: &str) -> String {

@@ -32,6 +32,13 @@ pub struct Claim {
     pub holds: Option<bool>,
 }
 
+impl Claim {
+    /// Side of the limit on which the claim holds.
+    pub fn side(&self) -> &'static str {
+        if self.below { "below" } else { "above" }
+    }
+}
+
 /// Model that a claim contradicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -126,14 +126,12 @@ fn not_reproduced(found: &Paper) -> Table {
 /// One row for each number of pulling ants: printed samples beside the mixture of the trials.
 fn samples(found: &Paper) -> Table {
     let sizes: Vec<usize> = if found.mixture.is_some() { (1..=10).collect() } else { Vec::new() };
-    let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
-    let share = |size: &usize| found.mixture.as_ref().map(|mixture| mixture.shares[size - 1]);
     Table::of(
         &sizes,
         &[
             ("n pulling", "", &|size| (*size).into()),
             ("printed samples", "", &|size| SIMULATED_SAMPLES[size - 1].into()),
-            ("samples of the mixture", "", &|size| share(size).map(|share| (share * n_printed as f64).round() as u64).into()),
+            ("samples of the mixture", "", &|size| found.mixture.as_ref().map(|mixture| mixture.n_samples(*size)).into()),
             ("printed share of 2 or more", "", &|size| Some(printed_share(*size)).filter(|_| *size > 1).into()),
             ("share of the mixture", "", &|size| {
                 found.mixture.as_ref().filter(|_| *size > 1).map(|mixture| mixture.share_of_two_or_more(*size)).into()
@@ -181,7 +179,7 @@ fn claims(found: &Paper) -> Table {
             ("source", "", &|claim| claim.source.into()),
             ("contradicts", "", &|claim| claim.contradicts.name().into()),
             ("statistic", "", &|claim| claim.statistic.as_str().into()),
-            ("side", "", &|claim| if claim.below { "below" } else { "above" }.into()),
+            ("side", "", &|claim| claim.side().into()),
             ("limit", "", &|claim| claim.limit.into()),
             ("value", "", &|claim| value(&claim.found)),
             ("low 95", "", &|claim| low(&claim.found)),

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::claims::Claim;
 use super::table_row::TableRow;
+use super::units::with_interval;
 use super::verdict::Grade;
-use crate::math::Interval;
 use crate::output::quantity::{number, quantity};
 
 /// A printed number or claim that is not reproduced.
@@ -27,25 +27,17 @@ pub fn missed(table: &[TableRow], claims: &[Claim]) -> Vec<Missed> {
         Some(Missed {
             what: row.quantity.clone(),
             paper: quantity(row.printed?, row.unit),
-            here: row.ours.map_or_else(|| "-".to_owned(), |ours| with_interval(ours.value, ours.interval_95, row.unit)),
+            here: with_interval(&row.ours, row.unit),
             is_certain: grade == Grade::Differs,
         })
     });
-    let claims = claims.iter().filter(|claim| claim.holds != Some(true)).map(|claim| {
-        let side = if claim.below { "below" } else { "above" };
-        Missed {
-            what: format!("{} ({})", claim.claim, claim.source),
-            paper: format!("{} {side} {}", claim.statistic, number(claim.limit)),
-            here: claim.found.map_or_else(|| "-".to_owned(), |found| with_interval(found.value, found.interval_95, "")),
-            is_certain: claim.holds == Some(false),
-        }
+    let claims = claims.iter().filter(|claim| claim.holds != Some(true)).map(|claim| Missed {
+        what: format!("{} ({})", claim.claim, claim.source),
+        paper: format!("{} {} {}", claim.statistic, claim.side(), number(claim.limit)),
+        here: with_interval(&claim.found, ""),
+        is_certain: claim.holds == Some(false),
     });
     let mut found: Vec<Missed> = rows.chain(claims).collect();
     found.sort_by_key(|missed| !missed.is_certain);
     found
-}
-
-fn with_interval(value: f64, interval: Option<Interval>, unit: &str) -> String {
-    let between = |Interval { low, high }: Interval| format!(" ({} to {})", quantity(low, unit), quantity(high, unit));
-    quantity(value, unit) + &interval.map_or_else(String::new, between)
 }

@@ -88,6 +88,11 @@ fn weights(fractions: &[[f64; 10]], counts: &[f64; 10]) -> Vec<f64> {
 }
 
 impl Mixture {
+    /// Number of the printed samples that the mixture has with `size` pulling ants (1).
+    pub fn n_samples(&self, size: usize) -> u64 {
+        (self.shares[size - 1] * SIMULATED_SAMPLES.iter().sum::<u64>() as f64).round() as u64
+    }
+
     /// Fraction of samples with `size` pulling ants among those with two or more (1).
     pub fn share_of_two_or_more(&self, size: usize) -> f64 {
         self.shares[size - 1] / self.shares[1..].iter().sum::<f64>()

@@ -82,5 +82,5 @@ pub use shown::{Shown, Snapshot, shown};
 pub use suite::{Answer, Plan, Replayed, Set, Task, tasks};
 pub use table_row::{OtherSet, TableRow};
 pub use trial::{Case, LITERAL_PERIOD_S, Trial};
-pub use units::{Estimate, Unit, difference, estimate, paired, units};
+pub use units::{Estimate, Unit, difference, estimate, paired, units, with_interval};
 pub use verdict::{Grade, Own, Printed};

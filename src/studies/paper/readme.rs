@@ -2,13 +2,12 @@
 
 use std::fmt::Write;
 
-use crate::math::Interval;
 use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
 use crate::output::text::wrapped_markdown;
 use crate::studies::paper::report::Paper;
-use crate::studies::paper::{Claim, Conclusion, Estimate, Replayed, printed_share};
+use crate::studies::paper::{Conclusion, Grade, Standing, printed_share, with_interval};
 
 /// What the files are.
 const FILES: &str = "\
@@ -56,136 +55,108 @@ pub(super) fn made_by(found: &Paper) -> String {
 
 /// All tables that have lines, what is not reproduced first.
 pub(super) fn parts(found: &Paper) -> Vec<Part> {
-    let all = [
-        missed(found),
-        sets(found),
-        printed(found),
-        part("Claims", &CLAIM_HEADS, found.claims.iter().map(claim).collect(), NULLS),
-        samples(found),
-        part("Beside what was measured on ants", &["quantity", "measured", "samples", "here"], measured(found), MEASURED),
-        part("Inertial force m a by smoothing time", &["trial", "smoothing", "mean", "rms", "largest"], forces(found), FORCES),
-        part("Conclusions by backend and inertia", &heads(found), found.conclusions.iter().map(conclusion).collect(), CONCLUSIONS),
-        part("Replayed: largest edge displacements", &REPLAYED_HEADS, found.replayed.iter().map(replayed).collect(), ""),
-        part("One change of mean in a run", &TRANSITION_HEADS, transitions(found), TRANSITIONS),
-    ];
-    all.into_iter().filter(|part| !part.table.rows.is_empty()).collect()
-}
-
-const CLAIM_HEADS: [&str; 7] = ["claim", "where", "statistic", "limit", "here", "holds", "contradicts"];
-const REPLAYED_HEADS: [&str; 6] = ["trial", "verdict", "inertia effect", "engine error", "reference error", "path length"];
-const TRANSITION_HEADS: [&str; 6] = ["trial", "series", "runs", "significant", "of those rising", "median time"];
-const MEASURED: &str = "
-Pulls of all trials at every control period, and group sizes of the trial of ten ants. The paper does not say that its simulation meets these numbers; they have no grade.
-";
-const CONCLUSIONS: &str = "
-Each cell is the value and whether the conclusion holds there (`?`: unknown with these seeds). Inertia is scaled at the same friction.
-";
-const TRANSITIONS: &str = "
-Best place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance.
-";
-
-fn part(title: &'static str, heads: &[impl AsRef<str>], lines: Vec<Vec<String>>, note: &str) -> Part {
-    let table = Table::new("", heads.iter().map(AsRef::as_ref)).with_rows(lines);
-    Part { title, table, note: note.trim().to_owned() }
-}
-
-fn missed(found: &Paper) -> Part {
-    let missed = found.not_reproduced.iter().map(|missed| {
+    let missed = part("What is not reproduced", &["what", "paper", "here", ""], &found.not_reproduced, "", |missed| {
         let certain = if missed.is_certain { "not reproduced" } else { "these seeds do not tell" };
         vec![missed.what.clone(), missed.paper.clone(), missed.here.clone(), certain.to_owned()]
     });
-    part("What is not reproduced", &["what", "paper", "here", ""], missed.collect(), "")
-}
-
-fn sets(found: &Paper) -> Part {
-    let sets = found.sets.iter().map(|set| vec![set.name.clone(), set.n_seeds.to_string(), format!("{} of {}", set.n_arrived, set.n_runs)]);
-    part("Sets of runs", &["set", "seeds", "runs that arrive"], sets.collect(), "")
-}
-
-fn printed(found: &Paper) -> Part {
-    let rows = found.table.iter().filter(|row| row.printed.is_some());
-    let rows = rows.map(|row| {
-        let printed = row.printed.map_or_else(String::new, |printed| quantity(printed, row.unit));
-        let grade = row.grade.map_or("", |grade| grade.name()).to_owned();
-        vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), grade, row.why.clone()]
+    let sets = part("Sets of runs", &["set", "seeds", "runs that arrive"], &found.sets, "", |set| {
+        vec![set.name.clone(), set.n_seeds.to_string(), format!("{} of {}", set.n_arrived, set.n_runs)]
     });
-    part("Beside what is printed", &["quantity", "paper", "here", "grade", "why"], rows.collect(), GRADES)
+    let all = [missed, sets].into_iter().chain(beside_the_paper(found)).chain(beside_each_other(found));
+    all.filter(|part| !part.table.rows.is_empty()).collect()
 }
 
-fn transitions(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::report::TransitionRow| {
-        let counts = [row.n_runs, row.n_significant, row.n_rising].map(|n| n.to_string());
-        let median = row.median_time_s.map_or_else(String::new, |time| quantity(time, "s"));
-        [vec![row.trial.name(), row.series.to_owned()], counts.to_vec(), vec![median]].concat()
-    };
-    found.transitions.iter().map(row).collect()
+/// What the paper prints, says or measured beside the first set.
+fn beside_the_paper(found: &Paper) -> [Part; 5] {
+    let printed: Vec<_> = found.table.iter().filter_map(|row| Some((row.printed?, row))).collect();
+    [
+        part("Beside what is printed", &["quantity", "paper", "here", "grade", "why"], &printed, GRADES, |(printed, row)| {
+            let grade = row.grade.map_or("", Grade::name).to_owned();
+            vec![row.quantity.clone(), quantity(*printed, row.unit), with_interval(&row.ours, row.unit), grade, row.why.clone()]
+        }),
+        part("Claims", &["claim", "where", "statistic", "limit", "here", "holds", "contradicts"], &found.claims, NULLS, |claim| {
+            let limit = format!("{} {}", claim.side(), number(claim.limit));
+            let [name, source, holds, contradicts] =
+                [claim.claim, claim.source, holds(claim.holds), claim.contradicts.name()].map(str::to_owned);
+            vec![name, source, claim.statistic.clone(), limit, with_interval(&claim.found, ""), holds, contradicts]
+        }),
+        samples(found),
+        part(
+            "Beside what was measured on ants",
+            &["quantity", "measured", "samples", "here"],
+            &found.experiment,
+            "Pulls of all trials at every control period, and group sizes of the trial of ten ants. The paper does not say that its simulation meets these numbers; they have no grade.",
+            |row| vec![row.quantity.clone(), quantity(row.measured, row.unit), row.n_measured.to_string(), with_interval(&row.here, row.unit)],
+        ),
+        part(
+            "Inertial force m a by smoothing time",
+            &["trial", "smoothing", "mean", "rms", "largest"],
+            &found.inertial_force,
+            FORCES,
+            |row| {
+                let rms = row.rms_n.map_or_else(String::new, |rms| quantity(rms.value, "N"));
+                let (smoothing, largest) = (quantity(row.smoothing_s, "s"), quantity(row.largest_n, "N"));
+                vec![row.trial.name(), smoothing, with_interval(&row.mean_n, "N"), rms, largest]
+            },
+        ),
+    ]
 }
 
-fn with_interval(estimate: &Option<Estimate>, unit: &str) -> String {
-    let between = |interval: Option<Interval>| {
-        interval.map_or_else(String::new, |Interval { low, high }| format!(" ({} to {})", quantity(low, unit), quantity(high, unit)))
-    };
-    estimate.map_or_else(|| "-".to_owned(), |estimate| format!("{}{}", quantity(estimate.value, unit), between(estimate.interval_95)))
+/// Sets beside each other, backends on the same path, and changes in each run.
+fn beside_each_other(found: &Paper) -> [Part; 3] {
+    let sets = found.conclusions.iter().take(1).flat_map(|conclusion| conclusion.on.iter().map(|standing| standing.set.as_str()));
+    let heads: Vec<&str> = std::iter::once("conclusion").chain(sets).collect();
+    let lengths = ["trial", "verdict", "inertia effect", "engine error", "reference error", "path length"];
+    [
+        part(
+            "Conclusions by backend and inertia",
+            &heads,
+            &found.conclusions,
+            "Each cell is the value and whether the conclusion holds there (`?`: unknown with these seeds). Inertia is scaled at the same friction.",
+            conclusion,
+        ),
+        part("Replayed: largest edge displacements", &lengths, &found.replayed, "", |one| {
+            let lengths = [one.inertia_effect_m, one.engine_error_m, one.reference_error_m].map(|length| quantity(length, "m"));
+            let path = format!("{} in {}", quantity(one.path_length_m, "m"), quantity(one.duration_s, "s"));
+            [vec![one.trial.name(), one.verdict.clone()], lengths.to_vec(), vec![path]].concat()
+        }),
+        part(
+            "One change of mean in a run",
+            &["trial", "series", "runs", "significant", "of those rising", "median time"],
+            &found.transitions,
+            "Best place of two means by least squares; significant at 5 % among series of the same 4 s blocks in random order, so that a twentieth is chance.",
+            |row| {
+                let [n_runs, n_significant, n_rising] = [row.n_runs, row.n_significant, row.n_rising].map(|n| n.to_string());
+                let median = row.median_time_s.map_or_else(String::new, |time| quantity(time, "s"));
+                vec![row.trial.name(), row.series.to_owned(), n_runs, n_significant, n_rising, median]
+            },
+        ),
+    ]
 }
 
-/// What the paper measured on ants.
-fn measured(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::Experiment| {
-        vec![row.quantity.clone(), quantity(row.measured, row.unit), row.n_measured.to_string(), with_interval(&row.here, row.unit)]
-    };
-    found.experiment.iter().map(row).collect()
-}
-
-/// Inertial force by smoothing time.
-fn forces(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::ForceRow| {
-        let rms = row.rms_n.map_or_else(String::new, |rms| quantity(rms.value, "N"));
-        let smoothing = quantity(row.smoothing_s, "s");
-        vec![row.trial.name(), smoothing, with_interval(&row.mean_n, "N"), rms, quantity(row.largest_n, "N")]
-    };
-    found.inertial_force.iter().map(row).collect()
+fn part<T>(title: &'static str, heads: &[&str], rows: &[T], note: &str, cells: impl Fn(&T) -> Vec<String>) -> Part {
+    let table = Table::new("", heads.iter().copied()).with_rows(rows.iter().map(cells));
+    Part { title, table, note: note.trim().to_owned() }
 }
 
 /// Printed counts as a mixture of the trials.
 fn samples(found: &Paper) -> Part {
-    let (title, heads) = (
-        "Samples of Fig. 9 as a mixture of the trials",
-        ["pulling ants", "printed samples", "mixture", "printed share of two or more", "mixture"],
-    );
-    let Some(mixture) = &found.mixture else { return part(title, &heads, Vec::new(), "") };
-    let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
-    let rows = (1..=10).map(|size| {
-        let share = |share: f64| if size > 1 { number(share) } else { String::new() };
-        let n = (mixture.shares[size - 1] * n_printed as f64).round();
-        vec![
-            size.to_string(),
-            SIMULATED_SAMPLES[size - 1].to_string(),
-            format!("{n}"),
-            share(printed_share(size)),
-            share(mixture.share_of_two_or_more(size)),
-        ]
+    let sizes: Vec<_> = found.mixture.iter().flat_map(|mixture| (1..=10).map(move |size| (size, mixture))).collect();
+    let note = found.mixture.as_ref().map_or_else(String::new, |mixture| {
+        let trials = mixture.trials.iter();
+        let trials = trials.map(|part| format!("{} {} ({} runs)", part.trial.name(), number(part.weight), number(part.n_runs)));
+        format!(
+            "Weights of the trials, by the largest likelihood of the printed counts, and runs with as many samples at every control period: {}. Of samples with two or more ants, a share of {} has another number of ants in the mixture than printed.",
+            trials.collect::<Vec<_>>().join(", "),
+            number(mixture.misplaced())
+        )
     });
-    let parts = mixture.trials.iter().map(|part| format!("{} {} ({} runs)", part.trial.name(), number(part.weight), number(part.n_runs)));
-    let note = format!(
-        "Weights of the trials, by the largest likelihood of the printed counts, and runs with as many samples at every control period: {}. Of samples with two or more ants, a share of {} has another number of ants in the mixture than printed.",
-        parts.collect::<Vec<_>>().join(", "),
-        number(mixture.misplaced())
-    );
-    part(title, &heads, rows.collect(), &note)
-}
-
-fn claim(claim: &Claim) -> Vec<String> {
-    let limit = format!("{} {}", if claim.below { "below" } else { "above" }, number(claim.limit));
-    let [holds, contradicts] = [holds(claim.holds), claim.contradicts.name()].map(str::to_owned);
-    vec![
-        claim.claim.to_owned(),
-        claim.source.to_owned(),
-        claim.statistic.clone(),
-        limit,
-        with_interval(&claim.found, ""),
-        holds,
-        contradicts,
-    ]
+    let heads = ["pulling ants", "printed samples", "mixture", "printed share of two or more", "mixture"];
+    part("Samples of Fig. 9 as a mixture of the trials", &heads, &sizes, &note, |(size, mixture)| {
+        let share = |share: f64| if *size > 1 { number(share) } else { String::new() };
+        let counts = [*size as u64, SIMULATED_SAMPLES[size - 1], mixture.n_samples(*size)].map(|n| n.to_string());
+        [counts.to_vec(), vec![share(printed_share(*size)), share(mixture.share_of_two_or_more(*size))]].concat()
+    })
 }
 
 fn holds(holds: Option<bool>) -> &'static str {
@@ -196,23 +167,12 @@ fn holds(holds: Option<bool>) -> &'static str {
     }
 }
 
-fn heads(found: &Paper) -> Vec<String> {
-    let sets = found.conclusions.first().into_iter().flat_map(|conclusion| conclusion.on.iter().map(|standing| standing.set.clone()));
-    std::iter::once("conclusion".to_owned()).chain(sets).collect()
-}
-
 fn conclusion(conclusion: &Conclusion) -> Vec<String> {
-    let cell = |standing: &crate::studies::paper::Standing| {
+    let cell = |standing: &Standing| {
         let value = standing.value.map_or_else(|| "-".to_owned(), number);
         let is_changed = conclusion.changed_on.contains(&standing.set);
         let answer = format!("{value}, {}", holds(standing.holds));
         if is_changed { format!("**{answer}**") } else { answer }
     };
     std::iter::once(conclusion.conclusion.clone()).chain(conclusion.on.iter().map(cell)).collect()
-}
-
-fn replayed(one: &Replayed) -> Vec<String> {
-    let lengths = [one.inertia_effect_m, one.engine_error_m, one.reference_error_m].map(|length| quantity(length, "m"));
-    let path = format!("{} in {}", quantity(one.path_length_m, "m"), quantity(one.duration_s, "s"));
-    [vec![one.trial.name(), one.verdict.clone()], lengths.to_vec(), vec![path]].concat()
 }

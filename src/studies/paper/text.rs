@@ -1,103 +1,88 @@
 //! The paper's results made again, for people.
 
-use std::fmt::Write;
-
-use crate::math::Interval;
+use super::{Claim, Conclusion, Grade, with_interval};
 use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::quantity::{number, quantity};
+use crate::output::text::aligned;
 use crate::studies::paper::report::Paper;
-use crate::studies::paper::{Claim, Estimate};
 
 /// Tables of the results: quantities beside printed ones, claims, speed by group size, transitions,
 /// backends, conclusions that change, and replayed runs.
 pub fn paper_text(found: &Paper) -> String {
-    let mut text = String::new();
-    header(found, &mut text);
-    section("not reproduced", missed(found), &mut text);
-    section("beside the paper", table(found), &mut text);
-    section("claims", found.claims.iter().map(claim).collect(), &mut text);
-    section("samples by number of pulling ants, mixture of the trials", samples(found), &mut text);
-    section("measured on ants, not graded", experiment(found), &mut text);
-    section("inertial force by smoothing time (paper: 1e-4 mN, friction 22 mN)", forces(found), &mut text);
-    section("load speed by number of pulling ants, ten springs", speeds(found), &mut text);
-    section("one change of mean in a run", transitions(found), &mut text);
-    section("other sets, paired differences", others(found), &mut text);
-    section("conclusions that change", changed(found), &mut text);
-    section("replayed: largest edge displacements", replayed(found), &mut text);
-    text
-}
-
-fn header(found: &Paper, text: &mut String) {
-    writeln!(text, "{}\n\npreset {}, seeds from {}", found.answer, found.preset, found.first_seed).expect("a string takes all");
-    let lines = found
-        .sets
-        .iter()
-        .map(|set| vec![set.name.clone(), format!("{} seeds", set.n_seeds), format!("{} of {} runs arrived", set.n_arrived, set.n_runs)]);
-    section("sets of runs", lines.collect(), text);
-}
-
-/// Lines of cells, aligned; nothing of no lines.
-fn section(title: &str, lines: Vec<Vec<String>>, text: &mut String) {
-    if lines.is_empty() {
-        return;
-    }
-    writeln!(text, "{title}").expect("a string takes all");
-    let n_columns = lines.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| lines.iter().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..n_columns).map(width).collect();
-    for line in &lines {
-        let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        writeln!(text, "  {}", cells.join("  ").trim_end()).expect("a string takes all");
-    }
-}
-
-fn with_interval(estimate: &Option<Estimate>, unit: &str) -> String {
-    estimate.map_or_else(|| "-".to_owned(), |estimate| format!("{}{}", quantity(estimate.value, unit), between(estimate.interval_95, unit)))
-}
-
-fn between(interval: Option<Interval>, unit: &str) -> String {
-    interval.map_or_else(String::new, |Interval { low, high }| format!(" ({} to {})", quantity(low, unit), quantity(high, unit)))
-}
-
-fn table(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::TableRow| {
-        let printed = row.printed.map_or_else(|| "not printed".to_owned(), |printed| quantity(printed, row.unit));
-        vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), row.grade.map_or("", |grade| grade.name()).to_owned()]
-    };
-    found.table.iter().map(row).collect()
-}
-
-fn missed(found: &Paper) -> Vec<Vec<String>> {
-    let row = |missed: &crate::studies::paper::Missed| {
+    let head = format!("{}\n\npreset {}, seeds from {}\n", found.answer, found.preset, found.first_seed);
+    let sets = section("sets of runs", &found.sets, |set| {
+        vec![set.name.clone(), format!("{} seeds", set.n_seeds), format!("{} of {} runs arrived", set.n_arrived, set.n_runs)]
+    });
+    let missed = section("not reproduced", &found.not_reproduced, |missed| {
         let certain = if missed.is_certain { "" } else { "(these seeds do not tell)" };
         vec![missed.what.clone(), format!("paper {}", missed.paper), format!("here {}", missed.here), certain.to_owned()]
-    };
-    found.not_reproduced.iter().map(row).collect()
+    });
+    let table = section("beside the paper", &found.table, |row| {
+        let printed = row.printed.map_or_else(|| "not printed".to_owned(), |printed| quantity(printed, row.unit));
+        vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), row.grade.map_or("", Grade::name).to_owned()]
+    });
+    let claims = section("claims", &found.claims, claim);
+    let sets_and_claims = [head, sets, missed, table, claims].concat();
+    sets_and_claims + &of_ants(found) + &of_sets(found)
 }
 
-fn samples(found: &Paper) -> Vec<Vec<String>> {
-    let Some(mixture) = &found.mixture else { return Vec::new() };
-    let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
-    let row = |size: usize| {
-        let n = (mixture.shares[size - 1] * n_printed as f64).round();
+/// Groups, pulls and forces, on the first set.
+fn of_ants(found: &Paper) -> String {
+    let sizes: Vec<_> = found.mixture.iter().flat_map(|mixture| (1..=10).map(|size| (size, mixture.n_samples(size)))).collect();
+    let samples = section("samples by number of pulling ants, mixture of the trials", &sizes, |(size, n)| {
         vec![size.to_string(), format!("paper n = {}", SIMULATED_SAMPLES[size - 1]), format!("mixture n = {n}")]
-    };
-    (1..=10).map(row).collect()
-}
-
-fn experiment(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::Experiment| {
+    });
+    let experiment = section("measured on ants, not graded", &found.experiment, |row| {
         vec![row.quantity.clone(), format!("measured {}", quantity(row.measured, row.unit)), with_interval(&row.here, row.unit)]
-    };
-    found.experiment.iter().map(row).collect()
-}
-
-fn forces(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::ForceRow| {
+    });
+    let title = "inertial force by smoothing time (paper: 1e-4 mN, friction 22 mN)";
+    let forces = section(title, &found.inertial_force, |row| {
         let largest = format!("largest {}", quantity(row.largest_n, "N"));
         vec![row.trial.name(), quantity(row.smoothing_s, "s"), format!("mean {}", with_interval(&row.mean_n, "N")), largest]
-    };
-    found.inertial_force.iter().map(row).collect()
+    });
+    let speeds = section("load speed by number of pulling ants, ten springs", &found.load_speed, |speeds| {
+        let headway = format!("as ants, towards the nest {}", with_interval(&speeds.headway_m_per_s, "m/s"));
+        let (n, printed) = (format!("n = {}", speeds.n_instants), format!("paper n = {}", speeds.printed_instants));
+        vec![speeds.n_transporting.to_string(), speeds.trial.name(), with_interval(&speeds.load_speed_m_per_s, "m/s"), headway, n, printed]
+    });
+    let transitions = section("one change of mean in a run", &found.transitions, |row| {
+        let counts = format!("in {} of {} runs, {} rising", row.n_significant, row.n_runs, row.n_rising);
+        let at = row.median_time_s.map_or_else(String::new, |time| format!("median at {}", quantity(time, "s")));
+        let ratio = row.median_ratio.map_or_else(String::new, |ratio| format!("after over before {}", number(ratio)));
+        vec![row.trial.name(), row.series.to_owned(), counts, at, ratio]
+    });
+    [samples, experiment, forces, speeds, transitions].concat()
+}
+
+/// What differs between sets of the same preset, and between backends on the same path.
+fn of_sets(found: &Paper) -> String {
+    let same_preset = found.sets.iter().skip(1).zip(0..).filter(|(set, _)| set.preset == found.preset);
+    let on_others = same_preset.flat_map(|(_, at)| found.table.iter().filter_map(move |row| Some((row, row.on_others.get(at)?))));
+    let shifted: Vec<_> = on_others.filter(|(_, other)| other.is_shifted).collect();
+    let others = section("other sets, paired differences", &shifted, |(row, other)| {
+        vec![other.set.clone(), row.quantity.clone(), with_interval(&other.value, row.unit), with_interval(&other.minus_first, row.unit)]
+    });
+    let mut changed: Vec<_> = found.conclusions.iter().filter(|conclusion| !conclusion.changed_on.is_empty()).map(conclusion).collect();
+    if changed.is_empty() && found.conclusions.first().is_some_and(|conclusion| conclusion.on.len() > 1) {
+        changed = vec![vec!["none".to_owned()]];
+    }
+    let changed = section("conclusions that change", &changed, Vec::clone);
+    let replayed = section("replayed: largest edge displacements", &found.replayed, |one| {
+        let [inertia, engine, reference, path] =
+            [one.inertia_effect_m, one.engine_error_m, one.reference_error_m, one.path_length_m].map(|length| quantity(length, "m"));
+        let lengths = [format!("inertia effect {inertia}"), format!("engine error {engine}"), format!("reference error {reference}")];
+        let path = format!("path length {path} in {}", quantity(one.duration_s, "s"));
+        [vec![one.trial.name(), one.verdict.clone()], lengths.to_vec(), vec![path]].concat()
+    });
+    [others, changed, replayed].concat()
+}
+
+/// A title and a line of cells a row; nothing of no rows.
+fn section<T>(title: &str, rows: &[T], cells: impl Fn(&T) -> Vec<String>) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    format!("{title}\n{}", aligned(&rows.iter().map(cells).collect::<Vec<_>>(), "  "))
 }
 
 fn claim(claim: &Claim) -> Vec<String> {
@@ -106,80 +91,16 @@ fn claim(claim: &Claim) -> Vec<String> {
         Some(false) => "does not hold",
         None => "unknown",
     };
-    let side = if claim.below { "below" } else { "above" };
-    vec![
-        claim.claim.to_owned(),
-        verdict.to_owned(),
-        with_interval(&claim.found, ""),
-        format!("{side} {}: {}", number(claim.limit), claim.statistic),
-    ]
+    let limit = format!("{} {}: {}", claim.side(), number(claim.limit), claim.statistic);
+    vec![claim.claim.to_owned(), verdict.to_owned(), with_interval(&claim.found, ""), limit]
 }
 
-fn speeds(found: &Paper) -> Vec<Vec<String>> {
-    let row = |speeds: &crate::studies::paper::Speeds| {
-        let printed = format!("paper n = {}", speeds.printed_instants);
-        let n = format!("n = {}", speeds.n_instants);
-        let headway = format!("as ants, towards the nest {}", with_interval(&speeds.headway_m_per_s, "m/s"));
-        vec![speeds.n_transporting.to_string(), speeds.trial.name(), with_interval(&speeds.load_speed_m_per_s, "m/s"), headway, n, printed]
+fn conclusion(conclusion: &Conclusion) -> Vec<String> {
+    let value = |set: &String| {
+        let standing = conclusion.on.iter().find(|standing| standing.set == *set);
+        format!("{set}: {}", standing.and_then(|standing| standing.value).map_or_else(|| "none".to_owned(), number))
     };
-    found.load_speed.iter().map(row).collect()
-}
-
-fn transitions(found: &Paper) -> Vec<Vec<String>> {
-    let row = |row: &crate::studies::paper::report::TransitionRow| {
-        let counts = format!("in {} of {} runs, {} rising", row.n_significant, row.n_runs, row.n_rising);
-        let at = row.median_time_s.map_or_else(String::new, |time| format!("median at {}", quantity(time, "s")));
-        let ratio = row.median_ratio.map_or_else(String::new, |ratio| format!("after over before {}", number(ratio)));
-        vec![row.trial.name(), row.series.to_owned(), counts, at, ratio]
-    };
-    found.transitions.iter().map(row).collect()
-}
-
-/// What shifts on other sets of the same preset.
-fn others(found: &Paper) -> Vec<Vec<String>> {
-    let mut lines = Vec::new();
-    for (at, set) in found.sets.iter().enumerate().skip(1).filter(|(_, set)| set.preset == found.preset) {
-        for row in &found.table {
-            let Some(other) = row.on_others.get(at - 1).filter(|other| other.is_shifted) else { continue };
-            lines.push(vec![
-                set.name.clone(),
-                row.quantity.clone(),
-                with_interval(&other.value, row.unit),
-                with_interval(&other.minus_first, row.unit),
-            ]);
-        }
-    }
-    lines
-}
-
-fn changed(found: &Paper) -> Vec<Vec<String>> {
-    let row = |conclusion: &crate::studies::paper::Conclusion| {
-        let value = |at: &str| {
-            let standing = conclusion.on.iter().find(|standing| standing.set == at);
-            format!("{at}: {}", standing.and_then(|standing| standing.value).map_or_else(|| "none".to_owned(), number))
-        };
-        let first = conclusion.on.first().map_or_else(String::new, |standing| value(&standing.set));
-        let others: Vec<String> = conclusion.changed_on.iter().map(|set| value(set)).collect();
-        vec![conclusion.conclusion.clone(), first, others.join(", ")]
-    };
-    let changed: Vec<_> = found.conclusions.iter().filter(|conclusion| !conclusion.changed_on.is_empty()).map(row).collect();
-    if changed.is_empty() && found.conclusions.first().is_some_and(|conclusion| conclusion.on.len() > 1) {
-        return vec![vec!["none".to_owned()]];
-    }
-    changed
-}
-
-fn replayed(found: &Paper) -> Vec<Vec<String>> {
-    let row = |replayed: &crate::studies::paper::Replayed| {
-        let parts = [
-            ("inertia effect", replayed.inertia_effect_m),
-            ("engine error", replayed.engine_error_m),
-            ("reference error", replayed.reference_error_m),
-        ];
-        let mut line = vec![replayed.trial.name(), replayed.verdict.clone()];
-        line.extend(parts.map(|(name, value)| format!("{name} {}", quantity(value, "m"))));
-        line.push(format!("path length {} in {}", quantity(replayed.path_length_m, "m"), quantity(replayed.duration_s, "s")));
-        line
-    };
-    found.replayed.iter().map(row).collect()
+    let first = conclusion.on.first().map_or_else(String::new, |standing| value(&standing.set));
+    let others: Vec<String> = conclusion.changed_on.iter().map(value).collect();
+    vec![conclusion.conclusion.clone(), first, others.join(", ")]
 }

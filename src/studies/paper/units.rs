@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::facts::RunFacts;
 use super::trial::Trial;
 use crate::math::{Interval, RandomStreams, Stream, Summary, student};
+use crate::output::quantity::quantity;
 
 /// The runs of one seed, at most one a trial.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +60,13 @@ impl Estimate {
         });
         Self { value, interval_95, standard_error, n_units }
     }
+}
+
+/// A value with its interval, for people; a dash where there is none.
+pub fn with_interval(estimate: &Option<Estimate>, unit: &str) -> String {
+    let Some(Estimate { value, interval_95, .. }) = *estimate else { return "-".to_owned() };
+    let between = |Interval { low, high }| format!(" ({} to {})", quantity(low, unit), quantity(high, unit));
+    quantity(value, unit) + &interval_95.map_or_else(String::new, between)
 }
 
 /// A statistic of a sample of units; `None` where it has no value.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::Interval;
 use crate::output::quantity::quantity;
+use crate::output::text::aligned;
 use crate::studies::sweep::{Distribution, Group, Identity};
 
 /// Summary of a sweep. All but the cost follows from the table.
@@ -120,7 +121,7 @@ impl SweepSummary {
 pub fn sweep_text(found: &SweepSummary) -> String {
     let mut text = String::new();
     let groups = found.groups.as_deref().unwrap_or_default();
-    text.push_str(&table(found, &groups[..groups.len().min(MOST_SHOWN)]));
+    text.push_str(&aligned(&group_rows(found, &groups[..groups.len().min(MOST_SHOWN)]), ""));
     writeln!(text, "(in brackets and after +-: intervals at 95 %)").expect("a string takes all");
     if groups.len() > MOST_SHOWN || found.groups.is_none() {
         writeln!(text, "... {} groups in all: see groups.csv", found.n_groups).expect("a string takes all");
@@ -162,17 +163,6 @@ fn shortened(values: &[String]) -> Vec<String> {
     let n_different = |texts: &[String]| texts.iter().collect::<BTreeSet<_>>().len();
     let n_values = n_different(values);
     (4..17).map(with).find(|texts| n_different(texts) == n_values).unwrap_or_else(|| values.to_vec())
-}
-
-fn table(found: &SweepSummary, groups: &[Group]) -> String {
-    let rows = group_rows(found, groups);
-    let width = |at: usize| rows.iter().map(|row| row[at].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
-    let padded = |row: &Vec<String>| {
-        let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        format!("{}\n", cells.join("  ").trim_end())
-    };
-    rows.iter().map(padded).collect()
 }
 
 fn line(group: &Group, with_step: bool) -> Vec<String> {
