@@ -30,7 +30,7 @@ use crate::studies::journal::{Header, Journal, JournalError};
 use crate::studies::sweep::files::write_sweep;
 use crate::studies::sweep::report::{Cost, FAILED, NOT_WITHIN_TOLERANCE, SweepSummary, sweep_text};
 use crate::studies::sweep::{
-    Ask, Axis, Design, INERTIA, Identity, Method, Part, Plan, Sample, Table, Variant, finish_shard, validate, verified, work,
+    Ask, Axis, Design, INERTIA, Identity, Method, Part, Plan, Sample, Table, Variant, finish_shard, shard_files, validate, verified, work,
 };
 
 #[derive(Args)]
@@ -156,10 +156,10 @@ fn variants(args: &SweepArgs) -> Result<Vec<Variant>, CliError> {
 /// When two variants are equal, because steps end with the control period.
 fn check_variants(plan: &Plan) -> Result<(), CliError> {
     let options: Vec<BackendOptions> = plan.identity.variants.iter().map(|variant| variant.options(plan.base())).collect();
-    match (1..options.len()).find(|at| options[..*at].contains(&options[*at])) {
-        Some(_) => Err(CliError::Usage("--backend, --step-s: must name every backend and step once, found one again".into())),
-        None => Ok(()),
+    if (1..options.len()).any(|at| options[..at].contains(&options[at])) {
+        return Err(CliError::Usage("--backend, --step-s: must name every backend and step once, found one again".into()));
     }
+    Ok(())
 }
 
 /// More than any machine has processors, and few enough to start.
@@ -216,7 +216,6 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
         let _ = fs::remove_file(&journal_path);
     } else {
         let (journal, _) = filled(plan, pool, &journal_path, &header)?;
-        remove_partials(&path);
         finish_shard(&path, &header, &journal)?;
         journal.remove()?;
     }
@@ -236,11 +235,7 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
 
 /// Refuses, before the work, a folder with shards of another sweep or of another number of parts.
 fn check_neighbours(folder: &Path, identity: &Identity, n_parts: u64) -> Result<(), CliError> {
-    let entries = fs::read_dir(folder).map_err(at_file(folder))?;
-    let shards: Vec<PathBuf> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "rows"))
-        .collect();
+    let shards = shard_files(&[folder.to_owned()])?;
     let of_others = |path: &&PathBuf| path.file_stem().and_then(Part::of_name).is_some_and(|part| part.n != n_parts);
     if let Some(path) = shards.iter().find(of_others) {
         return Err(CliError::Usage(format!(
@@ -248,17 +243,17 @@ fn check_neighbours(folder: &Path, identity: &Identity, n_parts: u64) -> Result<
             path.display()
         )));
     }
-    let Some(path) = shards.into_iter().next() else { return Ok(()) };
-    check_same(&path, identity.differences(&Identity::read(&path)?.0))
+    let Some(path) = shards.first() else { return Ok(()) };
+    check_same(path, identity.differences(&Identity::read(path)?.0))
 }
 
 /// # Errors
 /// When there are differences between the sweep asked for and that of the file or folder.
 fn check_same(path: &Path, differences: Vec<String>) -> Result<(), CliError> {
-    match differences.is_empty() {
-        true => Ok(()),
-        false => Err(JournalError::Other { path: path.to_owned(), study: "sweep".to_owned(), differences }.into()),
+    if differences.is_empty() {
+        return Ok(());
     }
+    Err(JournalError::Other { path: path.to_owned(), study: "sweep".to_owned(), differences }.into())
 }
 
 /// The journal with the rows of all its cells, and the number of cells that were run for it.
@@ -354,16 +349,4 @@ pub fn finished(out: &Path, identity: &Identity) -> Result<Option<SweepSummary>,
     let text = fs::read(&path).map_err(at_file(&path))?;
     let summary = serde_json::from_slice(&text).map_err(|error| at_file(&path)(error.into()))?;
     Ok(Some(summary))
-}
-
-/// Removes half-written files of a killed process. No other process holds the journal.
-fn remove_partials(shard: &Path) {
-    let start = format!("{}.partial-", shard.file_stem().unwrap_or_default().to_string_lossy());
-    let folder = shard.parent().unwrap_or(Path::new("."));
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(&start) {
-            // A file that stays does no harm.
-            drop(fs::remove_file(entry.path()));
-        }
-    }
 }

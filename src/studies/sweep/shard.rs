@@ -144,7 +144,7 @@ impl Shards {
     /// or double: every fault, up to some number.
     pub fn gather(sources: &[PathBuf]) -> Result<Self, SweepError> {
         let (mut found, mut first, mut faults) = (Vec::new(), None::<Identity>, Vec::new());
-        for path in files(sources)? {
+        for path in shard_files(sources)? {
             let (sweep, cells) = Identity::read(&path)?;
             let identity = first.get_or_insert_with(|| sweep.clone());
             if *identity == sweep {
@@ -183,8 +183,8 @@ impl Table for Shards {
     }
 }
 
-/// Every finished shard that `sources` name.
-fn files(sources: &[PathBuf]) -> Result<Vec<PathBuf>, SweepError> {
+/// Every finished shard that `sources` name: files, or folders whose `shards` they are in.
+pub fn shard_files(sources: &[PathBuf]) -> Result<Vec<PathBuf>, SweepError> {
     let mut files = Vec::new();
     for source in sources {
         if !source.is_dir() {
