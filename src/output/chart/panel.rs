@@ -45,6 +45,13 @@ pub struct Curve {
     pub shape: Shape,
 }
 
+impl Curve {
+    /// A curve with all points that there were.
+    pub fn new(points: Vec<[f64; 2]>, style: Style, shape: Shape) -> Self {
+        Self { points, columns: Vec::new(), style, shape }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// y over x, straight between points.

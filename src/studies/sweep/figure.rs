@@ -1,12 +1,12 @@
 //! Groups of a sweep -> panels: means with their intervals over a parameter, or the times to the
 //! nest as a histogram where only seeds differ.
 
-use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, grid};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crate::math::Interval;
 use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
+use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, grid};
 use crate::studies::sweep::{Axis, Group, Identity, Values};
 
 /// Times to the nest by backend and step, up to so many that a histogram shows them well.
@@ -82,7 +82,7 @@ fn x_axis(identity: &Identity, groups: &[Group]) -> Option<X> {
     axes.sort_by_key(|(_, axis)| axis.n_values().map(Reverse));
     axes.into_iter().find_map(|(at, axis)| {
         let numbers: Vec<f64> = groups.iter().map(|group| group.parameters[at].parse().ok()).collect::<Option<_>>()?;
-        let (low, high) = numbers.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (x.min(low), x.max(high)));
+        let [low, high] = ends(numbers);
         // From a range of 20 on, values below a tenth of it would stand on one spot.
         let is_logarithmic = low > 0.0 && high / low >= 20.0;
         let is_sampled = matches!(axis, Axis { values: Values::Range { .. }, .. });
@@ -101,10 +101,15 @@ fn over_parameter(x: &X, identity: &Identity, groups: &[Group]) -> (Vec<Panel>, 
     }
     curves.iter_mut().for_each(|(_, members)| members.sort_by(|a, b| x.of(a).partial_cmp(&x.of(b)).unwrap_or(std::cmp::Ordering::Equal)));
     let label = if x.is_logarithmic { format!("log₁₀ {}", x.name) } else { x.name.clone() };
+    let [low, high] = ends(groups.iter().filter_map(|group| x.of(group)));
     let panel = |shown: &Shown| {
         let mut panel = Panel::new(&label, shown.label, shown.scale);
-        panel.curves.extend(margins(x, shown, groups));
-        let shift = |at: usize| BESIDE * span(x, groups) * (at as f64 - 0.5 * (curves.len().min(MOST_CURVES) - 1) as f64);
+        // Nothing, a little beyond the first and last values of all groups: panels have the same
+        // axis, and strokes at its ends can be seen.
+        let room = 0.04 * (high - low);
+        let y = groups.iter().find_map(|group| (shown.of)(group).0);
+        panel.curves.extend(y.map(|y| Curve::new(vec![[low - room, y], [high + room, y]], style(0), Shape::Unseen)));
+        let shift = |at: usize| BESIDE * (high - low) * (at as f64 - 0.5 * (curves.len().min(MOST_CURVES) - 1) as f64);
         let shown_curves = curves.iter().take(MOST_CURVES).enumerate();
         shown_curves.for_each(|(at, (_, members))| panel.curves.extend(drawn(x, shown, members, shift(at), style(at))));
         if curves.len() > MOST_CURVES {
@@ -122,24 +127,9 @@ fn over_parameter(x: &X, identity: &Identity, groups: &[Group]) -> (Vec<Panel>, 
 /// places their intervals would hide each other.
 const BESIDE: f64 = 0.006;
 
-/// From the first to the last value of all groups.
-fn span(x: &X, groups: &[Group]) -> f64 {
-    let [low, high] = ends(x, groups);
-    high - low
-}
-
-fn ends(x: &X, groups: &[Group]) -> [f64; 2] {
-    let values = groups.iter().filter_map(|group| x.of(group));
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [x.min(low), x.max(high)])
-}
-
-/// Nothing, a little beyond the first and last values of all groups: panels have the same axis, and
-/// strokes at its ends can be seen.
-fn margins(x: &X, shown: &Shown, groups: &[Group]) -> Option<Curve> {
-    let [low, high] = ends(x, groups);
-    let y = groups.iter().find_map(|group| (shown.of)(group).0)?;
-    let room = 0.04 * (high - low);
-    Some(Curve { columns: Vec::new(), points: vec![[low - room, y], [high + room, y]], style: style(0), shape: Shape::Unseen })
+/// The smallest and the largest of some values.
+fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [value.min(low), value.max(high)])
 }
 
 /// What a curve's groups share: the backend at its step and, with their names, all lists but the
@@ -156,17 +146,11 @@ fn curve_name(x: &X, identity: &Identity, group: &Group) -> String {
 fn drawn(x: &X, shown: &Shown, members: &[&Group], shift: f64, style: Style) -> Vec<Curve> {
     let points = members.iter().filter_map(|group| Some([x.of(group)? + shift, (shown.of)(group).0?])).collect();
     let shape = if x.is_sampled { Shape::Crosses } else { Shape::Marked };
-    let mut curves = vec![Curve { columns: Vec::new(), points, style, shape }];
-    curves.extend(members.iter().filter_map(|group| {
+    let strokes = members.iter().filter_map(|group| {
         let (at, interval) = (x.of(group)? + shift, (shown.of)(group).1?);
-        Some(Curve {
-            columns: Vec::new(),
-            points: vec![[at, interval.low.max(0.0)], [at, interval.high]],
-            style: style.thin(),
-            shape: Shape::Path,
-        })
-    }));
-    curves
+        Some(Curve::new(vec![[at, interval.low.max(0.0)], [at, interval.high]], style.thin(), Shape::Path))
+    });
+    std::iter::once(Curve::new(points, style, shape)).chain(strokes).collect()
 }
 
 fn style(at: usize) -> Style {
@@ -177,7 +161,7 @@ fn style(at: usize) -> Style {
 /// Runs a bin of the time to the nest, a curve a backend.
 fn histogram(times: &Times) -> Option<(Vec<Panel>, Vec<Entry>)> {
     let all = || times.0.values().flatten().copied();
-    let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), time| (time.min(low), time.max(high)));
+    let [low, high] = ends(all());
     if !low.is_finite() {
         return None;
     }
@@ -193,7 +177,7 @@ fn histogram(times: &Times) -> Option<(Vec<Panel>, Vec<Entry>)> {
         let mut points: Vec<[f64; 2]> = vec![[low, 0.0]];
         points.extend(counts.iter().enumerate().flat_map(|(bin, n)| [[edge(bin), f64::from(*n)], [edge(bin + 1), f64::from(*n)]]));
         points.push([edge(counts.len()), 0.0]);
-        panel.curves.push(Curve { columns: Vec::new(), points, style: style(at), shape: Shape::Path });
+        panel.curves.push(Curve::new(points, style(at), Shape::Path));
         entries.push(Entry::line(backend.clone(), style(at)));
     }
     Some((vec![panel], entries))

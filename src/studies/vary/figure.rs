@@ -64,18 +64,16 @@ fn curves(map: &Map) -> String {
     let scale = if low > 0.0 && high / low >= 20.0 { Scale::LogLog } else { Scale::Log };
     let mut order: Vec<usize> = (0..places.len()).collect();
     order.sort_by(|a, b| places[*a].total_cmp(&places[*b]));
-    let curve = |style: Style, of: &dyn Fn(&Cell) -> Option<f64>| Curve {
-        points: order.iter().map(|at| [places[*at], of(&map.cells[*at]).map_or(f64::NAN, |share| share.max(LEAST))]).collect(),
-        columns: Vec::new(),
-        style,
-        shape: Shape::Marked,
+    let curve = |style: Style, of: &dyn Fn(&Cell) -> Option<f64>| {
+        let share = |at: &usize| of(&map.cells[*at]).map_or(f64::NAN, |share| share.max(LEAST));
+        Curve::new(order.iter().map(|at| [places[*at], share(at)]).collect(), style, Shape::Marked)
     };
     let styles = [Style::of_pair(0), Style::of_pair(1), Style::of_trace(2).thin()];
     let panel = |quantity: usize| {
         let mut panel = Panel::new(&map.axes[0].path, &format!("{}: difference / tolerance (1)", QUANTITIES[quantity].0), scale);
         // A logarithmic axis has marks at logarithms.
         panel.marks.push(Mark { at: Across::Horizontal(0.0), style: Style::SLIP_LIMIT });
-        panel.curves.push(Curve { points: vec![[low, 0.1], [high, 10.0]], columns: Vec::new(), style: styles[0], shape: Shape::Unseen });
+        panel.curves.push(Curve::new(vec![[low, 0.1], [high, 10.0]], styles[0], Shape::Unseen));
         panel.curves.push(curve(styles[0], &|cell| cell.compared.map(|of| of[quantity].inertia_effect / of[quantity].tolerance)));
         panel.curves.push(curve(styles[1], &|cell| cell.compared.map(|of| of[quantity].engine_error / of[quantity].tolerance)));
         if quantity == 0 {

@@ -188,13 +188,8 @@ pub fn letter(cell: &Cell, quantity: usize) -> char {
             Verdict::NotComputed => 'x',
             Verdict::Inconclusive | Verdict::Decorrelated => '?',
         },
-        (None, Some(estimate)) if quantity == 0 => {
-            if estimate.margin() <= 1.0 {
-                'v'
-            } else {
-                'n'
-            }
-        }
+        (None, Some(estimate)) if quantity == 0 && estimate.margin() <= 1.0 => 'v',
+        (None, Some(_)) if quantity == 0 => 'n',
         _ => '-',
     }
 }
