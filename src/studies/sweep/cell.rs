@@ -63,13 +63,10 @@ impl<'a> Prepared<'a> {
             }
             Err(panic) => Err(format!("panicked: {panic}")),
         };
-        let n_measured = facts().count() + ESTIMATE.len() + self.plan.most_attached + 1;
-        let (status, cause, rest) = match measured {
-            Ok((status, cause, fields)) => (status, cause, fields),
-            Err(cause) => ("failed", cause, vec![Field::Empty; n_measured]),
-        };
+        let (status, cause, rest) = measured.unwrap_or_else(|cause| ("failed", cause, Vec::new()));
         fields.extend([Field::Word(status.to_owned()), Field::Word(cause)]);
         fields.extend(rest);
+        fields.resize(self.plan.identity.columns.len(), Field::Empty);
         Some(line_of(&fields))
     }
 
@@ -127,21 +124,18 @@ fn tightened(options: &BackendOptions, outcome: &Outcome) -> Option<BackendOptio
     Some(BackendOptions { tolerance: Some(tolerance.tightened()?), ..*options })
 }
 
-/// Fields of the columns of the estimate.
-fn estimated(totals: &Totals) -> [(&'static str, Field); 3] {
-    let fields = totals
-        .estimate
-        .map(|of| [of.edge_displacement_max_m.into(), of.share.into(), Field::Truth(!of.is_invalid && !of.touches_obstacle)]);
-    let [a, b, c] = fields.unwrap_or([Field::Empty, Field::Empty, Field::Empty]);
-    [(ESTIMATE[0].0, a), (ESTIMATE[1].0, b), (ESTIMATE[2].0, c)]
-}
-
 /// Status, cause and numbers, or the number that is not finite.
 fn measured(run: &Run, totals: &Totals) -> Result<(&'static str, String, Vec<Field>), String> {
     let end = run.outcome.time;
+    let of = totals.estimate;
+    let estimate: [Field; ESTIMATE.len()] = [
+        of.map(|of| of.edge_displacement_max_m).into(),
+        of.map(|of| of.share).into(),
+        of.map(|of| !of.is_invalid && !of.touches_obstacle).into(),
+    ];
+    let estimate = ESTIMATE.map(|(name, _)| name).into_iter().zip(estimate);
     let shares = totals.time_attached.iter().map(|time| ("time_share", number_if(end > 0.0, time / end)));
-    let named: Vec<(&str, Field)> =
-        facts().map(|fact| (fact.column, field_of(fact.in_table(run)))).chain(estimated(totals)).chain(shares).collect();
+    let named: Vec<(&str, Field)> = facts().map(|fact| (fact.column, field_of(fact.in_table(run)))).chain(estimate).chain(shares).collect();
     if let Some((name, value)) = named.iter().find_map(|(name, field)| Some((name, field.number().filter(|value| !value.is_finite())?))) {
         return Err(format!("{name} is {value}"));
     }

@@ -100,7 +100,7 @@ pub fn fields_of(line: &str, columns: &[Column]) -> Result<Vec<Field>, SweepErro
     let mut reader = csv::ReaderBuilder::new().has_headers(false).buffer_capacity(line.len().max(1)).from_reader(line.as_bytes());
     let record = reader.records().next().and_then(Result::ok).filter(|record| record.len() == columns.len());
     let parse = |record: csv::StringRecord| record.iter().zip(columns).map(|(text, column)| Field::parse(text, column.kind)).collect();
-    record.and_then(parse).ok_or_else(|| SweepError::Output(format!("a row does not fit the columns of the table: {line}")))
+    record.and_then(parse).ok_or_else(|| SweepError::Line(line.to_owned()))
 }
 
 /// Rows of a table, read line by line in the order of cells.

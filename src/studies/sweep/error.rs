@@ -1,5 +1,6 @@
 //! Why a sweep cannot be made, gone on with, or merged.
 
+use crate::output::lines::TableError;
 use crate::scenario::ScenarioError;
 use crate::studies::journal::JournalError;
 
@@ -18,12 +19,15 @@ pub enum SweepError {
     Io(#[from] std::io::Error),
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// A number or the disk failed a table.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// Shards that do not make one table, every fault.
     #[error("{}", faults.join("\n"))]
     Shards { faults: Vec<String> },
-    /// A reader of lines failed.
-    #[error("{0}")]
-    Output(String),
+    /// A line that does not fit the columns.
+    #[error("a row does not fit the columns of the table: {0}")]
+    Line(String),
 }
 
 impl SweepError {

@@ -9,8 +9,8 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::table::Field;
-use crate::studies::sweep::figure::Times;
-use crate::studies::sweep::figure::sweep as draw;
+use crate::studies::sweep::column::{line_of, text_of};
+use crate::studies::sweep::figure::{Times, sweep as draw};
 use crate::studies::sweep::page::sweep_page;
 use crate::studies::sweep::report::{FAILED, Failure, MOST_FAILURES, SweepSummary};
 use crate::studies::sweep::{Group, Grouper, Identity, MEASURES, SweepError, Table, fields_of, head_of};
@@ -46,11 +46,10 @@ pub fn write_sweep(
 /// Writes the rows as Parquet.
 #[cfg(feature = "parquet")]
 fn write_parquet(identity: &Identity, table: &dyn Table, manifest: &Manifest, out: &mut dyn Write) -> Result<(), SweepError> {
-    let failed = |error: crate::output::lines::TableError| SweepError::Output(error.to_string());
     let columns = identity.columns.iter().map(|column| (column.name.clone(), column.kind)).collect();
-    let mut writer = crate::output::table::ParquetWriter::new(columns, Some(manifest), out).map_err(|error| failed(error.into()))?;
-    table.visit(&mut |line| writer.add(fields_of(line, &identity.columns)?).map_err(failed))?;
-    writer.finish().map_err(|error| failed(error.into()))
+    let mut writer = crate::output::table::ParquetWriter::new(columns, Some(manifest), out)?;
+    table.visit(&mut |line| Ok(writer.add(fields_of(line, &identity.columns)?)?))?;
+    Ok(writer.finish()?)
 }
 
 /// Copies the lines and counts them.
@@ -61,23 +60,19 @@ fn write_runs(
     times: &mut Times,
     out: &mut dyn Write,
 ) -> Result<(), SweepError> {
-    let failed = |error: std::io::Error| SweepError::Output(error.to_string());
     let at = |name: &str| identity.column(name).expect("every table has it");
     let [status, cause, backend, step, time] = ["status", "cause", "backend", "step_s", "time_to_nest_s"].map(at);
-    writeln!(out, "{}", head_of(&identity.columns)).map_err(failed)?;
+    writeln!(out, "{}", head_of(&identity.columns))?;
     table.visit(&mut |line| {
-        writeln!(out, "{line}").map_err(failed)?;
+        writeln!(out, "{line}")?;
         let fields = fields_of(line, &identity.columns)?;
         let cell = summary.n_runs;
         summary.n_runs += 1;
-        if let Field::Word(word) = &fields[status] {
-            *summary.statuses.entry(word.clone()).or_default() += 1;
-        }
-        if let (Field::Word(status), Field::Word(cause)) = (&fields[status], &fields[cause])
-            && status == FAILED
-            && summary.failures.len() < MOST_FAILURES
-        {
-            summary.failures.push(Failure { cell, cause: cause.clone() });
+        if let Field::Word(status) = &fields[status] {
+            *summary.statuses.entry(status.clone()).or_default() += 1;
+            if status == FAILED && summary.failures.len() < MOST_FAILURES {
+                summary.failures.push(Failure { cell, cause: text_of(&fields[cause]) });
+            }
         }
         if let (Field::Word(backend), Some(time)) = (&fields[backend], fields[time].number()) {
             times.add(identity.variant_name(backend, fields[step].number()), time);
@@ -87,45 +82,40 @@ fn write_runs(
 }
 
 fn write_groups(identity: &Identity, table: &dyn Table, summary: &mut SweepSummary, out: &mut dyn Write) -> Result<(), SweepError> {
-    let failed = |error: csv::Error| SweepError::Output(error.to_string());
-    let mut writer = csv::Writer::from_writer(out);
     let mut grouper = Grouper::new(identity);
-    writer.write_record(group_columns(identity)).map_err(failed)?;
+    writeln!(out, "{}", line_of(&group_columns(identity)))?;
     let mut put = |group: Option<Group>| {
         let Some(group) = group else { return Ok(()) };
-        writer.write_record(group_record(&group)).map_err(failed)?;
+        writeln!(out, "{}", line_of(&group_record(&group)))?;
         summary.add_group(group);
         Ok(())
     };
     table.visit(&mut |line| put(grouper.add(line)?))?;
-    put(grouper.finish())?;
-    writer.flush().map_err(|error| SweepError::Output(error.to_string()))
+    put(grouper.finish())
 }
 
-fn group_columns(identity: &Identity) -> Vec<String> {
+fn group_columns(identity: &Identity) -> Vec<Field> {
     let counts =
         ["n", "n_finished", "n_failed", "n_with_nest", "n_arrived", "arrival_share", "arrival_share_low_95", "arrival_share_high_95"];
     let measures = MEASURES.iter().flat_map(|name| ["n", "mean", "sd", "low_95", "high_95"].map(|part| format!("{name}_{part}")));
-    let shares = identity.columns.iter().map(|column| &column.name).filter(|name| name.starts_with("time_share_")).cloned();
-    let parameters = identity.parameters().iter().map(|column| column.name.clone());
-    let plain = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-    [plain(&["point"]), parameters.collect(), plain(&["backend", "step_s"]), plain(&counts), measures.collect(), shares.collect()].concat()
+    let shares = identity.columns.iter().map(|column| &*column.name).filter(|name| name.starts_with("time_share_")).map(Field::from);
+    let parameters = identity.parameters().iter().map(|column| column.name.as_str().into());
+    let head = std::iter::once("point".into()).chain(parameters);
+    head.chain(["backend", "step_s"].into_iter().chain(counts).map(Field::from)).chain(measures.map(Field::from)).chain(shares).collect()
 }
 
-fn group_record(group: &Group) -> Vec<String> {
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| zmij::Buffer::new().format(value).to_owned());
-    let ends = |interval: Option<Interval>| [number(interval.map(|it| it.low)), number(interval.map(|it| it.high))];
-    let counts = [group.n, group.n_finished, group.n_failed, group.n_with_nest, group.n_arrived].map(|n| n.to_string());
-    let mut record = vec![group.point.to_string()];
-    record.extend(group.parameters.iter().cloned());
-    record.extend([group.backend.clone(), number(group.step_s)]);
-    record.extend(counts);
-    record.push(number(group.arrival_share));
+fn group_record(group: &Group) -> Vec<Field> {
+    let ends = |interval: Option<Interval>| [interval.map(|it| it.low), interval.map(|it| it.high)].map(Field::from);
+    let mut record = vec![group.point.into()];
+    record.extend(group.parameters.iter().map(|value| value.as_str().into()));
+    record.extend([group.backend.as_str().into(), group.step_s.into()]);
+    record.extend([group.n, group.n_finished, group.n_failed, group.n_with_nest, group.n_arrived].map(Field::from));
+    record.push(group.arrival_share.into());
     record.extend(ends(group.arrival_interval_95));
     for measure in &group.measures {
-        record.extend([measure.n.to_string(), number(measure.mean), number(measure.sd)]);
+        record.extend([measure.n.into(), measure.mean.into(), measure.sd.into()]);
         record.extend(ends(measure.mean_interval_95));
     }
-    record.extend(group.time_shares.iter().map(|share| number(Some(*share))));
+    record.extend(group.time_shares.iter().map(|share| Field::from(*share)));
     record
 }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::column::{fields_of, text_of};
+use super::column::{BEFORE, fields_of, text_of};
 use super::error::SweepError;
 use super::plan::Identity;
 use crate::math::{Interval, Summary, proportion_interval};
@@ -66,39 +66,26 @@ impl Group {
 struct Open {
     variant: u64,
     group: Group,
-    measures: Vec<Summary>,
-    time_shares: Vec<Summary>,
+    /// Of the columns that are summed up.
+    sums: Vec<Summary>,
 }
 
 /// Collects rows into groups.
 pub struct Grouper<'a> {
     identity: &'a Identity,
-    /// Indices of the columns that groups read.
-    columns: Places,
+    /// Places of the columns backend, step_s, status and arrived.
+    read: [usize; 4],
+    /// Places of the columns that are summed up: [`MEASURES`], then the shares of time.
+    summed: Vec<usize>,
     open: Option<Open>,
-}
-
-struct Places {
-    backend: usize,
-    step: usize,
-    status: usize,
-    arrived: usize,
-    measures: Vec<usize>,
-    first_share: usize,
 }
 
 impl<'a> Grouper<'a> {
     pub fn new(identity: &'a Identity) -> Self {
         let at = |name: &str| identity.column(name).expect("every table has it");
-        let columns = Places {
-            backend: at("backend"),
-            step: at("step_s"),
-            status: at("status"),
-            arrived: at("arrived"),
-            measures: MEASURES.iter().map(|name| at(name)).collect(),
-            first_share: identity.columns.iter().position(|column| column.name.starts_with("time_share_")).expect("every table has it"),
-        };
-        Self { identity, columns, open: None }
+        let is_share = |at: &usize| identity.columns[*at].name.starts_with("time_share_");
+        let summed = MEASURES.into_iter().map(at).chain((0..identity.columns.len()).filter(is_share)).collect();
+        Self { identity, read: ["backend", "step_s", "status", "arrived"].map(at), summed, open: None }
     }
 
     /// Adds a line. Returns the group before it when the line belongs to another one.
@@ -107,58 +94,38 @@ impl<'a> Grouper<'a> {
     /// When the line does not fit the columns.
     pub fn add(&mut self, line: &str) -> Result<Option<Group>, SweepError> {
         let fields = fields_of(line, &self.identity.columns)?;
+        let [backend, step, status, arrived] = self.read.map(|at| &fields[at]);
         let whole = |at: usize| if let Field::Whole(value) = fields[at] { value } else { 0 };
         let (cell, point) = (whole(0), whole(2));
         let variant = cell / self.identity.n_seeds % self.identity.variants.len() as u64;
         let is_other = self.open.as_ref().is_none_or(|open| (open.group.point, open.variant) != (point, variant));
         let before = if is_other { self.finish() } else { None };
-        let (identity, columns) = (self.identity, &self.columns);
-        let open = self.open.get_or_insert_with(|| {
-            let first = identity.first_parameter();
-            let parameters = fields[first..first + identity.design.axes.len()].iter().map(text_of).collect();
-            let (backend, step_s) = (text_of(&fields[columns.backend]), fields[columns.step].number());
-            let summaries = |n: usize| vec![Summary::default(); n];
-            Open {
-                variant,
-                group: Group { point, parameters, backend, step_s, ..Group::default() },
-                measures: summaries(columns.measures.len()),
-                time_shares: summaries(fields.len() - columns.first_share),
-            }
+        let Open { group, sums, .. } = self.open.get_or_insert_with(|| {
+            let parameters = fields[BEFORE.len()..][..self.identity.design.axes.len()].iter().map(text_of).collect();
+            let group = Group { point, parameters, backend: text_of(backend), step_s: step.number(), ..Group::default() };
+            Open { variant, group, sums: vec![Summary::default(); self.summed.len()] }
         });
-        open.add(columns, &fields);
+        group.n += 1;
+        group.n_finished += u64::from(text_of(status) == "finished");
+        group.n_failed += u64::from(text_of(status) == "failed");
+        if let Field::Truth(arrived) = arrived {
+            group.n_with_nest += 1;
+            group.n_arrived += u64::from(*arrived);
+        }
+        sums.iter_mut().zip(&self.summed).for_each(|(sum, at)| sum.extend(fields[*at].number()));
         Ok(before)
     }
 
     /// The last group.
     pub fn finish(&mut self) -> Option<Group> {
-        self.open.take().map(Open::closed)
-    }
-}
-
-impl Open {
-    fn add(&mut self, columns: &Places, fields: &[Field]) {
-        let status = text_of(&fields[columns.status]);
-        self.group.n += 1;
-        self.group.n_finished += u64::from(status == "finished");
-        self.group.n_failed += u64::from(status == "failed");
-        if let Field::Truth(arrived) = fields[columns.arrived] {
-            self.group.n_with_nest += 1;
-            self.group.n_arrived += u64::from(arrived);
-        }
-        let values = columns.measures.iter().map(|at| fields[*at].number());
-        self.measures.iter_mut().zip(values).for_each(|(summary, value)| summary.extend(value));
-        let shares = fields[columns.first_share..].iter().map(Field::number);
-        self.time_shares.iter_mut().zip(shares).for_each(|(summary, value)| summary.extend(value));
-    }
-
-    fn closed(self) -> Group {
-        let Group { n_arrived, n_with_nest, .. } = self.group;
-        Group {
-            arrival_share: (n_with_nest > 0).then(|| n_arrived as f64 / n_with_nest as f64),
-            arrival_interval_95: proportion_interval(n_arrived, n_with_nest, 0.95),
-            measures: self.measures.iter().map(Distribution::of).collect(),
-            time_shares: self.time_shares.iter().map(Summary::mean).collect(),
-            ..self.group
-        }
+        let Open { group, sums, .. } = self.open.take()?;
+        let (measures, shares) = sums.split_at(MEASURES.len());
+        Some(Group {
+            arrival_share: (group.n_with_nest > 0).then(|| group.n_arrived as f64 / group.n_with_nest as f64),
+            arrival_interval_95: proportion_interval(group.n_arrived, group.n_with_nest, 0.95),
+            measures: measures.iter().map(Distribution::of).collect(),
+            time_shares: shares.iter().map(Summary::mean).collect(),
+            ..group
+        })
     }
 }

@@ -3,8 +3,7 @@
 use crate::output::manifest::Manifest;
 use crate::output::page::{Answer, Block, Headline, Number, Page};
 use crate::output::table::Table;
-use crate::studies::sweep::report::SweepSummary;
-use crate::studies::sweep::report::group_rows;
+use crate::studies::sweep::report::{FAILED, SweepSummary, group_rows};
 
 /// Groups that the page shows; the rest are in the table of groups beside it.
 const MOST_SHOWN: usize = 200;
@@ -20,24 +19,24 @@ pub fn sweep_page(found: &SweepSummary, figure: Option<String>, manifest: &Manif
     }
     let figures = figure.map(|svg| Block::figure(svg, "Means with 95 % intervals, or how the runs are spread where only seeds differ. What stands at one value is drawn a little apart."));
     let failures: Vec<String> = found.failures.iter().map(|failure| format!("cell {}: {}", failure.cell, failure.cause)).collect();
-    let mut page = Page::new(format!("{}: an ensemble", found.scenario), headline(found)).from(manifest);
-    page = page.section("Groups", figures.into_iter().chain(blocks).collect());
-    if !failures.is_empty() {
-        page = page.section("The first runs that failed", vec![Block::List(failures)]);
-    }
-    page
+    let failures = (!failures.is_empty()).then_some(Block::List(failures));
+    Page::new(format!("{}: an ensemble", found.scenario), headline(found))
+        .from(manifest)
+        .section("Groups", figures.into_iter().chain(blocks).collect())
+        .section("The first runs that failed", failures.into_iter().collect())
 }
 
 fn headline(found: &SweepSummary) -> Headline {
     let groups = found.groups.as_deref().unwrap_or_default();
     let (n_arrived, n_with_nest) = groups.iter().fold((0, 0), |(a, n), group| (a + group.n_arrived, n + group.n_with_nest));
     let arrived = if n_with_nest > 0 { format!("; {n_arrived} of {n_with_nest} brought the load home") } else { String::new() };
-    let sentence = match found.n_failed() {
+    let n_failed = found.n_of(FAILED);
+    let sentence = match n_failed {
         0 => format!("All {} runs have an answer{arrived}.", found.n_runs),
         n => format!("{n} of {} runs failed{arrived}.", found.n_runs),
     };
     let warnings = found.warnings();
-    let is_sound = found.n_failed() == 0 && warnings.is_empty();
+    let is_sound = n_failed == 0 && warnings.is_empty();
     let sentence = std::iter::once(sentence).chain(warnings.iter().map(|warning| format!("{warning}."))).collect::<Vec<_>>().join(" ");
     let mut numbers = vec![
         Number::new("points", found.n_points.to_string(), found.parameters.join(", ")),

@@ -132,10 +132,6 @@ impl Identity {
         let first = BEFORE.len();
         &self.columns[first..first + self.design.axes.len()]
     }
-
-    pub fn first_parameter(&self) -> usize {
-        BEFORE.len()
-    }
 }
 
 /// A sweep whose parameters all have a place in the scenario.

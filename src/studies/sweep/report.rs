@@ -90,10 +90,6 @@ impl SweepSummary {
         }
     }
 
-    pub fn n_failed(&self) -> u64 {
-        self.n_of(FAILED)
-    }
-
     /// Of a run's status, see [`FAILED`], [`NOT_CONVERGED`] and [`NOT_WITHIN_TOLERANCE`].
     pub fn n_of(&self, status: &str) -> u64 {
         self.statuses.get(status).copied().unwrap_or(0)
