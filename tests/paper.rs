@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use cohaul::backend::BackendKind;
 use cohaul::model::paper as printed;
 use cohaul::scenario::presets::Preset;
-use cohaul::studies::paper::{Case, Measure, Null, RunFacts, Sample, Trial, claims, run, units};
+use cohaul::studies::paper::{Case, Measure, Null, RunFacts, Trial, claims, run, units};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -17,8 +17,7 @@ fn runs(trials: &[Trial], case: &Case, seeds: std::ops::Range<u64>) -> Vec<(Tria
 }
 
 fn value(measure: Measure, runs: &[(Trial, u64, RunFacts)]) -> f64 {
-    let units = units(runs.iter().map(|(trial, seed, facts)| (*trial, *seed, facts)));
-    measure.of(&units).unwrap()
+    measure.of(&units(runs)).unwrap()
 }
 
 /// On seeds that nothing was fitted to. Over four seeds the mean and standard deviation of the
@@ -28,7 +27,7 @@ fn value(measure: Measure, runs: &[(Trial, u64, RunFacts)]) -> f64 {
 fn default_ants_pull_as_printed() {
     let case = Case::new(Preset::default(), BackendKind::QuasiStatic);
     let runs = runs(&[Trial::FourFour, Trial::FIVE_TEN, Trial::TEN_TEN], &case, 501..505);
-    let (mean, sd) = (value(Measure::PullMean(Sample::Printed), &runs), value(Measure::PullSd(Sample::Printed), &runs));
+    let (mean, sd) = (value(Measure::PULL_MEAN, &runs), value(Measure::PULL_SD, &runs));
     assert!((mean / printed::PULL_MEAN_N - 1.0).abs() < 0.1, "{mean}");
     assert!((sd / printed::PULL_SD_N - 1.0).abs() < 0.1, "{sd}");
     let mean_size = |share: &dyn Fn(usize) -> f64| (6..=10).map(|size| size as f64 * share(size)).sum::<f64>();
@@ -68,8 +67,7 @@ fn the_reading_of_the_unit_decides_the_largest_pull() {
 #[test]
 fn claims_without_their_trials_are_not_told() {
     let runs = runs(&[Trial::FourFour], &Case::new(Preset::LiteralNewtons, BackendKind::QuasiStatic), 1..3);
-    let units = units(runs.iter().map(|(trial, seed, facts)| (*trial, *seed, facts)));
-    let claims = claims(&units);
+    let claims = claims(&units(&runs));
     let of_speed: Vec<_> = claims.iter().filter(|claim| claim.contradicts == Null::Proportional).collect();
     assert!(of_speed.len() == 6 && of_speed.iter().all(|claim| claim.holds.is_none() && claim.found.is_none()));
 }

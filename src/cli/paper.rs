@@ -17,7 +17,7 @@ use crate::output::manifest::Manifest;
 use crate::scenario::presets::Preset;
 use crate::studies::paper::figure;
 use crate::studies::paper::files::write_paper;
-use crate::studies::paper::report::{Paper, Runs, largest};
+use crate::studies::paper::report::{Paper, runs_by_set};
 use crate::studies::paper::search::Stage;
 use crate::studies::paper::search::files::write_search;
 use crate::studies::paper::search::report::Search;
@@ -150,11 +150,11 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
     let answers = &finished.records;
     let found = Paper::new(&plan, answers, args.quick, finished.wall_s);
     if let Some(out) = &args.output.out {
-        let runs = Runs::new(&plan, answers);
-        let units = runs.units(0);
+        let runs = runs_by_set(&plan, answers);
+        let units = paper::units(&runs[0]);
         let shown = paper::shown(Trial::FourFour, &plan.sets[0].case, plan.first_seed);
-        let figures = figure::of_paper(&found, &units, largest(&units, Sampling::AtDecisions), shown.as_ref());
-        write_paper(out, &found, &runs.flat(), &figures, &manifest(&plan, started))?;
+        let figures = figure::of_paper(&found, &units, paper::largest(&units, Sampling::AtDecisions), shown.as_ref());
+        write_paper(out, &found, &runs, &figures, &manifest(&plan, started))?;
     }
     finished.remove_journal()?;
     let has_failed = found.status == Status::Failed;

@@ -35,11 +35,11 @@ impl Change {
 /// Fraction of a series on either side in which no change is searched (1).
 pub(super) const MARGIN: f64 = 0.1;
 /// Series in random order.
-pub(super) const N_ORDERS: u32 = 199;
-/// Fractions that differ by less count as equal (1). Orders that only move blocks on one side of
-/// the change give the same fraction, summed in another order. A series of few blocks has many of
+const N_ORDERS: u32 = 199;
+/// Statistics that differ by less count as equal (1). Orders that only move blocks on one side of
+/// the change give the same value, summed in another order. A series of few blocks has many of
 /// these.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// The best change of mean in `values`. Its significance is that among orders of blocks of `block`
 /// values. `None` for a constant series or one shorter than four blocks.
@@ -51,9 +51,7 @@ pub fn change_of_mean(values: &[f64], block: usize, seed: u64) -> Option<Change>
     let (at, explained) = best(values)?;
     let streams = RandomStreams::new(seed);
     let as_much_is = explained * (1.0 - ROUNDING);
-    let as_much =
-        (0..N_ORDERS).filter(|order| best(&shuffled(values, block, &streams, *order)).is_some_and(|(_, other)| other >= as_much_is));
-    let p_value = (1 + as_much.count()) as f64 / f64::from(1 + N_ORDERS);
+    let p_value = p_value(|order| best(&shuffled(values, block, &streams, order)).is_some_and(|(_, other)| other >= as_much_is));
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     Some(Change { at, mean_before: mean(&values[..at]), mean_after: mean(&values[at..]), explained, p_value })
 }
@@ -79,6 +77,11 @@ fn best(values: &[f64]) -> Option<(usize, f64)> {
         }
     }
     (found.0 > 0).then_some(found)
+}
+
+/// Fraction of the random orders, including the observed one, that are `as_much` (1).
+pub(super) fn p_value(as_much: impl Fn(u32) -> bool) -> f64 {
+    (1 + (0..N_ORDERS).filter(|order| as_much(*order)).count()) as f64 / f64::from(1 + N_ORDERS)
 }
 
 /// The blocks of the series in a random order (Fisher and Yates); the last, shorter one goes along.

@@ -58,63 +58,44 @@ impl Null {
     }
 }
 
-/// A claim before it is judged.
-struct Stated {
-    claim: &'static str,
-    source: &'static str,
-    measure: Measure,
-    below: bool,
-    limit: f64,
-    contradicts: Null,
-}
-
 const EXPERIMENT: &str = "IV-C.3, experiment";
 const SIMULATION: &str = "VII, simulation";
-
-const fn of_speed(claim: &'static str, source: &'static str, measure: Measure, below: bool, limit: f64) -> Stated {
-    Stated { claim, source, measure, below, limit, contradicts: Null::Proportional }
-}
-
-/// A change that a run without phases shows in this fraction of runs (1).
-const fn of_phase(claim: &'static str, sign: PhaseSign, limit: f64) -> Stated {
-    let measure = Measure::Phase(sign, Trial::FourFour);
-    Stated { claim, source: SIMULATION, measure, below: false, limit, contradicts: Null::NoPhases }
-}
 
 /// Tests of a change of mean are significant in a twentieth of runs without one, half of them in
 /// the printed direction: a series and its reverse are equally likely.
 const ONE_DIRECTION: f64 = 0.025;
 
-const CLAIMS: [Stated; 10] = [
-    of_speed("one ant hardly moves the load", EXPERIMENT, Measure::SpeedOfOne, true, 1.0 / 4.0),
-    of_speed("two ants are not enough for speed", EXPERIMENT, Measure::OverFive(2), true, 2.0 / 5.0),
-    of_speed("three ants are", EXPERIMENT, Measure::OverFive(3), false, 3.0 / 5.0),
-    of_speed("each further ant adds less", SIMULATION, Measure::LateGain, true, 1.0),
-    of_speed("each further pulling ant adds less", SIMULATION, Measure::LateGainPulling, true, 1.0),
-    // No increase, up to a tenth. Speed may not have saturated at ten in the paper's simulation.
-    of_speed("no increase beyond five ants", EXPERIMENT, Measure::TenOverFive, false, 0.9),
-    of_phase("the load speed rises in one change", PhaseSign::SpeedRises, ONE_DIRECTION),
-    of_phase("the turn rate rises in one change", PhaseSign::TurnRateRises, ONE_DIRECTION),
-    of_phase("the sum of interaction forces falls in one change", PhaseSign::InteractionFalls, ONE_DIRECTION),
-    of_phase("all three change at once", PhaseSign::AllAtOnce, 0.05),
-];
-
 /// The claims on these units.
 pub fn claims(units: &[Unit]) -> Vec<Claim> {
-    let judged = |stated: &Stated| {
+    let judged = |claim, source, measure: Measure, below, limit: f64, contradicts| {
         // Not all seeds have all numbers of ants.
-        let trials = stated.measure.trials();
+        let trials = measure.trials();
         let complete: Vec<Unit> = units.iter().filter(|unit| trials.iter().all(|trial| unit.of(*trial).is_some())).copied().collect();
-        let found = stated.measure.estimate(&complete);
+        let found = measure.estimate(&complete);
         let holds = found.and_then(|found| {
             let interval = found.interval_95?;
-            let (is_below, is_above) = (interval.high < stated.limit, interval.low > stated.limit);
-            (is_below || is_above).then_some(is_below == stated.below)
+            let (is_below, is_above) = (interval.high < limit, interval.low > limit);
+            (is_below || is_above).then_some(is_below == below)
         });
-        let &Stated { claim, source, measure, below, limit, contradicts } = stated;
         Claim { claim, source, statistic: measure.name(), below, limit, contradicts, found, holds }
     };
-    CLAIMS.iter().map(judged).collect()
+    let of_speed = |claim, source, measure, below, limit| judged(claim, source, measure, below, limit, Null::Proportional);
+    // A run without phases shows the change in the fraction `limit` of runs.
+    let of_phase = |claim, sign, limit| judged(claim, SIMULATION, Measure::Phase(sign, Trial::FourFour), false, limit, Null::NoPhases);
+    vec![
+        of_speed("one ant hardly moves the load", EXPERIMENT, Measure::SpeedOfOne, true, 1.0 / 4.0),
+        of_speed("two ants are not enough for speed", EXPERIMENT, Measure::OverFive(2), true, 2.0 / 5.0),
+        of_speed("three ants are", EXPERIMENT, Measure::OverFive(3), false, 3.0 / 5.0),
+        of_speed("each further ant adds less", SIMULATION, Measure::LateGain, true, 1.0),
+        of_speed("each further pulling ant adds less", SIMULATION, Measure::LateGainPulling, true, 1.0),
+        // No increase, up to a tenth. Speed may not have saturated at ten in the paper's
+        // simulation.
+        of_speed("no increase beyond five ants", EXPERIMENT, Measure::TenOverFive, false, 0.9),
+        of_phase("the load speed rises in one change", PhaseSign::SpeedRises, ONE_DIRECTION),
+        of_phase("the turn rate rises in one change", PhaseSign::TurnRateRises, ONE_DIRECTION),
+        of_phase("the sum of interaction forces falls in one change", PhaseSign::InteractionFalls, ONE_DIRECTION),
+        of_phase("all three change at once", PhaseSign::AllAtOnce, 0.05),
+    ]
 }
 
 #[cfg(test)]
@@ -156,7 +137,7 @@ mod tests {
         RunFacts {
             time_s,
             displacement_m: 0.25,
-            by_window: [const { Vec::new() }; WINDOWS.len()].map(|_: Vec<OfSize>| by_size.clone()),
+            by_window: WINDOWS.map(|_| by_size.clone()),
             changes: Changes::of(&series, seed),
             ..RunFacts::nothing()
         }
@@ -184,7 +165,7 @@ mod tests {
         let mut found: Vec<(Claim, u32)> = Vec::new();
         for at in 0..40 {
             let runs = study(model, n_seeds, at);
-            let judged = claims(&units(runs.iter().map(|(trial, seed, facts)| (*trial, *seed, facts))));
+            let judged = claims(&units(&runs));
             if found.is_empty() {
                 found = judged.iter().map(|claim| (claim.clone(), 0)).collect();
             }

@@ -1,12 +1,13 @@
-//! What the paper measured on ants, beside the runs. The simulation is not said to meet these
-//! numbers, so that they have no grade.
+//! What the paper measured on ants, beside the runs: pulls, group sizes and the inertial force. The
+//! simulation is not said to meet these numbers, so that they have no grade.
 
 use serde::Serialize;
 
 use super::facts::RunFacts;
+use super::force::{ForceAt, N_TIMES};
 use super::sampling::{Pool, Sampling};
 use super::trial::Trial;
-use super::units::{Estimate, Unit, estimate};
+use super::units::{Estimate, Unit, estimate, runs};
 use crate::model::paper as printed;
 
 /// A measured number, and the same of the runs.
@@ -60,9 +61,43 @@ fn share_below(units: &[Unit]) -> Option<f64> {
 /// Share of the time with `size` of ten ants pulling, of that with 4 to 9 (1).
 fn share_of_measured_sizes(units: &[Unit], size: usize) -> Option<f64> {
     let time = |sizes: std::ops::RangeInclusive<usize>| {
-        let runs = units.iter().filter_map(|unit| unit.of(Trial::TEN_TEN));
-        runs.flat_map(|run| run.by_size.get(sizes.clone()).into_iter().flatten()).map(|of_size| of_size.time_s).sum::<f64>()
+        let found = runs(units, Trial::TEN_TEN).flat_map(|run| run.by_size.get(sizes.clone()).into_iter().flatten());
+        found.map(|of_size| of_size.time_s).sum::<f64>()
     };
     let all = time(printed::SMALLEST_MEASURED..=printed::SMALLEST_MEASURED + printed::MEASURED_SAMPLES.len() - 1);
     (all > 0.0).then(|| time(size..=size) / all)
+}
+
+/// Inertial force of one trial at one smoothing time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ForceRow {
+    pub trial: Trial,
+    pub smoothing_s: f64,
+    /// Mean and root mean square of m |a| over the runs (N).
+    pub mean_n: Option<Estimate>,
+    pub rms_n: Option<Estimate>,
+    /// Largest m |a| (N).
+    pub largest_n: f64,
+    /// Number of accelerations (1).
+    pub n: u64,
+}
+
+/// Inertial forces of all trials by smoothing time. Times for which all runs are too short are left
+/// out.
+pub fn force_rows(units: &[Unit]) -> Vec<ForceRow> {
+    let of = |units: &[Unit], trial: Trial, at: usize| {
+        ForceAt::pooled(runs(units, trial).filter_map(|run| run.inertial_force.get(at)).filter(|force| force.n > 0))
+    };
+    let row = |(trial, at): (Trial, usize)| {
+        let pooled = of(units, trial, at)?;
+        Some(ForceRow {
+            trial,
+            smoothing_s: pooled.smoothing_s,
+            mean_n: estimate(units, &|units| of(units, trial, at)?.mean()),
+            rms_n: estimate(units, &|units| of(units, trial, at)?.rms()),
+            largest_n: pooled.largest,
+            n: pooled.n,
+        })
+    };
+    Trial::ALL.into_iter().flat_map(|trial| (0..N_TIMES).map(move |at| (trial, at))).filter_map(row).collect()
 }

@@ -14,7 +14,7 @@ use crate::scenario::Scenario;
 use crate::simulation::{EventKind, Keep, Row, Simulation, Trace};
 
 /// One run in a few numbers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunFacts {
     pub arrived: bool,
     /// End of the run (s): arrival, or the longest time.
@@ -43,20 +43,7 @@ pub struct RunFacts {
 impl RunFacts {
     /// Of a run of a second in which nothing happened but that it arrived.
     pub fn nothing() -> Self {
-        Self {
-            arrived: true,
-            time_s: 1.0,
-            displacement_m: 0.0,
-            status: Default::default(),
-            pulls: Summary::default(),
-            n_grasps: 0,
-            pulls_by_time: Summary::default(),
-            n_pulls_above: 0,
-            by_size: Vec::new(),
-            by_window: Default::default(),
-            changes: Default::default(),
-            inertial_force: Vec::new(),
-        }
+        Self { arrived: true, time_s: 1.0, ..Self::default() }
     }
 }
 
@@ -70,27 +57,19 @@ pub struct OfSize {
 /// Where the three series of a run change their mean; `None` where a series is too short.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Changes {
-    pub speed: Option<ChangeAt>,
-    pub turn_rate: Option<ChangeAt>,
-    pub interaction: Option<ChangeAt>,
+    pub speed: Option<At<Change>>,
+    pub turn_rate: Option<At<Change>>,
+    pub interaction: Option<At<Change>>,
     /// The printed change of all three at once.
-    pub phase: Option<PhaseAt>,
-}
-
-/// A phase change, and its time in the run (s).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PhaseAt {
-    pub time_s: f64,
-    #[serde(flatten)]
-    pub phase: PhaseChange,
+    pub phase: Option<At<PhaseChange>>,
 }
 
 /// A change, and its time in the run (s).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ChangeAt {
+pub struct At<T> {
     pub time_s: f64,
     #[serde(flatten)]
-    pub change: Change,
+    pub change: T,
 }
 
 /// Speed of the load, its turn rate and the sum of all interaction forces (Eq. 4), as means over
@@ -136,8 +115,6 @@ pub(super) fn run_scenario(trial: Trial, scenario: &Scenario, options: &BackendO
     let (trace, outcome) = run.into_results();
     let n_grasps = trace.events.iter().filter(|event| event.kind == EventKind::Grasp).count() as u64;
     let pulls = || trace.rows.iter().flat_map(|row| row.tips.iter().map(|tip| tip.pull.norm()));
-    let mut pulls_by_time = Summary::default();
-    pulls_by_time.extend(pulls());
     Some(RunFacts {
         arrived: outcome.arrived == Some(true),
         time_s: outcome.time,
@@ -145,7 +122,7 @@ pub(super) fn run_scenario(trial: Trial, scenario: &Scenario, options: &BackendO
         status: outcome.steps.status,
         pulls: outcome.pulls,
         n_grasps,
-        pulls_by_time,
+        pulls_by_time: Summary::of(pulls()),
         n_pulls_above: pulls().filter(|pull| *pull > MEASURED_LIMIT_N).count() as u64,
         by_size: by_size(&trace, trial.n_ants(), 1),
         by_window: WINDOWS.map(|window| by_size(&trace, trial.n_ants(), ticks_in(window, scenario))),
@@ -180,9 +157,7 @@ pub fn series_of(trace: &Trace, scenario: &Scenario) -> Series {
     let (stride, ticks) = (ticks_in(LOOK_S, scenario), ticks_in(WINDOW_S, scenario));
     let first = trace.rows.partition_point(|row| row.time < start_s);
     let mut series = Series { start_s, ..Series::default() };
-    let mut at = first;
-    while at + ticks < trace.rows.len() {
-        let rows = &trace.rows[at..=at + ticks];
+    for rows in trace.rows[first..].windows(ticks + 1).step_by(ticks) {
         let duration = rows[ticks].time - rows[0].time;
         let along = |way: fn(&Row, &Row) -> f64| rows.windows(2).map(|pair| way(&pair[0], &pair[1])).sum::<f64>() / duration;
         series.speed.push(along(|a, b| (b.motion.pose.position - a.motion.pose.position).norm()));
@@ -190,7 +165,6 @@ pub fn series_of(trace: &Trace, scenario: &Scenario) -> Series {
         let looked_at = rows[..ticks].iter().step_by(stride);
         let n = looked_at.len() as f64;
         series.interaction.push(looked_at.map(interaction).sum::<f64>() / n);
-        at += ticks;
     }
     series
 }
@@ -201,14 +175,19 @@ fn interaction(row: &Row) -> f64 {
     pairs.map(|(a, b)| interaction_force([a.position, b.position], [a.pull, b.pull]).abs()).sum()
 }
 
+/// One of the changes of a run.
+pub type ChangeOf = fn(&Changes) -> Option<At<Change>>;
+
 impl Changes {
+    /// The changes of the three series by their names.
+    pub const OF_SERIES: [(&'static str, ChangeOf); 3] =
+        [("speed", |of| of.speed), ("turn rate", |of| of.turn_rate), ("interaction", |of| of.interaction)];
+
     pub fn of(series: &Series, seed: u64) -> Self {
-        let of = |values: &[f64]| {
-            let change = change_of_mean(values, BLOCK, seed)?;
-            Some(ChangeAt { time_s: series.start_s + WINDOW_S * change.at as f64, change })
-        };
+        let time_s = |at: usize| series.start_s + WINDOW_S * at as f64;
+        let of = |values: &[f64]| change_of_mean(values, BLOCK, seed).map(|change| At { time_s: time_s(change.at), change });
         let phase = phase_change([&series.speed, &series.turn_rate, &series.interaction], BLOCK, seed);
-        let phase = phase.map(|phase| PhaseAt { time_s: series.start_s + WINDOW_S * phase.at as f64, phase });
+        let phase = phase.map(|change| At { time_s: time_s(change.at), change });
         Self { speed: of(&series.speed), turn_rate: of(&series.turn_rate), interaction: of(&series.interaction), phase }
     }
 }

@@ -10,8 +10,8 @@ use crate::output::quantity::quantity;
 use crate::studies::paper::TableRow;
 use crate::studies::paper::figure_run;
 use crate::studies::paper::report::Paper;
-use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
-use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Shown, Trial, Unit};
+use crate::studies::paper::style::{OTHER, OURS, PRINTED};
+use crate::studies::paper::{Estimate, Extreme, Measure, RunFacts, Sample, Sampling, Shown, Trial, Unit};
 
 const FAINT: Style = Style { color: "#999999", dash: "2 2.5", width: 1.0 };
 /// Half width of a bar, and of the cap of a whisker.
@@ -19,19 +19,19 @@ const BAR: f64 = 0.36;
 const CAP: f64 = 0.12;
 
 fn bar(x: f64, height: f64, style: Style) -> Curve {
-    curve(vec![[x - BAR, 0.0], [x - BAR, height], [x + BAR, height], [x + BAR, 0.0]], style, Shape::Path)
+    Curve::new(vec![[x - BAR, 0.0], [x - BAR, height], [x + BAR, height], [x + BAR, 0.0]], style, Shape::Path)
 }
 
 fn whisker(x: f64, Interval { low, high }: Interval, style: Style) -> Curve {
     let (left, right) = (x - CAP, x + CAP);
-    curve(vec![[left, low], [right, low], [x, low], [x, high], [left, high], [right, high]], style, Shape::Path)
+    Curve::new(vec![[left, low], [right, low], [x, low], [x, high], [left, high], [right, high]], style, Shape::Path)
 }
 
 /// A point with its interval, in print units.
 fn dot(x: f64, estimate: &Estimate, unit: f64, style: Style) -> Vec<Curve> {
     let scaled = |interval: Interval| Interval { low: unit * interval.low, high: unit * interval.high };
     let whiskers = estimate.interval_95.map(|interval| whisker(x, scaled(interval), style));
-    std::iter::once(curve(vec![[x, unit * estimate.value]], style, Shape::Dots)).chain(whiskers).collect()
+    std::iter::once(Curve::new(vec![[x, unit * estimate.value]], style, Shape::Dots)).chain(whiskers).collect()
 }
 
 /// Load speed by the number of pulling ants, and fractions of time by that number beside the
@@ -41,7 +41,7 @@ pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     let mut headway = Panel::new("ants on ten springs", "speed towards the nest (mm/s)", Scale::FromZero);
     let mut share = Panel::new("pulling ants of ten", "share of time with six or more (1)", Scale::FromZero);
     for (panel, low) in [(&mut speed, 0.4), (&mut headway, 0.4), (&mut share, 5.4)] {
-        panel.curves.push(curve(vec![[low, 0.0], [10.6, 0.0]], FAINT, Shape::Unseen));
+        panel.curves.push(Curve::new(vec![[low, 0.0], [10.6, 0.0]], FAINT, Shape::Unseen));
     }
     for speeds in &found.load_speed {
         let x = speeds.n_transporting as f64;
@@ -59,7 +59,7 @@ pub fn group_size(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     speed.note = Some("bars: all runs; whiskers: 95 %; dotted: standard deviation over runs".to_owned());
     for size in printed::SMALLEST_OF_TEN..=10 {
         let x = size as f64;
-        share.curves.push(curve(vec![[x, printed::share_of_size(size)]], PRINTED, Shape::Crosses));
+        share.curves.push(Curve::new(vec![[x, printed::share_of_size(size)]], PRINTED, Shape::Crosses));
         if let Some(ours) = row(found, Measure::SizeShare(size)).and_then(|row| row.ours) {
             share.curves.push(bar(x, ours.value, OURS));
             share.curves.extend(dot(x, &ours, 1.0, OURS));
@@ -83,20 +83,21 @@ pub fn pulls(found: &Paper, units: &[Unit], largest: Option<Extreme>) -> (Vec<Pa
     }
     for (at, trial) in Trial::ALL.into_iter().enumerate() {
         let sample = Sample::One(trial);
-        for (measure, style, shift) in [(Measure::PullMean(sample), OURS, -0.12), (Measure::PullSd(sample), OTHER, 0.12)] {
+        let measures = [Measure::PullMean, Measure::PullSd].map(|of| of(sample, Sampling::AtDecisions));
+        for (measure, (style, shift)) in measures.into_iter().zip([(OURS, -0.12), (OTHER, 0.12)]) {
             if let Some(ours) = row(found, measure).and_then(|row| row.ours) {
                 moments.curves.extend(dot(1.0 + at as f64 + shift, &ours, MILLI, style));
             }
         }
     }
     let mut extremes = Panel::new("pulls in the sample, decimal logarithm (1)", "largest pull (mN)", Scale::Linear);
-    extremes.curves.push(curve(running_maximum(units), OURS, Shape::Steps));
-    extremes.curves.push(curve(vec![[(printed::N_PULLS as f64).log10(), MILLI * printed::PULL_MAX_N]], PRINTED, Shape::Crosses));
-    extremes.curves.push(curve(vec![[6.0, MILLI * printed::PULL_MAX_N]], FAINT, Shape::Unseen));
+    extremes.curves.push(Curve::new(running_maximum(units), OURS, Shape::Steps));
+    extremes.curves.push(Curve::new(vec![[(printed::N_PULLS as f64).log10(), MILLI * printed::PULL_MAX_N]], PRINTED, Shape::Crosses));
+    extremes.curves.push(Curve::new(vec![[6.0, MILLI * printed::PULL_MAX_N]], FAINT, Shape::Unseen));
     if let Some(largest) = largest {
         let n = (printed::N_PULLS as f64).log10();
-        extremes.curves.push(curve(vec![[n, MILLI * largest.expected]], OTHER, Shape::Dots));
-        extremes.curves.push(curve(vec![[n, MILLI * largest.draw_95.low], [n, MILLI * largest.draw_95.high]], OTHER, Shape::Path));
+        extremes.curves.push(Curve::new(vec![[n, MILLI * largest.expected]], OTHER, Shape::Dots));
+        extremes.curves.push(Curve::new(vec![[n, MILLI * largest.draw_95.low], [n, MILLI * largest.draw_95.high]], OTHER, Shape::Path));
         let (low, high) = (quantity(largest.draw_95.low, "N"), quantity(largest.draw_95.high, "N"));
         extremes.note = Some(format!("expected at the printed size: {low} to {high}"));
     }
@@ -124,14 +125,6 @@ fn running_maximum(units: &[Unit]) -> Vec<[f64; 2]> {
 
 /// Quantities that inertia may move, on every set of the preset; each in a panel.
 pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
-    let shown = [
-        Measure::TimeToNest(Trial::OneOne),
-        Measure::TimeToNest(Trial::FourFour),
-        Measure::TimeToNest(Trial::FIVE_TEN),
-        Measure::TimeToNest(Trial::TEN_TEN),
-        Measure::PullMean(Sample::Printed),
-        Measure::PullSd(Sample::Printed),
-    ];
     let sets: Vec<usize> = (1..found.sets.len()).filter(|set| found.sets[*set].preset == found.preset).collect();
     let panel = |measure: Measure| {
         let mut panel = Panel::new(
@@ -160,7 +153,7 @@ pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
         panel
     };
     let entries = vec![Entry::line(found.sets[0].name.clone(), OURS), Entry::line("other sets", OTHER), Entry::line("paper", PRINTED)];
-    (shown.into_iter().map(panel).collect(), entries)
+    (Measure::MOVABLE.map(panel).to_vec(), entries)
 }
 
 /// Name of a set of runs that fits below an axis.
@@ -177,52 +170,54 @@ fn short(measure: Measure) -> String {
 pub fn inertial_force(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
     let mut panel = Panel::new("smoothing time (s)", "mean inertial force m a (mN)", Scale::LogLog);
     let mut entries = Vec::new();
-    for (trial, style) in Trial::ALL.into_iter().zip(TRIALS) {
+    for (trial, color) in Trial::ALL.into_iter().zip(["#000000", "#0072B2", "#E69F00", "#009E73"]) {
+        let style = Style { color, dash: "", width: 1.6 };
         let rows = found.inertial_force.iter().filter(|row| row.trial == trial);
         let points: Vec<[f64; 2]> = rows.filter_map(|row| Some([row.smoothing_s, MILLI * row.mean_n.as_ref()?.value])).collect();
-        panel.curves.push(curve(points.clone(), style, Shape::Path));
-        panel.curves.push(curve(points, style, Shape::Dots));
+        panel.curves.push(Curve::new(points.clone(), style, Shape::Path));
+        panel.curves.push(Curve::new(points, style, Shape::Dots));
         entries.push(Entry::line(format!("{} ants on springs", trial.name()), style));
     }
     for (level, style) in [(printed::INERTIAL_FORCE_N, PRINTED), (printed::FRICTION_FORCE_N, FRICTION)] {
         let ends = [2e-3, 60.0].map(|smoothing| [smoothing, MILLI * level]);
-        panel.curves.push(curve(ends.to_vec(), style, Shape::Path));
+        panel.curves.push(Curve::new(ends.to_vec(), style, Shape::Path));
     }
     entries.push(Entry::line("paper: inertial force 1e-4 mN", PRINTED));
     entries.push(Entry::line("paper: friction 22 mN", FRICTION));
     (vec![panel], entries)
 }
 
-const TRIALS: [Style; 4] = [
-    Style { color: "#000000", dash: "", width: 1.6 },
-    Style { color: "#0072B2", dash: "", width: 1.6 },
-    Style { color: "#E69F00", dash: "", width: 1.6 },
-    Style { color: "#009E73", dash: "", width: 1.6 },
-];
 const FRICTION: Style = Style { color: "#999999", dash: "7 3", width: 1.6 };
 
-/// Figures by the name of their file.
-pub type Figures = Vec<(&'static str, String)>;
+/// Name of the file, caption and SVG of each figure.
+pub type Figures = Vec<(&'static str, &'static str, String)>;
 
-/// All figures: pulls, group sizes, backends, the inertial force,
-/// and one run.
+/// All figures: pulls, group sizes, backends, the inertial force, and one run.
 pub fn of_paper(found: &Paper, units: &[Unit], largest: Option<Extreme>, shown: Option<&Shown>) -> Figures {
+    let columns = |drawn| in_grid(drawn, 2, COLUMN_WIDTH, PANEL_HEIGHT);
     let mut figures = vec![
-        ("pulls", in_grid(pulls(found, units, largest), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
-        ("group-size", in_grid(group_size(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)),
+        ("pulls", "Pulls by trial, and the largest one against the size of the sample", columns(pulls(found, units, largest))),
+        (
+            "group-size",
+            "Speed by the number of pulling ants, and time by that number beside the printed samples",
+            columns(group_size(found)),
+        ),
     ];
     if found.sets.len() > 1 {
-        figures.push(("backends", in_grid(backends(found), 2, COLUMN_WIDTH, PANEL_HEIGHT)));
+        figures.push(("backends", "What inertia and the engine move", columns(backends(found))));
     }
     if !found.inertial_force.is_empty() {
-        figures.push(("inertial-force", in_grid(inertial_force(found), 1, WIDTH, 1.4 * PANEL_HEIGHT)));
+        let svg = in_grid(inertial_force(found), 1, WIDTH, 1.4 * PANEL_HEIGHT);
+        figures.push(("inertial-force", "Inertial force of the load by smoothing time", svg));
     }
     if let Some(shown) = shown {
         let runs: Vec<&RunFacts> = units.iter().filter_map(|unit| unit.of(shown.trial)).collect();
-        figures.push(("transition", in_grid(figure_run::transition(shown, &runs), 1, WIDTH, ROW_HEIGHT)));
-        figures.push(("snapshots", in_grid(figure_run::snapshots(shown), 3, SNAPSHOT, SNAPSHOT)));
+        let series = in_grid(figure_run::transition(shown, &runs), 1, WIDTH, ROW_HEIGHT);
+        let caption = "Speed, turn rate and interaction forces of one run of four ants, with their changes of mean";
+        figures.push(("transition", caption, series));
+        figures.push(("snapshots", "The same run, in moments", in_grid(figure_run::snapshots(shown), 3, SNAPSHOT, SNAPSHOT)));
         let path = figure_run::path(shown);
-        figures.push(("path", alone(&path, vec![], natural_height(&path, WIDTH))));
+        figures.push(("path", "Its path", alone(&path, vec![], natural_height(&path, WIDTH))));
     }
     figures
 }

@@ -9,11 +9,10 @@ use crate::output::page::REPORT;
 use crate::output::table::{Field, Table, write_rows};
 use crate::studies::paper::TableRow;
 use crate::studies::paper::figure::Figures;
-use crate::studies::paper::page::paper_page;
-use crate::studies::paper::readme::paper_readme;
-use crate::studies::paper::report::Paper;
+use crate::studies::paper::readme::{paper_page, paper_readme};
+use crate::studies::paper::report::{Paper, Runs};
 use crate::studies::paper::text::paper_text;
-use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
+use crate::studies::paper::{Estimate, Grade, printed_share};
 
 /// Writes `table.csv`, `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`,
 /// `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`,
@@ -23,13 +22,7 @@ use crate::studies::paper::{Estimate, Grade, RunFacts, Trial, printed_share};
 /// # Errors
 ///
 /// When the folder may not be written, or the disk fails.
-pub fn write_paper(
-    target: &Path,
-    found: &Paper,
-    runs: &[(usize, Trial, u64, &RunFacts)],
-    figures: &Figures,
-    manifest: &Manifest,
-) -> Result<(), FolderError> {
+pub fn write_paper(target: &Path, found: &Paper, runs: &[Runs], figures: &Figures, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     let tables = [
         ("table.csv", quantities(found)),
@@ -49,7 +42,7 @@ pub fn write_paper(
     if !found.transitions.is_empty() {
         folder.write("transitions.csv", |out| write_rows(&found.transitions, out))?;
     }
-    for (name, svg) in figures {
+    for (name, _, svg) in figures {
         folder.write(&format!("{name}.svg"), |out| out.write_all(svg.as_bytes()))?;
     }
     folder.write("README.md", |out| out.write_all(paper_readme(found).as_bytes()))?;
@@ -246,11 +239,12 @@ fn replayed(found: &Paper) -> Table {
     )
 }
 
-fn run_table(found: &Paper, runs: &[(usize, Trial, u64, &RunFacts)]) -> Table {
+fn run_table(found: &Paper, runs: &[Runs]) -> Table {
+    let of_sets = found.sets.iter().zip(runs);
     Table::of(
-        runs,
+        &of_sets.flat_map(|(set, runs)| runs.iter().map(move |(trial, seed, facts)| (set, trial, *seed, facts))).collect::<Vec<_>>(),
         &[
-            ("set", "", &|(set, ..)| found.sets[*set].name.as_str().into()),
+            ("set", "", &|(set, ..)| set.name.as_str().into()),
             ("trial", "", &|(_, trial, ..)| trial.name().into()),
             ("seed", "", &|(_, _, seed, _)| (*seed).into()),
             ("arrived", "", &|(.., facts)| facts.arrived.into()),
@@ -267,7 +261,7 @@ fn run_table(found: &Paper, runs: &[(usize, Trial, u64, &RunFacts)]) -> Table {
             ("speed changes at", "s", &|(.., facts)| facts.changes.speed.map(|change| change.time_s).into()),
             ("speed change p", "", &|(.., facts)| facts.changes.speed.map(|change| change.change.p_value).into()),
             ("phase change at", "s", &|(.., facts)| facts.changes.phase.map(|at| at.time_s).into()),
-            ("phase change p", "", &|(.., facts)| facts.changes.phase.map(|at| at.phase.p_value).into()),
+            ("phase change p", "", &|(.., facts)| facts.changes.phase.map(|at| at.change.p_value).into()),
         ],
     )
 }

@@ -4,9 +4,7 @@
 use serde::Serialize;
 
 use super::claims::{Claim, claims};
-use super::measures::{MEASURES, Measure};
-use super::sampling::Sample;
-use super::trial::Trial;
+use super::measures::{Measure, measures};
 use super::units::{Unit, paired};
 use super::verdict::Grade;
 
@@ -45,31 +43,18 @@ pub fn conclusions(sets: &[(String, Vec<Unit>)]) -> Vec<Conclusion> {
             )
         })
         .collect();
-    for measure in MEASURES {
-        if measure.printed().is_none() {
-            continue;
-        }
+    for measure in measures().into_iter().filter(|measure| measure.printed().is_some()) {
         let standing = |(name, units): &(String, Vec<Unit>)| {
-            let ours = measure.estimate(units);
-            let grade = ours.and_then(|ours| measure.grade(units, &ours));
+            let (ours, grade) = measure.graded(units);
             let holds = grade.filter(|grade| *grade != Grade::Undecided).map(Grade::is_met);
             Standing { set: name.clone(), value: ours.map(|ours| ours.value), holds }
         };
         found.push(Conclusion::new(format!("{} is near what is printed", measure.name()), sets.iter().map(standing).collect()));
     }
-    found.extend(UNMOVED.map(|measure| unmoved(measure, sets)));
+    found.extend(Measure::MOVABLE.map(|measure| unmoved(measure, sets)));
     found
 }
 
-/// Quantities that are looked at for shifts.
-const UNMOVED: [Measure; 6] = [
-    Measure::TimeToNest(Trial::OneOne),
-    Measure::TimeToNest(Trial::FourFour),
-    Measure::TimeToNest(Trial::FIVE_TEN),
-    Measure::TimeToNest(Trial::TEN_TEN),
-    Measure::PullMean(Sample::Printed),
-    Measure::PullSd(Sample::Printed),
-];
 /// Share up to which a shifted quantity is the same (1).
 const SAME: f64 = 0.1;
 

@@ -10,9 +10,11 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use super::sampling::{Sample, Sampling};
 use super::units::Unit;
-use super::verdict::{NORMAL, Own};
+use super::verdict::{Grade, NORMAL, Own, Printed};
 use crate::math::{Interval, Summary, student};
+use crate::model::paper as printed;
 
 /// What the largest of a sample of one size is expected to be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -43,7 +45,7 @@ fn error_of_expected(c: f64) -> f64 {
 
 /// The largest pull of a sample of `n_pulls`, composed of the pulls that `of` takes from each unit;
 /// `None` below two units.
-pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<Summary>, n_pulls: u64) -> Option<Extreme> {
+fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<Summary>, n_pulls: u64) -> Option<Extreme> {
     let (mut largest, mut n) = (Summary::default(), 0);
     for unit in units {
         let pulls = of(unit);
@@ -70,14 +72,29 @@ pub fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<Summary>, n
     })
 }
 
+/// The largest pull of a sample of the printed size from the printed trials.
+pub fn largest(units: &[Unit], sampling: Sampling) -> Option<Extreme> {
+    extreme(units, |unit| Sample::Printed.runs(unit).into_iter().map(|run| sampling.pulls(run)).collect(), printed::N_PULLS)
+}
+
+impl Extreme {
+    /// Grade of the expected largest pull beside the printed one.
+    pub fn grade(&self) -> Grade {
+        Printed::new(printed::PULL_MAX_N, 0.05e-3).graded(self.expected, Some(self.error_95), self.draw)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::{RandomStreams, Stream};
     use crate::studies::paper::{RunFacts, Trial, units};
 
-    fn facts(pulls: Summary) -> RunFacts {
-        RunFacts { pulls, ..RunFacts::nothing() }
+    /// The largest of `n_pulls`, expected from runs of four ants with these pulls, a seed each.
+    fn expected(pulls: impl IntoIterator<Item = Summary>, n_pulls: u64) -> Extreme {
+        let runs = pulls.into_iter().map(|pulls| RunFacts { pulls, ..RunFacts::nothing() });
+        let runs: Vec<_> = runs.zip(0..).map(|(run, seed)| (Trial::FourFour, seed, run)).collect();
+        extreme(&units(&runs), |unit| unit.of(Trial::FourFour).map(|run| run.pulls).into_iter().collect(), n_pulls).unwrap()
     }
 
     /// Exponential pulls of mean one: the largest of n is ln n + gamma on average. Runs of 300
@@ -85,15 +102,8 @@ mod tests {
     #[test]
     fn the_largest_of_many_is_foreseen_from_few() {
         let streams = RandomStreams::new(11);
-        let runs: Vec<RunFacts> = (0..400)
-            .map(|run| {
-                let mut pulls = Summary::default();
-                pulls.extend((0..300).map(|i| -streams.uniform(Stream::Scene, run, i).ln()));
-                facts(pulls)
-            })
-            .collect();
-        let units = units(runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run)));
-        let found = extreme(&units, |unit| unit.of(Trial::FourFour).map(|run| run.pulls).into_iter().collect(), 30_000).unwrap();
+        let pulls = |run: u32| Summary::of((0..300).map(|i| -streams.uniform(Stream::Scene, run, i).ln()));
+        let found = expected((0..400).map(pulls), 30_000);
         let known = 30_000f64.ln() + EULER_GAMMA;
         // Standard error of the mean, and ln(100) times that of the scale, over 400 runs: 0.064 and
         // 0.24.
@@ -112,15 +122,7 @@ mod tests {
             let n_sets = 2000;
             let held = (0..n_sets).filter(|set| {
                 let gumbel = |i: u32| -(-streams.uniform(Stream::Scene, i, *set).ln()).ln();
-                let runs: Vec<RunFacts> = (0..n)
-                    .map(|i| {
-                        let mut pulls = Summary::default();
-                        pulls.add(20.0 + gumbel(i));
-                        facts(pulls)
-                    })
-                    .collect();
-                let units = units(runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run)));
-                let found = extreme(&units, |unit| unit.of(Trial::FourFour).map(|run| run.pulls).into_iter().collect(), 30).unwrap();
+                let found = expected((0..n).map(|i| Summary::of([20.0 + gumbel(i)])), 30);
                 let draw = (0..30).map(|i| 20.0 + gumbel(n + i)).fold(0.0, f64::max);
                 found.draw_95.low < draw && draw < found.draw_95.high
             });

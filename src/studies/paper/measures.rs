@@ -1,7 +1,5 @@
 //! All compared quantities as statistics of units.
 
-use serde::Serialize;
-
 use super::by_size::{instants, speed_of, sum_of_size};
 use super::facts::Changes;
 use super::mixture::{mixture, printed_share};
@@ -13,15 +11,11 @@ use crate::math::{exact_proportion_interval, proportion_interval, share_differen
 use crate::model::paper as printed;
 
 /// A quantity of a set of seeds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// Of the pulls in some trials, at decisions and with a zero at each grasp (N).
-    PullMean(Sample),
-    PullSd(Sample),
-    /// Of the pulls in the printed trials, sampled in another way (N).
-    PullMeanBy(Sampling),
-    PullSdBy(Sampling),
+    /// Of the pulls in some trials (N).
+    PullMean(Sample, Sampling),
+    PullSd(Sample, Sampling),
     /// Share of the time at which so many of ten ants pulled, of that with six or more (1).
     SizeShare(usize),
     /// Share of samples with so many pulling ants, of those with two or more, in the mixture of the
@@ -56,8 +50,7 @@ pub enum Measure {
 }
 
 /// A change of mean in the direction that the paper prints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhaseSign {
     SpeedRises,
     TurnRateRises,
@@ -72,7 +65,7 @@ impl PhaseSign {
             PhaseSign::SpeedRises => (changes.speed, true),
             PhaseSign::TurnRateRises => (changes.turn_rate, true),
             PhaseSign::InteractionFalls => (changes.interaction, false),
-            PhaseSign::AllAtOnce => return changes.phase.map(|at| at.phase.is_significant()),
+            PhaseSign::AllAtOnce => return changes.phase.map(|at| at.change.is_significant()),
         };
         change.map(|at| at.change.is_significant() && (at.change.mean_after > at.change.mean_before) == is_up)
     }
@@ -88,59 +81,39 @@ impl PhaseSign {
 }
 
 /// All quantities of the table, in its order.
-pub const MEASURES: [Measure; 43] = [
-    Measure::PullMean(Sample::Printed),
-    Measure::PullSd(Sample::Printed),
-    Measure::PullMeanBy(Sampling::WithoutZeros),
-    Measure::PullSdBy(Sampling::WithoutZeros),
-    Measure::PullMeanBy(Sampling::ByTime),
-    Measure::PullSdBy(Sampling::ByTime),
-    Measure::PullMean(Sample::One(Trial::OneOne)),
-    Measure::PullSd(Sample::One(Trial::OneOne)),
-    Measure::PullMean(Sample::One(Trial::FourFour)),
-    Measure::PullSd(Sample::One(Trial::FourFour)),
-    Measure::PullMean(Sample::One(Trial::FIVE_TEN)),
-    Measure::PullSd(Sample::One(Trial::FIVE_TEN)),
-    Measure::PullMean(Sample::One(Trial::TEN_TEN)),
-    Measure::PullSd(Sample::One(Trial::TEN_TEN)),
-    Measure::SizeShare(6),
-    Measure::SizeShare(7),
-    Measure::SizeShare(8),
-    Measure::SizeShare(9),
-    Measure::SizeShare(10),
-    Measure::MixtureShare(2),
-    Measure::MixtureShare(3),
-    Measure::MixtureShare(4),
-    Measure::MixtureShare(5),
-    Measure::MixtureShare(6),
-    Measure::MixtureShare(7),
-    Measure::MixtureShare(8),
-    Measure::MixtureShare(9),
-    Measure::MixtureShare(10),
-    Measure::TimeToNest(Trial::OneOne),
-    Measure::Arrived(Trial::OneOne),
-    Measure::TimeToNest(Trial::FourFour),
-    Measure::Arrived(Trial::FourFour),
-    Measure::TimeToNest(Trial::FIVE_TEN),
-    Measure::Arrived(Trial::FIVE_TEN),
-    Measure::TimeToNest(Trial::TEN_TEN),
-    Measure::Arrived(Trial::TEN_TEN),
-    Measure::TenOverFive,
-    Measure::FiveOverFour,
-    Measure::TenOverNine,
-    Measure::Phase(PhaseSign::SpeedRises, Trial::FourFour),
-    Measure::Phase(PhaseSign::TurnRateRises, Trial::FourFour),
-    Measure::Phase(PhaseSign::InteractionFalls, Trial::FourFour),
-    Measure::Phase(PhaseSign::AllAtOnce, Trial::FourFour),
-];
+pub fn measures() -> Vec<Measure> {
+    let pulls = |sample, sampling| [Measure::PullMean(sample, sampling), Measure::PullSd(sample, sampling)];
+    let by_sampling = Sampling::ALL.into_iter().flat_map(|sampling| pulls(Sample::Printed, sampling));
+    let by_trial = Trial::ALL.into_iter().flat_map(|trial| pulls(Sample::One(trial), Sampling::AtDecisions));
+    let sizes = (6..=10).map(Measure::SizeShare).chain((2..=10).map(Measure::MixtureShare));
+    let times = Trial::ALL.into_iter().flat_map(|trial| [Measure::TimeToNest(trial), Measure::Arrived(trial)]);
+    let ratios = [Measure::TenOverFive, Measure::FiveOverFour, Measure::TenOverNine];
+    let signs = [PhaseSign::SpeedRises, PhaseSign::TurnRateRises, PhaseSign::InteractionFalls, PhaseSign::AllAtOnce];
+    let phases = signs.map(|sign| Measure::Phase(sign, Trial::FourFour));
+    by_sampling.chain(by_trial).chain(sizes).chain(times).chain(ratios).chain(phases).collect()
+}
 
 impl Measure {
+    pub const PULL_MEAN: Measure = Measure::PullMean(Sample::Printed, Sampling::AtDecisions);
+    pub const PULL_SD: Measure = Measure::PullSd(Sample::Printed, Sampling::AtDecisions);
+    /// Quantities that inertia may move.
+    pub const MOVABLE: [Measure; 6] = [
+        Measure::TimeToNest(Trial::OneOne),
+        Measure::TimeToNest(Trial::FourFour),
+        Measure::TimeToNest(Trial::FIVE_TEN),
+        Measure::TimeToNest(Trial::TEN_TEN),
+        Measure::PULL_MEAN,
+        Measure::PULL_SD,
+    ];
+
     pub fn name(self) -> String {
+        let of_pulls = |sample: Sample, sampling| match sampling {
+            Sampling::AtDecisions => sample.name(),
+            other => other.name().to_owned(),
+        };
         match self {
-            Measure::PullMean(sample) => format!("pull, mean, {}", sample.name()),
-            Measure::PullSd(sample) => format!("pull, standard deviation, {}", sample.name()),
-            Measure::PullMeanBy(sampling) => format!("pull, mean, {}", sampling.name()),
-            Measure::PullSdBy(sampling) => format!("pull, standard deviation, {}", sampling.name()),
+            Measure::PullMean(sample, sampling) => format!("pull, mean, {}", of_pulls(sample, sampling)),
+            Measure::PullSd(sample, sampling) => format!("pull, standard deviation, {}", of_pulls(sample, sampling)),
             Measure::SizeShare(size) => format!("share of {size} pulling ants of ten"),
             Measure::MixtureShare(size) => format!("share of {size} pulling ants, mixture of the trials"),
             Measure::Phase(sign, trial) => format!("share of runs in which {}, {}", sign.name(), trial.name()),
@@ -160,7 +133,7 @@ impl Measure {
 
     pub fn unit(self) -> &'static str {
         match self {
-            Measure::PullMean(_) | Measure::PullSd(_) | Measure::PullMeanBy(_) | Measure::PullSdBy(_) => "N",
+            Measure::PullMean(..) | Measure::PullSd(..) => "N",
             Measure::TimeToNest(_) => "s",
             Measure::LoadSpeed(_) | Measure::Headway(_) => "m/s",
             _ => "",
@@ -171,10 +144,10 @@ impl Measure {
     /// and to the shares of six to ten ants.
     pub fn printed(self) -> Option<Printed> {
         match self {
-            Measure::PullMean(Sample::Printed) => Some(Printed::new(printed::PULL_MEAN_N, 0.05e-3).calibrated()),
-            Measure::PullSd(Sample::Printed) => Some(Printed::new(printed::PULL_SD_N, 0.05e-3).calibrated()),
-            Measure::PullMeanBy(_) => Some(Printed::new(printed::PULL_MEAN_N, 0.05e-3)),
-            Measure::PullSdBy(_) => Some(Printed::new(printed::PULL_SD_N, 0.05e-3)),
+            Measure::PULL_MEAN => Some(Printed::new(printed::PULL_MEAN_N, 0.05e-3).calibrated()),
+            Measure::PULL_SD => Some(Printed::new(printed::PULL_SD_N, 0.05e-3).calibrated()),
+            Measure::PullMean(Sample::Printed, _) => Some(Printed::new(printed::PULL_MEAN_N, 0.05e-3)),
+            Measure::PullSd(Sample::Printed, _) => Some(Printed::new(printed::PULL_SD_N, 0.05e-3)),
             Measure::SizeShare(size) => Some(Printed::share(printed::share_of_size(size), 0.5e-5).calibrated()),
             Measure::MixtureShare(size) => {
                 let share = Printed::share(printed_share(size), 0.5e-5);
@@ -184,9 +157,15 @@ impl Measure {
         }
     }
 
+    /// Estimate of all units, and its grade beside the printed number.
+    pub fn graded(self, units: &[Unit]) -> (Option<Estimate>, Option<Grade>) {
+        let ours = self.estimate(units);
+        (ours, ours.and_then(|ours| self.grade(units, &ours)))
+    }
+
     /// Grade of `ours` beside the printed number. The latter's own sampling error is that of a
     /// sample of the printed size, taken from runs that scatter as these.
-    pub fn grade(self, units: &[Unit], ours: &Estimate) -> Option<Grade> {
+    fn grade(self, units: &[Unit], ours: &Estimate) -> Option<Grade> {
         let printed = self.printed()?;
         let [n, n_printed] = self.sample_sizes(units)?;
         let own = ours.standard_error.map_or(Own::default(), |error| Own::of_error(error * (n / n_printed).sqrt()));
@@ -202,8 +181,7 @@ impl Measure {
             [n, printed::SIMULATED_SAMPLES[least - 1..].iter().sum::<u64>() as f64]
         };
         match self {
-            Measure::PullMean(_) | Measure::PullSd(_) => Some(pulls(Sampling::AtDecisions)),
-            Measure::PullMeanBy(sampling) | Measure::PullSdBy(sampling) => Some(pulls(sampling)),
+            Measure::PullMean(_, sampling) | Measure::PullSd(_, sampling) => Some(pulls(sampling)),
             Measure::SizeShare(_) => Some(instants(&[Trial::TEN_TEN], printed::SMALLEST_OF_TEN)),
             Measure::MixtureShare(_) => Some(instants(&Trial::ALL, 2)),
             _ => None,
@@ -255,10 +233,8 @@ impl Measure {
 
     pub fn of(self, units: &[Unit]) -> Option<f64> {
         match self {
-            Measure::PullMean(sample) => Pool::of(units, sample, Sampling::AtDecisions).mean(),
-            Measure::PullSd(sample) => Pool::of(units, sample, Sampling::AtDecisions).sd(),
-            Measure::PullMeanBy(sampling) => Pool::of(units, Sample::Printed, sampling).mean(),
-            Measure::PullSdBy(sampling) => Pool::of(units, Sample::Printed, sampling).sd(),
+            Measure::PullMean(sample, sampling) => Pool::of(units, sample, sampling).mean(),
+            Measure::PullSd(sample, sampling) => Pool::of(units, sample, sampling).sd(),
             // The weights do not depend on the period at which samples are counted.
             Measure::MixtureShare(size) => mixture(units, 1.0).map(|found| found.share_of_two_or_more(size)),
             Measure::SizeShare(size) => {
@@ -316,19 +292,15 @@ mod tests {
     /// have intervals of their own.
     #[test]
     fn a_share_that_is_another_in_every_pair_is_a_shift() {
-        let runs = |arrived: bool| -> Vec<RunFacts> { (0..25).map(|_| RunFacts { arrived, ..RunFacts::nothing() }).collect() };
-        let (all, none) = (runs(true), runs(false));
-        let of = |runs: &'_ [RunFacts]| {
-            runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run.clone())).collect::<Vec<_>>()
-        };
-        let (all, none) = (of(&all), of(&none));
-        let [all, none] = [&all, &none].map(|runs| units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run))));
+        let runs = |arrived| (0..25).map(|seed| (Trial::FourFour, seed, RunFacts { arrived, ..RunFacts::nothing() })).collect::<Vec<_>>();
+        let [all, none] = [runs(true), runs(false)];
+        let [all, none] = [units(&all), units(&none)];
         let share = Measure::Arrived(Trial::FourFour);
         let found = share.estimate(&all).unwrap();
         // E. B. Wilson's interval of 25 of 25: 1 / (1 + z^2 / 25).
         assert!((found.interval_95.unwrap().low - 0.8668).abs() < 1e-4 && found.value == 1.0 && found.n_units == 25, "{found:?}");
         let shift = share.difference(&none, &all).unwrap();
         assert!(shift.value == -1.0 && shift.interval_95.unwrap().high < -0.8 && shift.n_units == 25, "{shift:?}");
-        assert!(share.difference(&none, &units([])).is_none() && Measure::Arrived(Trial::OneOne).difference(&none, &all).is_none());
+        assert!(share.difference(&none, &[]).is_none() && Measure::Arrived(Trial::OneOne).difference(&none, &all).is_none());
     }
 }

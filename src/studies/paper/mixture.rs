@@ -9,9 +9,9 @@
 
 use serde::Serialize;
 
-use super::facts::OfSize;
+use super::by_size::sum_of_size;
 use super::trial::Trial;
-use super::units::Unit;
+use super::units::{Unit, runs};
 use crate::model::paper::SIMULATED_SAMPLES;
 
 /// The printed counts explained by the trials.
@@ -39,8 +39,9 @@ const N_UPDATES: usize = 60;
 
 /// Mixture of the trials in `units`; `None` where one of them has no run.
 pub fn mixture(units: &[Unit], control_period: f64) -> Option<Mixture> {
-    let sums: Vec<[f64; 10]> = Trial::ALL.into_iter().map(|trial| times(units, trial)).collect();
-    let totals: Vec<f64> = sums.iter().map(|sum| sum.iter().sum()).collect();
+    // Time with 1 to 10 pulling ants in all runs of each trial (s).
+    let sums = Trial::ALL.map(|trial| std::array::from_fn::<f64, 10, _>(|at| sum_of_size(units, trial, at + 1).time_s));
+    let totals = sums.map(|sum| sum.iter().sum::<f64>());
     if totals.iter().any(|total| *total <= 0.0) {
         return None;
     }
@@ -48,7 +49,7 @@ pub fn mixture(units: &[Unit], control_period: f64) -> Option<Mixture> {
     let weights = weights(&fractions, &SIMULATED_SAMPLES.map(|n| n as f64));
     let n_printed: u64 = SIMULATED_SAMPLES.iter().sum();
     let share = |(at, trial): (usize, Trial)| {
-        let n_runs = units.iter().filter(|unit| unit.of(trial).is_some()).count() as f64;
+        let n_runs = runs(units, trial).count() as f64;
         let samples_of_run = totals[at] / control_period / n_runs;
         TrialShare { trial, weight: weights[at], n_runs: weights[at] * n_printed as f64 / samples_of_run }
     };
@@ -56,17 +57,6 @@ pub fn mixture(units: &[Unit], control_period: f64) -> Option<Mixture> {
         trials: Trial::ALL.into_iter().enumerate().map(share).collect(),
         shares: std::array::from_fn(|size| weights.iter().zip(&fractions).map(|(weight, fraction)| weight * fraction[size]).sum()),
     })
-}
-
-/// Time with 1 to 10 pulling ants in all runs of a trial (s).
-fn times(units: &[Unit], trial: Trial) -> [f64; 10] {
-    let mut sum = [0.0; 10];
-    for run in units.iter().filter_map(|unit| unit.of(trial)) {
-        for (size, OfSize { time_s, .. }) in run.by_size.iter().enumerate().skip(1) {
-            sum[size - 1] += time_s;
-        }
-    }
-    sum
 }
 
 /// Weights of the `fractions` that make `counts` likeliest.

@@ -12,7 +12,6 @@
 //! change.rs   one change of mean in a series, and its significance
 //! phase.rs    the printed change of three series at once
 //! force.rs    the inertial force, as a camera would see it
-//! force_rows.rs  the same of all runs
 //! units.rs    runs of one seed, resampled together
 //! sampling.rs samples of pulls: from which trials, and when
 //! maximum.rs  the largest pull of a sample of the printed size
@@ -22,10 +21,9 @@
 //! measures.rs all compared quantities
 //! claims.rs   what the paper says in words, with the models that contradict it
 //! verdict.rs  match, near, calibrated, differs or undecided
-//! readme.rs, page.rs  tables with notes, as Markdown and as a page
-//! table_row.rs  a row of the table of quantities
-//! missed.rs   what is not reproduced
-//! experiment.rs  what the paper measured on ants
+//! readme.rs   tables with notes, as Markdown and as a page
+//! table.rs    the table of quantities, and what is not reproduced
+//! experiment.rs  what the paper measured on ants, and the inertial force of all runs
 //! inertia.rs  conclusions that change with inertia
 //! search/     all parameter sets that the paper allows
 //! shown.rs    one run for figures
@@ -41,14 +39,11 @@ pub mod figure;
 pub mod figure_run;
 pub mod files;
 mod force;
-mod force_rows;
 mod group_size;
 mod inertia;
 mod maximum;
 mod measures;
-mod missed;
 mod mixture;
-mod page;
 mod phase;
 pub mod readme;
 pub mod report;
@@ -57,30 +52,26 @@ pub mod search;
 mod shown;
 mod style;
 mod suite;
-mod table_row;
+mod table;
 pub mod text;
 mod trial;
 mod units;
 mod verdict;
 pub mod why;
 
-pub use change::{Change, change_of_mean};
+pub use change::Change;
 pub use claims::{Claim, Null, claims};
-pub use experiment::{Experiment, experiment};
-pub use facts::{BLOCK, ChangeAt, Changes, OfSize, PhaseAt, RunFacts, Series, WINDOW_S, WINDOWS, run, series_of};
-pub use force::{FRAME_S, ForceAt};
-pub use force_rows::{ForceRow, force_rows};
+pub use experiment::{Experiment, ForceRow, experiment, force_rows};
+pub use facts::{At, BLOCK, ChangeOf, Changes, OfSize, RunFacts, Series, WINDOW_S, WINDOWS, run, series_of};
 pub use group_size::{Speeds, load_speeds};
 pub use inertia::{Conclusion, Standing, conclusions};
-pub use maximum::{Extreme, extreme};
-pub use measures::{MEASURES, Measure, PhaseSign};
-pub use missed::{Missed, missed};
+pub use maximum::{Extreme, largest};
+pub use measures::{Measure, PhaseSign, measures};
 pub use mixture::{Mixture, TrialShare, mixture, printed_share};
-pub use phase::{PhaseChange, phase_change};
 pub use sampling::{Sample, Sampling};
 pub use shown::{Shown, Snapshot, shown};
 pub use suite::{Answer, Plan, Replayed, Set, Task, tasks};
-pub use table_row::{OtherSet, TableRow};
+pub use table::{Missed, OtherSet, TableRow, missed, table};
 pub use trial::{Case, LITERAL_PERIOD_S, Trial};
 pub use units::{Estimate, Unit, difference, estimate, paired, units, with_interval};
 pub use verdict::{Grade, Own, Printed};

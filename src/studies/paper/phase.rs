@@ -11,7 +11,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::change::{LEVEL, MARGIN, N_ORDERS, shuffled};
+use super::change::{LEVEL, MARGIN, ROUNDING, p_value, shuffled};
 use crate::math::RandomStreams;
 
 /// The best place of the printed phase change.
@@ -45,18 +45,13 @@ pub fn phase_change(series: [&[f64]; 3], block: usize, seed: u64) -> Option<Phas
     let (at, contrasts) = best(series)?;
     let statistic = smallest(&contrasts);
     let streams = RandomStreams::new(seed);
-    let as_much = (0..N_ORDERS).filter(|order| {
+    let p_value = p_value(|order| {
         // Draws depend on the number of blocks alone, so that the three series stay together.
-        let [speed, turn_rate, interaction] = series.map(|values| shuffled(values, block.max(1), &streams, *order));
+        let [speed, turn_rate, interaction] = series.map(|values| shuffled(values, block.max(1), &streams, order));
         best([&speed, &turn_rate, &interaction]).is_some_and(|(_, other)| smallest(&other) >= statistic - ROUNDING)
     });
-    let p_value = (1 + as_much.count()) as f64 / f64::from(1 + N_ORDERS);
     Some(PhaseChange { at, contrasts, p_value })
 }
-
-/// Statistics that differ by less count as equal: orders that only move blocks on one side of the
-/// change give the same value, summed in another order (1).
-const ROUNDING: f64 = 1e-9;
 
 fn smallest(contrasts: &[f64; 3]) -> f64 {
     contrasts.iter().copied().fold(f64::INFINITY, f64::min)

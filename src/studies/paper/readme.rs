@@ -1,11 +1,12 @@
-//! The README in the output folder of `paper`: sets of runs, results in tables, and the files.
-
-use std::fmt::Write;
+//! README and page in the output folder of `paper`: results in tables with notes, and figures.
 
 use crate::model::paper::SIMULATED_SAMPLES;
+use crate::output::manifest::Manifest;
+use crate::output::page::{Answer, Block, Headline, Page};
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
 use crate::output::text::wrapped_markdown;
+use crate::studies::paper::figure::Figures;
 use crate::studies::paper::report::Paper;
 use crate::studies::paper::{Conclusion, Grade, Standing, printed_share, with_interval};
 
@@ -29,24 +30,32 @@ On the inertial backend. Positions are those of 30 video frames per second, aver
 ";
 
 /// A table with its title and what to know of it.
-pub(super) struct Part {
-    pub title: &'static str,
-    pub table: Table,
-    pub note: String,
+struct Part {
+    title: &'static str,
+    table: Table,
+    note: String,
 }
 
-/// The page in Markdown.
+/// The README in Markdown.
 pub fn paper_readme(found: &Paper) -> String {
-    let mut text = format!("# The paper's results\n\n{}\n\n{}\n", found.answer, made_by(found));
-    for Part { title, table, note } in parts(found) {
-        write!(text, "\n## {title}\n\n{}\n{note}\n", table.markdown()).expect("a string takes all");
-    }
-    write!(text, "\n## Files\n\n{FILES}").expect("a string takes all");
-    wrapped_markdown(&text)
+    let tables = parts(found).into_iter().map(|Part { title, table, note }| format!("\n## {title}\n\n{}\n{note}\n", table.markdown()));
+    let tables: String = tables.collect();
+    wrapped_markdown(&format!("# The paper's results\n\n{}\n\n{}\n{tables}\n## Files\n\n{FILES}", found.answer, made_by(found)))
+}
+
+/// The page with its `figures`: what is not reproduced, then every table, and the figures.
+pub fn paper_page(found: &Paper, figures: &Figures, manifest: &Manifest) -> Page {
+    let answer = if found.not_reproduced.is_empty() { Answer::Yes } else { Answer::Partly };
+    let headline = Headline::new(answer, found.answer.clone()).with(Block::text(made_by(found).replace('`', "")));
+    let page = parts(found).into_iter().fold(Page::new("The paper's results", headline), |page, Part { title, table, note }| {
+        let note = (!note.is_empty()).then(|| Block::text(note.replace('`', "")));
+        page.section(title, [Block::Table(table)].into_iter().chain(note).collect())
+    });
+    page.section("Figures", figures.iter().map(|(_, caption, svg)| Block::figure(svg.as_str(), *caption)).collect()).from(manifest)
 }
 
 /// What made the results, and what the intervals are.
-pub(super) fn made_by(found: &Paper) -> String {
+fn made_by(found: &Paper) -> String {
     format!(
         "Made by `cohaul paper`, preset `{}`, seeds from {}. Intervals are 95 %, Student's t times the standard error by the bootstrap over seeds; ticks and pulls of one run are not independent.",
         found.preset, found.first_seed
@@ -54,7 +63,7 @@ pub(super) fn made_by(found: &Paper) -> String {
 }
 
 /// All tables that have lines, what is not reproduced first.
-pub(super) fn parts(found: &Paper) -> Vec<Part> {
+fn parts(found: &Paper) -> Vec<Part> {
     let missed = part("What is not reproduced", &["what", "paper", "here", ""], &found.not_reproduced, "", |missed| {
         let certain = if missed.is_certain { "not reproduced" } else { "these seeds do not tell" };
         vec![missed.what.clone(), missed.paper.clone(), missed.here.clone(), certain.to_owned()]
@@ -86,7 +95,9 @@ fn beside_the_paper(found: &Paper) -> [Part; 5] {
             &["quantity", "measured", "samples", "here"],
             &found.experiment,
             "Pulls of all trials at every control period, and group sizes of the trial of ten ants. The paper does not say that its simulation meets these numbers; they have no grade.",
-            |row| vec![row.quantity.clone(), quantity(row.measured, row.unit), row.n_measured.to_string(), with_interval(&row.here, row.unit)],
+            |row| {
+                vec![row.quantity.clone(), quantity(row.measured, row.unit), row.n_measured.to_string(), with_interval(&row.here, row.unit)]
+            },
         ),
         part(
             "Inertial force m a by smoothing time",

@@ -3,16 +3,13 @@
 //! The paper prints one mean, one standard deviation and one largest value of 520,057 pulls, and
 //! says neither from which trials nor when they were taken. Every reading is shown.
 
-use serde::Serialize;
-
 use super::facts::RunFacts;
 use super::trial::Trial;
 use super::units::Unit;
 use crate::math::Summary;
 
 /// Which trials a sample of pulls comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sample {
     /// 4/4 and 5/10: the groups of two to five ants make up nearly the printed size of the sample.
     Printed,
@@ -40,8 +37,7 @@ impl Sample {
 }
 
 /// When pulls are taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// At the ants' decisions, with a zero at each grasp: the first instant of an attachment.
     AtDecisions,
@@ -113,9 +109,11 @@ mod tests {
     /// Two runs of pulls 3, 5 and 4, 8 with three zeros: moments by hand.
     #[test]
     fn zeros_are_taken_out_of_the_moments() {
-        let run = |pulls: &[f64], n_grasps| RunFacts { pulls: Summary::of(pulls.iter().copied()), n_grasps, ..RunFacts::nothing() };
-        let runs = [run(&[0.0, 3.0, 0.0, 5.0], 2), run(&[0.0, 4.0, 8.0], 1)];
-        let units = units(runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run)));
+        let run = |seed, pulls: &[f64], n_grasps| {
+            (Trial::FourFour, seed, RunFacts { pulls: Summary::of(pulls.iter().copied()), n_grasps, ..RunFacts::nothing() })
+        };
+        let runs = [run(0, &[0.0, 3.0, 0.0, 5.0], 2), run(1, &[0.0, 4.0, 8.0], 1)];
+        let units = units(&runs);
         let all = Pool::of(&units, Sample::Printed, Sampling::AtDecisions);
         assert!((all.mean().unwrap() - 20.0 / 7.0).abs() < 1e-12);
         let some = Pool::of(&units, Sample::Printed, Sampling::WithoutZeros);

@@ -116,15 +116,11 @@ impl Plan {
         let mut scenario = trial.scenario(&Case::new(self.preset, BackendKind::QuasiStatic), self.first_seed);
         scenario.duration = scenario.duration.min(self.replayed_s);
         let found = ThreeWay::new(&scenario, &Settings::default()).replayed(|_| watch())?;
-        let name = |cause: &Cause| match cause {
-            Cause::Inertia => "inertia".to_owned(),
-            Cause::Engine => "engine".to_owned(),
-        };
-        let duration = found.solutions[1].trace.rows.last().map_or(0.0, |row| row.time);
+        let name = |cause: &Cause| if *cause == Cause::Inertia { "inertia" } else { "engine" }.to_owned();
         Some(Replayed {
             trial,
             seed: self.first_seed,
-            duration_s: duration,
+            duration_s: found.solutions[1].trace.rows.last().map_or(0.0, |row| row.time),
             verdict: found.verdict.text().to_owned(),
             inertia_effect_m: found.edge_displacement.inertia_effect_m,
             engine_error_m: found.edge_displacement.engine_error_m,

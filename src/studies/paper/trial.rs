@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::backend::{BackendKind, BackendOptions};
 use crate::scenario::presets::{self, Preset};
-use crate::scenario::{AntDrive, Drive, Scenario};
+use crate::scenario::{Drive, Scenario};
 
 /// Ants over springs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -73,25 +73,19 @@ impl Trial {
     }
 
     /// The trial of `case` at `seed`.
-    pub fn scenario(self, case: &Case, seed: u64) -> Scenario {
-        let control_period = |standard: f64| match case.preset {
-            Preset::LiteralNewtons | Preset::LiteralMillinewtons => LITERAL_PERIOD_S,
-            _ => standard,
-        };
-        let mut scenario = self.with_ants(presets::ants(case.preset, self.n_ants()), seed);
-        scenario.control_period = control_period(scenario.control_period);
-        scenario.system.load.mass *= case.inertia;
-        scenario.system.load.inertia *= case.inertia;
-        scenario
-    }
-
-    /// The trial with other ants, at `seed`.
     ///
     /// # Panics
     /// Never: the texts are scenarios of the project.
-    pub fn with_ants(self, ants: AntDrive, seed: u64) -> Scenario {
-        let shipped = Scenario::parse(self.text(), &self.name()).expect("scenarios of the project are valid");
-        Scenario { seed, drive: Drive::Ants(ants), ..shipped }
+    pub fn scenario(self, case: &Case, seed: u64) -> Scenario {
+        let mut scenario = Scenario::parse(self.text(), &self.name()).expect("scenarios of the project are valid");
+        scenario.seed = seed;
+        scenario.drive = Drive::Ants(presets::ants(case.preset, self.n_ants()));
+        if let Preset::LiteralNewtons | Preset::LiteralMillinewtons = case.preset {
+            scenario.control_period = LITERAL_PERIOD_S;
+        }
+        scenario.system.load.mass *= case.inertia;
+        scenario.system.load.inertia *= case.inertia;
+        scenario
     }
 }
 

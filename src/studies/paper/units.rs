@@ -6,6 +6,8 @@
 //! does not depend on, such as seeds without a run of its trial, do not count. Backends share
 //! seeds, so that their differences are between pairs.
 
+use std::borrow::Borrow;
+
 use serde::{Deserialize, Serialize};
 
 use super::facts::RunFacts;
@@ -26,11 +28,12 @@ impl<'a> Unit<'a> {
     }
 }
 
-/// Units from runs, in the order of seeds.
-pub fn units<'a>(runs: impl IntoIterator<Item = (Trial, u64, &'a RunFacts)>) -> Vec<Unit<'a>> {
+/// Units from runs with their trials and seeds, in the order of seeds.
+pub fn units<R: Borrow<RunFacts>>(runs: &[(Trial, u64, R)]) -> Vec<Unit<'_>> {
     let mut found = std::collections::BTreeMap::new();
     for (trial, seed, facts) in runs {
-        found.entry(seed).or_insert(Unit { seed, runs: [None; Trial::COUNT] }).runs[trial.index()] = Some(facts);
+        let unit = found.entry(*seed).or_insert(Unit { seed: *seed, runs: [None; Trial::COUNT] });
+        unit.runs[trial.index()] = Some(facts.borrow());
     }
     found.into_values().collect()
 }
@@ -59,6 +62,11 @@ impl Estimate {
             Interval { low: value - half, high: value + half }
         });
         Self { value, interval_95, standard_error, n_units }
+    }
+
+    /// Whether the interval leaves out zero.
+    pub fn is_not_zero(&self) -> bool {
+        self.interval_95.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0)
     }
 }
 
@@ -131,8 +139,10 @@ fn standard_error(counting: &[usize], of: impl Fn(&[usize]) -> Option<f64>) -> O
 mod tests {
     use super::*;
 
-    fn facts(time_s: f64) -> RunFacts {
-        RunFacts { time_s, ..RunFacts::nothing() }
+    /// Runs of four ants that took these times (s), a seed each.
+    fn runs_of(times: impl IntoIterator<Item = f64>) -> Vec<(Trial, u64, RunFacts)> {
+        let runs = times.into_iter().map(|time_s| RunFacts { time_s, ..RunFacts::nothing() });
+        runs.zip(0..).map(|(run, seed)| (Trial::FourFour, seed, run)).collect()
     }
 
     fn mean_time(units: &[Unit]) -> Option<f64> {
@@ -145,13 +155,12 @@ mod tests {
     #[test]
     fn the_interval_of_a_mean_is_students() {
         let streams = RandomStreams::new(5);
-        let runs: Vec<RunFacts> = (0..60).map(|i| facts(80.0 + 10.0 * streams.normal_pair(Stream::Scene, 1, i).x)).collect();
+        let times: Vec<f64> = (0..60).map(|i| 80.0 + 10.0 * streams.normal_pair(Stream::Scene, 1, i).x).collect();
         for n in [2, 3, 12, 60] {
-            let all = runs.iter().enumerate();
-            let units = units(all.map(|(seed, run)| (if seed < n { Trial::FourFour } else { Trial::OneOne }, seed as u64, run)));
-            let found = estimate(&units, &mean_time).unwrap();
-            let times: Vec<f64> = runs[..n].iter().map(|run| run.time_s).collect();
-            let (ours, students) = (found.interval_95.unwrap(), Summary::of(times.iter().copied()).mean_interval(0.95).unwrap());
+            let mut runs = runs_of(times.iter().copied());
+            runs[n..].iter_mut().for_each(|(trial, ..)| *trial = Trial::OneOne);
+            let found = estimate(&units(&runs), &mean_time).unwrap();
+            let (ours, students) = (found.interval_95.unwrap(), Summary::of(times[..n].iter().copied()).mean_interval(0.95).unwrap());
             let half = 0.5 * (students.high - students.low);
             assert!(
                 (ours.low - students.low).abs() < 0.1 * half && (ours.high - students.high).abs() < 0.1 * half,
@@ -166,14 +175,9 @@ mod tests {
     #[test]
     fn differences_are_taken_in_pairs() {
         let streams = RandomStreams::new(6);
-        let runs: Vec<RunFacts> = (0..20).map(|i| facts(80.0 + 30.0 * streams.normal_pair(Stream::Scene, 1, i).x)).collect();
-        let later: Vec<RunFacts> = runs[..15].iter().map(|run| facts(run.time_s + 2.0)).collect();
-        let of = |runs: &'_ [RunFacts]| -> Vec<(Trial, u64, RunFacts)> {
-            runs.iter().enumerate().map(|(seed, run)| (Trial::FourFour, seed as u64, run.clone())).collect()
-        };
-        let (a, b) = (of(&later), of(&runs));
-        let [a, b] = [&a, &b].map(|runs| units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run))));
-        let found = difference(&a, &b, &mean_time).unwrap();
+        let times: Vec<f64> = (0..20).map(|i| 80.0 + 30.0 * streams.normal_pair(Stream::Scene, 1, i).x).collect();
+        let (later, runs) = (runs_of(times[..15].iter().map(|time| time + 2.0)), runs_of(times));
+        let found = difference(&units(&later), &units(&runs), &mean_time).unwrap();
         let interval = found.interval_95.unwrap();
         // Rounding of means of order 100.
         assert!((found.value - 2.0).abs() < 1e-12 && (interval.high - interval.low).abs() < 1e-12 && found.n_units == 15, "{found:?}");

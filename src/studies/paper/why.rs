@@ -1,19 +1,23 @@
 //! Why a number of ours is where it is beside the printed one: a sentence a row.
 
+use super::maximum::Extreme;
+use super::measures::Measure;
+use super::sampling::Sampling;
 use crate::output::quantity::quantity;
-use crate::studies::paper::{Extreme, Measure, Sample, Sampling};
 
 /// What makes the difference, or the agreement, of one quantity.
 pub fn why(measure: Measure) -> &'static str {
     match measure {
-        Measure::PullMean(Sample::Printed) | Measure::PullSd(Sample::Printed) => {
+        Measure::PULL_MEAN | Measure::PULL_SD => {
             "fixed by what a spring gains between two decisions, which the paper leaves open and the parameter search sets; which trials it sampled is inferred from the sample's size"
         }
-        Measure::PullMeanBy(Sampling::ByTime) | Measure::PullSdBy(Sampling::ByTime) => {
+        Measure::PullMean(_, Sampling::ByTime) | Measure::PullSd(_, Sampling::ByTime) => {
             "a large pull ends within a few decisions but lasts for many control periods; the paper does not say when pulls were taken"
         }
-        Measure::PullMeanBy(_) | Measure::PullSdBy(_) => "the same pulls without the zero at which each attachment begins",
-        Measure::PullMean(_) | Measure::PullSd(_) => {
+        Measure::PullMean(_, Sampling::WithoutZeros) | Measure::PullSd(_, Sampling::WithoutZeros) => {
+            "the same pulls without the zero at which each attachment begins"
+        }
+        Measure::PullMean(..) | Measure::PullSd(..) => {
             "not printed by trial: a load that follows its ants slackens their springs, one that sticks does not"
         }
         Measure::SizeShare(_) => {

@@ -8,7 +8,7 @@ use super::judge::{Judged, Standing, reported};
 use super::space::Searched;
 use crate::model::open_choices::{Chosen, Range};
 use crate::model::paper as printed;
-use crate::studies::paper::{Claim, Estimate, Measure, Sample, Trial, claims};
+use crate::studies::paper::{Claim, Estimate, Measure, Trial, claims};
 
 /// A searched choice, and where the accepted sets lie.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -98,9 +98,9 @@ pub(super) fn spread(values: impl IntoIterator<Item = f64>) -> Option<Spread> {
 pub(super) fn choice_rows(plan: &Plan, accepted: &[Accepted]) -> Vec<ChoiceRow> {
     let row = |(at, choice): (usize, &Searched)| {
         let values: Vec<Chosen> = accepted.iter().map(|row| row.values[at]).collect();
-        let all = spread(values.iter().filter_map(|value| if let Chosen::Number(value) = value { Some(*value) } else { None }));
-        let end = |share: f64| if let Some(Chosen::Number(value)) = choice.range.at(share) { value } else { f64::NAN };
         let is_list = !matches!(choice.range, Range::Between { .. });
+        let all = spread(values.iter().filter(|_| !is_list).map(number));
+        let end = |share: f64| choice.range.at(share).as_ref().map_or(f64::NAN, number);
         let reaches = |spread: Spread| spread.least < end(0.1) || spread.most > end(0.9);
         let count = |word: &String| values.iter().filter(|value| text(value) == *word).count();
         ChoiceRow {
@@ -108,12 +108,17 @@ pub(super) fn choice_rows(plan: &Plan, accepted: &[Accepted]) -> Vec<ChoiceRow> 
             key: choice.key,
             unit: choice.unit,
             searched: searched_text(choice.range),
-            accepted: all.filter(|_| !is_list),
-            reaches_an_end: all.is_some_and(|all| !is_list && reaches(all)),
+            accepted: all,
+            reaches_an_end: all.is_some_and(reaches),
             counts: words(choice.range).iter().map(|word| (word.clone(), count(word))).collect(),
         }
     };
     plan.design().searched.iter().enumerate().map(row).collect()
+}
+
+/// The number of a value; NaN of a word.
+pub(super) fn number(value: &Chosen) -> f64 {
+    if let Chosen::Number(value) = value { *value } else { f64::NAN }
 }
 
 fn words(range: Range) -> Vec<String> {
@@ -124,7 +129,7 @@ fn words(range: Range) -> Vec<String> {
     }
 }
 
-pub(super) fn text(value: &Chosen) -> String {
+fn text(value: &Chosen) -> String {
     match value {
         Chosen::Number(value) => value.to_string(),
         Chosen::Word(word) => (*word).to_owned(),
@@ -165,12 +170,12 @@ pub(super) fn quantity_rows(accepted: &[Accepted]) -> Vec<QuantityRow> {
     let row = |(at, measure): (usize, Measure)| {
         let all = || accepted.iter().map(move |row| row.judged.measures[at]);
         let effects: Vec<Estimate> = all().filter_map(|found| found.minus).collect();
-        let certain = effects.iter().filter_map(|effect| effect.interval_95).map(|interval| interval.low > 0.0 || interval.high < 0.0);
+        let certain = effects.iter().filter(|effect| effect.interval_95.is_some()).map(Estimate::is_not_zero);
         QuantityRow {
             quantity: measure.name(),
             unit: measure.unit(),
             printed: measure.printed().map(|printed| printed.value),
-            is_target: matches!(measure, Measure::PullMean(Sample::Printed) | Measure::PullSd(Sample::Printed) | Measure::SizeShare(_)),
+            is_target: matches!(measure, Measure::PULL_MEAN | Measure::PULL_SD | Measure::SizeShare(_)),
             values: spread(all().filter_map(|found| Some(found.quasi_static?.value))),
             met: share(all().filter_map(|found| Some(found.grade?.is_met())).collect()),
             inertia_effect: spread(effects.iter().map(|effect| effect.value)),

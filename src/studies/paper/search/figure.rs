@@ -1,21 +1,24 @@
 //! Figures of a search: where the accepted sets lie, and what inertia does to one ant.
 
 use super::ACCEPTED;
+use super::accepted::number;
 use super::report::{Search, SetRow};
-use crate::model::open_choices::{Chosen, Range};
+use super::space::Searched;
+use crate::model::open_choices::Range;
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use crate::output::chart::{COLUMN_WIDTH, MILLI, PANEL_HEIGHT, grid};
-use crate::studies::paper::style::{OTHER, OURS, PRINTED, curve};
+use crate::studies::paper::figure::Figures;
+use crate::studies::paper::style::{OTHER, OURS, PRINTED};
 
 const FAINT: Style = Style { color: "#bbbbbb", dash: "", width: 1.0 };
 /// Sets farther from the targets are not drawn (1).
 const MOST_SHOWN: f64 = 3.0;
 
-/// All figures by the name of their file.
-pub(super) fn figures(found: &Search) -> Vec<(&'static str, String)> {
-    let mut figures = vec![("region", region(found))];
+/// All figures: name of the file, caption and SVG.
+pub(super) fn figures(found: &Search) -> Figures {
+    let mut figures = vec![("region", "Where the accepted sets lie", region(found))];
     if !found.one_ant.is_empty() {
-        figures.push(("one-ant", one_ant(found)));
+        figures.push(("one-ant", "Effect of inertia on the time of one ant", one_ant(found)));
     }
     figures
 }
@@ -24,28 +27,14 @@ fn is_shown(distance: &f64) -> bool {
     *distance <= MOST_SHOWN
 }
 
-/// Label, factor to the unit of the label, and range of each searched choice that is a number.
-fn axes(found: &Search) -> Vec<(usize, String, f64, Range)> {
-    let searched = found.plan.design().searched;
-    let of_number = |(at, choice): (usize, &super::space::Searched)| {
+/// Place, label, and factor to the unit of the label of each searched choice that is a number.
+fn axes(found: &Search) -> Vec<(usize, String, f64)> {
+    let of_number = |(at, choice): (usize, Searched)| {
         let Range::Between { high, .. } = choice.range else { return None };
-        let is_small = choice.unit == "m" || high < 0.2;
-        let unit = match (choice.unit, is_small) {
-            ("m", _) => "mm",
-            ("s", true) => "ms",
-            (unit, true) => return Some((at, format!("{} (m{unit})", choice.name), MILLI, choice.range)),
-            (unit, false) => unit,
-        };
-        Some((at, format!("{} ({unit})", choice.name), if is_small { MILLI } else { 1.0 }, choice.range))
+        let (prefix, factor) = if choice.unit == "m" || high < 0.2 { ("m", MILLI) } else { ("", 1.0) };
+        Some((at, format!("{} ({prefix}{})", choice.name, choice.unit), factor))
     };
-    searched.iter().enumerate().filter_map(of_number).collect()
-}
-
-fn number(row: &SetRow, at: usize) -> f64 {
-    match row.values[at] {
-        Chosen::Number(value) => value,
-        Chosen::Word(_) => f64::NAN,
-    }
+    found.plan.design().searched.into_iter().enumerate().filter_map(of_number).collect()
 }
 
 /// Distance of every set against each choice, with the accepted ones, and pairs of the choices that
@@ -53,11 +42,11 @@ fn number(row: &SetRow, at: usize) -> f64 {
 fn region(found: &Search) -> String {
     let axes = axes(found);
     let mut panels = Vec::new();
-    for (at, label, unit, _) in &axes {
+    for (at, label, unit) in &axes {
         let mut panel = Panel::new(label, "distance to the targets (1)", Scale::FromZero);
         panel.marks.push(Mark { at: Across::Horizontal(ACCEPTED), style: PRINTED });
-        let screened = |row: &SetRow| Some([unit * number(row, *at), row.screened.distance.filter(is_shown)?]);
-        let judged = |row: &SetRow| Some([unit * number(row, *at), row.judged.as_ref()?.distance?]);
+        let screened = |row: &SetRow| Some([unit * number(&row.values[*at]), row.screened.distance.filter(is_shown)?]);
+        let judged = |row: &SetRow| Some([unit * number(&row.values[*at]), row.judged.as_ref()?.distance?]);
         panel.curves.extend(dots(found, |row| !row.is_accepted, screened, FAINT));
         panel.curves.extend(dots(found, |row| row.is_accepted, judged, OURS));
         panels.push(panel);
@@ -67,7 +56,7 @@ fn region(found: &Search) -> String {
         let mut panel = Panel::new(&x.1, &y.1, Scale::Linear);
         let place = |row: &SetRow| {
             row.screened.distance.filter(is_shown)?;
-            Some([of_x * number(row, x.0), of_y * number(row, y.0)])
+            Some([of_x * number(&row.values[x.0]), of_y * number(&row.values[y.0])])
         };
         panel.curves.extend(dots(found, |row| !row.is_accepted, place, FAINT));
         panel.curves.extend(dots(found, |row| row.is_accepted, place, OURS));
@@ -83,28 +72,27 @@ fn region(found: &Search) -> String {
 
 fn dots(found: &Search, is_shown: impl Fn(&SetRow) -> bool, of: impl Fn(&SetRow) -> Option<[f64; 2]>, style: Style) -> Option<Curve> {
     let points: Vec<[f64; 2]> = found.sets.iter().filter(|row| is_shown(row)).filter_map(of).collect();
-    (!points.is_empty()).then(|| curve(points, style, Shape::Dots))
+    (!points.is_empty()).then(|| Curve::new(points, style, Shape::Dots))
 }
 
 /// Effect of inertia on one ant's time with its interval, set by set.
 fn one_ant(found: &Search) -> String {
-    let axes = axes(found);
     let mut panels = Vec::new();
-    for (at, label, unit, _) in axes {
+    for (at, label, unit) in axes(found) {
         let mut panel = Panel::new(&label, "inertial minus quasi-static (s)", Scale::Linear);
         panel.marks.push(Mark { at: Across::Horizontal(0.0), style: FAINT });
         for row in &found.one_ant {
-            let x = unit * number(&found.sets[row.set], at);
+            let x = unit * number(&found.sets[row.set].values[at]);
             if let Some(interval) = row.inertia_effect.interval_95 {
-                panel.curves.push(curve(vec![[x, interval.low], [x, interval.high]], FAINT, Shape::Path));
+                panel.curves.push(Curve::new(vec![[x, interval.low], [x, interval.high]], FAINT, Shape::Path));
             }
         }
-        let is_certain = |row: &&super::report::OneAnt| row.inertia_effect.interval_95.is_some_and(|it| it.low > 0.0 || it.high < 0.0);
         for (certain, style) in [(false, OURS), (true, OTHER)] {
-            let rows = found.one_ant.iter().filter(|row| is_certain(row) == certain);
-            let points: Vec<[f64; 2]> = rows.map(|row| [unit * number(&found.sets[row.set], at), row.inertia_effect.value]).collect();
+            let rows = found.one_ant.iter().filter(|row| row.inertia_effect.is_not_zero() == certain);
+            let points: Vec<[f64; 2]> =
+                rows.map(|row| [unit * number(&found.sets[row.set].values[at]), row.inertia_effect.value]).collect();
             if !points.is_empty() {
-                panel.curves.push(curve(points, style, Shape::Dots));
+                panel.curves.push(Curve::new(points, style, Shape::Dots));
             }
         }
         panels.push(panel);

@@ -2,19 +2,20 @@
 
 use std::path::Path;
 
-use super::accepted::text;
 use super::figure::figures;
-use super::report::{IndexRow, Search, SetRow, Shares, Spread};
+use super::report::{IndexRow, Search, SetRow};
 use super::screen::SCREENED;
 use super::sensitivity::Index;
 use super::text::tables;
 use super::{ACCEPTED, CLOSE, reported};
+use crate::model::open_choices::Chosen;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::{Answer, Block, Headline, Page, REPORT};
 use crate::output::quantity::quantity;
-use crate::output::table::{Field, Table};
+use crate::output::table::{Column, Field, Table};
 use crate::output::text::wrapped_markdown;
+use crate::studies::paper::figure::Figures;
 
 /// Writes `sets.csv`, `accepted.csv`, `claims.csv`, `quantities.csv`, `choices.csv`, `indices.csv`,
 /// the figures, `README.md`, `report.html`, `summary.json` and `manifest.json` to the folder
@@ -36,33 +37,26 @@ pub fn write_search(target: &Path, found: &Search, manifest: &Manifest) -> Resul
         folder.write(name, |out| table.write_csv(out))?;
     }
     let figures = figures(found);
-    for (name, svg) in &figures {
+    for (name, _, svg) in &figures {
         folder.write(&format!("{name}.svg"), |out| out.write_all(svg.as_bytes()))?;
     }
-    folder.write("README.md", |out| out.write_all(readme(found, target).as_bytes()))?;
+    folder.write("README.md", |out| out.write_all(readme(found, &figures, target).as_bytes()))?;
     folder.write(REPORT, |out| out.write_all(page(found, figures, manifest).to_html().as_bytes()))?;
     folder.write_json("summary.json", found)?;
     folder.finish(manifest)
 }
 
-/// Values of the choices of a set, as fields.
-fn values(row: &SetRow) -> Vec<Field> {
-    row.values
-        .iter()
-        .map(|value| match value {
-            crate::model::open_choices::Chosen::Number(value) => (*value).into(),
-            crate::model::open_choices::Chosen::Word(_) => text(value).into(),
-        })
-        .collect()
-}
-
-/// A table of sets: number, choices, then the columns `names`.
-fn table_of_sets(found: &Search, names: Vec<(String, &'static str)>) -> Table {
+/// A table of sets: number, choices, then the columns `names` with the fields that `of` takes from
+/// a set.
+fn table_of_sets(found: &Search, names: Vec<(String, &'static str)>, of: impl Fn(&SetRow) -> Option<Vec<Field>>) -> Table {
     let choices = found.choices.iter().map(|row| (row.choice.replace(['(', ')', '\''], ""), row.unit));
-    let all: Vec<(String, &str)> = [("set".to_owned(), "")].into_iter().chain(choices).chain(names).collect();
-    let mut table = Table::new("", all.iter().map(|(name, _)| name.clone()));
-    table.columns.iter_mut().zip(&all).for_each(|(column, (_, unit))| column.unit = unit);
-    table
+    let columns = [("set".to_owned(), "")].into_iter().chain(choices).chain(names).map(|(name, unit)| Column { name, unit });
+    let value = |value: &Chosen| match value {
+        Chosen::Number(value) => Field::from(*value),
+        Chosen::Word(word) => Field::from(*word),
+    };
+    let row = |row: &SetRow| Some([vec![row.set.into()], row.values.iter().map(value).collect(), of(row)?].concat());
+    Table { columns: columns.collect(), ..Table::default() }.with_rows(found.sets.iter().filter_map(row))
 }
 
 fn sets(found: &Search) -> Table {
@@ -72,12 +66,11 @@ fn sets(found: &Search) -> Table {
         .chain(measures)
         .chain([("largest pull".to_owned(), "N"), ("is within the box".to_owned(), "")])
         .collect();
-    table_of_sets(found, names).with_rows(found.sets.iter().map(|row| {
+    table_of_sets(found, names, |row| {
         let screened = &row.screened;
         let numbers = [screened.distance].into_iter().chain(screened.values.iter().copied()).chain([screened.largest_pull_n]);
-        let fields = [Field::from(row.set)].into_iter().chain(values(row)).chain(numbers.map(Field::from));
-        fields.chain([row.is_within.into()]).collect::<Vec<Field>>()
-    }))
+        Some(numbers.map(Field::from).chain([row.is_within.into()]).collect())
+    })
 }
 
 fn file_name(measure: &str) -> String {
@@ -90,30 +83,16 @@ fn accepted(found: &Search) -> Table {
         [(name.clone(), measure.unit()), (format!("inertia effect on {name}"), measure.unit())]
     });
     let names = [("distance".to_owned(), ""), ("largest pull".to_owned(), "N")].into_iter().chain(measures).collect();
-    let row = |row: &SetRow| {
-        let judged = row.judged.as_ref()?;
+    table_of_sets(found, names, |row| {
+        let judged = row.judged.as_ref().filter(|_| row.is_accepted)?;
         let pair = |it: &super::judge::OnBoth| [it.quasi_static.map(|it| it.value), it.minus.map(|it| it.value)];
         let numbers =
             [judged.distance, judged.largest_pull.map(|it| it.expected_n)].into_iter().chain(judged.measures.iter().flat_map(pair));
-        Some([Field::from(row.set)].into_iter().chain(values(row)).chain(numbers.map(Field::from)).collect::<Vec<Field>>())
-    };
-    table_of_sets(found, names).with_rows(found.sets.iter().filter(|row| row.is_accepted).filter_map(row))
-}
-
-fn least(spread: Option<Spread>) -> Field {
-    spread.map(|spread| spread.least).into()
-}
-
-fn median(spread: Option<Spread>) -> Field {
-    spread.map(|spread| spread.median).into()
-}
-
-fn most(spread: Option<Spread>) -> Field {
-    spread.map(|spread| spread.most).into()
+        Some(numbers.map(Field::from).collect())
+    })
 }
 
 fn claims(found: &Search) -> Table {
-    let on = |row: &super::report::ClaimRow, with: usize| -> Shares { row.on[with] };
     Table::of(
         &found.claims,
         &[
@@ -121,17 +100,17 @@ fn claims(found: &Search) -> Table {
             ("statistic", "", &|it| it.statistic.as_str().into()),
             ("side", "", &|it| if it.below { "below" } else { "above" }.into()),
             ("limit", "", &|it| it.limit.into()),
-            ("holds", "", &|it| on(it, 0).holds.into()),
-            ("fails", "", &|it| on(it, 0).fails.into()),
-            ("unknown", "", &|it| on(it, 0).unknown.into()),
-            ("on its side", "", &|it| on(it, 0).on_its_side.into()),
-            ("least", "", &|it| least(on(it, 0).values)),
-            ("median", "", &|it| median(on(it, 0).values)),
-            ("most", "", &|it| most(on(it, 0).values)),
-            ("holds with inertia", "", &|it| on(it, 1).holds.into()),
-            ("fails with inertia", "", &|it| on(it, 1).fails.into()),
-            ("unknown with inertia", "", &|it| on(it, 1).unknown.into()),
-            ("median with inertia", "", &|it| median(on(it, 1).values)),
+            ("holds", "", &|it| it.on[0].holds.into()),
+            ("fails", "", &|it| it.on[0].fails.into()),
+            ("unknown", "", &|it| it.on[0].unknown.into()),
+            ("on its side", "", &|it| it.on[0].on_its_side.into()),
+            ("least", "", &|it| it.on[0].values.map(|of| of.least).into()),
+            ("median", "", &|it| it.on[0].values.map(|of| of.median).into()),
+            ("most", "", &|it| it.on[0].values.map(|of| of.most).into()),
+            ("holds with inertia", "", &|it| it.on[1].holds.into()),
+            ("fails with inertia", "", &|it| it.on[1].fails.into()),
+            ("unknown with inertia", "", &|it| it.on[1].unknown.into()),
+            ("median with inertia", "", &|it| it.on[1].values.map(|of| of.median).into()),
         ],
     )
 }
@@ -144,13 +123,13 @@ fn quantities(found: &Search) -> Table {
             ("unit", "", &|it| it.unit.into()),
             ("printed", "", &|it| it.printed.into()),
             ("role", "", &|it| if it.is_target { "target" } else { "held out" }.into()),
-            ("least", "", &|it| least(it.values)),
-            ("median", "", &|it| median(it.values)),
-            ("most", "", &|it| most(it.values)),
+            ("least", "", &|it| it.values.map(|of| of.least).into()),
+            ("median", "", &|it| it.values.map(|of| of.median).into()),
+            ("most", "", &|it| it.values.map(|of| of.most).into()),
             ("met", "", &|it| it.met.into()),
-            ("least inertia effect", "", &|it| least(it.inertia_effect)),
-            ("median inertia effect", "", &|it| median(it.inertia_effect)),
-            ("most inertia effect", "", &|it| most(it.inertia_effect)),
+            ("least inertia effect", "", &|it| it.inertia_effect.map(|of| of.least).into()),
+            ("median inertia effect", "", &|it| it.inertia_effect.map(|of| of.median).into()),
+            ("most inertia effect", "", &|it| it.inertia_effect.map(|of| of.most).into()),
             ("shifted by inertia", "", &|it| it.shifted_by_inertia.into()),
         ],
     )
@@ -164,9 +143,9 @@ fn choices(found: &Search) -> Table {
             ("key", "", &|it| it.key.into()),
             ("unit", "", &|it| it.unit.into()),
             ("searched", "", &|it| it.searched.as_str().into()),
-            ("least accepted", "", &|it| least(it.accepted)),
-            ("median accepted", "", &|it| median(it.accepted)),
-            ("most accepted", "", &|it| most(it.accepted)),
+            ("least accepted", "", &|it| it.accepted.map(|of| of.least).into()),
+            ("median accepted", "", &|it| it.accepted.map(|of| of.median).into()),
+            ("most accepted", "", &|it| it.accepted.map(|of| of.most).into()),
             ("reaches an end", "", &|it| it.reaches_an_end.into()),
         ],
     )
@@ -212,7 +191,7 @@ fn method(found: &Search) -> String {
     )
 }
 
-fn readme(found: &Search, target: &Path) -> String {
+fn readme(found: &Search, figures: &Figures, target: &Path) -> String {
     let folder = target.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let plan = &found.plan;
     let command = format!(
@@ -230,15 +209,9 @@ fn readme(found: &Search, target: &Path) -> String {
         found.n_accepted,
         method(found)
     );
-    page.push_str("![Where the accepted sets lie](region.svg)\n\n");
-    if !found.one_ant.is_empty() {
-        page.push_str("![Effect of inertia on the time of one ant](one-ant.svg)\n\n");
-    }
-    for table in tables(found) {
-        page.push_str(&format!("## {}\n\n{}\n", table.caption, table.markdown()));
-    }
-    page.push_str(NOTES);
-    wrapped_markdown(&page)
+    page.extend(figures.iter().map(|(name, caption, _)| format!("![{caption}]({name}.svg)\n\n")));
+    page.extend(tables(found).iter().map(|table| format!("## {}\n\n{}\n", table.caption, table.markdown())));
+    wrapped_markdown(&(page + NOTES))
 }
 
 const NOTES: &str = "
@@ -251,16 +224,11 @@ Choices of accepted sets depend on each other. For them, `indices.csv` has first
 - `claims.csv`, `quantities.csv`, `choices.csv`, `indices.csv` the tables above with all columns.
 ";
 
-fn page(found: &Search, figures: Vec<(&'static str, String)>, manifest: &Manifest) -> Page {
+fn page(found: &Search, figures: Figures, manifest: &Manifest) -> Page {
     let tone = if found.n_accepted > 0 { Answer::None } else { Answer::No };
     let page = Page::new("All parameter sets that the paper allows", Headline::new(tone, found.answer.clone()));
     let page = page.section("Method", vec![Block::Text(method(found))]);
     let page =
         tables(found).into_iter().fold(page, |page, table| page.section(table.caption.clone(), vec![Block::Table(table.titled(""))]));
-    let drawn = figures.into_iter().map(|(name, svg)| Block::figure(svg, caption(name))).collect();
-    page.section("Figures", drawn).from(manifest)
-}
-
-fn caption(figure: &str) -> &'static str {
-    if figure == "region" { "Where the accepted sets lie" } else { "Effect of inertia on the time of one ant" }
+    page.section("Figures", figures.into_iter().map(|(_, caption, svg)| Block::figure(svg, caption)).collect()).from(manifest)
 }

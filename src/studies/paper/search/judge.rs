@@ -8,9 +8,7 @@ use super::screen::{distance, runs};
 use super::space::{TRIALS, Templates};
 use crate::backend::BackendKind;
 use crate::model::open_choices::Chosen;
-use crate::model::paper as printed;
-use crate::studies::paper::report::largest;
-use crate::studies::paper::{Estimate, Grade, MEASURES, Measure, Printed, RunFacts, Sampling, Unit, claims, units};
+use crate::studies::paper::{Estimate, Grade, Measure, Sampling, Unit, claims, largest, measures, units};
 
 /// What is known of one set. Lists have the order of [`reported`] and of the claims.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,43 +51,31 @@ pub struct Standing {
 /// of pulling ants.
 pub fn reported() -> Vec<Measure> {
     let speeds = (1..=10).map(Measure::LoadSpeed);
-    MEASURES.into_iter().chain(speeds).chain([2, 5, 10].map(Measure::Headway)).collect()
+    measures().into_iter().chain(speeds).chain([2, 5, 10].map(Measure::Headway)).collect()
 }
 
 /// The second look at a set; `None` when `watch` said no.
 pub fn judged(templates: &Templates, plan: &Plan, values: &[Chosen], watch: &dyn Fn() -> bool) -> Option<Judged> {
     let on = |backend| runs(templates, plan, values, (backend, &TRIALS), plan.judging_seeds(), watch);
     let (without, with) = (on(BackendKind::QuasiStatic)?, on(BackendKind::Inertial)?);
-    Some(Judged::of(&as_units(&without), &as_units(&with)))
-}
-
-fn as_units(runs: &[(crate::studies::paper::Trial, u64, RunFacts)]) -> Vec<Unit<'_>> {
-    units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run)))
+    Some(Judged::of(&units(&without), &units(&with)))
 }
 
 impl Judged {
     fn of(without: &[Unit], with: &[Unit]) -> Self {
         let on_both = |measure: Measure| {
-            let quasi_static = measure.estimate(without);
-            OnBoth {
-                quasi_static,
-                inertial: measure.estimate(with),
-                minus: measure.difference(with, without),
-                grade: quasi_static.and_then(|ours| measure.grade(without, &ours)),
-            }
+            let (quasi_static, grade) = measure.graded(without);
+            OnBoth { quasi_static, inertial: measure.estimate(with), minus: measure.difference(with, without), grade }
         };
         let standings = |units: &[Unit]| {
             let of = |claim: crate::studies::paper::Claim| Standing { value: claim.found.map(|found| found.value), holds: claim.holds };
             claims(units).into_iter().map(of).collect::<Vec<_>>()
         };
-        let largest = largest(without, Sampling::AtDecisions).map(|found| {
-            let grade = Printed::new(printed::PULL_MAX_N, 0.05e-3).graded(found.expected, Some(found.error_95), found.draw);
-            Largest { expected_n: found.expected, grade }
-        });
+        let largest = largest(without, Sampling::AtDecisions);
         Self {
             distance: distance(without),
             measures: reported().into_iter().map(on_both).collect(),
-            largest_pull: largest,
+            largest_pull: largest.map(|found| Largest { expected_n: found.expected, grade: found.grade() }),
             claims: standings(without).into_iter().zip(standings(with)).map(|(a, b)| [a, b]).collect(),
         }
     }

@@ -72,9 +72,8 @@ impl Plan {
     /// at again, spread evenly over all of them.
     pub fn after_first<'a>(&self, stage: Stage, screened: impl IntoIterator<Item = &'a Answer>) -> Stage {
         let design = self.design();
-        let is_set = |task: usize| task < design.n_sets() || task >= design.n_tasks();
         let is_close = |answer: &Answer| answer.distance().is_some_and(|distance| distance <= CLOSE);
-        let all = screened.into_iter().enumerate().filter(|(task, answer)| is_set(*task) && is_close(answer));
+        let all = screened.into_iter().enumerate().filter(|(task, answer)| design.is_set(*task) && is_close(answer));
         let all: Vec<usize> = all.map(|(task, _)| task).collect();
         let n = all.len().min(self.most_judged);
         Stage { close: (0..n).map(|at| all[at * all.len() / n]).collect(), ..stage }

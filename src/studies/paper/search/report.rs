@@ -9,7 +9,6 @@ use super::screen::{SCREENED, Screened};
 use super::sensitivity::{Index, Triple, given_data, sobol};
 use super::space::Block;
 use super::{ACCEPTED, Answer, Plan, Stage};
-use crate::backend::BackendKind;
 use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;
 use crate::studies::paper::Measure;
@@ -78,21 +77,18 @@ impl Search {
                 Answer::Judged(found) => judged[*again.next().expect("one answer a close set")] = Some(*found),
             }
         }
-        let is_set = |task: usize| task < design.n_sets() || task >= design.n_tasks();
-        let sets: Vec<SetRow> = judged
-            .into_iter()
-            .enumerate()
-            .filter(|(task, _)| is_set(*task))
-            .zip(0..)
-            .map(|((task, judged), set)| SetRow {
+        let row = |(set, task): (usize, usize)| {
+            let judged: Option<Judged> = judged[task].take();
+            SetRow {
                 set,
                 is_within: task >= design.n_tasks(),
                 values: plan.values(&design, stage, task),
                 screened: screened[task].clone(),
-                is_accepted: judged.as_ref().and_then(|judged: &Judged| judged.distance).is_some_and(|distance| distance <= ACCEPTED),
+                is_accepted: judged.as_ref().and_then(|judged| judged.distance).is_some_and(|distance| distance <= ACCEPTED),
                 judged,
-            })
-            .collect();
+            }
+        };
+        let sets: Vec<SetRow> = (0..plan.n_first()[1]).filter(|task| design.is_set(*task)).enumerate().map(row).collect();
         let n_close = sets.iter().filter(|row| row.screened.distance.is_some_and(|distance| distance <= super::CLOSE)).count();
         let accepted: Vec<Accepted> = sets
             .iter()
@@ -192,9 +188,6 @@ fn index_rows(plan: &Plan, screened: &[Screened], accepted: &[Accepted]) -> Vec<
     rows.retain(|row| row.total.is_some() || row.among_accepted.is_some() || row.of_inertia_effect.is_some());
     rows
 }
-
-/// Methods of the two columns of claims.
-pub const METHODS: [BackendKind; 2] = [BackendKind::QuasiStatic, BackendKind::Inertial];
 
 #[cfg(test)]
 mod tests {

@@ -8,20 +8,19 @@ use super::space::{Block, TRIALS, Templates};
 use crate::backend::BackendKind;
 use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;
-use crate::studies::paper::report::largest;
-use crate::studies::paper::{Measure, RunFacts, Sample, Sampling, Trial, Unit, facts, units};
+use crate::studies::paper::{Case, Measure, RunFacts, Sample, Sampling, Trial, Unit, facts, largest, units};
 
 /// Quantities of the first look, from trials of two and more ants.
 pub const SCREENED: [Measure; 19] = [
-    Measure::PullMean(Sample::Printed),
-    Measure::PullSd(Sample::Printed),
+    Measure::PULL_MEAN,
+    Measure::PULL_SD,
     Measure::SizeShare(6),
     Measure::SizeShare(7),
     Measure::SizeShare(8),
     Measure::SizeShare(9),
     Measure::SizeShare(10),
-    Measure::PullMeanBy(Sampling::WithoutZeros),
-    Measure::PullMeanBy(Sampling::ByTime),
+    Measure::PullMean(Sample::Printed, Sampling::WithoutZeros),
+    Measure::PullMean(Sample::Printed, Sampling::ByTime),
     Measure::LoadSpeed(2),
     Measure::LoadSpeed(3),
     Measure::LoadSpeed(5),
@@ -57,8 +56,8 @@ pub fn distance(units: &[Unit]) -> Option<f64> {
 
 fn distance_of_pulls(units: &[Unit]) -> Option<f64> {
     let relative = |measure: Measure, printed: f64| Some((measure.of(units)? / printed - 1.0).abs() / NEAR_PULL);
-    let mean = relative(Measure::PullMean(Sample::Printed), printed::PULL_MEAN_N)?;
-    Some(mean.max(relative(Measure::PullSd(Sample::Printed), printed::PULL_SD_N)?))
+    let mean = relative(Measure::PULL_MEAN, printed::PULL_MEAN_N)?;
+    Some(mean.max(relative(Measure::PULL_SD, printed::PULL_SD_N)?))
 }
 
 fn distance_of_shares(units: &[Unit]) -> Option<f64> {
@@ -75,7 +74,7 @@ pub fn runs(
     seeds: std::ops::Range<u64>,
     watch: &dyn Fn() -> bool,
 ) -> Option<Vec<(Trial, u64, RunFacts)>> {
-    let case = crate::studies::paper::Case { backend, ..case() };
+    let case = Case { backend, ..case() };
     let of = |trial: Trial, seed: u64| {
         let scenario = templates.scenario(trial, &plan.design().searched, values, seed);
         Some((trial, seed, facts::run_scenario(trial, &scenario, &case.options(&scenario), |_| watch())?))
@@ -87,7 +86,7 @@ pub fn runs(
 /// least time, are too far off. `None` when `watch` said no.
 pub fn screened_briefly(templates: &Templates, plan: &Plan, values: &[Chosen], watch: &dyn Fn() -> bool) -> Option<Screened> {
     let runs = runs(templates, plan, values, (BackendKind::QuasiStatic, &[Trial::TEN_TEN]), plan.screening_seeds(Block::A), watch)?;
-    let distance = distance_of_shares(&units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run))));
+    let distance = distance_of_shares(&units(&runs));
     if distance.is_none_or(|distance| distance > CLOSE) {
         return Some(Screened { values: vec![None; SCREENED.len()], largest_pull_n: None, distance });
     }
@@ -97,7 +96,7 @@ pub fn screened_briefly(templates: &Templates, plan: &Plan, values: &[Chosen], w
 /// The first look at a set; `None` when `watch` said no.
 pub fn screened(templates: &Templates, plan: &Plan, values: &[Chosen], block: Block, watch: &dyn Fn() -> bool) -> Option<Screened> {
     let runs = runs(templates, plan, values, (BackendKind::QuasiStatic, &TRIALS[1..]), plan.screening_seeds(block), watch)?;
-    let units = units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run)));
+    let units = units(&runs);
     Some(Screened {
         values: SCREENED.iter().map(|measure| measure.of(&units)).collect(),
         largest_pull_n: largest(&units, Sampling::AtDecisions).map(|found| found.expected),
@@ -121,7 +120,7 @@ mod tests {
             (0..=10).map(|size| OfSize { time_s: if size < 6 { 0.0 } else { printed::share_of_size(size) }, way_m: 0.0 }).collect();
         let run = RunFacts { pulls, by_size, ..RunFacts::nothing() };
         let runs = [(Trial::FourFour, 1, run.clone()), (Trial::FIVE_TEN, 1, run.clone()), (Trial::TEN_TEN, 1, run)];
-        distance(&units(runs.iter().map(|(trial, seed, run)| (*trial, *seed, run))))
+        distance(&units(&runs))
     }
 
     /// At the printed numbers the distance is rounding and the sd of four values in place of two,
@@ -131,6 +130,6 @@ mod tests {
         let sd_alone = (1.0 - (2.0f64 / 3.0).sqrt()) / NEAR_PULL;
         assert!((at(1.0).unwrap() - sd_alone).abs() < 1e-9, "{:?}", at(1.0));
         assert!((at(1.3).unwrap() - 3.0).abs() < 1e-9 && (at(0.7).unwrap() - 3.0).abs() < 1e-9);
-        assert_eq!(distance(&units([])), None);
+        assert_eq!(distance(&[]), None);
     }
 }

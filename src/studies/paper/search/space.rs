@@ -93,6 +93,11 @@ impl Design {
         self.n_sets() + self.n_rows as usize
     }
 
+    /// Whether a task of the first look is the first one of its set.
+    pub fn is_set(&self, task: usize) -> bool {
+        !(self.n_sets()..self.n_tasks()).contains(&task)
+    }
+
     /// Place of a set within the range of each searched choice (1).
     fn shares(&self, set: usize) -> Vec<f64> {
         let (block, row) = self.place(set);

@@ -1,8 +1,7 @@
 //! The accepted sets, for people.
 
-use std::fmt::Write;
-
-use super::report::{ClaimRow, IndexRow, QuantityRow, Search, Shares, Spread};
+use super::report::{ChoiceRow, ClaimRow, IndexRow, QuantityRow, SEEDS, Search, Shares, Spread};
+use super::sensitivity::Index;
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
 use crate::output::text::Detail;
@@ -10,9 +9,9 @@ use crate::output::text::Detail;
 /// The answer, the counts of sets and the claims; in full, a table each of claims, quantities,
 /// choices and indices.
 pub fn search_text(found: &Search, detail: Detail) -> String {
-    let mut text = format!("{}\n\n", found.answer);
-    let counts = format!(
-        "{} sets, {} close, {} looked at again, {} accepted; {} and {} seeds, in {}",
+    let head = format!(
+        "{}\n\n{} sets, {} close, {} looked at again, {} accepted; {} and {} seeds, in {}\n",
+        found.answer,
         found.n_sets,
         found.n_close,
         found.n_judged,
@@ -21,12 +20,9 @@ pub fn search_text(found: &Search, detail: Detail) -> String {
         found.plan.n_judging_seeds,
         quantity(found.wall_s, "s")
     );
-    writeln!(text, "{counts}").expect("a string takes all");
     let tables = if detail == Detail::Full { tables(found) } else { vec![claims_in_brief(found)] };
-    for table in tables.iter().filter(|table| !table.rows.is_empty()) {
-        writeln!(text, "\n{}\n{}", table.caption, table.text().trim_end()).expect("a string takes all");
-    }
-    text
+    let tables = tables.iter().filter(|table| !table.rows.is_empty());
+    head + &tables.map(|table| format!("\n{}\n{}\n", table.caption, table.text().trim_end())).collect::<String>()
 }
 
 /// Tables for text, README and page.
@@ -89,7 +85,7 @@ fn held_out(found: &Search) -> Table {
 }
 
 fn choices(found: &Search) -> Table {
-    let row = |row: &super::report::ChoiceRow| {
+    let row = |row: &ChoiceRow| {
         let counted = row.counts.iter().map(|(word, n)| format!("{word}: {n}")).collect::<Vec<_>>().join(", ");
         let accepted = if counted.is_empty() { between(row.accepted, row.unit) } else { counted };
         let end = if row.reaches_an_end { "yes" } else { "" };
@@ -105,25 +101,19 @@ fn dependences(found: &Search) -> Table {
         "What each quantity depends on: largest total indices (95 %), and that of the seeds",
         ["quantity", "first", "second", "third", "seeds"],
     );
-    let mut names: Vec<&str> = Vec::new();
-    for row in found.indices.iter().filter(|row| row.total.is_some() && row.choice != super::report::SEEDS) {
-        if !names.contains(&row.quantity.as_str()) {
-            names.push(&row.quantity);
-        }
-    }
-    let total = |row: &IndexRow| row.total.map_or(f64::NEG_INFINITY, |index| index.value);
-    let text = |row: &IndexRow| {
-        let interval = row.total.expect("it has a total index").interval_95;
-        format!("{}: {:.2} ({:.2} to {:.2})", row.choice, total(row), interval.low, interval.high)
+    let total = |row: &IndexRow| row.total.expect("it has a total index");
+    let text = |row: &&IndexRow| {
+        let Index { value, interval_95 } = total(row);
+        format!("{}: {value:.2} ({:.2} to {:.2})", row.choice, interval_95.low, interval_95.high)
     };
-    for name in names {
-        let (mut of_choices, mut of_seeds) = (Vec::new(), String::new());
-        for row in found.indices.iter().filter(|row| row.quantity == name && row.total.is_some()) {
-            if row.choice == super::report::SEEDS { of_seeds = format!("{:.2}", total(row)) } else { of_choices.push(row) }
+    let rows: Vec<&IndexRow> = found.indices.iter().filter(|row| row.total.is_some()).collect();
+    for of_quantity in rows.chunk_by(|a, b| a.quantity == b.quantity) {
+        let (of_seeds, mut of_choices): (Vec<&IndexRow>, Vec<&IndexRow>) = of_quantity.iter().partition(|row| row.choice == SEEDS);
+        of_choices.sort_by(|a, b| total(b).value.total_cmp(&total(a).value));
+        let seeds = of_seeds.first().map_or_else(String::new, |row| format!("{:.2}", total(row).value));
+        if !of_choices.is_empty() {
+            table.push([of_quantity[0].quantity.clone()].into_iter().chain(of_choices.iter().take(3).map(text)).chain([seeds]));
         }
-        of_choices.sort_by(|a, b| total(b).total_cmp(&total(a)));
-        let largest = of_choices.iter().take(3).map(|row| text(row));
-        table.push([name.to_owned()].into_iter().chain(largest).chain([of_seeds]));
     }
     table
 }
