@@ -46,5 +46,4 @@ pub use hypercube::coordinate as hypercube_coordinate;
 pub use plan::{Ask, FORMAT, Identity, Plan, Variant};
 pub use shard::{Part, Shards, finish_shard, shard_files, verified};
 pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, coordinate as sobol_coordinate};
-pub use template::Template;
 pub use work::{validate, work};

@@ -1,13 +1,13 @@
 //! Second look at a set that came close: more seeds, with and without inertia, and every quantity
 //! and claim of the study.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
-use super::plan::Plan;
-use super::screen::{distance, runs};
-use super::space::{TRIALS, Templates};
+use super::screen::{Set, distance, runs};
+use super::space::TRIALS;
 use crate::backend::BackendKind;
-use crate::model::open_choices::Chosen;
 use crate::studies::paper::{Estimate, Grade, Measure, Sampling, Unit, claims, largest, measures, units};
 
 /// What is known of one set. Lists have the order of [`reported`] and of the claims.
@@ -55,8 +55,8 @@ pub fn reported() -> Vec<Measure> {
 }
 
 /// The second look at a set; `None` when `watch` said no.
-pub fn judged(templates: &Templates, plan: &Plan, values: &[Chosen], watch: &dyn Fn() -> bool) -> Option<Judged> {
-    let on = |backend| runs(templates, plan, values, (backend, &TRIALS), plan.judging_seeds(), watch);
+pub fn judged(set: Set, seeds: Range<u64>, watch: &dyn Fn() -> bool) -> Option<Judged> {
+    let on = |backend| runs(set, backend, &TRIALS, seeds.clone(), watch);
     let (without, with) = (on(BackendKind::QuasiStatic)?, on(BackendKind::Inertial)?);
     Some(Judged::of(&units(&without), &units(&with)))
 }

@@ -36,7 +36,7 @@ use crate::studies::runner::Tasks;
 pub use judge::{Judged, reported};
 pub use plan::{ACCEPTED, CLOSE, Plan};
 pub use screen::{SCREENED, Screened};
-use space::{Design, Templates, Within};
+use space::{Block, Design, Within};
 
 /// What came of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -83,7 +83,6 @@ impl Plan {
     /// the box, and the second look at those that came close.
     pub fn tasks<'a>(&'a self, stage: &'a Stage) -> Tasks<'a, Answer> {
         let design = self.design();
-        let templates = Templates::new(&design.searched);
         let n_within = if stage.within.is_some() { self.n_within as usize } else { 0 };
         // A look at a set within the box mostly ends early. The second look has both methods, more
         // seeds, and one more trial that lasts longest.
@@ -91,13 +90,15 @@ impl Plan {
         let costs = [(design.n_tasks(), 1.0), (n_within, 0.4), (stage.close.len(), again)];
         let costs = costs.into_iter().flat_map(|(n, cost)| std::iter::repeat_n(cost, n)).collect();
         let run = move |task: usize, go_on: &(dyn Fn() -> bool + Sync)| {
-            let values = |task: usize| self.values(&design, stage, task);
-            match task.checked_sub(design.n_tasks() + n_within) {
-                Some(at) => judge::judged(&templates, self, &values(stage.close[at]), go_on).map(|found| Answer::Judged(Box::new(found))),
-                None if task < design.n_tasks() => {
-                    screen::screened(&templates, self, &values(task), design.place(task).0, go_on).map(Answer::Screened)
-                }
-                None => screen::screened_briefly(&templates, self, &values(task), go_on).map(Answer::Screened),
+            let close = task.checked_sub(design.n_tasks() + n_within).map(|at| stage.close[at]);
+            let values = self.values(&design, stage, close.unwrap_or(task));
+            let set = (&design.searched[..], &values[..]);
+            if close.is_some() {
+                judge::judged(set, self.judging_seeds(), go_on).map(|found| Answer::Judged(Box::new(found)))
+            } else if task < design.n_tasks() {
+                screen::screened(set, self.screening_seeds(design.place(task).0), go_on).map(Answer::Screened)
+            } else {
+                screen::screened_briefly(set, self.screening_seeds(Block::A), go_on).map(Answer::Screened)
             }
         };
         Tasks { costs, run: Box::new(run) }

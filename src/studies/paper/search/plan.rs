@@ -5,9 +5,6 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::space::{Block, Design};
-use crate::backend::BackendKind;
-use crate::scenario::presets::Preset;
-use crate::studies::paper::Case;
 
 /// What a search consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,11 +31,6 @@ const JUDGING_SEED: u64 = 3_000_001;
 pub const CLOSE: f64 = 4.0 / 3.0;
 /// Distance up to which a set is accepted (1).
 pub const ACCEPTED: f64 = 1.0;
-
-/// Model of a set before its own choices.
-pub(super) fn case() -> Case {
-    Case::new(Preset::Paper, BackendKind::QuasiStatic)
-}
 
 impl Plan {
     pub(super) fn design(&self) -> Design {

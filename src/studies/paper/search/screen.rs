@@ -1,13 +1,15 @@
 //! First look at a set: a few seeds without inertia, and the distance to the printed numbers.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
-use super::plan::{CLOSE, Plan, case};
-use super::space::{Block, TRIALS, Templates};
-
+use super::plan::CLOSE;
+use super::space::{Searched, TRIALS, scenario};
 use crate::backend::BackendKind;
 use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;
+use crate::scenario::presets::Preset;
 use crate::studies::paper::{Case, Measure, RunFacts, Sample, Sampling, Trial, Unit, facts, largest, units};
 
 /// Quantities of the first look, from trials of two and more ants.
@@ -65,18 +67,20 @@ fn distance_of_shares(units: &[Unit]) -> Option<f64> {
     (printed::SMALLEST_OF_TEN..=Trial::TEN_TEN.n_ants()).map(share).try_fold(0.0, |worst: f64, share| Some(worst.max(share?)))
 }
 
+/// A set: its values of the searched choices.
+pub type Set<'a> = (&'a [Searched], &'a [Chosen]);
+
 /// Runs of a set on one backend at `seeds`; `None` when `watch` said no.
 pub fn runs(
-    templates: &Templates,
-    plan: &Plan,
-    values: &[Chosen],
-    (backend, trials): (BackendKind, &[Trial]),
-    seeds: std::ops::Range<u64>,
+    (searched, values): Set,
+    backend: BackendKind,
+    trials: &[Trial],
+    seeds: Range<u64>,
     watch: &dyn Fn() -> bool,
 ) -> Option<Vec<(Trial, u64, RunFacts)>> {
-    let case = Case { backend, ..case() };
+    let case = Case::new(Preset::Paper, backend);
     let of = |trial: Trial, seed: u64| {
-        let scenario = templates.scenario(trial, &plan.design().searched, values, seed);
+        let scenario = scenario(trial, searched, values, seed);
         Some((trial, seed, facts::run_scenario(trial, &scenario, &case.options(&scenario), |_| watch())?))
     };
     trials.iter().flat_map(|trial| seeds.clone().map(move |seed| (*trial, seed))).map(|(trial, seed)| of(trial, seed)).collect()
@@ -84,18 +88,18 @@ pub fn runs(
 
 /// The first look at a set within the box: it ends where the fractions of ten ants, which take
 /// least time, are too far off. `None` when `watch` said no.
-pub fn screened_briefly(templates: &Templates, plan: &Plan, values: &[Chosen], watch: &dyn Fn() -> bool) -> Option<Screened> {
-    let runs = runs(templates, plan, values, (BackendKind::QuasiStatic, &[Trial::TEN_TEN]), plan.screening_seeds(Block::A), watch)?;
+pub fn screened_briefly(set: Set, seeds: Range<u64>, watch: &dyn Fn() -> bool) -> Option<Screened> {
+    let runs = runs(set, BackendKind::QuasiStatic, &[Trial::TEN_TEN], seeds.clone(), watch)?;
     let distance = distance_of_shares(&units(&runs));
     if distance.is_none_or(|distance| distance > CLOSE) {
         return Some(Screened { values: vec![None; SCREENED.len()], largest_pull_n: None, distance });
     }
-    screened(templates, plan, values, Block::A, watch)
+    screened(set, seeds, watch)
 }
 
 /// The first look at a set; `None` when `watch` said no.
-pub fn screened(templates: &Templates, plan: &Plan, values: &[Chosen], block: Block, watch: &dyn Fn() -> bool) -> Option<Screened> {
-    let runs = runs(templates, plan, values, (BackendKind::QuasiStatic, &TRIALS[1..]), plan.screening_seeds(block), watch)?;
+pub fn screened(set: Set, seeds: Range<u64>, watch: &dyn Fn() -> bool) -> Option<Screened> {
+    let runs = runs(set, BackendKind::QuasiStatic, &TRIALS[1..], seeds, watch)?;
     let units = units(&runs);
     Some(Screened {
         values: SCREENED.iter().map(|measure| measure.of(&units)).collect(),

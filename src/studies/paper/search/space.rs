@@ -6,12 +6,12 @@
 //! box around the sets that came closest, with some room: where accepted sets are rare, the whole
 //! space would hold too few of them.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::model::open_choices::{Chosen, OPEN_CHOICES, Range};
 use crate::scenario::Scenario;
 use crate::studies::paper::Trial;
-use crate::studies::sweep::{Axis, Template, hypercube_coordinate, sobol_coordinate};
+use crate::studies::sweep::{hypercube_coordinate, sobol_coordinate};
 
 /// A choice that is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,61 +150,39 @@ impl Design {
 
 const HYPERCUBE_SEED: u64 = 20_100;
 
-/// The trials of the paper with places for the searched choices.
-pub struct Templates(Vec<(Trial, Template)>);
-
-impl Templates {
-    /// # Panics
-    /// Never: the texts are scenarios of the project, and every open choice is a key of them.
-    pub fn new(searched: &[Searched]) -> Self {
-        let spec = |choice: &Searched| match choice.range.at(0.5).expect("what is searched has a range") {
-            _ if choice.key == RELEASE_PERIOD => "0.2".to_owned(),
-            Chosen::Number(value) => value.to_string(),
-            Chosen::Word(word) => word.to_owned(),
+/// The trial with the values of a set: every printed value of the paper, and these choices.
+///
+/// # Panics
+/// Never: the texts are scenarios of the project, every open choice is a key of them, and the
+/// ranges lie within their rules.
+pub fn scenario(trial: Trial, searched: &[Searched], values: &[Chosen], seed: u64) -> Scenario {
+    let mut scene: Value = serde_json::from_str(trial.text()).expect("a scenario is JSON");
+    scene["seed"] = seed.into();
+    scene["drive"]["preset"] = "paper".into();
+    // The text of any number of ants on ten springs is that of ten.
+    scene["drive"]["n_ants"] = trial.n_ants().into();
+    let set = || searched.iter().zip(values);
+    let speed = set().find(|(choice, _)| choice.key == PULL_SPEED).map(|(_, value)| *value);
+    for (choice, value) in set() {
+        let place = choice.key.split('.').fold(&mut scene, |place, key| &mut place[key]);
+        *place = match (choice.key, value, speed) {
+            (RELEASE_PERIOD, Chosen::Number(way), Some(Chosen::Number(speed))) => json!(way / speed),
+            _ => json!(value),
         };
-        let axis = |key: &str, spec: &str| Axis::new(key, spec).expect("one value is an axis");
-        let axes: Vec<Axis> =
-            [axis("drive.preset", "paper")].into_iter().chain(searched.iter().map(|choice| axis(choice.key, &spec(choice)))).collect();
-        let template = |trial: Trial| {
-            let text = with_ants(trial);
-            (trial, Template::new(&text, &trial.name(), &axes).expect("open choices are keys of the trials"))
-        };
-        Self(TRIALS.map(template).to_vec())
     }
-
-    /// The trial with the values of a set: every printed value of the paper, and these choices.
-    ///
-    /// # Panics
-    /// With another trial than those of the search.
-    pub fn scenario(&self, trial: Trial, searched: &[Searched], values: &[Chosen], seed: u64) -> Scenario {
-        let template = &self.0.iter().find(|(of, _)| *of == trial).expect("a trial of the search").1;
-        let number = |key: &str| searched.iter().zip(values).find(|(choice, _)| choice.key == key).map(|(_, value)| *value);
-        let value = |(choice, value): (&Searched, &Chosen)| match (choice.key, value, number(PULL_SPEED)) {
-            (RELEASE_PERIOD, Chosen::Number(way), Some(Chosen::Number(speed))) => Value::from(way / speed),
-            (_, Chosen::Number(value), _) => Value::from(*value),
-            (_, Chosen::Word(word), _) => Value::from(*word),
-        };
-        let all: Vec<Value> = [Value::from("paper")].into_iter().chain(searched.iter().zip(values).map(value)).collect();
-        let scenario = template.scenario(&all).expect("the ranges lie within the rules of scenarios");
-        Scenario { seed, ..scenario }
-    }
+    Scenario::parse(&scene.to_string(), &trial.name()).expect("the ranges lie within the rules of scenarios")
 }
 
 /// Trials of the search: those of the paper, and two ants on ten springs.
 pub const TRIALS: [Trial; 5] = [Trial::OneOne, Trial::FourFour, Trial::OnTen(2), Trial::FIVE_TEN, Trial::TEN_TEN];
 
-/// Text of the trial; that of so many ants on ten springs is made from that of ten.
-fn with_ants(trial: Trial) -> String {
-    let mut scene: Value = serde_json::from_str(trial.text()).expect("a scenario is JSON");
-    scene["drive"]["n_ants"] = Value::from(trial.n_ants());
-    scene.to_string()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::BackendKind;
     use crate::scenario::Drive;
     use crate::scenario::presets::{Preset, ants};
+    use crate::studies::paper::Case;
 
     fn design() -> Design {
         Design::new(16)
@@ -253,11 +231,10 @@ mod tests {
     #[test]
     fn a_set_has_all_printed_values_and_its_own_choices() {
         let design = design();
-        let templates = Templates::new(&design.searched);
         for set in 0..design.n_tasks() {
             let values = design.values(set);
             for trial in TRIALS {
-                let scenario = templates.scenario(trial, &design.searched, &values, 7);
+                let scenario = super::scenario(trial, &design.searched, &values, 7);
                 let Drive::Ants(found) = scenario.drive else { panic!("ants") };
                 let printed = ants(Preset::Paper, trial.n_ants());
                 assert_eq!((found.n_ants, scenario.seed), (trial.n_ants(), 7));
@@ -270,7 +247,8 @@ mod tests {
                 // Rounding of a quotient and a product.
                 assert!(
                     (found.pull_speed * found.release.period - way).abs() < 1e-15
-                        && scenario.system.load == Trial::FourFour.scenario(&super::super::plan::case(), 1).system.load
+                        && scenario.system.load
+                            == Trial::FourFour.scenario(&Case::new(Preset::Paper, BackendKind::QuasiStatic), 1).system.load
                 );
             }
         }
