@@ -37,8 +37,7 @@ pub fn load_speeds(units: &[Unit], control_period: f64) -> Vec<Speeds> {
     let of_size = |size: usize| {
         let trial = trial_of_size(size);
         let of_ticks = sum_of_size(units, trial, size);
-        let mut over_runs = Summary::default();
-        over_runs.extend(units.iter().filter_map(|unit| speed_of(std::slice::from_ref(unit), size)));
+        let over_runs = Summary::of(units.iter().filter_map(|unit| speed_of(std::slice::from_ref(unit), size)));
         Speeds {
             n_transporting: size,
             trial,

@@ -43,12 +43,12 @@ fn error_of_expected(c: f64) -> f64 {
     (1.0 + SKEWNESS * c + 1.1 * c * c).sqrt()
 }
 
-/// The largest pull of a sample of `n_pulls`, composed of the pulls that `of` takes from each unit;
-/// `None` below two units.
-fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<Summary>, n_pulls: u64) -> Option<Extreme> {
+/// The largest pull of a sample of `n_pulls` that is composed as that of the units; `None` below
+/// two units.
+fn extreme(units: &[Unit], sample: Sample, sampling: Sampling, n_pulls: u64) -> Option<Extreme> {
     let (mut largest, mut n) = (Summary::default(), 0);
     for unit in units {
-        let pulls = of(unit);
+        let pulls: Vec<Summary> = sample.runs(unit).into_iter().map(|run| sampling.pulls(run)).collect();
         n += pulls.iter().map(Summary::n).sum::<u64>();
         largest.extend(pulls.iter().filter(|pulls| pulls.n() > 0).map(Summary::max).reduce(f64::max));
     }
@@ -74,7 +74,7 @@ fn extreme<'a>(units: &[Unit<'a>], of: impl Fn(&Unit<'a>) -> Vec<Summary>, n_pul
 
 /// The largest pull of a sample of the printed size from the printed trials.
 pub fn largest(units: &[Unit], sampling: Sampling) -> Option<Extreme> {
-    extreme(units, |unit| Sample::Printed.runs(unit).into_iter().map(|run| sampling.pulls(run)).collect(), printed::N_PULLS)
+    extreme(units, Sample::Printed, sampling, printed::N_PULLS)
 }
 
 impl Extreme {
@@ -94,7 +94,7 @@ mod tests {
     fn expected(pulls: impl IntoIterator<Item = Summary>, n_pulls: u64) -> Extreme {
         let runs = pulls.into_iter().map(|pulls| RunFacts { pulls, ..RunFacts::nothing() });
         let runs: Vec<_> = runs.zip(0..).map(|(run, seed)| (Trial::FourFour, seed, run)).collect();
-        extreme(&units(&runs), |unit| unit.of(Trial::FourFour).map(|run| run.pulls).into_iter().collect(), n_pulls).unwrap()
+        extreme(&units(&runs), Sample::One(Trial::FourFour), Sampling::AtDecisions, n_pulls).unwrap()
     }
 
     /// Exponential pulls of mean one: the largest of n is ln n + gamma on average. Runs of 300
