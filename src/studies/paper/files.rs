@@ -7,12 +7,11 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::table::{Field, Table, write_rows};
-use crate::studies::paper::TableRow;
 use crate::studies::paper::figure::Figures;
 use crate::studies::paper::readme::{paper_page, paper_readme};
 use crate::studies::paper::report::{Paper, Runs};
 use crate::studies::paper::text::paper_text;
-use crate::studies::paper::{Estimate, Grade, printed_share};
+use crate::studies::paper::{Estimate, Grade, OtherSet, TableRow, printed_share};
 
 /// Writes `table.csv`, `not-reproduced.csv`, `claims.csv`, `group-size.csv`, `samples.csv`,
 /// `experiment.csv`, `inertial-force.csv`, `transitions.csv`, `conclusions.csv`, `replayed.csv`,
@@ -64,42 +63,30 @@ fn high(estimate: &Option<Estimate>) -> Field {
     estimate.and_then(|estimate| estimate.interval_95).map(|interval| interval.high).into()
 }
 
-/// A quantity on one set of runs.
-struct OnSet<'a> {
-    row: &'a TableRow,
-    set: &'a str,
-    found: Option<Estimate>,
-    grade: Option<Grade>,
-    minus_first: Option<Estimate>,
-    why: &'a str,
-}
-
 /// One row for each quantity and set.
 fn quantities(found: &Paper) -> Table {
-    let on_sets = |row| {
-        let &TableRow { ours, grade, ref why, ref on_others, .. } = row;
-        let first = OnSet { row, set: &found.sets[0].name, found: ours, grade, minus_first: None, why };
-        let others = on_others.iter();
-        let others =
-            others.map(move |it| OnSet { row, set: &it.set, found: it.value, grade: it.grade, minus_first: it.minus_first, why: "" });
-        std::iter::once(first).chain(others)
-    };
+    let mut rows: Vec<(&TableRow, OtherSet, &str)> = Vec::new();
+    for row in &found.table {
+        let set = found.sets[0].name.clone();
+        rows.push((row, OtherSet { set, value: row.ours, grade: row.grade, minus_first: None, is_shifted: false }, &row.why));
+        rows.extend(row.on_others.iter().map(|other| (row, other.clone(), "")));
+    }
     Table::of(
-        &found.table.iter().flat_map(on_sets).collect::<Vec<_>>(),
+        &rows,
         &[
-            ("quantity", "", &|it| it.row.quantity.as_str().into()),
-            ("unit", "", &|it| it.row.unit.into()),
-            ("printed", "", &|it| it.row.printed.into()),
-            ("set", "", &|it| it.set.into()),
-            ("value", "", &|it| value(&it.found)),
-            ("low 95", "", &|it| low(&it.found)),
-            ("high 95", "", &|it| high(&it.found)),
-            ("n seeds", "", &|it| it.found.map_or(0, |estimate| estimate.n_units).into()),
-            ("grade", "", &|it| it.grade.map_or("", |grade| grade.name()).into()),
-            ("minus first", "", &|it| value(&it.minus_first)),
-            ("minus first low 95", "", &|it| low(&it.minus_first)),
-            ("minus first high 95", "", &|it| high(&it.minus_first)),
-            ("why", "", &|it| it.why.into()),
+            ("quantity", "", &|(row, ..)| row.quantity.as_str().into()),
+            ("unit", "", &|(row, ..)| row.unit.into()),
+            ("printed", "", &|(row, ..)| row.printed.into()),
+            ("set", "", &|(_, on, _)| on.set.as_str().into()),
+            ("value", "", &|(_, on, _)| value(&on.value)),
+            ("low 95", "", &|(_, on, _)| low(&on.value)),
+            ("high 95", "", &|(_, on, _)| high(&on.value)),
+            ("n seeds", "", &|(_, on, _)| on.value.map_or(0, |estimate| estimate.n_units).into()),
+            ("grade", "", &|(_, on, _)| on.grade.map_or("", Grade::name).into()),
+            ("minus first", "", &|(_, on, _)| value(&on.minus_first)),
+            ("minus first low 95", "", &|(_, on, _)| low(&on.minus_first)),
+            ("minus first high 95", "", &|(_, on, _)| high(&on.minus_first)),
+            ("why", "", &|(.., why)| (*why).into()),
         ],
     )
 }

@@ -57,7 +57,6 @@ pub mod text;
 mod trial;
 mod units;
 mod verdict;
-pub mod why;
 
 pub use change::Change;
 pub use claims::{Claim, Null, claims};

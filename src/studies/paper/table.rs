@@ -1,15 +1,14 @@
-//! The table of quantities: computed numbers beside printed ones on every set of runs, and what of
-//! the paper they do not reproduce.
+//! The table of quantities: computed numbers beside printed ones on every set of runs, why they are
+//! where they are, and what of the paper they do not reproduce.
 
 use serde::Serialize;
 
 use super::claims::Claim;
-use super::maximum::largest;
+use super::maximum::{Extreme, largest};
 use super::measures::{Measure, measures};
 use super::sampling::Sampling;
 use super::units::{Estimate, Unit, with_interval};
 use super::verdict::Grade;
-use super::why::{why, why_maximum};
 use crate::model::paper as printed;
 use crate::output::quantity::{number, quantity};
 
@@ -68,7 +67,7 @@ fn row_of(measure: Measure, sets: &[(String, Vec<Unit>)]) -> TableRow {
 fn maximum_row(sets: &[(String, Vec<Unit>)], sampling: Sampling) -> TableRow {
     let of = |units: &[Unit]| -> Graded {
         let found = largest(units, sampling);
-        let estimate = |found: super::Extreme| {
+        let estimate = |found: Extreme| {
             let interval_95 = Some(found.draw_95);
             Estimate { value: found.expected, interval_95, standard_error: None, n_units: units.len() }
         };
@@ -93,6 +92,43 @@ fn on_others(sets: &[(String, Vec<Unit>)], of: impl Fn(&[Unit]) -> (Graded, Opti
         OtherSet { set: name.clone(), value, grade, minus_first, is_shifted: minus_first.is_some_and(|found| found.is_not_zero()) }
     };
     sets[1..].iter().map(other).collect()
+}
+
+/// What makes the difference, or the agreement, of one quantity.
+fn why(measure: Measure) -> &'static str {
+    match measure {
+        Measure::PULL_MEAN | Measure::PULL_SD => {
+            "fixed by what a spring gains between two decisions, which the paper leaves open and the parameter search sets; which trials it sampled is inferred from the sample's size"
+        }
+        Measure::PullMean(_, Sampling::ByTime) | Measure::PullSd(_, Sampling::ByTime) => {
+            "a large pull ends within a few decisions but lasts for many control periods; the paper does not say when pulls were taken"
+        }
+        Measure::PullMean(_, Sampling::WithoutZeros) | Measure::PullSd(_, Sampling::WithoutZeros) => {
+            "the same pulls without the zero at which each attachment begins"
+        }
+        Measure::PullMean(..) | Measure::PullSd(..) => {
+            "not printed by trial: a load that follows its ants slackens their springs, one that sticks does not"
+        }
+        Measure::SizeShare(_) => {
+            "set by how soon an ant that has let go finds a free tip, so by the reach; ours spread wider than a binomial, as ants come back unequally fast"
+        }
+        Measure::MixtureShare(_) => {
+            "the weights of the trials are those that bring all printed counts closest; the paper does not print how many runs each trial had"
+        }
+        Measure::Phase(..) => "the paper shows one run; chance makes 2.5 % of runs significant, and 5 % of the change of all three",
+        Measure::TimeToNest(_) => "not printed beyond an order of 100 s; goes with the inferred walking speed of pulling ants",
+        Measure::Arrived(_) => "within the longest time of the scenario; not printed",
+        _ => "a ratio that no inferred speed changes much",
+    }
+}
+
+/// The same of the largest pull.
+fn why_maximum(found: &Extreme) -> String {
+    format!(
+        "one draw of an extreme: the interval is that of a sample of the printed size, foreseen from {} pulls, whose largest was {}",
+        found.n,
+        quantity(found.met, "N")
+    )
 }
 
 /// A printed number or claim that is not reproduced.
