@@ -125,24 +125,25 @@ fn running_maximum(units: &[Unit]) -> Vec<[f64; 2]> {
 
 /// Quantities that inertia may move, on every set of the preset; each in a panel.
 pub fn backends(found: &Paper) -> (Vec<Panel>, Vec<Entry>) {
-    let sets: Vec<usize> = (1..found.sets.len()).filter(|set| found.sets[*set].preset == found.preset).collect();
+    let sets: Vec<usize> = (0..found.sets.len()).filter(|set| found.sets[*set].preset == found.preset).collect();
     let panel = |measure: Measure| {
         let mut panel = Panel::new(
             "method; × n: inertial, n times the inertia",
             &format!("{} ({})", short(measure), measure.unit().replace('N', "mN")),
             Scale::FromZero,
         );
-        panel.x_names = std::iter::once(0).chain(sets.iter().copied()).map(|set| short_name(&found.sets[set].name)).collect();
         let unit = if measure.unit() == "N" { MILLI } else { 1.0 };
         let Some(row) = row(found, measure) else { return panel };
-        let others = sets.iter().map(|set| row.on_others.get(set - 1)?.value.as_ref());
-        let values: Vec<_> = std::iter::once(row.ours.as_ref()).chain(others).collect();
-        for (at, estimate) in values.iter().enumerate() {
-            let style = if at == 0 { OURS } else { OTHER };
-            panel.curves.extend(estimate.iter().flat_map(|estimate| dot(1.0 + at as f64, estimate, unit, style)));
+        let mut missing = Vec::new();
+        for (at, set) in sets.iter().enumerate() {
+            let name = short_name(&found.sets[*set].name);
+            let (value, style) = if *set == 0 { (row.ours, OURS) } else { (row.on_others[set - 1].value, OTHER) };
+            match value {
+                Some(estimate) => panel.curves.extend(dot(1.0 + at as f64, &estimate, unit, style)),
+                None => missing.push(name.clone()),
+            }
+            panel.x_names.push(name);
         }
-        let missing: Vec<String> =
-            panel.x_names.iter().zip(&values).filter(|(_, estimate)| estimate.is_none()).map(|(name, _)| name.clone()).collect();
         panel.note = (!missing.is_empty()).then(|| format!("no value: {}", missing.join(", ")));
         if let Some(ours) = &row.ours {
             panel.marks.push(Mark { at: Across::Horizontal(unit * ours.value), style: FAINT });

@@ -22,10 +22,6 @@ struct Totals {
     estimate: Option<InertiaEstimate>,
 }
 
-fn number_if(is_there: bool, value: f64) -> Field {
-    if is_there { Field::Number(value) } else { Field::Empty }
-}
-
 /// A point of the design, ready to run with all methods and seeds.
 pub struct Prepared<'a> {
     plan: &'a Plan,
@@ -74,9 +70,8 @@ impl<'a> Prepared<'a> {
         let parameters = self.values.iter().zip(self.plan.identity.parameters());
         let mut fields = vec![Field::Whole(cell), Field::Word(key.to_owned()), Field::Whole(place.point)];
         fields.extend(parameters.map(|(value, column)| Field::of_value(value, column.kind)));
-        fields.push(Field::Word(options.kind.name().to_owned()));
-        fields.push(number_if(options.step_s.is_finite(), options.step_s));
-        fields.push(Field::Whole(place.seed));
+        let step_s = options.step_s.is_finite().then_some(options.step_s);
+        fields.extend([options.kind.name().into(), step_s.into(), place.seed.into()]);
         fields
     }
 }
@@ -134,7 +129,7 @@ fn measured(run: &Run, totals: &Totals) -> Result<(&'static str, String, Vec<Fie
         of.map(|of| !of.is_invalid && !of.touches_obstacle).into(),
     ];
     let estimate = ESTIMATE.map(|(name, _)| name).into_iter().zip(estimate);
-    let shares = totals.time_attached.iter().map(|time| ("time_share", number_if(end > 0.0, time / end)));
+    let shares = totals.time_attached.iter().map(|time| ("time_share", (end > 0.0).then_some(time / end).into()));
     let named: Vec<(&str, Field)> = facts().map(|fact| (fact.column, field_of(fact.in_table(run)))).chain(estimate).chain(shares).collect();
     if let Some((name, value)) = named.iter().find_map(|(name, field)| Some((name, field.number().filter(|value| !value.is_finite())?))) {
         return Err(format!("{name} is {value}"));
