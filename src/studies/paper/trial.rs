@@ -37,21 +37,21 @@ impl Trial {
     /// Number of all trials.
     pub(super) const COUNT: usize = 12;
 
-    /// As many ants as springs, or ten springs.
-    pub fn name(self) -> String {
+    /// Numbers of ants and of springs.
+    fn counts(self) -> [usize; 2] {
         match self {
-            Trial::OneOne => "1/1".to_owned(),
-            Trial::FourFour => "4/4".to_owned(),
-            Trial::OnTen(n_ants) => format!("{n_ants}/10"),
+            Trial::OneOne => [1, 1],
+            Trial::FourFour => [4, 4],
+            Trial::OnTen(n_ants) => [n_ants.into(), 10],
         }
     }
 
+    pub fn name(self) -> String {
+        self.counts().map(|n| n.to_string()).join("/")
+    }
+
     pub fn n_ants(self) -> usize {
-        match self {
-            Trial::OneOne => 1,
-            Trial::FourFour => 4,
-            Trial::OnTen(n_ants) => n_ants.into(),
-        }
+        self.counts()[0]
     }
 
     /// From zero to below [`Trial::COUNT`].

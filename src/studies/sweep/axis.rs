@@ -169,10 +169,7 @@ fn list(path: &str, body: &str) -> Result<Values, SweepError> {
         "" => Err(SweepError::axis(path, "must be values with commas between them", body)),
         text => Ok(serde_json::from_str(text).ok().filter(Value::is_number).unwrap_or_else(|| Value::from(text))),
     };
-    distinct(path, body.split(',').map(value).collect::<Result<_, _>>()?)
-}
-
-fn distinct(path: &str, values: Vec<Value>) -> Result<Values, SweepError> {
+    let values: Vec<Value> = body.split(',').map(value).collect::<Result<_, _>>()?;
     let mut texts: Vec<String> =
         values.iter().map(|value| value.as_f64().map_or_else(|| value.to_string(), |value| value.to_string())).collect();
     texts.sort_unstable();

@@ -261,29 +261,18 @@ mod tests {
     }
 
     #[test]
-    fn shards_are_one_table_unless_a_cell_is_missing_or_double_or_of_another_sweep() {
-        let room = tempfile::tempdir().unwrap();
-        let identity = Identity { n_cells: 6, ..identity() };
-        let [a, b, c, wide] =
-            [("a", 0..2), ("b", 2..4), ("c", 4..6), ("wide", 1..5)].map(|(name, cells)| shard(room.path(), name, &identity, cells));
-        let gathered = Shards::gather(&[c.clone(), a.clone(), b.clone()]).unwrap();
-        let mut rows = Vec::new();
-        let keep = &mut |row: &str| {
-            rows.push(row.to_owned());
-            Ok(())
-        };
-        gathered.visit(keep).unwrap();
-        assert_eq!(rows, (0..6).map(|cell| format!("{cell},row")).collect::<Vec<_>>());
-        let fault =
-            |paths: &[&PathBuf]| Shards::gather(&paths.iter().map(|path| (*path).clone()).collect::<Vec<_>>()).err().unwrap().to_string();
-        assert_eq!(fault(&[&a, &c]), "cells 2 to 3 are missing");
-        assert_eq!(fault(&[&b]), "cells 0 to 1 are missing\ncells 4 to 5 are missing");
-        assert!(fault(&[&a, &b, &c, &b]).starts_with("cells 2 to 3 are double"));
-        assert!(fault(&[&a, &wide, &c]).starts_with("cells 1 to 1 are double"));
-        assert!(fault(&[]).contains("no finished shard"));
-        let old = shard(room.path(), "old", &Identity { version: "0.0.9".into(), ..identity.clone() }, 4..6);
-        let text = fault(&[&a, &b, &old]);
-        assert!(text.contains("old.rows: is of another sweep: version is \"0.0.9\", not"), "{text}");
+    fn cells_that_are_missing_or_double_are_named() {
+        for (shards, faults) in [
+            (&[(0, 2), (2, 4), (4, 6)][..], ""),
+            (&[(0, 2), (4, 6)], "cells 2 to 3 are missing"),
+            (&[(2, 4)], "cells 0 to 1 are missing\ncells 4 to 5 are missing"),
+            (&[(0, 2), (2, 4), (2, 4), (4, 6)], "cells 2 to 3 are double: in 2.rows and 2.rows"),
+            (&[(0, 2), (1, 5), (4, 6)], "cells 1 to 1 are double: in 0.rows and 1.rows\ncells 4 to 4 are double: in 1.rows and 4.rows"),
+        ] {
+            let found: Vec<_> = shards.iter().map(|(begin, end)| (*begin, *end, format!("{begin}.rows").into())).collect();
+            assert_eq!(uncovered(6, &found).join("\n"), faults);
+        }
+        assert!(Shards::gather(&[]).err().unwrap().to_string().contains("no finished shard"));
     }
 
     #[test]
