@@ -1,7 +1,10 @@
 //! Prints `data/spring-calibration.csv`: measurements that were never made, with a known truth.
 
 use cohaul::model::paper;
-use cohaul::studies::calibrate::generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
+use generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
+
+#[path = "../tests/calibrate/generated.rs"]
+mod generated;
 
 fn main() {
     print!("{}", to_csv(&measurements(&paper::SPRING, &Plan::EXAMPLE), EXAMPLE_COMMENT));

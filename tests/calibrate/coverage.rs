@@ -1,8 +1,8 @@
 //! Intervals over many generated data sets: a promise of 95 % has to be kept in about 95 % of them.
 
-use cohaul::studies::calibrate::generated::{Plan, measurements};
 use cohaul::studies::calibrate::{Calibration, Case, Estimate};
 
+use super::generated::{Plan, measurements};
 use super::{TRUTH, of};
 
 const N: u64 = 1500;

@@ -1,6 +1,6 @@
-use cohaul::studies::calibrate::generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
 use cohaul::studies::calibrate::{Case, Dimensions, Measurement, Measurements, Ranges, Sensor, fit, least_squares_stiffness};
 
+use super::generated::{EXAMPLE_COMMENT, Plan, measurements, to_csv};
 use super::{EXACT, TRUTH, fitted, of};
 
 #[test]

@@ -3,9 +3,9 @@ use cohaul::math::{Pose, RandomStreams, Stream, Summary, Vec2, direction, rotati
 use cohaul::model::PolarSpring;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, Trace};
-use cohaul::studies::calibrate::generated::Plan;
 use cohaul::studies::calibrate::{Case, MOST_TURN, Recording, Sample, Sensor, Tip, summaries, tip_forces};
 
+use super::generated::Plan;
 use super::{TRUTH, of};
 
 fn run(name: &str, duration: f64) -> (Scenario, Trace) {

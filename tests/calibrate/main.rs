@@ -6,13 +6,14 @@ mod coverage;
 mod design;
 mod fit;
 mod forces;
+mod generated;
 mod observed;
 mod program;
 mod pulls;
 
 use cohaul::model::{SpringDesign, paper};
-use cohaul::studies::calibrate::generated::{Plan, measurements};
 use cohaul::studies::calibrate::{Calibration, Dimensions, Measurements, Ranges, fit};
+use generated::{Plan, measurements};
 
 const TRUTH: SpringDesign = paper::SPRING;
 

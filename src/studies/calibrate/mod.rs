@@ -23,7 +23,6 @@ mod figure;
 pub mod files;
 mod fit;
 mod forces;
-pub mod generated;
 mod law;
 mod measurements;
 mod pulls;

@@ -76,16 +76,6 @@ impl Parameter {
     pub fn map(self, of: impl Fn(f64) -> f64) -> Self {
         Self { value: self.value.map(&of), low: self.low.map(&of), high: self.high.map(&of), ..self }
     }
-
-    /// Whether the data say anything about it.
-    pub fn is_determined(&self) -> bool {
-        self.value.is_some() || self.low.is_some() || self.high.is_some()
-    }
-
-    /// Whether the interval holds a value.
-    pub fn covers(&self, value: f64) -> bool {
-        self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
-    }
 }
 
 /// Largest number of passes over all intervals: a pass that finds a lower minimum is repeated.

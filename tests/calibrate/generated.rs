@@ -3,10 +3,9 @@
 
 use std::fmt::Write;
 
-use super::case::Case;
-use super::measurements::{Measurement, Measurements};
-use crate::math::{RandomStreams, Stream};
-use crate::model::SpringDesign;
+use cohaul::math::{RandomStreams, Stream};
+use cohaul::model::SpringDesign;
+use cohaul::studies::calibrate::{Case, Measurement, Measurements};
 
 /// Plan of the measurements, and their errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
