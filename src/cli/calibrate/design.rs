@@ -11,10 +11,9 @@ use super::super::console::Tone;
 use super::super::error::CliError;
 use super::super::output::{OutputArgs, study_manifest};
 use crate::model::paper;
-use crate::studies::calibrate::files::write_design;
-use crate::studies::calibrate::report::DesignReport;
+use crate::studies::calibrate::files::write_result;
 use crate::studies::calibrate::text::design_text;
-use crate::studies::calibrate::{Held, Limits, Made, Target, Wanted, design as spring, on_grid};
+use crate::studies::calibrate::{DesignReport, Held, Limits, Made, Target, Wanted, design as spring, on_grid};
 
 #[derive(Args)]
 #[command(
@@ -82,7 +81,8 @@ pub fn design(args: &DesignArgs) -> Result<ExitCode, CliError> {
     };
     if let Some(out) = &args.output.out {
         let question = json!({ "name": "calibrate design" });
-        write_design(out, &found, &study_manifest(&question, &json!({ "wanted": wanted, "limits": limits }), started))?;
+        let manifest = study_manifest(&question, &json!({ "wanted": wanted, "limits": limits }), started);
+        write_result(out, "design.json", &found, &manifest)?;
     }
     args.output.print(&found, || design_text(&found), Tone::Good)?;
     Ok(ExitCode::SUCCESS)

@@ -11,9 +11,8 @@ use super::super::output::OutputArgs;
 use super::sensor::SensorArgs;
 use crate::output::json;
 use crate::studies::calibrate::files::write_tip_forces;
-use crate::studies::calibrate::report::ForcesReport;
 use crate::studies::calibrate::text::forces_text;
-use crate::studies::calibrate::{summaries, tip_forces};
+use crate::studies::calibrate::{ForcesReport, summaries, tip_forces};
 
 #[derive(Args)]
 #[command(after_help = "\

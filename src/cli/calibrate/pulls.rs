@@ -13,7 +13,7 @@ use super::super::error::CliError;
 use super::super::input::{name_of, read_text};
 use super::super::output::{OutputArgs, measured_manifest};
 use crate::output::json;
-use crate::studies::calibrate::files::write_pulls;
+use crate::studies::calibrate::files::write_result;
 use crate::studies::calibrate::text::pulls_text;
 use crate::studies::calibrate::{PullSeries, compare_pulls};
 
@@ -68,7 +68,8 @@ pub fn pulls(args: &PullsArgs) -> Result<ExitCode, CliError> {
             "permutations": args.permutations,
             "seed": args.seed
         });
-        write_pulls(out, &found, &measured_manifest("calibrate pulls", ("tables of pulls", &texts), &options, started))?;
+        let manifest = measured_manifest("calibrate pulls", ("tables of pulls", &texts), &options, started);
+        write_result(out, "pulls.json", &found, &manifest)?;
     }
     args.output.print(&found, || pulls_text(&found), Tone::Good)?;
     if found.block_correlation.is_some_and(|correlation| correlation > CORRELATED) {

@@ -248,7 +248,7 @@ impl Panel {
         Self { x_label, y_label, scale, x_names: Vec::new(), marks: Vec::new(), curves: Vec::new(), ceiling: None, note: None }
     }
 
-    fn add(&mut self, points: Vec<[f64; 2]>, style: Style, shape: Shape) {
+    pub fn add(&mut self, points: Vec<[f64; 2]>, style: Style, shape: Shape) {
         self.curves.push(Curve { points, columns: Vec::new(), style, shape });
     }
 

@@ -1,6 +1,6 @@
-//! Settings of a benchmark -> panels: error over CPU time, and cost over size.
+//! Figures of a benchmark: error over CPU time, and cost over size.
 
-use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
+use crate::output::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, WORK_HEIGHT, grid};
 use crate::studies::bench::SceneFacts;
 use crate::studies::bench::report::{BenchLine, GrowthLine};
@@ -10,35 +10,39 @@ use crate::studies::methods::METHODS;
 const LEAST_ERROR: f64 = 1e-16;
 /// Where settings without an error are drawn (1): just below the top of the axis.
 const NO_ERROR: f64 = 0.6;
+/// Width of a panel of growth.
+const GROWTH_WIDTH: f64 = 340.0;
 /// Methods that both panels show, for orientation.
 const SHARED: [&str; 2] = ["quasi-static", "inertial midpoint"];
 
-/// The exact methods, and the engine's variants beside two of them, over the same axes; and the
-/// legend of each.
-pub fn work_precision(lines: &[&BenchLine], budget: f64) -> ([Panel; 2], [Vec<Entry>; 2]) {
+/// Error against CPU time of the settings in one scene (both logarithmic): exact methods, and the
+/// engine's variants beside two of them, over the same axes. What took longer than `budget` (s) is
+/// drawn there.
+pub fn work_precision_figure(facts: &SceneFacts, lines: &[BenchLine], budget: f64) -> String {
+    let lines: Vec<&BenchLine> = lines.iter().filter(|line| line.scene == facts.scene).collect();
     let is_engine = |method: &str| method.starts_with("rapier");
     let exact = |method: &str| !is_engine(method);
     let engine = |method: &str| is_engine(method) || SHARED.contains(&method);
     let room = lines.iter().filter_map(|line| point(line, budget)).collect::<Vec<_>>();
-    let panels = [panel(lines, &exact, budget, &room), panel(lines, &engine, budget, &room)];
+    let panels = [panel(&lines, &exact, budget, &room), panel(&lines, &engine, budget, &room)];
     let entries = |of: &dyn Fn(&str) -> bool| {
         let shown = METHODS.iter().map(|method| method.name).filter(|name| of(name) && lines.iter().any(|line| line.method == *name));
         shown.map(|name| Entry::line(name, style(name))).collect::<Vec<Entry>>()
     };
     let failures = Entry::line("crosses: not converged, no answer, or too long", FAILURE);
-    let engine_only = |method: &str| is_engine(method);
-    (panels, [entries(&exact), [entries(&engine_only), vec![failures]].concat()])
+    let legends = [entries(&exact), [entries(&is_engine), vec![failures]].concat()];
+    grid(&panels, &legends, 2, COLUMN_WIDTH, WORK_HEIGHT)
 }
 
 fn panel(lines: &[&BenchLine], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[f64; 2]]) -> Panel {
     let mut panel = Panel::new("CPU time (s)", "largest error / path length (1)", Scale::LogLog);
-    panel.curves.push(Curve { columns: Vec::new(), points: room.to_vec(), style: FAILURE, shape: Shape::Unseen });
+    panel.add(room.to_vec(), FAILURE, Shape::Unseen);
     for method in METHODS.iter().filter(|method| of(method.name)) {
         let own = || lines.iter().filter(|line| line.method == method.name);
         let points: Vec<[f64; 2]> = own().filter(|line| line.error_max_share.is_some()).filter_map(|line| point(line, budget)).collect();
         let failures: Vec<[f64; 2]> = own().filter(|line| line.cause.is_some()).filter_map(|line| point(line, budget)).collect();
-        panel.curves.push(Curve { columns: Vec::new(), points, style: style(method.name), shape: Shape::Marked });
-        panel.curves.push(Curve { columns: Vec::new(), points: failures, style: style(method.name), shape: Shape::Crosses });
+        panel.add(points, style(method.name), Shape::Marked);
+        panel.add(failures, style(method.name), Shape::Crosses);
     }
     let n_failures =
         |word: &str| lines.iter().filter(|line| of(&line.method) && line.cause.as_ref().is_some_and(|cause| cause.contains(word))).count();
@@ -82,23 +86,25 @@ fn style(method: &str) -> Style {
     Style { color, dash, width }
 }
 
-/// A panel a quantity, a curve a backend.
-pub fn growth(lines: &[GrowthLine]) -> (Vec<Panel>, Vec<Entry>) {
+/// Cost of a step, or of a tick of ants, against the size of a scene (both logarithmic): a panel a
+/// quantity, a curve a backend.
+pub fn growth_figure(lines: &[GrowthLine]) -> String {
     let of_quantity = |lines: &[GrowthLine]| {
         let quantity = lines[0].quantity;
         let cost = if quantity == "ants" { "CPU time of a tick (s)" } else { "CPU time of a step (s)" };
         let mut panel = Panel::new(&format!("number of {quantity}"), cost, Scale::LogLog);
         for curve in lines.chunk_by(|one, next| one.backend == next.backend) {
             let points = curve.iter().filter_map(|line| Some([line.n as f64, line.cpu_min_s?])).collect();
-            panel.curves.push(Curve { columns: Vec::new(), points, style: backend_style(curve[0].backend), shape: Shape::Marked });
+            panel.add(points, backend_style(curve[0].backend), Shape::Marked);
         }
         panel
     };
-    let panels = lines.chunk_by(|one, next| one.quantity == next.quantity).map(of_quantity).collect();
+    let panels: Vec<Panel> = lines.chunk_by(|one, next| one.quantity == next.quantity).map(of_quantity).collect();
     let mut backends: Vec<&str> = lines.iter().map(|line| line.backend).collect();
     backends.sort_unstable();
     backends.dedup();
-    (panels, backends.into_iter().map(|backend| Entry::line(backend, backend_style(backend))).collect())
+    let legend = backends.into_iter().map(|backend| Entry::line(backend, backend_style(backend))).collect();
+    grid(&panels, &[legend], panels.len(), GROWTH_WIDTH, PANEL_HEIGHT)
 }
 
 fn backend_style(backend: &str) -> Style {
@@ -108,19 +114,3 @@ fn backend_style(backend: &str) -> Style {
         other => style(other),
     }
 }
-
-/// Error against CPU time of the settings in one scene (both logarithmic): exact methods, and the
-/// engine's variants. What took longer than `budget` (s) is drawn there.
-pub fn work_precision_figure(facts: &SceneFacts, lines: &[BenchLine], budget: f64) -> String {
-    let own: Vec<&BenchLine> = lines.iter().filter(|line| line.scene == facts.scene).collect();
-    let (panels, legends) = work_precision(&own, budget);
-    grid(&panels, &legends, 2, COLUMN_WIDTH, WORK_HEIGHT)
-}
-
-/// Cost of a step, or of a tick of ants, against the size of a scene (both logarithmic).
-pub fn growth_figure(lines: &[GrowthLine]) -> String {
-    let (panels, legend) = growth(lines);
-    grid(&panels, &[legend], panels.len(), GROWTH_WIDTH, PANEL_HEIGHT)
-}
-
-const GROWTH_WIDTH: f64 = 340.0;

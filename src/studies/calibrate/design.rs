@@ -83,6 +83,17 @@ pub struct Made {
     pub torsional_error_share: f64,
 }
 
+/// The result of `calibrate design`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DesignReport {
+    pub wanted: Wanted,
+    pub limits: Limits,
+    pub exact: Made,
+    /// The design with lengths rounded to a grid; absent without a grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_grid: Option<Made>,
+}
+
 /// The spring that is wanted.
 ///
 /// # Errors

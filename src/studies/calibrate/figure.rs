@@ -4,11 +4,11 @@ use super::case::Case;
 use super::fit::{Calibration, CaseFit};
 use super::forces::TipForces;
 use super::measurements::{Measurements, Trial};
-use super::report::percent;
+use super::text::percent;
 use super::trials::Estimate;
 use crate::output::chart::MILLI;
 use crate::output::chart::canvas::{Cell, Sheet};
-use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
+use crate::output::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{ROW_HEIGHT, TIME_HEIGHT, WIDTH, WORK_HEIGHT, grid};
 
 const MODEL: Style = Style { color: "#0072B2", dash: "", width: 1.8 };
@@ -17,14 +17,17 @@ const LINEAR: Style = Style { color: "#D55E00", dash: "7 3", width: 1.8 };
 const INTERVAL: Style = Style { color: "#d8d8d8", dash: "", width: 9.0 };
 /// Colours of trials; further trials repeat them.
 const TRIALS: [&str; 6] = ["#000000", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#777777"];
+/// Width of a panel of a case.
+const CALIBRATION_WIDTH: f64 = 380.0;
 /// Largest number of springs with a panel each; more springs share one panel.
 const MOST_PANELS: usize = 6;
 /// Colours of springs in one panel.
 const SPRINGS: [&str; 6] = ["#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73", "#E69F00"];
 
-/// One panel for each case, and the legend of laws and trials.
-pub fn panels(found: &Calibration, measurements: &Measurements) -> (Vec<Panel>, [Vec<Entry>; 2]) {
-    let panels = found.cases.iter().map(|case| panel(found, case, measurements)).collect();
+/// Measured force over displacement with both fitted laws and their intervals, one panel for each
+/// case.
+pub fn calibration(found: &Calibration, measurements: &Measurements) -> String {
+    let panels: Vec<Panel> = found.cases.iter().map(|case| panel(found, case, measurements)).collect();
     let shaded = Entry::line(format!("shaded: {} % intervals of both", percent(found.confidence)), INTERVAL);
     let laws = vec![Entry::line("pseudo-rigid-body model, one E", MODEL), Entry::line("linear law over its range", LINEAR), shaded];
     let most = Case::ALL.iter().map(|case| measurements.of_case(*case).count()).max().unwrap_or(0);
@@ -34,7 +37,7 @@ pub fn panels(found: &Calibration, measurements: &Measurements) -> (Vec<Panel>, 
         names.join("/")
     };
     let trials = (0..most.min(TRIALS.len())).map(|index| Entry::line(format!("trial {}", name(index)), bar(index))).collect();
-    (panels, [laws, trials])
+    grid(&panels, &[laws, trials], panels.len(), CALIBRATION_WIDTH, WORK_HEIGHT)
 }
 
 fn panel(found: &Calibration, fit: &CaseFit, measurements: &Measurements) -> Panel {
@@ -53,12 +56,7 @@ fn panel(found: &Calibration, fit: &CaseFit, measurements: &Measurements) -> Pan
     let design = found.dimensions.of_material(1.0);
     let model = |at: f64| case.force(&design, at);
     // Space around the outermost points.
-    panel.curves.push(Curve {
-        columns: Vec::new(),
-        points: vec![[-0.02 * unit * far, 0.0], [1.04 * unit * far, 0.0]],
-        style: LINEAR,
-        shape: Shape::Unseen,
-    });
+    panel.add(vec![[-0.02 * unit * far, 0.0], [1.04 * unit * far, 0.0]], LINEAR, Shape::Unseen);
     law(&mut panel, &model, &found.youngs_modulus_pa, [0.0, far], unit, MODEL);
     if let Some(linear) = found.linear.iter().find(|linear| linear.case == case) {
         let range = linear.range.map(|at| at.copysign(far));
@@ -79,10 +77,9 @@ fn law(panel: &mut Panel, basis: &dyn Fn(f64) -> f64, slope: &Estimate, [from, t
             let (a, b) = (MILLI * interval.low * basis(at), MILLI * interval.high * basis(at));
             [[unit * at, a.min(b)], [unit * at, a.max(b)]]
         };
-        panel.curves.push(Curve { columns: Vec::new(), points: places().flat_map(ends).collect(), style, shape: Shape::Area });
+        panel.add(places().flat_map(ends).collect(), style, Shape::Area);
     }
-    let points = places().map(|at| [unit * at, MILLI * slope.value * basis(at)]).collect();
-    panel.curves.push(Curve { columns: Vec::new(), points, style, shape: Shape::Graph });
+    panel.add(places().map(|at| [unit * at, MILLI * slope.value * basis(at)]).collect(), style, Shape::Graph);
 }
 
 /// Dots, and bars of one standard deviation to either side where it is known.
@@ -92,18 +89,17 @@ fn points(panel: &mut Panel, trial: &Trial, index: usize, unit: f64) {
         let (at, sd) = (unit * point.at, point.sd?);
         Some([[at, MILLI * (point.force - sd)], [at, MILLI * (point.force + sd)], [f64::NAN; 2]])
     });
-    panel.curves.push(Curve { columns: Vec::new(), points: bars.flatten().collect(), style, shape: Shape::Path });
-    let dots = trial.points.iter().map(|point| [unit * point.at, MILLI * point.force]).collect();
-    panel.curves.push(Curve { columns: Vec::new(), points: dots, style, shape: Shape::Dots });
+    panel.add(bars.flatten().collect(), style, Shape::Path);
+    panel.add(trial.points.iter().map(|point| [unit * point.at, MILLI * point.force]).collect(), style, Shape::Dots);
 }
 
 fn bar(index: usize) -> Style {
     Style { color: TRIALS[index % TRIALS.len()], dash: "", width: 1.0 }
 }
 
-/// Force over time, with gaps where no ant is attached: one panel for each spring, or one for many
-/// springs with its legend.
-pub fn forces(found: &TipForces) -> (Vec<Panel>, Vec<Entry>) {
+/// Force on tips over time, with gaps where no ant is attached: one panel for each spring, or one
+/// for many springs with its legend.
+pub fn tip_forces(found: &TipForces) -> String {
     let mut springs: Vec<usize> = found.forces.iter().map(|force| force.spring).collect();
     springs.sort_unstable();
     springs.dedup();
@@ -112,24 +108,25 @@ pub fn forces(found: &TipForces) -> (Vec<Panel>, Vec<Entry>) {
     let ends = frames.first().zip(frames.last()).map_or(vec![], |(first, last)| vec![[*first, 0.0], [*last, 0.0]]);
     let panel = |springs: &[usize]| {
         let mut panel = Panel::new("time (s)", "force on tip (mN)", Scale::FromZero);
-        panel.curves.push(Curve { columns: Vec::new(), points: ends.clone(), style: of_spring(0), shape: Shape::Unseen });
+        panel.add(ends.clone(), of_spring(0), Shape::Unseen);
         for (index, spring) in springs.iter().enumerate() {
-            panel.curves.push(Curve {
-                columns: Vec::new(),
-                points: over_time(found, *spring, &frames),
-                style: of_spring(index),
-                shape: Shape::Graph,
-            });
+            panel.add(over_time(found, *spring, &frames), of_spring(index), Shape::Graph);
         }
         panel
     };
-    if springs.len() > MOST_PANELS {
+    let (panels, legend) = if springs.len() > MOST_PANELS {
         let shown = springs.iter().enumerate().take(2 * SPRINGS.len());
-        let legend = shown.map(|(index, spring)| Entry::line(format!("spring {spring}"), of_spring(index))).collect();
-        return (vec![panel(&springs)], legend);
+        (vec![panel(&springs)], shown.map(|(index, spring)| Entry::line(format!("spring {spring}"), of_spring(index))).collect())
+    } else {
+        let named = |spring: &usize| Panel { note: Some(format!("spring {spring}")), ..panel(&[*spring]) };
+        (springs.iter().map(named).collect(), Vec::new())
+    };
+    let height = if panels.len() == 1 { TIME_HEIGHT } else { ROW_HEIGHT };
+    let mut sheet = Sheet::new(WIDTH, panels.len() as f64 * height);
+    for (i, panel) in panels.iter().enumerate() {
+        sheet.add(&Cell { panel, left: 0.0, top: i as f64 * height, width: WIDTH, height });
     }
-    let named = |spring: &usize| Panel { note: Some(format!("spring {spring}")), ..panel(&[*spring]) };
-    (springs.iter().map(named).collect(), Vec::new())
+    sheet.into_svg(&[legend])
 }
 
 /// Force on one tip over time, with a gap where a frame has none (s, mN).
@@ -153,23 +150,3 @@ fn of_spring(index: usize) -> Style {
     let dash = if (index / SPRINGS.len()).is_multiple_of(2) { "" } else { "5 2.5" };
     Style { color: SPRINGS[index % SPRINGS.len()], dash, width: 1.4 }
 }
-
-/// Measured force over displacement with both fitted laws and their intervals, one panel for each
-/// case.
-pub fn calibration(found: &Calibration, measurements: &Measurements) -> String {
-    let (panels, legend) = panels(found, measurements);
-    grid(&panels, &legend, panels.len(), CALIBRATION_WIDTH, WORK_HEIGHT)
-}
-
-/// Force on tips over time.
-pub fn tip_forces(found: &TipForces) -> String {
-    let (panels, legend) = forces(found);
-    let height = if panels.len() == 1 { TIME_HEIGHT } else { ROW_HEIGHT };
-    let mut sheet = Sheet::new(WIDTH, panels.len() as f64 * height);
-    for (i, panel) in panels.iter().enumerate() {
-        sheet.add(&Cell { panel, left: 0.0, top: i as f64 * height, width: WIDTH, height });
-    }
-    sheet.into_svg(&[legend])
-}
-
-const CALIBRATION_WIDTH: f64 = 380.0;

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::figure;
 use super::fit::Calibration;
-use super::forces::{Force, TipForces};
+use super::forces::{Force, ForcesReport, TipForces};
 use super::measurements::{Measurements, Trial};
-use super::pulls::PullComparison;
-use super::report::{DesignReport, ForcesReport};
 use super::text::fit_text;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
@@ -73,16 +73,6 @@ pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Meas
     folder.finish(manifest)
 }
 
-/// Writes `design.json` and `manifest.json` to the folder `target`, all or nothing.
-///
-/// # Errors
-/// As [`write_calibration`].
-pub fn write_design(target: &Path, found: &DesignReport, manifest: &Manifest) -> Result<(), FolderError> {
-    let mut folder = OutputFolder::create(target)?;
-    folder.write_json("design.json", found)?;
-    folder.finish(manifest)
-}
-
 /// Writes `forces.csv`, `forces.json`, `forces.svg` and `manifest.json` to the folder `target`, all
 /// or nothing.
 ///
@@ -97,12 +87,12 @@ pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &TipForces,
     folder.finish(manifest)
 }
 
-/// Writes `pulls.json` and `manifest.json` to the folder `target`, all or nothing.
+/// Writes a result as the file `name` and `manifest.json` to the folder `target`, all or nothing.
 ///
 /// # Errors
 /// As [`write_calibration`].
-pub fn write_pulls(target: &Path, found: &PullComparison, manifest: &Manifest) -> Result<(), FolderError> {
+pub fn write_result(target: &Path, name: &str, found: &impl Serialize, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write_json("pulls.json", found)?;
+    folder.write_json(name, found)?;
     folder.finish(manifest)
 }

@@ -89,6 +89,16 @@ pub struct ForceSummary {
     pub linear_less_model_n: Option<f64>,
 }
 
+/// The result of `calibrate forces`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForcesReport {
+    pub n_frames: usize,
+    /// One entry for each recorded spring, then one for all together.
+    pub springs: Vec<ForceSummary>,
+    pub tip_noise_m: f64,
+    pub warnings: Vec<String>,
+}
+
 /// Forces on the tips of a recording. Each swing is on the branch of the previous frame.
 pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
     let (mut frame, mut time) = (0usize, f64::NEG_INFINITY);

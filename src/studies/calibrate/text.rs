@@ -2,15 +2,20 @@
 
 use std::fmt::Write;
 
-use super::design::Made;
+use super::design::{DesignReport, Made};
 use super::fit::{Calibration, LinearFit};
+use super::forces::ForcesReport;
 use super::pulls::PullComparison;
 use super::quality::Goodness;
-use super::report::{DesignReport, ForcesReport, percent};
 use super::trials::Estimate;
 use crate::math::Interval;
 use crate::model::paper::CASE_3_FACTOR;
 use crate::output::quantity::{number, quantity};
+
+/// A share in percent, without the digits that a binary share adds.
+pub fn percent(share: f64) -> f64 {
+    (1e6 * share).round() / 1e4
+}
 
 /// Columns before the values.
 const INDENT: usize = 18;

@@ -1,29 +1,30 @@
-//! Rows of a verification -> panels: error against step, one panel a family of cases.
+//! Figure of a verification: error against step, one panel a family of cases.
 
-use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
+use crate::output::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, grid};
 use crate::studies::methods::Method;
-use crate::studies::verify::{Expected, Family, Row, RowKind};
+use crate::studies::verify::{Expected, Row, RowKind};
 
-/// Families with a curve to show, each with its panel, and the legend of all.
-pub fn panels(rows: &[Row]) -> (Vec<Panel>, Vec<Entry>) {
-    let panels = Family::ALL.into_iter().filter_map(|family| panel(family, rows)).collect();
+/// Error of a verification against the step (both logarithmic): a panel a family of cases with a
+/// curve to show, a curve a case and backend. Angles count by the displacement of a support.
+pub fn convergence(rows: &[Row]) -> String {
+    let panels: Vec<Panel> = rows.chunk_by(|one, next| one.family == next.family).filter_map(panel).collect();
     let shown = |method: &Method| rows.iter().any(|row| row.method == *method && on_curve(row).is_some());
     let entries = Method::all_verified().filter(shown).map(|method| Entry::line(method.short_name, style(method)));
-    (panels, entries.collect())
+    grid(&panels, &[entries.collect()], 2, COLUMN_WIDTH, PANEL_HEIGHT)
 }
 
-fn panel(family: Family, rows: &[Row]) -> Option<Panel> {
+/// The panel of the rows of one family.
+fn panel(rows: &[Row]) -> Option<Panel> {
     let mut panel = Panel::new("step (s)", "error (m)", Scale::LogLog);
-    let of_family: Vec<&Row> = rows.iter().filter(|row| row.family == family).collect();
-    for plan in of_family.chunk_by(|one, next| one.case == next.case && one.method == next.method) {
-        let points: Vec<[f64; 2]> = plan.iter().filter_map(|row| on_curve(row)).collect();
+    for plan in rows.chunk_by(|one, next| one.case == next.case && one.method == next.method) {
+        let points: Vec<[f64; 2]> = plan.iter().filter_map(on_curve).collect();
         // One step shows no slope.
         if points.len() > 1 {
-            panel.curves.push(Curve { columns: Vec::new(), points, style: style(plan[0].method), shape: Shape::Graph });
+            panel.add(points, style(plan[0].method), Shape::Graph);
         }
     }
-    panel.note = Some(family.name().to_owned());
+    panel.note = Some(rows[0].family.name().to_owned());
     (!panel.curves.is_empty()).then_some(panel)
 }
 
@@ -42,11 +43,4 @@ fn style(method: Method) -> Style {
         (Method::RAPIER_ENGINE_DEFAULTS, Style::of_trace(3)),
     ];
     styles.into_iter().find(|(known, _)| *known == method).map_or(Style::of_pair(1), |(_, style)| style)
-}
-
-/// Error of a verification against the step (both logarithmic): a panel a family of cases, a curve
-/// a case and backend. Angles count by the displacement of a support.
-pub fn convergence(rows: &[Row]) -> String {
-    let (panels, legend) = panels(rows);
-    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
 }

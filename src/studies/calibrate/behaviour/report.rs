@@ -9,13 +9,13 @@ use super::holds::{Bin, HoldFit};
 use super::profile::Parameter;
 use super::steering::SteeringFit;
 use crate::model::behaviour::ReleasePace;
-use crate::output::chart::panel::{Curve, Entry, Panel, Scale, Shape, Style};
+use crate::output::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{MILLI, TIME_HEIGHT, WIDTH, grid};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
-use crate::studies::calibrate::report::percent;
+use crate::studies::calibrate::text::percent;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BehaviourReport {
@@ -129,9 +129,9 @@ fn figure(found: &HoldFit, pace: ReleasePace) -> String {
         [[at, low], [at, high], [f64::NAN; 2]]
     });
     let dots = found.bins.iter().map(|bin| [MILLI * bin.mean_pull_n, bin.n_releases as f64 / bin.duration_s]).collect();
-    for (points, style, shape) in [(law, LAW, Shape::Path), (bars.collect(), COUNTED, Shape::Path), (dots, COUNTED, Shape::Dots)] {
-        panel.curves.push(Curve { columns: Vec::new(), points, style, shape });
-    }
+    panel.add(law, LAW, Shape::Path);
+    panel.add(bars.collect(), COUNTED, Shape::Path);
+    panel.add(dots, COUNTED, Shape::Dots);
     let legend = vec![Entry::line("fitted law, Eq. (18)", LAW), Entry::dot("counted in bins of the pull, with 95 % intervals", COUNTED)];
     grid(&[panel], &[legend], 1, WIDTH, TIME_HEIGHT)
 }
