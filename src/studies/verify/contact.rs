@@ -18,7 +18,6 @@ const N_STEPS: usize = 4;
 /// Rounding of a few hundred steps (m).
 const ROUNDING: f64 = 1e-12;
 
-/// A scene, and the pose at its end.
 struct Scene {
     name: &'static str,
     text: &'static str,
@@ -26,8 +25,6 @@ struct Scene {
     source: &'static str,
     /// (m, m, rad); no heading where none is known.
     end: ([f64; 2], Option<f64>),
-    /// Time of that pose, if it is not the end of the scene (s).
-    until: Option<f64>,
 }
 
 const WALL: Scene = Scene {
@@ -36,7 +33,6 @@ const WALL: Scene = Scene {
     what: "end of a disc that a spring drags along a frictionless wall",
     source: "spring force along the wall = slip limit",
     end: ([26.906_024_096_386e-3, 0.0], Some(0.0)),
-    until: None,
 };
 const WALL_WITH_INERTIA: Scene = Scene {
     name: "wall-slide-inertia",
@@ -51,7 +47,6 @@ const ROUGH_WALL: Scene = Scene {
     what: "end of a box that a spring drags along a wall with friction 0.3",
     source: "spring force along the wall = slip limit + 0.3 of the normal force",
     end: ([20.906_024_096_386e-3, 0.0], Some(0.0)),
-    until: None,
 };
 const POST: Scene = Scene {
     name: "post-arc",
@@ -59,7 +54,6 @@ const POST: Scene = Scene {
     what: "end of a disc that a spring drags round a frictionless post",
     source: "angle of the tip - asin(slip limit / (k tip radius))",
     end: ([16.379_861_540e-3, 5.247_869_655e-3], None),
-    until: None,
 };
 const NOTCH: Scene = Scene {
     name: "notch-jam",
@@ -67,7 +61,6 @@ const NOTCH: Scene = Scene {
     what: "place at which a disc jams between two walls at a right angle",
     source: "sqrt(2) R",
     end: ([0.0, 17.253_405_461e-3], None),
-    until: None,
 };
 const LIFT: Scene = Scene {
     name: "box-lift",
@@ -75,7 +68,6 @@ const LIFT: Scene = Scene {
     what: "end of a box whose rear corner leaves the wall",
     source: "ordinary differential equation to 1e-8",
     end: ([27.122_317_1e-3, 2.710_835_4e-3], Some(-0.244_045_45)),
-    until: None,
 };
 const ROLL: Scene = Scene {
     name: "disc-roll",
@@ -83,7 +75,6 @@ const ROLL: Scene = Scene {
     what: "end of a disc that rolls along a wall with friction 2",
     source: "x + T(-x / R) / (k R) = place of the tip, T the torque of the ground",
     end: ([43.364_939_119e-3, 0.0], Some(-3.554_503_206_46)),
-    until: None,
 };
 const ROLL_AND_SLIP: Scene = Scene {
     name: "disc-roll-slip",
@@ -91,7 +82,6 @@ const ROLL_AND_SLIP: Scene = Scene {
     what: "end of a disc that rolls and slips along a wall with friction 0.2",
     source: "ordinary differential equation and steps, to 1e-9 m and 3e-8 rad",
     end: ([43.844_125_5e-3, 0.0], Some(-2.003_185_6)),
-    until: None,
 };
 const REBOUND: Scene = Scene {
     name: "rebound",
@@ -99,7 +89,6 @@ const REBOUND: Scene = Scene {
     what: "place at which a sliding disc stops after its rebound from a wall, restitution 0.6",
     source: "v^2 / (2 mu g) before and after the impact",
     end: ([2.163_460_026e-3, 0.0], Some(0.0)),
-    until: None,
 };
 const IMPACT: Scene = Scene {
     name: "oblique-impact",
@@ -107,7 +96,6 @@ const IMPACT: Scene = Scene {
     what: "place at which a disc stops that slides on along a wall after a plastic impact",
     source: "v^2 / (2 mu g) of the speed along the wall",
     end: ([3.276_539_974e-3, 0.0], Some(0.0)),
-    until: None,
 };
 
 const HOLDING_WALL: Scene = Scene {
@@ -116,7 +104,6 @@ const HOLDING_WALL: Scene = Scene {
     what: "rest of a box whose pull stays in the friction cone of a wall, friction 1.2",
     source: "tan of the pull's angle to the wall's normal < friction coefficient",
     end: ([0.0, 0.0], Some(0.0)),
-    until: None,
 };
 const SLIPPING_WALL: Scene = Scene {
     name: "wall-slip",
@@ -124,7 +111,6 @@ const SLIPPING_WALL: Scene = Scene {
     what: "end of a box that a spring drags along a wall with friction 1.2",
     source: "spring force along the wall = slip limit + 1.2 of the normal force",
     end: ([6.906_024_096_386e-3, 0.0], Some(0.0)),
-    until: None,
 };
 const GAP: Scene = Scene {
     name: "posts-gap",
@@ -132,7 +118,6 @@ const GAP: Scene = Scene {
     what: "place at which a disc stops between two posts",
     source: "50 mm - sqrt(17.2^2 - 16^2) mm",
     end: ([43.688_106_465e-3, 0.0], Some(0.0)),
-    until: None,
 };
 const HELD: Scene = Scene {
     name: "post-held",
@@ -140,7 +125,6 @@ const HELD: Scene = Scene {
     what: "place at which a post beside its path holds a disc before it jumps round it",
     source: "40 mm - sqrt(15.2^2 - 10^2) mm",
     end: ([28.552_729_583e-3, 0.0], None),
-    until: Some(0.85),
 };
 const STOP: Scene = Scene {
     name: "jump-to-wall",
@@ -148,7 +132,6 @@ const STOP: Scene = Scene {
     what: "place at which a wall stops a disc that twice the slip limit draws",
     source: "distance of the wall",
     end: ([10e-3, 0.0], Some(0.0)),
-    until: None,
 };
 const OBLIQUE_REBOUND: Scene = Scene {
     name: "oblique-rebound",
@@ -156,7 +139,6 @@ const OBLIQUE_REBOUND: Scene = Scene {
     what: "place at which a disc stops that rebounds from a wall at an angle, restitution 0.5",
     source: "v^2 / (2 mu g) along (3, 1) / sqrt(10)",
     end: ([3.453_776_387_252e-3, 1.151_258_795_751e-3], Some(0.0)),
-    until: None,
 };
 const PUSHER: Scene = Scene {
     name: "pusher",
@@ -164,18 +146,20 @@ const PUSHER: Scene = Scene {
     what: "end of a disc that a post pushes straight ahead",
     source: "displacement of the post",
     end: ([50e-3, 0.0], Some(0.0)),
-    until: None,
 };
 
 pub fn cases() -> Vec<Case> {
+    let (metres, pose) = (Bound::metres, Bound::pose);
     let (exact, midpoint, engine) = (Method::QUASI_STATIC, Method::INERTIAL_MIDPOINT, Method::RAPIER);
     let rounding = || Plan::exact(exact, STEP, N_STEPS, pose(ROUNDING, 1e-10, "rounding: steps end on the path at any length"));
     let with_rounding = || Plan::exact(midpoint, STEP, N_STEPS, pose(ROUNDING, 1e-10, "rounding: obstacles alone say where it is"));
     let quasi_static = |power, bound| Plan::within(power, exact, STEP, N_STEPS, bound);
     let inertial = |bound| Plan::within(1.0, midpoint, STEP, N_STEPS, bound);
     let of_engine = |bound| Plan::within(1.0, engine, STEP, N_STEPS, bound);
-    let controlled = Method::QUASI_STATIC_CONTROLLED;
-    let with_inertia = Method::INERTIAL_CONTROLLED;
+    let oblique =
+        || vec![inertial(pose(5e-6, 1e-9, "a stop within a step, mu g h^2 / 4")), of_engine(pose(3e-4, 1e-9, "a step at 0.3 m/s"))];
+    let held = metres(1e-5, "a contact that closes within a step of the tip, 0.09 m/s");
+    let (controlled, with_inertia) = (Method::QUASI_STATIC_CONTROLLED, Method::INERTIAL_CONTROLLED);
     vec![
         case(WALL, vec![rounding()], Some(controlled)),
         case(
@@ -208,38 +192,27 @@ pub fn cases() -> Vec<Case> {
             ],
             Some(with_inertia),
         ),
-        case(
-            IMPACT,
-            vec![inertial(pose(5e-6, 1e-9, "a stop within a step, mu g h^2 / 4")), of_engine(pose(3e-4, 1e-9, "a step at 0.3 m/s"))],
-            Some(with_inertia),
-        ),
-        case(
-            OBLIQUE_REBOUND,
-            vec![inertial(pose(5e-6, 1e-9, "a stop within a step, mu g h^2 / 4")), of_engine(pose(3e-4, 1e-9, "a step at 0.3 m/s"))],
-            Some(with_inertia),
-        ),
+        case(IMPACT, oblique(), Some(with_inertia)),
+        case(OBLIQUE_REBOUND, oblique(), Some(with_inertia)),
         case(HOLDING_WALL, vec![rounding(), with_rounding()], Some(controlled)),
         case(SLIPPING_WALL, vec![rounding()], Some(controlled)),
         case(GAP, vec![rounding(), with_rounding()], Some(controlled)),
-        case(HELD, vec![quasi_static(1.0, metres(1e-5, "a contact that closes within a step of the tip, 0.09 m/s"))], Some(controlled)),
+        case_until(0.85, HELD, vec![quasi_static(1.0, held)], Some(controlled)),
         case(STOP, vec![rounding(), with_rounding(), of_engine(pose(1e-6, 1e-9, "a contact that is all but rigid"))], Some(with_inertia)),
         case(PUSHER, vec![rounding(), with_rounding(), of_engine(pose(1e-9, 1e-9, "a contact that is all but rigid"))], Some(controlled)),
     ]
 }
 
-fn metres(metres: f64, reason: &str) -> Bound {
-    Bound::metres(metres, reason)
-}
-
-fn pose(metres: f64, radians: f64, reason: &str) -> Bound {
-    Bound::pose(metres, radians, reason)
-}
-
 /// A case with its plans, and one under error control.
-fn case(scene: Scene, mut plans: Vec<Plan>, controlled: Option<Method>) -> Case {
-    let Scene { name, text, what, source, end: (position, heading), until } = scene;
+fn case(scene: Scene, plans: Vec<Plan>, controlled: Option<Method>) -> Case {
+    case_until(f64::INFINITY, scene, plans, controlled)
+}
+
+/// The case of a scene that ends at this time, if not before (s).
+fn case_until(until: f64, scene: Scene, mut plans: Vec<Plan>, controlled: Option<Method>) -> Case {
+    let Scene { name, text, what, source, end: (position, heading) } = scene;
     let mut scenario = Scenario::parse(text, name).expect("scenarios of the project are valid");
-    scenario.duration = until.unwrap_or(scenario.duration);
+    scenario.duration = scenario.duration.min(until);
     let load = scenario.system.load;
     let errors = Errors { metres: Some(0.0), radians: heading.map(|_| 0.0), ratio: None };
     plans.extend(controlled.map(|method| Plan::controlled(method, &load, &errors)));

@@ -19,8 +19,6 @@ pub const PULLS: [(f64, f64, f64); 3] =
 /// With the tip held after 0.5 s at 80 mm/s: x at the hold and at the end (m), with inertia, and x
 /// (m) without.
 pub const HOLD: (f64, f64, f64) = (3.04801451521e-3, 1.2955923139613e-2, 6.90602409639e-3);
-/// dx/dt at the hold (m/s).
-pub const HOLD_SPEED: f64 = 0.0949345659362;
 
 pub fn cases() -> Vec<Case> {
     let play = PULLS.map(|(speed, onset, _)| play(speed, onset));
