@@ -11,12 +11,16 @@ use cohaul::scenario::Scenario;
 use cohaul::simulation::backend_of;
 use cohaul::studies::methods::Method;
 use cohaul::studies::runner::Records;
-use cohaul::studies::stress::{Axis, Effort, Map, Outcome, Row, all, n_cells, tasks};
+use cohaul::studies::stress::{Axis, Effort, Map, Outcome, Row, all, tasks};
 use serde_json::Value;
 use tempfile::tempdir;
 
+fn n_cells(maps: &[Map]) -> usize {
+    maps.iter().map(Map::n_cells).sum()
+}
+
 fn quick(name: &str) -> Map {
-    Effort::Quick.of(all().iter().find(|map| map.name == name).unwrap())
+    all().iter().find(|map| map.name == name).unwrap().at(Effort::Quick)
 }
 
 fn all_methods() -> Vec<Method> {
@@ -45,7 +49,7 @@ fn the_maps_have_ten_thousand_cells_and_names_of_their_own() {
 /// Thousands of springs are for the full maps: unoptimised they take minutes.
 #[test]
 fn quick_maps_have_no_panic_no_nan_and_nothing_unexplained() {
-    let mut maps: Vec<Map> = all().iter().map(|map| Effort::Quick.of(map)).collect();
+    let mut maps: Vec<Map> = all().iter().map(|map| map.at(Effort::Quick)).collect();
     for map in &mut maps {
         if map.name == "springs" {
             map.x.values.retain(|n| *n < 100.0);

@@ -1,11 +1,12 @@
 //! Parsers of option values.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use serde::de::{DeserializeOwned, Deserializer, Error, Visitor, value};
-use serde::{Serialize, forward_to_deserialize_any};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::output::glossary;
+use crate::studies::variants::names;
 
 /// Parser of a plain enum by its serialized names. The help lists them with the first sentence of
 /// the glossary on each.
@@ -31,34 +32,6 @@ pub fn parse<T: DeserializeOwned>(name: &str) -> Option<T> {
 /// Whether the type reads this name and writes another.
 fn is_alias<T: Serialize + DeserializeOwned>(name: &str) -> bool {
     parse::<T>(name).and_then(|found| serde_json::to_value(found).ok()) != Some(Value::from(name))
-}
-
-/// The serialized names of an enum's variants, aliases too.
-pub fn names<T: DeserializeOwned>() -> &'static [&'static str] {
-    let mut names = Names(&[]);
-    let _ = T::deserialize(&mut names);
-    names.0
-}
-
-/// Takes the names that a type expects and gives it no value.
-struct Names(&'static [&'static str]);
-
-impl<'de> Deserializer<'de> for &mut Names {
-    type Error = value::Error;
-
-    fn deserialize_enum<V: Visitor<'de>>(self, _: &str, names: &'static [&'static str], _: V) -> Result<V::Value, Self::Error> {
-        self.0 = names;
-        Err(Error::custom("no value"))
-    }
-
-    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Self::Error> {
-        Err(Error::custom("no value"))
-    }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
-        unit_struct newtype_struct seq tuple tuple_struct map struct identifier ignored_any
-    }
 }
 
 /// A number above zero.

@@ -8,7 +8,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::choice::{choice, names, positive, seconds};
+use super::choice::{choice, positive, seconds};
 use super::console::{self, Tone};
 use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, warn_idle};
@@ -29,6 +29,7 @@ use crate::studies::compare::closed_loop::{First, judged, tasks};
 use crate::studies::compare::comparison::{Comparison, Tiers};
 use crate::studies::compare::files::write_comparison;
 use crate::studies::compare::text::text;
+use crate::studies::variants::names;
 
 #[derive(Args)]
 #[command(after_help = "\

@@ -36,7 +36,7 @@ pub struct RegimeArgs {
 
 pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
     args.output.check()?;
-    let effort = if args.quick { Effort::Quick } else { Effort::Full };
+    let effort = Effort::of(args.quick);
     let scenes: Vec<Scene> = Scene::ALL.into_iter().filter(|scene| args.scene.is_empty() || args.scene.contains(scene)).collect();
     let maps: Vec<Grid> = scenes.iter().map(|scene| Grid::of(*scene, effort)).collect();
     let grids: Vec<Grid> = maps.iter().cloned().chain(scenes.iter().map(|scene| Grid::paper(*scene))).collect();

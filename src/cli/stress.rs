@@ -50,8 +50,8 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
         return Ok(ExitCode::SUCCESS);
     }
     args.output.check()?;
-    let effort = if args.quick { Effort::Quick } else { Effort::Full };
-    let maps: Vec<Map> = maps.iter().map(|map| effort.of(map)).collect();
+    let effort = Effort::of(args.quick);
+    let maps: Vec<Map> = maps.iter().map(|map| map.at(effort)).collect();
     let names: Vec<&str> = maps.iter().map(|map| map.name).collect();
     let backends: Vec<Method> = Method::all_stressed().filter(|it| args.backend.is_empty() || args.backend.contains(it)).collect();
     let asked = json!({ "maps": names, "backends": backends, "effort": effort });

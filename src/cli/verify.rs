@@ -56,7 +56,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
     }
     args.output.check()?;
     args.junit.check()?;
-    let effort = if args.quick { Effort::Quick } else { Effort::Full };
+    let effort = Effort::of(args.quick);
     let started = SystemTime::now();
     let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
     let asked = json!({ "cases": names, "backend": args.backend, "quick": args.quick });

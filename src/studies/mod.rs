@@ -35,5 +35,6 @@ pub mod run;
 pub mod runner;
 pub mod stress;
 pub mod sweep;
+pub mod variants;
 pub mod vary;
 pub mod verify;

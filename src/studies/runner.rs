@@ -14,10 +14,24 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::journal::{Header, Journal, JournalError};
+
+/// How much of a study is done. What it leaves out to be quick, each study says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effort {
+    Full,
+    Quick,
+}
+
+impl Effort {
+    pub fn of(is_quick: bool) -> Self {
+        if is_quick { Effort::Quick } else { Effort::Full }
+    }
+}
 
 /// Receives the fraction of the work done (1) now and then, and returns whether to continue.
 pub type Watch<'a> = dyn Fn(f64) -> bool + Sync + 'a;

@@ -42,9 +42,9 @@ impl CellAxis {
     }
 
     /// An axis of cells with names.
-    pub fn of_names(names: &[&str]) -> Self {
+    pub fn of_names(names: &[String]) -> Self {
         let n = names.len();
-        let ticks = names.iter().enumerate().map(|(at, name)| ((at as f64 + 0.5) / n as f64, (*name).to_owned())).collect();
+        let ticks = names.iter().enumerate().map(|(at, name)| ((at as f64 + 0.5) / n as f64, name.clone())).collect();
         Self { name: String::new(), n, ticks }
     }
 }

@@ -13,6 +13,7 @@ use crate::math::{Pose, Twist, Vec2, direction};
 use crate::model::{Ground, Load, Obstacle, ObstaclePath, Outline, OutlinePart, PolarSpring, SupportPoint, System, World, paper};
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Keep, Simulation};
+use crate::studies::variants;
 
 /// Quantity that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,16 +62,8 @@ pub struct Growth {
 }
 
 impl Quantity {
-    pub const ALL: [Quantity; 5] = [Quantity::Springs, Quantity::Supports, Quantity::Contacts, Quantity::Obstacles, Quantity::Ants];
-
     pub fn name(self) -> &'static str {
-        match self {
-            Quantity::Springs => "springs",
-            Quantity::Supports => "supports",
-            Quantity::Contacts => "contacts",
-            Quantity::Obstacles => "obstacles",
-            Quantity::Ants => "ants",
-        }
+        variants::names::<Self>()[self as usize]
     }
 
     fn sizes(self, is_quick: bool) -> Vec<usize> {
@@ -100,7 +93,7 @@ impl Growth {
     /// All points without times.
     pub fn points(&self) -> Vec<GrowthPoint> {
         let mut points = Vec::new();
-        for quantity in Quantity::ALL {
+        for quantity in variants::all::<Quantity>() {
             let backends = if quantity == Quantity::Ants { &[BackendKind::QuasiStatic][..] } else { &BackendKind::ALL };
             for backend in backends {
                 points.extend(quantity.sizes(self.is_quick).into_iter().map(|n| GrowthPoint {

@@ -8,6 +8,7 @@ use crate::backend::friction::FrictionSolver;
 use crate::backend::friction::clarabel::ClarabelSolver;
 use crate::math::{Vec2, Vec3};
 use crate::scenario::Scenario;
+use crate::studies::variants::names;
 
 /// What a solver makes of a sequence of problems.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,10 +59,7 @@ impl Solver {
 
 impl Sequence {
     pub fn name(self) -> &'static str {
-        match self {
-            Sequence::All => "all",
-            Sequence::Moving => "moving",
-        }
+        names::<Self>()[self as usize]
     }
 }
 

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 use serde::{Deserialize, Serialize};
 
 use crate::model::SpringDesign;
+use crate::studies::variants::names;
 
 /// Largest turn of a pivot for which one straight link describes a bent member (rad). Beyond it,
 /// Eq. (1) diverges as the members become straight.
@@ -28,11 +29,7 @@ impl Case {
     pub const ALL: [Case; 3] = [Case::Radial, Case::TangentialTwo, Case::TangentialThree];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Case::Radial => "radial",
-            Case::TangentialTwo => "tangential-2",
-            Case::TangentialThree => "tangential-3",
-        }
+        names::<Self>()[self as usize]
     }
 
     /// The case with this name, or with this number of its equation.

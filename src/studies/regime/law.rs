@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
 use super::scene::Scene;
 use super::theory;
+use crate::studies::variants::names;
 
 /// A law of theory for one number of one scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -29,7 +30,7 @@ pub enum Law {
 }
 
 /// Why the measurement in a cell differs from a law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
     Dashpot,
@@ -171,30 +172,8 @@ fn cause_after_release(cell: &Cell) -> Cause {
 }
 
 impl Cause {
-    pub const ALL: [Cause; 9] = [
-        Cause::Dashpot,
-        Cause::FirstSwing,
-        Cause::Coasting,
-        Cause::Waiting,
-        Cause::TurnedBack,
-        Cause::Jump,
-        Cause::Rotation,
-        Cause::SeveralEvents,
-        Cause::Unknown,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Cause::Dashpot => "dashpot",
-            Cause::FirstSwing => "first swing",
-            Cause::Coasting => "coasting",
-            Cause::Waiting => "waiting",
-            Cause::TurnedBack => "turned back",
-            Cause::Jump => "jump",
-            Cause::Rotation => "rotation",
-            Cause::SeveralEvents => "several events",
-            Cause::Unknown => "unknown",
-        }
+    pub fn name(self) -> String {
+        names::<Self>()[self as usize].replace('-', " ")
     }
 
     /// Explanation of the cause.

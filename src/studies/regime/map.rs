@@ -1,19 +1,9 @@
 //! Grids of the maps, and their cells as tasks.
 
-use serde::{Deserialize, Serialize};
-
 use super::cell::Cell;
 use super::scene::{Scene, Setting};
-use crate::studies::runner::Tasks;
+use crate::studies::runner::{Effort, Tasks};
 use crate::studies::verify::scenes::{SLIP_STRETCH, natural_rate};
-
-/// How fine the maps are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Effort {
-    Full,
-    Quick,
-}
 
 /// Points of one scene, in an order in which Phi changes fastest and zeta slowest.
 #[derive(Clone, Debug, PartialEq)]

@@ -33,9 +33,10 @@ mod script;
 mod tables;
 pub mod theory;
 
+pub use crate::studies::runner::Effort;
 pub use cell::Cell;
 pub use law::{Cause, Law, LawOutcome};
-pub use map::{Effort, Grid, PAPER_PHIS, PAPER_SPEEDS, cells, epsilon_of, tasks};
+pub use map::{Grid, PAPER_PHIS, PAPER_SPEEDS, cells, epsilon_of, tasks};
 pub use scene::{Scene, Setting, Staged};
 pub use script::{Act, Cue, Script};
 

@@ -10,6 +10,7 @@ use crate::output::text::wrapped_markdown;
 use crate::studies::regime::report::{CellLine, Regime};
 use crate::studies::regime::tables;
 use crate::studies::regime::{Cause, Cell, Law};
+use crate::studies::variants;
 use crate::studies::verify::scenes::{SLIP_STRETCH, natural_rate};
 
 /// The page in Markdown, for the output folder `target`.
@@ -85,7 +86,7 @@ fn laws(found: &Regime) -> String {
 /// Each cause of a difference, with the cell that differs most.
 fn causes(found: &Regime) -> String {
     let mut table = Table::new("", ["cause", "cells", "largest difference", "explanation"]);
-    for cause in Cause::ALL {
+    for cause in variants::all::<Cause>() {
         let off: Vec<(f64, Law, &Cell)> = Law::ALL
             .iter()
             .flat_map(|law| found.cells.iter().filter(|cell| cell.scene == law.scene()).map(move |cell| (law, cell)))
@@ -95,7 +96,7 @@ fn causes(found: &Regime) -> String {
         let Some((ratio, law, cell)) = off.iter().max_by(|a, b| a.0.ln().abs().total_cmp(&b.0.ln().abs())) else { continue };
         let Cell { phi, epsilon, zeta, .. } = cell;
         let at = format!("{} times ({}, Phi {phi:.3}, epsilon {epsilon:.4}, zeta {zeta})", number(*ratio), law.scene().name());
-        table.push([cause.name(), &off.len().to_string(), &at, cause.what()]);
+        table.push([&cause.name(), &off.len().to_string(), &at, cause.what()]);
     }
     table.markdown() + "\n"
 }

@@ -12,6 +12,7 @@ use crate::backend::{BackendKind, BackendOptions, Tolerance};
 use crate::math::{Vec2, direction};
 use crate::model::PolarSpring;
 use crate::scenario::{Drive, Scenario};
+use crate::studies::variants::names;
 use crate::studies::verify::scenes::{LOAD_RADIUS, SLIP_STRETCH, at_rest, isotropic, natural_rate, paper_springs, paper_system};
 
 /// Which grasps and releases the load is subject to.
@@ -72,11 +73,7 @@ impl Scene {
     pub const ALL: [Scene; 3] = [Scene::Excursion, Scene::TugOfWar, Scene::Haul];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Scene::Excursion => "excursion",
-            Scene::TugOfWar => "tug-of-war",
-            Scene::Haul => "haul",
-        }
+        names::<Self>()[self as usize]
     }
 
     pub fn what(self) -> &'static str {

@@ -61,7 +61,7 @@ fn cells(maps: &[Map], rows: &[Row]) -> Table {
 }
 
 /// Name of the row's value on the y axis; empty where the values are numbers.
-fn y_label(map: &Map, row: &Row) -> &'static str {
+fn y_label(map: &Map, row: &Row) -> String {
     let at = map.y.values.iter().position(|value| *value == row.y);
-    at.and_then(|at| map.y.names.get(at)).copied().unwrap_or_default()
+    at.and_then(|at| map.y.names.get(at)).cloned().unwrap_or_default()
 }

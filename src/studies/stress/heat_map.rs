@@ -5,6 +5,7 @@ use crate::output::chart::axis::power_label;
 use crate::output::chart::cells::{CellAxis, CellMap, Key, Size, cell_maps, viridis};
 use crate::studies::methods::Method;
 use crate::studies::stress::{Axis, Map, Outcome, Row};
+use crate::studies::variants;
 
 /// Panels side by side.
 const COLUMNS: usize = 3;
@@ -49,7 +50,7 @@ fn legend(rows: &[&Row], has_errors: bool) -> Vec<Vec<Key>> {
         let n = rows.iter().filter(|row| row.outcome == outcome).count();
         (n > 0).then(|| Key::Swatch(outcome_color(outcome).to_owned(), format!("{} ({n})", outcome.name())))
     };
-    let mut legend = vec![Outcome::ALL.into_iter().filter_map(outcome).collect()];
+    let mut legend = vec![variants::all().filter_map(outcome).collect()];
     if has_errors {
         let [low, high] = decades(rows);
         // Labels have room for about seven.

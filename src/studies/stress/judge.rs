@@ -22,6 +22,7 @@ use super::run::{Numbers, Run};
 use crate::backend::Status;
 use crate::scenario::Scenario;
 use crate::studies::methods::Method;
+use crate::studies::variants::names;
 
 /// How a cell ended. The order is that of severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -42,36 +43,8 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    pub const ALL: [Outcome; 12] = [
-        Outcome::Finished,
-        Outcome::Refused,
-        Outcome::Error,
-        Outcome::Drift,
-        Outcome::Creep,
-        Outcome::NotConverged,
-        Outcome::EnergyFromNowhere,
-        Outcome::TooLong,
-        Outcome::Failed,
-        Outcome::Unexplained,
-        Outcome::NotFinite,
-        Outcome::Panicked,
-    ];
-
     pub fn name(self) -> &'static str {
-        match self {
-            Outcome::Finished => "finished",
-            Outcome::Refused => "refused",
-            Outcome::Error => "error",
-            Outcome::Drift => "drift",
-            Outcome::Creep => "creep",
-            Outcome::NotConverged => "not-converged",
-            Outcome::EnergyFromNowhere => "energy-from-nowhere",
-            Outcome::TooLong => "too-long",
-            Outcome::Failed => "failed",
-            Outcome::Unexplained => "unexplained",
-            Outcome::NotFinite => "not-finite",
-            Outcome::Panicked => "panicked",
-        }
+        names::<Self>()[self as usize]
     }
 
     /// What no scene may bring about: a defect of the program.

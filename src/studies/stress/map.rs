@@ -1,6 +1,7 @@
 //! A grid of two parameters over a scene.
 
 use crate::scenario::{Scenario, ScenarioError};
+use crate::studies::runner::Effort;
 
 /// One parameter and the values it takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,7 +10,7 @@ pub struct Axis {
     pub name: &'static str,
     pub values: Vec<f64>,
     /// Names in place of numbers: the values are then 0, 1, 2 ...
-    pub names: Vec<&'static str>,
+    pub names: Vec<String>,
 }
 
 impl Axis {
@@ -33,8 +34,8 @@ impl Axis {
         axis
     }
 
-    pub fn of_names(name: &'static str, names: &[&'static str]) -> Self {
-        Self { name, values: (0..names.len()).map(|i| i as f64).collect(), names: names.to_vec() }
+    pub fn of_names(name: &'static str, names: Vec<String>) -> Self {
+        Self { name, values: (0..names.len()).map(|i| i as f64).collect(), names }
     }
 
     /// The axis with zero before all values.
@@ -50,7 +51,7 @@ impl Axis {
             return self.clone();
         }
         let kept = |i: usize| i * (len - 1) / (n - 1);
-        let names = if self.names.is_empty() { Vec::new() } else { (0..n).map(|i| self.names[kept(i)]).collect() };
+        let names = if self.names.is_empty() { Vec::new() } else { (0..n).map(|i| self.names[kept(i)].clone()).collect() };
         Self { values: (0..n).map(|i| self.values[kept(i)]).collect(), names, ..*self }
     }
 }
@@ -77,8 +78,12 @@ impl Map {
         [self.x.values[index % n], self.y.values[index / n]]
     }
 
-    pub fn thinned(&self, n: usize) -> Self {
-        Self { x: self.x.thinned(n), y: self.y.thinned(n), ..self.clone() }
+    /// The map, or one of four values an axis, the extreme ones among them.
+    pub fn at(&self, effort: Effort) -> Self {
+        match effort {
+            Effort::Full => self.clone(),
+            Effort::Quick => Self { x: self.x.thinned(4), y: self.y.thinned(4), ..self.clone() },
+        }
     }
 }
 

@@ -36,9 +36,10 @@ mod run;
 mod scene;
 mod suite;
 
+pub use crate::studies::runner::Effort;
 pub use judge::Outcome;
 pub use map::{Answer, Asked, Axis, Cell, Map};
 pub use maps::all;
 pub use run::Numbers;
 pub use scene::Scene;
-pub use suite::{Effort, Row, n_cells, tasks};
+pub use suite::{Row, tasks};

@@ -9,6 +9,7 @@ use crate::output::quantity::quantity;
 use crate::output::table::{Field, Table};
 use crate::studies::methods::Method;
 use crate::studies::stress::{Map, Outcome, Row};
+use crate::studies::variants;
 
 /// What `stress --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -126,7 +127,7 @@ pub fn stress_text(found: &Stress) -> String {
 /// A line a backend, a column an outcome that occurs.
 fn table(counts: &Counts) -> String {
     let occurs = |outcome: &Outcome| counts.values().any(|of_backend| of_backend.contains_key(outcome.name()));
-    let columns: Vec<&str> = Outcome::ALL.iter().filter(|outcome| occurs(outcome)).map(|outcome| outcome.name()).collect();
+    let columns: Vec<&str> = variants::all::<Outcome>().filter(occurs).map(Outcome::name).collect();
     let mut table = Table::new("", ["backend"].into_iter().chain(columns.iter().copied()));
     for (method, counts) in Method::all_stressed().filter_map(|method| Some((method, counts.get(method.key)?))) {
         let numbers = columns.iter().map(|name| counts.get(name).copied().unwrap_or(0).into());

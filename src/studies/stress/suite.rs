@@ -12,24 +12,6 @@ use crate::simulation::{MakeBackend, backend_of};
 use crate::studies::methods::Method;
 use crate::studies::runner::Tasks;
 
-/// How fine maps are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Effort {
-    Full,
-    /// Four values an axis, the extreme ones among them.
-    Quick,
-}
-
-impl Effort {
-    pub fn of(self, map: &Map) -> Map {
-        match self {
-            Effort::Full => map.clone(),
-            Effort::Quick => map.thinned(4),
-        }
-    }
-}
-
 /// One cell on one backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
@@ -41,11 +23,6 @@ pub struct Row {
     /// Empty for a cell that finished.
     pub cause: String,
     pub numbers: Numbers,
-}
-
-/// Number of cells of all maps.
-pub fn n_cells(maps: &[Map]) -> usize {
-    maps.iter().map(Map::n_cells).sum()
 }
 
 /// One task a cell of `maps`, in their order: the rows of the cell on each of `methods`.

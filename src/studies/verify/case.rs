@@ -6,6 +6,8 @@ use super::measured::{Errors, Measured};
 use crate::backend::{BackendOptions, Tolerance};
 use crate::model::Load;
 use crate::studies::methods::Method;
+use crate::studies::runner::Effort;
+use crate::studies::variants::names;
 
 /// A scene, what is measured in it, and the known answer.
 pub struct Case {
@@ -91,36 +93,8 @@ impl Case {
 }
 
 impl Family {
-    pub const ALL: [Family; 12] = [
-        Family::Slide,
-        Family::Tripod,
-        Family::Pull,
-        Family::Release,
-        Family::LimitSurface,
-        Family::MaxMin,
-        Family::Towing,
-        Family::Contact,
-        Family::Symmetry,
-        Family::Mass,
-        Family::Reference,
-        Family::Peers,
-    ];
-
     pub fn name(self) -> &'static str {
-        match self {
-            Family::Slide => "slide",
-            Family::Tripod => "tripod",
-            Family::Pull => "pull",
-            Family::Release => "release",
-            Family::LimitSurface => "limit-surface",
-            Family::MaxMin => "max-min",
-            Family::Towing => "towing",
-            Family::Contact => "contact",
-            Family::Symmetry => "symmetry",
-            Family::Mass => "mass",
-            Family::Reference => "reference",
-            Family::Peers => "peers",
-        }
+        names::<Self>()[self as usize]
     }
 }
 
@@ -163,9 +137,10 @@ impl Plan {
         Self { method, levels, n_levels: N_TOLERANCES, expected: Expected::Within(1.0), bound, limit: None }
     }
 
-    /// Options of the runs, the least exact ones first: without the shortest step, or with every
-    /// second tolerance, if it is to be quick.
-    pub fn options(&self, is_quick: bool) -> Vec<BackendOptions> {
+    /// Options of the runs, the least exact ones first: without the shortest step, which is half of
+    /// the work, or with every second tolerance, if it is to be quick.
+    pub fn options(&self, effort: Effort) -> Vec<BackendOptions> {
+        let is_quick = effort == Effort::Quick;
         let levels = 0..self.n_levels as i32;
         match self.levels {
             Levels::Steps(longest) => {

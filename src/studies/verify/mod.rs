@@ -41,10 +41,11 @@ pub mod tripod;
 
 use crate::studies::methods::Method;
 
+pub use crate::studies::runner::Effort;
 pub use case::{Bound, Case, Expected, Family, Levels, Plan, Run};
 pub use measured::{Errors, Measured, Unit, Value, extrapolated};
 pub use row::{Outcome, Row, RowKind};
-pub use suite::{Effort, tasks};
+pub use suite::tasks;
 
 /// All cases, in the order of their families. Where a pose is the answer, an exact backend under
 /// error control is asked for it as well.

@@ -6,16 +6,7 @@ use super::case::{Case, Plan};
 use super::measured::Measured;
 use super::row::{Row, rows};
 use crate::backend::BackendOptions;
-use crate::studies::runner::Tasks;
-
-/// How far steps are halved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effort {
-    Full,
-    /// Without the shortest step of each plan, which is half of the work, and with every second
-    /// tolerance.
-    Quick,
-}
+use crate::studies::runner::{Effort, Tasks};
 
 /// One task a plan of `cases` that is `wanted`, in their order: the rows of the plan.
 pub fn tasks(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> Tasks<'_, Vec<Row>> {
@@ -29,6 +20,5 @@ pub fn tasks(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> 
 
 /// Answers at the levels of `plan`.
 fn answers(case: &Case, plan: &Plan, effort: Effort, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Vec<(BackendOptions, Measured)>> {
-    let options = plan.options(effort == Effort::Quick);
-    options.into_par_iter().map(|options| go_on().then(|| (options, case.run(&options)))).collect()
+    plan.options(effort).into_par_iter().map(|options| go_on().then(|| (options, case.run(&options)))).collect()
 }

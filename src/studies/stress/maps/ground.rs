@@ -11,6 +11,7 @@ use crate::studies::verify::scenes::{GRAVITY, LOAD_RADIUS, MASS, RADIAL, SLIP_ST
 
 pub fn maps() -> Vec<Map> {
     let friction = || Axis::log("friction_coefficient", 1e-6, 1e2, 33);
+    let arrangements_and_drives = DRIVES.iter().flat_map(|drive| ARRANGEMENTS.map(|arrangement| format!("{arrangement}, {drive}")));
     vec![
         Map {
             name: "friction-speed",
@@ -30,7 +31,7 @@ pub fn maps() -> Vec<Map> {
             name: "supports",
             what: "1 to 1000 supports share the weight while one spring is drawn, or while the load is thrown; exact answer at finer steps",
             x: Axis::counts("n_supports", 1.0, 1000.0, 34),
-            y: Axis::of_names("arrangement_and_drive", &ARRANGEMENTS),
+            y: Axis::of_names("arrangement_and_drive", arrangements_and_drives.collect()),
             cell: supports,
         },
     ]
@@ -60,53 +61,29 @@ fn hold(friction: f64, margin: f64) -> Cell {
     scene.cell(Asked { sticks: true, ..Asked::default() })
 }
 
-/// How the load of the arrangements below is pulled or thrown, one block each.
-const N_DRIVES: usize = 3;
-const ARRANGEMENTS: [&str; 11 * N_DRIVES] = [
-    "ring, drawn ahead",
-    "random, drawn ahead",
-    "line along, drawn ahead",
-    "line across, drawn ahead",
-    "nearly a line, drawn ahead",
-    "one point, drawn ahead",
-    "one point outside, drawn ahead",
-    "nearly one point, drawn ahead",
-    "far apart, drawn ahead",
-    "one carries all, drawn ahead",
-    "one carries nearly all, drawn ahead",
-    "ring, drawn aside",
-    "random, drawn aside",
-    "line along, drawn aside",
-    "line across, drawn aside",
-    "nearly a line, drawn aside",
-    "one point, drawn aside",
-    "one point outside, drawn aside",
-    "nearly one point, drawn aside",
-    "far apart, drawn aside",
-    "one carries all, drawn aside",
-    "one carries nearly all, drawn aside",
-    "ring, thrown",
-    "random, thrown",
-    "line along, thrown",
-    "line across, thrown",
-    "nearly a line, thrown",
-    "one point, thrown",
-    "one point outside, thrown",
-    "nearly one point, thrown",
-    "far apart, thrown",
-    "one carries all, thrown",
-    "one carries nearly all, thrown",
+const ARRANGEMENTS: [&str; 11] = [
+    "ring",
+    "random",
+    "line along",
+    "line across",
+    "nearly a line",
+    "one point",
+    "one point outside",
+    "nearly one point",
+    "far apart",
+    "one carries all",
+    "one carries nearly all",
 ];
+const DRIVES: [&str; 3] = ["drawn ahead", "drawn aside", "thrown"];
 
 fn supports(n: f64, row: f64) -> Cell {
     const N_STEPS: u32 = 40;
     let (n, row) = (n as usize, row as usize);
-    let kinds = ARRANGEMENTS.len() / N_DRIVES;
     let mut scene = Scene::paper(2e-3, N_STEPS);
-    scene.supports = arranged(row % kinds, n);
+    scene.supports = arranged(row % ARRANGEMENTS.len(), n);
     let last = f64::from(N_STEPS);
     let tip = rest_tip(0.0);
-    let scene = match row / kinds {
+    let scene = match row / ARRANGEMENTS.len() {
         0 => scene.pulled(spring(0.0), &[(0.0, tip), (last, tip + Vec2::new(2.0 * SLIP_STRETCH, 0.0))]),
         1 => scene.pulled(spring(0.0), &[(0.0, tip), (last, tip + Vec2::new(0.5, 1.0) * SLIP_STRETCH)]),
         _ => {
