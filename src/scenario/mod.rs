@@ -15,4 +15,4 @@ pub mod presets;
 
 pub(crate) use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
-pub use error::{Finding, ScenarioError, lines};
+pub use error::{Finding, Findings, ScenarioError, lines};

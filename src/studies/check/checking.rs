@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::baseline::{Baseline, Build};
 use super::changes::{self, BuildChange, ScenarioChange};
@@ -17,7 +17,7 @@ use crate::simulation::run_facts::Run;
 use crate::simulation::{Keep, Outcome, Simulation, Trace};
 
 /// Verdict on one baseline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// Every quantity is within its tolerance.
     #[serde(rename = "agrees")]
@@ -110,7 +110,7 @@ fn scenario_of<'a>(baseline: &'a Baseline, settings: &'a Settings) -> &'a Scenar
 fn judged(baseline: &Baseline, scenario: &Scenario, settings: &Settings, now: &Build, found: (&Trace, &Outcome)) -> Check {
     let (trace, outcome) = found;
     let run = Run { scenario, options: &baseline.options, outcome, path_length: None, wall_time: None };
-    let tolerances = if settings.exact { Tolerances::EXACT } else { baseline.tolerances };
+    let tolerances = if settings.exact { Tolerances::default() } else { baseline.tolerances };
     let (verdict, difference) = if outcome.steps.status == Status::Failed {
         (Verdict::NotComputed, Difference::default())
     } else {

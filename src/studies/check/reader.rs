@@ -9,13 +9,13 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use super::baseline::{Baseline, Build};
-use super::format::{FORMAT, Faults, KEYS, PathEntry, VERSION};
+use super::format::{FORMAT, KEYS, PathEntry, VERSION};
 use super::record::{Ending, Event, Record};
 use super::rules;
 use super::tolerance::Tolerances;
 use crate::backend::BackendOptions;
 use crate::scenario::json::{join, read};
-use crate::scenario::{Finding, Scenario, ScenarioError};
+use crate::scenario::{Finding, Findings, Scenario, ScenarioError};
 
 /// Baselines in the files `*.json` of a folder, in the order of their names.
 ///
@@ -59,19 +59,19 @@ impl Baseline {
     /// # Errors
     /// As [`Baseline::read`].
     pub fn parse(text: &str, name: &str, name_for_errors: &str) -> Result<Self, ScenarioError> {
-        let (value, twice) = read(text).map_err(|error| error.of_file(name_for_errors))?;
-        let mut reader = Reader { value, faults: Faults(twice.0) };
+        let (value, findings) = read(text).map_err(|error| error.of_file(name_for_errors))?;
+        let mut reader = Reader { value, findings };
         match reader.baseline(name) {
-            Some(baseline) if reader.faults.0.is_empty() => Ok(baseline),
-            _ => Err(ScenarioError::Invalid { file: name_for_errors.to_owned(), findings: reader.faults.0 }),
+            Some(baseline) if reader.findings.0.is_empty() => Ok(baseline),
+            _ => Err(ScenarioError::Invalid { file: name_for_errors.to_owned(), findings: reader.findings.0 }),
         }
     }
 }
 
-/// Sections of a file that are still to be read, and the faults so far.
+/// Sections of a file that are still to be read, and the findings so far.
 struct Reader {
     value: Value,
-    faults: Faults,
+    findings: Findings,
 }
 
 impl Reader {
@@ -87,19 +87,19 @@ impl Reader {
         let events = self.section::<Vec<Event>>("events", true);
         let path = self.section::<PathEntry>("path", true);
         if let Some(options) = &options {
-            rules::options(options, &mut self.faults);
+            rules::options(options, &mut self.findings);
         }
         if let Some(tolerances) = &tolerances {
-            rules::tolerances(tolerances, &mut self.faults);
+            rules::tolerances(tolerances, &mut self.findings);
         }
         if let Some(path) = &path {
-            rules::path(path, ending.as_ref(), &mut self.faults);
+            rules::path(path, ending.as_ref(), &mut self.findings);
         }
         if let Some(events) = &events {
-            rules::events(events, ending.as_ref(), scenario.as_ref(), &mut self.faults);
+            rules::events(events, ending.as_ref(), scenario.as_ref(), &mut self.findings);
         }
         if let Some(ending) = &ending {
-            rules::ending(ending, scenario.as_ref(), &mut self.faults);
+            rules::ending(ending, scenario.as_ref(), &mut self.findings);
         }
         let record = Record { rows: path?.rows, events: events?, ending: ending? };
         Some(Baseline { name: name.to_owned(), scenario: scenario?, options: options?, build: build?, tolerances: tolerances?, record })
@@ -108,19 +108,19 @@ impl Reader {
     /// Checks format, version and keys; `None` when nothing else in the file can be checked.
     fn check_head(&mut self) -> Option<()> {
         let Value::Object(map) = &self.value else {
-            self.faults.report("", "must be an object", text_of(&self.value));
+            self.findings.report("", "must be an object", text_of(&self.value));
             return None;
         };
         let heads = [("format", json!(FORMAT), ""), ("version", json!(VERSION), ", the one that this program reads")];
         for (key, must, note) in heads {
             let found = map.get(key);
             if found != Some(&must) {
-                self.faults.report(key, format!("must be {must}{note}"), text_or_nothing(found));
+                self.findings.report(key, format!("must be {must}{note}"), text_or_nothing(found));
                 return None;
             }
         }
         for (key, value) in map.iter().filter(|(key, _)| !KEYS.contains(&key.as_str())) {
-            self.faults.report(key, format!("is an unknown key; known here: {}", KEYS.join(", ")), text_of(value));
+            self.findings.report(key, format!("is an unknown key; known here: {}", KEYS.join(", ")), text_of(value));
         }
         Some(())
     }
@@ -132,7 +132,7 @@ impl Reader {
             Ok(scenario) => scenario,
             Err(error) => {
                 let inside = |finding: &Finding| Finding { path: join("scenario", &finding.path), ..finding.clone() };
-                self.faults.0.extend(error.findings().iter().map(inside));
+                self.findings.0.extend(error.findings().iter().map(inside));
                 return None;
             }
         };
@@ -141,7 +141,7 @@ impl Reader {
         let is_expanded = serde_json::to_value(scenario.expanded()).is_ok_and(|expanded| expanded == given);
         if is_expanded && hash.as_ref().is_some_and(|hash| *hash != scenario.hash()) {
             let rule = format!("must be the hash of the scenario beside it, {}; a changed scenario is stored anew", scenario.hash());
-            self.faults.report("scenario_sha256", rule, text_of(&json!(hash)));
+            self.findings.report("scenario_sha256", rule, text_of(&json!(hash)));
         }
         Some(scenario)
     }
@@ -158,7 +158,7 @@ impl Reader {
             Err(error) => {
                 let inner = error.path().to_string();
                 let path = if inner == "." { key.to_owned() } else { join(key, &inner).replace(".[", "[") };
-                self.faults.report(&path, format!("cannot be read: {}", error.inner()), text_or_nothing(value_at(&given, &inner)));
+                self.findings.report(path, format!("cannot be read: {}", error.inner()), text_or_nothing(value_at(&given, &inner)));
                 None
             }
         }
@@ -167,7 +167,7 @@ impl Reader {
     fn take(&mut self, key: &str) -> Option<Value> {
         let value = self.value.get_mut(key).map(Value::take);
         if value.is_none() {
-            self.faults.report(key, "is required", "nothing");
+            self.findings.report(key, "is required", "nothing");
         }
         value
     }
@@ -180,8 +180,8 @@ impl Reader {
                         Some(known) => self.compare_keys(&join(path, key), value, known, required),
                         None => {
                             let names: Vec<_> = known.keys().map(String::as_str).collect();
-                            self.faults.report(
-                                &join(path, key),
+                            self.findings.report(
+                                join(path, key),
                                 format!("is an unknown key; known here: {}", names.join(", ")),
                                 text_of(value),
                             );
@@ -189,7 +189,7 @@ impl Reader {
                     }
                 }
                 for key in known.keys().filter(|key| required && !given.contains_key(*key)) {
-                    self.faults.report(&join(path, key), "is required", "nothing");
+                    self.findings.report(join(path, key), "is required", "nothing");
                 }
             }
             (Value::Array(given), Value::Array(known)) => {

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::pairs::write_pairs;
 use super::{Build, BuildChange, Check, Decision, Deviation, Difference, Divergence, Event, Quantity, ScenarioChange, Side, Verdict};
+use crate::backend::Status;
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::junit::{Case, Outcome, Suite};
@@ -15,6 +16,7 @@ use crate::output::quantity::quantity;
 use crate::output::text::Lines;
 use crate::simulation::EventKind;
 use crate::simulation::run_facts::split_unit;
+use crate::studies::variants::names;
 
 /// Object that `check --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -92,7 +94,7 @@ pub fn check_text(report: &CheckReport) -> String {
     lines.section(&format!("check: {agree}"));
     let width = report.baselines.iter().map(|check| check.name.chars().count()).max().unwrap_or(0);
     for check in &report.baselines {
-        lines.row(verdict(check.verdict), &format!("{:<width$}  {}", check.name, remark(check)));
+        lines.row(names::<Verdict>()[check.verdict as usize], &format!("{:<width$}  {}", check.name, remark(check)));
     }
     builds(report, &mut lines);
     for check in &report.baselines {
@@ -115,14 +117,6 @@ pub fn check_suite(report: &CheckReport) -> Suite {
     };
     let case = |check: &Check| Case { class: "check".to_owned(), name: check.name.clone(), outcome: outcome(check) };
     Suite { name: "cohaul check".to_owned(), wall_s: report.wall_s, cases: report.baselines.iter().map(case).collect() }
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Agrees => "agrees",
-        Verdict::Differs => "differs",
-        Verdict::NotComputed => "not computed",
-    }
 }
 
 fn remark(check: &Check) -> String {
@@ -189,7 +183,7 @@ fn details(check: &Check, is_accepted: bool, lines: &mut Lines) {
         lines.row("nest", &format!("expected {}, found {}", text(change.expected), text(change.found)));
     }
     if let Some(change) = &difference.status_change {
-        let word = |status| serde_json::to_value(status).map_or(String::new(), |word| word.as_str().unwrap_or_default().replace('_', " "));
+        let word = |status: Status| names::<Status>()[status as usize].replace('_', " ");
         lines.row("status", &format!("expected {}, found {}", word(change.expected), word(change.found)));
     }
     for deviation in difference.beyond() {
@@ -251,10 +245,7 @@ fn different_decision(decision: &Decision) -> String {
 }
 
 fn event(event: &Event) -> String {
-    let kind = match event.event {
-        EventKind::Grasp => "grasp",
-        EventKind::Release => "release",
-    };
+    let kind = names::<EventKind>()[event.event as usize];
     let ant = event.ant.map_or(String::new(), |ant| format!(" by ant {ant}"));
     format!("{kind} of spring {}{ant} at {}", event.spring, seconds(event.time_s))
 }

@@ -32,8 +32,8 @@ const SHARE_IN_SINGLE: f64 = 1e-3;
 /// fifty steps in f64, and 6 % in f32.
 const COUNT_SHARE: f64 = 0.1;
 
-/// Largest differences that agree; zero asks for the same number.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Largest differences that agree; zero, the default, asks for the same number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tolerances {
     pub position_m: f64,
     pub heading_rad: f64,
@@ -48,17 +48,6 @@ pub struct Tolerances {
 }
 
 impl Tolerances {
-    pub const EXACT: Tolerances = Tolerances {
-        position_m: 0.0,
-        heading_rad: 0.0,
-        velocity_m_per_s: 0.0,
-        turn_rate_rad_per_s: 0.0,
-        energy_j: 0.0,
-        pull_n: 0.0,
-        time_s: 0.0,
-        count_share: 0.0,
-    };
-
     /// Default tolerances of a run with these rows. A decision at another tick is another decision,
     /// so that the tolerance of times is half a control period.
     pub fn of(scenario: &Scenario, options: &BackendOptions, rows: &[Row]) -> Self {
@@ -79,19 +68,10 @@ impl Tolerances {
 
     /// Tolerance of a quantity, in its unit.
     pub fn for_quantity(&self, quantity: Quantity) -> f64 {
-        match quantity {
-            Quantity::Position => self.position_m,
-            Quantity::Heading => self.heading_rad,
-            Quantity::Velocity => self.velocity_m_per_s,
-            Quantity::TurnRate => self.turn_rate_rad_per_s,
-            Quantity::Energy => self.energy_j,
-            Quantity::Pull => self.pull_n,
-            Quantity::Time => self.time_s,
-            Quantity::Count => self.count_share,
-        }
+        self.entries()[quantity as usize].1
     }
 
-    /// Keys and values of all tolerances.
+    /// Keys and values of all tolerances, in the order of their quantities.
     pub fn entries(&self) -> [(&'static str, f64); 8] {
         [
             ("position_m", self.position_m),
