@@ -4,16 +4,19 @@
 //! Stiffness and weight are shared out among springs and supports, so that loads of all sizes move
 //! alike and only the work differs. Every round runs the same steps from the same start.
 
+use std::f64::consts::TAU;
+
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Timing};
 use super::fit::{Line, PowerLaw, line, power_law};
 use crate::backend::{BackendKind, BackendOptions, Motion, build, default_step};
 use crate::math::{Pose, Twist, Vec2, direction};
-use crate::model::{Ground, Load, Obstacle, ObstaclePath, Outline, OutlinePart, PolarSpring, SupportPoint, System, World, paper};
+use crate::model::{Obstacle, ObstaclePath, Outline, OutlinePart, PolarSpring, SupportPoint, System, World};
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Keep, Simulation};
 use crate::studies::variants;
+use crate::studies::verify::scenes::{GRAVITY, LOAD_RADIUS, MASS, SUPPORT_RADIUS, paper_springs, paper_system};
 
 /// Quantity that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,7 +45,7 @@ pub struct GrowthPoint {
 }
 
 /// How a cost grows.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     pub quantity: Quantity,
     pub backend: BackendKind,
@@ -129,39 +132,25 @@ fn sizes(largest: usize, is_quick: bool) -> Vec<usize> {
 /// A load of 1.6 g on `n_supports` supports and `n_springs` springs, with weight and stiffness
 /// shared out evenly.
 fn dragged(n_springs: usize, n_supports: usize) -> System {
-    const RADIUS: f64 = paper::LOAD_RADIUS_M;
-    const MASS: f64 = paper::LOAD_MASS_KG;
-    /// Stiffness of all springs together (N/m, N m/rad): that of four of the paper's.
-    const STIFFNESS: (f64, f64) = (4.0 * paper::RADIAL_STIFFNESS_N_PER_M, 4.0 * paper::TORSIONAL_STIFFNESS_NM_PER_RAD);
-    let turn = std::f64::consts::TAU;
-    let share = 1.0 / n_springs as f64;
-    let spring = |j: usize| {
-        let bearing = turn * j as f64 * share;
-        PolarSpring {
-            root: RADIUS * direction(bearing),
-            bearing,
-            rest_length: paper::REST_LENGTH_M,
-            radial_stiffness: share * STIFFNESS.0,
-            torsional_stiffness: share * STIFFNESS.1,
-            ..PolarSpring::default()
-        }
+    // All springs together are as stiff as four of the paper's.
+    let share = 4.0 / n_springs as f64;
+    let springs = paper_springs(n_springs).into_iter().map(|spring| PolarSpring {
+        radial_stiffness: share * spring.radial_stiffness,
+        torsional_stiffness: share * spring.torsional_stiffness,
+        ..spring
+    });
+    let support = |i: usize| SupportPoint {
+        offset: SUPPORT_RADIUS * direction(TAU * (0.25 + i as f64 / n_supports as f64)),
+        normal_load: MASS * GRAVITY / n_supports as f64,
     };
-    let support = |i: usize| {
-        let offset = 2.0 / 3.0 * RADIUS * direction(0.25 * turn + turn * i as f64 / n_supports as f64);
-        SupportPoint { offset, normal_load: 9.81 * MASS / n_supports as f64 }
-    };
-    System {
-        load: Load { mass: MASS, inertia: 0.5 * MASS * RADIUS * RADIUS, radius: RADIUS },
-        ground: Ground { friction_coefficient: paper::FRICTION_COEFFICIENT, supports: (0..n_supports).map(support).collect() },
-        springs: (0..n_springs).map(spring).collect(),
-        world: World::default(),
-    }
+    let mut system = paper_system(springs.collect());
+    system.ground.supports = (0..n_supports).map(support).collect();
+    system
 }
 
 /// The load on four springs beside a wall with friction, as a disc with one contact or as a box
 /// with two, and posts in rows half a metre away and farther.
 fn along_a_wall(n_contacts: usize, n_far: usize) -> System {
-    const RADIUS: f64 = paper::LOAD_RADIUS_M;
     const FRICTION: f64 = 0.3;
     const N_IN_ROW: usize = 32;
     let obstacle = |outline: Outline, position: Vec2| Obstacle {
@@ -174,12 +163,15 @@ fn along_a_wall(n_contacts: usize, n_far: usize) -> System {
     let wall = Outline { parts: vec![OutlinePart::Polyline { points: vec![Vec2::new(-1.0, 0.0), Vec2::new(1.0, 0.0)] }] };
     let post = |i: usize| {
         let place = Vec2::new(0.05 * ((i % N_IN_ROW) as f64 - 0.5 * N_IN_ROW as f64), -0.5 - 0.05 * (i / N_IN_ROW) as f64);
-        obstacle(Outline::disc(RADIUS), place)
+        obstacle(Outline::disc(LOAD_RADIUS), place)
     };
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| RADIUS * Vec2::new(x, y));
-    let outline =
-        if n_contacts == 1 { Outline::disc(RADIUS) } else { Outline { parts: vec![OutlinePart::Polygon { corners: corners.to_vec() }] } };
-    let obstacles = [obstacle(wall, Vec2::new(0.0, RADIUS))].into_iter().chain((0..n_far).map(post)).collect();
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| LOAD_RADIUS * Vec2::new(x, y));
+    let outline = if n_contacts == 1 {
+        Outline::disc(LOAD_RADIUS)
+    } else {
+        Outline { parts: vec![OutlinePart::Polygon { corners: corners.to_vec() }] }
+    };
+    let obstacles = [obstacle(wall, Vec2::new(0.0, LOAD_RADIUS))].into_iter().chain((0..n_far).map(post)).collect();
     System { world: World { outline, obstacles }, ..dragged(4, 3) }
 }
 

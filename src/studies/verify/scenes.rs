@@ -42,12 +42,7 @@ pub fn tripod(radius: f64, total: f64) -> Vec<SupportPoint> {
 
 /// The paper's load on `springs`, with its inertia and friction.
 pub fn paper_system(springs: Vec<PolarSpring>) -> System {
-    System {
-        load: Load { mass: MASS, inertia: 0.5 * MASS * LOAD_RADIUS * LOAD_RADIUS, radius: LOAD_RADIUS },
-        ground: Ground { friction_coefficient: MU, supports: tripod(SUPPORT_RADIUS, MASS * GRAVITY) },
-        springs,
-        world: World::default(),
-    }
+    disc_on_tripod(LOAD_RADIUS, SUPPORT_RADIUS, springs)
 }
 
 /// `n` of the paper's springs, evenly spaced from bearing zero.
@@ -73,10 +68,13 @@ pub fn isotropic(root: Vec2, damping_ratio: f64) -> PolarSpring {
 
 /// The load on which engines are compared: a disc of radius 38.5 mm on supports at 20 mm.
 pub fn peers_system(springs: Vec<PolarSpring>) -> System {
-    let radius = 0.0385;
+    disc_on_tripod(0.0385, 0.02, springs)
+}
+
+fn disc_on_tripod(radius: f64, arm: f64, springs: Vec<PolarSpring>) -> System {
     System {
         load: Load { mass: MASS, inertia: 0.5 * MASS * radius * radius, radius },
-        ground: Ground { friction_coefficient: MU, supports: tripod(0.02, MASS * GRAVITY) },
+        ground: Ground { friction_coefficient: MU, supports: tripod(arm, MASS * GRAVITY) },
         springs,
         world: World::default(),
     }
