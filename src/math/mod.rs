@@ -1,6 +1,7 @@
 //! Geometry of the plane, angles, damped oscillations, keyed random numbers and statistics.
 
 mod angle;
+mod bisection;
 mod lanes;
 mod oscillation;
 mod pose;
@@ -9,6 +10,7 @@ mod random;
 mod statistics;
 
 pub use angle::{SMALL_TANGENT, direction, perpendicular, rotation, small_arctangent, unwrap_near, wrap_to_pi};
+pub use bisection::bisected;
 pub use lanes::{LANES, Number, Numbers, Vectors};
 pub use oscillation::damped_rotation;
 pub use pose::{Arc, Pose, SERIES_BELOW, Twist, Wrench, increment_of, shift_of, small_rotation};

@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use super::case::MOST_TURN;
 use super::dimensions::Dimensions;
+use crate::math::bisected;
 use crate::model::SpringDesign;
 
 /// Wanted stiffnesses.
@@ -166,15 +167,12 @@ fn short_member(wanted: &Wanted, bending: f64, folded: f64) -> Result<f64, Strin
 
 /// Root of an increasing function that is negative at `low`.
 fn root(low: f64, function: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (low.max(1e-9), 2.0 * low.max(1e-9));
+    let low = low.max(1e-9);
+    let mut high = 2.0 * low;
     while function(high) < 0.0 && high < 1e6 {
         high *= 2.0;
     }
-    // Each step halves the interval.
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if function(middle) < 0.0 { low = middle } else { high = middle }
-    }
+    let [low, high] = bisected([low, high], 100, |middle| function(middle) < 0.0);
     0.5 * (low + high)
 }
 

@@ -8,6 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
+use crate::math::bisected;
 use crate::model::SpringDesign;
 use crate::model::paper::CASE_3_FACTOR;
 
@@ -86,16 +87,10 @@ pub fn least_squares_stiffness(design: &SpringDesign, [low, high]: [f64; 2]) -> 
 
 /// By bisection: the secant grows with the stretch.
 fn stretch_of_secant(design: &SpringDesign, stiffness: f64) -> Option<f64> {
-    let (mut low, mut high) = (0.0, Case::Radial.limit(design) * (1.0 - 1e-9));
-    let secant = |stretch| design.secant_radial_stiffness(stretch);
-    if !(secant(low)..secant(high)).contains(&stiffness) {
-        return None;
-    }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if secant(middle) < stiffness { low = middle } else { high = middle }
-    }
-    Some(low)
+    let range = [0.0, Case::Radial.limit(design) * (1.0 - 1e-9)];
+    let [softest, stiffest] = range.map(|stretch| design.secant_radial_stiffness(stretch));
+    let is_below = |stretch| design.secant_radial_stiffness(stretch) < stiffness;
+    (softest..stiffest).contains(&stiffness).then(|| bisected(range, 60, is_below)[0])
 }
 
 #[cfg(test)]

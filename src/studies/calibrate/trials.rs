@@ -22,7 +22,7 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
-use crate::math::{Interval, Summary, student};
+use crate::math::{Interval, Summary, bisected, student};
 
 /// One reading for a fit: the force (N), and the value `basis` of the law with slope 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -172,17 +172,9 @@ fn between_trials(slopes: &[(f64, f64)]) -> f64 {
     summary.extend(slopes.iter().map(|(slope, _)| *slope));
     // The variances within trials are subtracted, so that the sum of squares at this end is at most
     // the expected one.
-    let mut high = summary.sd().powi(2);
+    let most = summary.sd().powi(2);
     let excess = |between: f64| weighted(slopes, between).2 - expected;
-    if high == 0.0 || excess(0.0) <= 0.0 {
-        return 0.0;
-    }
-    let mut low = 0.0;
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if excess(middle) > 0.0 { low = middle } else { high = middle }
-    }
-    high
+    if most == 0.0 || excess(0.0) <= 0.0 { 0.0 } else { bisected([0.0, most], 80, |between| excess(between) > 0.0)[1] }
 }
 
 /// Mean, sum of weights, and weighted squares about the mean.

@@ -11,7 +11,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::math::damped_rotation;
+use crate::math::{bisected, damped_rotation};
 
 /// Largest epsilon at which the rule of thumb calls quasi-static valid (1).
 pub const EPSILON_MAX: f64 = 0.05;
@@ -103,12 +103,8 @@ pub fn first_stop(zeta: f64, start: [f64; 2], until: f64) -> Option<f64> {
     let n = (until / INTERVAL).ceil() as usize;
     // The load starts from rest.
     let after = (2..=n).find(|i| speed(INTERVAL * *i as f64) <= 0.0)?;
-    let (mut low, mut high) = (INTERVAL * (after - 1) as f64, INTERVAL * after as f64);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if speed(middle) > 0.0 { low = middle } else { high = middle }
-    }
-    (high < until).then_some(high)
+    let [_, stop] = bisected([after - 1, after].map(|i| INTERVAL * i as f64), 60, |time| speed(time) > 0.0);
+    (stop < until).then_some(stop)
 }
 
 /// Displacement of a load that is released at this speed.

@@ -10,7 +10,7 @@ use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{LOAD_RADIUS, RADIAL, REST_LENGTH, SLIP_LIMIT, SUPPORT_RADIUS, distance, isotropic, paper_system};
 use crate::backend::{Backend, BackendOptions, Motion, StepReport, build};
-use crate::math::{Pose, Twist, Vec2, direction, rotation};
+use crate::math::{Pose, Twist, Vec2, bisected, direction, rotation};
 use crate::model::PolarSpring;
 use crate::studies::methods::Method;
 
@@ -104,19 +104,15 @@ fn arms() -> Vec<Wrench> {
 fn critical_share(wrench: &Wrench, options: &BackendOptions, report: &mut StepReport) -> f64 {
     const LEAST_WAY: f64 = 1e-12;
     let start = Pose::new(0.05, -0.02, 0.7);
-    let (mut holds, mut moves) = (0.5, 1.5);
-    for _ in 0..31 {
-        let share = 0.5 * (holds + moves);
+    let [holds, moves] = bisected([0.5, 1.5], 31, |share| {
         let mut of_probe = StepReport::default();
-        let end = pulled(wrench, share, start, options, &mut of_probe);
-        if distance(&start, &end) > LEAST_WAY {
-            // Where the jump above the limit ends is not asked, nor how well it was found.
-            moves = share;
-        } else {
+        let moves = distance(&start, &pulled(wrench, share, start, options, &mut of_probe)) > LEAST_WAY;
+        // Where the jump above the limit ends is not asked, nor how well it was found.
+        if !moves {
             report.add(&of_probe);
-            holds = share;
         }
-    }
+        !moves
+    });
     0.5 * (holds + moves)
 }
 

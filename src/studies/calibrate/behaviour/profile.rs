@@ -11,7 +11,7 @@
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, bisected};
 
 /// A cost at one point.
 #[derive(Clone, Copy, Debug)]
@@ -152,16 +152,13 @@ pub fn parameter(cost: &mut impl Cost, best: &mut Minimum, index: usize, rise: f
 /// below (d^2 - s^2) / (2 d).
 pub fn threshold(level: f64, distance: f64) -> f64 {
     let normal = Normal::standard();
-    let (mut low, mut high) = (normal.inverse_cdf(level), normal.inverse_cdf(0.5 + 0.5 * level));
-    if distance >= high {
-        return high * high;
+    let [one_sided, two_sided] = [level, 0.5 + 0.5 * level].map(|share| normal.inverse_cdf(share));
+    if distance >= two_sided {
+        return two_sided * two_sided;
     }
-    for _ in 0..60 {
-        let root = 0.5 * (low + high);
-        let below = normal.cdf(-(distance * distance + root * root) / (2.0 * distance));
-        if normal.cdf(root) - below < level { low = root } else { high = root }
-    }
-    high * high
+    let below = |root: f64| normal.cdf(-(distance * distance + root * root) / (2.0 * distance));
+    let [_, root] = bisected([one_sided, two_sided], 60, |root| normal.cdf(root) - below(root) < level);
+    root * root
 }
 
 /// Largest share of the rise by which an end may miss it, in the square root.
