@@ -108,6 +108,18 @@ pub struct Asked {
     pub answer: Answer,
 }
 
+impl Asked {
+    /// The answer of an exact backend at finer steps.
+    pub fn finer() -> Self {
+        Self { answer: Answer::Finer, ..Self::default() }
+    }
+
+    /// A known shift along the axis of a symmetric scene.
+    pub fn shift(quasi_static: f64, inertial: f64, scale: f64) -> Self {
+        Self { symmetric: true, answer: Answer::Shift { quasi_static, inertial, scale }, ..Self::default() }
+    }
+}
+
 /// What is known of the pose at the end.
 #[derive(Debug, Default)]
 pub enum Answer {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::super::map::{Answer, Asked, Axis, Cell, Map};
+use super::super::map::{Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, disc, isotropic, load, walls};
 use super::scales::in_units;
 use crate::math::{Vec2, direction};
@@ -118,10 +118,6 @@ fn against_others(friction: &dyn Fn(usize) -> Axis) -> Vec<Map> {
     ]
 }
 
-fn finer() -> Asked {
-    Asked { answer: Answer::Finer, ..Asked::default() }
-}
-
 /// A wall across the x axis.
 fn wall_across() -> OutlineEntry {
     walls(&[Vec2::new(0.0, -LONG), Vec2::new(0.0, LONG)])
@@ -144,17 +140,17 @@ fn thrown(gap: f64, speed: f64) -> Cell {
     let displacement = (speed * time - 0.5 * BRAKING * time * time).min(gap);
     // A stop within the first step cannot be told from another one there.
     let scale = displacement.max(speed * scene.step);
-    scene.cell(Asked { symmetric: true, answer: Answer::Shift { quasi_static: 0.0, inertial: displacement, scale }, ..Asked::default() })
+    scene.cell(Asked::shift(0.0, displacement, scale))
 }
 
 fn pulled(gap: f64, step: f64) -> Cell {
     let scene = Scene::paper(step, 40).among(wall_across(), Vec2::new(LOAD_RADIUS + gap, 0.0), 0.0);
-    drawn(scene, Vec2::zeros(), Vec2::new(3.0 * SLIP_STRETCH, 0.0)).cell(Asked { symmetric: true, ..finer() })
+    drawn(scene, Vec2::zeros(), Vec2::new(3.0 * SLIP_STRETCH, 0.0)).cell(Asked { symmetric: true, ..Asked::finer() })
 }
 
 fn along(friction: f64, angle: f64) -> Cell {
     let scene = Scene::paper(2e-3, 40).among(wall_along(), Vec2::new(0.0, -LOAD_RADIUS), friction);
-    drawn(scene, Vec2::zeros(), 3.0 * SLIP_STRETCH * direction(-angle)).cell(finer())
+    drawn(scene, Vec2::zeros(), 3.0 * SLIP_STRETCH * direction(-angle)).cell(Asked::finer())
 }
 
 /// The disc starts a fifth of its radius above its place in the notch, and is drawn a little aside.
@@ -164,14 +160,14 @@ fn notch(angle: f64, friction: f64) -> Cell {
     let start = Vec2::new(0.0, depth + 0.2 * LOAD_RADIUS);
     let mut scene = Scene::paper(2e-3, 40).among(walls(&[side(1.0), Vec2::zeros(), side(-1.0)]), Vec2::zeros(), friction);
     scene.load.position_m = start.into();
-    drawn(scene, start, 3.0 * SLIP_STRETCH * direction(0.3 - FRAC_PI_2)).cell(finer())
+    drawn(scene, start, 3.0 * SLIP_STRETCH * direction(0.3 - FRAC_PI_2)).cell(Asked::finer())
 }
 
 fn stiff(step: f64, stiffness: f64) -> Cell {
     let scene = Scene::paper(step, 40).among(wall_along(), Vec2::new(0.0, -LOAD_RADIUS), 0.3);
     let mut scene = drawn(scene, Vec2::zeros(), SLIP_LIMIT / stiffness * Vec2::new(3.0, -1.0));
     scene.springs[0].radial_stiffness_n_per_m = stiffness;
-    scene.cell(finer())
+    scene.cell(Asked::finer())
 }
 
 /// Thrown at 0.5 m/s at a wall within the stopping distance, for as long as a load without the wall
@@ -185,8 +181,8 @@ fn bouncing(restitution: f64, share: f64) -> Cell {
     scene.obstacles[0].restitution = restitution;
     scene.load.velocity_m_per_s = [SPEED, 0.0];
     let rebound = restitution * restitution * (0.5 * SPEED * SPEED / BRAKING - gap);
-    let answer = Answer::Shift { quasi_static: 0.0, inertial: gap - rebound, scale: (gap + rebound).max(SPEED * scene.step) };
-    scene.cell(Asked { symmetric: true, answer, ..Asked::default() })
+    let scale = (gap + rebound).max(SPEED * scene.step);
+    scene.cell(Asked::shift(0.0, gap - rebound, scale))
 }
 
 /// Thrown obliquely at a wall, which it leaves, and drawn past a post.
@@ -217,7 +213,7 @@ fn corner(radius: f64, offset: f64) -> Cell {
     let (outline, size) = if radius > 0.0 { (disc(radius), radius) } else { (square(), size) };
     let scene = Scene::paper(2e-3, 60).among(outline, nearest + Vec2::new(size, 0.0), 0.1);
     let scene = scene.pulled(isotropic(Vec2::zeros()), &[(0.0, Vec2::zeros()), (60.0, Vec2::new(6.0, 0.0) * LOAD_RADIUS)]);
-    scene.cell(finer())
+    scene.cell(Asked::finer())
 }
 
 /// Posts on a spiral in steps of the golden angle, the nearest one ahead.
@@ -228,7 +224,7 @@ fn among_posts(n: f64, gap: f64) -> Cell {
     let place = |i: f64| (LOAD_RADIUS + POST + gap + SPACING * i.sqrt()) * direction(golden_angle * i);
     let start = Scene::paper(2e-3, 60);
     let scene = (0..n as usize).fold(start, |scene, i| scene.among(disc(POST), place(i as f64), 0.3));
-    drawn(scene, Vec2::zeros(), SLIP_STRETCH * Vec2::new(3.0, 0.5)).cell(finer())
+    drawn(scene, Vec2::zeros(), SLIP_STRETCH * Vec2::new(3.0, 0.5)).cell(Asked::finer())
 }
 
 fn polygon(n: f64, friction: f64) -> Cell {
@@ -236,7 +232,7 @@ fn polygon(n: f64, friction: f64) -> Cell {
     let outline = OutlineEntry::Polygon(PolygonEntry { points_m });
     let mut scene = Scene::paper(2e-3, 40).among(wall_along(), Vec2::new(0.0, -1.05 * LOAD_RADIUS), friction);
     scene.load = LoadEntry { outline: Some(outline), radius_m: None, ..load(MASS) };
-    drawn(scene, Vec2::zeros(), 3.0 * SLIP_STRETCH * direction(-0.7)).cell(finer())
+    drawn(scene, Vec2::zeros(), 3.0 * SLIP_STRETCH * direction(-0.7)).cell(Asked::finer())
 }
 
 fn pushed(speed: f64, offset: f64) -> Cell {
@@ -246,7 +242,7 @@ fn pushed(speed: f64, offset: f64) -> Cell {
     let aside = offset * LOAD_RADIUS;
     let start = Vec2::new(-1.000001 * (reach * reach - aside * aside).sqrt(), aside);
     let end = start + Vec2::new(speed * scene.duration(), 0.0);
-    scene.pushed(disc(PUSHER), [start, end], 0.3).cell(finer())
+    scene.pushed(disc(PUSHER), [start, end], 0.3).cell(Asked::finer())
 }
 
 /// The room between pusher, disc and wall is half a radius.
@@ -259,5 +255,5 @@ fn squeezed(travel: f64, friction: f64) -> Cell {
         [start, start + Vec2::new(travel * room, 0.0)],
         friction,
     );
-    scene.cell(Asked { symmetric: true, squeeze: Some((travel - 1.0) * room).filter(|lack| *lack > 0.0), ..finer() })
+    scene.cell(Asked { symmetric: true, squeeze: Some((travel - 1.0) * room).filter(|lack| *lack > 0.0), ..Asked::finer() })
 }

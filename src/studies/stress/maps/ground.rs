@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use super::super::map::{Answer, Asked, Axis, Cell, Map};
+use super::super::map::{Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, isotropic, rest_tip, ring, spring, support};
 use crate::math::{RandomStreams, Stream, Vec2, direction};
 use crate::scenario::format::SupportEntry;
@@ -45,7 +45,7 @@ fn slide(friction: f64, speed: f64) -> Cell {
     let way = if braking * time < speed { speed * time - 0.5 * braking * time * time } else { 0.5 * speed * speed / braking };
     // A stop within the first step cannot be told from another one there.
     let scale = way.max(speed * scene.step);
-    scene.cell(Asked { symmetric: true, answer: Answer::Shift { quasi_static: 0.0, inertial: way, scale }, ..Asked::default() })
+    scene.cell(Asked::shift(0.0, way, scale))
 }
 
 /// Critical force along x at twice the arm of the support on the y axis: f a (b + a) / (b^2 + a b +
@@ -92,7 +92,7 @@ fn supports(n: f64, row: f64) -> Cell {
             scene
         }
     };
-    scene.cell(Asked { answer: Answer::Finer, ..Asked::default() })
+    scene.cell(Asked::finer())
 }
 
 fn arranged(kind: usize, n: usize) -> Vec<SupportEntry> {

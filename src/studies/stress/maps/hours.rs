@@ -1,6 +1,6 @@
 //! Hours of simulated time: what adds up over many coarse steps.
 
-use super::super::map::{Answer, Asked, Axis, Cell, Map};
+use super::super::map::{Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, rest_tip, spring};
 use crate::math::Vec2;
 use crate::studies::verify::scenes::SLIP_STRETCH;
@@ -43,9 +43,5 @@ fn hauled(step: f64, hours: f64) -> Cell {
     let (tip, n) = (rest_tip(0.0), f64::from(scene.n_steps));
     let way = 2.0 * hours * SLIP_STRETCH;
     let known = way - SLIP_STRETCH;
-    scene.pulled(spring(0.0), &[(0.0, tip), (n, tip + Vec2::new(way, 0.0))]).cell(Asked {
-        symmetric: true,
-        answer: Answer::Shift { quasi_static: known, inertial: known, scale: known },
-        ..Asked::default()
-    })
+    scene.pulled(spring(0.0), &[(0.0, tip), (n, tip + Vec2::new(way, 0.0))]).cell(Asked::shift(known, known, known))
 }

@@ -100,5 +100,5 @@ fn gyration(share: f64, mass: f64) -> Cell {
     scene.load = load(mass);
     scene.load.inertia_kg_m2 = Some(share * mass * LOAD_RADIUS * LOAD_RADIUS);
     scene.supports.iter_mut().for_each(|support| support.normal_load_n = support.normal_load_n.map(|load| load * factor));
-    scene.cell(Asked { answer: Answer::Finer, ..Asked::default() })
+    scene.cell(Asked::finer())
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::map::{Answer, Asked, Axis, Cell, Map};
+use super::super::map::{Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, rest_tip, spring, stiff_spring};
 use crate::math::{Vec2, direction};
 use crate::scenario::format::SpringEntry;
@@ -49,17 +49,13 @@ pub fn maps() -> Vec<Map> {
     ]
 }
 
-fn finer() -> Asked {
-    Asked { answer: Answer::Finer, ..Asked::default() }
-}
-
 /// The tip at this length (m) and swing (rad) of the spring at bearing zero.
 fn tip_at(length: f64, swing: f64) -> Vec2 {
     Vec2::new(LOAD_RADIUS, 0.0) + length * direction(swing)
 }
 
 fn grasp(length: f64, swing: f64) -> Cell {
-    Scene::paper(2e-3, 40).pulled(spring(0.0), &[(0.0, tip_at(length * REST_LENGTH, swing))]).cell(finer())
+    Scene::paper(2e-3, 40).pulled(spring(0.0), &[(0.0, tip_at(length * REST_LENGTH, swing))]).cell(Asked::finer())
 }
 
 /// From a rest length ahead to one behind the root. The load is ten times as hard to move as the
@@ -69,13 +65,13 @@ fn root(way: f64, miss: f64) -> Cell {
     let aside = |ahead: f64| Vec2::new(LOAD_RADIUS + ahead * REST_LENGTH, miss * REST_LENGTH);
     let mut scene = Scene::paper(2e-3, n_steps as u32).pulled(spring(0.0), &[(0.0, aside(1.0)), (n_steps, aside(-1.0))]);
     scene.friction_coefficient *= 10.0;
-    scene.cell(finer())
+    scene.cell(Asked::finer())
 }
 
 fn wind(angle: f64, radius: f64) -> Cell {
     const N_STEPS: u32 = 40;
     let way: Vec<(f64, Vec2)> = (0..=N_STEPS).map(|i| (f64::from(i), tip_at(radius * REST_LENGTH, f64::from(i) * angle))).collect();
-    Scene::paper(2e-3, N_STEPS).pulled(spring(0.0), &way).cell(finer())
+    Scene::paper(2e-3, N_STEPS).pulled(spring(0.0), &way).cell(Asked::finer())
 }
 
 /// Aside by half a radian, with torsion in shares of what makes the spring as stiff across as
@@ -83,7 +79,7 @@ fn wind(angle: f64, radius: f64) -> Cell {
 fn jump(jump: f64, torsion: f64) -> Cell {
     let spring = SpringEntry { torsional_stiffness_nm_per_rad: torsion * RADIAL * REST_LENGTH.powi(2), ..spring(0.0) };
     let (start, far) = (rest_tip(0.0), rest_tip(0.0) + jump * REST_LENGTH * direction(0.5));
-    Scene::paper(2e-3, 40).pulled(spring, &[(0.0, start), (1.0, start), (2.0, far)]).cell(finer())
+    Scene::paper(2e-3, 40).pulled(spring, &[(0.0, start), (1.0, start), (2.0, far)]).cell(Asked::finer())
 }
 
 /// All around the load, together four times the paper's stiffness, drawn ahead until the load
@@ -103,5 +99,5 @@ fn springs(n: f64, contrast: f64) -> Cell {
             &[(0.0, tip), (f64::from(N_STEPS), tip + Vec2::new(stretch, 0.3 * stretch))],
         )
     });
-    scene.cell(finer())
+    scene.cell(Asked::finer())
 }

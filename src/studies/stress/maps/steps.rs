@@ -6,7 +6,7 @@
 //! the load jumps by f / k; with it, x = (f / k) (1 - exp(-z w t) (cos + ...)), a damped oscillator
 //! up to its first stop, where friction keeps it.
 
-use super::super::map::{Answer, Asked, Axis, Cell, Map};
+use super::super::map::{Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, load, rest_tip, stiff_spring};
 use crate::math::Vec2;
 use crate::scenario::format::SpringEntry;
@@ -51,11 +51,7 @@ fn ramp(step: f64, stiffness: f64) -> Cell {
     let angle = rate * since;
     let lag = if angle < 1e-2 { angle.powi(3) / 6.0 - angle.powi(5) / 120.0 } else { angle - angle.sin() };
     let inertial = speed / rate * lag;
-    scene.cell(Asked {
-        symmetric: true,
-        answer: Answer::Shift { quasi_static: slip_stretch, inertial, scale: inertial.min(slip_stretch) },
-        ..Asked::default()
-    })
+    scene.cell(Asked::shift(slip_stretch, inertial, inertial.min(slip_stretch)))
 }
 
 fn release(step: f64, mass: f64, damping_ratio: f64) -> Cell {
@@ -65,11 +61,7 @@ fn release(step: f64, mass: f64, damping_ratio: f64) -> Cell {
     let mut scene = Scene::paper(step, N_STEPS).pulled(spring, &[(0.0, tip)]);
     scene.load = load(mass);
     let inertial = slip_stretch * released((RADIAL / mass).sqrt() * scene.duration(), damping_ratio);
-    scene.cell(Asked {
-        symmetric: true,
-        answer: Answer::Shift { quasi_static: slip_stretch, inertial, scale: inertial.min(slip_stretch) },
-        ..Asked::default()
-    })
+    scene.cell(Asked::shift(slip_stretch, inertial, inertial.min(slip_stretch)))
 }
 
 /// Displacement at the angle w t of an oscillator that starts at rest at a distance of one, up to
