@@ -7,7 +7,6 @@ use crate::live::ServerError;
 use crate::output::folder::FolderError;
 use crate::output::json::NotFinite;
 use crate::scenario::ScenarioError;
-use crate::studies::calibrate::InputError;
 use crate::studies::from_tips::FromTipsError;
 use crate::studies::journal::JournalError;
 use crate::studies::sweep::SweepError;
@@ -18,8 +17,6 @@ pub enum CliError {
     Scenario(#[from] ScenarioError),
     #[error(transparent)]
     Folder(#[from] FolderError),
-    #[error(transparent)]
-    Input(#[from] InputError),
     #[error(transparent)]
     FromTips(#[from] FromTipsError),
     #[error("{path}: cannot be read or written: {source}")]

@@ -3,18 +3,15 @@
 use crate::math::Vec2;
 use crate::model::Motion;
 use crate::scenario::{Drive, Scenario, ScenarioError, TipPath, Waypoint};
-use crate::studies::calibrate::{InputError, Recording, Sample, Tip};
+use crate::studies::calibrate::{Recording, Sample, Tip};
 
 /// Reason why a recording makes no scenario.
 #[derive(Debug, thiserror::Error)]
 pub enum FromTipsError {
-    /// The table breaks rules.
-    #[error(transparent)]
-    Input(#[from] InputError),
     /// The tips are in the frames of their roots.
     #[error("{0}: must have tips in world axes, columns tip_x_m and tip_y_m, found tips in the frames of their roots")]
     InRoot(String),
-    /// The scenario breaks rules.
+    /// The table or the scenario breaks rules.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
 }

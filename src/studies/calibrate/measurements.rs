@@ -5,7 +5,8 @@
 
 use super::case::Case;
 use super::dimensions::Dimensions;
-use super::table::{InputError, Table};
+use super::table::Table;
+use crate::scenario::ScenarioError;
 
 /// Columns of a file of measurements.
 const COLUMNS: [&str; 6] = ["case", "trial", "displacement_m", "swing_rad", "force_n", "force_sd_n"];
@@ -40,11 +41,11 @@ impl Measurements {
     ///
     /// # Errors
     /// When any row cannot be a measurement of a spring with these dimensions.
-    pub fn parse(text: &str, file: &str, dimensions: &Dimensions) -> Result<Self, InputError> {
+    pub fn parse(text: &str, file: &str, dimensions: &Dimensions) -> Result<Self, ScenarioError> {
         let mut table = Table::parse(text, file, &COLUMNS)?;
         table.require(&["case", "trial", "force_n"]);
         if !table.has("displacement_m") && !table.has("swing_rad") {
-            table.report("header".to_owned(), "must have displacement_m of radial rows, swing_rad of tangential ones", "neither");
+            table.report("header", "must have displacement_m of radial rows, swing_rad of tangential ones", "neither");
         }
         let mut table = table.whole()?;
         let mut found = Self::default();
@@ -79,13 +80,13 @@ impl Measurements {
     /// Reports cases with fewer than two points away from zero, which give no error of a slope.
     fn report_too_few(&self, table: &mut Table) {
         if self.trials.is_empty() {
-            table.report("rows".to_owned(), "must hold measurements", "none");
+            table.report("rows", "must hold measurements", "none");
         }
         for case in Case::ALL {
             let away = self.of_case(case).flat_map(|trial| &trial.points).filter(|point| point.at != 0.0).count();
             if self.of_case(case).next().is_some() && away < 2 {
                 let rule = "must have two points or more away from zero displacement";
-                table.report(format!("case {}", case.name()), rule, away);
+                table.report(format_args!("case {}", case.name()), rule, away);
             }
         }
     }

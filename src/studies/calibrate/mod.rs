@@ -44,5 +44,4 @@ pub use pulls::{PullComparison, PullSample, PullSeries, compare_pulls};
 pub use quality::{Bend, Goodness, Misfit};
 pub use recording::{Recording, Sample, Tip};
 pub use sensor::{FittedTo, Sensor};
-pub use table::InputError;
 pub use trials::{Estimate, Point, TrialSlope, Weighting, agreement, mean_of_cases, pool};

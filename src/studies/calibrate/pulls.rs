@@ -9,8 +9,9 @@
 
 use serde::Serialize;
 
-use super::table::{InputError, Table};
+use super::table::Table;
 use crate::math::{RandomStreams, Stream, Summary};
+use crate::scenario::ScenarioError;
 
 /// Pulls of one recording over time, in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,7 +50,7 @@ impl PullSeries {
     ///
     /// # Errors
     /// When a column is missing, or a field is not a number.
-    pub fn parse(text: &str, file: &str) -> Result<Self, InputError> {
+    pub fn parse(text: &str, file: &str) -> Result<Self, ScenarioError> {
         let mut table = Table::parse(text, file, &[])?;
         table.require(&["time_s", "force_n"]);
         let mut table = table.whole()?;
@@ -62,7 +63,7 @@ impl PullSeries {
             pulls.extend(time.zip(pull));
         }
         if table.n_rows() == 0 {
-            table.report("rows".to_owned(), "must hold pulls", "none");
+            table.report("rows", "must hold pulls", "none");
         }
         table.whole()?;
         pulls.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,8 +1,9 @@
 //! Recorded tip positions: in the frame of the root, or in world axes together with the pose of the
 //! load.
 
-use super::table::{InputError, Table};
+use super::table::Table;
 use crate::math::{Pose, Vec2};
+use crate::scenario::ScenarioError;
 
 /// Columns of a recording: the first two, then either the next two or the five after them. The last
 /// one may be left out.
@@ -57,7 +58,7 @@ impl Recording {
     ///
     /// # Errors
     /// When any row cannot be the position of a tip.
-    pub fn parse(text: &str, file: &str, n_springs: Option<usize>, rest_length: f64) -> Result<Self, InputError> {
+    pub fn parse(text: &str, file: &str, n_springs: Option<usize>, rest_length: f64) -> Result<Self, ScenarioError> {
         Self::with_releases(text, file, n_springs, rest_length).map(|(recording, _)| recording)
     }
 
@@ -71,13 +72,13 @@ impl Recording {
         file: &str,
         n_springs: Option<usize>,
         rest_length: f64,
-    ) -> Result<(Self, Option<Vec<Sample>>), InputError> {
+    ) -> Result<(Self, Option<Vec<Sample>>), ScenarioError> {
         let mut table = Table::parse(text, file, &COLUMNS)?;
         table.require(&COLUMNS[..2]);
         let is_in_root = table.has(COLUMNS[2]) || table.has(COLUMNS[3]);
         table.require(&COLUMNS[if is_in_root { IN_ROOT } else { IN_WORLD }]);
         if is_in_root && COLUMNS[IN_WORLD].iter().any(|name| table.has(name)) {
-            table.report("header".to_owned(), "must have tips in the root's frame or in world axes", "both");
+            table.report("header", "must have tips in the root's frame or in world axes", "both");
         }
         let mut table = table.whole()?;
         let mut samples: Vec<Sample> = Vec::with_capacity(table.n_rows());
@@ -107,7 +108,7 @@ impl Recording {
             samples.push(sample);
         }
         if table.n_rows() == 0 {
-            table.report("rows".to_owned(), "must hold tips", "none");
+            table.report("rows", "must hold tips", "none");
         }
         table.whole()?;
         Ok((Self { samples }, releases))

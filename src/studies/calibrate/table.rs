@@ -1,23 +1,17 @@
 //! CSV tables with units in the names of their columns, and their faults by line and column.
 
+use std::fmt::Display;
+
 use csv::StringRecord;
 
-use crate::scenario::{Finding, lines};
-
-/// Every broken rule of a file, one a line.
-#[derive(Debug, thiserror::Error)]
-#[error("{}", lines(file, findings))]
-pub struct InputError {
-    pub file: String,
-    pub findings: Vec<Finding>,
-}
+use crate::scenario::{Findings, ScenarioError};
 
 /// Rows of a CSV file; lines that begin with `#` are comments.
 pub struct Table {
     file: String,
     columns: Vec<String>,
     rows: Vec<StringRecord>,
-    findings: Vec<Finding>,
+    findings: Findings,
 }
 
 impl Table {
@@ -26,26 +20,26 @@ impl Table {
     /// # Errors
     /// When the text is no CSV, or has a column twice or one that is not in `known`. An empty list
     /// allows all columns.
-    pub fn parse(text: &str, file: &str, known: &[&str]) -> Result<Self, InputError> {
+    pub fn parse(text: &str, file: &str, known: &[&str]) -> Result<Self, ScenarioError> {
         // Spreadsheets put a byte-order mark before the first name.
         let text = text.trim_start_matches('\u{feff}');
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
-        let mut table = Self { file: file.to_owned(), columns: Vec::new(), rows: Vec::new(), findings: Vec::new() };
+        let mut table = Self { file: file.to_owned(), columns: Vec::new(), rows: Vec::new(), findings: Findings::default() };
         match reader.headers() {
             Ok(names) => table.columns = names.iter().map(str::to_owned).collect(),
-            Err(error) => table.report("header".to_owned(), "must be CSV", error),
+            Err(error) => table.report("header", "must be CSV", error),
         }
         for (at, name) in table.columns.clone().iter().enumerate() {
             if !known.is_empty() && !known.contains(&name.as_str()) {
-                table.report("header".to_owned(), &format!("must have columns of {} only", known.join(", ")), name);
+                table.report("header", &format!("must have columns of {} only", known.join(", ")), name);
             } else if table.columns[..at].contains(name) {
-                table.report("header".to_owned(), "must name each column once", name);
+                table.report("header", "must name each column once", name);
             }
         }
         for row in reader.records() {
             match row {
                 Ok(row) => table.rows.push(row),
-                Err(error) => table.report("rows".to_owned(), "must be CSV with as many fields as the header", error),
+                Err(error) => table.report("rows", "must be CSV with as many fields as the header", error),
             }
         }
         table.whole()
@@ -56,8 +50,8 @@ impl Table {
     /// # Errors
     ///
     /// All faults reported so far.
-    pub fn whole(self) -> Result<Self, InputError> {
-        if self.findings.is_empty() { Ok(self) } else { Err(InputError { file: self.file, findings: self.findings }) }
+    pub fn whole(self) -> Result<Self, ScenarioError> {
+        if self.findings.0.is_empty() { Ok(self) } else { Err(ScenarioError::Invalid { file: self.file, findings: self.findings.0 }) }
     }
 
     pub fn n_rows(&self) -> usize {
@@ -73,7 +67,7 @@ impl Table {
         let missing: Vec<&str> = columns.iter().filter(|name| !self.has(name)).copied().collect();
         if !missing.is_empty() {
             let found = self.columns.join(", ");
-            self.report("header".to_owned(), &format!("must have columns {}", missing.join(", ")), found);
+            self.report("header", &format!("must have columns {}", missing.join(", ")), found);
         }
     }
 
@@ -98,13 +92,13 @@ impl Table {
     }
 
     /// Reports a broken rule at a field.
-    pub fn at(&mut self, row: usize, column: &str, rule: &str, found: impl std::fmt::Display) {
+    pub fn at(&mut self, row: usize, column: &str, rule: &str, found: impl Display) {
         let line = self.rows[row].position().map_or(0, csv::Position::line);
-        self.report(format!("line {line}, {column}"), rule, found);
+        self.report(format_args!("line {line}, {column}"), rule, found);
     }
 
     /// Reports a broken rule of the whole file.
-    pub fn report(&mut self, path: String, rule: &str, found: impl std::fmt::Display) {
-        self.findings.push(Finding { path, rule: rule.to_owned(), found: found.to_string() });
+    pub fn report(&mut self, path: impl Display, rule: &str, found: impl Display) {
+        self.findings.report(path, rule, found);
     }
 }

@@ -11,8 +11,9 @@ use crate::output::chart::{self, Labelled, Scene};
 use crate::output::page::Block;
 use crate::output::quantity::short_quantity;
 use crate::output::table::Table;
+use crate::scenario::ScenarioError;
 use crate::simulation::{AttachedTips, Row, Trace};
-use crate::studies::calibrate::{InputError, table};
+use crate::studies::calibrate::table;
 
 /// Columns of a path; others are passed over, so that `trace.csv` is one.
 const COLUMNS: [&str; 4] = ["time_s", "x_m", "y_m", "heading_rad"];
@@ -51,7 +52,7 @@ pub struct FromRecorded {
 ///
 /// # Errors
 /// When the table is no path over increasing times.
-pub fn recorded_path(text: &str, name: &str) -> Result<Trace, InputError> {
+pub fn recorded_path(text: &str, name: &str) -> Result<Trace, ScenarioError> {
     let mut table = table::Table::parse(text, name, &[])?;
     table.require(&COLUMNS);
     let mut table = table.whole()?;
@@ -66,7 +67,7 @@ pub fn recorded_path(text: &str, name: &str) -> Result<Trace, InputError> {
         rows.push(Row { time, motion, energy, tips: AttachedTips::new(), contacts: Vec::new(), error: None });
     }
     if table.n_rows() == 0 {
-        table.report("rows".to_owned(), "must hold poses", "none");
+        table.report("rows", "must hold poses", "none");
     }
     table.whole()?;
     Ok(Trace { rows, ..Trace::default() })

@@ -75,9 +75,7 @@ impl Paths<'_> {
         }
         found
     }
-}
 
-impl Paths<'_> {
     /// Tries other directions at the beginning of each track: some may have settled in a minimum
     /// that is not the lowest.
     fn look_around(&mut self, steering: &Vec3) {
