@@ -26,7 +26,6 @@ mod checking;
 mod difference;
 mod format;
 mod measure;
-mod pairs;
 mod reader;
 mod record;
 pub mod report;

@@ -1,18 +1,23 @@
 //! A check against baselines as JSON, as text and as files.
 
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;
 
-use super::pairs::write_pairs;
-use super::{Build, BuildChange, Check, Decision, Deviation, Difference, Divergence, Event, Quantity, ScenarioChange, Side, Verdict};
+use super::{
+    Build, BuildChange, COLUMNS, Check, Decision, Deviation, Difference, Divergence, Event, MEASURES, Quantity, Row, ScenarioChange, Side,
+    Verdict,
+};
 use crate::backend::Status;
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::junit::{Case, Outcome, Suite};
+use crate::output::lines::TableError;
 use crate::output::manifest::{Libraries, Machine, Manifest};
 use crate::output::quantity::quantity;
+use crate::output::table::Table;
 use crate::output::text::Lines;
 use crate::simulation::EventKind;
 use crate::simulation::run_facts::split_unit;
@@ -82,6 +87,23 @@ pub fn write_check(target: &Path, report: &CheckReport, manifest: &Manifest) -> 
         folder.write(&format!("difference-{}.svg", check.name), |out| out.write_all(svg.as_bytes()))?;
     }
     folder.finish(manifest)
+}
+
+/// Writes rows of two runs at the same times: the time, every other column as expected and as
+/// found, and the difference in every measure.
+///
+/// # Errors
+/// When a number is not finite, or `out` fails.
+fn write_pairs(pairs: &[(Row, Row)], out: impl Write) -> Result<(), TableError> {
+    let sides = COLUMNS[1..].iter().flat_map(|name| [format!("expected_{name}"), format!("found_{name}")]);
+    let apart = MEASURES.iter().map(|measure| format!("apart_{}", measure.name));
+    let mut table = Table::new("", ["time_s".to_owned()].into_iter().chain(sides).chain(apart));
+    for (expected, found) in pairs {
+        let sides = expected[1..].iter().zip(&found[1..]).flat_map(|(expected, found)| [*expected, *found]);
+        let apart = MEASURES.iter().map(|measure| measure.apart(expected, found));
+        table.push([expected[0]].into_iter().chain(sides).chain(apart));
+    }
+    table.write_csv(out)
 }
 
 /// One line for each baseline, then the changes of the build and the differences.
