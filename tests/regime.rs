@@ -181,7 +181,7 @@ fn the_stored_page_is_what_the_program_writes_from_the_stored_cells() {
     let paper: Vec<Cell> = from_value(summary["paper"].clone()).unwrap();
     let grids = Scene::ALL.map(|scene| Grid::of(scene, Effort::Full));
     assert_eq!(stored_cells.len(), cells(&grids).len());
-    let found = Regime::new(&grids, stored_cells, &paper, false, summary["wall_s"].as_f64().unwrap());
+    let found = Regime::new(&grids, stored_cells, paper, false, summary["wall_s"].as_f64().unwrap());
     let (room, nothing) = (tempdir().unwrap(), Value::Null);
     let manifest = Manifest::new(&nothing, String::new(), None, &nothing, Vec::new(), std::time::SystemTime::now());
     let written = room.path().join("regime");

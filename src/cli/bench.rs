@@ -74,7 +74,7 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
         BenchError::Journal(error) => error.into(),
     })?;
     let finished = resumable::finished(records, 0)?;
-    let benchmark = Benchmark::new(host, plan.effort, &found, finished.wall_s);
+    let benchmark = Benchmark::new(host, plan.effort, found, finished.wall_s);
     if let Some(out) = &args.output.out {
         let expanded = |scene: &Scene| (scene.name.clone(), json::plain(&scene.scenario.expanded()));
         let scenarios = json!(plan.scenes.iter().map(expanded).collect::<serde_json::Map<_, _>>());

@@ -45,7 +45,7 @@ pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
     let mut finished = resumable::run("regime", &asked, &regime::tasks(&grids), args.output.out.as_deref())?;
     let mut cells = std::mem::take(&mut finished.records);
     let paper = cells.split_off(maps.iter().map(Grid::n_cells).sum());
-    let found = Regime::new(&maps, cells, &paper, args.quick, finished.wall_s);
+    let found = Regime::new(&maps, cells, paper, args.quick, finished.wall_s);
     if let Some(out) = &args.output.out {
         let question = json!({ "name": "regime", "scenes": scenes });
         write_regime(out, &found, &study_manifest(&question, &json!({ "effort": effort }), started))?;

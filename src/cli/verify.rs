@@ -66,7 +66,7 @@ pub fn verify(args: &VerifyArgs) -> Result<ExitCode, CliError> {
     if let Some(out) = &args.output.out {
         let question = json!({ "name": "verify", "cases": found.cases });
         let options = json!({ "backend": args.backend, "quick": args.quick });
-        write_verification(out, &found, &rows, &study_manifest(&question, &options, started))?;
+        write_verification(out, &found, &study_manifest(&question, &options, started))?;
     }
     args.junit.write(|| verify_suite(&found))?;
     finished.remove_journal()?;

@@ -1,5 +1,5 @@
 //! Tables: columns with a name and a unit over rows of fields. One table becomes aligned text,
-//! Markdown, CSV, Parquet or, in a [`page`](crate::output::page), HTML.
+//! Markdown, CSV, JSON, Parquet or, in a [`page`](crate::output::page), HTML.
 //!
 //! ```
 //! use cohaul::output::table::Table;
@@ -27,7 +27,7 @@ mod text;
 
 use std::io::Write;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::output::json::{self, NotFinite};
 use crate::output::lines::TableError;
@@ -129,6 +129,23 @@ impl Table {
         let mut writer = ParquetWriter::new(columns, None, out)?;
         self.rows.iter().try_for_each(|row| writer.add(row.clone()))?;
         Ok(writer.finish()?)
+    }
+}
+
+/// A list of objects, one a row, whose keys are the file names of the columns.
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let names: Vec<String> = self.columns.iter().map(Column::file_name).collect();
+        serializer.collect_seq(self.rows.iter().map(|row| Object(&names, row)))
+    }
+}
+
+/// A row with the names of its fields.
+struct Object<'a>(&'a [String], &'a [Field]);
+
+impl Serialize for Object<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().zip(self.1))
     }
 }
 

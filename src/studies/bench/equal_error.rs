@@ -6,7 +6,6 @@
 
 use serde::Serialize;
 
-use super::scene::Level;
 use super::work::Row;
 use crate::backend::Setting;
 use crate::studies::methods::{METHODS, Method};
@@ -58,13 +57,12 @@ fn at_level(scene: &str, error: f64, rows: &[Row]) -> Vec<EqualError> {
     let rapier = rapier.min_by(f64::total_cmp);
     let line = |(method, row): &(&Method, Option<&Row>)| {
         let cpu_s = row.and_then(time);
-        let level = row.map(|row| row.level);
         EqualError {
             scene: scene.to_owned(),
             error,
             method: method.name.to_owned(),
-            step_s: level.and_then(|level| if let Level::Step(step) = level { Some(step) } else { None }),
-            tolerance_m: level.and_then(|level| if let Level::Tolerance(tolerance) = level { Some(tolerance) } else { None }),
+            step_s: row.and_then(|row| row.level.step()),
+            tolerance_m: row.and_then(|row| row.level.tolerance()),
             cpu_s,
             over_rapier: cpu_s.zip(rapier).map(|(own, rapier)| own / rapier),
         }
@@ -74,6 +72,7 @@ fn at_level(scene: &str, error: f64, rows: &[Row]) -> Vec<EqualError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scene::Level;
     use super::super::work::Ending;
     use super::*;
 
@@ -93,8 +92,7 @@ mod tests {
     }
 
     fn steps(rows: &[Row], error: f64) -> Option<f64> {
-        let row = cheapest(&rows.iter().collect::<Vec<_>>(), error)?;
-        if let Level::Step(step) = row.level { Some(step) } else { None }
+        cheapest(&rows.iter().collect::<Vec<_>>(), error)?.level.step()
     }
 
     #[test]

@@ -2,8 +2,7 @@
 
 use crate::output::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{COLUMN_WIDTH, PANEL_HEIGHT, WORK_HEIGHT, grid};
-use crate::studies::bench::SceneFacts;
-use crate::studies::bench::report::{BenchLine, GrowthLine};
+use crate::studies::bench::{Ending, GrowthPoint, Quantity, Row, SceneFacts};
 use crate::studies::methods::METHODS;
 
 /// Errors below this fraction of the path length are rounding, and are drawn there (1).
@@ -18,15 +17,15 @@ const SHARED: [&str; 2] = ["quasi-static", "inertial midpoint"];
 /// Error against CPU time of the settings in one scene (both logarithmic): exact methods, and the
 /// engine's variants beside two of them, over the same axes. What took longer than `budget` (s) is
 /// drawn there.
-pub fn work_precision_figure(facts: &SceneFacts, lines: &[BenchLine], budget: f64) -> String {
-    let lines: Vec<&BenchLine> = lines.iter().filter(|line| line.scene == facts.scene).collect();
+pub fn work_precision_figure(facts: &SceneFacts, rows: &[Row], budget: f64) -> String {
+    let rows: Vec<&Row> = rows.iter().filter(|row| row.scene == facts.scene).collect();
     let is_engine = |method: &str| method.starts_with("rapier");
     let exact = |method: &str| !is_engine(method);
     let engine = |method: &str| is_engine(method) || SHARED.contains(&method);
-    let room = lines.iter().filter_map(|line| point(line, budget)).collect::<Vec<_>>();
-    let panels = [panel(&lines, &exact, budget, &room), panel(&lines, &engine, budget, &room)];
+    let room = rows.iter().filter_map(|row| point(row, budget)).collect::<Vec<_>>();
+    let panels = [panel(&rows, &exact, budget, &room), panel(&rows, &engine, budget, &room)];
     let entries = |of: &dyn Fn(&str) -> bool| {
-        let shown = METHODS.iter().map(|method| method.name).filter(|name| of(name) && lines.iter().any(|line| line.method == *name));
+        let shown = METHODS.iter().map(|method| method.name).filter(|name| of(name) && rows.iter().any(|row| row.method == *name));
         shown.map(|name| Entry::line(name, style(name))).collect::<Vec<Entry>>()
     };
     let failures = Entry::line("crosses: not converged, no answer, or too long", FAILURE);
@@ -34,19 +33,23 @@ pub fn work_precision_figure(facts: &SceneFacts, lines: &[BenchLine], budget: f6
     grid(&panels, &legends, 2, COLUMN_WIDTH, WORK_HEIGHT)
 }
 
-fn panel(lines: &[&BenchLine], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[f64; 2]]) -> Panel {
+fn panel(rows: &[&Row], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[f64; 2]]) -> Panel {
     let mut panel = Panel::new("CPU time (s)", "largest error / path length (1)", Scale::LogLog);
     panel.add(room.to_vec(), FAILURE, Shape::Unseen);
     for method in METHODS.iter().filter(|method| of(method.name)) {
-        let own = || lines.iter().filter(|line| line.method == method.name);
-        let points: Vec<[f64; 2]> = own().filter(|line| line.error_max_share.is_some()).filter_map(|line| point(line, budget)).collect();
-        let failures: Vec<[f64; 2]> = own().filter(|line| line.cause.is_some()).filter_map(|line| point(line, budget)).collect();
-        panel.add(points, style(method.name), Shape::Marked);
-        panel.add(failures, style(method.name), Shape::Crosses);
+        let own = |is_shown: fn(&Row) -> bool| {
+            let own = rows.iter().filter(|row| row.method == method.name && is_shown(row));
+            own.filter_map(|row| point(row, budget)).collect()
+        };
+        panel.add(own(|row| row.share.is_some()), style(method.name), Shape::Marked);
+        panel.add(own(|row| row.ending != Ending::Converged), style(method.name), Shape::Crosses);
     }
-    let n_failures =
-        |word: &str| lines.iter().filter(|line| of(&line.method) && line.cause.as_ref().is_some_and(|cause| cause.contains(word))).count();
-    let counts = [(n_failures("longer"), "too long"), (n_failures("converge"), "not converged"), (n_failures("no finite"), "failed")];
+    let n = |is_counted: fn(&Row) -> bool| rows.iter().filter(|row| of(&row.method) && is_counted(row)).count();
+    let counts = [
+        (n(|row| !row.is_answered()), "too long"),
+        (n(|row| row.ending == Ending::NotConverged), "not converged"),
+        (n(|row| row.ending == Ending::Failed), "failed"),
+    ];
     let notes: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
     panel.note = (!notes.is_empty()).then(|| notes.join(", "));
     panel
@@ -54,11 +57,10 @@ fn panel(lines: &[&BenchLine], of: &dyn Fn(&str) -> bool, budget: f64, room: &[[
 
 /// CPU time and error of a setting, the budget and no error where it was too long; `None` of what
 /// was never tried.
-fn point(line: &BenchLine, budget: f64) -> Option<[f64; 2]> {
-    if line.cause.as_ref().is_some_and(|cause| cause.starts_with("left out")) {
-        return None;
-    }
-    Some([line.cpu_min_s.unwrap_or(0.8 * budget), line.error_max_share.map_or(NO_ERROR, |error| error.max(LEAST_ERROR))])
+fn point(row: &Row, budget: f64) -> Option<[f64; 2]> {
+    let time = row.timing().map_or(0.8 * budget, |timing| timing.min_s);
+    let is_tried = !matches!(row.ending, Ending::LeftOut(_));
+    is_tried.then(|| [time, row.share.map_or(NO_ERROR, |error| error.max(LEAST_ERROR))])
 }
 
 const FAILURE: Style = Style { color: "#666666", dash: "1 3", width: 1.0 };
@@ -88,19 +90,19 @@ fn style(method: &str) -> Style {
 
 /// Cost of a step, or of a tick of ants, against the size of a scene (both logarithmic): a panel a
 /// quantity, a curve a backend.
-pub fn growth_figure(lines: &[GrowthLine]) -> String {
-    let of_quantity = |lines: &[GrowthLine]| {
-        let quantity = lines[0].quantity;
-        let cost = if quantity == "ants" { "CPU time of a tick (s)" } else { "CPU time of a step (s)" };
-        let mut panel = Panel::new(&format!("number of {quantity}"), cost, Scale::LogLog);
-        for curve in lines.chunk_by(|one, next| one.backend == next.backend) {
-            let points = curve.iter().filter_map(|line| Some([line.n as f64, line.cpu_min_s?])).collect();
-            panel.add(points, backend_style(curve[0].backend), Shape::Marked);
+pub fn growth_figure(points: &[GrowthPoint]) -> String {
+    let of_quantity = |points: &[GrowthPoint]| {
+        let quantity = points[0].quantity;
+        let cost = if quantity == Quantity::Ants { "CPU time of a tick (s)" } else { "CPU time of a step (s)" };
+        let mut panel = Panel::new(&format!("number of {}", quantity.name()), cost, Scale::LogLog);
+        for curve in points.chunk_by(|one, next| one.backend == next.backend) {
+            let costs = curve.iter().filter_map(|point| Some([point.n as f64, point.timing()?.min_s])).collect();
+            panel.add(costs, backend_style(curve[0].backend.name()), Shape::Marked);
         }
         panel
     };
-    let panels: Vec<Panel> = lines.chunk_by(|one, next| one.quantity == next.quantity).map(of_quantity).collect();
-    let mut backends: Vec<&str> = lines.iter().map(|line| line.backend).collect();
+    let panels: Vec<Panel> = points.chunk_by(|one, next| one.quantity == next.quantity).map(of_quantity).collect();
+    let mut backends: Vec<&str> = points.iter().map(|point| point.backend.name()).collect();
     backends.sort_unstable();
     backends.dedup();
     let legend = backends.into_iter().map(|backend| Entry::line(backend, backend_style(backend))).collect();

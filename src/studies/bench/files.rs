@@ -2,12 +2,10 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
-use crate::output::table::write_rows;
+use crate::output::table::{Table, write_rows};
 use crate::studies::bench::figure;
 use crate::studies::bench::page::bench_page;
 use crate::studies::bench::report::Benchmark;
@@ -22,23 +20,25 @@ pub fn write_benchmark(target: &Path, found: &Benchmark, manifest: &Manifest) ->
     folder.write(REPORT, |out| out.write_all(bench_page(found, manifest).to_html().as_bytes()))?;
     folder.write_json("bench.json", found)?;
     write_table(&mut folder, "bench.csv", &found.rows)?;
-    write_table(&mut folder, "equal-error.csv", &found.equal_error)?;
+    if !found.equal_error.is_empty() {
+        folder.write("equal-error.csv", |out| write_rows(&found.equal_error, out))?;
+    }
     write_table(&mut folder, "solvers.csv", &found.solvers)?;
     write_table(&mut folder, "growth.csv", &found.growth)?;
     write_table(&mut folder, "fits.csv", &found.fits)?;
     for facts in &found.scenes {
-        let figure = figure::work_precision_figure(facts, &found.rows, found.effort.budget_s);
+        let figure = figure::work_precision_figure(facts, &found.measured.rows, found.effort.budget_s);
         folder.write(&format!("work-precision-{}.svg", facts.scene), |out| out.write_all(figure.as_bytes()))?;
     }
-    if !found.growth.is_empty() {
-        folder.write("growth.svg", |out| out.write_all(figure::growth_figure(&found.growth).as_bytes()))?;
+    if !found.measured.growth.is_empty() {
+        folder.write("growth.svg", |out| out.write_all(figure::growth_figure(&found.measured.growth).as_bytes()))?;
     }
     folder.finish(manifest)
 }
 
-fn write_table<T: Serialize>(folder: &mut OutputFolder, name: &str, lines: &[T]) -> Result<(), FolderError> {
-    if lines.is_empty() {
+fn write_table(folder: &mut OutputFolder, name: &str, table: &Table) -> Result<(), FolderError> {
+    if table.rows.is_empty() {
         return Ok(());
     }
-    folder.write(name, |out| write_rows(lines, out))
+    folder.write(name, |out| table.write_csv(out))
 }

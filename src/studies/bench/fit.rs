@@ -1,10 +1,8 @@
 //! Power laws and lines through costs, by least squares of relative deviations: a cost of a
 //! thousand springs is no better known than that of one.
 
-use serde::Serialize;
-
 /// y = factor n^exponent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
     pub factor: f64,
     pub exponent: f64,
@@ -13,7 +11,7 @@ pub struct PowerLaw {
 }
 
 /// y = offset + slope n.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     pub offset: f64,
     pub slope: f64,

@@ -20,6 +20,16 @@ pub enum Level {
 }
 
 impl Level {
+    /// (s)
+    pub fn step(self) -> Option<f64> {
+        if let Level::Step(step) = self { Some(step) } else { None }
+    }
+
+    /// (m)
+    pub fn tolerance(self) -> Option<f64> {
+        if let Level::Tolerance(tolerance) = self { Some(tolerance) } else { None }
+    }
+
     /// Options of `method` at this step, or this tolerance on the edge of `load`.
     pub fn options(self, method: &Method, load: &Load) -> BackendOptions {
         match self {
@@ -138,6 +148,17 @@ impl Scene {
             quasi_static_reference_error_m: quasi_static.as_ref().map(|reference| reference.reference_error),
             inertial_reference: inertial.source.clone(),
             inertial_reference_error_m: inertial.reference_error,
+        }
+    }
+}
+
+impl SceneFacts {
+    /// Source and error (m) of the reference for methods of this kind.
+    pub fn reference(&self, kind: BackendKind) -> (Option<&str>, Option<f64>) {
+        if kind.has_inertia() {
+            (Some(&self.inertial_reference), Some(self.inertial_reference_error_m))
+        } else {
+            (self.quasi_static_reference.as_deref(), self.quasi_static_reference_error_m)
         }
     }
 }

@@ -98,6 +98,12 @@ impl SolverRow {
     pub fn timing(&self) -> Option<Timing> {
         Timing::of(&self.seconds)
     }
+
+    /// Least time over that of the exact solver on the same problems, among `rows` (1).
+    pub fn over_exact(&self, rows: &[SolverRow]) -> Option<f64> {
+        let exact = rows.iter().find(|other| other.sequence == self.sequence && other.solver == Solver::Exact)?;
+        Some(self.timing()?.min_s / exact.timing()?.min_s)
+    }
 }
 
 /// Solves all problems in turn; `see` gets each with its increment, and its friction resistances if

@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
-use crate::studies::bench::report::{Benchmark, FitLine};
-use crate::studies::bench::{EqualError, SceneFacts};
+use crate::studies::bench::report::Benchmark;
+use crate::studies::bench::{Ending, EqualError, Fit, SceneFacts, SolverRow, fits};
 use crate::studies::methods::METHODS;
 
 /// Everything that people read; all settings are in the tables.
@@ -16,8 +16,8 @@ pub fn bench_text(found: &Benchmark) -> String {
         text.push_str(&scene_text(facts, found));
     }
     text.push_str(&solvers_text(found));
-    text.push_str(&growth_text(&found.fits));
-    if found.rows.iter().any(|row| row.method.starts_with("rapier")) {
+    text.push_str(&growth_text(&fits(&found.measured.growth)));
+    if found.measured.rows.iter().any(|row| row.method.starts_with("rapier")) {
         text.push_str(ENGINE_SETTINGS);
     }
     text.push_str(&trust_text(found));
@@ -30,53 +30,64 @@ rapier engine defaults: four substeps with one sweep each, friction in boxes, co
 all other variants of rapier: one substep with 24 or 48 sweeps, contacts rigid and found in every step
 ";
 
-/// Levels of error to the right, methods downwards; in each cell CPU time and, in brackets, what
-/// that is over the best rapier variant.
 fn scene_text(facts: &SceneFacts, found: &Benchmark) -> String {
-    let lines: Vec<&EqualError> = found.equal_error.iter().filter(|line| line.scene == facts.scene).collect();
-    let methods = METHODS.iter().map(|method| method.name).filter(|name| lines.iter().any(|line| line.method == *name));
-    let mut levels: Vec<f64> = lines.iter().filter(|line| line.cpu_s.is_some()).map(|line| line.error).collect();
-    levels.dedup();
     let inertia = facts.inertia_effect_m.map_or(String::new(), |apart| format!(", inertia effect {}", quantity(apart, "m")));
     let mut text = format!("{}: path length {}{inertia}\n", facts.scene, quantity(facts.path_length_m, "m"));
-    let heads = levels.iter().map(|level| format!("{level:.0e}"));
-    let mut table = Table::new("", ["error / path length".to_owned()].into_iter().chain(heads));
-    for method in methods {
-        let cell = |level: &f64| {
-            let line = lines.iter().find(|line| line.error == *level && line.method == method);
-            line.and_then(|line| line.cpu_s.map(|cpu| (cpu, line.over_rapier)))
-                .map_or("-".to_owned(), |(cpu, ratio)| quantity(cpu, "s") + &ratio.map_or(String::new(), |ratio| format!(" ({ratio:.3})")))
-        };
-        table.push([method.to_owned()].into_iter().chain(levels.iter().map(cell)));
-    }
-    text.push_str(&table.text());
-    let failures = found.rows.iter().filter(|row| row.scene == facts.scene && row.cause.is_some()).count();
+    text.push_str(&equal_error_table(facts, found, "error / path length", "-", |ratio| format!("{ratio:.3}")).text());
+    let failures = found.measured.rows.iter().filter(|row| row.scene == facts.scene && row.ending != Ending::Converged).count();
     if failures > 0 {
         writeln!(text, "  {failures} settings failed or took too long; bench.csv says why").expect("a string takes all");
     }
     text
 }
 
+/// Levels of error to the right, methods downwards; in each cell CPU time and, in brackets, what
+/// that is over the best rapier variant.
+pub fn equal_error_table(facts: &SceneFacts, found: &Benchmark, head: &str, missing: &str, shown: impl Fn(f64) -> String) -> Table {
+    let lines: Vec<&EqualError> = found.equal_error.iter().filter(|line| line.scene == facts.scene).collect();
+    let mut levels: Vec<f64> = lines.iter().filter(|line| line.cpu_s.is_some()).map(|line| line.error).collect();
+    levels.dedup();
+    let heads = levels.iter().map(|level| format!("{level:.0e}"));
+    let mut table = Table::new("", [head.to_owned()].into_iter().chain(heads));
+    for method in METHODS.iter().map(|method| method.name).filter(|name| lines.iter().any(|line| line.method == *name)) {
+        let cell = |level: &f64| {
+            let line = lines.iter().find(|line| line.error == *level && line.method == method)?;
+            let ratio = line.over_rapier.map_or(String::new(), |ratio| format!(" ({})", shown(ratio)));
+            line.cpu_s.map(|cpu| quantity(cpu, "s") + &ratio)
+        };
+        let cells = levels.iter().map(|level| cell(level).unwrap_or_else(|| missing.to_owned()));
+        table.push([method.to_owned()].into_iter().chain(cells));
+    }
+    table
+}
+
 fn solvers_text(found: &Benchmark) -> String {
-    if found.solvers.is_empty() {
+    if found.measured.solvers.is_empty() {
         return String::new();
     }
-    let mut table = Table::new("", ["problems", "solver", "number", "time each", "over exact", "median residual", "largest"]);
-    for line in &found.solvers {
-        table.push([
-            line.problems.to_owned(),
-            line.solver.to_owned(),
-            line.n_problems.to_string(),
-            line.cpu_min_s.map_or("-".to_owned(), |cpu| quantity(cpu, "s")),
-            line.over_exact.map_or("-".to_owned(), |ratio| format!("{ratio:.1}")),
-            number(line.residual_median),
-            number(line.residual_max),
-        ]);
-    }
+    let table = solver_table(found, ["median residual", "largest"], "-", |ratio| format!("{ratio:.1}"));
     format!("solvers on the friction problems of four ants on four springs\n{}", table.text())
 }
 
-fn growth_text(fits: &[FitLine]) -> String {
+/// A solver a row; `residuals` are the heads of the last columns.
+pub fn solver_table(found: &Benchmark, residuals: [&str; 2], missing: &str, shown: impl Fn(f64) -> String) -> Table {
+    let rows = &found.measured.solvers;
+    let cells = |row: &SolverRow| {
+        [
+            row.sequence.name().to_owned(),
+            row.solver.name().to_owned(),
+            row.n_problems.to_string(),
+            row.timing().map_or(missing.to_owned(), |timing| quantity(timing.min_s, "s")),
+            row.over_exact(rows).map_or(missing.to_owned(), &shown),
+            number(row.residual_median),
+            number(row.residual_max),
+        ]
+    };
+    let head = ["problems", "solver", "number", "time each", "over exact"].into_iter().chain(residuals);
+    Table::new("", head).with_rows(rows.iter().map(cells))
+}
+
+fn growth_text(fits: &[Fit]) -> String {
     if fits.is_empty() {
         return String::new();
     }
@@ -85,12 +96,13 @@ fn growth_text(fits: &[FitLine]) -> String {
     };
     let mut table = Table::new("", ["number of", "backend", "exponent", "cost of one more", "constant cost"]);
     for fit in fits {
+        let (law, line) = (fit.power_law, fit.line);
         table.push([
-            fit.quantity.to_owned(),
-            fit.backend.to_owned(),
-            with_error(fit.exponent, fit.exponent_error, &|value| format!("{value:.3}")),
-            with_error(fit.slope_s, fit.slope_error_s, &|value| quantity(value, "s")),
-            fit.offset_s.map_or("-".to_owned(), |offset| quantity(offset, "s")),
+            fit.quantity.name().to_owned(),
+            fit.backend.name().to_owned(),
+            with_error(law.map(|law| law.exponent), law.and_then(|law| law.exponent_error), &|value| format!("{value:.3}")),
+            with_error(line.map(|line| line.slope), line.and_then(|line| line.slope_error), &|value| quantity(value, "s")),
+            line.map_or("-".to_owned(), |line| quantity(line.offset, "s")),
         ]);
     }
     format!("growth of the CPU time of a step, or of a control tick with ants\n{}", table.text())

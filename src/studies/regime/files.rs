@@ -6,11 +6,10 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::quantity::quantity;
-use crate::output::table::write_rows;
 use crate::studies::regime::figure::{disagreement, scene_map};
 use crate::studies::regime::page::regime_page;
 use crate::studies::regime::readme::readme;
-use crate::studies::regime::report::{CellLine, Regime};
+use crate::studies::regime::report::{Regime, table};
 use crate::studies::regime::tables;
 
 /// Text of the tables: panels, measurement over theory, and the rule of thumb.
@@ -34,7 +33,7 @@ pub fn regime_text(found: &Regime) -> String {
 /// When the folder may not be written, or the disk fails.
 pub fn write_regime(target: &Path, found: &Regime, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("regime.csv", |out| write_rows(found.cells.iter().map(CellLine::of), out))?;
+    folder.write("regime.csv", |out| table(&found.cells).write_csv(out))?;
     let maps = found.grids.iter().map(|grid| (grid.scene.name().to_owned(), scene_map(grid, &found.cells)));
     let disagreement = ("disagreement".to_owned(), disagreement(&found.grids, &found.cells));
     let figures: Vec<(String, String)> = maps.chain([disagreement]).collect();

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::output::quantity::{number, quantity};
 use crate::output::table::Table;
 use crate::output::text::wrapped_markdown;
-use crate::studies::regime::report::{CellLine, Regime};
+use crate::studies::regime::report::Regime;
 use crate::studies::regime::tables;
 use crate::studies::regime::{Cause, Cell, Law};
 use crate::studies::variants;
@@ -112,10 +112,11 @@ fn paper(found: &Regime) -> String {
     let plain = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| format!("{ratio:.3}"));
     let expected = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| format!(" ({ratio:.3})"));
     let mut table = Table::new("", ["scene", "Phi", "epsilon", "distance", "displacement"]);
-    for CellLine { scene, phi, epsilon, distance_ratio, displacement_ratio, predicted_displacement_ratio, .. } in &found.paper {
-        let predicted = predicted_displacement_ratio.filter(|_| distance_ratio.is_some());
-        let displacement = plain(*displacement_ratio) + &expected(predicted);
-        table.push([scene.name().to_owned(), phi.to_string(), format!("{epsilon:.4}"), percent(*distance_ratio), displacement]);
+    for cell in &found.paper {
+        let (phi, epsilon, distance) = (cell.phi, cell.epsilon, cell.distance_ratio());
+        let predicted = cell.predicted_displacement_ratio().filter(|_| distance.is_some());
+        let displacement = plain(cell.displacement_ratio()) + &expected(predicted);
+        table.push([cell.scene.name().to_owned(), phi.to_string(), format!("{epsilon:.4}"), percent(distance), displacement]);
     }
     format!("## Where the paper's ants work\n\nUndamped; displacement by theory in brackets.\n\n{}", table.markdown())
 }

@@ -1,7 +1,8 @@
 //! Results of the regime map as numbers, for `--json`, the tables and the files.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
+use crate::output::table::Table;
 use crate::studies::regime::theory::{EPSILON_MAX, PHI_MIN, ZETA_MIN};
 use crate::studies::regime::{Cell, Grid, Law, LawOutcome, RELATIVE_TOLERANCE, Scene};
 
@@ -19,7 +20,8 @@ pub struct Regime {
     pub laws: Vec<LawOutcome>,
     pub rule: Vec<RuleLine>,
     /// Where the paper's ants work.
-    pub paper: Vec<CellLine>,
+    #[serde(serialize_with = "as_table")]
+    pub paper: Vec<Cell>,
     #[serde(skip)]
     pub grids: Vec<Grid>,
     /// Cells of the maps, in the order of the grids.
@@ -56,30 +58,6 @@ pub struct RuleLine {
     pub n_not_valid_and_differ: usize,
 }
 
-/// A row of `regime.csv`; empty fields where there is no number.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CellLine {
-    pub scene: Scene,
-    pub zeta: f64,
-    pub phi: f64,
-    pub epsilon: f64,
-    pub distance_ratio: Option<f64>,
-    pub reference_error_ratio: Option<f64>,
-    pub displacement_ratio: Option<f64>,
-    pub predicted_distance_ratio: Option<f64>,
-    pub predicted_displacement_ratio: Option<f64>,
-    pub path_length_m: f64,
-    pub distance_m: f64,
-    pub reference_error_m: f64,
-    pub turn_share: f64,
-    pub jump_m: f64,
-    pub displacement_quasi_static_m: f64,
-    pub displacement_inertial_m: f64,
-    pub end_speed_m_per_s: f64,
-    pub is_conclusive: bool,
-    pub is_converged: bool,
-}
-
 /// Whether quasi-static is valid in this cell by the rule of thumb.
 pub fn is_valid_by_rule(cell: &Cell) -> bool {
     cell.epsilon <= EPSILON_MAX && cell.phi >= PHI_MIN && cell.zeta >= ZETA_MIN
@@ -87,7 +65,7 @@ pub fn is_valid_by_rule(cell: &Cell) -> bool {
 
 impl Regime {
     /// Results for the `cells` of `grids` and the cells at the paper's points, in their order.
-    pub fn new(grids: &[Grid], cells: Vec<Cell>, paper: &[Cell], quick: bool, wall_s: f64) -> Self {
+    pub fn new(grids: &[Grid], cells: Vec<Cell>, paper: Vec<Cell>, quick: bool, wall_s: f64) -> Self {
         let laws = LawOutcome::all(&cells);
         let is_exact = |outcome: &&LawOutcome| matches!(outcome.law, Law::Excursion | Law::ReleaseInFull);
         Self {
@@ -99,7 +77,7 @@ impl Regime {
             maps: grids.iter().flat_map(|grid| grid.zetas.iter().map(|zeta| MapLine::of(grid.scene, *zeta, &cells))).collect(),
             laws,
             rule: grids.iter().map(|grid| RuleLine::of(grid.scene, &cells)).collect(),
-            paper: paper.iter().map(CellLine::of).collect(),
+            paper,
             grids: grids.to_vec(),
             cells,
         }
@@ -141,29 +119,35 @@ impl RuleLine {
     }
 }
 
-impl CellLine {
-    pub(super) fn of(cell: &Cell) -> Self {
-        let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
-        Self {
-            scene: cell.scene,
-            zeta: cell.zeta,
-            phi: cell.phi,
-            epsilon: cell.epsilon,
-            distance_ratio: finite(cell.distance_ratio()),
-            reference_error_ratio: finite(cell.reference_error_ratio()),
-            displacement_ratio: finite(cell.displacement_ratio()),
-            predicted_distance_ratio: finite(cell.predicted_distance_ratio()),
-            predicted_displacement_ratio: finite(cell.predicted_displacement_ratio()),
-            path_length_m: cell.path_length_m,
-            distance_m: cell.distance_m,
-            reference_error_m: cell.reference_error_m,
-            turn_share: cell.turn_share,
-            jump_m: cell.jump_m,
-            displacement_quasi_static_m: cell.displacement_quasi_static_m,
-            displacement_inertial_m: cell.displacement_inertial_m,
-            end_speed_m_per_s: cell.end_speed_m_per_s,
-            is_conclusive: cell.is_conclusive(),
-            is_converged: cell.is_converged,
-        }
-    }
+fn as_table<S: Serializer>(cells: &[Cell], serializer: S) -> Result<S::Ok, S::Error> {
+    table(cells).serialize(serializer)
+}
+
+/// Columns of `regime.csv`; empty fields, in JSON `null`, where there is no number.
+pub(super) fn table(cells: &[Cell]) -> Table {
+    let finite = |value: Option<f64>| value.filter(|value| value.is_finite()).into();
+    Table::of(
+        cells,
+        &[
+            ("scene", "", &|cell| cell.scene.name().into()),
+            ("zeta", "", &|cell| cell.zeta.into()),
+            ("phi", "", &|cell| cell.phi.into()),
+            ("epsilon", "", &|cell| cell.epsilon.into()),
+            ("distance ratio", "", &|cell| finite(cell.distance_ratio())),
+            ("reference error ratio", "", &|cell| finite(cell.reference_error_ratio())),
+            ("displacement ratio", "", &|cell| finite(cell.displacement_ratio())),
+            ("predicted distance ratio", "", &|cell| finite(cell.predicted_distance_ratio())),
+            ("predicted displacement ratio", "", &|cell| finite(cell.predicted_displacement_ratio())),
+            ("path length", "m", &|cell| cell.path_length_m.into()),
+            ("distance", "m", &|cell| cell.distance_m.into()),
+            ("reference error", "m", &|cell| cell.reference_error_m.into()),
+            ("turn share", "", &|cell| cell.turn_share.into()),
+            ("jump", "m", &|cell| cell.jump_m.into()),
+            ("displacement quasi static", "m", &|cell| cell.displacement_quasi_static_m.into()),
+            ("displacement inertial", "m", &|cell| cell.displacement_inertial_m.into()),
+            ("end speed", "m/s", &|cell| cell.end_speed_m_per_s.into()),
+            ("is conclusive", "", &|cell| cell.is_conclusive().into()),
+            ("is converged", "", &|cell| cell.is_converged.into()),
+        ],
+    )
 }

@@ -171,6 +171,14 @@ impl Plan {
 }
 
 impl Expected {
+    pub fn name(self) -> &'static str {
+        match self {
+            Expected::Order(_) => "order",
+            Expected::Within(_) => "within",
+            Expected::Exact => "exact",
+        }
+    }
+
     /// Power of the step with which a bound falls.
     pub fn power(self) -> f64 {
         match self {

@@ -50,6 +50,13 @@ pub enum Outcome {
     Shown,
 }
 
+impl Outcome {
+    /// What is wrong with a row that misses.
+    pub fn missed(&self) -> Option<&str> {
+        if let Outcome::Misses(why) = self { Some(why) } else { None }
+    }
+}
+
 /// How far a measured order may lie from the expected one: at these steps the next term of the
 /// error's series is a few hundredths of the first, or an event falls elsewhere within its step.
 const ORDER_TOLERANCE: f64 = 0.15;
