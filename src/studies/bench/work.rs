@@ -3,13 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Timing, time_of};
-use super::reference::Reference;
+use super::reference::{Reference, finished};
 use super::scene::{Level, Scene};
-use crate::backend::{BackendOptions, Status};
-use crate::simulation::{Keep, Simulation};
+use crate::backend::Status;
+use crate::simulation::Keep;
 use crate::studies::methods::Method;
 
-/// Result of one setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     pub scene: String,
@@ -27,7 +26,6 @@ pub struct Row {
     pub seconds: Vec<f64>,
 }
 
-/// How a setting ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind", content = "budget_s")]
 pub enum Ending {
@@ -88,8 +86,8 @@ impl Row {
         Self::unanswered(scene, method, level, Ending::LeftOut(budget))
     }
 
-    /// Runs the setting once for its error, for `budget` (s) of CPU time at most. `watch` as in
-    /// [`Simulation::run`], with the share done (1); `None` when it said to stop.
+    /// Runs the setting once for its error, for `budget` (s) of CPU time at most. `watch`
+    /// receives the share done (1) and returns whether to continue; `None` when it said to stop.
     pub fn measure(
         scene: &Scene,
         method: &Method,
@@ -100,7 +98,7 @@ impl Row {
     ) -> Option<Self> {
         let scenario = &scene.scenario;
         let (clock, mut is_asked_to_stop) = (Clock::start(), false);
-        let run = finished(scene, &level.options(method, &scenario.system.load), Keep::Trace, |time| {
+        let run = finished(scenario, &level.options(method, &scenario.system.load), Keep::Trace, |time| {
             is_asked_to_stop = !watch(time / scenario.duration);
             !is_asked_to_stop && clock.seconds() < budget
         });
@@ -137,14 +135,6 @@ impl Row {
     /// run, because that would take time too.
     pub fn time(&self, scene: &Scene) -> f64 {
         let options = self.level.options(&self.method(), &scene.scenario.system.load);
-        time_of(|| drop(finished(scene, &options, Keep::Outcome, |_| true)))
+        time_of(|| drop(finished(&scene.scenario, &options, Keep::Outcome, |_| true)))
     }
-}
-
-/// A run to its end; `None` when `watch` stopped it.
-fn finished<'a>(scene: &'a Scene, options: &BackendOptions, keep: Keep, watch: impl FnMut(f64) -> bool) -> Option<Simulation<'a>> {
-    let start = |options: &BackendOptions| Simulation::new(&scene.scenario, options, keep);
-    let mut run = start(options);
-    run.run_to_tolerance(start, watch);
-    run.is_finished().then_some(run)
 }

@@ -15,7 +15,6 @@ pub const RELEASE: &str = "release";
 const IN_ROOT: std::ops::Range<usize> = 2..4;
 const IN_WORLD: std::ops::Range<usize> = 4..9;
 
-/// Position of a tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tip {
     /// From the root, x along the undeformed spring (m).
@@ -43,30 +42,20 @@ pub struct Recording {
 const LONGEST: f64 = 100.0;
 
 impl Recording {
-    /// Whether any tip is in world axes.
     pub fn is_in_world(&self) -> bool {
         self.samples.iter().any(|sample| matches!(sample.tip, Tip::InWorld { .. }))
     }
 
-    /// Number of frames.
     pub fn n_frames(&self) -> usize {
         self.samples.chunk_by(|one, next| one.time == next.time).count()
     }
 
-    /// Reads a recording of `n_springs` springs, or of any number, with about this rest length (m).
+    /// Reads a recording of `n_springs` springs, or of any number, with about this rest length (m),
+    /// and the tips that were let go, in the order of time; `None` without a column for them.
     /// `file` is the name of the text in errors.
     ///
     /// # Errors
     /// When any row cannot be the position of a tip.
-    pub fn parse(text: &str, file: &str, n_springs: Option<usize>, rest_length: f64) -> Result<Self, ScenarioError> {
-        Self::with_releases(text, file, n_springs, rest_length).map(|(recording, _)| recording)
-    }
-
-    /// The same, and the tips that were let go, in the order of time; `None` without a column for
-    /// them.
-    ///
-    /// # Errors
-    /// As [`Recording::parse`].
     pub fn with_releases(
         text: &str,
         file: &str,
