@@ -71,35 +71,28 @@ const NO_COAST: f64 = 1e-12;
 impl Law {
     pub const ALL: [Law; 6] = [Law::Ramp, Law::UndampedExcursion, Law::Excursion, Law::Release, Law::ReleaseInFull, Law::Driving];
 
-    pub fn scene(self) -> Scene {
+    /// Its scene, its name, and its name in the title of a panel.
+    fn facts(self) -> (Scene, &'static str, &'static str) {
         match self {
-            Law::Ramp | Law::UndampedExcursion | Law::Excursion => Scene::Excursion,
-            Law::Release | Law::ReleaseInFull => Scene::TugOfWar,
-            Law::Driving => Scene::Haul,
+            Law::Ramp => (Scene::Excursion, "distance: epsilon f / k", "epsilon f / k"),
+            Law::UndampedExcursion => (Scene::Excursion, "displacement, undamped", "undamped law"),
+            Law::Excursion => (Scene::Excursion, "displacement, damped", "damped law"),
+            Law::Release => (Scene::TugOfWar, "displacement: release factor and excursion", "release law"),
+            Law::ReleaseInFull => (Scene::TugOfWar, "displacement, with coast, stop and wait", "release in full"),
+            Law::Driving => (Scene::Haul, "distance: 2 epsilon f / k", "2 epsilon f / k"),
         }
+    }
+
+    pub fn scene(self) -> Scene {
+        self.facts().0
     }
 
     pub fn name(self) -> &'static str {
-        match self {
-            Law::Ramp => "distance: epsilon f / k",
-            Law::UndampedExcursion => "displacement, undamped",
-            Law::Excursion => "displacement, damped",
-            Law::Release => "displacement: release factor and excursion",
-            Law::ReleaseInFull => "displacement, with coast, stop and wait",
-            Law::Driving => "distance: 2 epsilon f / k",
-        }
+        self.facts().1
     }
 
-    /// Name in the title of a panel.
     pub fn short_name(self) -> &'static str {
-        match self {
-            Law::Ramp => "epsilon f / k",
-            Law::UndampedExcursion => "undamped law",
-            Law::Excursion => "damped law",
-            Law::Release => "release law",
-            Law::ReleaseInFull => "release in full",
-            Law::Driving => "2 epsilon f / k",
-        }
+        self.facts().2
     }
 
     /// Whether the law predicts the displacement at the end. The other laws predict the largest
@@ -176,7 +169,6 @@ impl Cause {
         names::<Self>()[self as usize].replace('-', " ")
     }
 
-    /// Explanation of the cause.
     pub fn what(self) -> &'static str {
         match self {
             Cause::Dashpot => {
