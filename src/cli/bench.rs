@@ -87,7 +87,6 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What to measure.
 fn plan(args: &BenchArgs) -> Result<Plan, CliError> {
     if args.repeats == Some(0) {
         return Err(CliError::Usage("--repeats: must be at least 1, found 0".into()));

@@ -16,7 +16,6 @@ use crate::studies::journal::JournalError;
 use crate::studies::methods::{METHODS, Method};
 use crate::studies::runner::Records;
 
-/// What to measure.
 pub struct Plan {
     pub scenes: Vec<Scene>,
     pub effort: Effort,
@@ -25,7 +24,6 @@ pub struct Plan {
     pub growth: Option<Growth>,
 }
 
-/// How hard to try.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effort {
     /// Rounds of times.
@@ -36,7 +34,6 @@ pub struct Effort {
     pub quick: bool,
 }
 
-/// Everything that was found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     pub scenes: Vec<SceneFacts>,
@@ -45,13 +42,11 @@ pub struct Measured {
     pub growth: Vec<GrowthPoint>,
 }
 
-/// Why a benchmark ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
     /// The watch ended it.
     #[error("stopped")]
     Stopped,
-    /// A scene has no reference.
     #[error("{0}")]
     NoReference(String),
     #[error(transparent)]

@@ -11,7 +11,6 @@ pub const NOISY_SHARE: f64 = 0.1;
 /// own.
 const LEAST: f64 = 2e-3;
 
-/// Times of one piece of work.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timing {
     pub min_s: f64,

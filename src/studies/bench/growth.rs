@@ -18,7 +18,6 @@ use crate::simulation::{Keep, Simulation};
 use crate::studies::variants;
 use crate::studies::verify::scenes::{GRAVITY, LOAD_RADIUS, MASS, SUPPORT_RADIUS, paper_springs, paper_system};
 
-/// Quantity that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -34,7 +33,6 @@ pub enum Quantity {
     Ants,
 }
 
-/// Cost at one size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GrowthPoint {
     pub quantity: Quantity,
@@ -44,7 +42,6 @@ pub struct GrowthPoint {
     pub seconds: Vec<f64>,
 }
 
-/// How a cost grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     pub quantity: Quantity,
@@ -216,7 +213,6 @@ fn ticks(scenario: &Scenario, n_ants: usize, n_ticks: u64) -> f64 {
     clock.seconds() / n_ticks as f64
 }
 
-/// Fits of all curves among the points.
 pub fn fits(points: &[GrowthPoint]) -> Vec<Fit> {
     let of_curve = |curve: &[GrowthPoint]| {
         let timed: Vec<[f64; 2]> = curve.iter().filter_map(|point| Some([point.n as f64, point.timing()?.min_s])).collect();

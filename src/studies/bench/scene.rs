@@ -9,7 +9,6 @@ use crate::model::Load;
 use crate::scenario::Scenario;
 use crate::studies::methods::Method;
 
-/// A step or a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
@@ -46,7 +45,6 @@ pub struct Scene {
     pub scenario: Scenario,
 }
 
-/// Properties of a scene and of its references.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneFacts {
     pub scene: String,

@@ -23,7 +23,6 @@ pub struct SolverRow {
     pub seconds: Vec<f64>,
 }
 
-/// Which problems.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sequence {
@@ -33,7 +32,6 @@ pub enum Sequence {
     Moving,
 }
 
-/// How they are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {

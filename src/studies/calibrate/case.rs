@@ -71,7 +71,6 @@ impl Case {
         if self.is_radial() { at } else { at / design.rest_length() }
     }
 
-    /// Unit of the displacement.
     pub fn unit(self) -> &'static str {
         if self.is_radial() { "m" } else { "rad" }
     }

@@ -19,7 +19,6 @@ use super::dimensions::Dimensions;
 use crate::math::bisected;
 use crate::model::SpringDesign;
 
-/// Wanted stiffnesses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Target {
     /// kappa_rho as the secant stiffness at [`Target::at_stretch_m`].
@@ -67,7 +66,6 @@ impl Default for Limits {
     }
 }
 
-/// A spring and its stiffnesses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Made {
     pub dimensions: Dimensions,

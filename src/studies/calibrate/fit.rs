@@ -26,10 +26,8 @@ pub struct Ranges {
     pub swing: Option<[f64; 2]>,
 }
 
-/// All fitted numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Calibration {
-    /// Confidence of all intervals.
     pub confidence: f64,
     pub dimensions: Dimensions,
     /// Young's modulus over all trials of all cases.

@@ -8,7 +8,6 @@ use super::dimensions::Dimensions;
 use super::table::Table;
 use crate::scenario::ScenarioError;
 
-/// Columns of a file of measurements.
 const COLUMNS: [&str; 6] = ["case", "trial", "displacement_m", "swing_rad", "force_n", "force_sd_n"];
 
 /// One reading.

@@ -33,7 +33,6 @@ pub struct Point {
     pub weight: f64,
 }
 
-/// Meaning of the weights of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weighting {
     /// Stated error bars.
@@ -42,7 +41,6 @@ pub enum Weighting {
     FromScatter,
 }
 
-/// The least-squares slope of one trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrialSlope {
     pub slope: f64,

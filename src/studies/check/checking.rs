@@ -16,7 +16,6 @@ use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
 use crate::simulation::{Keep, Outcome, Simulation, Trace};
 
-/// Verdict on one baseline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// Every quantity is within its tolerance.
@@ -53,7 +52,6 @@ pub struct Check {
     pub found: Baseline,
 }
 
-/// Settings of a check.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// Scenario that replaces the scenario of each baseline.

@@ -9,7 +9,6 @@ use crate::backend::Status;
 use crate::simulation::Trace;
 use crate::simulation::run_facts::{Kind, Run};
 
-/// Differences between a stored run and a new one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
     /// First instant at which a tolerance is exceeded; `null` when the runs agree up to the end.
@@ -41,7 +40,6 @@ pub struct Deviation {
     pub found: Vec<f64>,
 }
 
-/// First instant at which a tolerance is exceeded.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Divergence {
     pub time_s: f64,
@@ -84,7 +82,6 @@ pub struct Change<T> {
 }
 
 impl Difference {
-    /// Differences between a stored run and a new one.
     pub fn between(stored: &Record, trace: &Trace, run: &Run, tolerances: &Tolerances) -> Self {
         let ending = Ending::of(trace, run);
         let pairs: Vec<_> = stored.rows.iter().map_while(|row| Some((*row, row_at(&trace.rows, row[0])?))).collect();
@@ -112,7 +109,6 @@ impl Difference {
         !self.changes_kind() && self.deviations.iter().all(|deviation| deviation.difference == 0.0)
     }
 
-    /// Deviations that exceed their tolerances.
     pub fn beyond(&self) -> impl Iterator<Item = &Deviation> {
         self.deviations.iter().filter(|deviation| deviation.is_beyond())
     }
@@ -134,7 +130,6 @@ impl Deviation {
     }
 }
 
-/// Largest deviation of a measure on the path.
 fn on_path(measure: &Measure, pairs: &[(Row, Row)], tolerances: &Tolerances) -> Option<Deviation> {
     let apart = |(expected, found): &(Row, Row)| measure.apart(expected, found);
     // The earliest of equal ones.

@@ -85,7 +85,6 @@ impl Measure {
         self.columns.iter().map(|&column| row[column]).collect()
     }
 
-    /// Magnitude of the measure.
     pub fn size(&self, row: &Row) -> f64 {
         self.columns.iter().fold(0.0, |size: f64, &column| size.hypot(row[column]))
     }
@@ -96,7 +95,6 @@ impl Measure {
     }
 }
 
-/// Columns of a row of a trace.
 pub fn row_of(row: &simulation::Row) -> Row {
     let (pose, twist, energy) = (&row.motion.pose, &row.motion.twist, &row.energy);
     let net: Vec2 = row.tips.iter().map(|tip| tip.pull).sum();

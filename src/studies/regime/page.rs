@@ -5,7 +5,6 @@ use crate::output::page::{Answer, Block, Headline, Page};
 use crate::studies::regime::report::Regime;
 use crate::studies::regime::tables;
 
-/// The page with the figures by name.
 pub(crate) fn regime_page(found: &Regime, figures: &[(String, String)], manifest: &Manifest) -> Page {
     let answer = if found.holds { Answer::None } else { Answer::No };
     let page = Page::new("Where inertia matters", Headline::new(answer, sentence(found))).from(manifest);

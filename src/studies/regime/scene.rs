@@ -39,7 +39,6 @@ pub struct Setting {
     pub mass_factor: f64,
 }
 
-/// A scene ready to run.
 #[derive(Clone, Debug)]
 pub struct Staged {
     pub scenario: Scenario,

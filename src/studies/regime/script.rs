@@ -29,14 +29,12 @@ pub enum Act {
 /// Controller that follows cues. They are in the order of their ticks, releases of a tick first.
 pub struct Script {
     cues: Vec<Cue>,
-    /// Number of the next cue.
     next: usize,
     /// Attached tips, an entry for each spring.
     attached: Vec<Option<Attached>>,
     targets: Vec<Vec2>,
 }
 
-/// The motion of an attached tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Attached {
     /// Time of the grasp (s).

@@ -16,7 +16,6 @@ const HIGHEST: i32 = 2;
 const LEAST_SPAN: i32 = 3;
 const NO_ANSWER: &str = "#eeeeee";
 
-/// The map as SVG.
 pub fn heat_map(map: &Map, rows: &[&Row]) -> String {
     let methods: Vec<Method> = Method::all_stressed().filter(|method| rows.iter().any(|row| row.method == *method)).collect();
     let has_errors = rows.iter().any(|row| row.numbers.error_share.is_some());

@@ -3,7 +3,6 @@
 use crate::scenario::{Scenario, ScenarioError};
 use crate::studies::runner::Effort;
 
-/// One parameter and the values it takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Name with its unit, as in `step_s`.
@@ -95,7 +94,6 @@ pub struct Cell {
     pub asked: Asked,
 }
 
-/// What must hold in a cell.
 #[derive(Debug, Default)]
 pub struct Asked {
     /// Pulls stay below the limit: nothing may move.

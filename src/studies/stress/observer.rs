@@ -4,7 +4,6 @@ use crate::backend::{Backend, Hook, Motion, Shared, Status, StepReport, Wrapped}
 use crate::math::{Pose, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
-/// Extremes and faults of a run so far.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     /// Steps of the scene, each an advance.

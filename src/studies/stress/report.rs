@@ -31,7 +31,6 @@ pub struct Stress {
     pub defects: Vec<Defect>,
 }
 
-/// By backend and outcome.
 pub type Counts = BTreeMap<&'static str, BTreeMap<&'static str, usize>>;
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -55,7 +54,6 @@ pub struct Defect {
     pub cause: String,
 }
 
-/// How many defects a summary names.
 const MOST_DEFECTS: usize = 20;
 
 impl Stress {

@@ -65,7 +65,6 @@ pub fn work(scenario: &Scenario) -> f64 {
     (1 + joints) as f64 * scenario.duration / scenario.control_period
 }
 
-/// Why a run is not begun.
 pub fn too_long(scenario: &Scenario) -> Option<String> {
     let work = work(scenario);
     (work > MOST_WORK).then(|| format!("{work:.0} solutions of joints are asked for, and the budget is {MOST_WORK}"))

@@ -13,7 +13,6 @@ use crate::studies::variants::names;
 pub struct Case {
     pub name: String,
     pub family: Family,
-    /// What is asked.
     pub what: String,
     /// Where the known answer comes from.
     pub source: String,
@@ -47,7 +46,6 @@ pub enum Family {
 pub struct Plan {
     pub method: Method,
     pub levels: Levels,
-    /// Number of them.
     pub n_levels: usize,
     pub expected: Expected,
     pub bound: Bound,
@@ -78,7 +76,6 @@ pub enum Expected {
     Exact,
 }
 
-/// What an error may be, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
     pub errors: Errors,

@@ -14,7 +14,6 @@ pub fn convergence(rows: &[Row]) -> String {
     grid(&panels, &[entries.collect()], 2, COLUMN_WIDTH, PANEL_HEIGHT)
 }
 
-/// The panel of the rows of one family.
 fn panel(rows: &[Row]) -> Option<Panel> {
     let mut panel = Panel::new("step (s)", "error (m)", Scale::LogLog);
     for plan in rows.chunk_by(|one, next| one.case == next.case && one.method == next.method) {

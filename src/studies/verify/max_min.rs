@@ -114,7 +114,6 @@ fn four_ants(options: &BackendOptions, look: Look) -> (Vec<f64>, StepReport) {
     (found, outcome.steps)
 }
 
-/// The printed problem for one load.
 struct Problem<'a> {
     system: &'a System,
     solver: ClarabelSolver,

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::backend::StepReport;
 
-/// The answer of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     pub values: Vec<Value>,
@@ -17,7 +16,6 @@ pub struct Measured {
     pub report: StepReport,
 }
 
-/// One number, found and known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Value {
     pub unit: Unit,

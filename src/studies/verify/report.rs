@@ -30,7 +30,6 @@ pub struct Verification {
     pub rows: Vec<Row>,
 }
 
-/// What a case asks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Question {
     pub name: String,
@@ -189,7 +188,6 @@ fn families(found: &Verification) -> String {
     table.text()
 }
 
-/// All rows, case by case.
 fn all_rows(found: &Verification) -> String {
     let head = ["case", "method", "step", "error", "bound", "order", "expected", "outcome"];
     Table::new("", head).with_rows(found.rows.iter().map(cells)).text()
@@ -204,7 +202,6 @@ fn summary(found: &Verification) -> String {
     format!("{answer}: {} of {} rows.\n{shown}wall time {}\n", found.n_held, found.n_judged, quantity(found.wall_s, "s"))
 }
 
-/// Names of the cases and what they ask.
 pub fn list_text(cases: &[Case]) -> String {
     let cells = |case: &Case| [case.family.name().to_owned(), case.name.clone(), case.what.clone()];
     cases.iter().fold(Table::list(), |table, case| table.row(cells(case))).text()

@@ -44,7 +44,6 @@ pub enum RowKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
     Holds,
-    /// What is wrong.
     Misses(String),
     /// Information: not judged.
     Shown,

@@ -18,7 +18,6 @@ pub fn tasks(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> 
     })
 }
 
-/// Answers at the levels of `plan`.
 fn answers(case: &Case, plan: &Plan, effort: Effort, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Vec<(BackendOptions, Measured)>> {
     plan.options(effort).into_par_iter().map(|options| go_on().then(|| (options, case.run(&options)))).collect()
 }

@@ -32,7 +32,6 @@ impl Exposure {
     }
 }
 
-/// The fitted release law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HoldFit {
     /// Steepness zeta (1/N).

@@ -13,7 +13,6 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::math::{Mat3, Vec3, bisected};
 
-/// A cost at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Slope {
     pub cost: f64,
@@ -48,7 +47,6 @@ pub trait Cost {
     }
 }
 
-/// A minimum of a cost.
 #[derive(Clone, Copy, Debug)]
 pub struct Minimum {
     pub point: Vec3,

@@ -61,7 +61,6 @@ impl BehaviourReport {
         }
     }
 
-    /// The report as text.
     pub fn text(&self) -> String {
         let mut text = String::new();
         let mut line = |name: &str, value: String| writeln!(text, "{name:<18}{value}").expect("a string takes all");

@@ -12,7 +12,6 @@ use super::path::{Residuals, Track};
 use super::profile::{Cost, Minimum, N_PASSES, Parameter, Slope, minimum, parameter};
 use crate::math::{Mat3, Vec2, Vec3, student};
 
-/// The fitted steering.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SteeringFit {
     /// k (1/s).

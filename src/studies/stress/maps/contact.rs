@@ -118,12 +118,10 @@ fn against_others(friction: &dyn Fn(usize) -> Axis) -> Vec<Map> {
     ]
 }
 
-/// A wall across the x axis.
 fn wall_across() -> OutlineEntry {
     walls(&[Vec2::new(0.0, -LONG), Vec2::new(0.0, LONG)])
 }
 
-/// A wall along the x axis.
 fn wall_along() -> OutlineEntry {
     walls(&[Vec2::new(-LONG, 0.0), Vec2::new(LONG, 0.0)])
 }

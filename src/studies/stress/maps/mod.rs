@@ -9,7 +9,6 @@ mod steps;
 
 use super::map::Map;
 
-/// All maps.
 pub fn all() -> Vec<Map> {
     [steps::maps(), ground::maps(), springs::maps(), scales::maps(), hours::maps(), contact::maps()].concat()
 }
