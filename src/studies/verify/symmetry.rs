@@ -4,7 +4,7 @@
 //! The paths compared are those of the reference scene with dashpots and uneven supports, which no
 //! symmetry of the tips hides.
 
-use super::case::{Bound, Case, Family, Plan, Run};
+use super::case::{Bound, Case, Family, Plan};
 use super::measured::{Measured, Value};
 use super::scenes::{SUPPORT_RADIUS, Tips, at_rest, distance, n_pieces, paper_springs, paper_system, path, reference_tips};
 use crate::backend::{Backend, BackendOptions, Motion, StepReport, build};
@@ -13,18 +13,15 @@ use crate::model::{PolarSpring, System};
 use crate::studies::methods::Method;
 
 pub fn cases() -> Vec<Case> {
-    let moved = Box::new(|options: &BackendOptions| same_path(options, moved()));
-    let mirrored = Box::new(|options: &BackendOptions| same_path(options, image()));
-    let renamed = Box::new(|options: &BackendOptions| same_path(options, renamed()));
     let mut cases = vec![
         case("symmetry-moved", "the scene elsewhere and turned", moved),
-        case("symmetry-mirror", "the mirror image of the scene", mirrored),
+        case("symmetry-mirror", "the mirror image of the scene", image),
         case("symmetry-names", "the scene with its springs and supports in another order", renamed),
     ];
     for (force, length) in [(3.7, 1.0), (1e3, 1e3), (1e-3, 0.37)] {
         let name = format!("symmetry-units-{force}-{length}");
         let what = format!("the scene with forces times {force} and lengths times {length}");
-        cases.push(case(&name, &what, Box::new(move |options: &BackendOptions| same_path(options, scaled(force, length)))));
+        cases.push(case(&name, &what, move || scaled(force, length)));
     }
     cases.extend([same_nodes(), other_nodes()]);
     cases
@@ -38,7 +35,7 @@ struct Other {
     undo: Box<dyn Fn(&Pose) -> Pose>,
 }
 
-fn case(name: &str, what: &str, run: Run) -> Case {
+fn case(name: &str, what: &str, other: impl Fn() -> Other + Send + Sync + 'static) -> Case {
     let rounding = Bound::metres(1e-14, "rounding of places of 0.1 m, magnified near changes of regime");
     let sweeps = Bound::metres(1e-11, "the engine linearises in world axes and ends its sweeps at a residual");
     let plan = |method: Method| {
@@ -50,7 +47,7 @@ fn case(name: &str, what: &str, run: Run) -> Case {
         family: Family::Symmetry,
         what: format!("largest distance of the path from that of {what}"),
         source: "the laws know no place, side, unit or name".to_owned(),
-        run,
+        run: Box::new(move |options| same_path(options, other())),
         plans: Method::all_judged().map(plan).collect(),
     }
 }
