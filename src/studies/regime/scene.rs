@@ -94,13 +94,6 @@ impl Scene {
     }
 }
 
-impl Setting {
-    /// Path length of a tip between two events (m).
-    pub fn stroke(&self) -> f64 {
-        self.epsilon * self.phi * SLIP_STRETCH
-    }
-}
-
 impl Staged {
     pub fn options(&self, kind: BackendKind) -> BackendOptions {
         BackendOptions::within(kind, Tolerance::at_edge(self.tolerance_m, &self.scenario.system.load))
@@ -115,7 +108,7 @@ fn excursion(at: &Setting, rate: f64, speed: f64) -> Staged {
     let forward = Vec2::new(1.0, 0.0);
     let stretch = (SLIP_STRETCH - speed * lead / rate) * forward;
     let cues = vec![grasp(0, 0, stretch, speed * forward), release(n, 0)];
-    staged(at, vec![isotropic(Vec2::zeros(), at.zeta)], cues, [pull / n as f64 / rate, rate], n, coast_time(at, 2.0 + 2.0 * at.zeta))
+    staged(at, vec![isotropic(Vec2::zeros(), at.zeta)], cues, [pull / n as f64 / rate, rate], n, at.epsilon * (2.0 + 2.0 * at.zeta))
 }
 
 /// Both springs begin in balance at the stretch f / k. The remaining spring is therefore at the
@@ -126,7 +119,7 @@ fn tug_of_war(at: &Setting, rate: f64, speed: f64) -> Staged {
     let pulled = |spring: usize, side: Vec2| grasp(0, spring, SLIP_STRETCH * side, speed * side);
     let cues = vec![pulled(0, forward), pulled(1, -forward), release(n, 1), release(2 * n, 0)];
     let springs = vec![isotropic(Vec2::zeros(), at.zeta); 2];
-    staged(at, springs, cues, [at.phi / n as f64 / rate, rate], 2 * n, coast_time(at, 2.0 + at.phi))
+    staged(at, springs, cues, [at.phi / n as f64 / rate, rate], 2 * n, at.epsilon * (2.0 + at.phi))
 }
 
 fn haul(at: &Setting, rate: f64, speed: f64) -> Staged {
@@ -141,13 +134,8 @@ fn haul(at: &Setting, rate: f64, speed: f64) -> Staged {
         cues.push(grasp(event * n, spring(event), Vec2::zeros(), speed * direction(PULLS[spring(event)])));
     }
     cues.extend((N_GRASPS - 3..N_GRASPS).map(|event| release(N_GRASPS * n, spring(event))));
-    let haul = staged(at, springs, cues, [at.phi / n as f64 / rate, rate], N_GRASPS * n, coast_time(at, 3.0 + at.phi));
+    let haul = staged(at, springs, cues, [at.phi / n as f64 / rate, rate], N_GRASPS * n, at.epsilon * (3.0 + at.phi));
     Staged { tolerance_m: HAUL_TOLERANCE / TOLERANCE * haul.tolerance_m, ..haul }
-}
-
-/// Time (rad) until a load rests that is released at `speed`, in units of the speed of the tips.
-fn coast_time(at: &Setting, speed: f64) -> f64 {
-    at.epsilon * speed
 }
 
 fn n_ticks(radians: f64, longest: f64) -> u64 {
@@ -162,7 +150,8 @@ fn release(tick: u64, spring: usize) -> Cue {
     Cue { tick, spring, act: Act::Release }
 }
 
-/// A scene of `n` ticks of this length (s), and as many more as a coast of `coast` (rad) takes.
+/// A scene of `n` ticks of this length (s), and as many more as the load coasts for (rad): epsilon
+/// times its speed at the last release, in units of the speed of the tips.
 fn staged(at: &Setting, springs: Vec<PolarSpring>, cues: Vec<Cue>, [tick, rate]: [f64; 2], n: u64, coast: f64) -> Staged {
     let n_coasting = (coast / rate / tick).ceil() as u64 + 2;
     let mut system = paper_system(springs);
@@ -178,5 +167,7 @@ fn staged(at: &Setting, springs: Vec<PolarSpring>, cues: Vec<Cue>, [tick, rate]:
         // A script drives the scene in place of its own tips.
         drive: Drive::Tips(Vec::new()),
     };
-    Staged { scenario, cues, tolerance_m: (TOLERANCE * at.stroke()).min(1e-2 * LOAD_RADIUS) }
+    // Of the path length of a tip between two events.
+    let stroke = at.epsilon * at.phi * SLIP_STRETCH;
+    Staged { scenario, cues, tolerance_m: (TOLERANCE * stroke).min(1e-2 * LOAD_RADIUS) }
 }
