@@ -25,17 +25,9 @@ pub struct Verification {
     pub n_shown: usize,
     pub quick: bool,
     pub wall_s: f64,
-    pub cases: Vec<Question>,
+    pub cases: Table,
     #[serde(serialize_with = "as_table")]
     pub rows: Vec<Row>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Question {
-    pub name: String,
-    pub family: &'static str,
-    pub what: String,
-    pub source: String,
 }
 
 impl Verification {
@@ -51,16 +43,23 @@ impl Verification {
             n_shown: rows.len() - n_judged,
             quick: effort == Effort::Quick,
             wall_s,
-            cases: cases.iter().filter(asked).map(Question::of).collect(),
+            cases: questions(&cases.iter().filter(asked).collect::<Vec<_>>()),
             rows: rows.to_vec(),
         }
     }
 }
 
-impl Question {
-    pub fn of(case: &Case) -> Self {
-        Self { name: case.name.clone(), family: case.family.name(), what: case.what.clone(), source: case.source.clone() }
-    }
+/// What the cases ask.
+fn questions(cases: &[&Case]) -> Table {
+    Table::of(
+        cases,
+        &[
+            ("name", "", &|case| case.name.as_str().into()),
+            ("family", "", &|case| case.family.name().into()),
+            ("what", "", &|case| case.what.as_str().into()),
+            ("source", "", &|case| case.source.as_str().into()),
+        ],
+    )
 }
 
 fn as_table<S: Serializer>(rows: &[Row], serializer: S) -> Result<S::Ok, S::Error> {
@@ -178,12 +177,13 @@ pub fn verify_suite(found: &Verification) -> junit::Suite {
 /// A line a family: rows that hold, and how close the largest error comes to its bound.
 fn families(found: &Verification) -> String {
     let mut table = Table::new("", ["family", "cases", "rows that hold", "largest error / bound"]);
-    for family in found.cases.chunk_by(|one, next| one.family == next.family) {
-        let name = family[0].family;
-        let judged = || found.rows.iter().filter(|row| row.family.name() == name && row.outcome != Outcome::Shown);
+    for rows in found.rows.chunk_by(|one, next| one.family == next.family) {
+        let n_cases = rows.chunk_by(|one, next| one.case == next.case).count();
+        let judged = || rows.iter().filter(|row| row.outcome != Outcome::Shown);
         let n_held = judged().filter(|row| row.outcome == Outcome::Holds).count();
         let share = judged().filter_map(share_of_bound).fold(0.0, f64::max);
-        table.push([name.to_owned(), family.len().to_string(), format!("{n_held} of {}", judged().count()), format!("{share:.2}")]);
+        let held = format!("{n_held} of {}", judged().count());
+        table.push([rows[0].family.name().to_owned(), n_cases.to_string(), held, format!("{share:.2}")]);
     }
     table.text()
 }
