@@ -37,9 +37,9 @@ fn forces_of_recorded_tips_are_those_that_the_run_recorded() {
         let sensor = Sensor::exact(scenario.system.springs.clone());
         let found = tip_forces(&recorded(&trace), &sensor);
         let pulls: Vec<_> = trace.rows.iter().flat_map(|row| &row.tips).collect();
-        assert_eq!(found.forces.len(), pulls.len());
+        assert_eq!(found.len(), pulls.len());
         assert!(pulls.len() > 1000, "{name}: {}", pulls.len());
-        for (force, held) in found.forces.iter().zip(&pulls) {
+        for (force, held) in found.iter().zip(&pulls) {
             // Rounding of positions of order 0.1 m times 0.7 N/m.
             assert!((force.in_world.unwrap() - held.pull).norm() < 1e-15, "{name} at {}: {force:?}", force.time);
             assert!((force.size - held.pull.norm()).abs() < 1e-15);
@@ -64,7 +64,7 @@ fn the_frame_of_a_recording_does_not_matter() {
     let sensor = Sensor { tip_error: 1e-4, radial_error: 0.01, torsional_error: 1e-5, ..Sensor::exact(vec![spring]) };
     let near = tip_forces(&recording(&|tip| Tip::InRoot(*tip)), &sensor);
     let far = tip_forces(&recording(&|tip| Tip::InWorld { load, tip: in_world(tip) }), &sensor);
-    for (a, b) in near.forces.iter().zip(&far.forces) {
+    for (a, b) in near.iter().zip(&far) {
         // Positions of order 0.5 m carry 1e-16, stiffnesses of order 1 N/m and an lever of 1/l make
         // it 1e-14 of the swing.
         assert!((a.radial - b.radial).abs() < 1e-14 && (a.tangential - b.tangential).abs() < 1e-14, "{a:?} {b:?}");
@@ -79,13 +79,13 @@ fn a_swing_is_followed_over_half_a_turn_and_begins_anew_after_a_gap() {
     let at = |time: f64, swing: f64| Sample { time, spring: 3, tip: Tip::InRoot(0.03 * direction(swing)) };
     let turning: Vec<Sample> = (0..=40).map(|i| at(0.1 * f64::from(i), 0.1 * f64::from(i))).collect();
     let found = tip_forces(&Recording { samples: turning.clone() }, &sensor);
-    assert!((found.forces[40].shape.swing - 4.0).abs() < 1e-13);
+    assert!((found[40].shape.swing - 4.0).abs() < 1e-13);
     // Nobody holds it for a frame, in which another spring's tip is seen.
     let mut samples = turning;
     samples.push(Sample { spring: 0, ..at(4.1, 0.0) });
     samples.push(at(4.2, 4.0));
     let found = tip_forces(&Recording { samples }, &sensor);
-    assert!((found.forces[42].shape.swing - (4.0 - std::f64::consts::TAU)).abs() < 1e-13);
+    assert!((found[42].shape.swing - (4.0 - std::f64::consts::TAU)).abs() < 1e-13);
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn eq_1_stands_beside_the_linear_law_as_far_as_it_reaches() {
     let sensor = Sensor::paper();
     let force = |stretch: f64| {
         let samples = vec![Sample { time: 0.0, spring: 0, tip: Tip::InRoot(Vec2::new(TRUTH.rest_length() + stretch, 0.0)) }];
-        tip_forces(&Recording { samples }, &sensor).forces[0]
+        tip_forces(&Recording { samples }, &sensor)[0]
     };
     let reach = MOST_TURN.sin() * Case::Radial.limit(&TRUTH);
     for stretch in [-5e-3, 8e-3, reach - 1e-9] {
@@ -112,8 +112,8 @@ fn tips_near_their_root_are_counted() {
     let sensor = Sensor::paper();
     let at = |share: f64| Sample { time: share, spring: 0, tip: Tip::InRoot(Vec2::new(share * TRUTH.rest_length(), 0.0)) };
     let found = tip_forces(&Recording { samples: [0.0, 0.0999, 0.1001, 1.0].map(at).to_vec() }, &sensor);
-    assert_eq!(found.n_near_root(&sensor), 2);
-    assert!(found.forces.iter().all(|force| force.size.is_finite() && force.size_sd.is_finite()));
+    assert_eq!(sensor.n_near_root(&found), 2);
+    assert!(found.iter().all(|force| force.size.is_finite() && force.size_sd.is_finite()));
 }
 
 /// Many noisy tips and springs against the spread that is said of one.
@@ -124,7 +124,7 @@ fn errors_of_tips_and_stiffnesses_spread_forces_as_said() {
     let sensor = Sensor { tip_error: noise, radial_error, torsional_error, ..exact.clone() };
     let tip = Vec2::new(0.034, 0.012);
     let one = |tip: Vec2, sensor: &Sensor| {
-        tip_forces(&Recording { samples: vec![Sample { time: 0.0, spring: 0, tip: Tip::InRoot(tip) }] }, sensor).forces[0]
+        tip_forces(&Recording { samples: vec![Sample { time: 0.0, spring: 0, tip: Tip::InRoot(tip) }] }, sensor)[0]
     };
     let streams = RandomStreams::new(11);
     let (mut by_tip, mut by_all) = (Summary::default(), Summary::default());

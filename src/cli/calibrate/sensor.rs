@@ -17,7 +17,7 @@ use crate::output::folder::MANIFEST;
 use crate::output::manifest::Manifest;
 use crate::output::quantity::quantity;
 use crate::scenario::Scenario;
-use crate::studies::calibrate::{Calibration, Recording, Sample, Sensor, TipForces};
+use crate::studies::calibrate::{Calibration, Force, Recording, Sample, Sensor};
 
 #[derive(Args)]
 pub struct SensorArgs {
@@ -145,12 +145,12 @@ impl SensorInput {
     }
 
     /// Where the forces on the tips should be read with care.
-    pub fn warnings(&self, found: &TipForces) -> Vec<String> {
+    pub fn warnings(&self, found: &[Force]) -> Vec<String> {
         let (sensor, mut warnings) = (&self.sensor, Vec::new());
         if let Some(length) = sensor.foreign_length() {
             warnings.push(format!("springs of {length} m rest length are read with the calibration of other springs"));
         }
-        let n_beyond = found.n_beyond_fit(sensor);
+        let n_beyond = sensor.n_beyond_fit(found);
         if n_beyond > 0 {
             let stretch = sensor.fitted_to.stretch.map(|stretch| quantity(stretch, "m"));
             let swing = sensor
@@ -158,10 +158,10 @@ impl SensorInput {
                 .swing
                 .map(|[clockwise, counter]| format!("-{} to {}", quantity(clockwise, "rad"), quantity(counter, "rad")));
             let range = stretch.into_iter().chain(swing).collect::<Vec<_>>().join(" or ");
-            let n = found.forces.len();
+            let n = found.len();
             warnings.push(format!("{n_beyond} of {n} tips are beyond the range of the fit, {range}: the linear law is extrapolated"));
         }
-        let n_near = found.n_near_root(sensor);
+        let n_near = sensor.n_near_root(found);
         if n_near > 0 {
             let place = "nearer to their root than a tenth of the rest length, where Eq. (10) diverges";
             warnings.push(format!("{n_near} tips are {place}; is the recording correct?"));

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::fit::{Calibration, CaseFit};
-use super::forces::TipForces;
+use super::forces::Force;
 use super::measurements::{Measurements, Trial};
 use super::text::percent;
 use super::trials::Estimate;
@@ -99,11 +99,11 @@ fn bar(index: usize) -> Style {
 
 /// Force on tips over time, with gaps where no ant is attached: one panel for each spring, or one
 /// for many springs with its legend.
-pub fn tip_forces(found: &TipForces) -> String {
-    let mut springs: Vec<usize> = found.forces.iter().map(|force| force.spring).collect();
+pub fn tip_forces(found: &[Force]) -> String {
+    let mut springs: Vec<usize> = found.iter().map(|force| force.spring).collect();
     springs.sort_unstable();
     springs.dedup();
-    let mut frames: Vec<f64> = found.forces.iter().map(|force| force.time).collect();
+    let mut frames: Vec<f64> = found.iter().map(|force| force.time).collect();
     frames.dedup();
     let ends = frames.first().zip(frames.last()).map_or(vec![], |(first, last)| vec![[*first, 0.0], [*last, 0.0]]);
     let panel = |springs: &[usize]| {
@@ -130,10 +130,10 @@ pub fn tip_forces(found: &TipForces) -> String {
 }
 
 /// Force on one tip over time, with a gap where a frame has none (s, mN).
-fn over_time(found: &TipForces, spring: usize, frames: &[f64]) -> Vec<[f64; 2]> {
+fn over_time(found: &[Force], spring: usize, frames: &[f64]) -> Vec<[f64; 2]> {
     let mut points = Vec::new();
     let mut frame = 0;
-    for force in found.forces.iter().filter(|force| force.spring == spring) {
+    for force in found.iter().filter(|force| force.spring == spring) {
         let before = frame;
         while frames[frame] < force.time {
             frame += 1;

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::figure;
 use super::fit::Calibration;
-use super::forces::{Force, ForcesReport, TipForces};
+use super::forces::{Force, ForcesReport};
 use super::measurements::{Measurements, Trial};
 use super::text::fit_text;
 use crate::output::folder::{FolderError, OutputFolder};
@@ -79,9 +79,9 @@ pub fn write_calibration(target: &Path, found: &Calibration, measurements: &Meas
 /// # Errors
 ///
 /// As [`write_calibration`].
-pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &TipForces, manifest: &Manifest) -> Result<(), FolderError> {
+pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &[Force], manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
-    folder.write("forces.csv", |out| force_table(&forces.forces).write_csv(out))?;
+    folder.write("forces.csv", |out| force_table(forces).write_csv(out))?;
     folder.write_json("forces.json", found)?;
     folder.write("forces.svg", |out| out.write_all(figure::tip_forces(forces).as_bytes()))?;
     folder.finish(manifest)

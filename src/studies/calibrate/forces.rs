@@ -48,26 +48,6 @@ pub struct Force {
     pub in_world: Option<Vec2>,
 }
 
-/// All forces of a recording, in its order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TipForces {
-    pub forces: Vec<Force>,
-}
-
-impl TipForces {
-    /// Number of tips beyond the range of the fit.
-    pub fn n_beyond_fit(&self, sensor: &Sensor) -> usize {
-        let stretch = |force: &Force| force.shape.length - sensor.spring(force.spring).rest_length;
-        self.forces.iter().filter(|force| sensor.fitted_to.ends_before(stretch(force), force.shape.swing)).count()
-    }
-
-    /// Number of tips so near to their root that the direction of the spring is uncertain.
-    pub fn n_near_root(&self, sensor: &Sensor) -> usize {
-        let is_near = |force: &&Force| force.shape.length < NEAR_ROOT * sensor.spring(force.spring).rest_length;
-        self.forces.iter().filter(is_near).count()
-    }
-}
-
 /// Share of the rest length below which a tip counts as near to its root (1).
 const NEAR_ROOT: f64 = 0.1;
 
@@ -99,8 +79,8 @@ pub struct ForcesReport {
     pub warnings: Vec<String>,
 }
 
-/// Forces on the tips of a recording. Each swing is on the branch of the previous frame.
-pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
+/// Forces on the tips of a recording, in its order. Each swing is on the branch of the previous frame.
+pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> Vec<Force> {
     let (mut frame, mut time) = (0usize, f64::NEG_INFINITY);
     let mut last: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
     let mut forces = Vec::with_capacity(recording.samples.len());
@@ -114,10 +94,21 @@ pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> TipForces {
         last.insert(sample.spring, (frame, force.shape.swing));
         forces.push(force);
     }
-    TipForces { forces }
+    forces
 }
 
 impl Sensor {
+    /// Number of tips beyond the range of the fit.
+    pub fn n_beyond_fit(&self, found: &[Force]) -> usize {
+        let stretch = |force: &Force| force.shape.length - self.spring(force.spring).rest_length;
+        found.iter().filter(|force| self.fitted_to.ends_before(stretch(force), force.shape.swing)).count()
+    }
+
+    /// Number of tips so near to their root that the direction of the spring is uncertain.
+    pub fn n_near_root(&self, found: &[Force]) -> usize {
+        found.iter().filter(|force| force.shape.length < NEAR_ROOT * self.spring(force.spring).rest_length).count()
+    }
+
     /// Force on the tip of a sample, with its swing on the branch nearest to `swing_near` (rad).
     pub fn force(&self, sample: &Sample, swing_near: f64) -> Force {
         let spring = self.spring(sample.spring);
@@ -167,13 +158,13 @@ fn force(spring: &PolarSpring, shape: &SpringShape, sensor: &Sensor) -> Force {
 }
 
 /// Of each spring in the order of their indices, then of all.
-pub fn summaries(found: &TipForces, sensor: &Sensor) -> Vec<ForceSummary> {
-    let mut springs: Vec<usize> = found.forces.iter().map(|force| force.spring).collect();
+pub fn summaries(found: &[Force], sensor: &Sensor) -> Vec<ForceSummary> {
+    let mut springs: Vec<usize> = found.iter().map(|force| force.spring).collect();
     springs.sort_unstable();
     springs.dedup();
     let each = springs.iter().map(Some).chain([None]);
     each.filter_map(|spring| {
-        let own: Vec<&Force> = found.forces.iter().filter(|force| spring.is_none_or(|spring| force.spring == *spring)).collect();
+        let own: Vec<&Force> = found.iter().filter(|force| spring.is_none_or(|spring| force.spring == *spring)).collect();
         summary(spring.copied(), &own, sensor)
     })
     .collect()

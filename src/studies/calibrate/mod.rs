@@ -38,7 +38,7 @@ pub use design::{DesignReport, Held, Limits, Made, Target, Wanted, design, on_gr
 pub use dimensions::Dimensions;
 pub use equivalents::{RadialEquivalents, SwingEquivalents, least_squares_stiffness};
 pub use fit::{Calibration, CaseFit, LinearFit, Ranges, fit};
-pub use forces::{Force, ForceSummary, ForcesReport, TipForces, summaries, tip_forces};
+pub use forces::{Force, ForceSummary, ForcesReport, summaries, tip_forces};
 pub use measurements::{Measurement, Measurements, Trial};
 pub use pulls::{PullComparison, PullSample, PullSeries, compare_pulls};
 pub use quality::{Bend, Goodness, Misfit};
