@@ -39,7 +39,7 @@ pub mod thin;
 mod unit;
 
 use canvas::{Cell, Sheet};
-use panel::{Entry, Panel, Style};
+use panel::{Entry, Panel, Scale, Style};
 pub use scene::{Labelled, MILLI, Nest, Scene};
 use shown::Seen;
 pub use shown::SeenRows;
@@ -61,49 +61,12 @@ pub fn path(traces: &[Labelled], scene: &Scene) -> String {
     alone(&panel, legend, canvas::natural_height(&panel, WIDTH))
 }
 
-/// Heading over time, whole turns counted (rad).
-pub fn heading(traces: &[Labelled]) -> String {
-    over_time(&panels::heading(&Seen::all(traces)), traces)
-}
-
-/// Speed of the load's origin over time. The axis cuts a few peaks that exceed all other
-/// values by far, and a note says how high they are.
-pub fn speed(traces: &[Labelled]) -> String {
-    over_time(&panels::speed(&Seen::all(traces)), traces)
-}
-
-/// Size of the sum of all pulls over time under the force that moves the load.
-pub fn net_pull(traces: &[Labelled], scene: &Scene) -> String {
-    let marks = [panels::slip_limit_entry(scene), panels::event_entries(traces)].concat();
-    alone(&panels::net_pull(&Seen::all(traces), scene), vec![panels::trace_entries(traces), marks], TIME_HEIGHT)
-}
-
-/// Sum of the magnitudes of all pulls over time, which includes pulls that cancel each other.
-pub fn total_pull(traces: &[Labelled]) -> String {
-    over_time(&panels::total_pull(&Seen::all(traces)), traces)
-}
-
-/// Number of attached springs over time.
-pub fn attachments(traces: &[Labelled]) -> String {
-    over_time(&panels::attachments(&Seen::all(traces)), traces)
-}
-
-/// Energy over time of one trace: done by the tips, dissipated, elastic.
-pub fn energy(trace: &Labelled, scene: &Scene) -> String {
-    alone(&panels::energy(&Seen::of(trace), scene), vec![panels::energy_entries(scene), panels::event_entries(&[*trace])], TIME_HEIGHT)
-}
-
 /// Edge displacement of the load between traces over time (log axis): all pairs of up to three
 /// traces, else each against the first. Where two traces agree within rounding there is a gap. A
 /// line marks the tolerance of the scene.
 pub fn edge_difference(traces: &[Labelled], scene: &Scene) -> String {
-    between(&panels::edge_difference(traces, scene), traces, scene)
-}
-
-/// Difference of heading between traces over time (rad, log axis); pairs and gaps as in
-/// [`edge_difference`].
-pub fn heading_difference(traces: &[Labelled], scene: &Scene) -> String {
-    between(&panels::heading_difference(traces, scene), traces, scene)
+    let marks = [panels::tolerance_entry(scene), panels::event_entries(traces)].concat();
+    alone(&panels::edge_difference(traces, scene), vec![panels::pair_entries(traces), marks], TIME_HEIGHT)
 }
 
 /// All figures on one sheet: with differences for two or more traces, with the energy for one.
@@ -119,22 +82,19 @@ pub fn overview_of_rows(run: &Labelled, rows: &SeenRows, scene: &Scene) -> Strin
 fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
     let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, 4.0 * ROW_HEIGHT);
     // Drawn one by one: the points of one panel are gone before the next one's.
-    let mut add = |panel: &Panel, left: f64, row: f64, n_rows: f64| {
-        sheet.add(&Cell { panel, left, top: row * ROW_HEIGHT, width: COLUMN_WIDTH, height: n_rows * ROW_HEIGHT });
-    };
-    // The path is as high as two of the others.
-    add(&panels::path(seen, scene), 0.0, 0.0, 2.0);
+    let mut add = |panel: &Panel, column: f64, row: f64| add_in_rows(&mut sheet, panel, column, row);
+    add(&panels::path(seen, scene), 0.0, 0.0);
     if let [one] = seen {
-        add(&panels::total_pull(seen), 0.0, 2.0, 1.0);
-        add(&panels::energy(one, scene), 0.0, 3.0, 1.0);
+        add(&panels::total_pull(seen), 0.0, 2.0);
+        add(&panels::energy(one, scene), 0.0, 3.0);
     } else {
-        add(&panels::edge_difference(traces, scene), 0.0, 2.0, 1.0);
-        add(&panels::heading_difference(traces, scene), 0.0, 3.0, 1.0);
+        add(&panels::edge_difference(traces, scene), 0.0, 2.0);
+        add(&panels::heading_difference(traces, scene), 0.0, 3.0);
     }
-    add(&panels::heading(seen), COLUMN_WIDTH, 0.0, 1.0);
-    add(&panels::speed(seen), COLUMN_WIDTH, 1.0, 1.0);
-    add(&panels::net_pull(seen, scene), COLUMN_WIDTH, 2.0, 1.0);
-    add(&panels::attachments(seen), COLUMN_WIDTH, 3.0, 1.0);
+    add(&panels::heading(seen), 1.0, 0.0);
+    add(&panels::speed(seen), 1.0, 1.0);
+    add(&panels::net_pull(seen, scene), 1.0, 2.0);
+    add(&panels::attachments(seen), 1.0, 3.0);
     let curves = if traces.len() > 1 { panels::pair_entries(traces) } else { panels::energy_entries(scene) };
     let marks = [
         panels::scene_entries(seen, scene),
@@ -142,23 +102,24 @@ fn overview_of(traces: &[Labelled], seen: &[Seen], scene: &Scene) -> String {
         panels::tolerance_entry(scene),
         panels::event_entries(traces),
     ];
-    let marks = marks.concat();
-    sheet.into_svg(&[panels::trace_entries(traces), curves, marks])
+    sheet.into_svg(&[panels::trace_entries(traces), curves, marks.concat()])
+}
+
+/// Adds a panel at a column and a row. A path is as high as two of the others.
+fn add_in_rows(sheet: &mut Sheet, panel: &Panel, column: f64, row: f64) {
+    let n_rows = if panel.scale == Scale::Plane { 2.0 } else { 1.0 };
+    sheet.add(&Cell { panel, left: column * COLUMN_WIDTH, top: row * ROW_HEIGHT, width: COLUMN_WIDTH, height: n_rows * ROW_HEIGHT });
 }
 
 /// Path, heading and speed of the load in an expected and a found trace, and their differences.
 pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
     let seen = Seen::all(traces);
-    let path = panels::path(&seen, scene);
-    let others =
-        [panels::heading(&seen), panels::speed(&seen), panels::edge_difference(traces, scene), panels::heading_difference(traces, scene)];
     let mut sheet = Sheet::lettered(2.0 * COLUMN_WIDTH, 3.0 * ROW_HEIGHT);
-    sheet.add(&Cell { panel: &path, left: 0.0, top: 0.0, width: COLUMN_WIDTH, height: 2.0 * ROW_HEIGHT });
-    let places = [(1.0, 0.0), (1.0, 1.0), (0.0, 2.0), (1.0, 2.0)];
-    for (panel, (column, row)) in others.iter().zip(places) {
-        let (left, top) = (column * COLUMN_WIDTH, row * ROW_HEIGHT);
-        sheet.add(&Cell { panel, left, top, width: COLUMN_WIDTH, height: ROW_HEIGHT });
-    }
+    add_in_rows(&mut sheet, &panels::path(&seen, scene), 0.0, 0.0);
+    add_in_rows(&mut sheet, &panels::heading(&seen), 1.0, 0.0);
+    add_in_rows(&mut sheet, &panels::speed(&seen), 1.0, 1.0);
+    add_in_rows(&mut sheet, &panels::edge_difference(traces, scene), 0.0, 2.0);
+    add_in_rows(&mut sheet, &panels::heading_difference(traces, scene), 1.0, 2.0);
     let marks = [panels::scene_entries(&seen, scene), panels::event_entries(traces)].concat();
     sheet.into_svg(&[panels::trace_entries(traces), panels::pair_entries(traces), marks])
 }
@@ -181,15 +142,6 @@ pub const PANEL_HEIGHT: f64 = 280.0;
 /// Size of a figure of one panel.
 pub const WIDTH: f64 = 680.0;
 pub const TIME_HEIGHT: f64 = 360.0;
-
-fn over_time(panel: &Panel, traces: &[Labelled]) -> String {
-    alone(panel, vec![panels::trace_entries(traces), panels::event_entries(traces)], TIME_HEIGHT)
-}
-
-fn between(panel: &Panel, traces: &[Labelled], scene: &Scene) -> String {
-    let marks = [panels::tolerance_entry(scene), panels::event_entries(traces)].concat();
-    alone(panel, vec![panels::pair_entries(traces), marks], TIME_HEIGHT)
-}
 
 /// Panels over time of traces, each with the names of its curves and lines: with differences for
 /// two or more traces, with the energy for one.
