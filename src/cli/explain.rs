@@ -7,6 +7,7 @@ use clap::Args;
 use super::console::print;
 use super::error::CliError;
 use crate::output::glossary::{Entry, entries, entry};
+use crate::output::table::wrapped;
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -26,7 +27,7 @@ const MOST_SUGGESTIONS: usize = 5;
 pub fn explain(args: &ExplainArgs) -> Result<ExitCode, CliError> {
     if args.term.is_empty() {
         let terms: Vec<&str> = entries().iter().map(|entry| entry.term).collect();
-        print(&format!("{}\n", wrapped(&terms.join(", "))))?;
+        print(&format!("{}\n", wrapped(&terms.join(", "), 0, WIDTH)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let term = args.term.join(" ");
@@ -38,7 +39,10 @@ pub fn explain(args: &ExplainArgs) -> Result<ExitCode, CliError> {
 fn explanation(entry: &Entry) -> String {
     let also = if entry.aliases.is_empty() { String::new() } else { format!(" (also: {})", entry.aliases.join(", ")) };
     let page = entry.page.map(|page| format!("See docs/src/{page}.\n")).unwrap_or_default();
-    format!("{}\n\n{}\n\n{page}", wrapped(&format!("{}{also}", entry.term)), wrapped(&entry.meaning)).trim_end().to_owned() + "\n"
+    format!("{}\n\n{}\n\n{page}", wrapped(&format!("{}{also}", entry.term), 0, WIDTH), wrapped(&entry.meaning, 0, WIDTH))
+        .trim_end()
+        .to_owned()
+        + "\n"
 }
 
 fn unknown(term: &str) -> CliError {
@@ -55,19 +59,4 @@ fn likeness(asked: &str, name: &str) -> f64 {
     let (asked, name) = (asked.to_lowercase(), name.to_lowercase());
     let is_part = asked.len() > 2 && name.contains(&asked);
     if is_part { 0.99 } else { strsim::jaro_winkler(&asked, &name) }
-}
-
-/// `text` in lines of at most [`WIDTH`] columns.
-fn wrapped(text: &str) -> String {
-    let mut lines = vec![String::new()];
-    for word in text.split(' ') {
-        let line = lines.last_mut().expect("there is a line from the start");
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            lines.push(word.to_owned());
-        } else {
-            line.push_str(if line.is_empty() { "" } else { " " });
-            line.push_str(word);
-        }
-    }
-    lines.join("\n")
 }
