@@ -7,10 +7,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Shortest interval between two readings of the clock, each of which updates the bar.
+/// Shortest interval between two updates of the bar.
 const GLANCE: Duration = Duration::from_millis(10);
-/// Largest number of calls between two readings of the clock.
-const MOST_UNSEEN: u32 = 1 << 16;
 
 /// Progress of one run through simulated time. An update at every control tick costs little.
 pub struct Progress {
@@ -20,10 +18,8 @@ pub struct Progress {
     unit: &'static str,
     started: Instant,
     display: Display,
-    /// Calls until the clock is read again, and how many those were before the last reading.
-    unseen: u32,
-    stride: u32,
-    last_look: Duration,
+    /// Age at the last update.
+    updated: Duration,
 }
 
 enum Display {
@@ -38,16 +34,7 @@ impl Progress {
     /// Progress towards `total` (s, simulated), shown under `label`.
     pub fn start(total: f64, label: &str) -> Self {
         let display = if std::io::stderr().is_terminal() { Display::Waiting } else { Display::Off };
-        Self {
-            label: label.to_owned(),
-            total,
-            unit: "s",
-            started: Instant::now(),
-            display,
-            unseen: 0,
-            stride: 1,
-            last_look: Duration::ZERO,
-        }
+        Self { label: label.to_owned(), total, unit: "s", started: Instant::now(), display, updated: Duration::ZERO }
     }
 
     /// Progress of work that is measured by the fraction done (1).
@@ -66,21 +53,11 @@ impl Progress {
         if matches!(self.display, Display::Off) {
             return;
         }
-        if self.unseen > 0 {
-            self.unseen -= 1;
-            return;
-        }
         let elapsed = self.started.elapsed();
-        self.pace(elapsed);
-        self.show(time, elapsed);
-    }
-
-    /// Doubles the calls between two readings of the clock while these take less than [`GLANCE`],
-    /// and divides them by four otherwise.
-    fn pace(&mut self, elapsed: Duration) {
-        let is_early = elapsed.saturating_sub(self.last_look) < GLANCE;
-        self.stride = if is_early { (2 * self.stride).min(MOST_UNSEEN) } else { (self.stride / 4).max(1) };
-        (self.unseen, self.last_look) = (self.stride - 1, elapsed);
+        if elapsed >= self.updated + GLANCE {
+            self.updated = elapsed;
+            self.show(time, elapsed);
+        }
     }
 
     /// The run is over: the bar vanishes.
@@ -144,17 +121,6 @@ mod tests {
         let mut alone = progress(Display::Off);
         alone.show(30.0, 10 * PATIENCE);
         assert!(matches!(alone.display, Display::Off));
-    }
-
-    /// Calls between looks: many while they are fast, every one when each takes longer than a
-    /// glance.
-    #[test]
-    fn the_clock_is_looked_at_seldom_and_in_time() {
-        let mut progress = progress(Display::Waiting);
-        (1..=20).for_each(|look| progress.pace(Duration::from_micros(look)));
-        assert_eq!(progress.unseen, MOST_UNSEEN - 1);
-        (1..=8).for_each(|look| progress.pace(2 * look * GLANCE));
-        assert_eq!(progress.unseen, 0);
     }
 
     #[test]
