@@ -207,27 +207,6 @@ impl<W: Write> Lines<W> {
 mod tests {
     use super::*;
 
-    fn written(rows: &[[f64; 2]]) -> String {
-        let mut out = Vec::new();
-        let mut lines = Lines::new(&mut out, &["a", "b", "n"]).unwrap();
-        for (row, [a, b]) in rows.iter().enumerate() {
-            lines.begin().unwrap();
-            lines.numbers_or_nothing(&[*a, *b]).unwrap();
-            lines.count(row);
-            lines.end();
-        }
-        lines.finish().unwrap();
-        String::from_utf8(out).unwrap()
-    }
-
-    #[test]
-    fn fields_are_the_shortest_text_and_repeat_only_what_is_the_same_bits() {
-        // A shorter number after a longer one, zero after minus zero, and a gap in between.
-        let text = written(&[[-f64::MIN_POSITIVE, 0.0], [0.1, -0.0], [0.1, f64::NAN], [1e-7, -0.0], [1e20, 2.0], [5e-324, 2.5e-5]]);
-        let lines = ["-2.2250738585072014e-308,0.0,0", "0.1,-0.0,1", "0.1,,2", "1e-7,-0.0,3", "1e+20,2.0,4", "5e-324,0.000025,5"];
-        assert_eq!(text, format!("a,b,n\n{}\n", lines.join("\n")));
-    }
-
     /// The lines of a table, each written by `fields` from its number.
     fn table(n_columns: usize, n_rows: usize, fields: impl Fn(&mut Lines<&mut Vec<u8>>, usize)) -> String {
         let mut out = Vec::new();
@@ -239,6 +218,15 @@ mod tests {
         }
         lines.finish().unwrap();
         String::from_utf8(out).unwrap().split_once('\n').unwrap().1.to_owned()
+    }
+
+    #[test]
+    fn fields_are_the_shortest_text_and_repeat_only_what_is_the_same_bits() {
+        // A shorter number after a longer one, zero after minus zero, and a gap in between.
+        let rows = [[-f64::MIN_POSITIVE, 0.0], [0.1, -0.0], [0.1, f64::NAN], [1e-7, -0.0], [1e20, 2.0], [5e-324, 2.5e-5]];
+        let text = table(2, rows.len(), |lines, row| lines.numbers_or_nothing(&rows[row]).unwrap());
+        let lines = ["-2.2250738585072014e-308,0.0", "0.1,-0.0", "0.1,", "1e-7,-0.0", "1e+20,2.0", "5e-324,0.000025"];
+        assert_eq!(text, format!("{}\n", lines.join("\n")));
     }
 
     #[test]
@@ -290,20 +278,5 @@ mod tests {
             lines.word("release");
         });
         assert_eq!(text, counts.map(|count| format!("{count},release\n")).concat());
-    }
-
-    #[test]
-    fn blocks_join_without_a_seam() {
-        // Many blocks of lines that all have another length than a power of two.
-        let rows: Vec<[f64; 2]> = (0..20_000).map(|k| [f64::from(k).sqrt(), f64::from(k % 7)]).collect();
-        let text = written(&rows);
-        assert!(text.len() > 6 * BLOCK);
-        let mut n = 0;
-        for ((k, [a, b]), line) in rows.iter().enumerate().zip(text.lines().skip(1)) {
-            let fields: Vec<&str> = line.split(',').collect();
-            assert_eq!((fields[0].parse(), fields[1].parse(), fields[2].parse()), (Ok(*a), Ok(*b), Ok(k)));
-            n += 1;
-        }
-        assert_eq!(n, rows.len());
     }
 }
