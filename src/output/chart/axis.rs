@@ -110,7 +110,7 @@ pub fn power_label(exponent: f64) -> String {
 }
 
 /// Lowest and highest of the finite values.
-fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let none = (f64::INFINITY, f64::NEG_INFINITY);
     let (low, high) = values.filter(|value| value.is_finite()).fold(none, |(low, high), value| (value.min(low), value.max(high)));
     (low <= high).then_some((low, high))

@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::output::chart::axis::power_label;
+use crate::output::chart::axis::{power_label, range};
 use crate::output::quantity::quantity;
 
 /// A bar of a positive value; its text stands beside it.
@@ -24,7 +24,7 @@ const BELOW: f64 = 24.0;
 /// the line have another colour.
 pub fn bars(bars: &[Bar], tolerated: f64, tolerated_text: &str) -> String {
     let logarithms = bars.iter().map(|bar| bar.value).chain([tolerated]).filter(|value| *value > 0.0).map(f64::log10);
-    let (low, high) = ends(logarithms).map_or((0.0, 1.0), |(low, high)| ((low - 0.3).floor(), (high + 0.05).ceil()));
+    let (low, high) = range(logarithms).map_or((0.0, 1.0), |(low, high)| ((low - 0.3).floor(), (high + 0.05).ceil()));
     let width = WIDTH - NAMES - VALUES;
     let at = |value: f64| NAMES + width * (value.log10() - low) / (high - low);
     let bottom = ABOVE + ROW * bars.len() as f64;
@@ -91,7 +91,7 @@ pub fn spreads(spreads: &[Spread]) -> String {
         let all = |line: &SpreadLine| {
             line.values.iter().copied().chain(line.interval.into_iter().flatten()).chain([line.mean]).collect::<Vec<_>>()
         };
-        let (low, high) = ends(spread.lines.iter().flat_map(all)).unwrap_or((0.0, 0.0));
+        let (low, high) = range(spread.lines.iter().flat_map(all)).unwrap_or((0.0, 0.0));
         let at = |value: f64| NAMES + width * if high > low { (value - low) / (high - low) } else { 0.5 };
         drawn.push(label(0.0, y + 17.0, "start", "strong", &spread.name));
         if low < high {
@@ -122,14 +122,6 @@ fn spread_line(line: &SpreadLine, y: f64, at: &dyn Fn(f64) -> f64) -> Markup {
         @if line.mean.is_finite() { (path("mean", &format!("M{:.1} {:.1}v16", at(line.mean), y - 8.0))) }
         (label(SPREAD_WIDTH, y + 4.5, "end", "value", &line.text))
     }
-}
-
-/// Lowest and highest of the finite values.
-fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.filter(|value| value.is_finite()).fold(None, |ends, value| {
-        let (low, high) = ends.unwrap_or((value, value));
-        Some((value.min(low), value.max(high)))
-    })
 }
 
 fn svg(width: f64, height: f64, content: Markup) -> String {

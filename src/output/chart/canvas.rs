@@ -38,7 +38,7 @@ pub struct Sheet {
     letters: Option<RangeInclusive<char>>,
 }
 
-pub(super) const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
+const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 
 /// Space for labels around the axes of a panel (px).
 const LEFT: f64 = 72.0;
@@ -49,10 +49,7 @@ const TEXT: u32 = 12;
 
 impl Sheet {
     pub fn new(width: f64, height: f64) -> Self {
-        let mut scene = Scene::new(width, height);
-        scene.font_family = Some(FONTS.to_owned());
-        scene.text_color = Some("black".to_owned());
-        Self { scene, letters: None }
+        Self { scene: empty(width, height), letters: None }
     }
 
     /// With a, b, c ... beside the panels, in the order they are added.
@@ -70,10 +67,37 @@ impl Sheet {
     /// The SVG with the groups of the `legend` below the panels, each from a new line.
     pub fn into_svg(mut self, legend: &[Vec<Entry>]) -> String {
         self.scene.height = add_legend(&mut self.scene, legend);
-        let svg = SvgBackend::new().render_scene(&self.scene);
-        // Which kuva leaves out: without it a drawing shown smaller is cut and not shrunk.
-        svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {} {}\" ", self.scene.width, self.scene.height), 1)
+        svg(&self.scene)
     }
+}
+
+/// A drawing of this size (px) without anything in it.
+pub(super) fn empty(width: f64, height: f64) -> Scene {
+    let mut scene = Scene::new(width, height);
+    scene.font_family = Some(FONTS.to_owned());
+    scene.text_color = Some("black".to_owned());
+    scene
+}
+
+pub(super) fn svg(scene: &Scene) -> String {
+    let svg = SvgBackend::new().render_scene(scene);
+    // Which kuva leaves out: without it a drawing shown smaller is cut and not shrunk.
+    svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height), 1)
+}
+
+/// Axes between these ends on an area of this size (px), with room around it: left, right, above
+/// and below (px).
+pub(super) fn axes_between(x: (f64, f64), y: (f64, f64), [width, height]: [f64; 2], [left, right, top, bottom]: [f64; 4]) -> Layout {
+    Layout::new(x, y)
+        .with_width(width)
+        .with_height(height)
+        .with_force_margins(left, right)
+        .with_force_margins_y(top, bottom)
+        .with_x_axis_min(x.0)
+        .with_x_axis_max(x.1)
+        .with_y_axis_min(y.0)
+        .with_y_axis_max(y.1)
+        .with_show_grid(false)
 }
 
 /// Height (px) at which a panel in the plane of that `width` fits its content, within reason.
@@ -131,22 +155,13 @@ fn layout(cell: &Cell, (x, y): (Axis, Axis)) -> Layout {
         Scale::LogLog => ticks(power_label),
         _ => ticks(move |value| x.label(value)),
     };
-    let mut layout = Layout::new((x.low, x.high), (y.low, y.high))
-        .with_width(cell.width)
-        .with_height(cell.height)
-        .with_force_margins(LEFT, RIGHT)
-        .with_force_margins_y(TOP, BOTTOM)
-        .with_x_axis_min(x.low)
-        .with_x_axis_max(x.high)
-        .with_y_axis_min(y.low)
-        .with_y_axis_max(y.high)
+    let mut layout = axes_between((x.low, x.high), (y.low, y.high), [cell.width, cell.height], [LEFT, RIGHT, TOP, BOTTOM])
         .with_x_tick_step(x.step)
         .with_y_tick_step(y.step)
         .with_x_tick_format(x_ticks)
         .with_y_tick_format(y_ticks)
         .with_x_label(plain(&panel.x_label))
         .with_y_label(plain(&panel.y_label))
-        .with_show_grid(false)
         .with_label_size(13)
         .with_tick_size(11)
         .with_box_axes();
@@ -172,43 +187,22 @@ fn area(cell: &Cell) -> (f64, f64) {
 fn axes(cell: &Cell) -> (Axis, Axis) {
     let panel = cell.panel;
     let (width, height) = area(cell);
-    // As good as all points where the axis is linear.
-    let extremes: Vec<[[f64; 2]; 2]> = panel.curves.iter().map(|curve| extremes(&curve.points)).collect();
-    let logarithms = |axis: usize| panel.curves.iter().flat_map(|curve| &curve.points).map(move |point| point[axis].log10());
-    let xs = || extremes.iter().flatten().map(|point| point[0]);
-    let levels = panel.marks.iter().filter_map(|mark| match mark.at {
-        Across::Horizontal(level) => Some(level),
-        Across::Vertical(_) => None,
-    });
+    let along = |axis: usize| panel.curves.iter().flat_map(|curve| &curve.points).map(move |point| point[axis]);
+    let levels = panel.marks.iter().filter_map(|mark| mark.at.level());
     let ceiling = panel.ceiling.unwrap_or(f64::INFINITY);
-    let ys = extremes.iter().flatten().map(|point| point[1]).chain(levels.clone()).map(|y| y.min(ceiling));
-    let log_ys = logarithms(1).chain(levels.map(f64::log10)).map(|y| y.min(ceiling.log10()));
+    let ys = along(1).chain(levels).map(|y| y.min(ceiling));
+    let log_ys = ys.clone().map(f64::log10);
     // A tick every 55 px or more to the right, every 26 px upwards.
     let (n_right, n_up) = (width / 55.0, height / 26.0);
     let (x, y) = match panel.scale {
-        Scale::Linear => (Axis::tight(xs(), n_right), Axis::around(ys, n_up)),
-        Scale::FromZero => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up)),
-        Scale::Count => (Axis::tight(xs(), n_right), Axis::from_zero(ys, n_up).whole()),
-        Scale::Log => (Axis::tight(xs(), n_right), Axis::decades(log_ys, n_up)),
-        Scale::LogLog => (Axis::decades(logarithms(0), n_right), Axis::decades(log_ys, n_up)),
-        Scale::Plane => Axis::equal(Axis::around(xs(), n_right), Axis::around(ys, n_up), width, height),
+        Scale::Linear => (Axis::tight(along(0), n_right), Axis::around(ys, n_up)),
+        Scale::FromZero => (Axis::tight(along(0), n_right), Axis::from_zero(ys, n_up)),
+        Scale::Count => (Axis::tight(along(0), n_right), Axis::from_zero(ys, n_up).whole()),
+        Scale::Log => (Axis::tight(along(0), n_right), Axis::decades(log_ys, n_up)),
+        Scale::LogLog => (Axis::decades(along(0).map(f64::log10), n_right), Axis::decades(log_ys, n_up)),
+        Scale::Plane => Axis::equal(Axis::around(along(0), n_right), Axis::around(ys, n_up), width, height),
     };
     (if panel.x_names.is_empty() { x } else { Axis::of_names(panel.x_names.len()) }, y)
-}
-
-/// Lowest and highest finite numbers along both axes; infinite ones without any.
-fn extremes(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
-    let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    for point in points {
-        for axis in 0..2 {
-            // Without a branch, and without `f64::min`: what is no number is neither lower nor
-            // higher.
-            let value = if point[axis].is_finite() { point[axis] } else { f64::NAN };
-            low[axis] = if value < low[axis] { value } else { low[axis] };
-            high[axis] = if value > high[axis] { value } else { high[axis] };
-        }
-    }
-    [low, high]
 }
 
 /// Marks first, so that they lie under the curves.

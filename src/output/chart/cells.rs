@@ -4,11 +4,10 @@
 //! Cells of a panel have equal size, so that an axis may be linear or logarithmic, begin at zero or
 //! have names. Places on a panel are shares of its width and height (0 to 1, from the lower left).
 
-use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use crate::output::chart::canvas::{FONTS, plain};
+use crate::output::chart::canvas::{empty, plain, svg};
 pub use crate::output::chart::cell_axis::{CellAxis, place};
 pub use crate::output::chart::level::Level;
 use crate::output::chart::panel::Style;
@@ -84,9 +83,7 @@ pub fn cell_maps(title: &str, rows: &[Vec<CellMap>], legend: &[Vec<Key>], size: 
     let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let inner = n_columns.max(size.least_columns) as f64 * (size.width + GAP);
     let width = (inner / n_columns.max(1) as f64 - GAP).min(2.0 * size.width);
-    let mut scene = Scene::new(size.left + inner, 0.0);
-    scene.font_family = Some(FONTS.to_owned());
-    scene.text_color = Some("black".to_owned());
+    let mut scene = empty(size.left + inner, 0.0);
     scene.defs.extend(PATTERNS.map(str::to_owned));
     text(&mut scene, [8.0, 18.0], TextAnchor::Start, 13, title);
     let row_height = TOP + size.height + BOTTOM;
@@ -102,8 +99,7 @@ pub fn cell_maps(title: &str, rows: &[Vec<CellMap>], legend: &[Vec<Key>], size: 
         y = draw_keys(&mut scene, keys, y) + LEGEND_LINE;
     }
     scene.height = y;
-    let svg = SvgBackend::new().render_scene(&scene);
-    svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height), 1)
+    svg(&scene)
 }
 
 /// The cells of a panel on the page (px), and the words on them: middles and half widths.

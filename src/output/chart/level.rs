@@ -1,9 +1,9 @@
 //! Lines of equal value of a field over the cells of a map.
 
 use kuva::plot::ContourPlot;
-use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, render_multiple};
 
+use crate::output::chart::canvas::axes_between;
 use crate::output::chart::panel::Style;
 
 /// The lines on which a field has one value, with a word on the longest of them.
@@ -24,16 +24,7 @@ impl Level {
         let (n, m) = (self.field.first().map_or(0, Vec::len), self.field.len());
         let plot = ContourPlot::new().with_grid(self.field.clone(), nodes(n), nodes(m)).with_levels(&[self.at]).with_line_color("black");
         let (inner_width, inner_height) = (width * (1.0 - 1.0 / n_x as f64), height * (1.0 - 1.0 / n_y as f64));
-        let layout = Layout::new((0.0, 1.0), (0.0, 1.0))
-            .with_width(inner_width)
-            .with_height(inner_height)
-            .with_force_margins(0.0, 0.0)
-            .with_force_margins_y(0.0, 0.0)
-            .with_x_axis_min(0.0)
-            .with_x_axis_max(1.0)
-            .with_y_axis_min(0.0)
-            .with_y_axis_max(1.0)
-            .with_show_grid(false);
+        let layout = axes_between((0.0, 1.0), (0.0, 1.0), [inner_width, inner_height], [0.0; 4]);
         let drawn = render_multiple(vec![plot.into()], layout);
         let paths = drawn.elements.into_iter().filter_map(|it| if let Primitive::Path(path) = it { Some(path.d) } else { None });
         let (x, y) = (left + 0.5 * (width - inner_width), top + 0.5 * (height - inner_height));

@@ -87,6 +87,16 @@ pub enum Across {
     Horizontal(f64),
 }
 
+impl Across {
+    /// The y of a horizontal line.
+    pub fn level(&self) -> Option<f64> {
+        match self {
+            Across::Horizontal(level) => Some(*level),
+            Across::Vertical(_) => None,
+        }
+    }
+}
+
 /// How a line looks. An empty `dash` is a solid line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {

@@ -13,26 +13,14 @@ pub fn by_column(points: &[[f64; 2]], n_columns: usize) -> Vec<[f64; 2]> {
 
 /// First, lowest, highest and last point of a column, each once.
 fn extremes(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
-    let (mut lowest, mut highest) = ((i64::MAX, 0), (i64::MIN, 0));
-    for (at, point) in points.iter().enumerate() {
-        let order = order_of(point[1]);
-        if order < lowest.0 {
-            lowest = (order, at);
-        }
-        if order >= highest.0 {
-            highest = (order, at);
-        }
-    }
-    let mut kept = [0, lowest.1, highest.1, points.len() - 1];
+    let by_height = |a: &usize, b: &usize| points[*a][1].total_cmp(&points[*b][1]);
+    let last = points.len() - 1;
+    let lowest = (0..=last).min_by(by_height).unwrap_or(0);
+    let highest = (0..=last).max_by(by_height).unwrap_or(0);
+    let mut kept = vec![0, lowest, highest, last];
     kept.sort_unstable();
-    let is_first = move |at: &usize| *at == 0 || kept[at - 1] != kept[*at];
-    (0..kept.len()).filter(is_first).map(move |at| points[kept[at]])
-}
-
-/// A whole number that is larger for a larger value, in the order of [`f64::total_cmp`].
-fn order_of(value: f64) -> i64 {
-    let bits = value.to_bits() as i64;
-    bits ^ (((bits >> 63) as u64) >> 1) as i64
+    kept.dedup();
+    kept.into_iter().map(|at| points[at])
 }
 
 /// What is left of one column of a graph that is too dense to follow.

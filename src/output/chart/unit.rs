@@ -23,7 +23,7 @@ impl Panel {
         let is_plane = self.scale == Scale::Plane;
         let first = if is_plane { 0 } else { 1 };
         let of_points = self.curves.iter().flat_map(|curve| &curve.points).flat_map(|point| &point[first..]);
-        let levels = self.marks.iter().filter_map(|mark| level(&mark.at));
+        let levels = self.marks.iter().filter_map(|mark| mark.at.level());
         let sizes = of_points.copied().chain(levels).filter(|value| value.is_finite()).map(f64::abs);
         let (prefix, factor) = fitting(sizes.fold(0.0, f64::max).min(self.ceiling.unwrap_or(f64::INFINITY)));
         for curve in &mut self.curves {
@@ -41,13 +41,6 @@ impl Panel {
         let labels = if is_plane { vec![&mut self.x_label, &mut self.y_label] } else { vec![&mut self.y_label] };
         labels.into_iter().for_each(|label| *label = format!("{label} ({prefix}{unit})"));
         self
-    }
-}
-
-fn level(at: &Across) -> Option<f64> {
-    match at {
-        Across::Horizontal(level) => Some(*level),
-        Across::Vertical(_) => None,
     }
 }
 

@@ -5,6 +5,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
+use crate::output::chart::axis::range;
+
 /// Values `zero + step * k`, with k the little-endian whole numbers of `bits` in `data`. The lowest
 /// k stands for no value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -36,10 +38,9 @@ impl Packed {
 /// Middle of the range, its size over twice `largest`, and the values in those terms. What is not
 /// finite is no value.
 fn scaled(values: &[Option<f64>], largest: f64) -> (f64, f64, impl Iterator<Item = Option<f64>>) {
-    let finite = || values.iter().flatten().copied().filter(|value| value.is_finite());
-    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     // Halves first: the range of finite values need not be finite.
-    let (zero, half) = if low <= high { (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low) } else { (0.0, 0.0) };
+    let halves = range(values.iter().flatten().copied()).map(|(low, high)| (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low));
+    let (zero, half) = halves.unwrap_or((0.0, 0.0));
     let step = half / largest;
     let whole = move |value: f64| if step > 0.0 { ((value - zero) / step).round().clamp(-largest, largest) } else { 0.0 };
     (zero, step, values.iter().map(move |value| value.filter(|value| value.is_finite()).map(whole)))
