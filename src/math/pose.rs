@@ -46,6 +46,12 @@ impl Pose {
         (self.position - other.position).norm() + radius * (self.heading - other.heading).abs()
     }
 
+    /// Pose at a `share` (1) of the straight way to `other`, with a constant rate of turn.
+    pub fn towards(&self, other: &Pose, share: f64) -> Pose {
+        let position = self.position + share * (other.position - self.position);
+        Pose { position, heading: self.heading + share * (other.heading - self.heading) }
+    }
+
     /// World position of a point fixed to the load (m).
     pub fn to_world(&self, point_in_load: &Vec2) -> Vec2 {
         self.position + rotation(self.heading) * point_in_load

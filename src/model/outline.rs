@@ -38,6 +38,14 @@ impl Outline {
         Self { parts: vec![OutlinePart::Disc { centre: Vec2::zeros(), radius }] }
     }
 
+    /// Radius of an outline that is one disc about the origin (m).
+    pub fn centred_radius(&self) -> Option<f64> {
+        match self.parts.as_slice() {
+            [OutlinePart::Disc { centre, radius }] if centre.norm() == 0.0 => Some(*radius),
+            _ => None,
+        }
+    }
+
     /// Largest distance of a point of the outline from the origin (m).
     pub fn extent(&self) -> f64 {
         let farthest = |points: &[Vec2]| points.iter().map(|point| point.norm()).fold(0.0, f64::max);

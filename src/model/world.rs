@@ -135,7 +135,7 @@ impl ObstaclePath {
             return *a;
         }
         let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
-        Pose { position: a.position + share * (b.position - a.position), heading: a.heading + share * (b.heading - a.heading) }
+        a.towards(b, share)
     }
 
     /// Shift (m) and turn (rad) in a step of this length (s) between two times, of which the

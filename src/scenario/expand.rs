@@ -54,7 +54,7 @@ impl Scenario {
 
     fn load_entry(&self) -> LoadEntry {
         let (load, start) = (&self.system.load, &self.start);
-        let (radius_m, outline) = match centred_disc(&self.system.world.outline) {
+        let (radius_m, outline) = match self.system.world.outline.centred_radius() {
             Some(radius) => (Some(plain(radius)), None),
             None => (None, Some(outline_entry(&self.system.world.outline))),
         };
@@ -86,18 +86,10 @@ fn ground_entry(ground: &Ground) -> GroundEntry {
     }
 }
 
-/// Radius of an outline that is one disc about the origin (m).
-fn centred_disc(outline: &Outline) -> Option<f64> {
-    match outline.parts.as_slice() {
-        [OutlinePart::Disc { centre, radius }] if centre.norm() == 0.0 => Some(*radius),
-        _ => None,
-    }
-}
-
 /// One part as it is, several as a compound.
 fn outline_entry(outline: &Outline) -> OutlineEntry {
     match outline.parts.as_slice() {
-        [OutlinePart::Disc { .. }] if centred_disc(outline).is_none() => compound(&outline.parts),
+        [OutlinePart::Disc { .. }] if outline.centred_radius().is_none() => compound(&outline.parts),
         [only] => part_entry(only).outline,
         parts => compound(parts),
     }

@@ -29,7 +29,6 @@ impl Attributed {
         for at in 1..without.len().min(with.len()) {
             let (before, after) = (&without[at - 1], &without[at]);
             let span = [before.time, after.time];
-            let twist = &with[at - 1].motion.twist;
             attribution.meet(&Disturbance {
                 time: before.time,
                 duration: after.time - before.time,
@@ -37,7 +36,7 @@ impl Attributed {
                 event: last_in(&events, span).or_else(|| jump_in(quasi_static, span)),
                 obstacle: obstacle_in(quasi_static, span).or_else(|| obstacle_in(inertial, span)),
                 distance: with[at - 1].motion.pose.edge_displacement(&before.motion.pose, radius),
-                speed_with_inertia: twist.linear.norm() + radius * twist.angular.abs(),
+                speed_with_inertia: with[at - 1].motion.twist.edge_speed(radius),
                 rate: rate_on(system, after),
             });
             if found.triggers.last() != Some(&attribution.trigger) {

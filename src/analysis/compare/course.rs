@@ -47,7 +47,7 @@ impl Course {
 /// time since the last tick.
 fn speeds(kind: BackendKind, ticks: &[&Row], radius: f64) -> Vec<Option<f64>> {
     if kind.has_inertia() {
-        return ticks.iter().map(|row| Some(row.motion.twist.linear.norm() + radius * row.motion.twist.angular.abs())).collect();
+        return ticks.iter().map(|row| Some(row.motion.twist.edge_speed(radius))).collect();
     }
     let mean = |pair: &[&Row]| pair[1].motion.pose.edge_displacement(&pair[0].motion.pose, radius) / (pair[1].time - pair[0].time);
     ticks.first().map(|_| 0.0).into_iter().chain(ticks.windows(2).map(mean)).map(Some).collect()

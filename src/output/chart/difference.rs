@@ -43,10 +43,8 @@ pub fn over_time(from: &Trace, to: &Trace) -> Vec<Difference> {
 
 /// Difference of `row` from the linear interpolation between `last` (`share` 0) and `next` (1).
 fn between(row: &Row, last: &Row, next: &Row, share: f64) -> Difference {
-    let (here, a, b) = (&row.motion.pose, &last.motion.pose, &next.motion.pose);
-    let position = a.position + share * (b.position - a.position);
-    let heading = a.heading + share * (b.heading - a.heading);
-    Difference { time: row.time, position: (position - here.position).norm(), heading: (heading - here.heading).abs() }
+    let (here, there) = (&row.motion.pose, last.motion.pose.towards(&next.motion.pose, share));
+    Difference { time: row.time, position: (there.position - here.position).norm(), heading: (there.heading - here.heading).abs() }
 }
 
 #[cfg(test)]

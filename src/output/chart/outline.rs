@@ -24,18 +24,10 @@ pub fn circle(centre: &Vec2, radius: f64, heading: f64) -> Vec<Vec2> {
     (0..=SIDES).map(|k| centre + radius * direction(heading + TAU * f64::from(k) / f64::from(SIDES))).collect()
 }
 
-/// Radius of an outline that is one disc about the origin (m).
-pub fn radius_of(outline: &Outline) -> Option<f64> {
-    match outline.parts[..] {
-        [OutlinePart::Disc { centre, radius }] if centre == Vec2::zeros() => Some(radius),
-        _ => None,
-    }
-}
-
 /// Distance from the origin along the heading at which an outline ends (m); its extent where the
 /// heading meets no edge.
 pub fn front(outline: &Outline) -> f64 {
-    if let Some(radius) = radius_of(outline) {
+    if let Some(radius) = outline.centred_radius() {
         return radius;
     }
     let edges = edges(outline, &Pose::new(0.0, 0.0, 0.0));

@@ -3,7 +3,7 @@
 use crate::math::{Pose, Vec2};
 use crate::model::Obstacle;
 use crate::output::chart::difference::{self, Difference};
-use crate::output::chart::outline::{View, circle, edges, front, hatching, radius_of};
+use crate::output::chart::outline::{View, circle, edges, front, hatching};
 use crate::output::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use crate::output::chart::scene::{Labelled, Scene};
 use crate::output::chart::shown::{Quantity, Seen};
@@ -199,7 +199,7 @@ fn load(pose: &Pose, scene: &Scene) -> Vec<[f64; 2]> {
     let outline = &scene.world.outline;
     let tip = pose.to_world(&Vec2::new(front(outline), 0.0));
     let mut lines: Vec<Vec<[f64; 2]>> = edges(outline, pose).into_iter().map(points).collect();
-    match (&mut lines[..], radius_of(outline)) {
+    match (&mut lines[..], outline.centred_radius()) {
         // A circle ends in the direction of the heading.
         ([circle], Some(_)) => circle.extend(points([pose.position])),
         _ => lines.push(points([tip, pose.position])),

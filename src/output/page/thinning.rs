@@ -73,10 +73,7 @@ impl Stretch {
 /// Edge displacement between `row` and the linear interpolation between two other rows (m).
 fn edge_displacement(first: &Row, last: &Row, row: &Row, radius: f64) -> f64 {
     let share = (row.time - first.time) / (last.time - first.time);
-    let (a, b, here) = (&first.motion.pose, &last.motion.pose, &row.motion.pose);
-    let position = a.position + share * (b.position - a.position) - here.position;
-    let heading = a.heading + share * (b.heading - a.heading) - here.heading;
-    position.norm() + radius * heading.abs()
+    first.motion.pose.towards(&last.motion.pose, share).edge_displacement(&row.motion.pose, radius)
 }
 
 /// Whether the same springs are attached, and the load touches the same obstacles.

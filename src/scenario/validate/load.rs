@@ -111,9 +111,9 @@ fn inertia(entry: &LoadEntry, mass: f64, outline: Option<&Outline>, findings: &m
         return given;
     }
     let Some(outline) = outline else { return f64::NAN };
-    let inertia = match outline.parts.as_slice() {
-        [OutlinePart::Disc { centre, radius }] if centre.norm() == 0.0 => 0.5 * mass * radius * radius,
-        _ => {
+    let inertia = match outline.centred_radius() {
+        Some(radius) => 0.5 * mass * radius * radius,
+        None => {
             let AreaMoments { area, second, .. } = area_moments(outline);
             require_centred("load.outline", outline, findings);
             mass * (second / area)
