@@ -148,10 +148,8 @@ impl Comparison {
     fn overview(&self, py: Python, tier: &str) -> PyResult<String> {
         let tier = named::<Tier>("tier", tier)?;
         let traces = self.traces(tier).ok_or_else(|| refused("tier", "must be one that was compared", format!("{tier:?}")))?;
-        let labelled: Vec<Labelled> =
-            BackendKind::COMPARED.iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
         let found = self.found.tiers.pathwise().find(|found| found.tier == tier);
         let scene = found.map_or_else(|| chart::Scene::of(&self.scenario), |found| scene_of(found, &self.scenario));
-        Ok(py.allow_threads(|| chart::overview(&labelled, &scene)))
+        Ok(py.allow_threads(|| chart::overview(&Labelled::compared(traces), &scene)))
     }
 }

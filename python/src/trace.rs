@@ -3,7 +3,7 @@
 use std::mem::size_of;
 use std::sync::Arc;
 
-use cohaul::simulation::{EventKind, Row, Trace};
+use cohaul::simulation::{Row, Trace};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -122,8 +122,7 @@ impl TraceData {
     /// Time (s), kind, spring, ant and tip (m, world) of each grasp and release.
     #[expect(clippy::type_complexity, reason = "a tuple for Python")]
     fn events(&self) -> Vec<(f64, &'static str, usize, Option<usize>, (f64, f64))> {
-        let kind = |kind| if kind == EventKind::Grasp { "grasp" } else { "release" };
-        self.trace.events.iter().map(|of| (of.time, kind(of.kind), of.spring, of.ant, (of.tip.x, of.tip.y))).collect()
+        self.trace.events.iter().map(|of| (of.time, of.kind.name(), of.spring, of.ant, (of.tip.x, of.tip.y))).collect()
     }
 
     /// Instants at which the motion is not smooth, as JSON.

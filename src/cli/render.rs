@@ -13,8 +13,8 @@ use super::error::{CliError, at_file};
 use super::input::{check_step, name_of, read_json, read_scenario, warn_of_scenario};
 use super::watch::{watched, watched_to_end};
 use crate::backend::{BackendKind, BackendOptions};
+use crate::output::chart::Labelled;
 use crate::output::folder::MANIFEST;
-use crate::output::page::Shown;
 use crate::output::picture::{Drawing, Film, FilmError, Format, Size};
 use crate::scenario::Scenario;
 use crate::simulation::{Keep, Simulation, Trace};
@@ -99,7 +99,7 @@ pub fn render(args: &RenderArgs) -> Result<ExitCode, CliError> {
     let traces = options.iter().map(|options| trace(&scenario, options)).collect::<Result<Vec<Trace>, _>>()?;
     let end = traces.iter().filter_map(|trace| trace.rows.last()).map(|row| row.time).fold(0.0, f64::max);
     let film = film(args, format, end)?;
-    let runs: Vec<Shown> = traces.iter().zip(&options).map(|(trace, of)| Shown { label: of.kind.name(), trace }).collect();
+    let runs: Vec<Labelled> = traces.iter().zip(&options).map(|(trace, of)| Labelled { label: of.kind.name(), trace }).collect();
     let size = args.size.unwrap_or(Size { width: if runs.len() > 1 { 480 * runs.len() as u32 } else { 640 }, height: HEIGHT });
     let drawing = Drawing::new(&scenario, &runs, size, args.follow);
     let written = watched("render", |watch| film.write(&drawing, &args.out, format, watch));

@@ -10,7 +10,7 @@ use std::io::Write;
 
 use crate::backend::{Transition, TransitionKind};
 use crate::output::lines::{Lines, TableError};
-use crate::simulation::{EventKind, Row, Trace};
+use crate::simulation::{Row, Trace};
 
 /// Largest number of springs for which `trace.csv` has columns of pulls. With more springs these
 /// would be most of the file; the column `n_transporting` remains.
@@ -138,10 +138,7 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
     for event in &trace.events {
         lines.begin()?;
         lines.numbers(&[event.time])?;
-        lines.word(match event.kind {
-            EventKind::Grasp => "grasp",
-            EventKind::Release => "release",
-        });
+        lines.word(event.kind.name());
         lines.count(event.spring);
         match event.ant {
             Some(ant) => lines.count(ant),

@@ -89,6 +89,16 @@ pub enum EventKind {
     Release,
 }
 
+impl EventKind {
+    /// The word that files use.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventKind::Grasp => "grasp",
+            EventKind::Release => "release",
+        }
+    }
+}
+
 /// Largest number of transitions at obstacles that an outcome keeps (1): enough to read, and a
 /// bound of its memory.
 pub const MOST_CONTACT_TRANSITIONS: usize = 50;

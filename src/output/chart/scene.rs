@@ -1,5 +1,6 @@
 //! What figures are drawn of: traces with their names, and the surroundings of the load.
 
+use crate::backend::BackendKind;
 use crate::math::Vec2;
 use crate::model::World;
 use crate::scenario::{Drive, Scenario};
@@ -13,6 +14,13 @@ pub const MILLI: f64 = 1e3;
 pub struct Labelled<'a> {
     pub label: &'a str,
     pub trace: &'a Trace,
+}
+
+impl<'a> Labelled<'a> {
+    /// Traces of the backends that are compared, in their order.
+    pub fn compared(traces: impl IntoIterator<Item = &'a Trace>) -> Vec<Self> {
+        BackendKind::COMPARED.iter().zip(traces).map(|(kind, trace)| Self { label: kind.name(), trace }).collect()
+    }
 }
 
 /// Surroundings of a trace in its figures. Entries that are zero or `None` are not drawn.

@@ -39,7 +39,7 @@ mod replay_world;
 pub mod thinning;
 
 pub use content::{Answer, Block, Headline, Number, Page, Section};
-pub use replay::{Replay, Shown};
+pub use replay::Replay;
 
 /// Name of the report in an output folder.
 pub const REPORT: &str = "report.html";

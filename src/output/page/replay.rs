@@ -12,24 +12,17 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use crate::backend::{AttachedTips, EnergyLedger};
-use crate::math::{Vec2, perpendicular};
+use crate::math::Vec2;
 use crate::model::ant::{Ant, Mode};
 use crate::output::chart::outline::front;
-use crate::output::chart::{Scene, trace_color};
+use crate::output::chart::{Labelled, Scene, trace_color};
 use crate::output::page::packed::Packed;
 use crate::output::page::replay_world::{ContactSlots, Shape, ShownObstacle, obstacles, shapes};
 use crate::output::page::thinning::{Thinned, thinned};
 use crate::output::quantity::quantity;
 use crate::output::transition_words::in_words;
 use crate::scenario::{Drive, Scenario};
-use crate::simulation::{EventKind, Row, Trace, follow_ants};
-
-/// A run that is shown, with the name of what moved the load.
-#[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
-    pub label: &'a str,
-    pub trace: &'a Trace,
-}
+use crate::simulation::{Row, Trace, follow_ants};
 
 /// Runs of one scene, ready for a page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -115,7 +108,7 @@ const HOLDS: f64 = 2.0 * TAU;
 
 impl Replay {
     /// Of runs of `scenario`, with `name` above; it opens at the instant `opens_at` (s).
-    pub fn new(name: impl Into<String>, scenario: &Scenario, runs: &[Shown], opens_at: f64) -> Self {
+    pub fn new(name: impl Into<String>, scenario: &Scenario, runs: &[Labelled], opens_at: f64) -> Self {
         let system = &scenario.system;
         let shared = runs.windows(2).all(|pair| same_times(pair[0].trace, pair[1].trace));
         let parts = Parts::of(scenario, runs);
@@ -124,7 +117,7 @@ impl Replay {
             if shared { vec![runs.iter().map(|run| run.trace).collect()] } else { runs.iter().map(|run| vec![run.trace]).collect() };
         let rows: Vec<Thinned> = groups.iter().map(|traces| thinned(traces, system.load.radius, most)).collect();
         let stages = groups.iter().zip(&rows).filter_map(|(traces, rows)| Some(stage(scenario, traces.first()?, rows, &parts)));
-        let of_run = |(at, run): (usize, &Shown)| {
+        let of_run = |(at, run): (usize, &Labelled)| {
             let stage = if shared { 0 } else { at };
             run_of(scenario, run, at, stage, &rows[stage], &parts)
         };
@@ -160,7 +153,7 @@ impl Replay {
         let (motion, tips, energy) = (scenario.start, AttachedTips::new(), EnergyLedger::default());
         let row = Row { time: 0.0, motion, energy, tips, contacts: Vec::new(), error: None };
         let trace = Trace { rows: vec![row], ..Trace::default() };
-        let runs: Vec<Shown> = labels.iter().map(|label| Shown { label, trace: &trace }).collect();
+        let runs: Vec<Labelled> = labels.iter().map(|label| Labelled { label, trace: &trace }).collect();
         Self::new(scenario.name.clone(), scenario, &runs, 0.0)
     }
 
@@ -192,7 +185,7 @@ struct Parts {
 
 impl Parts {
     /// Springs that are held at some time come first, the others evenly.
-    fn of(scenario: &Scenario, runs: &[Shown]) -> Self {
+    fn of(scenario: &Scenario, runs: &[Labelled]) -> Self {
         let n_ants = if let Drive::Ants(drive) = &scenario.drive { drive.n_ants } else { 0 };
         let n_all = [scenario.system.springs.len(), scenario.system.ground.supports.len(), n_ants];
         let mut is_held = vec![false; n_all[0]];
@@ -226,15 +219,11 @@ fn stage(scenario: &Scenario, trace: &Trace, thinned: &Thinned, parts: &Parts) -
     let rows: Vec<&Row> = thinned.rows.iter().map(|at| &trace.rows[*at]).collect();
     let tip = |row: &Row, spring: usize| row.tips.iter().find(|tip| tip.spring == spring).map(|tip| tip.position);
     let axis = |spring: usize, axis: usize| Packed::short(&rows.iter().map(|row| tip(row, spring).map(|at| at[axis])).collect::<Vec<_>>());
-    let event = |kind| match kind {
-        EventKind::Grasp => "grasp",
-        EventKind::Release => "release",
-    };
     Stage {
         times: Packed::long(&rows.iter().map(|row| Some(row.time)).collect::<Vec<_>>()),
         tips: parts.springs.iter().map(|spring| [axis(*spring, 0), axis(*spring, 1)]).collect(),
         ants: ants(scenario, trace, thinned, parts.n_ants),
-        events: evenly(&trace.events, MOST_MARKS).iter().map(|it| (it.time, event(it.kind), it.spring, it.ant)).collect(),
+        events: evenly(&trace.events, MOST_MARKS).iter().map(|it| (it.time, it.kind.name(), it.spring, it.ant)).collect(),
     }
 }
 
@@ -258,7 +247,7 @@ fn ants(scenario: &Scenario, trace: &Trace, thinned: &Thinned, n_ants: usize) ->
     seen.iter().map(|series| series.each_ref().map(|values| Packed::short(values))).collect()
 }
 
-fn run_of(scenario: &Scenario, run: &Shown, at: usize, stage: usize, thinned: &Thinned, parts: &Parts) -> Run {
+fn run_of(scenario: &Scenario, run: &Labelled, at: usize, stage: usize, thinned: &Thinned, parts: &Parts) -> Run {
     let rows: Vec<&Row> = thinned.rows.iter().map(|at| &run.trace.rows[*at]).collect();
     let series = |value: &dyn Fn(&Row) -> f64| rows.iter().map(|row| Some(value(row))).collect::<Vec<_>>();
     let (long, short) =
@@ -296,7 +285,7 @@ fn slips<'a>(scenario: &'a Scenario, trace: &'a Trace) -> impl Iterator<Item = f
     };
     let slip = move |row: &'a Row| {
         let twist = &row.motion.twist;
-        let of_arm = move |arm: Vec2| (twist.linear + twist.angular * perpendicular(&arm)).norm();
+        let of_arm = move |arm: Vec2| twist.velocity_at(&arm).norm();
         arms(row).map(of_arm).filter(|speed| speed.is_finite()).fold(0.0, f64::max)
     };
     trace.rows.iter().map(slip)
@@ -311,12 +300,12 @@ fn seldom_exceeded(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Sizes of the forces of obstacles on the loads (N).
-fn forces<'a>(runs: &'a [Shown]) -> impl Iterator<Item = f64> + 'a {
+fn forces<'a>(runs: &'a [Labelled]) -> impl Iterator<Item = f64> + 'a {
     let contacts = runs.iter().flat_map(|run| &run.trace.rows).flat_map(|row| &row.contacts);
     contacts.map(|contact| contact.force.norm()).filter(|force| force.is_finite())
 }
 
-fn largest_pull(runs: &[Shown]) -> f64 {
+fn largest_pull(runs: &[Labelled]) -> f64 {
     let pulls = runs.iter().flat_map(|run| &run.trace.rows).flat_map(|row| &row.tips).map(|tip| tip.pull.norm());
     pulls.filter(|pull| pull.is_finite()).fold(0.0, f64::max)
 }

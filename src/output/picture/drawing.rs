@@ -8,8 +8,7 @@ use crate::math::{Pose, Vec2};
 use crate::model::OutlinePart;
 use crate::model::ant::Mode;
 use crate::output::chart::outline::front;
-use crate::output::chart::{Scene, trace_color};
-use crate::output::page::Shown;
+use crate::output::chart::{Labelled, Scene, trace_color};
 use crate::output::quantity::short_quantity;
 use crate::scenario::Scenario;
 use crate::simulation::{AttachedTip, Row, follow_ants};
@@ -24,7 +23,7 @@ pub struct Size {
 /// Draws runs of one scene at any time between their ends.
 pub struct Drawing<'a> {
     scenario: &'a Scenario,
-    runs: &'a [Shown<'a>],
+    runs: &'a [Labelled<'a>],
     /// Ants of each run at each row.
     ants: Vec<Vec<Vec<PlacedAnt>>>,
     size: Size,
@@ -66,7 +65,7 @@ const BOTTOM: f64 = 30.0;
 impl<'a> Drawing<'a> {
     /// Of runs of `scenario`; with `follows` a view goes along with its load, else all is seen that
     /// the load and the tips come to.
-    pub fn new(scenario: &'a Scenario, runs: &'a [Shown<'a>], size: Size, follows: bool) -> Self {
+    pub fn new(scenario: &'a Scenario, runs: &'a [Labelled<'a>], size: Size, follows: bool) -> Self {
         let ants = runs.iter().map(|run| ants_of(scenario, run)).collect();
         let rows = || runs.iter().flat_map(|run| &run.trace.rows);
         let largest = |sizes: &mut dyn Iterator<Item = f64>| sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
@@ -198,8 +197,7 @@ impl<'a> Drawing<'a> {
         let span = next.time - row.time;
         let share = if span > 0.0 { ((time - row.time) / span).clamp(0.0, 1.0) } else { 0.0 };
         let between = |a: Vec2, b: Vec2| a + share * (b - a);
-        let (from, to) = (row.motion.pose, next.motion.pose);
-        let pose = Pose { position: between(from.position, to.position), heading: from.heading + share * (to.heading - from.heading) };
+        let pose = row.motion.pose.towards(&next.motion.pose, share);
         let moved = |tip: &AttachedTip| {
             let later = next.tips.iter().find(|other| other.spring == tip.spring);
             AttachedTip { position: later.map_or(tip.position, |later| between(tip.position, later.position)), ..*tip }
@@ -262,7 +260,7 @@ impl View<'_, '_> {
     }
 }
 
-fn ants_of(scenario: &Scenario, run: &Shown) -> Vec<Vec<PlacedAnt>> {
+fn ants_of(scenario: &Scenario, run: &Labelled) -> Vec<Vec<PlacedAnt>> {
     let mut seen = Vec::new();
     follow_ants(scenario, run.trace, |_, ants| {
         let placed = |ant: &crate::model::ant::Ant| PlacedAnt {
@@ -282,7 +280,7 @@ fn reach(scenario: &Scenario) -> Vec2 {
 }
 
 /// Middle and half sides of all places that the load and attached tips come to, with the nest.
-fn extent(scenario: &Scenario, runs: &[Shown], radius: f64) -> (Vec2, Vec2) {
+fn extent(scenario: &Scenario, runs: &[Labelled], radius: f64) -> (Vec2, Vec2) {
     let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
     let mut add = |place: Vec2, around: f64| {
         if place.x.is_finite() && place.y.is_finite() {

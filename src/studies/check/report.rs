@@ -19,7 +19,6 @@ use crate::output::manifest::{Libraries, Machine, Manifest};
 use crate::output::quantity::quantity;
 use crate::output::table::Table;
 use crate::output::text::Lines;
-use crate::simulation::EventKind;
 use crate::simulation::run_facts::split_unit;
 use crate::studies::variants::names;
 
@@ -267,9 +266,8 @@ fn different_decision(decision: &Decision) -> String {
 }
 
 fn event(event: &Event) -> String {
-    let kind = names::<EventKind>()[event.event as usize];
     let ant = event.ant.map_or(String::new(), |ant| format!(" by ant {ant}"));
-    format!("{kind} of spring {}{ant} at {}", event.spring, seconds(event.time_s))
+    format!("{} of spring {}{ant} at {}", event.event.name(), event.spring, seconds(event.time_s))
 }
 
 /// All digits, because two runs may differ in the last one.

@@ -108,7 +108,7 @@ impl Beside {
             let cells = [of.backend.name().to_owned(), of.n.to_string()].into_iter().chain(metres);
             table.push(cells.chain([short_quantity(of.heading_max_rad, "rad")]));
         }
-        let runs = found.solutions.iter().map(|solution| Labelled { label: solution.kind.name(), trace: &solution.trace });
+        let runs = Labelled::compared(found.solutions.iter().map(|solution| &solution.trace));
         let all: Vec<Labelled> = [Labelled { label: "recorded", trace: &self.trace }].into_iter().chain(runs).collect();
         let apart = "Edge displacement of each path from the recorded one over time, and the tolerance.";
         vec![

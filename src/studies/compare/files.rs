@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::backend::BackendKind;
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
@@ -10,7 +9,6 @@ use crate::output::page::REPORT;
 use crate::output::trace_csv::{self, TraceColumns};
 use crate::output::traces::{TraceFormat, write_trace};
 use crate::scenario::Scenario;
-use crate::simulation::Trace;
 use crate::studies::compare::comparison::Comparison;
 use crate::studies::compare::page::{comparison_page, scene_of};
 
@@ -34,12 +32,11 @@ pub fn write_comparison(
     let tiers = &comparison.tiers;
     for (tier, found) in [("prescribed", &tiers.prescribed), ("replayed", &tiers.replayed)] {
         let Some(found) = found else { continue };
-        let traces = found.solutions.each_ref().map(|solution| &solution.trace);
+        let traces = Labelled::compared(found.solutions.iter().map(|solution| &solution.trace));
         write_tier(&mut folder, tier, &traces, (scenario, &scene_of(found, scenario)), with)?;
     }
     if let Some(found) = &tiers.closed_loop {
-        let traces: Vec<&Trace> = found.traces.iter().collect();
-        write_tier(&mut folder, "closed-loop", &traces, (scenario, &Scene::of(scenario)), with)?;
+        write_tier(&mut folder, "closed-loop", &Labelled::compared(&found.traces), (scenario, &Scene::of(scenario)), with)?;
     }
     folder.finish(manifest)
 }
@@ -47,16 +44,14 @@ pub fn write_comparison(
 fn write_tier(
     folder: &mut OutputFolder,
     tier: &str,
-    traces: &[&Trace],
+    runs: &[Labelled],
     (scenario, scene): (&Scenario, &Scene),
     with: Option<(TraceFormat, &Manifest)>,
 ) -> Result<(), FolderError> {
     let columns = TraceColumns::Full { n_springs: scenario.system.springs.len() };
-    let labelled: Vec<Labelled> =
-        BackendKind::COMPARED.into_iter().zip(traces).map(|(kind, trace)| Labelled { label: kind.name(), trace }).collect();
-    for (Labelled { label, trace }, (format, manifest)) in labelled.iter().filter_map(|labelled| Some((labelled, with?))) {
+    for (Labelled { label, trace }, (format, manifest)) in runs.iter().filter_map(|run| Some((run, with?))) {
         write_trace(folder, &format!("trace-{tier}-{label}"), (trace, columns), format, manifest)?;
         folder.write(&format!("events-{tier}-{label}.csv"), |out| trace_csv::write_events(trace, out))?;
     }
-    folder.write(&format!("overview-{tier}.svg"), |out| out.write_all(chart::overview(&labelled, scene).as_bytes()))
+    folder.write(&format!("overview-{tier}.svg"), |out| out.write_all(chart::overview(runs, scene).as_bytes()))
 }

@@ -6,8 +6,7 @@ use crate::output::chart::bars::{self, Bar, Spread, SpreadLine};
 use crate::output::chart::{self, Labelled, Scene, trace_color};
 use crate::output::manifest::Manifest;
 use crate::output::page::curves::Curves;
-use crate::output::page::replay::{Replay, Shown};
-use crate::output::page::{Block, Headline, Number, Page};
+use crate::output::page::{Block, Headline, Number, Page, Replay};
 use crate::output::quantity::{quantity, short, short_quantity};
 use crate::output::table::Table;
 use crate::scenario::Scenario;
@@ -79,16 +78,16 @@ fn numbers(found: &Pathwise) -> Vec<Number> {
 }
 
 fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {
-    let shown: Vec<Shown> = found.solutions.iter().map(|solution| Shown { label: solution.kind.name(), trace: &solution.trace }).collect();
+    let runs = Labelled::compared(found.solutions.iter().map(|solution| &solution.trace));
     let first = found.first_divergence.inertia_effect.or(found.first_divergence.engine_error).map(|divergence| divergence.time_s);
     let end = found.solutions[0].trace.rows.last().map_or(0.0, |row| row.time);
     let name = format!("{}: the same tip motions on all backends", tier_name(found.tier));
-    let replay = Replay::new(name.clone(), scenario, &shown, first.unwrap_or(0.4 * end));
+    let replay = Replay::new(name.clone(), scenario, &runs, first.unwrap_or(0.4 * end));
     let details = details(found).into_iter();
     let table = details.fold(Table::new("All numbers of the comparison", ["", "value"]), |table, (label, value)| table.row([label, value]));
     // The replay is in sight on the first screen.
     page.section(name, vec![Block::Replay(Box::new(replay))])
-        .section("Over time", over_time(&shown, &scene_of(found, scenario)))
+        .section("Over time", over_time(&runs, &scene_of(found, scenario)))
         .section(format!("{}: each quantity", tier_name(found.tier)), quantities(found))
         .section("Differences between the paths", vec![Block::Table(table)])
 }
@@ -122,16 +121,14 @@ pub fn scene_of(found: &Pathwise, scenario: &Scenario) -> Scene {
     Scene::of(scenario).within(found.tolerance_m, found.verdicts.heading.tolerance)
 }
 
-fn over_time(shown: &[Shown], scene: &Scene) -> Vec<Block> {
-    let labelled: Vec<Labelled> = shown.iter().map(|run| Labelled { label: run.label, trace: run.trace }).collect();
+fn over_time(runs: &[Labelled], scene: &Scene) -> Vec<Block> {
     let caption = "Differences between the runs, net pull, speed, heading and attached springs over time.";
-    let curves = Curves::over_time(&labelled, scene, caption);
-    vec![Block::Curves(Box::new(curves)), Block::figure(chart::path(&labelled, scene), "Paths of the load.")]
+    let curves = Curves::over_time(runs, scene, caption);
+    vec![Block::Curves(Box::new(curves)), Block::figure(chart::path(runs, scene), "Paths of the load.")]
 }
 
 fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
-    let shown: Vec<Shown> =
-        BackendKind::COMPARED.iter().zip(&found.traces).map(|(kind, trace)| Shown { label: kind.name(), trace }).collect();
+    let runs = Labelled::compared(&found.traces);
     let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| format!("at {}", quantity(time, "s")));
     let first = &found.first_different_decision;
     let (quasi_static, rapier) = (time(first.quasi_static_s), time(first.rapier_s));
@@ -145,7 +142,7 @@ fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
     // After the first different decision.
     let opens_at = 0.4 * ends.fold(f64::INFINITY, f64::min).min(1e300);
     let title = format!("One run on each backend, seed {}: ants decide on each backend for themselves", found.first_seed);
-    let replay = Replay::new(title, scenario, &shown, opens_at);
+    let replay = Replay::new(title, scenario, &runs, opens_at);
     let table =
         Table::new("Paired differences of means over seeds, with confidence intervals", ["measure", "inertia effect", "engine error"]);
     let table = found.measures.iter().fold(table, |table, measure| {
@@ -158,7 +155,7 @@ fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
         chart,
         Block::Table(table),
         Block::Replay(Box::new(replay)),
-        Block::Folded { heading: "These runs over time".to_owned(), blocks: over_time(&shown, &Scene::of(scenario)) },
+        Block::Folded { heading: "These runs over time".to_owned(), blocks: over_time(&runs, &Scene::of(scenario)) },
     ]
 }
 

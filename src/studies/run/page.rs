@@ -3,8 +3,7 @@
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::manifest::Manifest;
 use crate::output::page::curves::Curves;
-use crate::output::page::replay::{Replay, Shown};
-use crate::output::page::{Block, Headline, Number, Page};
+use crate::output::page::{Block, Headline, Number, Page, Replay};
 use crate::output::quantity::quantity;
 use crate::output::text::Detail;
 use crate::scenario::Scenario;
@@ -19,8 +18,8 @@ pub fn run_page(summary: &RunSummary, trace: &Trace, scenario: &Scenario, manife
     let label = run.options.kind.name();
     let end = trace.rows.last().map_or(0.0, |row| row.time);
     let opens_at = estimate.and_then(|estimate| estimate.largest).map_or(0.4 * end, |largest| largest.time_s);
-    let replay = Replay::new(format!("The run on {label}"), scenario, &[Shown { label, trace }], opens_at);
     let (runs, scene) = ([Labelled { label, trace }], Scene::of(scenario));
+    let replay = Replay::new(format!("The run on {label}"), scenario, &runs, opens_at);
     let curves = Curves::over_time(&runs, &scene, "Energy, pulls, speed, heading and attached springs over time.");
     let headline = Headline::new(is_negligible(run, estimate), sentence(run, estimate)).with(Block::Numbers(numbers(summary)));
     let contacts = contact_table(run).map(Block::Table);

@@ -4,9 +4,9 @@
 use serde_json::Value;
 
 use crate::backend::BackendKind;
+use crate::output::chart::Labelled;
 use crate::output::manifest::tests::manifest;
 use crate::output::page::packed::Packed;
-use crate::output::page::replay::{Replay, Shown};
 use crate::output::page::*;
 use crate::output::synthetic;
 use crate::output::table::Table;
@@ -30,7 +30,7 @@ fn page_of(scenario: &Scenario, trace: &Trace) -> String {
 }
 
 fn replay_of(scenario: &Scenario, traces: &[&Trace]) -> Value {
-    let shown: Vec<Shown> = traces.iter().map(|trace| Shown { label: "a run", trace }).collect();
+    let shown: Vec<Labelled> = traces.iter().map(|trace| Labelled { label: "a run", trace }).collect();
     serde_json::to_value(Replay::new("a replay", scenario, &shown, 0.0).data).unwrap()
 }
 
@@ -61,7 +61,7 @@ fn a_hostile_name_is_only_a_name() {
         Block::Table(table),
         Block::figure("<svg></svg>", HOSTILE),
         Block::Folded { heading: HOSTILE.to_owned(), blocks: vec![Block::Code(HOSTILE.to_owned())] },
-        Block::Replay(Box::new(Replay::new(HOSTILE, &scenario, &[Shown { label: HOSTILE, trace: &synthetic::trace(5, 1.0) }], 0.0))),
+        Block::Replay(Box::new(Replay::new(HOSTILE, &scenario, &[Labelled { label: HOSTILE, trace: &synthetic::trace(5, 1.0) }], 0.0))),
     ];
     let page = Page::new(HOSTILE, Headline::new(Answer::No, HOSTILE)).section(HOSTILE, blocks).to_html();
     assert!(!page.contains("<b onload") && !page.contains("<!--"));
@@ -149,6 +149,6 @@ fn a_page_stays_small() {
     many.system.springs = many.system.springs.iter().cycle().take(1000).copied().collect();
     let crowd = size(&many);
     assert!(crowd < 1_800_000, "{crowd}");
-    let replay = Replay::new("many", &many, &[Shown { label: "a run", trace: &traces[0] }], 0.0);
+    let replay = Replay::new("many", &many, &[Labelled { label: "a run", trace: &traces[0] }], 0.0);
     assert!(replay.caption.iter().any(|note| note == "200 of 1000 springs are drawn."), "{:?}", replay.caption);
 }
