@@ -4,9 +4,9 @@ use std::time::SystemTime;
 
 use serde::Serialize;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use crate::output::json;
+pub(crate) use crate::scenario::sha256_hex;
 
 /// What `manifest.json` says of a run, the list of files aside.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -109,11 +109,6 @@ pub fn build_of_program() -> (&'static str, Option<&'static str>) {
 
 /// The value of `program` in a manifest.
 pub(crate) const PROGRAM: &str = "cohaul";
-
-/// SHA-256 of `bytes` in hexadecimal.
-pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
 
 #[cfg(test)]
 pub(crate) mod tests {

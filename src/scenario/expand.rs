@@ -1,8 +1,6 @@
 //! The expanded file of a scenario: every default is written out, every short form is replaced.
 //! Equal scenarios have the same expanded file, and so the same hash.
 
-use std::fmt::Write;
-
 use sha2::{Digest, Sha256};
 
 use super::format::{
@@ -45,11 +43,7 @@ impl Scenario {
     /// SHA-256 of the expanded file in hexadecimal. Equal scenarios have the same hash, however
     /// they are written.
     pub fn hash(&self) -> String {
-        let text = serde_json::to_string(&self.expanded()).expect("the format is plain data");
-        Sha256::digest(text).iter().fold(String::new(), |mut hex, byte| {
-            write!(hex, "{byte:02x}").expect("a string takes all text");
-            hex
-        })
+        sha256_hex(serde_json::to_string(&self.expanded()).expect("the format is plain data").as_bytes())
     }
 
     fn load_entry(&self) -> LoadEntry {
@@ -72,6 +66,11 @@ impl Scenario {
             turn_rate_rad_per_s: plain(start.twist.angular),
         }
     }
+}
+
+/// SHA-256 of `bytes` in hexadecimal.
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn ground_entry(ground: &Ground) -> GroundEntry {

@@ -16,3 +16,4 @@ pub mod presets;
 pub(crate) use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
 pub use error::{Finding, Findings, ScenarioError, lines};
+pub(crate) use expand::sha256_hex;
