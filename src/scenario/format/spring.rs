@@ -93,17 +93,3 @@ impl SpringEntry {
         }
     }
 }
-
-impl RingOfSprings {
-    /// Entry of the spring at `bearing` (rad), whose root is at `root` (m).
-    pub fn entry(&self, root: [f64; 2], bearing: f64) -> SpringEntry {
-        SpringEntry {
-            root_m: root,
-            bearing_rad: bearing,
-            rest_length_m: self.rest_length_m,
-            radial_stiffness_n_per_m: self.radial_stiffness_n_per_m,
-            torsional_stiffness_nm_per_rad: self.torsional_stiffness_nm_per_rad,
-            damping_ratio: self.damping_ratio,
-        }
-    }
-}

@@ -51,7 +51,14 @@ fn ring(ring: &RingOfSprings, index: usize, findings: &mut Findings) -> impl Ite
     let place = format!("springs[{index}].ring");
     findings.not_negative(format_args!("{place}.radius_m"), ring.radius_m);
     findings.finite(format_args!("{place}.first_bearing_rad"), ring.first_bearing_rad);
-    let first = ring.entry(polar(ring.radius_m, ring.first_bearing_rad).into(), ring.first_bearing_rad).spring();
+    let first = PolarSpring {
+        root: polar(ring.radius_m, ring.first_bearing_rad),
+        bearing: ring.first_bearing_rad,
+        rest_length: ring.rest_length_m,
+        radial_stiffness: ring.radial_stiffness_n_per_m,
+        torsional_stiffness: ring.torsional_stiffness_nm_per_rad,
+        damping_ratio: ring.damping_ratio,
+    };
     check_law(&place, &first, findings);
     let n = if findings.count(format_args!("{place}.n"), ring.n, MOST_IN_RING) { ring.n } else { 0 };
     let radius = ring.radius_m;

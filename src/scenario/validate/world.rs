@@ -2,12 +2,12 @@
 
 use super::load::CheckedLoad;
 use super::outline;
-use super::shared::is_control;
+use super::shared::{check_waypoints, is_control};
 use crate::math::Pose;
 use crate::model::geometry::overlap_depth;
 use crate::model::{Obstacle, ObstaclePath, Outline, SideFrictionRule, World};
 use crate::scenario::error::{Findings, number};
-use crate::scenario::format::{ObstacleEntry, ObstaclePathEntry};
+use crate::scenario::format::ObstacleEntry;
 
 /// Largest number of obstacles (1).
 const MOST_OBSTACLES: usize = 1000;
@@ -78,30 +78,12 @@ fn obstacle_path(entry: &ObstacleEntry, place: &str, findings: &mut Findings) ->
         let rule = "must not be given together with position_m or heading_rad: its first waypoint is the start";
         findings.report(format_args!("{place}.path"), rule, "both");
     }
-    check_waypoints(path, &format!("{place}.path.waypoints"), findings);
+    check_waypoints(&path.waypoints, &format!("{place}.path.waypoints"), 0.0, findings);
     match path.waypoints.as_slice() {
         [] => fixed,
         // An obstacle with one waypoint stands still.
         [[_, x, y, heading]] => ObstaclePath::fixed(Pose::new(*x, *y, *heading)),
         several => ObstaclePath { waypoints: several.iter().map(|[time, x, y, heading]| (*time, Pose::new(*x, *y, *heading))).collect() },
-    }
-}
-
-fn check_waypoints(path: &ObstaclePathEntry, place: &str, findings: &mut Findings) {
-    let Some(first) = path.waypoints.first() else {
-        return findings.report(place, "must have at least one waypoint", "none");
-    };
-    if first[0] < 0.0 {
-        findings.report(format_args!("{place}[0][0]"), "must not be negative", number(first[0]));
-    }
-    for (index, waypoint) in path.waypoints.iter().enumerate() {
-        findings.finite_vector(format_args!("{place}[{index}]"), waypoint);
-    }
-    for (index, pair) in path.waypoints.windows(2).enumerate() {
-        if pair[1][0] <= pair[0][0] {
-            let rule = format!("must be later than the previous waypoint, {}", number(pair[0][0]));
-            findings.report(format_args!("{place}[{}][0]", index + 1), rule, number(pair[1][0]));
-        }
     }
 }
 
