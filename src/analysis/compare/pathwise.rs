@@ -9,14 +9,14 @@ use super::jump_mode::JumpMode;
 use super::numbers::{Numbers, Predicted};
 use super::quantity::{FirstDivergence, Verdicts};
 use super::settings::{Settings, Tier};
-use super::solution::Solution;
+use super::solution::{Question, Solution};
 use super::suggestion::{Differences, SuggestedChange, Tried};
 use super::verdict::{Cause, Verdict};
 use super::verdicts::Runs;
 use crate::analysis::trigger::ByTrigger;
 use crate::backend::{BackendKind, BackendOptions, Status, Tolerance};
 use crate::scenario::Scenario;
-use crate::simulation::{Controller, MakeBackend, backend_of};
+use crate::simulation::{MakeBackend, backend_of};
 
 /// Result of a comparison of paths.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -167,18 +167,9 @@ fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result
     serializer.collect_map(["quasi_static", "inertial", "rapier"].into_iter().zip(solutions))
 }
 
-pub(super) fn compare(
-    tier: Tier,
-    scenario: &Scenario,
-    settings: &Settings,
-    engine: &MakeBackend,
-    controller: impl Fn() -> Box<dyn Controller> + Sync,
-    watch: impl Fn(f64) -> bool + Sync,
-) -> Option<Pathwise> {
-    let part = |at: f64| move |share: f64| (at + share) / 3.0;
-    let find = |at, options: &BackendOptions, make: &MakeBackend| {
-        Solution::find(scenario, options, settings.parts_of_period(tier, scenario), make, &controller, |share| watch(part(at)(share)))
-    };
+pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+    let Question { tier, scenario, settings, engine, .. } = *question;
+    let find = |at: f64, options: &BackendOptions, make: &MakeBackend| question.solution(options, make, |share| watch((at + share) / 3.0));
     let reference = |at, kind, settings: &Settings| {
         let options = settings.under_error_control(scenario, kind);
         let mut found = find(at, &options, &backend_of)?;
@@ -195,14 +186,14 @@ pub(super) fn compare(
         Some([quasi_static?, inertial?])
     };
     let [quasi_static, inertial] = references(settings)?;
-    let found = judge(tier, scenario, settings, [quasi_static, inertial, rapier]);
+    let found = judge(question, [quasi_static, inertial, rapier]);
     if settings.reference_tolerance_m.is_some() {
         return Some(found);
     }
     let again = |found: Pathwise, tolerance_m: f64| {
         let [quasi_static, inertial] = references(&Settings { reference_tolerance_m: Some(tolerance_m), ..*settings })?;
         let [_, _, rapier] = found.solutions;
-        Some(judge(tier, scenario, settings, [quasi_static, inertial, rapier]))
+        Some(judge(question, [quasi_static, inertial, rapier]))
     };
     // The tolerance of the verdict is known only now.
     let needed = LARGEST_REFERENCE_ERROR * found.tolerance_m;
@@ -219,7 +210,8 @@ pub(super) fn compare(
     Some(if sharper.references_converged() { sharper } else { found })
 }
 
-fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, mut solutions: [Solution; 3]) -> Pathwise {
+fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
+    let Question { tier, scenario, settings, .. } = *question;
     let n_instants = solutions.iter().map(|solution| solution.points.len()).min().unwrap_or_default();
     solutions.iter_mut().for_each(|solution| solution.shorten_to(n_instants));
     let [quasi_static, inertial, rapier] = &solutions;
@@ -230,8 +222,7 @@ fn judge(tier: Tier, scenario: &Scenario, settings: &Settings, mut solutions: [S
     let (jumps, no_jumps) = (Jumps::of(&quasi_static.trace, scenario.control_period), Jumps::default());
     let inertia_effect = Difference::outside_jumps(&inertial.points, &quasi_static.points, radius, &jumps);
     let engine_error = Difference::between(&rapier.points, &inertial.points, radius);
-    let quasi_static_length = quasi_static.path_length(radius);
-    let path_length_m = quasi_static_length.max(inertial.reach(radius));
+    let path_length_m = quasi_static.path_length(radius).max(inertial.reach(radius));
     let tolerance_m = settings.tolerance_path(path_length_m, radius);
     let attributed = Attributed::new(&scenario.system, inertial, quasi_static, &jumps);
     let pair = |paths, jumps, attributed| PathPair::new(paths, scenario, tolerance_m, jumps, attributed);

@@ -137,21 +137,23 @@ impl QuantityVerdict {
         }
     }
 
-    /// Largest inertia effect plus reference error over the tolerance (1): at most one where
-    /// quasi-static is valid.
+    /// Largest inertia effect less and plus reference error over the tolerance (1): at most one
+    /// where quasi-static is valid.
     pub fn inertia_share_range(&self) -> [f64; 2] {
-        let range = |effect: f64, error: f64, tolerance: f64| [(effect - error) / tolerance, (effect + error) / tolerance];
-        let of = |measure: &RunMeasure| range(measure.inertia_effect, measure.reference_error, measure.tolerance);
-        let own = range(self.inertia_effect, self.reference_error, self.tolerance);
-        self.measures.iter().map(of).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]).unwrap_or(own)
+        self.share_range(self.inertia_effect, |measure| measure.inertia_effect)
     }
 
     /// As [`QuantityVerdict::inertia_share_range`], for the engine error.
     pub fn engine_share_range(&self) -> [f64; 2] {
+        self.share_range(self.engine_error, |measure| measure.engine_error)
+    }
+
+    /// Range of a difference over its tolerance (1): the largest of all numbers, if there are any.
+    fn share_range(&self, own: f64, difference: fn(&RunMeasure) -> f64) -> [f64; 2] {
         let range = |effect: f64, error: f64, tolerance: f64| [(effect - error) / tolerance, (effect + error) / tolerance];
-        let of = |measure: &RunMeasure| range(measure.engine_error, measure.reference_error, measure.tolerance);
-        let own = range(self.engine_error, self.reference_error, self.tolerance);
-        self.measures.iter().map(of).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]).unwrap_or(own)
+        let of = |measure: &RunMeasure| range(difference(measure), measure.reference_error, measure.tolerance);
+        let largest = self.measures.iter().map(of).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        largest.unwrap_or(range(own, self.reference_error, self.tolerance))
     }
 
     /// Verdict on several numbers in one `unit`. The tolerance of each is this `share` (1) of the

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::settings::{MakeController, Settings};
+use super::solution::Question;
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::Summary;
 use crate::scenario::{AntDrive, Scenario};
@@ -58,18 +58,13 @@ fn mean_attached(trace: &Trace) -> Option<f64> {
 }
 
 /// Runs the seed `at` places after the scenario's on all backends.
-pub(super) fn seed_runs(
-    scenario: &Scenario,
-    settings: &Settings,
-    at: usize,
-    engine: &MakeBackend,
-    controller: &MakeController,
-    watch: impl Fn(f64) -> bool,
-) -> Option<(SeedRuns, [Trace; 3])> {
+pub(super) fn seed_runs(question: &Question, at: usize, watch: impl Fn(f64) -> bool) -> Option<(SeedRuns, [Trace; 3])> {
+    let Question { scenario, settings, engine, .. } = *question;
     let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
     let run = |nth: u32, kind, make: &MakeBackend| {
+        let question = Question { scenario: &seeded, ..*question };
         let options = settings.at_fixed_step(&seeded, kind);
-        run_of(&seeded, &options, make, controller, |share| watch((f64::from(nth) + share) / BackendKind::COMPARED.len() as f64))
+        run_of(&question, &options, make, |share| watch((f64::from(nth) + share) / BackendKind::COMPARED.len() as f64))
     };
     let runs =
         [run(0, BackendKind::QuasiStatic, &backend_of)?, run(1, BackendKind::Inertial, &backend_of)?, run(2, BackendKind::Rapier, engine)?];
@@ -82,13 +77,8 @@ pub(super) fn seed_runs(
     Some((found, runs.map(|run| run.trace)))
 }
 
-fn run_of(
-    scenario: &Scenario,
-    options: &BackendOptions,
-    make: &MakeBackend,
-    controller: &MakeController,
-    watch: impl Fn(f64) -> bool,
-) -> Option<Run> {
+fn run_of(question: &Question, options: &BackendOptions, make: &MakeBackend, watch: impl Fn(f64) -> bool) -> Option<Run> {
+    let Question { scenario, controller, .. } = *question;
     let mut run = Simulation::from_parts(scenario, options, Keep::Trace, controller(scenario), make(scenario, options));
     run.run(|time| watch(time / scenario.duration));
     if !run.is_finished() {

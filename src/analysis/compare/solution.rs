@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::settings::{MakeController, Settings, Tier};
 use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
 use crate::math::Pose;
 use crate::scenario::Scenario;
@@ -48,6 +49,25 @@ pub struct Point {
     pub time: f64,
     pub pose: Pose,
     pub error: PoseError,
+}
+
+/// What a comparison asks of every backend.
+#[derive(Clone, Copy)]
+pub(super) struct Question<'a> {
+    pub tier: Tier,
+    pub scenario: &'a Scenario,
+    pub settings: &'a Settings,
+    /// Makes rapier, or what replaces it.
+    pub engine: &'a MakeBackend<'a>,
+    pub controller: &'a MakeController<'a>,
+}
+
+impl Question<'_> {
+    /// Path on the backends from `make`: see [`Solution::find`].
+    pub fn solution(&self, options: &BackendOptions, make: &MakeBackend, watch: impl Fn(f64) -> bool + Sync) -> Option<Solution> {
+        let n_parts = self.settings.parts_of_period(self.tier, self.scenario);
+        Solution::find(self.scenario, options, n_parts, make, || (self.controller)(self.scenario), watch)
+    }
 }
 
 impl Solution {

@@ -9,6 +9,7 @@ use super::ensemble::{self, ClosedLoop};
 use super::pathwise::Pathwise;
 use super::seed_runs::{self, SeedRuns};
 use super::settings::{MakeController, Settings, Tier};
+use super::solution::Question;
 use super::trial;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, Trace, backend_of, controller_of};
@@ -65,20 +66,24 @@ impl<'a> ThreeWay<'a> {
         Self { controller, ..self }
     }
 
+    fn question(&self, tier: Tier) -> Question<'a> {
+        let Self { scenario, settings, engine, controller } = *self;
+        Question { tier, scenario, settings, engine, controller }
+    }
+
     /// Compares paths under prescribed tip motions.
     ///
     /// # Panics
     /// If the scenario has ants: they would decide differently on each path.
     pub fn prescribed(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
         assert!(matches!(self.scenario.drive, Drive::Tips(_)), "a scenario with ants has no prescribed tips");
-        let Self { scenario, settings, engine, controller } = *self;
-        trial::compare(Tier::Prescribed, scenario, settings, engine, controller, watch)
+        trial::compare(&self.question(Tier::Prescribed), watch)
     }
 
     /// Records a run of a backend of this library, replays its grasps, releases and tip motions on
     /// all backends, and compares paths.
     pub fn replayed(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
-        let Self { scenario, settings, engine, controller } = *self;
+        let Self { scenario, settings, controller, .. } = *self;
         let options = settings.at_fixed_step(scenario, settings.recorded_from);
         let mut run = Simulation::from_parts(scenario, &options, Keep::Trace, controller(scenario), backend_of(scenario, &options));
         run.run(|time| watch(RECORDING * time / scenario.duration));
@@ -89,7 +94,8 @@ impl<'a> ThreeWay<'a> {
         let (recorded, n_springs) = (Arc::new(recorded), scenario.system.springs.len());
         let replayed = Scenario { duration: outcome.time, ..scenario.clone() };
         let replay = |_: &Scenario| Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Controller>;
-        trial::compare(Tier::Replayed, &replayed, settings, engine, replay, |share| watch(RECORDING + (1.0 - RECORDING) * share))
+        let question = Question { scenario: &replayed, controller: &replay, ..self.question(Tier::Replayed) };
+        trial::compare(&question, |share| watch(RECORDING + (1.0 - RECORDING) * share))
     }
 
     /// Compares paths under a controller that follows the load: each run has a controller of its
@@ -98,8 +104,7 @@ impl<'a> ThreeWay<'a> {
     ///
     /// A run that ends early, since its load has arrived, ends the comparison of all.
     pub fn controlled(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
-        let Self { scenario, settings, engine, controller } = *self;
-        trial::compare(Tier::Controlled, scenario, settings, engine, controller, watch)
+        trial::compare(&self.question(Tier::Controlled), watch)
     }
 
     /// Runs `n_seeds` consecutive seeds from the scenario's seed on all backends, and compares
@@ -128,7 +133,7 @@ impl<'a> ThreeWay<'a> {
     /// Runs the seed `at` places after the scenario's on all backends. Returns what
     /// [`ThreeWay::judged`] needs of it, and the traces of the three runs.
     pub fn seed_runs(&self, at: usize, watch: impl Fn(f64) -> bool) -> Option<(SeedRuns, [Trace; 3])> {
-        seed_runs::seed_runs(self.scenario, self.settings, at, self.engine, self.controller, watch)
+        seed_runs::seed_runs(&self.question(Tier::ClosedLoop), at, watch)
     }
 
     /// Compares distributions over consecutive seeds, all of which have run. The traces are those

@@ -3,12 +3,12 @@
 use super::difference::{Difference, Jumps};
 use super::pathwise::{self, Pathwise};
 use super::settings::{Settings, Tier};
-use super::solution::Solution;
+use super::solution::Question;
 use super::suggestion::{SuggestedChange, Tried};
 use super::verdict::Cause;
 use crate::backend::{BackendKind, Status};
 use crate::scenario::Scenario;
-use crate::simulation::{Controller, MakeBackend, backend_of};
+use crate::simulation::backend_of;
 
 /// Parts of the tolerance that the changes of each trial aim at, over that of the first (1).
 const AIMS: [f64; 3] = [1.0, 1.0 / 3.0, 1.0 / 9.0];
@@ -17,23 +17,17 @@ pub const LONGEST: f64 = 50.0;
 
 /// Compares paths, and tries the changes that are suggested against the inertia effect. Up to three
 /// trials are made, each with stronger changes. A trial leaves rapier out.
-pub(super) fn compare(
-    tier: Tier,
-    scenario: &Scenario,
-    settings: &Settings,
-    engine: &MakeBackend,
-    controller: impl Fn(&Scenario) -> Box<dyn Controller> + Sync,
-    watch: impl Fn(f64) -> bool + Sync,
-) -> Option<Pathwise> {
-    let mut found = pathwise::compare(tier, scenario, settings, engine, || controller(scenario), &watch)?;
+pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+    let Question { scenario, settings, .. } = *question;
+    let mut found = pathwise::compare(question, &watch)?;
     if !settings.check_suggestions || !found.causes.contains(&Cause::Inertia) {
         return Some(found);
     }
     let mut best = f64::INFINITY;
     for aim in AIMS {
         let changes = found.suggestions(scenario, settings, aim);
-        let Some(changed) = changed(scenario, tier, &changes) else { break };
-        let tried = tried_to_its_tolerance(tier, &changed, settings, &found, &controller, &watch)?;
+        let Some(changed) = changed(question, &changes) else { break };
+        let tried = tried_to_its_tolerance(&Question { scenario: &changed, ..*question }, &found, &watch)?;
         let share = tried.share();
         if share < best {
             (best, found.suggested_changes, found.tried) = (share, changes, Some(tried));
@@ -46,10 +40,10 @@ pub(super) fn compare(
 }
 
 /// The scene after all changes against inertia; `None` if one cannot be tried.
-fn changed(scenario: &Scenario, tier: Tier, changes: &[SuggestedChange]) -> Option<Scenario> {
-    let mut changed = scenario.clone();
+fn changed(question: &Question, changes: &[SuggestedChange]) -> Option<Scenario> {
+    let mut changed = question.scenario.clone();
     // Recorded motions, and controllers of one's own, have their own speed.
-    let can_slow = tier == Tier::Prescribed;
+    let can_slow = question.tier == Tier::Prescribed;
     let mut n_changes = 0;
     for change in changes.iter().filter(|change| change.is_of_scene()) {
         if matches!(change, SuggestedChange::SlowerTips { .. }) && !can_slow {
@@ -58,43 +52,25 @@ fn changed(scenario: &Scenario, tier: Tier, changes: &[SuggestedChange]) -> Opti
         change.apply(&mut changed);
         n_changes += 1;
     }
-    (n_changes > 0 && changed.duration <= LONGEST * scenario.duration).then_some(changed)
+    (n_changes > 0 && changed.duration <= LONGEST * question.scenario.duration).then_some(changed)
 }
 
 /// What is left of the inertia effect in a changed scene. The reference error is that of the
 /// comparison first. A changed scene with a far shorter path has a far smaller tolerance, for which
 /// a smaller one is asked.
-fn tried_to_its_tolerance(
-    tier: Tier,
-    changed: &Scenario,
-    settings: &Settings,
-    before: &Pathwise,
-    controller: &(impl Fn(&Scenario) -> Box<dyn Controller> + Sync),
-    watch: &(impl Fn(f64) -> bool + Sync),
-) -> Option<Tried> {
-    let to = |tolerance_m: f64| {
-        let needed = settings.reference_tolerance_m.unwrap_or(pathwise::needed_reference_error(tolerance_m));
-        tried(tier, changed, settings, needed, controller, watch)
-    };
+fn tried_to_its_tolerance(question: &Question, before: &Pathwise, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Tried> {
+    let given = question.settings.reference_tolerance_m;
+    let to = |tolerance_m: f64| tried(question, given.unwrap_or(pathwise::needed_reference_error(tolerance_m)), watch);
     let found = to(before.tolerance_m)?;
-    let is_open = !found.is_enough && found.share() <= 1.0 && settings.reference_tolerance_m.is_none();
+    let is_open = !found.is_enough && found.share() <= 1.0 && given.is_none();
     if is_open { to(found.tolerance_m.min(before.tolerance_m)) } else { Some(found) }
 }
 
 /// What is left of the inertia effect in a changed scene, to this reference error (m).
-fn tried(
-    tier: Tier,
-    changed: &Scenario,
-    settings: &Settings,
-    needed: f64,
-    controller: &(impl Fn(&Scenario) -> Box<dyn Controller> + Sync),
-    watch: &(impl Fn(f64) -> bool + Sync),
-) -> Option<Tried> {
-    let settings = Settings { reference_tolerance_m: Some(needed), ..*settings };
-    let find = |kind| {
-        let options = settings.under_error_control(changed, kind);
-        Solution::find(changed, &options, settings.parts_of_period(tier, changed), &backend_of, || controller(changed), |_| watch(1.0))
-    };
+fn tried(question: &Question, needed: f64, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Tried> {
+    let Question { scenario: changed, .. } = *question;
+    let settings = Settings { reference_tolerance_m: Some(needed), ..*question.settings };
+    let find = |kind| question.solution(&settings.under_error_control(changed, kind), &backend_of, |_| watch(1.0));
     let (quasi_static, inertial) = rayon::join(|| find(BackendKind::QuasiStatic), || find(BackendKind::Inertial));
     let [mut quasi_static, mut inertial] = [quasi_static?, inertial?];
     let n = quasi_static.points.len().min(inertial.points.len());
