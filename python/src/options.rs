@@ -3,7 +3,6 @@
 use std::fmt::Display;
 
 use cohaul::analysis::compare::Settings;
-use cohaul::backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Setting, Skip, Skips, Tolerance};
 use cohaul::scenario::Scenario;
 use cohaul::studies::sweep::Variant;
@@ -161,16 +160,12 @@ impl AskedEngine {
     }
 
     fn options(&self) -> PyResult<RapierOptions> {
-        let usual = match named_if::<EngineSettings>("rapier.settings", self.settings.as_ref())? {
-            None | Some(EngineSettings::Recommended) => RapierOptions::default(),
-            Some(EngineSettings::EngineDefaults) => RapierOptions::engine_defaults(),
-        };
-        Ok(RapierOptions {
-            friction: named_if::<FrictionModel>("rapier.friction", self.friction.as_ref())?.unwrap_or(usual.friction),
-            springs: named_if::<SpringModel>("rapier.springs", self.springs.as_ref())?.unwrap_or(usual.springs),
-            precision: named_if::<Precision>("rapier.precision", self.precision.as_ref())?.unwrap_or(usual.precision),
-            ..usual
-        })
+        Ok(RapierOptions::asked(
+            named_if("rapier.settings", self.settings.as_ref())?,
+            named_if("rapier.friction", self.friction.as_ref())?,
+            named_if("rapier.springs", self.springs.as_ref())?,
+            named_if("rapier.precision", self.precision.as_ref())?,
+        ))
     }
 }
 

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
-use cohaul::analysis::estimate::{Estimator, InertiaEstimate, with_estimate};
-use cohaul::backend::{Backend, BackendOptions, Shared};
+use cohaul::analysis::estimate::{InertiaEstimate, with_estimate_if};
+use cohaul::backend::BackendOptions;
 use cohaul::output::chart::{self, Labelled};
 use cohaul::output::json;
 use cohaul::output::manifest::Manifest;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::run_facts::Run;
-use cohaul::simulation::{Controller, Keep, Outcome, Simulation, Trace, backend_of, controller_of};
+use cohaul::simulation::{Controller, Keep, Outcome, Simulation, Trace, controller_of};
 use cohaul::studies::run::page::run_page;
 use cohaul::studies::run::summary::RunSummary;
 use pyo3::exceptions::PyArithmeticError;
@@ -57,17 +57,6 @@ pub fn run(
     Ok(RunData { scenario, options, trace: Arc::new(trace), outcome, estimate, wall_s, started })
 }
 
-/// What follows a run to estimate the inertia effect, if anything does.
-type SharedEstimator = Option<Shared<Estimator>>;
-
-fn backend(scenario: &Scenario, options: &BackendOptions) -> (Box<dyn Backend>, SharedEstimator) {
-    if !options.kind.has_inertia_estimate() {
-        return (backend_of(scenario, options), None);
-    }
-    let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);
-    (backend, Some(estimator))
-}
-
 fn finished(
     scenario: &Scenario,
     options: &BackendOptions,
@@ -79,10 +68,10 @@ fn finished(
     let keep = if keep_trace || written.is_some() { Keep::Trace } else { Keep::Outcome };
     let controller =
         || written.map_or_else(|| controller_of(scenario), |written| Box::new(written.instance(scenario)) as Box<dyn Controller>);
-    let (backend, mut estimator) = backend(scenario, options);
+    let (backend, mut estimator) = with_estimate_if(scenario, options, true);
     let mut run = Simulation::from_parts(scenario, options, keep, controller(), backend);
     let afresh = |options: &BackendOptions| {
-        let (backend, follower) = self::backend(scenario, options);
+        let (backend, follower) = with_estimate_if(scenario, options, true);
         estimator = follower;
         Simulation::from_parts(scenario, options, keep, controller(), backend)
     };

@@ -28,16 +28,7 @@ pub struct EngineArgs {
 
 impl EngineArgs {
     pub fn options(&self) -> RapierOptions {
-        let usual = match self.settings {
-            None | Some(EngineSettings::Recommended) => RapierOptions::default(),
-            Some(EngineSettings::EngineDefaults) => RapierOptions::engine_defaults(),
-        };
-        RapierOptions {
-            friction: self.friction.unwrap_or(usual.friction),
-            springs: self.springs.unwrap_or(usual.springs),
-            precision: self.precision.unwrap_or(usual.precision),
-            ..usual
-        }
+        RapierOptions::asked(self.settings, self.friction, self.springs, self.precision)
     }
 }
 

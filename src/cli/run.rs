@@ -18,8 +18,8 @@ use super::output::{OutputArgs, manifest_of};
 use super::resumable::stopped;
 use super::watch::{catch_interrupts, watched_by};
 use crate::analysis::ExpectedCost;
-use crate::analysis::estimate::{Estimator, with_estimate};
-use crate::backend::{Backend, BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Status, Tolerance, build};
+use crate::analysis::estimate::{Estimator, with_estimate_if};
+use crate::backend::{BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Status, Tolerance};
 use crate::output::chart::Scene;
 use crate::output::json;
 use crate::output::progress::Progress;
@@ -143,19 +143,17 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     Ok(if outcome.steps.status == Status::Failed || !summary.run.is_accurate() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
-/// What follows a run to estimate the inertia effect, if anything does.
-type SharedEstimator = Option<Shared<Estimator>>;
-
 /// The run, as far as it got, and what follows it to estimate the inertia effect.
 fn computed<'a>(
     args: &RunArgs,
     scenario: &'a Scenario,
     options: &BackendOptions,
     writer: &mut Option<RunWriter>,
-) -> Result<(Simulation<'a>, SharedEstimator), CliError> {
+) -> Result<(Simulation<'a>, Option<Shared<Estimator>>), CliError> {
     let keep = if writer.is_some() { Keep::Trace } else { Keep::Outcome };
     let saved = saved(options, args.state.as_deref())?;
-    let (backend, mut estimator) = backend(scenario, saved.as_ref().map_or(options, |saved| &saved.options), args.no_estimate);
+    let first = saved.as_ref().map_or(options, |saved| &saved.options);
+    let (backend, mut estimator) = with_estimate_if(scenario, first, !args.no_estimate);
     let mut run = match (&saved, &args.state) {
         (Some(saved), Some(path)) => Simulation::resume_from_parts(scenario, saved, keep, controller_of(scenario), backend)
             .map_err(|source| CliError::Restore { path: path.clone(), source })?,
@@ -170,7 +168,7 @@ fn computed<'a>(
             return run.run_streaming(watch, |rows| writer.add(rows));
         }
         let afresh = |options: &BackendOptions| {
-            let (backend, follower) = self::backend(scenario, options, args.no_estimate);
+            let (backend, follower) = with_estimate_if(scenario, options, !args.no_estimate);
             estimator = follower;
             Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend)
         };
@@ -219,15 +217,6 @@ fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliErr
     let tolerance = Tolerance::at_edge(position_m, &scenario.system.load);
     let heading_rad = args.tolerance_rad.unwrap_or(tolerance.heading_rad);
     Ok(BackendOptions { skips, ..BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }) })
-}
-
-/// The backend, and what follows a quasi-static one to estimate the inertia effect.
-fn backend(scenario: &Scenario, options: &BackendOptions, no_estimate: bool) -> (Box<dyn Backend>, SharedEstimator) {
-    if !options.kind.has_inertia_estimate() || no_estimate {
-        return (build(&scenario.system, scenario.start, options), None);
-    }
-    let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);
-    (backend, Some(estimator))
 }
 
 /// The saved run in the state file, if there is one.

@@ -4,6 +4,7 @@ use super::estimator::Estimator;
 use crate::backend::{Backend, BackendOptions, Hook, Motion, RestoreError, SaveError, SavedState, Shared, StepReport, Wrapped, build};
 use crate::math::Vec2;
 use crate::model::System;
+use crate::scenario::Scenario;
 
 /// Key of the estimator's state beside that of the backend.
 const KEY: &str = "inertia_estimate";
@@ -21,6 +22,16 @@ pub fn with_estimate(system: &System, start: Motion, options: &BackendOptions) -
     let estimator = Shared::new(Estimator::new(system, &start));
     let (inside, hook) = (build(system, start, options), Follow(estimator.clone()));
     (Box::new(Wrapped { inside, hook }), estimator)
+}
+
+/// The backend of a run, and what follows it to estimate the inertia effect: nothing where a
+/// backend has no estimate, or none `is_wanted`.
+pub fn with_estimate_if(scenario: &Scenario, options: &BackendOptions, is_wanted: bool) -> (Box<dyn Backend>, Option<Shared<Estimator>>) {
+    if !options.kind.has_inertia_estimate() || !is_wanted {
+        return (build(&scenario.system, scenario.start, options), None);
+    }
+    let (backend, estimator) = with_estimate(&scenario.system, scenario.start, options);
+    (backend, Some(estimator))
 }
 
 impl Hook for Follow {

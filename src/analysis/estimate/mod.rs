@@ -29,4 +29,4 @@ mod static_friction;
 
 pub use displacement::Largest;
 pub use estimator::{CLEAR, Estimator, InertiaEstimate, TOLERANCE_SHARE};
-pub use hook::with_estimate;
+pub use hook::{with_estimate, with_estimate_if};

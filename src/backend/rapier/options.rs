@@ -92,4 +92,24 @@ impl RapierOptions {
     pub fn engine_defaults() -> Self {
         Self { friction: FrictionModel::Box, settings: EngineSettings::EngineDefaults, ..Self::default() }
     }
+
+    /// A set of settings, by default the recommended one, with the models and the precision that
+    /// are asked for.
+    pub fn asked(
+        settings: Option<EngineSettings>,
+        friction: Option<FrictionModel>,
+        springs: Option<SpringModel>,
+        precision: Option<Precision>,
+    ) -> Self {
+        let usual = match settings {
+            None | Some(EngineSettings::Recommended) => Self::default(),
+            Some(EngineSettings::EngineDefaults) => Self::engine_defaults(),
+        };
+        Self {
+            friction: friction.unwrap_or(usual.friction),
+            springs: springs.unwrap_or(usual.springs),
+            precision: precision.unwrap_or(usual.precision),
+            ..usual
+        }
+    }
 }
