@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import html
-import json
 import os
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from . import _native
 from ._options import as_json, engine, number, progress_of, text, texts, whole
-from ._run import Trace, written
+from ._run import Results, Trace
 from ._scenario import Source, as_scenario
 
 BACKENDS = ("quasi-static", "inertial", "rapier")
@@ -27,22 +26,11 @@ class Replay:
         return f'<iframe srcdoc="{html.escape(self.page)}" style="{style}"></iframe>'
 
 
-class Comparison(Mapping[str, Any]):
+class Comparison(Results):
     """A finished comparison. As a mapping it has what ``cohaul compare --json`` prints."""
 
-    def __init__(self, data: _native.Comparison) -> None:
-        self._data = data
-        self._results: dict[str, Any] = json.loads(data.json())
-
-    @property
-    def results(self) -> dict[str, Any]:
-        """All results, as ``cohaul compare --json`` prints them."""
-        return self._results
-
-    @property
-    def answer(self) -> str:
-        """Whether the quasi-static model is valid, and the engine error, in one or two sentences."""
-        return self._results["answer"]
+    _command = "cohaul.compare"
+    _data: _native.Comparison
 
     @property
     def tiers(self) -> dict[str, Any]:
@@ -73,27 +61,14 @@ class Comparison(Mapping[str, Any]):
 
     def replay(self) -> Replay:
         """The page with its replay, for a notebook."""
-        return Replay(self._data.page("cohaul.compare"))
-
-    def report(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The HTML page with its replay, which is also written to ``path``."""
-        return written(self._data.page("cohaul.compare"), path)
+        return Replay(self.report())
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes the files of ``cohaul compare --out`` to a folder."""
-        self._data.write(os.fspath(folder), "cohaul.compare")
+        self._data.write(os.fspath(folder), self._command)
 
     def _tier(self, tier: str | None) -> str:
         return text("tier", tier) or next(iter(self.tiers))
-
-    def __getitem__(self, name: str) -> Any:
-        return self._results[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._results)
-
-    def __len__(self) -> int:
-        return len(self._results)
 
     def __repr__(self) -> str:
         return f"<Comparison of {self['scenario']!r}: {self.answer}>"

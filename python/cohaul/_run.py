@@ -29,7 +29,27 @@ class Event(NamedTuple):
     """Position of the tip at that instant (m, world)."""
 
 
-class Trace(Mapping[str, np.ndarray]):
+class Table(Mapping[str, np.ndarray]):
+    """Columns by name."""
+
+    __slots__ = ()
+
+    def _flat(self) -> dict[str, np.ndarray]:
+        """Columns of one dimension."""
+        return dict(self)
+
+    def to_pandas(self) -> Any:
+        """The table as a ``pandas.DataFrame``, with a column for each number of a row."""
+        return library("pandas", "to_pandas").DataFrame(self._flat())
+
+    def to_polars(self) -> Any:
+        """The table as a ``polars.DataFrame``, with a column for each number of a row."""
+        polars = library("polars", "to_polars")
+        lists = {name: column.tolist() if column.dtype == object else np.ascontiguousarray(column) for name, column in self._flat().items()}
+        return polars.DataFrame(lists)
+
+
+class Trace(Table):
     """Columns of a run, as read-only arrays by name: a row at every control tick.
 
     ``time_s``, ``x_m``, ``y_m``, ``heading_rad``, ``vx_m_per_s``, ``vy_m_per_s``,
@@ -74,38 +94,59 @@ class Trace(Mapping[str, np.ndarray]):
                     columns[f"{stem}_y_{spring}_{unit}"] = values[:, spring, 1]
         return columns
 
-    def to_pandas(self) -> Any:
-        """The trace as a ``pandas.DataFrame``, with a column for each number of a row."""
-        return library("pandas", "to_pandas").DataFrame(self._flat())
-
-    def to_polars(self) -> Any:
-        """The trace as a ``polars.DataFrame``, with a column for each number of a row."""
-        polars = library("polars", "to_polars")
-        return polars.DataFrame({name: np.ascontiguousarray(column) for name, column in self._flat().items()})
-
     def __repr__(self) -> str:
         return f"<Trace: {self.n_rows} rows, {len(self)} columns>"
 
 
-class Run(Mapping[str, Any]):
-    """A finished run. As a mapping it has what ``cohaul run --json`` prints."""
+class Results(Mapping[str, Any]):
+    """What the program computed: a mapping of what it prints with ``--json``."""
 
-    def __init__(self, data: _native.RunData, backend: str) -> None:
+    _command: str
+    _data: Any
+
+    def __init__(self, data: Any) -> None:
         self._data = data
         self._results: dict[str, Any] = json.loads(data.json())
-        self.backend = backend
-        self.trace = Trace(data.trace())
-        """Columns over time; empty if no trace was kept."""
 
     @property
     def results(self) -> dict[str, Any]:
-        """All numbers of the run, as ``cohaul run --json`` prints them."""
+        """All results, as the program prints them with ``--json``."""
         return self._results
 
     @property
     def answer(self) -> str:
-        """What the run found, in words."""
+        """What was found, in one or two sentences."""
         return self._results["answer"]
+
+    def report(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The HTML page with its replay, which is also written to ``path`` unless that is ``None``."""
+        page: str = self._data.page(self._command)
+        if path is not None:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(page)
+        return page
+
+    def __getitem__(self, name: str) -> Any:
+        return self._results[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._results)
+
+    def __len__(self) -> int:
+        return len(self._results)
+
+
+class Run(Results):
+    """A finished run. As a mapping it has what ``cohaul run --json`` prints."""
+
+    _command = "cohaul.run"
+    _data: _native.RunData
+
+    def __init__(self, data: _native.RunData, backend: str) -> None:
+        super().__init__(data)
+        self.backend = backend
+        self.trace = Trace(data.trace())
+        """Columns over time; empty if no trace was kept."""
 
     @property
     def energy(self) -> dict[str, Any]:
@@ -133,19 +174,6 @@ class Run(Mapping[str, Any]):
     def overview(self) -> str:
         """Path, pulls, energy, heading and speed over time, as SVG."""
         return self._data.overview()
-
-    def report(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The HTML page of the run with a replay, which is also written to ``path``."""
-        return written(self._data.page("cohaul.run"), path)
-
-    def __getitem__(self, name: str) -> Any:
-        return self._results[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._results)
-
-    def __len__(self) -> int:
-        return len(self._results)
 
     def __repr__(self) -> str:
         return f"<Run of {self['scenario']!r} on {self.backend}: {self.answer}>"
@@ -209,11 +237,3 @@ def library(name: str, method: str) -> Any:
         return importlib.import_module(name)
     except ImportError as error:
         raise ImportError(f"{method}() needs {name}: install it with `pip install {name}`") from error
-
-
-def written(page: str, path: str | os.PathLike[str] | None) -> str:
-    """The page, which is also written to ``path`` unless that is ``None``."""
-    if path is not None:
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(page)
-    return page

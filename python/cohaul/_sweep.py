@@ -10,11 +10,11 @@ import numpy as np
 
 from . import _native
 from ._options import as_json, backend_options, number, plain, progress_of, texts, whole
-from ._run import library
+from ._run import Table
 from ._scenario import Source, as_scenario
 
 
-class Sweep(Mapping[str, np.ndarray]):
+class Sweep(Table):
     """Columns of a sweep by name, a row for each run; the table of ``cohaul sweep``.
 
     Numbers are floats with NaN where a run has none, or integers where every run has one. Words
@@ -29,16 +29,6 @@ class Sweep(Mapping[str, np.ndarray]):
         rows = list(csv.reader(io.StringIO(data.csv)))[1:]
         cells = list(zip(*rows)) if rows else [()] * len(data.columns)
         self._columns = {name: _column(kind, cells[at]) for at, (name, kind) in enumerate(data.columns)}
-
-    def to_pandas(self) -> Any:
-        """The table as a ``pandas.DataFrame``."""
-        return library("pandas", "to_pandas").DataFrame(self._columns)
-
-    def to_polars(self) -> Any:
-        """The table as a ``polars.DataFrame``."""
-        polars = library("polars", "to_polars")
-        lists = {name: column.tolist() if column.dtype == object else column for name, column in self._columns.items()}
-        return polars.DataFrame(lists)
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self._columns[name]
