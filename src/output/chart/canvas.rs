@@ -277,11 +277,7 @@ fn marked<'a>(curve: &Curve, runs: impl Iterator<Item = &'a [[f64; 2]]>) -> Vec<
 fn area_between(style: &Style, pairs: &[[f64; 2]]) -> Plot {
     let middle = pairs.chunks_exact(2).map(|pair| (pair[0][0], 0.5 * (pair[0][1] + pair[1][1])));
     let ends = |end: usize| pairs.chunks_exact(2).map(|pair| pair[end][1]).collect::<Vec<f64>>();
-    let mut plot = line(&Style { width: 0.0, ..*style }).with_data(middle).with_band(ends(0), ends(1));
-    if let Some(band) = &mut plot.band {
-        band.opacity = 0.2;
-    }
-    plot.into()
+    with_band(line(&Style { width: 0.0, ..*style }).with_data(middle), [ends(0), ends(1)], 0.2)
 }
 
 fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
@@ -309,10 +305,14 @@ fn is_dense(cell: &Cell, y: &Axis) -> bool {
 fn band(style: &Style, columns: &[thin::Column]) -> Plot {
     let ends = |of: fn(&thin::Column) -> f64| columns.iter().map(of).collect::<Vec<f64>>();
     let means = line(style).with_data(columns.iter().map(|column| (column.x, column.mean)));
-    let mut plot = means.with_band(ends(|column| column.low), ends(|column| column.high));
+    // Light enough for three of them over each other.
+    with_band(means, [ends(|column| column.low), ends(|column| column.high)], 0.13)
+}
+
+fn with_band(plot: LinePlot, [low, high]: [Vec<f64>; 2], opacity: f64) -> Plot {
+    let mut plot = plot.with_band(low, high);
     if let Some(band) = &mut plot.band {
-        // Light enough for three of them over each other.
-        band.opacity = 0.13;
+        band.opacity = opacity;
     }
     plot.into()
 }

@@ -112,13 +112,12 @@ const MOST_POINTS: usize = 8192;
 
 impl<'a> Seen<'a> {
     pub fn all(traces: &[Labelled<'a>]) -> Vec<Self> {
-        traces.iter().map(Self::of).collect()
-    }
-
-    pub fn of(one: &Labelled<'a>) -> Self {
-        let mut rows = SeenRows::default();
-        rows.add(&one.trace.rows);
-        Self { rows: Cow::Owned(rows), events: &one.trace.events }
+        let of = |one: &Labelled<'a>| {
+            let mut rows = SeenRows::default();
+            rows.add(&one.trace.rows);
+            Self { rows: Cow::Owned(rows), events: &one.trace.events }
+        };
+        traces.iter().map(of).collect()
     }
 }
 
