@@ -11,23 +11,25 @@ mod springs;
 mod tips;
 mod world;
 
-use serde::de::DeserializeOwned;
+use serde::Deserialize;
 use serde_json::Value;
 
 use super::error::{Finding, Findings, ScenarioError};
 use super::format::{DriveEntry, GroundEntry, LoadEntry, ObstacleEntry, ScenarioFile, SpringsEntry};
-use super::json::join;
 use super::{Drive, Scenario};
 use crate::model::{SideFrictionRule, System};
 use shared::is_control;
 
 /// Largest number of ticks (1): more would neither end nor fit into memory.
 const MOST_TICKS: f64 = 1e9;
+
 /// A scenario file in which some sections may be missing or unreadable.
+#[derive(Default, Deserialize)]
+#[serde(default)]
 pub struct Draft {
     name: Option<String>,
-    duration: Option<f64>,
-    control_period: Option<f64>,
+    duration_s: Option<f64>,
+    control_period_s: Option<f64>,
     seed: Option<u64>,
     load: Option<LoadEntry>,
     ground: Option<GroundEntry>,
@@ -40,19 +42,15 @@ pub struct Draft {
 impl Draft {
     /// Sections of `value` that contain none of the unreadable paths in `misfits`.
     pub fn read(mut value: Value, misfits: &[String], findings: &mut Findings) -> Self {
-        let mut source = Sections { value: &mut value, misfits, findings };
-        Self {
-            name: source.take("name"),
-            duration: source.take("duration_s"),
-            control_period: source.take("control_period_s"),
-            seed: source.take("seed"),
-            load: source.take("load"),
-            ground: source.take("ground"),
-            springs: source.take("springs"),
-            obstacles: source.take("obstacles"),
-            side_friction_rule: source.take("side_friction_rule"),
-            drive: source.take("drive"),
-        }
+        let Value::Object(sections) = &mut value else { return Self::default() };
+        let is_in = |key: &str, path: &String| path.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+        sections.retain(|key, _| !misfits.iter().any(|path| is_in(key, path)));
+        // The shape was compared before: what goes wrong here is a difference between the schema
+        // and the types.
+        serde_path_to_error::deserialize(value).unwrap_or_else(|error| {
+            findings.report(error.path().to_string(), error.inner().to_string(), "another shape");
+            Self::default()
+        })
     }
 }
 
@@ -60,8 +58,8 @@ impl From<ScenarioFile> for Draft {
     fn from(file: ScenarioFile) -> Self {
         Self {
             name: Some(file.name),
-            duration: Some(file.duration_s),
-            control_period: Some(file.control_period_s),
+            duration_s: Some(file.duration_s),
+            control_period_s: Some(file.control_period_s),
             seed: Some(file.seed),
             load: Some(file.load),
             ground: Some(file.ground),
@@ -81,27 +79,6 @@ impl ScenarioFile {
     pub fn checked(self, name_for_errors: &str) -> Result<Scenario, ScenarioError> {
         scenario(self.into(), Findings::default())
             .map_err(|findings| ScenarioError::Invalid { file: name_for_errors.to_string(), findings })
-    }
-}
-
-struct Sections<'a> {
-    value: &'a mut Value,
-    misfits: &'a [String],
-    findings: &'a mut Findings,
-}
-
-impl Sections<'_> {
-    fn take<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
-        let is_within = |path: &String| path.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
-        let section = self.value.get_mut(key)?.take();
-        if self.misfits.iter().any(is_within) {
-            return None;
-        }
-        // The shape was compared before: what goes wrong here is a difference between the schema
-        // and the types.
-        serde_path_to_error::deserialize(section)
-            .map_err(|error| self.findings.report(join(key, &error.path().to_string()), error.inner().to_string(), "another shape"))
-            .ok()
     }
 }
 
@@ -125,22 +102,22 @@ fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
     if let Some(name) = draft.name.as_deref().filter(|name| name.chars().any(is_control)) {
         findings.report("name", "must not contain control characters", format_args!("{name:?}"));
     }
-    check_clock(draft.duration, draft.control_period, findings);
+    check_clock(draft.duration_s, draft.control_period_s, findings);
     let load = draft.load.map(|entry| load::load(&entry, findings));
     let ground = draft.ground.map(|entry| ground::ground(&entry, load.as_ref(), findings));
     let (obstacles, rule) = (draft.obstacles.unwrap_or_default(), draft.side_friction_rule.unwrap_or_default());
-    let world = world::world(&obstacles, rule, load.as_ref(), draft.control_period, findings);
+    let world = world::world(&obstacles, rule, load.as_ref(), draft.control_period_s, findings);
     let n_springs = draft.springs.as_deref().map(springs::n_springs);
     let springs = draft.springs.map(|entries| springs::springs(&entries, findings));
     let drive = draft.drive.map(|entry| match entry {
-        DriveEntry::Tips(entry) => Drive::Tips(tips::paths(&entry, n_springs, draft.control_period, findings)),
-        DriveEntry::Ants(entry) => Drive::Ants(ants::ants(&entry, n_springs, draft.control_period, !obstacles.is_empty(), findings)),
+        DriveEntry::Tips(entry) => Drive::Tips(tips::paths(&entry, n_springs, draft.control_period_s, findings)),
+        DriveEntry::Ants(entry) => Drive::Ants(ants::ants(&entry, n_springs, draft.control_period_s, !obstacles.is_empty(), findings)),
     });
     let load = load?;
     Some(Scenario {
         name: draft.name?,
-        duration: draft.duration?,
-        control_period: draft.control_period?,
+        duration: draft.duration_s?,
+        control_period: draft.control_period_s?,
         seed: draft.seed.unwrap_or(1),
         system: System { load: load.load, ground: ground?, springs: springs?, world },
         start: load.start,
