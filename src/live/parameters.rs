@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use crate::scenario::{Drive, Scenario};
 
-/// A number with the range of its slider.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Parameter {
     pub key: &'static str,
@@ -27,9 +26,9 @@ const REACH_OF_SPEED: f64 = 10.0;
 /// The parameters of a scene that was opened as `base` and whose drive is now `speed` times as
 /// fast.
 pub fn parameters(scenario: &Scenario, base: &Scenario, speed: f64) -> Vec<Parameter> {
-    let by_factor = |key, name, about, unit, value, base: f64, reach: f64| Parameter {
+    let by_factor = |key, about, unit, value, base: f64, reach: f64| Parameter {
         key,
-        name,
+        name: key,
         about,
         unit,
         value,
@@ -37,46 +36,26 @@ pub fn parameters(scenario: &Scenario, base: &Scenario, speed: f64) -> Vec<Param
         most: base * reach,
         is_log: true,
     };
-    let friction = base.system.ground.friction_coefficient;
-    let mass = by_factor(
-        "mass",
-        "mass",
-        "Mass and moment of inertia; the weight on the supports goes with it",
-        "kg",
-        scenario.system.load.mass,
-        base.system.load.mass,
-        REACH,
-    );
-    let inertia = by_factor(
-        "inertia",
-        "inertia",
-        "Mass and moment of inertia at the same weight, over those of the scene as it was opened",
-        "",
-        scenario.system.load.mass / weight(scenario) / (base.system.load.mass / weight(base)),
-        1.0,
-        REACH,
-    );
-    let friction = Parameter {
-        key: "friction",
-        name: "friction",
-        about: "Coefficient of friction with the ground",
-        unit: "",
-        value: scenario.system.ground.friction_coefficient,
-        least: 0.0,
-        most: if friction > 0.0 { 3.0 * friction } else { 1.0 },
-        is_log: false,
-    };
+    let [load, base_load] = [scenario, base].map(|of| &of.system.load);
+    let about = "Mass and moment of inertia; the weight on the supports goes with it";
+    let mass = by_factor("mass", about, "kg", load.mass, base_load.mass, REACH);
+    let about = "Mass and moment of inertia at the same weight, over those of the scene as it was opened";
+    let value = load.mass / weight(scenario) / (base_load.mass / weight(base));
+    let inertia = by_factor("inertia", about, "", value, 1.0, REACH);
+    let [value, usual] = [scenario, base].map(|of| of.system.ground.friction_coefficient);
+    let (about, most) = ("Coefficient of friction with the ground", if usual > 0.0 { 3.0 * usual } else { 1.0 });
+    let friction = Parameter { key: "friction", name: "friction", about, unit: "", value, least: 0.0, most, is_log: false };
     let mut found = vec![mass, inertia, friction];
     if let (Some(now), Some(stiffness)) = (mean_stiffness(scenario), mean_stiffness(base)) {
         let about = "Mean stiffness of the springs; all change by the same factor";
-        found.push(by_factor("stiffness", "stiffness", about, "N/m", now, stiffness, REACH));
+        found.push(by_factor("stiffness", about, "N/m", now, stiffness, REACH));
         let value = scenario.system.springs.iter().map(|spring| spring.damping_ratio).sum::<f64>() / scenario.system.springs.len() as f64;
         let about = "Damping ratio of all springs";
         found.push(Parameter { key: "damping", name: "damping", about, unit: "", value, least: 0.0, most: 2.0, is_log: false });
     }
     if is_driven(scenario) {
         let about = "Speed of tips, ants and pushers, over that of the scene as it was opened";
-        found.push(by_factor("speed", "drive speed", about, "×", speed, 1.0, REACH_OF_SPEED));
+        found.push(Parameter { name: "drive speed", ..by_factor("speed", about, "×", speed, 1.0, REACH_OF_SPEED) });
     }
     found
 }
