@@ -20,18 +20,19 @@ pub struct Packed {
 impl Packed {
     /// In 16 bits: to 1 part in 130,000 of the range of the values, either side.
     pub fn short(values: &[Option<f64>]) -> Self {
-        let (zero, step, whole) = scaled(values, i16::MAX.into());
-        let absent = f64::from(i16::MIN);
-        let bytes: Vec<u8> = whole.flat_map(|k| (k.unwrap_or(absent) as i16).to_le_bytes()).collect();
-        Self { zero, step, bits: 16, data: STANDARD.encode(bytes) }
+        Self::in_bits(16, values)
     }
 
     /// In 32 bits: to 1 part in 8e9 of the range.
     pub fn long(values: &[Option<f64>]) -> Self {
-        let (zero, step, whole) = scaled(values, i32::MAX.into());
-        let absent = f64::from(i32::MIN);
-        let bytes: Vec<u8> = whole.flat_map(|k| (k.unwrap_or(absent) as i32).to_le_bytes()).collect();
-        Self { zero, step, bits: 32, data: STANDARD.encode(bytes) }
+        Self::in_bits(32, values)
+    }
+
+    fn in_bits(bits: u32, values: &[Option<f64>]) -> Self {
+        let largest = f64::from(i32::MAX >> (32 - bits));
+        let (zero, step, whole) = scaled(values, largest);
+        let bytes = |k: Option<f64>| (k.unwrap_or(-largest - 1.0) as i32).to_le_bytes().into_iter().take(bits as usize / 8);
+        Self { zero, step, bits, data: STANDARD.encode(whole.flat_map(bytes).collect::<Vec<u8>>()) }
     }
 }
 
