@@ -29,24 +29,13 @@ pub struct ConsoleArgs {
     verbose: bool,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Verbosity {
-    Quiet,
-    Normal,
-    Verbose,
-}
-
-static VERBOSITY: OnceLock<Verbosity> = OnceLock::new();
+/// Whether `--quiet` and `--verbose` are given.
+static GIVEN: OnceLock<[bool; 2]> = OnceLock::new();
 
 impl ConsoleArgs {
     /// Makes these options count for the rest of the process.
     pub fn apply(&self) {
-        let verbosity = match (self.quiet, self.verbose) {
-            (true, _) => Verbosity::Quiet,
-            (_, true) => Verbosity::Verbose,
-            _ => Verbosity::Normal,
-        };
-        let _ = VERBOSITY.set(verbosity);
+        let _ = GIVEN.set([self.quiet, self.verbose]);
     }
 }
 
@@ -69,11 +58,11 @@ pub fn apply_color(arguments: &[OsString]) -> clap::ColorChoice {
 }
 
 pub fn is_quiet() -> bool {
-    VERBOSITY.get() == Some(&Verbosity::Quiet)
+    GIVEN.get().is_some_and(|[quiet, _]| *quiet)
 }
 
 fn is_verbose() -> bool {
-    VERBOSITY.get() == Some(&Verbosity::Verbose)
+    GIVEN.get().is_some_and(|[_, verbose]| *verbose)
 }
 
 /// How much of a result is printed.
