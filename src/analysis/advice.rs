@@ -29,7 +29,6 @@ pub struct Advice {
     pub first_pulls: Vec<Pull>,
     /// Dimensionless numbers; `null` where they follow from a run only.
     pub numbers: Numbers,
-    /// Expected run times.
     pub expected_time_s: ExpectedTimes,
 }
 
@@ -46,7 +45,6 @@ pub struct Mode {
 /// Pull on a spring when it is attached.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pull {
-    /// Index of the spring.
     pub spring: usize,
     /// Force on the tip (N).
     pub pull_n: f64,
@@ -57,18 +55,13 @@ pub struct Pull {
 /// Expected run times on one core (s); `null` beyond the range of floating-point numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExpectedTimes {
-    /// A run of the quasi-static backend.
     pub quasi_static: Option<f64>,
-    /// A run of the inertial backend.
     pub inertial: Option<f64>,
-    /// A run of rapier.
     pub rapier: Option<f64>,
-    /// A comparison of paths.
     pub compare: Option<f64>,
 }
 
 impl Advice {
-    /// Advice on a scenario.
     pub fn of(scenario: &Scenario) -> Self {
         let system = &scenario.system;
         let slip_limit_n = system.total_slip_limit();

@@ -34,7 +34,6 @@ fn is_alias<T: Serialize + DeserializeOwned>(name: &str) -> bool {
     parse::<T>(name).and_then(|found| serde_json::to_value(found).ok()) != Some(Value::from(name))
 }
 
-/// A number above zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("must be a number, found {text}"))?;
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("must be positive and finite, found {text}")) }
@@ -45,7 +44,6 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     positive(text).map_err(|error| error.replace("a number", "a number of seconds"))
 }
 
-/// A number that is zero or more.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if f64::is_finite(value) && value >= 0.0 => Ok(value),

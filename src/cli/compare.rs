@@ -261,7 +261,6 @@ fn closed_loop(runs: ThreeWay, n_seeds: usize, asked: &Value, out: Option<&Path>
     Ok((compared, finished))
 }
 
-/// Warns of options of tiers that are left out.
 fn warn_of_idle_tiers(args: &CompareArgs, tiers: &[Tier]) {
     let pathwise: &[Tier] = &[Tier::Prescribed, Tier::Replayed];
     let options = [

@@ -34,7 +34,6 @@ pub fn read_scenario(path: &Path, seed: Option<u64>) -> Result<Scenario, CliErro
     Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })
 }
 
-/// Prints the warnings about a scenario.
 pub fn warn_of_scenario(path: &Path, scenario: &Scenario) {
     let warnings: Vec<String> = scenario.warnings().iter().map(|warning| format!("{}: {warning}", name_of(path))).collect();
     console::warn_all(&warnings);

@@ -46,7 +46,6 @@ pub fn watched_to_end<T>(label: &str, work: impl FnOnce(Watch) -> Option<T>) -> 
     watched(label, work).ok_or(CliError::Interrupted)
 }
 
-/// Runs `work` under this progress bar.
 pub fn watched_by<T>(progress: Progress, work: impl FnOnce(Watch) -> T) -> T {
     let progress = (!console::is_quiet()).then(|| Mutex::new(progress));
     let watch = |done: f64| {

@@ -5,11 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::math::{Pose, Vec2};
 use crate::scenario::{Drive, Scenario, TipPath, Waypoint};
 
-/// What can be dragged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Handle {
-    /// The tip of this spring.
     Spring(usize),
     /// This obstacle, which must be one that moves.
     Pusher(usize),
@@ -130,7 +128,6 @@ fn drag_tip(paths: &mut Vec<TipPath>, spring: usize, reached: impl Fn(Vec2) -> V
     reach
 }
 
-/// Waypoints of all tips and pushers.
 fn n_waypoints(scenario: &Scenario) -> usize {
     let of_tips = match &scenario.drive {
         Drive::Tips(paths) => paths.iter().map(|path| path.waypoints.len()).sum(),

@@ -67,7 +67,6 @@ impl<'a> Lanes<'a> {
         self.runs.iter().map(Simulation::time).fold(0.0, f64::max)
     }
 
-    /// Motion of the load on each backend.
     pub fn motions(&self) -> impl Iterator<Item = Motion> + '_ {
         self.runs.iter().map(Simulation::motion)
     }

@@ -9,7 +9,6 @@ use super::settings::Settings;
 use crate::analysis::compare::Numbers;
 use crate::output::page::Replay;
 
-/// What a page asks for.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Ask {
@@ -72,13 +71,11 @@ pub struct Saved {
     pub time_s: f64,
 }
 
-/// What a page receives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "tell", rename_all = "kebab-case")]
 pub enum Tell {
     Scene(Box<SceneNow>),
     Frame(Frame),
-    /// A comparison of the scene begins.
     Comparing,
     Verdict(Judged),
     Saved(Saved),
@@ -97,7 +94,6 @@ pub struct SceneNow {
     pub duration_s: f64,
     pub control_period_s: f64,
     pub parameters: Vec<Parameter>,
-    /// Numbers that are known before a run.
     pub numbers: Numbers,
     pub settings: Settings,
     /// Names of all backends, shown or not.
@@ -109,7 +105,6 @@ pub struct SceneNow {
     /// Whether the scene has ants that can be switched on.
     pub has_ants: bool,
     pub ants_on: bool,
-    /// Scenes that come with the program.
     pub shipped: Vec<&'static str>,
 }
 

@@ -12,7 +12,6 @@ use crate::output::page::Replay;
 use crate::scenario::{AntDrive, Drive, Scenario, TipPath, Waypoint};
 use crate::simulation::{EventKind, Keep, Simulation, Trace};
 
-/// A change of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
     Set { what: String, value: f64 },
@@ -24,12 +23,10 @@ pub enum Edit {
     Open(Box<Saved>),
 }
 
-/// A scene that is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveScene {
     pub scenario: Scenario,
     pub settings: Settings,
-    /// As it was opened.
     base: Scenario,
     /// Speed of the drive over that of the base (1).
     speed: f64,

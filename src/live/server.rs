@@ -28,7 +28,6 @@ use crate::output::json;
 
 /// Bytes of a message at most: a scene with thousands of waypoints.
 const LONGEST_MESSAGE: usize = 4 << 20;
-/// Pages that are open at once.
 const MOST_PAGES: usize = 16;
 /// Messages of a page in a second, on the mean of some seconds: a hand moves 60 times a second.
 const MOST_MESSAGES_A_SECOND: f64 = 300.0;
@@ -38,7 +37,6 @@ const MOST_MALFORMED: usize = 100;
 /// Close code of a WebSocket that broke the rules.
 const POLICY: u16 = 1008;
 
-/// Reason why no page can be served.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
     #[error("--port: must be a free port of 127.0.0.1, found {port}: {source}")]
@@ -49,7 +47,6 @@ pub enum ServerError {
     Token(getrandom::Error),
 }
 
-/// A server that waits for pages.
 pub struct Server {
     listener: TcpListener,
     shared: Arc<Shared>,
@@ -79,7 +76,6 @@ impl Server {
         Ok(Self { listener, shared: Arc::new(Shared { token, port, scene, n_pages: AtomicUsize::new(0), turn: Arc::default() }) })
     }
 
-    /// The address of the page, with its token.
     pub fn link(&self) -> String {
         format!("http://127.0.0.1:{}/?token={}", self.shared.port, self.shared.token)
     }

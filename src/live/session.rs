@@ -25,7 +25,6 @@ const PACES: RangeInclusive<f64> = 1e-3..=1e3;
 /// The page has gone.
 pub struct Gone;
 
-/// Why the runs stop.
 enum Change {
     Edit(Edit),
     /// The runs begin anew and go fast to a time (s).
@@ -44,7 +43,6 @@ pub struct Session<T> {
     goal: f64,
     /// Simulated time that is due and shorter than a control period (s).
     due: f64,
-    /// When the next frame is due.
     next: Instant,
     /// What is dragged, and where to.
     held: Option<(Handle, Vec2)>,
@@ -70,7 +68,6 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
         }
     }
 
-    /// Shows the scene until the page has gone.
     pub fn run(mut self, mut scene: LiveScene, asks: &Receiver<Ask>) -> Result<(), Gone> {
         let mut saved: Option<Vec<SavedRun>> = None;
         self.show(&scene)?;
@@ -139,7 +136,6 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
         (self.tell)(Tell::Refused { why })
     }
 
-    /// Goes on until something changes.
     fn play(&mut self, lanes: &mut Lanes, asks: &Receiver<Ask>) -> Result<Change, Gone> {
         if self.goal <= lanes.time() {
             self.send(lanes, 0.0, 0.0)?;

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use crate::backend::{BackendKind, BackendOptions, RapierOptions};
 use crate::scenario::Scenario;
 
-/// Which backends run, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {

@@ -1,6 +1,5 @@
 //! Scenes that come with the program.
 
-/// Names and texts.
 const SHIPPED: [(&str, &str); 10] = [
     ("four ants", include_str!("../../scenarios/paper/four-ants-four-springs.json")),
     ("ten ants", include_str!("../../scenarios/paper/ten-ants-ten-springs.json")),

@@ -13,7 +13,6 @@ use crate::output::sibling::turn_at;
 
 pub const MANIFEST: &str = "manifest.json";
 
-/// Why an output folder was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     #[error("{}: {source}", path.display())]

@@ -33,7 +33,6 @@ pub struct OutputFolder {
     made: Vec<PathBuf>,
 }
 
-/// The manifest as written.
 #[derive(Serialize)]
 struct Listed<'a> {
     #[serde(flatten)]
@@ -144,7 +143,6 @@ impl OutputFolder {
         Ok(OutputFile { name: name.to_owned(), hash: XxHash3_128::new(), file: BufWriter::new(file) })
     }
 
-    /// Its name and its hash.
     fn close_any(&self, mut file: OutputFile) -> Result<(String, String), FolderError> {
         let synced = |file: &mut OutputFile| if self.is_synced { file.file.get_ref().sync_all() } else { Ok(()) };
         file.flush().and_then(|()| synced(&mut file)).map_err(at(&self.target.join(&file.name)))?;

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-/// One term.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
     pub term: &'static str,
@@ -54,7 +53,6 @@ impl Entry {
         found
     }
 
-    /// The term and its other names.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         std::iter::once(self.term).chain(self.aliases.iter().map(String::as_str))
     }

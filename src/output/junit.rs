@@ -11,7 +11,6 @@ pub struct Suite {
     pub cases: Vec<Case>,
 }
 
-/// One test case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// What the case belongs to.
@@ -20,7 +19,6 @@ pub struct Case {
     pub outcome: Outcome,
 }
 
-/// How a case ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     Passed,

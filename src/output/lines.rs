@@ -7,7 +7,6 @@ use std::io::{self, Write};
 
 use crate::output::json::NotFinite;
 
-/// A table was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     #[error(transparent)]
@@ -41,7 +40,6 @@ pub struct Lines<W> {
 /// follows its comma is overwritten.
 const PIECE: usize = 32;
 
-/// A number as it is written.
 #[derive(Clone, Copy)]
 struct Field {
     bits: u64,

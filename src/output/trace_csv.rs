@@ -313,12 +313,4 @@ mod tests {
         trace.transitions[4].kind = TransitionKind::Jump { shift: 0.0, turn: f64::NAN, energy: 0.0, is_uncertain: false };
         assert!(write_transitions(&trace, Vec::new()).unwrap_err().to_string().starts_with("turn_rad is NaN"));
     }
-
-    #[test]
-    fn a_number_that_is_not_finite_is_refused_by_name() {
-        let mut trace = synthetic::trace(5, 1.0);
-        trace.rows[3].motion.pose.heading = f64::NAN;
-        let error = write_trace(&trace, TraceColumns::Motion, Vec::new()).unwrap_err();
-        assert!(error.to_string().starts_with("heading_rad is NaN"), "{error}");
-    }
 }

@@ -7,7 +7,6 @@ use crate::output::manifest::Manifest;
 use crate::output::trace_csv::{self, TraceColumns};
 use crate::simulation::Trace;
 
-/// Format of the files of traces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TraceFormat {

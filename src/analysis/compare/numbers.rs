@@ -50,7 +50,6 @@ pub struct Predicted {
 }
 
 impl Numbers {
-    /// Numbers of the run in `trace`.
     pub fn of(scenario: &Scenario, trace: &Trace) -> Self {
         Self::new(scenario, tip_speed(trace), time_between_events(trace))
     }

@@ -35,7 +35,6 @@ pub struct Pathwise {
     pub predicted: Predicted,
     /// Verdict on the path.
     pub verdict: Verdict,
-    /// Verdict on each quantity.
     pub verdicts: Verdicts,
     /// Largest net pull at a control tick, with inertia or without, over the sum of all slip limits
     /// (1); `null` without friction. Below 1 a pull through the centre moves nothing.
@@ -82,7 +81,6 @@ pub struct EdgeDisplacement {
     pub inertia_effect_m: f64,
     /// (m)
     pub inertia_effect_range_m: [f64; 2],
-    /// Inertia effect by trigger.
     pub by_trigger: ByTrigger,
     /// (m)
     pub engine_error_m: f64,

@@ -101,7 +101,6 @@ pub(super) struct Courses {
 }
 
 impl Verdicts {
-    /// All verdicts with their names.
     pub fn named(&self) -> [(&'static str, &QuantityVerdict); 5] {
         [("path", &self.path), ("heading", &self.heading), ("pulls", &self.pulls), ("speed", &self.speed), ("energy", &self.energy)]
     }

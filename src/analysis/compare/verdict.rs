@@ -66,12 +66,10 @@ impl Verdict {
         }
     }
 
-    /// Whether inertia is a cause.
     pub fn has_inertia(self) -> bool {
         matches!(self, Verdict::Inertia | Verdict::InertiaAndEngine)
     }
 
-    /// Whether the engine is a cause.
     pub fn has_engine(self) -> bool {
         matches!(self, Verdict::Engine | Verdict::InertiaAndEngine)
     }

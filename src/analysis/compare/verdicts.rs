@@ -14,7 +14,6 @@ use crate::simulation::Row;
 /// Two differences of poses and the reference error: inertia effect, engine error, reference error.
 pub(super) type Poses<'a> = [&'a Difference; 3];
 
-/// The runs of a comparison of paths.
 pub(super) struct Runs<'a> {
     pub scenario: &'a Scenario,
     pub settings: &'a Settings,

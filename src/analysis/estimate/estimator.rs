@@ -285,7 +285,6 @@ impl Estimator {
         });
     }
 
-    /// Estimate up to now.
     pub fn estimate(&self) -> InertiaEstimate {
         let mut so_far = self.clone();
         so_far.end_ticks();

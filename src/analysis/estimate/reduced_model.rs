@@ -48,10 +48,8 @@ pub struct ReducedModel {
     gradient: Option<Vec3>,
 }
 
-/// One step of the model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelStep {
-    /// Whether the model moved.
     pub moved: bool,
     /// Frequency of its oscillation (rad/s); zero at rest or without springs.
     pub frequency: f64,
@@ -132,7 +130,7 @@ impl ReducedModel {
     fn rests_on(&self, interval: &Interval, workspace: &Workspace) -> bool {
         let nothing_changed =
             || !interval.is_event && interval.before == interval.after && interval.attachments.tips_are_at(interval.targets);
-        self.speed == 0.0 && (self.pose == *interval.after && !workspace.springs.is_damped() || nothing_changed())
+        self.speed == 0.0 && (self.pose == *interval.after && !workspace.springs.is_damped || nothing_changed())
     }
 
     /// Rests, with this gradient.
@@ -308,10 +306,9 @@ impl Across {
     }
 }
 
-/// Oscillator of the model along `n`.
 fn oscillator(system: &System, forces: &SpringForces, n: &Vec3, workspace: &mut Workspace) -> FrictionOscillator {
     let along = |matrix: &Mat3| n.dot(&(matrix * n));
-    let radial = workspace.springs.radial();
+    let radial = workspace.springs.radial;
     let stiffness = along(&forces.elastic.hessian).abs().max(LEAST_STIFFNESS * radial);
     FrictionOscillator {
         mass: n.dot(&masses(&system.load).component_mul(n)),

@@ -5,7 +5,6 @@
 
 use super::interval::Interval;
 use crate::backend::increment::in_body_increments;
-use crate::backend::springs::Attachments;
 use crate::backend::springs::{Place, SpringBlocks};
 use crate::math::{Mat3, Vec3};
 use crate::model::{Reaction, System};
@@ -17,7 +16,6 @@ pub struct SpringForces {
     pub dashpots: Option<Dashpots>,
 }
 
-/// Damping matrix and drag of the dashpots.
 pub struct Dashpots {
     /// Damping matrix (N s/m, N s, N m s/rad).
     pub damping: Mat3,
@@ -31,10 +29,9 @@ pub struct ModelSprings {
     blocks: SpringBlocks,
     /// Whether attachments or branches changed since the blocks were filled.
     is_stale: bool,
-    /// Sum of the radial stiffnesses (N/m).
-    radial: f64,
-    /// Whether the system has dashpots.
-    is_damped: bool,
+    /// Sum of the radial stiffnesses of the attached springs (N/m).
+    pub radial: f64,
+    pub is_damped: bool,
 }
 
 impl ModelSprings {
@@ -48,16 +45,6 @@ impl ModelSprings {
         self.is_stale = true;
     }
 
-    pub fn is_damped(&self) -> bool {
-        self.is_damped
-    }
-
-    /// Sum of the radial stiffnesses of the attached springs (N/m).
-    pub fn radial(&self) -> f64 {
-        self.radial
-    }
-
-    /// Forces on a model at a place.
     pub fn forces(&mut self, system: &System, interval: &Interval, at: &Place) -> SpringForces {
         self.place_tips(system, interval, 1.0);
         SpringForces { elastic: by_increments(self.blocks.reaction(at)), dashpots: self.is_damped.then(|| dashpots(system, interval, at)) }
@@ -76,16 +63,13 @@ impl ModelSprings {
     }
 
     fn place_tips(&mut self, system: &System, interval: &Interval, share: f64) {
-        self.gather(system, interval.attachments);
-        self.blocks.place_tips(interval.attachments, interval.targets, share);
-    }
-
-    fn gather(&mut self, system: &System, attachments: &Attachments) {
+        let attachments = interval.attachments;
         if std::mem::take(&mut self.is_stale) {
             self.blocks.fill(&system.springs, attachments);
             self.blocks.aim();
             self.radial = attachments.iter().map(|attachment| system.springs[attachment.spring].radial_stiffness).sum();
         }
+        self.blocks.place_tips(attachments, interval.targets, share);
     }
 }
 
@@ -117,6 +101,7 @@ fn by_increments(mut local: Reaction) -> Reaction {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::springs::Attachments;
     use crate::math::{Pose, Vec2, direction, rotation};
     use crate::scenario::Scenario;
 

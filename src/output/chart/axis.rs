@@ -86,7 +86,6 @@ impl Axis {
         (Axis { step, ..x.widened(per_pixel * width) }, Axis { step, ..y.widened(per_pixel * height) })
     }
 
-    /// Label of the tick at `value`.
     pub fn label(&self, value: f64) -> String {
         // Ticks are multiples of the step up to rounding; zero is no "-0".
         let value = (value / self.step).round() * self.step + 0.0;

@@ -2,11 +2,9 @@
 
 use crate::output::chart::axis::power_label;
 
-/// An axis of a panel.
 #[derive(Clone, Debug, Default)]
 pub struct CellAxis {
     pub name: String,
-    /// Number of cells.
     pub n: usize,
     /// Places of the ticks and their labels.
     pub ticks: Vec<(f64, String)>,
@@ -41,7 +39,6 @@ impl CellAxis {
         Self { name: name.into(), n, ticks: zero.into_iter().chain((low..=high).step_by(step).map(tick)).collect() }
     }
 
-    /// An axis of cells with names.
     pub fn of_names(names: &[String]) -> Self {
         let n = names.len();
         let ticks = names.iter().enumerate().map(|(at, name)| ((at as f64 + 0.5) / n as f64, name.clone())).collect();

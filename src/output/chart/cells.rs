@@ -12,7 +12,6 @@ pub use crate::output::chart::cell_axis::{CellAxis, place};
 pub use crate::output::chart::level::Level;
 use crate::output::chart::panel::Style;
 
-/// One panel.
 #[derive(Clone, Debug, Default)]
 pub struct CellMap {
     pub title: String,
@@ -20,7 +19,6 @@ pub struct CellMap {
     pub y: CellAxis,
     /// Colours or patterns of the cells, row by row from the lowest one.
     pub fills: Vec<String>,
-    /// Lines over the cells.
     pub lines: Vec<(Vec<[f64; 2]>, Style)>,
     pub levels: Vec<Level>,
     /// Bars between two places, with a dot at both ends.
@@ -29,7 +27,6 @@ pub struct CellMap {
     pub words: Vec<(String, Vec<[f64; 2]>)>,
 }
 
-/// Part of a legend.
 #[derive(Clone, Debug)]
 pub enum Key {
     Line(Style, String),

@@ -29,7 +29,6 @@ pub enum Scale {
     Count,
     /// Time to the right, tight; a logarithmic y axis. Values that have no logarithm are gaps.
     Log,
-    /// Both axes logarithmic.
     LogLog,
     /// Both axes linear with the same length for the same number.
     Plane,
@@ -105,7 +104,6 @@ pub struct Style {
     pub width: f64,
 }
 
-/// A line of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     pub label: String,

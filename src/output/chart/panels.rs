@@ -98,7 +98,6 @@ pub fn pair_entries(traces: &[Labelled]) -> Vec<Entry> {
     pairs(traces.len()).into_iter().enumerate().map(|(index, pair)| Entry::line(label(pair), Style::of_pair(index))).collect()
 }
 
-/// Whether an obstacle moves.
 fn moves(scene: &Scene) -> bool {
     scene.world.obstacles.iter().any(|obstacle| obstacle.path.moves())
 }

@@ -37,7 +37,6 @@ pub struct Scene {
     pub tolerances: Option<[f64; 2]>,
 }
 
-/// Where ants take the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nest {
     /// (m, world)

@@ -7,7 +7,6 @@ use crate::output::chart::scene::Labelled;
 use crate::output::chart::thin::Column;
 use crate::simulation::{Event, Row};
 
-/// A trace as its figures need it.
 pub struct Seen<'a> {
     pub rows: Cow<'a, SeenRows>,
     pub events: &'a [Event],
@@ -128,7 +127,6 @@ impl Default for SeenRows {
 }
 
 impl SeenRows {
-    /// Adds the next rows.
     pub fn add(&mut self, rows: &[Row]) {
         let Some(last) = rows.last() else { return };
         let first = self.ends.map_or(rows[0].motion.pose, |[first, _]| first);
@@ -166,7 +164,6 @@ impl SeenRows {
         self.groups.truncate(MOST_GROUPS / 2);
     }
 
-    /// A quantity over time, group by group.
     pub(crate) fn columns(&self, quantity: Quantity) -> Vec<Column> {
         let (at, n_groups) = (quantity as usize, self.groups.len());
         let of = |(k, group): (usize, &Group)| {

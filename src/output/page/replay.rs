@@ -58,7 +58,6 @@ pub(crate) struct Data {
     runs: Vec<Run>,
 }
 
-/// Tips, ants and what happened to them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct Stage {
     times: Packed,
@@ -162,7 +161,6 @@ impl Replay {
         self.data.springs.iter().map(|(number, _)| *number)
     }
 
-    /// Number of the ants that are drawn.
     pub fn n_ants(&self) -> usize {
         self.data.stages.first().map_or(0, |stage| stage.ants.len())
     }

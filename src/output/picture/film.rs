@@ -9,7 +9,6 @@ use gif::{Encoder, Frame, Repeat};
 use super::drawing::{Drawing, Size};
 use crate::output::sibling::write_whole;
 
-/// Kind of a file of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Png,
@@ -30,7 +29,6 @@ impl Format {
     }
 }
 
-/// Why a film is not written.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
     #[error("interrupted")]

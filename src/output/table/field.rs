@@ -17,11 +17,9 @@ pub enum Kind {
     Truth,
 }
 
-/// What stands in one column of one row.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Field {
-    /// There is no value.
     Empty,
     Whole(u64),
     /// A finite number, in SI units.

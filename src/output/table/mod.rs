@@ -46,7 +46,6 @@ pub struct Table {
     pub rows: Vec<Vec<Field>>,
 }
 
-/// A column of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// What people read above the column.
@@ -79,24 +78,20 @@ impl Table {
         }
     }
 
-    /// The table with this caption.
     pub fn titled(self, caption: impl Into<String>) -> Self {
         Self { caption: caption.into(), ..self }
     }
 
-    /// The table with one more row.
     pub fn row<F: Into<Field>>(mut self, fields: impl IntoIterator<Item = F>) -> Self {
         self.push(fields);
         self
     }
 
-    /// The table with more rows.
     pub fn with_rows<F: Into<Field>>(mut self, rows: impl IntoIterator<Item = impl IntoIterator<Item = F>>) -> Self {
         rows.into_iter().for_each(|row| self.push(row));
         self
     }
 
-    /// Adds a row.
     pub fn push<F: Into<Field>>(&mut self, fields: impl IntoIterator<Item = F>) {
         self.rows.push(fields.into_iter().map(Into::into).collect());
     }

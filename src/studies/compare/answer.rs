@@ -22,7 +22,6 @@ pub fn is_valid(of: &QuantityVerdict) -> Answer {
     within(of, of.inertia_share_range())
 }
 
-/// The same for the engine error.
 fn engine_is_within(of: &QuantityVerdict) -> Answer {
     within(of, of.engine_share_range())
 }

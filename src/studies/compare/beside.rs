@@ -21,7 +21,6 @@ const COLUMNS: [&str; 4] = ["time_s", "x_m", "y_m", "heading_rad"];
 /// A recorded path and its differences from the path of each backend.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Beside {
-    /// Name of the file.
     pub file: String,
     /// Number of recorded instants (1).
     pub n: usize,

@@ -19,7 +19,6 @@ pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
     }
 }
 
-/// The answer in words.
 pub fn sentence(run: &Run, estimate: Option<&InertiaEstimate>) -> String {
     let inertia = estimate.map_or(String::new(), |estimate| format!(" {}", inertia_sentence(estimate)));
     format!("{}{inertia}", end_sentence(run))

@@ -22,7 +22,6 @@ pub struct RunFiles<'a> {
     pub summary: &'a RunSummary<'a>,
     /// With its rows only where tips, a report or the format of the trace need them.
     pub trace: &'a Trace,
-    /// Whether `tips.csv` is written too.
     pub with_tips: bool,
     pub scene: &'a Scene,
     pub manifest: &'a Manifest,
