@@ -73,7 +73,7 @@ impl OutputFolder {
     ///
     /// # Panics
     /// As [`OutputFolder::open`] does.
-    pub fn write<E>(&mut self, name: &str, content: impl FnOnce(&mut dyn Write) -> Result<(), E>) -> Result<(), FolderError>
+    pub fn write<E>(&mut self, name: &str, content: impl FnOnce(&mut (dyn Write + Send)) -> Result<(), E>) -> Result<(), FolderError>
     where
         E: Into<Box<dyn std::error::Error + Send + Sync>>,
     {

@@ -12,7 +12,7 @@ use crate::simulation::{Row, Trace};
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.
-pub fn write_trace(trace: &Trace, columns: TraceColumns, manifest: &Manifest, out: &mut dyn Write) -> Result<(), TableError> {
+pub fn write_trace(trace: &Trace, columns: TraceColumns, manifest: &Manifest, out: &mut (dyn Write + Send)) -> Result<(), TableError> {
     let kind = |name: &String| if name == N_TRANSPORTING { Kind::Whole } else { Kind::Number };
     let named = columns.names().into_iter().map(|name| (name.clone(), kind(&name))).collect();
     let mut writer = ParquetWriter::new(named, Some(manifest), out)?;

@@ -118,7 +118,7 @@ impl Table {
     /// # Errors
     /// When a number is not finite, or `out` fails.
     #[cfg(feature = "parquet")]
-    pub fn write_parquet(&self, out: &mut dyn Write) -> Result<(), TableError> {
+    pub fn write_parquet(&self, out: &mut (dyn Write + Send)) -> Result<(), TableError> {
         let kind = |at: usize| self.rows.iter().find_map(|row| row[at].kind()).unwrap_or(Kind::Number);
         let columns: Vec<(String, Kind)> = self.columns.iter().enumerate().map(|(at, column)| (column.file_name(), kind(at))).collect();
         let mut writer = ParquetWriter::new(columns, None, out)?;

@@ -6,7 +6,7 @@
 //! the unit of each column that has one.
 
 use std::io::{self, Write};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
@@ -30,9 +30,7 @@ const ROWS_A_GROUP: usize = 1 << 16;
 pub struct ParquetWriter<'a> {
     columns: Vec<(String, Kind)>,
     rows: Vec<Vec<Field>>,
-    writer: SerializedFileWriter<Written>,
-    written: Written,
-    out: &'a mut dyn Write,
+    writer: SerializedFileWriter<&'a mut (dyn Write + Send)>,
 }
 
 impl<'a> ParquetWriter<'a> {
@@ -41,16 +39,14 @@ impl<'a> ParquetWriter<'a> {
     ///
     /// # Errors
     /// When a name is no name of a column.
-    pub fn new(columns: Vec<(String, Kind)>, manifest: Option<&Manifest>, out: &'a mut dyn Write) -> io::Result<Self> {
+    pub fn new(columns: Vec<(String, Kind)>, manifest: Option<&Manifest>, out: &'a mut (dyn Write + Send)) -> io::Result<Self> {
         let properties = WriterProperties::builder()
             .set_created_by("cohaul".to_owned())
             .set_compression(Compression::SNAPPY)
             .set_key_value_metadata(Some(metadata(&columns, manifest)))
             .build();
-        let written = Written::default();
-        let schema = Arc::new(schema(&columns)?);
-        let writer = SerializedFileWriter::new(written.clone(), schema, Arc::new(properties))?;
-        Ok(Self { columns, rows: Vec::new(), writer, written, out })
+        let writer = SerializedFileWriter::new(out, Arc::new(schema(&columns)?), Arc::new(properties))?;
+        Ok(Self { columns, rows: Vec::new(), writer })
     }
 
     /// Adds a row with a field for each column.
@@ -75,7 +71,7 @@ impl<'a> ParquetWriter<'a> {
             self.write_group()?;
         }
         self.writer.close()?;
-        self.written.pass_on(self.out)
+        Ok(())
     }
 
     /// Writes the rows as one group and forgets them.
@@ -95,7 +91,7 @@ impl<'a> ParquetWriter<'a> {
         }
         group.close()?;
         self.rows.clear();
-        self.written.pass_on(self.out)
+        Ok(())
     }
 }
 
@@ -150,32 +146,6 @@ fn write_column<'a, T: DataType>(
     let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
     let values: Vec<T::T> = values.into_iter().flatten().collect();
     target.typed::<T>().write_batch(&values, Some(&levels), None).map(drop)
-}
-
-/// What the writer of the library has written and `out` has not got yet: the writer owns its
-/// target.
-#[derive(Clone, Default)]
-struct Written(Arc<Mutex<Vec<u8>>>);
-
-impl Written {
-    fn bytes(&self) -> MutexGuard<'_, Vec<u8>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn pass_on(&self, out: &mut dyn Write) -> io::Result<()> {
-        out.write_all(&std::mem::take(&mut *self.bytes()))
-    }
-}
-
-impl Write for Written {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.bytes().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 #[cfg(test)]

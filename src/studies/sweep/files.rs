@@ -45,7 +45,7 @@ pub fn write_sweep(
 
 /// Writes the rows as Parquet.
 #[cfg(feature = "parquet")]
-fn write_parquet(identity: &Identity, table: &dyn Table, manifest: &Manifest, out: &mut dyn Write) -> Result<(), SweepError> {
+fn write_parquet(identity: &Identity, table: &dyn Table, manifest: &Manifest, out: &mut (dyn Write + Send)) -> Result<(), SweepError> {
     let columns = identity.columns.iter().map(|column| (column.name.clone(), column.kind)).collect();
     let mut writer = crate::output::table::ParquetWriter::new(columns, Some(manifest), out)?;
     table.visit(&mut |line| Ok(writer.add(fields_of(line, &identity.columns)?)?))?;
