@@ -53,35 +53,28 @@ impl<'a> PathPair<'a> {
     }
 
     pub fn first_divergence(&self) -> Option<Divergence> {
-        self.instants().find(|(.., are_apart)| *are_apart).map(|(time, ..)| self.divergence_at(time))
+        self.first_where(|a, b| {
+            let error = a.error.position + b.error.position + self.radius * (a.error.heading + b.error.heading);
+            a.pose.edge_displacement(&b.pose, self.radius) > self.tolerance + error
+        })
     }
 
     /// First instant at which the headings differ by more than the `tolerance` (rad) and their
     /// numerical errors together.
     pub fn first_divergence_of_heading(&self, tolerance: f64) -> Option<Divergence> {
-        let are_apart = |a: &Point, b: &Point| a.difference(b).1 > tolerance + a.error.heading + b.error.heading;
-        self.points().find(|(a, b)| are_apart(a, b)).map(|(a, _)| self.divergence_at(a.time))
+        self.first_where(|a, b| a.difference(b).1 > tolerance + a.error.heading + b.error.heading)
+    }
+
+    /// First instant of the comparison at which the paths are apart.
+    fn first_where(&self, are_apart: impl Fn(&Point, &Point) -> bool) -> Option<Divergence> {
+        let mut points = self.a.points.iter().zip(&self.b.points).filter(|(a, _)| self.jumps.allow(a.time));
+        points.find(|(a, b)| are_apart(a, b)).map(|(a, _)| self.divergence_at(a.time))
     }
 
     /// Divergence at an instant (s), with its trigger.
     pub fn divergence_at(&self, time_s: f64) -> Divergence {
         let trigger = self.attributed.map_or_else(|| self.last_before(time_s), |attributed| attributed.trigger_at(time_s));
         Divergence { time_s, trigger }
-    }
-
-    /// Pairs of points that are compared.
-    fn points(&self) -> impl Iterator<Item = (&'a Point, &'a Point)> {
-        self.a.points.iter().zip(&self.b.points).filter(|(a, _)| self.jumps.allow(a.time))
-    }
-
-    /// Instants of the comparison: time (s), edge displacement (m), and whether that exceeds the
-    /// tolerance and both numerical errors.
-    fn instants(&self) -> impl Iterator<Item = (f64, f64, bool)> {
-        self.points().map(|(a, b)| {
-            let error = a.error.position + b.error.position + self.radius * (a.error.heading + b.error.heading);
-            let distance = a.pose.edge_displacement(&b.pose, self.radius);
-            (a.time, distance, distance > self.tolerance + error)
-        })
     }
 
     /// Last event or change of motion before an instant (s).

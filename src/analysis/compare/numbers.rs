@@ -30,7 +30,7 @@ pub struct Numbers {
 }
 
 /// Theoretical prediction of the inertia effect.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Predicted {
     /// Inertia effect while the tips move, epsilon f / k (m); `null` without friction.
     pub while_driven_m: Option<f64>,
@@ -86,9 +86,8 @@ impl Numbers {
             while_driven_m,
             where_tips_stop_m: while_driven_m.map(|error| 2.0 * error),
             coasting_m: finite(initial / limit),
-            estimated_m: None,
-            estimated_is_negligible: None,
             release_factor: if n_releases > 0 { self.release_factor() } else { None },
+            ..Predicted::default()
         }
     }
 

@@ -5,6 +5,8 @@
 //! time alone is none of these. The reference error of each number is its distance from that of
 //! the less exact run beside the reference run, as for the path.
 
+use std::collections::HashMap;
+
 use serde::Serialize;
 
 use super::course::Course;
@@ -165,17 +167,12 @@ impl QuantityVerdict {
         unit: &'static str,
         diverges: impl Fn(usize, f64) -> Divergence,
     ) -> Self {
-        let sizes: Vec<(&str, f64)> = reduced.iter().map(|one| (one.name, one.size())).collect();
-        let largest = |name: &str| sizes.iter().filter(|(other, _)| *other == name).fold(least, |largest, (_, size)| largest.max(*size));
-        let mut tolerances: Vec<(&str, f64)> = Vec::new();
-        let mut tolerance = |name: &'static str| match tolerances.iter().find(|(other, _)| *other == name) {
-            Some((_, tolerance)) => *tolerance,
-            None => {
-                tolerances.push((name, share * largest(name)));
-                share * largest(name)
-            }
-        };
-        let measures: Vec<RunMeasure> = reduced.iter().map(|one| one.measure(tolerance(one.name))).collect();
+        let mut largest: HashMap<&str, f64> = HashMap::new();
+        for one in reduced {
+            let largest = largest.entry(one.name).or_insert(least);
+            *largest = largest.max(one.size());
+        }
+        let measures: Vec<RunMeasure> = reduced.iter().map(|one| one.measure(share * largest[one.name])).collect();
         let verdicts = measures.iter().map(RunMeasure::verdict);
         let verdict = verdicts.fold(Verdict::Agree, Verdict::and);
         let first = |which: usize| {

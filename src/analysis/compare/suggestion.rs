@@ -178,14 +178,7 @@ mod tests {
     #[test]
     fn changes_against_inertia_follow_its_triggers() {
         let mode = |zeta: f64, tick_angle: f64| JumpMode { tick_angle, zeta, zeta_of_unit: 1.0 };
-        let predicted = Predicted {
-            while_driven_m: None,
-            where_tips_stop_m: None,
-            coasting_m: None,
-            release_factor: None,
-            estimated_m: None,
-            estimated_is_negligible: None,
-        };
+        let predicted = Predicted::default();
         let changes = |[start_m, jumps_m, driving_m]: [f64; 3], mode: &JumpMode, predicted: &Predicted| {
             DIFFERENCES.against_inertia(&ByTrigger { start_m, jumps_m, driving_m, ..ByTrigger::default() }, predicted, mode)
         };
