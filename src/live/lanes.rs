@@ -5,7 +5,7 @@ use super::scene::LiveScene;
 use crate::backend::{Motion, RestoreError, SaveError, Status};
 use crate::math::Vec2;
 use crate::model::ant::Mode;
-use crate::scenario::{Drive, Scenario};
+use crate::scenario::Drive;
 use crate::simulation::{Keep, SavedRun, Simulation};
 
 /// What of a scene is drawn.
@@ -26,7 +26,6 @@ impl Drawn {
 /// One run of the scene on each backend that is shown, all at the same control tick.
 pub struct Lanes<'a> {
     scene: &'a LiveScene,
-    scenario: &'a Scenario,
     runs: Vec<Simulation<'a>>,
 }
 
@@ -35,7 +34,7 @@ impl<'a> Lanes<'a> {
     pub fn new(scene: &'a LiveScene) -> Self {
         let scenario = &scene.scenario;
         let run = |kind: &_| Simulation::new(scenario, &scene.settings.options(*kind, scenario), Keep::Outcome);
-        Self { scene, scenario, runs: scene.settings.backends.iter().map(run).collect() }
+        Self { scene, runs: scene.settings.backends.iter().map(run).collect() }
     }
 
     /// Goes on where another future of the same scene was left.
@@ -44,7 +43,7 @@ impl<'a> Lanes<'a> {
     /// When a state does not fit the scene.
     pub fn resume(scene: &'a LiveScene, saved: &[SavedRun]) -> Result<Self, RestoreError> {
         let runs = saved.iter().map(|saved| Simulation::resume_with_other_future(&scene.scenario, saved, Keep::Outcome));
-        Ok(Self { scene, scenario: &scene.scenario, runs: runs.collect::<Result<_, _>>()? })
+        Ok(Self { scene, runs: runs.collect::<Result<_, _>>()? })
     }
 
     /// # Errors
@@ -59,7 +58,7 @@ impl<'a> Lanes<'a> {
 
     /// Control period (s).
     pub fn period(&self) -> f64 {
-        self.scenario.control_period
+        self.scene.scenario.control_period
     }
 
     /// Time that the runs have reached (s).
@@ -77,14 +76,14 @@ impl<'a> Lanes<'a> {
     }
 
     pub fn has_ended(&self) -> bool {
-        let left = self.scenario.duration - self.time();
+        let left = self.scene.scenario.duration - self.time();
         left <= 1e-6 * self.period() || self.runs.iter().all(Simulation::is_finished)
     }
 
     /// Goes on to the next control tick, or to the end.
     pub fn advance(&mut self) {
         let period = self.period();
-        let until = ((self.tick() + 1) as f64 * period).min(self.scenario.duration) - 1e-6 * period;
+        let until = ((self.tick() + 1) as f64 * period).min(self.scene.scenario.duration) - 1e-6 * period;
         for run in &mut self.runs {
             while run.time() < until && !run.is_finished() {
                 run.step();
@@ -94,13 +93,13 @@ impl<'a> Lanes<'a> {
 
     /// Tip of a free spring of the first backend (m, world), where a hand takes it.
     pub fn rest_tip(&self, spring: usize) -> Option<Vec2> {
-        let tip = self.scenario.system.springs.get(spring)?.rest_tip();
+        let tip = self.scene.scenario.system.springs.get(spring)?.rest_tip();
         Some(self.runs.first()?.motion().pose.to_world(&tip))
     }
 
     /// Tips and ants as they are drawn: once where all runs have the same.
     pub fn stages(&self, drawn: &Drawn) -> Vec<StageNow> {
-        let n = if matches!(self.scenario.drive, Drive::Ants(_)) { self.runs.len() } else { 1 };
+        let n = if matches!(self.scene.scenario.drive, Drive::Ants(_)) { self.runs.len() } else { 1 };
         self.runs[..n].iter().map(|run| stage(run, drawn)).collect()
     }
 
@@ -111,7 +110,7 @@ impl<'a> Lanes<'a> {
     /// Pose of each obstacle that is drawn as a pusher.
     pub fn pushers(&self, drawn: &Drawn) -> Vec<[f64; 3]> {
         let pose = |number: &usize| {
-            let pose = self.scenario.system.world.obstacles[*number].path.pose_at(self.time());
+            let pose = self.scene.scenario.system.world.obstacles[*number].path.pose_at(self.time());
             [pose.position.x, pose.position.y, pose.heading]
         };
         drawn.pushers.iter().map(pose).collect()

@@ -197,19 +197,9 @@ impl Area {
                 text(scene, [self.left - 6.0, y + 3.5], TextAnchor::End, 10, label);
             }
         }
-        if is_first && !map.y.name.is_empty() {
+        if is_first {
             let (x, y) = (self.left - 46.0, self.top + 0.5 * self.height);
-            let content = plain(&map.y.name);
-            scene.add(Primitive::Text {
-                x,
-                y,
-                content,
-                size: 11,
-                anchor: TextAnchor::Middle,
-                rotate: Some(-90.0),
-                bold: false,
-                color: None,
-            });
+            turned_text(scene, [x, y], TextAnchor::Middle, 11, &map.y.name, Some(-90.0));
         }
     }
 }
@@ -291,9 +281,13 @@ fn rect(scene: &mut Scene, [x, y]: [f64; 2], [width, height]: [f64; 2], fill: &s
     scene.add(Primitive::Rect { x, y, width, height, fill: fill.into(), stroke, stroke_width, opacity: None });
 }
 
-fn text(scene: &mut Scene, [x, y]: [f64; 2], anchor: TextAnchor, size: u32, content: &str) {
+fn text(scene: &mut Scene, place: [f64; 2], anchor: TextAnchor, size: u32, content: &str) {
+    turned_text(scene, place, anchor, size, content, None);
+}
+
+fn turned_text(scene: &mut Scene, [x, y]: [f64; 2], anchor: TextAnchor, size: u32, content: &str, rotate: Option<f64>) {
     if !content.is_empty() {
-        scene.add(Primitive::Text { x, y, content: plain(content), size, anchor, rotate: None, bold: false, color: None });
+        scene.add(Primitive::Text { x, y, content: plain(content), size, anchor, rotate, bold: false, color: None });
     }
 }
 
