@@ -33,6 +33,9 @@ const MOST_ROUNDS: u32 = 40;
 const FEW_ROUNDS: u32 = 12;
 /// Difference of two increments over their size that is rounding (1).
 const SAME: f64 = 1e-9;
+/// Change of the offsets over the largest that is rounding (1). What follows would be the same: the
+/// convex step has slips of these offsets but no answer, as where friction cones contradict gaps.
+const UNCHANGED: f64 = 1e-12;
 /// Rounds after which steps are shortened: Newton's method goes to and fro.
 const LONG_ROUNDS: u32 = 25;
 /// Growth of the slip by its offset from which on the offset is not near its root (1).
@@ -173,7 +176,12 @@ impl<'a> Search<'a> {
                 return true;
             }
             let Some(step) = self.offset_step(&relaxed, &offsets, round) else { return false };
-            offsets.iter_mut().zip(&step).for_each(|(offset, step)| *offset = (*offset + step).max(0.0));
+            let next: PerContact<f64> = offsets.iter().zip(&step).map(|(offset, step)| (offset + step).max(0.0)).collect();
+            let largest = next.iter().copied().fold(0.0, f64::max);
+            if offsets.iter().zip(&next).all(|(offset, next)| (next - offset).abs() <= UNCHANGED * largest) {
+                return false;
+            }
+            offsets = next;
             relaxed = self.relaxed(&offsets);
         }
         false
