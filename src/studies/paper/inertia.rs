@@ -29,30 +29,18 @@ pub struct Standing {
 /// Conclusions on named sets of units, which are compared with the first set: claims, and whether
 /// printed numbers are met or near.
 pub fn conclusions(sets: &[(String, Vec<Unit>)]) -> Vec<Conclusion> {
-    let of_claims: Vec<_> = sets.iter().map(|(_, units)| claims(units)).collect();
-    let mut found: Vec<Conclusion> = (0..of_claims.first().map_or(0, Vec::len))
-        .map(|at| {
-            let standing = |((name, _), claims): (&(String, _), &Vec<Claim>)| Standing {
-                set: name.clone(),
-                value: claims[at].found.map(|found| found.value),
-                holds: claims[at].holds,
-            };
-            Conclusion::new(
-                format!("{} (contradicts: {})", of_claims[0][at].claim, of_claims[0][at].contradicts.name()),
-                sets.iter().zip(&of_claims).map(standing).collect(),
-            )
-        })
-        .collect();
-    for measure in measures().into_iter().filter(|measure| measure.printed().is_some()) {
-        let standing = |(name, units): &(String, Vec<Unit>)| {
+    let of_claims: Vec<Vec<Claim>> = sets.iter().map(|(_, units)| claims(units)).collect();
+    let claims = of_claims.iter().take(1).flatten().enumerate().map(|(n, claim)| {
+        let name = format!("{} (contradicts: {})", claim.claim, claim.contradicts.name());
+        Conclusion::new(name, sets, |at, _| (of_claims[at][n].found.map(|found| found.value), of_claims[at][n].holds))
+    });
+    let printed = measures().into_iter().filter(|measure| measure.printed().is_some()).map(|measure| {
+        Conclusion::new(format!("{} is near what is printed", measure.name()), sets, |_, units| {
             let (ours, grade) = measure.graded(units);
-            let holds = grade.filter(|grade| *grade != Grade::Undecided).map(Grade::is_met);
-            Standing { set: name.clone(), value: ours.map(|ours| ours.value), holds }
-        };
-        found.push(Conclusion::new(format!("{} is near what is printed", measure.name()), sets.iter().map(standing).collect()));
-    }
-    found.extend(Measure::MOVABLE.map(|measure| unmoved(measure, sets)));
-    found
+            (ours.map(|ours| ours.value), grade.filter(|grade| *grade != Grade::Undecided).map(Grade::is_met))
+        })
+    });
+    claims.chain(printed).chain(Measure::MOVABLE.map(|measure| unmoved(measure, sets))).collect()
 }
 
 /// Share up to which a shifted quantity is the same (1).
@@ -62,7 +50,7 @@ const SAME: f64 = 0.1;
 /// value fails.
 fn unmoved(measure: Measure, sets: &[(String, Vec<Unit>)]) -> Conclusion {
     let first = &sets[0].1;
-    let standing = |(name, units): &(String, Vec<Unit>)| {
+    Conclusion::new(format!("{} is within 10 % of that on the first set", measure.name()), sets, |_, units| {
         let (own, of_first) = paired(units, first);
         let reference = measure.of(&of_first);
         let shift = measure.difference(units, first);
@@ -75,13 +63,18 @@ fn unmoved(measure: Measure, sets: &[(String, Vec<Unit>)]) -> Conclusion {
             (Some(_), None) if own.len() > 1 && measure.of(&own).is_none() => Some(false),
             _ => None,
         };
-        Standing { set: name.clone(), value: measure.of(&own), holds }
-    };
-    Conclusion::new(format!("{} is within 10 % of that on the first set", measure.name()), sets.iter().map(standing).collect())
+        (measure.of(&own), holds)
+    })
 }
 
 impl Conclusion {
-    fn new(conclusion: String, on: Vec<Standing>) -> Self {
+    /// `of` tells the value on a set, by its place, and whether the conclusion holds there.
+    fn new(conclusion: String, sets: &[(String, Vec<Unit>)], of: impl Fn(usize, &[Unit]) -> (Option<f64>, Option<bool>)) -> Self {
+        let standing = |(at, (set, units)): (usize, &(String, Vec<Unit>))| {
+            let (value, holds) = of(at, units);
+            Standing { set: set.clone(), value, holds }
+        };
+        let on: Vec<Standing> = sets.iter().enumerate().map(standing).collect();
         let first = on.first().and_then(|standing| standing.holds);
         let is_changed = |standing: &&Standing| first.is_some() && standing.holds.is_some() && standing.holds != first;
         let changed_on = on.iter().filter(is_changed).map(|standing| standing.set.clone()).collect();

@@ -203,7 +203,6 @@ pub fn value_text(value: &Value) -> String {
 }
 
 fn record(cell: &Cell) -> Vec<Field> {
-    let number = |value: Option<f64>| value.map_or(Field::Empty, Field::Number);
     let parameter = |value: &Value| value.as_f64().map_or_else(|| Field::Word(value_text(value)), Field::Number);
     let by = match (&cell.failure, &cell.compared) {
         (Some(why), _) => format!("failed: {why}"),
@@ -212,12 +211,12 @@ fn record(cell: &Cell) -> Vec<Field> {
     };
     let of_quantity = |at: usize| {
         let of = cell.compared.map(|of| of[at]);
-        let verdict = of.map_or(Field::Empty, |of| Field::Word(of.verdict.text().to_owned()));
+        let verdict = of.map(|of| of.verdict.text()).into();
         let numbers =
             [of.map(|of| of.inertia_effect), of.map(|of| of.engine_error), of.map(|of| of.reference_error), of.map(|of| of.tolerance)];
-        std::iter::once(verdict).chain(numbers.map(number)).collect::<Vec<_>>()
+        std::iter::once(verdict).chain(numbers.map(Field::from)).collect::<Vec<_>>()
     };
-    let estimate = [cell.estimate.map(|of| of.inertia_effect_m), cell.estimate.map(|of| of.tolerance_m)].map(number);
+    let estimate = [cell.estimate.map(|of| of.inertia_effect_m), cell.estimate.map(|of| of.tolerance_m)].map(Field::from);
     let head = cell.values.iter().map(parameter).chain([Field::Word(by)]).chain(estimate);
     head.chain((0..QUANTITIES.len()).flat_map(of_quantity)).collect()
 }
