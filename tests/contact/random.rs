@@ -1,12 +1,12 @@
 //! Random loads, springs and obstacles on both exact backends: whatever the scene, nothing
-//! penetrates or passes through, all stays finite, losses only grow, and a restored run goes on as
-//! the one that it was saved from.
+//! penetrates or passes through, all stays finite, losses only grow, each contact is recorded when
+//! it closes and when it opens, and a restored run goes on as the one that it was saved from.
 
 use std::ops::{AddAssign, Range};
 use std::time::{Duration, Instant};
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
-use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Status, StepReport, build};
+use cohaul::backend::{Backend, BackendKind, BackendOptions, EnergyLedger, Status, StepReport, TransitionKind, build};
 use cohaul::math::{Pose, direction};
 use cohaul::model::Obstacle;
 use cohaul::model::geometry::overlap_depth;
@@ -71,6 +71,8 @@ struct Run {
     attached: Vec<bool>,
     /// Sides of the long walls on which the load was last.
     sides: Vec<Option<bool>>,
+    /// Obstacles that the load touches by the transitions.
+    touched: Vec<usize>,
     energy: EnergyLedger,
 }
 
@@ -83,7 +85,7 @@ impl Run {
             load.attach(spring, scene.tip(spring, 0.0));
         }
         let sides = scene.system.world.obstacles[..scene.n_long].iter().map(|wall| is_left_of(wall, &scene.start.pose)).collect();
-        Self { options, attached: scene.attached.clone(), sides, energy: load.energy(), restored: None, load, scene }
+        Self { options, attached: scene.attached.clone(), sides, touched: Vec::new(), energy: load.energy(), restored: None, load, scene }
     }
 
     /// Advances to the end, or to the first step without an answer: from there on the load may be
@@ -145,6 +147,7 @@ impl Run {
         if report.is_refused() {
             faults.push("refused".into());
         }
+        faults.extend(self.unrecorded());
         if solved {
             if report.residual > RESIDUAL {
                 faults.push(format!("residual {:e}", report.residual));
@@ -169,6 +172,29 @@ impl Run {
         let passed = now.iter().zip(&self.sides).enumerate().filter(|(_, (now, side))| now.zip(**side).is_some_and(|(a, b)| a != b));
         faults.extend(passed.map(|(index, _)| format!("passed through wall {index}")));
         self.sides = now;
+        faults
+    }
+
+    /// What the transitions say of contacts that is not so.
+    fn unrecorded(&mut self) -> Vec<String> {
+        let mut faults = Vec::new();
+        for transition in self.load.transitions() {
+            let place = transition.kind.obstacle().map(|obstacle| self.touched.binary_search(&obstacle));
+            match (&transition.kind, place) {
+                (TransitionKind::Touch { obstacle }, Some(Err(at))) => self.touched.insert(at, *obstacle),
+                (TransitionKind::Separation { .. }, Some(Ok(at))) => drop(self.touched.remove(at)),
+                (TransitionKind::Touch { .. } | TransitionKind::Separation { .. }, _) => {
+                    faults.push(format!("recorded twice: {transition:?}"))
+                }
+                _ => (),
+            }
+        }
+        let mut touched: Vec<usize> = self.load.side_contacts().iter().map(|contact| contact.obstacle).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        if touched != self.touched {
+            faults.push(format!("touches {touched:?}, recorded are {:?}", self.touched));
+        }
         faults
     }
 

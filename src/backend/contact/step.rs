@@ -157,7 +157,8 @@ impl ContactStep<'_, Step<'_>> {
             report.n_solves += u64::from(solution.n_solves);
             report.n_iterations += u64::from(solution.n_iterations);
             mode = solution.ground_mode;
-            report.residual = solution.residual;
+            // Gaps that contradict each other have no finite one.
+            report.residual = solution.residual.min(1.0);
             report.is_indeterminate = !solution.are_forces_unique && solution.forces.iter().any(|force| force.normal > 0.0);
             if solution.ending == Ending::Infeasible {
                 if at != Vec3::zeros() {

@@ -99,12 +99,12 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
                     shortest *= FORCED_GROWTH;
                     had_answers &= report.n_not_converged == n_not_converged;
                 }
-                if load.obstacles.is_some() {
-                    load.note_contacts(&start.state.side.touching, to * duration);
-                }
                 let kind = TransitionKind::between(before, load.state.contact.last());
                 let kinds = complete_snap_through(load, &start, &mut report).into_iter().chain(kind);
                 load.transitions.extend(kinds.map(|kind| Transition { time: to * duration, kind }));
+                if load.obstacles.is_some() {
+                    load.note_contacts(&start.state.side.touching, to * duration);
+                }
                 change_by = change_by.filter(|change| *change > to);
                 let was_cut = to - at < 0.99 * macro_step;
                 macro_step = match change_by {

@@ -29,11 +29,15 @@ impl Exact<QuasiStatic> {
     #[inline(never)]
     pub(super) fn jump(&mut self) -> StepReport {
         let (start, last) = (self.state.snap_start(), self.state.contact.last());
+        let touching = self.obstacles.is_some().then(|| self.state.side.touching.clone());
         let (report, has_path) = self.settle();
         self.state.contact = GroundContact::Unknown { last, jump_is_pending: false };
         if self.is_far_from(&start.pose) {
             let kind = self.book_jump(&start, has_path);
             self.transitions.push(Transition { time: 0.0, kind });
+        }
+        if let Some(touching) = touching {
+            self.note_contacts(&touching, 0.0);
         }
         report
     }

@@ -79,7 +79,8 @@ pub struct ForcesReport {
     pub warnings: Vec<String>,
 }
 
-/// Forces on the tips of a recording, in its order. Each swing is on the branch of the previous frame.
+/// Forces on the tips of a recording, in its order. Each swing is on the branch of the previous
+/// frame.
 pub fn tip_forces(recording: &Recording, sensor: &Sensor) -> Vec<Force> {
     let (mut frame, mut time) = (0usize, f64::NEG_INFINITY);
     let mut last: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
