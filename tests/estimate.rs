@@ -335,6 +335,23 @@ fn an_estimate_is_not_valid_once_the_load_touches_an_obstacle() {
     assert!(!estimate(&far).touches_obstacle);
 }
 
+/// A jump whose overshoot a wall stops has no valid estimate, although the load itself stays away
+/// from the wall. With the wall behind the overshoot it is that of the empty plane.
+#[test]
+fn an_estimate_is_not_valid_where_the_model_meets_an_obstacle() {
+    let empty = scene("analytic/release-jump");
+    let jump = 1.5 * empty.system.total_slip_limit() / empty.system.springs[0].radial_stiffness;
+    let with_wall_at = |x: f64| {
+        let mut text: serde_json::Value = serde_json::from_str(include_str!("../scenarios/analytic/release-jump.json")).unwrap();
+        text["obstacles"] = serde_json::json!([{ "name": "wall", "outline": { "polyline": { "points_m": [[x, -1.0], [x, 1.0]] } } }]);
+        estimate(&Scenario::parse(&text.to_string(), "jump before a wall").unwrap())
+    };
+    let radius = empty.system.load.radius;
+    let stopped = with_wall_at(radius + 1.5 * jump);
+    assert!(stopped.touches_obstacle && stopped.is_negligible.is_none());
+    assert_eq!(with_wall_at(radius + 2.5 * jump), estimate(&empty));
+}
+
 /// A load that moves in one jump only, one that never jumps, and four ants: there the same share
 /// from the rows and the transitions of a trace.
 #[test]

@@ -7,8 +7,9 @@ use super::interval::{Interval, MergedTicks};
 use super::reduced_model::{ModelStep, ReducedModel, Workspace};
 use crate::analysis::attribution::{Attribution, Disturbance};
 use crate::analysis::trigger::{ByTrigger, Trigger, TriggerKind};
+use crate::backend::contact::Obstacles;
 use crate::backend::friction::WarmStart;
-use crate::backend::springs::{Attachments, pulls_with};
+use crate::backend::springs::{Attachments, Place, pulls_with};
 use crate::backend::{Motion, RestoreError, Transition, TransitionKind};
 use crate::math::{Pose, Vec2};
 use crate::model::System;
@@ -50,8 +51,8 @@ pub struct InertiaEstimate {
     /// orders of magnitude.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_invalid: bool,
-    /// Whether the load touched an obstacle. The model has none, so that the lengths above say
-    /// nothing about the run from then on.
+    /// Whether the load touched an obstacle, or the model met one. The model has none, so that the
+    /// lengths above say nothing about the run from then on.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub touches_obstacle: bool,
 }
@@ -69,6 +70,8 @@ pub struct Estimator {
     shortest: f64,
     /// Time of one radian of the load's oscillation on all attached springs (s).
     radian: f64,
+    /// `None` without any.
+    obstacles: Option<Obstacles>,
     state: State,
 }
 
@@ -110,6 +113,12 @@ struct State {
 const MOST_PHASE: f64 = 1.0 / 3.0;
 /// Longest interval of a load at rest (rad of its oscillation): only forces change.
 const MOST_PHASE_AT_REST: f64 = 1.0;
+
+/// Distance of an obstacle from the model, over that of the model from the load, up to which the
+/// model meets it (1): between the ends of an interval its oscillation goes as much farther.
+const NEXT_TO_MODEL: f64 = 0.15;
+/// Number of looks for obstacles in an interval at most (1).
+const MOST_LOOKS: f64 = 1000.0;
 
 impl InertiaEstimate {
     /// Estimate from the trace of a quasi-static run of `scenario`.
@@ -160,7 +169,7 @@ impl Estimator {
             is_invalid: false,
             touches_obstacle: false,
         };
-        Self { system: system.clone(), workspace, shortest: f64::INFINITY, radian: f64::INFINITY, state }
+        Self { workspace, shortest: f64::INFINITY, radian: f64::INFINITY, obstacles: Obstacles::of(system), state, system: system.clone() }
     }
 
     /// A spring was grasped at its `tip` (m, world), with the load at `pose`.
@@ -263,8 +272,28 @@ impl Estimator {
         state.time += duration;
         state.path_length += distance;
         state.reach = state.reach.max(state.model.pose.edge_displacement(&state.start, self.system.load.radius));
-        let ends = Ends { load: ends, model: [last, &state.model], duration, is_short: duration <= MOST_PHASE * self.radian };
-        state.displacements.add(&ends, self.system.load.radius, state.time, &state.attribution.trigger);
+        let of_both = Ends { load: ends, model: [last, &state.model], duration, is_short: duration <= MOST_PHASE * self.radian };
+        state.displacements.add(&of_both, self.system.load.radius, state.time, &state.attribution.trigger);
+        self.look_for_obstacles(&last.pose, ends[1]);
+    }
+
+    /// Takes note of obstacles on the way of the model from its `last` pose, next to a load at
+    /// `load`.
+    fn look_for_obstacles(&mut self, last: &Pose, load: &Pose) {
+        let Self { system, obstacles: Some(obstacles), state, .. } = self else { return };
+        if state.touches_obstacle {
+            return;
+        }
+        let (end, radius) = (&state.model.pose, system.load.radius);
+        let reach = NEXT_TO_MODEL * end.edge_displacement(load, radius);
+        // A load that moves by less than its radius leaps over nothing.
+        let n_looks = (end.edge_displacement(last, radius) / radius).ceil().clamp(1.0, MOST_LOOKS);
+        let shift = end.position - last.position;
+        state.touches_obstacle = (0..n_looks as u32).any(|look| {
+            let share = 1.0 - f64::from(look) / n_looks;
+            let pose = Pose { position: last.position + share * shift, heading: last.heading + share * (end.heading - last.heading) };
+            obstacles.is_near(system, &Place::of(&pose), state.time, reach)
+        });
     }
 
     /// Adds an interval of this `duration` (s) to the attribution, in which the load moved by a

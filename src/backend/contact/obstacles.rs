@@ -116,7 +116,7 @@ pub enum Scope {
 }
 
 /// The obstacles, with what is known of their distance.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Obstacles {
     pub(super) surroundings: Surroundings,
     /// Place and time of a distance from all obstacles (m).
@@ -165,9 +165,20 @@ impl Obstacles {
         if self.known_clearance(system, at, from) > shift {
             return true;
         }
-        let clearance = self.surroundings.clearance(system, at, from);
+        let clearance = self.surroundings.clearance(system, at, from, 0.0);
         self.clear = Some((*at, from, clearance));
         clearance > shift
+    }
+
+    /// Whether a load at `at` is nearer than `reach` (m) to an obstacle at `time` (s), or crosses
+    /// one.
+    pub fn is_near(&mut self, system: &System, at: &Place, time: f64, reach: f64) -> bool {
+        if self.known_clearance(system, at, time) > reach {
+            return false;
+        }
+        let clearance = self.surroundings.clearance(system, at, time, reach);
+        self.clear = Some((*at, time, clearance));
+        clearance < reach || self.surroundings.crosses(system, at, time, 0.0)
     }
 
     /// Whether an increment touches nothing.
@@ -179,7 +190,7 @@ impl Obstacles {
         let is_free = self.first_hit(system, start, twist, task, &[]).is_none();
         if is_free {
             let end = start.moved_by(twist);
-            self.clear = Some((end, task.to, self.surroundings.clearance(system, &end, task.to)));
+            self.clear = Some((end, task.to, self.surroundings.clearance(system, &end, task.to, 0.0)));
         }
         is_free
     }

@@ -57,7 +57,7 @@ impl Pair {
 }
 
 /// The features of all bodies, and the obstacles near the load.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Surroundings {
     load: Features,
     /// Radius of the load about its origin (m).
@@ -71,7 +71,7 @@ pub struct Surroundings {
     near: Near,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Body {
     features: Features,
     /// Centre of the obstacle in its frame, and its radius about it (m).
@@ -80,7 +80,7 @@ struct Body {
 }
 
 /// Obstacles within twice the `margin` (m) of a load at `about` (pose and time, s).
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Near {
     obstacles: Vec<usize>,
     about: Option<(Pose, f64)>,
@@ -139,10 +139,10 @@ impl Surroundings {
     }
 
     /// Lower bound of the distance between load and obstacles (m) at `time` (s), exact where it is
-    /// less than the margin of the list of near obstacles.
-    pub fn clearance(&mut self, system: &System, load: &Place, time: f64) -> f64 {
-        self.update_near(system, load, time, 0.0);
-        let mut least = self.near.margin;
+    /// less than `reach` (m) or the margin of the list of near obstacles.
+    pub fn clearance(&mut self, system: &System, load: &Place, time: f64, reach: f64) -> f64 {
+        self.update_near(system, load, time, reach);
+        let mut least = self.near.margin.max(reach);
         for obstacle in &self.near.obstacles {
             let at = Self::relative(load, &system.world.obstacles[*obstacle].path.pose_at(time));
             least = least.min(self.distance(*obstacle, &at));
