@@ -59,6 +59,16 @@ fn what_the_estimate_decides_alone_is_what_the_comparison_finds() {
     assert!(screened.answer.contains("inertia_scale from") && !screened.text().contains("NaN"), "{}", screened.answer);
 }
 
+/// A load that no pull moves agrees on all backends, which says nothing on inertia.
+#[test]
+fn a_point_at_which_nothing_moved_is_not_called_valid() {
+    let map = map(&plan(&["ground.friction_coefficient=1.4,1000"]), &question(false));
+    let at_rest = &map.cells[1];
+    assert_eq!((at_rest.is_valid_for_path(), letter(at_rest, 0)), (None, '0'));
+    assert!(map.answer.contains(", no answer because nothing moved at 1. "), "{}", map.answer);
+    assert!(at_rest.compared.unwrap()[0].is_valid.is_none() && !map.answer.contains("open at"));
+}
+
 #[test]
 fn a_stopped_map_goes_on_to_the_same_cells() {
     let room = tempfile::tempdir().unwrap();

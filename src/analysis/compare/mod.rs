@@ -52,6 +52,7 @@ pub use numbers::{Numbers, Predicted};
 pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
 pub use quantity::{FirstDivergence, QuantityVerdict, RunMeasure, Verdicts};
 pub use seed_runs::SeedRuns;
+pub(crate) use settings::LEAST_MOTION;
 pub use settings::{MakeController, Settings, Tier};
 pub use solution::{Point, Solution};
 pub use suggestion::{SuggestedChange, Tried};

@@ -1,5 +1,6 @@
 //! The answer of a run: where the load ended, and whether inertia is negligible.
 
+use crate::analysis::compare::LEAST_MOTION;
 use crate::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE};
 use crate::backend::Status;
 use crate::output::page::Answer;
@@ -11,6 +12,7 @@ pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
     match estimate {
         _ if run.outcome.steps.status == Status::Failed => Answer::Open,
         None => Answer::None,
+        Some(estimate) if nothing_moved(run, estimate) => Answer::Open,
         Some(estimate) => match estimate.is_negligible {
             Some(true) => Answer::Yes,
             Some(false) => Answer::No,
@@ -20,7 +22,7 @@ pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
 }
 
 pub fn sentence(run: &Run, estimate: Option<&InertiaEstimate>) -> String {
-    let inertia = estimate.map_or(String::new(), |estimate| format!(" {}", inertia_sentence(estimate)));
+    let inertia = estimate.map_or(String::new(), |estimate| format!(" {}", inertia_sentence(run, estimate)));
     format!("{}{inertia}", end_sentence(run))
 }
 
@@ -42,13 +44,21 @@ fn end_sentence(run: &Run) -> String {
     }
 }
 
-fn inertia_sentence(estimate: &InertiaEstimate) -> String {
+/// Whether the load stayed at rest, with inertia by estimate and without.
+fn nothing_moved(run: &Run, estimate: &InertiaEstimate) -> bool {
+    estimate.path_length_m <= LEAST_MOTION * run.scenario.system.load.radius
+}
+
+fn inertia_sentence(run: &Run, estimate: &InertiaEstimate) -> String {
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
     if estimate.touches_obstacle {
         return "Whether inertia is negligible is not known: the load touches an obstacle, and the inertia estimate has none.".to_owned();
     }
     if estimate.is_invalid {
         return "Inertia is not negligible: with it the load turns further than the inertia estimate can follow.".to_owned();
+    }
+    if nothing_moved(run, estimate) {
+        return "Nothing moved, so that there is no answer on inertia.".to_owned();
     }
     if estimate.edge_displacement_max_m == 0.0 {
         return "Inertia is negligible: by estimate it does not move the load.".to_owned();
@@ -66,4 +76,37 @@ fn inertia_sentence(estimate: &InertiaEstimate) -> String {
 pub fn tolerance(estimate: &InertiaEstimate) -> String {
     let (share, length) = (short(100.0 * TOLERANCE_SHARE), short_quantity(estimate.path_length_m, "m"));
     format!("{} ({share} % of the {length} path length)", short_quantity(TOLERANCE_SHARE * estimate.path_length_m, "m"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::estimate::with_estimate;
+    use crate::backend::{BackendKind, BackendOptions};
+    use crate::scenario::Scenario;
+    use crate::simulation::{Keep, Outcome, Simulation, controller_of};
+
+    /// A quasi-static run with its inertia estimate.
+    fn estimated(scenario: &Scenario) -> (BackendOptions, Outcome, InertiaEstimate) {
+        let options = BackendOptions::at_step(None, BackendKind::QuasiStatic, &scenario.system, scenario.control_period);
+        let (backend, estimator) = with_estimate(&scenario.system, scenario.start, &options);
+        let mut run = Simulation::from_parts(scenario, &options, Keep::Outcome, controller_of(scenario), backend);
+        run.run(|_| true);
+        let estimate = estimator.borrow().estimate();
+        (options, run.outcome(), estimate)
+    }
+
+    fn answered(scenario: &Scenario) -> (Answer, String) {
+        let (options, outcome, estimate) = estimated(scenario);
+        let run = Run { scenario, options: &options, outcome: &outcome, path_length: None, wall_time: None };
+        (is_negligible(&run, Some(&estimate)), sentence(&run, Some(&estimate)))
+    }
+
+    #[test]
+    fn a_load_at_rest_gives_no_answer_on_inertia() {
+        let scenario = Scenario::parse(include_str!("../../../scenarios/stress/hold-below-limit.json"), "held").unwrap();
+        let (answer, sentence) = answered(&scenario);
+        assert_eq!(answer, Answer::Open);
+        assert!(sentence.ends_with("Nothing moved, so that there is no answer on inertia."), "{sentence}");
+    }
 }

@@ -64,7 +64,8 @@ pub struct Estimated {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
     pub verdict: Verdict,
-    /// Whether quasi-static is valid; `null` if the reference error leaves it open.
+    /// Whether quasi-static is valid; `null` if the reference error leaves it open, or if nothing
+    /// moved.
     pub is_valid: Option<bool>,
     pub inertia_effect: f64,
     pub engine_error: f64,
@@ -117,6 +118,11 @@ impl Cell {
             (Some(compared), _) => compared[0].is_valid,
             (None, _) => self.estimate.map(|estimate| estimate.margin() <= 1.0),
         }
+    }
+
+    /// Whether all backends were compared, and the load moved on none.
+    pub fn nothing_moved(&self) -> bool {
+        self.compared.is_some_and(|compared| compared[0].verdict == Verdict::NothingMoved)
     }
 
     /// The estimate, if it alone decided.
@@ -179,7 +185,7 @@ fn of_quantities(found: &Pathwise) -> [Compared; 5] {
     let of = |(_, of): (&str, &QuantityVerdict)| Compared {
         verdict: of.verdict,
         is_valid: match answer::is_valid(of) {
-            Answer::Yes if is_known => Some(true),
+            Answer::Yes if is_known && of.verdict != Verdict::NothingMoved => Some(true),
             Answer::No if is_known => Some(false),
             _ => None,
         },

@@ -57,14 +57,19 @@ impl Map {
     }
 
     fn sentence(&self) -> String {
-        let n_open = self.cells.iter().filter(|cell| cell.failure.is_none() && cell.is_valid_for_path().is_none()).count();
-        let open = if n_open > 0 { format!(", open at {n_open}") } else { String::new() };
-        let failed = if self.n_failed > 0 { format!(", not computed at {}", self.n_failed) } else { String::new() };
+        let n_at_rest = self.cells.iter().filter(|cell| cell.nothing_moved()).count();
+        let n_unknown = self.cells.iter().filter(|cell| cell.is_valid_for_path().is_none()).count();
+        let open = [
+            ("open", n_unknown - n_at_rest - self.n_failed),
+            ("no answer because nothing moved", n_at_rest),
+            ("not computed", self.n_failed),
+        ];
+        let open: String = open.iter().filter(|(_, n)| *n > 0).map(|(what, n)| format!(", {what} at {n}")).collect();
         let all = |cell: &&Cell| cell.compared.is_some_and(|of| of.iter().all(|of| of.is_valid == Some(true)));
         let engine = |cell: &&Cell| cell.compared.is_some_and(|of| of.iter().any(|of| of.verdict.has_engine()));
         let [n_all, n_engine] = [self.cells.iter().filter(all).count(), self.cells.iter().filter(engine).count()];
         format!(
-            "Quasi-static is valid for the path at {} of {} points{}{open}{failed}. Of {} points that were compared in full, it is valid for all \
+            "Quasi-static is valid for the path at {} of {} points{}{open}. Of {} points that were compared in full, it is valid for all \
              quantities at {n_all}, and the engine error of rapier exceeds a tolerance at {n_engine}.",
             self.n_valid(),
             self.cells.len(),
