@@ -22,6 +22,8 @@ pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
 }
 
 pub fn sentence(run: &Run, estimate: Option<&InertiaEstimate>) -> String {
+    // A failed run has no path to which an effect could be compared.
+    let estimate = estimate.filter(|_| run.outcome.steps.status != Status::Failed);
     let inertia = estimate.map_or(String::new(), |estimate| format!(" {}", inertia_sentence(run, estimate)));
     format!("{}{inertia}", end_sentence(run))
 }
@@ -100,6 +102,16 @@ mod tests {
         let (options, outcome, estimate) = estimated(scenario);
         let run = Run { scenario, options: &options, outcome: &outcome, path_length: None, wall_time: None };
         (is_negligible(&run, Some(&estimate)), sentence(&run, Some(&estimate)))
+    }
+
+    #[test]
+    fn a_failed_run_says_nothing_on_inertia() {
+        let scenario = Scenario::parse(include_str!("../../../scenarios/analytic/release-jump.json"), "released").unwrap();
+        let (options, mut outcome, estimate) = estimated(&scenario);
+        outcome.steps.status = Status::Failed;
+        let run = Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time: None };
+        let sentence = sentence(&run, Some(&estimate));
+        assert!(sentence.ends_with(" is not valid."), "{sentence}");
     }
 
     #[test]
