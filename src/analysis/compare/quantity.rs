@@ -118,7 +118,9 @@ impl QuantityVerdict {
     /// The number that decides: that of the largest inertia effect over its tolerance if inertia is
     /// a cause, else that of the largest engine error, else that of the largest difference.
     pub fn deciding(&self) -> Option<&RunMeasure> {
-        self.first_of_largest(|measure| self.weight(measure))
+        // A verdict may be withdrawn, and the number stays.
+        let verdict = verdict_of(&self.measures);
+        self.first_of_largest(|measure| measure.weight(verdict))
     }
 
     /// The number with the largest engine error over its tolerance.
@@ -128,14 +130,6 @@ impl QuantityVerdict {
 
     fn first_of_largest(&self, weight: impl Fn(&RunMeasure) -> f64) -> Option<&RunMeasure> {
         self.measures.iter().reduce(|largest, measure| if weight(measure) > weight(largest) { measure } else { largest })
-    }
-
-    fn weight(&self, measure: &RunMeasure) -> f64 {
-        match self.verdict {
-            Verdict::Inertia | Verdict::InertiaAndEngine => measure.inertia_effect / measure.tolerance,
-            Verdict::Engine => measure.engine_error / measure.tolerance,
-            _ => measure.inertia_effect.max(measure.engine_error) / measure.tolerance,
-        }
     }
 
     /// Largest inertia effect less and plus reference error over the tolerance (1): at most one
@@ -173,8 +167,7 @@ impl QuantityVerdict {
             *largest = largest.max(one.size());
         }
         let measures: Vec<RunMeasure> = reduced.iter().map(|one| one.measure(share * largest[one.name])).collect();
-        let verdicts = measures.iter().map(RunMeasure::verdict);
-        let verdict = verdicts.fold(Verdict::Agree, Verdict::and);
+        let verdict = verdict_of(&measures);
         let first = |which: usize| {
             let times = reduced.iter().zip(&measures).filter_map(|(one, measure)| one.first_divergence(which, measure, times));
             times.min_by(f64::total_cmp).map(|time| diverges(which, time))
@@ -207,6 +200,20 @@ impl RunMeasure {
     fn verdict(&self) -> Verdict {
         Verdict::of(self.inertia_effect, self.engine_error, self.reference_error, self.tolerance)
     }
+
+    /// Difference over the tolerance (1) that counts under a verdict on all numbers.
+    fn weight(&self, verdict: Verdict) -> f64 {
+        match verdict {
+            Verdict::Inertia | Verdict::InertiaAndEngine => self.inertia_effect / self.tolerance,
+            Verdict::Engine => self.engine_error / self.tolerance,
+            _ => self.inertia_effect.max(self.engine_error) / self.tolerance,
+        }
+    }
+}
+
+/// Verdict on several numbers together.
+fn verdict_of(measures: &[RunMeasure]) -> Verdict {
+    measures.iter().map(RunMeasure::verdict).fold(Verdict::Agree, Verdict::and)
 }
 
 impl Courses {
@@ -295,5 +302,43 @@ impl Kind {
             so_far
         };
         signal.iter().map(next).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The engine error of the mean is the largest share, but inertia is a cause, by the peak.
+    #[test]
+    fn a_withdrawn_verdict_keeps_the_number_that_decided() {
+        let measure = |name, inertia_effect, engine_error| RunMeasure {
+            name,
+            spring: None,
+            quasi_static: 0.0,
+            inertial: 0.0,
+            rapier: 0.0,
+            inertia_effect,
+            engine_error,
+            reference_error: 0.0,
+            tolerance: 1.0,
+        };
+        let measures = vec![measure("mean speed", 1.5, 9.0), measure("peak speed", 2.0, 0.0)];
+        let (inertia_effect, engine_error, reference_error, tolerance) = (2.0, 0.0, 0.0, 1.0);
+        let first_divergence = FirstDivergence::default();
+        for verdict in [Verdict::InertiaAndEngine, Verdict::NotComputed, Verdict::Inconclusive] {
+            let measures = measures.clone();
+            let of = QuantityVerdict {
+                verdict,
+                inertia_effect,
+                engine_error,
+                reference_error,
+                tolerance,
+                unit: "m/s",
+                first_divergence,
+                measures,
+            };
+            assert_eq!(of.deciding().map(|measure| measure.name), Some("peak speed"), "{verdict:?}");
+        }
     }
 }
