@@ -48,6 +48,7 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             is_indeterminate: false,
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },
         },
+        failed_at: None,
         transitions: TransitionCounts { n_slip_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },
         contact_transitions: Vec::new(),
         error: None,

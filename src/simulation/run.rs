@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
-use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Transition, build};
+use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Status, Transition, build};
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
 
@@ -156,7 +156,11 @@ impl<'a> Simulation<'a> {
         let until = self.clock.next(instants.into_iter().flatten().reduce(f64::min));
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.controller.targets(&view, until);
-        self.totals.steps.add(&self.backend.advance(targets, until - time));
+        let report = self.backend.advance(targets, until - time);
+        if report.status == Status::Failed {
+            self.totals.failed_at.get_or_insert(time);
+        }
+        self.totals.steps.add(&report);
         self.observe();
         self.clock.move_to(until);
     }
@@ -206,6 +210,7 @@ impl<'a> Simulation<'a> {
             motion,
             energy: self.backend.energy(),
             steps: self.totals.steps,
+            failed_at: self.totals.failed_at,
             transitions: self.totals.transitions,
             contact_transitions: self.totals.contact_transitions.clone(),
             error: self.totals.error,

@@ -107,6 +107,9 @@ pub const MOST_CONTACT_TRANSITIONS: usize = 50;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Totals {
     pub steps: StepReport,
+    /// Start of the first advance that had no finite solution (s); `None` unless the run failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed_at: Option<f64>,
     /// Largest error bound of the pose so far; `None` where the backend finds none.
     pub error: Option<PoseError>,
     pub transitions: TransitionCounts,
@@ -122,6 +125,9 @@ pub struct Outcome {
     pub motion: Motion,
     pub energy: EnergyLedger,
     pub steps: StepReport,
+    /// Start of the first advance that had no finite solution (s); `None` unless the run failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed_at: Option<f64>,
     /// Counts of the transitions that the backend reported.
     #[serde(default)]
     pub transitions: TransitionCounts,

@@ -40,6 +40,9 @@ pub struct Solution {
     pub step_s: Option<f64>,
     /// Counts and worst status of all runs behind this path.
     pub steps: StepReport,
+    /// When the first of these runs failed (s); `None` if none did.
+    #[serde(skip)]
+    pub failed_at: Option<f64>,
 }
 
 /// Pose of the load at one instant, with its numerical error.
@@ -108,7 +111,15 @@ impl Solution {
         }
         let (trace, outcome) = run.into_results();
         let limit: Vec<Point> = trace.rows.iter().map(Point::of).collect();
-        Some(Self { kind: options.kind, points: limit.clone(), limit, trace, step_s: None, steps: outcome.steps })
+        Some(Self {
+            kind: options.kind,
+            points: limit.clone(),
+            limit,
+            trace,
+            step_s: None,
+            steps: outcome.steps,
+            failed_at: outcome.failed_at,
+        })
     }
 
     fn extrapolated<'a>(
@@ -144,8 +155,9 @@ impl Solution {
         let points = if is_engine { rows[0].iter().map(Point::of).collect() } else { limit.clone() };
         let mut steps = StepReport::default();
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
+        let failed_at = levels.iter().filter_map(|(_, (_, outcome))| outcome.failed_at).reduce(f64::min);
         let (step_s, (trace, _)) = levels.swap_remove(if is_engine { 0 } else { 2 });
-        Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps })
+        Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps, failed_at })
     }
 
     /// Adds the distance from a less exact path to the error of this one, from there on. Both have

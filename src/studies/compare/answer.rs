@@ -1,7 +1,8 @@
 //! The answer of a comparison: for which quantities the quasi-static backend is valid, and where
 //! the engine error exceeds a tolerance.
 
-use crate::analysis::compare::{ClosedLoop, Measure, Pathwise, QuantityVerdict, RunMeasure, Verdict};
+use crate::analysis::compare::{ClosedLoop, Measure, Pathwise, QuantityVerdict, RunMeasure, Solution, Verdict};
+use crate::backend::Status;
 use crate::output::page::Answer;
 use crate::output::quantity::{short, short_quantity};
 
@@ -40,13 +41,23 @@ fn within(of: &QuantityVerdict, [least, most]: [f64; 2]) -> Answer {
 pub fn sentence_of_paths(found: &Pathwise) -> String {
     const UNKNOWN: &str = "It is not known whether quasi-static is valid here";
     if found.verdict == Verdict::NotComputed {
-        return format!("{UNKNOWN}: a run failed.");
+        return format!("{UNKNOWN}, because {}.", failed_runs(found));
     }
     if !found.references_converged() {
         return format!("{UNKNOWN}: some macro-steps of the reference runs did not converge.");
     }
     let inertia = if found.verdict == Verdict::NothingMoved { nothing_moved(found) } else { inertia_sentence(found) };
     format!("{inertia} {}", engine_sentence(found))
+}
+
+/// Which runs failed and when, in words.
+pub fn failed_runs(found: &Pathwise) -> String {
+    let failed = found.solutions.iter().filter(|solution| solution.steps.status == Status::Failed);
+    let in_words = |solution: &Solution| {
+        let time = solution.failed_at.map(|time| format!(" at {}", short_quantity(time, "s")));
+        format!("the {} run failed{}", solution.kind.name(), time.unwrap_or_default())
+    };
+    format!("{}: a step had no finite solution", list(&failed.map(in_words).collect::<Vec<_>>()))
 }
 
 fn nothing_moved(found: &Pathwise) -> String {
@@ -258,8 +269,13 @@ mod tests {
         }
         found.verdicts.path.verdict = Verdict::NotComputed;
         found.verdict = Verdict::NotComputed;
+        (found.solutions[2].steps.status, found.solutions[2].failed_at) = (Status::Failed, Some(0.25));
         assert_eq!(of_paths(&found), Answer::Open);
-        assert!(sentence_of_paths(&found).ends_with("a run failed."));
+        let sentence = sentence_of_paths(&found);
+        assert!(sentence.ends_with(" because the rapier run failed at 250 ms: a step had no finite solution."), "{sentence}");
+        found.solutions[0].steps.status = Status::Failed;
+        let sentence = sentence_of_paths(&found);
+        assert!(sentence.contains(" because the quasi-static run failed and the rapier run failed at 250 ms: "), "{sentence}");
     }
 
     #[test]

@@ -176,8 +176,11 @@ fn compared(scenario: &Scenario, settings: &Settings, go_on: &(dyn Fn() -> bool 
     };
     let verdicts = of_quantities(&found);
     let numbers = |of: &Compared| [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance];
-    let is_computed = found.verdict != Verdict::NotComputed && verdicts.iter().flat_map(numbers).all(f64::is_finite);
-    Some(if is_computed { Ok(verdicts) } else { Err("a run of the comparison failed".to_owned()) })
+    Some(match found.verdict {
+        Verdict::NotComputed => Err(answer::failed_runs(&found)),
+        _ if verdicts.iter().flat_map(numbers).all(f64::is_finite) => Ok(verdicts),
+        _ => Err("a number of the comparison is not finite".to_owned()),
+    })
 }
 
 fn of_quantities(found: &Pathwise) -> [Compared; 5] {
