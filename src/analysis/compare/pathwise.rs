@@ -10,7 +10,7 @@ use super::numbers::{Numbers, Predicted};
 use super::quantity::{FirstDivergence, Verdicts};
 use super::settings::{Settings, Tier};
 use super::solution::{Question, Solution};
-use super::suggestion::{Differences, SuggestedChange, Tried};
+use super::suggestion::{Differences, Driver, SuggestedChange, Tried};
 use super::verdict::{Cause, Verdict};
 use super::verdicts::Runs;
 use crate::analysis::trigger::ByTrigger;
@@ -145,7 +145,8 @@ impl Pathwise {
         let radius = scenario.system.load.radius;
         // That of the quasi-static path length alone applies after the changes.
         let tolerance_without_inertia = aim * settings.tolerance_path(self.solutions[0].path_length(radius), radius);
-        let differences = Differences { engine: largest.engine_error_m, model, tolerance, tolerance_without_inertia };
+        let driver = Driver::of(&scenario.system);
+        let differences = Differences { engine: largest.engine_error_m, model, tolerance, tolerance_without_inertia, driver };
         let mode = JumpMode::of(scenario, &self.solutions[0], &self.numbers);
         let against = |cause: &Cause| match cause {
             Cause::Inertia => differences.against_inertia(&largest.by_trigger, &self.predicted, &mode),

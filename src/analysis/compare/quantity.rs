@@ -107,6 +107,12 @@ impl Verdicts {
         [("path", &self.path), ("heading", &self.heading), ("pulls", &self.pulls), ("speed", &self.speed), ("energy", &self.energy)]
     }
 
+    /// Those that say something: without a spring that is ever attached there are no pulls.
+    pub fn shown(&self) -> impl Iterator<Item = (&'static str, &QuantityVerdict)> {
+        let has_pulls = self.pulls.measures.iter().any(|measure| measure.spring.is_some());
+        self.named().into_iter().filter(move |(name, _)| has_pulls || *name != "pulls")
+    }
+
     pub(super) fn set_all(&mut self, verdict: Verdict) {
         for of in [&mut self.path, &mut self.heading, &mut self.pulls, &mut self.speed, &mut self.energy] {
             of.verdict = verdict;

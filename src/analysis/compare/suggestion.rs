@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::jump_mode::JumpMode;
 use super::numbers::Predicted;
 use crate::analysis::trigger::ByTrigger;
+use crate::model::System;
 use crate::scenario::{Drive, Scenario};
 
 /// One change of the scene or the engine that reduces one cause, by the law of that cause.
@@ -19,6 +20,9 @@ pub enum SuggestedChange {
     OtherModel,
     /// Tip speeds times this factor: the load lags by speed over omega_n.
     SlowerTips { factor: f64 },
+    /// Speeds of the obstacles times this factor, where they alone drive the load: behind a push it
+    /// coasts by the square of the speed.
+    SlowerObstacles { factor: f64 },
     /// Start speed times this factor: the coasting distance grows with the square of the speed.
     SlowerStart { factor: f64 },
     /// Springs with at least this damping ratio: the overshoot after a release becomes smaller.
@@ -51,11 +55,17 @@ impl Tried {
 impl SuggestedChange {
     /// Whether the change is one of the scene, and not of the engine or the comparison.
     pub fn is_of_scene(&self) -> bool {
-        use SuggestedChange::{ReducedInertia, SlowerStart, SlowerTips, SpringDamping};
-        matches!(self, SlowerTips { .. } | SlowerStart { .. } | SpringDamping { .. } | ReducedInertia { .. })
+        use SuggestedChange::{ReducedInertia, SlowerStart, SpringDamping};
+        self.slows_drive() || matches!(self, SlowerStart { .. } | SpringDamping { .. } | ReducedInertia { .. })
     }
 
-    /// Makes the change in a scene. Slower tips take longer, and their releases come later.
+    /// Whether the change slows what drives the load, so that a run takes longer.
+    pub fn slows_drive(&self) -> bool {
+        matches!(self, SuggestedChange::SlowerTips { .. } | SuggestedChange::SlowerObstacles { .. })
+    }
+
+    /// Makes the change in a scene. Slower tips and obstacles take longer, and releases come
+    /// later.
     pub fn apply(&self, scenario: &mut Scenario) {
         match *self {
             SuggestedChange::SlowerTips { factor } => {
@@ -65,6 +75,11 @@ impl SuggestedChange {
                         path.release = path.release.map(|time| time / factor);
                     }
                 }
+                scenario.duration /= factor;
+            }
+            SuggestedChange::SlowerObstacles { factor } => {
+                let paths = scenario.system.world.obstacles.iter_mut().map(|obstacle| &mut obstacle.path);
+                paths.flat_map(|path| &mut path.waypoints).for_each(|(time, _)| *time /= factor);
                 scenario.duration /= factor;
             }
             SuggestedChange::SlowerStart { factor } => {
@@ -94,6 +109,34 @@ pub(super) struct Differences {
     pub tolerance: f64,
     /// Tolerance from the quasi-static path length alone, which applies after the change (m).
     pub tolerance_without_inertia: f64,
+    pub driver: Driver,
+}
+
+/// What drives the load, and can be slower.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Driver {
+    Tips,
+    Obstacles,
+    Nothing,
+}
+
+impl Driver {
+    pub fn of(system: &System) -> Self {
+        match system.world.obstacles.iter().any(|obstacle| obstacle.path.moves()) {
+            _ if !system.springs.is_empty() => Driver::Tips,
+            true => Driver::Obstacles,
+            false => Driver::Nothing,
+        }
+    }
+
+    /// Change that leaves this `share` (1) of the inertia effect while the load is driven.
+    fn slower(self, share: f64) -> Option<SuggestedChange> {
+        match self {
+            Driver::Tips => Some(SuggestedChange::SlowerTips { factor: share }),
+            Driver::Obstacles => Some(SuggestedChange::SlowerObstacles { factor: share.sqrt() }),
+            Driver::Nothing => None,
+        }
+    }
 }
 
 /// Aim of a suggested change, divided by the tolerance (1). The laws hold for small effects only,
@@ -120,7 +163,7 @@ impl Differences {
         let mut parts = [
             (start, vec![SuggestedChange::SlowerStart { factor: (aim / start).sqrt() }]),
             (jumps, against_jumps(aim / jumps, mode)),
-            (driving, vec![SuggestedChange::SlowerTips { factor: aim / driving }]),
+            (driving, self.driver.slower(aim / driving).into_iter().collect()),
         ];
         parts.sort_by(|a, b| b.0.total_cmp(&a.0));
         parts.into_iter().filter(|(part, _)| *part > self.tolerance).flat_map(|(_, changes)| changes).collect()
@@ -161,7 +204,8 @@ fn decayed(zeta: f64, angle: f64, share: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const DIFFERENCES: Differences = Differences { engine: 2e-3, model: 0.0, tolerance: 1e-3, tolerance_without_inertia: 1e-3 };
+    const DIFFERENCES: Differences =
+        Differences { engine: 2e-3, model: 0.0, tolerance: 1e-3, tolerance_without_inertia: 1e-3, driver: Driver::Tips };
 
     #[test]
     fn a_time_step_error_needs_a_smaller_step_and_a_model_error_another_model() {
@@ -173,6 +217,24 @@ mod tests {
         // remove two thirds of the rest.
         assert!((step(0.0) - AIM * 1e-3 / 2.0).abs() < 1e-18 && (step(5e-4) - AIM * 1e-3 / 3.0).abs() < 1e-18);
         assert_eq!(Differences { model: 1e-3, ..DIFFERENCES }.against_engine(1e-3), SuggestedChange::OtherModel);
+    }
+
+    /// The post takes four times as long, and the load has no springs whose tips could be slower.
+    #[test]
+    fn a_load_that_only_obstacles_drive_has_slower_obstacles() {
+        let mut scenario = Scenario::parse(include_str!("../../../scenarios/contact/pusher.json"), "pushed").unwrap();
+        let effect = ByTrigger { driving_m: 16.0 * AIM * 1e-3, ..ByTrigger::default() };
+        let mode = JumpMode { tick_angle: 0.1, zeta: 0.0, zeta_of_unit: 1.0 };
+        let changes = |driver| Differences { driver, ..DIFFERENCES }.against_inertia(&effect, &Predicted::default(), &mode);
+        let [change] = changes(Driver::of(&scenario.system))[..] else { panic!("one change expected") };
+        let SuggestedChange::SlowerObstacles { factor } = change else { panic!("{change:?}") };
+        // Rounding of a square root.
+        assert!((factor - 0.25).abs() < 1e-15);
+        change.apply(&mut scenario);
+        let end = scenario.system.world.obstacles[0].path.waypoints[1].0;
+        assert!((end - 4.0).abs() < 1e-14 && (scenario.duration - 4.0).abs() < 1e-14, "{end} {}", scenario.duration);
+        scenario.system.world.obstacles.clear();
+        assert_eq!(changes(Driver::of(&scenario.system)), []);
     }
 
     #[test]

@@ -46,7 +46,7 @@ fn changed(question: &Question, changes: &[SuggestedChange]) -> Option<Scenario>
     let can_slow = question.tier == Tier::Prescribed;
     let mut n_changes = 0;
     for change in changes.iter().filter(|change| change.is_of_scene()) {
-        if matches!(change, SuggestedChange::SlowerTips { .. }) && !can_slow {
+        if change.slows_drive() && !can_slow {
             return None;
         }
         change.apply(&mut changed);

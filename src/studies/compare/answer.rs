@@ -71,7 +71,7 @@ fn nothing_moved(found: &Pathwise) -> String {
 
 fn inertia_sentence(found: &Pathwise) -> String {
     let of = |answer| {
-        let quantities = found.verdicts.named().into_iter().filter(move |(_, of)| is_valid(of) == answer);
+        let quantities = found.verdicts.shown().filter(move |(_, of)| is_valid(of) == answer);
         quantities.map(|(name, of)| quantity_in_words(name, of, found, answer)).collect::<Vec<_>>()
     };
     let [valid, not_valid, open] = [Answer::Yes, Answer::No, Answer::Open].map(|answer| list(&of(answer)));
@@ -129,7 +129,7 @@ fn list(words: &[String]) -> String {
 }
 
 fn engine_sentence(found: &Pathwise) -> String {
-    let of = |answer| found.verdicts.named().into_iter().filter(move |(_, of)| engine_is_within(of) == answer);
+    let of = |answer| found.verdicts.shown().filter(move |(_, of)| engine_is_within(of) == answer);
     let beyond = |(name, of): (&str, &QuantityVerdict)| match of.worst_of_engine() {
         None => format!("the {name} ({})", short_quantity(of.engine_error, of.unit)),
         Some(measure) => format!("{} ({})", plural(measure), instead(measure.rapier, measure.inertial, of.unit)),
@@ -276,6 +276,14 @@ mod tests {
         found.solutions[0].steps.status = Status::Failed;
         let sentence = sentence_of_paths(&found);
         assert!(sentence.contains(" because the quasi-static run failed and the rapier run failed at 250 ms: "), "{sentence}");
+    }
+
+    #[test]
+    fn a_load_without_springs_has_no_verdict_on_pulls() {
+        let found = compared(include_str!("../../../scenarios/contact/pusher.json"));
+        assert_eq!(found.verdicts.shown().map(|(name, _)| name).collect::<Vec<_>>(), ["path", "heading", "speed", "energy"]);
+        let sentence = sentence_of_paths(&found);
+        assert!(sentence.contains("valid for") && !sentence.contains("pulls"), "{sentence}");
     }
 
     #[test]

@@ -98,7 +98,7 @@ fn quantities(found: &Pathwise) -> Vec<Block> {
     let mut verdicts = Table::new("Verdict on each quantity", columns);
     let measured = ["number", "quasi-static", "inertial", "rapier", "inertia effect", "engine error", "reference error", "tolerance"];
     let mut measures = Table::new("Peak and mean pulls and speeds, and the energy dissipated", measured);
-    for (name, of) in found.verdicts.named() {
+    for (name, of) in found.verdicts.shown() {
         let cell = |value: f64| short_quantity(value, of.unit);
         let [inertia, engine, reference, tolerance] = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance].map(cell);
         let first = of.first_divergence.inertia_effect.or(of.first_divergence.engine_error);

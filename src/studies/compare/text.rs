@@ -50,7 +50,7 @@ fn verdicts(found: &Pathwise) -> String {
         format!("{}\n", format!("{name:<17} {inertia:<10} {engine:<10} {reference:<10} {tolerance:<10} {verdict}").trim_end())
     };
     let mut text = row([tier_name(found.tier), "inertia", "engine", "reference", "tolerance", "verdict"]);
-    for (name, of) in found.verdicts.named() {
+    for (name, of) in found.verdicts.shown() {
         let name = of.deciding().map_or(name, |measure| measure.name);
         let name = if name == "energy dissipated" { "energy" } else { name };
         // What is smaller is rounding.
@@ -122,7 +122,7 @@ pub fn tried(found: &Pathwise) -> Option<String> {
 /// Why the changes were not tried.
 fn why_not_tried(found: &Pathwise) -> String {
     let slower = |change: &SuggestedChange| match change {
-        SuggestedChange::SlowerTips { factor } => Some(factor.recip()),
+        SuggestedChange::SlowerTips { factor } | SuggestedChange::SlowerObstacles { factor } => Some(factor.recip()),
         _ => None,
     };
     match found.suggested_changes.iter().find_map(slower) {
@@ -137,7 +137,7 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     let predicted = &found.predicted;
     let mut rows = Vec::new();
     let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
-    for (name, of) in found.verdicts.named() {
+    for (name, of) in found.verdicts.shown() {
         let effects = [("inertia effect", of.first_divergence.inertia_effect), ("engine error", of.first_divergence.engine_error)];
         for (effect, first) in effects {
             row(
@@ -200,6 +200,9 @@ pub fn suggested(change: &SuggestedChange) -> (String, &'static str) {
         }
         SuggestedChange::SlowerTips { factor } => {
             (format!("move the tips at {} % of their speed", short(100.0 * factor)), "the lag of the load grows with the speed")
+        }
+        SuggestedChange::SlowerObstacles { factor } => {
+            (format!("move the obstacles at {} % of their speed", short(100.0 * factor)), "the load coasts by the square of the speed")
         }
         SuggestedChange::SlowerStart { factor } => {
             (format!("start at {} % of the speed", short(100.0 * factor)), "the load coasts by the square of the start speed")
