@@ -115,6 +115,8 @@ fn shapes() -> Vec<Bad> {
         bad("/springs", json!({}), "springs", "must be a list", "an object"),
         bad("/springs/0", json!(0.3), "springs[0]", "must be an object", "0.3"),
         bad("/ground/supports", json!(3), "ground.supports", "must be an object or a list", "3"),
+        bad("/ground/supports", json!({ "tripd": {} }), "ground.supports.tripd", "did you mean `tripod`?", "an object"),
+        bad("/ground/supports", json!({ "posts": 1 }), "ground.supports.posts", "known keys are ring, tripod, uniform", "1"),
         bad("/drive/paths/0/waypoints/1", json!([1.0, 2.0]), "drive.paths[0].waypoints[1]", "must be a list of 3", "a list of 2"),
         bad("/drive/paths/0/spring", json!(-1), "drive.paths[0].spring", "must be a whole number", "-1"),
     ]

@@ -80,6 +80,11 @@ impl<'a> Comparison<'a> {
     fn visit_alternative(&mut self, branches: &'a [Value], value: &mut Value, path: &str) {
         let branches: Vec<&'a Value> = branches.iter().map(|branch| self.resolved(branch)).collect();
         let Some(key) = self.discriminator(&branches) else {
+            if let Some((map, known)) = value.as_object().zip(unmatched_keys(&branches, value)) {
+                // No key tells which branch is meant: those of all branches are possible.
+                map.iter().for_each(|(key, value)| self.misfit(&join(path, key), &unknown_key(key, &known), &said(value)));
+                return;
+            }
             return match nearest_branch(&branches, value) {
                 Some(branch) => self.visit(branch, value, path),
                 None => {
@@ -143,6 +148,14 @@ fn nearest_branch<'a>(branches: &[&'a Value], value: &Value) -> Option<&'a Value
         keys.filter(|key| branch["properties"].get(key.as_str()).is_some()).count()
     };
     branches.iter().filter(|branch| fits_type(branch, value)).max_by_key(n_known).copied()
+}
+
+/// The keys of all branches for objects, if there are several and none has a key of `value`.
+fn unmatched_keys(branches: &[&Value], value: &Value) -> Option<Map<String, Value>> {
+    let fitting = || branches.iter().filter(|branch| fits_type(branch, value));
+    let known: Map<String, Value> = fitting().filter_map(|branch| branch["properties"].as_object()).cloned().flatten().collect();
+    let keys = value.as_object()?;
+    (fitting().count() > 1 && !keys.is_empty() && !keys.keys().any(|key| known.contains_key(key))).then_some(known)
 }
 
 fn fits_type(schema: &Value, value: &Value) -> bool {
