@@ -653,7 +653,8 @@ fn a_state_that_does_not_fit_is_refused_and_kept() {
     };
     with(&["--seed", "8"], &["state.json", "saved from the scenario"]);
     with(&["--backend", "rapier"], &["state.json", "quasi-static", "rapier"]);
-    with(&["--step-s", "0.001"], &["state.json: must be of the run asked for, found another: step_s ", " for 0.001"]);
+    with(&["--step-s", "0.001"], &["state.json: must be of the run asked for, found another: --step-s ", " for 0.001"]);
+    with(&["--backend", "inertial"], &["found another: --backend quasi-static for inertial"]);
     for garbage in ["", "{", "[]", "{\"tick\": 3}", &good[..good.len() / 2]] {
         fs::write(&state, garbage).unwrap();
         refused(&["run", &file, "--state", &state], &["state.json", "not a saved run"]);

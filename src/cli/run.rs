@@ -239,9 +239,25 @@ fn saved(options: &BackendOptions, path: Option<&Path>) -> Result<Option<SavedRu
 fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
     let [saved, asked] = [saved, asked].map(json::plain);
     let names = saved.as_object().into_iter().chain(asked.as_object()).flat_map(|object| object.keys()).collect::<BTreeSet<_>>();
-    let differing = names.into_iter().filter(|name| saved.get(name) != asked.get(name));
-    let of = |options: &Value, name: &str| options.get(name).map_or("none".to_owned(), Value::to_string);
-    differing.map(|name| format!("{name} {} for {}", of(&saved, name), of(&asked, name))).collect::<Vec<_>>().join(", ")
+    let mut differing: Vec<&String> = names.into_iter().filter(|name| saved.get(name) != asked.get(name)).collect();
+    // That a step is adapted follows from the backend, or from the step.
+    if differing.len() > 1 {
+        differing.retain(|name| *name != "adapts_step");
+    }
+    let of = |options: &Value, name: &str| match options.get(name) {
+        None => "none".to_owned(),
+        Some(Value::String(word)) => word.clone(),
+        Some(value) => value.to_string(),
+    };
+    let option = |name: &str| match name {
+        "kind" => "--backend".to_owned(),
+        "adapts_step" => "default step".to_owned(),
+        "cone_solver" => "friction solver".to_owned(),
+        "rapier" => "options of rapier".to_owned(),
+        name => format!("--{}", name.replace('_', "-")),
+    };
+    let texts = differing.into_iter().map(|name| format!("{} {} for {}", option(name), of(&saved, name), of(&asked, name)));
+    texts.collect::<Vec<_>>().join(", ")
 }
 
 /// Keeps the state for the next call, if there is a file for it, and returns how the command ends.

@@ -155,5 +155,5 @@ fn loads_of_three(offsets: &[Vec2; 3], weight: f64, findings: &mut Findings) -> 
 
 fn undetermined(path: &str, n: usize, findings: &mut Findings) {
     let rule = "must give normal_load_n: only three supports have normal loads that follow from the centre of mass";
-    findings.report(path, rule, format_args!("{n} supports without"));
+    findings.report(path, rule, format_args!("{n} support{} without", if n == 1 { "" } else { "s" }));
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::math::{Vec2, direction};
 use crate::scenario::SAME_INSTANT;
-use crate::scenario::error::{Findings, number};
+use crate::scenario::error::{Findings, number, short};
 
 /// Largest number of springs or supports, in one ring and in all (1).
 pub const MOST_IN_RING: usize = 100_000;
@@ -32,7 +32,7 @@ pub fn check_waypoints<const N: usize>(waypoints: &[[f64; N]], place: &str, shor
         let rule = if pair[1][0] <= pair[0][0] {
             format!("must be later than the previous waypoint, {}", number(pair[0][0]))
         } else if pair[1][0] - pair[0][0] < shortest {
-            format!("must be later than the previous waypoint by at least {shortest:.1e} s, {SHORTEST_PART:e} control periods")
+            format!("must be later than the previous waypoint by at least {} s, {SHORTEST_PART:e} control periods", short(shortest))
         } else {
             continue;
         };

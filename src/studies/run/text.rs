@@ -119,16 +119,18 @@ fn full(run: &Run, lines: &mut Lines) {
 pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
     let steps = &summary.run.outcome.steps;
     let worst = finite_residual(steps).map_or(String::new(), |residual| format!(" (largest residual {})", number(residual)));
-    let what = match steps.status {
-        Status::Converged => return None,
-        Status::NotConverged => format!("{} steps did not converge", steps.n_not_converged),
-        Status::Failed => "a step had no finite solution, and the load stayed where it was".to_owned(),
+    let what = match (steps.status, steps.n_not_converged) {
+        (Status::Converged, _) => return None,
+        (Status::NotConverged, 1) => format!("1 step did not converge{worst}"),
+        (Status::NotConverged, n) => format!("{n} steps did not converge{worst}"),
+        // The residual is that of the steps before.
+        (Status::Failed, _) => "a step had no finite solution, and the load stayed where it was".to_owned(),
     };
     let lost = Some(steps.lost_share).filter(|share| *share > 0.0).map(|share| {
         let lost = format!("single precision lost {} % of the path by rounding", short(100.0 * share));
         format!("; {lost}: use a longer step or double precision")
     });
-    Some(format!("{what}{worst}{}", lost.unwrap_or_default()))
+    Some(format!("{what}{}", lost.unwrap_or_default()))
 }
 
 /// Warning about steps that do not resolve the springs; `None` if all do.
@@ -196,6 +198,23 @@ mod tests {
             assert_eq!(text.contains("\n  inertia effect "), !touches_obstacle, "{text}");
             assert_eq!(text.contains("\n  tolerance "), !touches_obstacle, "{text}");
         }
+    }
+
+    #[test]
+    fn a_warning_counts_steps_and_has_a_residual_only_of_steps_with_a_solution() {
+        let scenario = Scenario::parse(include_str!("../../../scenarios/analytic/release-jump.json"), "released").unwrap();
+        let options = synthetic::options(BackendKind::Inertial);
+        let warning = |status, n_not_converged| {
+            let mut outcome = synthetic::outcome(None);
+            (outcome.steps.status, outcome.steps.n_not_converged, outcome.steps.residual) = (status, n_not_converged, 0.25);
+            let run = Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time: None };
+            convergence_warning(&RunSummary { run, inertia_estimate: None })
+        };
+        let told = warning(Status::NotConverged, 1).unwrap();
+        assert_eq!(told, "1 step did not converge (largest residual 0.2500)");
+        assert!(warning(Status::NotConverged, 2).unwrap().starts_with("2 steps did not converge ("));
+        assert!(!warning(Status::Failed, 1).unwrap().contains("residual"));
+        assert_eq!(warning(Status::Converged, 0), None);
     }
 
     #[test]
