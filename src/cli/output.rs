@@ -13,10 +13,10 @@ use super::error::{CliError, at_file};
 use crate::output::folder::{MANIFEST, check_target};
 use crate::output::json;
 use crate::output::junit::Suite;
-use crate::output::manifest::{Manifest, sha256_hex};
+use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::sibling::write_whole;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, sha256_hex};
 
 /// Options of every command that computes something.
 #[derive(Args)]

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::output::json;
-pub(crate) use crate::scenario::sha256_hex;
+use crate::scenario::sha256_hex;
 
 /// What `manifest.json` says of a run, the list of files aside.
 #[derive(Clone, Debug, PartialEq, Serialize)]

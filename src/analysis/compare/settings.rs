@@ -51,7 +51,7 @@ pub struct Settings {
 
 /// Size that stands in for what is smaller: that of a motion by a millionth of the load's radius
 /// (1). Rounding of poses is far below it.
-pub(crate) const LEAST_MOTION: f64 = 1e-6;
+pub const LEAST_MOTION: f64 = 1e-6;
 
 /// Makes a controller for a scenario; each run gets one of its own.
 pub type MakeController<'a> = dyn Fn(&Scenario) -> Box<dyn Controller> + Sync + 'a;

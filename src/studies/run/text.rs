@@ -143,7 +143,7 @@ pub fn resolution_warning(summary: &RunSummary) -> Option<String> {
 /// Warning about neglected inertia that is not known to be negligible.
 pub fn inertia_warning(estimate: &InertiaEstimate) -> Option<String> {
     if estimate.touches_obstacle {
-        let what = "the inertia estimate is not valid here, because the load touches an obstacle";
+        let what = "the inertia estimate is not valid here, because the load touches an obstacle, with or without inertia";
         return Some(format!("{what}; `cohaul compare` measures the inertia effect"));
     }
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
