@@ -18,6 +18,29 @@ pub fn short_quantity(value: f64, unit: &str) -> String {
     text.split_once(' ').map_or(text.clone(), |(number, unit)| format!("{} {unit}", without_zeros(number)))
 }
 
+/// Results of runs and comparisons: as [`super::quantity`], with zero for what is rounding.
+pub mod of_run {
+    /// Size below which a length, an angle, a force, a speed or an energy is rounding (SI units).
+    const ROUNDING: f64 = 1e-12;
+
+    pub fn quantity(value: f64, unit: &str) -> String {
+        super::quantity(beyond_rounding(value, unit), unit)
+    }
+
+    pub fn short_quantity(value: f64, unit: &str) -> String {
+        super::short_quantity(beyond_rounding(value, unit), unit)
+    }
+
+    pub fn is_rounding(value: f64) -> bool {
+        value.abs() < ROUNDING
+    }
+
+    /// Numbers without a unit, such as residuals, are as small as they are.
+    fn beyond_rounding(value: f64, unit: &str) -> f64 {
+        if is_rounding(value) && !unit.is_empty() { 0.0 } else { value }
+    }
+}
+
 /// `value` with three significant digits and no trailing zeros.
 pub fn short(value: f64) -> String {
     if !(1e-3..1e4).contains(&value.abs()) {
@@ -162,6 +185,21 @@ mod tests {
             let unit = text.chars().last().unwrap().to_string();
             assert_eq!(short_quantity(value, &unit), text);
         }
+    }
+
+    #[test]
+    fn rounding_of_a_run_is_zero_in_all_of_its_units() {
+        for unit in ["m", "rad", "N", "m/s", "J"] {
+            assert_eq!(
+                [of_run::quantity(-9.9e-13, unit), of_run::short_quantity(9.9e-13, unit)],
+                [format!("0 {unit}"), format!("0 {unit}")]
+            );
+            assert_eq!(
+                [of_run::quantity(-1.1e-12, unit), of_run::short_quantity(2e-12, unit)],
+                [format!("-1.100 p{unit}"), format!("2 p{unit}")]
+            );
+        }
+        assert_eq!(of_run::quantity(1e-14, ""), "1.000e-14");
     }
 
     #[test]

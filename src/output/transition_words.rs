@@ -3,14 +3,15 @@
 use crate::analysis::ByTrigger;
 use crate::backend::TransitionKind;
 use crate::model::World;
-use crate::output::quantity::short_quantity;
+use crate::output::quantity::of_run::{is_rounding, short_quantity};
 
 /// What an inertia effect is attributed to.
 pub const ATTRIBUTION: &str = "the last disturbance that was at least as large as the oscillation that it met";
 
 /// Parts of an inertia effect by trigger; `None` if there are none.
 pub fn by_trigger(triggers: &ByTrigger) -> Option<String> {
-    let parts = triggers.named().filter(|(_, part)| *part > 0.0).map(|(name, part)| format!("{name} {}", short_quantity(part, "m")));
+    let parts =
+        triggers.named().filter(|(_, part)| !is_rounding(*part)).map(|(name, part)| format!("{name} {}", short_quantity(part, "m")));
     let parts = parts.collect::<Vec<_>>();
     (!parts.is_empty()).then(|| parts.join(", "))
 }
@@ -38,6 +39,13 @@ mod tests {
     use super::*;
     use crate::math::Pose;
     use crate::model::{Obstacle, ObstaclePath, Outline};
+
+    #[test]
+    fn a_trigger_of_rounding_alone_is_left_out() {
+        let triggers = ByTrigger { jumps_m: 9e-13, driving_m: 2e-3, ..ByTrigger::default() };
+        assert_eq!(by_trigger(&triggers).as_deref(), Some("driving 2 mm"));
+        assert_eq!(by_trigger(&ByTrigger { jumps_m: 9e-13, ..ByTrigger::default() }), None);
+    }
 
     #[test]
     fn contacts_are_told_with_the_name_of_the_obstacle() {

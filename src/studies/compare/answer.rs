@@ -4,7 +4,8 @@
 use crate::analysis::compare::{ClosedLoop, Measure, Pathwise, QuantityVerdict, RunMeasure, Solution, Verdict};
 use crate::backend::Status;
 use crate::output::page::Answer;
-use crate::output::quantity::{short, short_quantity};
+use crate::output::quantity::of_run::short_quantity;
+use crate::output::quantity::short;
 
 /// Whether quasi-static is valid: for all quantities, for the path but not for all, or not for the
 /// path.

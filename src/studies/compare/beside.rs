@@ -9,7 +9,7 @@ use crate::math::{Pose, Twist};
 use crate::output::chart::difference::over_time;
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::page::Block;
-use crate::output::quantity::short_quantity;
+use crate::output::quantity::of_run::short_quantity;
 use crate::output::table::Table;
 use crate::scenario::ScenarioError;
 use crate::simulation::{AttachedTips, Row, Trace};

@@ -3,7 +3,8 @@
 use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
 use crate::analysis::compare::{LONGEST_TRIAL, Pathwise, Predicted, SuggestedChange, Tier, Tried};
 use crate::backend::Status;
-use crate::output::quantity::{quantity, short, short_quantity};
+use crate::output::quantity::of_run::{quantity, short_quantity};
+use crate::output::quantity::short;
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::studies::compare::answer::{name_and_unit, rounded_up, tolerance};
@@ -53,8 +54,7 @@ fn verdicts(found: &Pathwise) -> String {
     for (name, of) in found.verdicts.shown() {
         let name = of.deciding().map_or(name, |measure| measure.name);
         let name = if name == "energy dissipated" { "energy" } else { name };
-        // What is smaller is rounding.
-        let cell = |value: f64| if value < 1e-12 { format!("0 {}", of.unit) } else { short_quantity(value, of.unit) };
+        let cell = |value: f64| short_quantity(value, of.unit);
         let [inertia, engine, reference, tolerance] = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance].map(cell);
         text += &row([&format!("  {name}"), &inertia, &engine, &reference, &tolerance, of.verdict.text()]);
     }

@@ -4,7 +4,8 @@ use crate::analysis::compare::LEAST_MOTION;
 use crate::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE};
 use crate::backend::Status;
 use crate::output::page::Answer;
-use crate::output::quantity::{short, short_quantity};
+use crate::output::quantity::of_run::short_quantity;
+use crate::output::quantity::short;
 use crate::simulation::run_facts::Run;
 
 /// Whether the estimate calls inertia negligible; [`Answer::None`] without an estimate.

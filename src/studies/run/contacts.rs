@@ -1,7 +1,7 @@
 //! What a run says of its contacts with obstacles.
 
 use crate::backend::EnergyLedger;
-use crate::output::quantity::{quantity, short_quantity};
+use crate::output::quantity::of_run::{quantity, short_quantity};
 use crate::output::table::Table;
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::in_words;

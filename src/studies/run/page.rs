@@ -4,7 +4,7 @@ use crate::output::chart::{self, Labelled, Scene};
 use crate::output::manifest::Manifest;
 use crate::output::page::curves::Curves;
 use crate::output::page::{Block, Headline, Number, Page, Replay};
-use crate::output::quantity::quantity;
+use crate::output::quantity::of_run::quantity;
 use crate::output::text::Detail;
 use crate::scenario::Scenario;
 use crate::simulation::Trace;

@@ -3,7 +3,8 @@
 use crate::analysis::estimate::InertiaEstimate;
 use crate::backend::{Status, StepReport};
 use crate::math::Vec2;
-use crate::output::quantity::{number, quantity, short, short_quantity};
+use crate::output::quantity::of_run::{quantity, short_quantity};
+use crate::output::quantity::{number, short};
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::simulation::run_facts::{FACTS, Run, Value, unit_of};
@@ -53,6 +54,8 @@ fn end(run: &Run, lines: &mut Lines) {
     let twist = format!("{}, turn rate {}", pair(motion.twist.linear, "m/s"), quantity(motion.twist.angular, "rad/s"));
     lines.row("velocity", &twist);
     if let Some((asked, error)) = run.options.tolerance.zip(outcome.error) {
+        // What is far below rounding may be asked for.
+        let short_quantity = crate::output::quantity::short_quantity;
         let pair = |position, heading| format!("{} and {}", short_quantity(position, "m"), short_quantity(heading, "rad"));
         let found = pair(error.position, error.heading);
         lines.row("error bound", &format!("{found}, tolerance {}", pair(asked.position_m, asked.heading_rad)));
