@@ -663,6 +663,20 @@ fn a_state_that_does_not_fit_is_refused_and_kept() {
     refused(&["run", &file, "--state", &room.path("")], &["directory"]);
 }
 
+#[test]
+fn a_comparison_that_cannot_reach_its_tolerance_says_so() {
+    let room = Room::new();
+    let file = room.tips();
+    let warning = |tolerance: &str| {
+        let output = call(&["compare", &file, "--tolerance", tolerance, "--no-check-suggestions"]);
+        assert_eq!(output.status.code(), Some(0));
+        text(&output.stderr).to_owned()
+    };
+    let told = warning("1e-30");
+    assert!(told.starts_with("warning: the reference error, ") && told.contains(" exceeds the tolerance, 1.000e-30 m and "), "{told}");
+    assert!(!warning("1e-6").contains("exceeds the tolerance"));
+}
+
 /// Undamped, a load that is let go at 2.5 times its slip limit goes twice as far as one without
 /// inertia; one that only turns differs although its position does not; a slow pull lags by v / w =
 /// 0.25 mm on 67 mm; and a load that sticks gives no answer, whatever rounding an engine leaves.

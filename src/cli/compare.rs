@@ -28,7 +28,7 @@ use crate::studies::compare::beside::recorded_path;
 use crate::studies::compare::closed_loop::{First, judged, tasks};
 use crate::studies::compare::comparison::{Comparison, Tiers};
 use crate::studies::compare::files::write_comparison;
-use crate::studies::compare::text::text;
+use crate::studies::compare::text::{text, tolerance_warning};
 use crate::studies::variants::names;
 
 #[derive(Args)]
@@ -165,6 +165,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let is_computed = comparison.tiers.are_computed();
     args.output.print(&comparison, || text(&comparison, console::detail()), tone(&comparison.tiers))?;
     args.output.print_report()?;
+    tolerance_warning(&comparison, &scenario).iter().for_each(console::warn);
     let failed = verdicts_of(&comparison.tiers).find(|(_, verdict)| args.fail_on.iter().any(|kind| kind.has(*verdict)));
     if let Some((name, verdict)) = &failed {
         console::warn(format_args!("--fail-on: the verdict on {name} is \"{}\"", verdict.text()));

@@ -2,11 +2,12 @@
 
 use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
 use crate::analysis::compare::{LONGEST_TRIAL, Pathwise, Predicted, SuggestedChange, Tier, Tried};
-use crate::backend::Status;
+use crate::backend::{PoseError, Status, Tolerance};
 use crate::output::quantity::of_run::{quantity, short_quantity};
 use crate::output::quantity::short;
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::{ATTRIBUTION, by_trigger};
+use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, rounded_up, tolerance};
 use crate::studies::compare::comparison::Comparison;
 
@@ -40,6 +41,19 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
         _ => {}
     }
     lines.text
+}
+
+/// Warning about reference runs that do not reach the tolerance asked for; `None` if all do.
+pub fn tolerance_warning(comparison: &Comparison, scenario: &Scenario) -> Option<String> {
+    let asked = Tolerance::at_edge(comparison.settings.reference_tolerance_m?, &scenario.system.load);
+    let errors = comparison.tiers.pathwise().map(|found| &found.reference_error.all);
+    let errors = errors.map(|error| PoseError { position: error.position_max_m, heading: error.heading_max_rad });
+    let largest = errors.reduce(|a, b| a.max(&b)).filter(|error| !asked.allows(error))?;
+    // What is far below rounding may be asked for.
+    let short_quantity = crate::output::quantity::short_quantity;
+    let pair = |position, heading| format!("{} and {}", short_quantity(position, "m"), short_quantity(heading, "rad"));
+    let (error, tolerance) = (pair(largest.position, largest.heading), pair(asked.position_m, asked.heading_rad));
+    Some(format!("the reference error, {error}, exceeds the tolerance, {tolerance}"))
 }
 
 /// Lines of [`verdicts`].
