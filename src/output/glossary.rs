@@ -67,6 +67,18 @@ impl Entry {
 mod tests {
     use super::*;
 
+    /// Labels and words of runs, comparisons and checks of scenarios.
+    #[test]
+    fn printed_terms_have_an_entry() {
+        let of_checks = ["weight", "frequencies", "first pulls", "expected time", "translation", "rotation", "hash"];
+        let of_runs = ["largest effect", "heading", "turn rate", "wall time", "change of speed"];
+        let at_obstacles = ["contacts", "contact forces", "at obstacles", "roll", "hits", "work on the load", "avoidance", "sidestep"];
+        let of_comparisons = ["together", "numbers", "predicted", "its error", "not checked"];
+        for term in [&of_checks[..], &of_runs, &at_obstacles, &of_comparisons].concat() {
+            assert!(entry(term).is_some(), "{term}");
+        }
+    }
+
     #[test]
     fn every_entry_has_a_meaning_and_names_of_its_own() {
         let entries = entries();
