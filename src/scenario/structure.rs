@@ -153,7 +153,11 @@ fn nearest_branch<'a>(branches: &[&'a Value], value: &Value) -> Option<&'a Value
 /// The keys of all branches for objects, if there are several and none has a key of `value`.
 fn unmatched_keys(branches: &[&Value], value: &Value) -> Option<Map<String, Value>> {
     let fitting = || branches.iter().filter(|branch| fits_type(branch, value));
-    let known: Map<String, Value> = fitting().filter_map(|branch| branch["properties"].as_object()).cloned().flatten().collect();
+    let known: Map<String, Value> = fitting()
+        .filter_map(|branch| branch["properties"].as_object())
+        .flatten()
+        .map(|(key, schema)| (key.clone(), schema.clone()))
+        .collect();
     let keys = value.as_object()?;
     (fitting().count() > 1 && !keys.is_empty() && !keys.keys().any(|key| known.contains_key(key))).then_some(known)
 }
