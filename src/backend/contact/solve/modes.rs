@@ -36,6 +36,11 @@ pub const CONSISTENT: f64 = 1e-11;
 /// Ridge that stands for the stiffness of directions without any, over the largest one (1).
 const RIDGE: f64 = 1e-12;
 
+/// Error of a condition, over the size of the increment, that is no rounding of an increment that
+/// three rows of this condition number at most give (1).
+const CONTRADICTS: f64 = 1e-6;
+const WELL_POSED: f64 = 1e8;
+
 /// What the force of a row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Owner {
@@ -152,6 +157,31 @@ pub fn next_to_the_limit(problem: &Problem, ground: ContactMode, modes: &[SideMo
     let twist = length * found.twist;
     let start = Start { twist: &twist, ground_forces: &found.ground_forces, forces: &found.forces };
     if length > 0.0 && length.is_finite() { newton(&problem.clone().resized(twist.amax()), ground, modes, &start) } else { None }
+}
+
+/// Whether these modes leave one increment alone, in which gaps or slips are not as they say: no
+/// answer has them, whatever the forces.
+pub fn contradict(problem: &Problem, ground: ContactMode, modes: &[SideMode], start: &Start) -> bool {
+    let pin = match ground {
+        ContactMode::Stick => return false,
+        ContactMode::Pinned(cone) => Some(cone),
+        ContactMode::Slip => None,
+    };
+    let (chosen, others) = independent(equations(problem, pin, modes, start), start.twist);
+    let [a, b, c] = &chosen[..] else { return false };
+    let rows = Mat3::from_rows(&[a, b, c].map(|equation| equation.row.transpose()));
+    let well_posed = |inverse: &Mat3| inverse.norm() * rows.norm() <= WELL_POSED;
+    let Some(inverse) = rows.try_inverse().filter(well_posed) else { return false };
+    let twist = inverse * Vec3::new(a.target, b.target, c.target);
+    let allowed = CONTRADICTS * problem.lengths(&twist);
+    let is_otherwise = |(k, mode): (usize, &SideMode)| match mode {
+        SideMode::Open => problem.gap(k, &twist) < -allowed,
+        SideMode::Slide { forward } if problem.rows[k].friction_coefficient > 0.0 => {
+            (problem.slip(k, &twist) * if *forward { 1.0 } else { -1.0 }) < -allowed
+        }
+        SideMode::Slide { .. } | SideMode::Stick => false,
+    };
+    others.iter().any(|other| other.error(&twist).abs() > allowed) || modes.iter().enumerate().any(is_otherwise)
 }
 
 fn equations(problem: &Problem, pin: Option<usize>, modes: &[SideMode], start: &Start) -> SmallVec<[Equation; 8]> {
@@ -339,5 +369,32 @@ impl Search<'_> {
         let is_consistent = others.iter().all(|other| other.error(&self.twist).abs() <= CONSISTENT * self.problem.lengths(&self.twist));
         let are_forces_unique = others.is_empty();
         Candidate { twist: self.twist, ground, ground_forces, forces, modes, are_forces_unique, is_consistent, is_stable, n_iterations }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::contact::solve::{ContactRow, ContactSystem};
+    use crate::backend::friction::FrictionSolver;
+    use crate::model::Ground;
+
+    /// Three closed gaps move the load by (1, 2, 3). That overlaps a fourth one, unless it is wide
+    /// enough, and slips forward along the first, by two.
+    #[test]
+    fn modes_that_fix_the_increment_contradict_gaps_and_slips() {
+        let solver = FrictionSolver::new(&Ground { friction_coefficient: 0.0, supports: Vec::new() }, 1.0);
+        let row = |normal: Vec3, gap: f64| ContactRow { normal, tangent: Vec3::y(), gap, slip: 0.0, friction_coefficient: 0.5 };
+        let contradicts = |width: f64, forward: bool| {
+            let rows = [row(Vec3::x(), -1.0), row(Vec3::y(), -2.0), row(Vec3::z(), -3.0), row(-Vec3::x(), width)];
+            let system = ContactSystem { hessian: &Mat3::identity(), drive: &Vec3::zeros(), rows: &rows };
+            let problem = Problem::new(solver.cones(), &system, None);
+            let slides = SideMode::Slide { forward: true };
+            let modes = [SideMode::Slide { forward }, slides, slides, SideMode::Open];
+            let start = Start { twist: &Vec3::zeros(), ground_forces: &[], forces: &[SideForce::default(); 4] };
+            contradict(&problem, ContactMode::Slip, &modes, &start)
+        };
+        assert_eq!([0.9, 1.1].map(|width| contradicts(width, true)), [true, false]);
+        assert!(contradicts(1.1, false));
     }
 }

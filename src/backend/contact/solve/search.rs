@@ -8,7 +8,7 @@
 //! 4. `smoothed`: Coulomb's law itself, smoothed.
 //! 5. `enumerate`: all modes.
 
-use super::modes::{CONSISTENT, newton, next_to_the_limit};
+use super::modes::{CONSISTENT, contradict, newton, next_to_the_limit};
 use super::path::{Path, follow, sides_of};
 use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
 use super::types::{PerContact, SideForce, SideMode, Stage};
@@ -247,8 +247,12 @@ impl<'a> Search<'a> {
                     _ => SideMode::Stick,
                 };
                 let guess = Guess { ground, modes: (0..n).map(mode).collect() };
-                for (twist, ground_forces, forces) in &starts {
-                    let found = self.newton(&guess, &Start { twist, ground_forces, forces });
+                for (at, (twist, ground_forces, forces)) in starts.iter().enumerate() {
+                    let start = Start { twist, ground_forces, forces };
+                    if at == 0 && contradict(&self.problem, ground, &guess.modes, &start) {
+                        break;
+                    }
+                    let found = self.newton(&guess, &start);
                     if found.is_some_and(|found| self.consider(found)) {
                         return true;
                     }
