@@ -6,7 +6,6 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::output::json;
-use crate::scenario::sha256_hex;
 
 /// What `manifest.json` says of a run, the list of files aside.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -117,6 +116,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::backend::BackendKind;
     use crate::output::synthetic;
+    use crate::scenario::sha256_hex;
 
     pub fn manifest() -> Manifest {
         let scenario = serde_json::json!({ "name": "four ants", "duration_s": 0.1 });
