@@ -90,7 +90,7 @@ impl Obstacles {
         let mut work = SideWork::default();
         let last = std::mem::take(touching);
         for (candidate, (mode, force)) in candidates.iter().zip(&found.sides) {
-            let Candidate { pair: pair @ Pair { key, features, .. }, start: moved, slip, .. } = candidate;
+            let Candidate { pair: pair @ Pair { key, features, .. }, before, start: moved, slip, .. } = candidate;
             let end = moved.moved_by(&found.increment.twist);
             let (gap_at_end, slip_at_end) = (features.gap(&end), features.slip(&end, *slip));
             let path = &system.world.obstacles[key.obstacle].path;
@@ -117,7 +117,7 @@ impl Obstacles {
                     work.uncertainty += (force_now - before.on_load[0]).norm() * shift.norm();
                 }
             }
-            let beyond_at_end = self.surroundings.pair_beyond(pair, &end);
+            let beyond_at_end = self.surroundings.beyond(pair, [before, &end]);
             // What rounding has made of a gap is taken back without a speed.
             let overlaps = candidate.closed < 0.0 && gap_at_end < 0.0;
             let has_parted = force.normal > 0.0 && (rounding..=closed).contains(&(2.0 * gap_at_end));
@@ -139,7 +139,8 @@ impl Obstacles {
     /// Whether a pair overlaps by more than rounding.
     pub fn overlaps(&self, system: &System, key: &PairKey, at: &Place, time: f64) -> bool {
         let seen = Surroundings::relative(at, &system.world.obstacles[key.obstacle].path.pose_at(time));
-        self.surroundings.features(key).gap(&seen) < -10.0 * CLOSED * system.load.radius && self.surroundings.beyond(key, &seen) <= 0.0
+        let pair = self.surroundings.pair(system, *key);
+        pair.features.gap(&seen) < -10.0 * CLOSED * system.load.radius && self.surroundings.beyond(&pair, [&seen; 2]) <= 0.0
     }
 
     /// Share of the increment after which the load meets a feature that its candidates leave out.

@@ -21,7 +21,9 @@ const ROUNDED: f64 = 2.0 * f64::EPSILON;
 #[derive(Clone, Debug)]
 pub struct Candidate {
     pub pair: Pair,
-    /// The load at the start of the step in the frame of the obstacle at its end.
+    /// The load at the start of the step in the frame of the obstacle then, and in that of the
+    /// obstacle at the end of the step.
+    pub before: Place,
     pub start: Place,
     /// Gap at the start, with the obstacle at its end, over that which counts as closed (m).
     pub gap: f64,
@@ -65,7 +67,7 @@ pub struct ContactStep<'a, C> {
 pub struct Local {
     pub gap: Reaction,
     pub slip: Reaction,
-    /// See [`Surroundings::pair_beyond`] (m).
+    /// See [`Surroundings::beyond`] (m).
     pub beyond: f64,
 }
 
@@ -77,7 +79,7 @@ impl<C: Course> ContactStep<'_, C> {
     pub fn fill_locals(&self, at: &Vec3, locals: &mut Locals) {
         let moved = self.step.moved(at);
         let local = |candidate: &Candidate| {
-            let Candidate { pair: pair @ Pair { features, .. }, start, .. } = candidate;
+            let Candidate { pair: pair @ Pair { features, .. }, before, start, .. } = candidate;
             let travel = self.step.seen(start, at, &moved);
             let place = start.after(&travel);
             let gap = candidate.gap + features.gap_change([start, &place], &travel);
@@ -85,7 +87,7 @@ impl<C: Course> ContactStep<'_, C> {
             Local {
                 gap: self.step.by_increment(&features.gap_with_derivatives(&place, gap), at, &moved),
                 slip: self.step.by_increment(&features.slip_with_derivatives(&place, slip), at, &moved),
-                beyond: self.surroundings.pair_beyond(pair, &place),
+                beyond: self.surroundings.beyond(pair, [before, &place]),
             }
         };
         locals.clear();

@@ -133,10 +133,11 @@ impl Obstacles {
                 let end = Surroundings::relative(&there, &path.pose_at(then));
                 let gap = pair.features.gap(&end);
                 may_cross |= gap < -closed;
-                if gap >= -closed || !is_new(pair) || self.surroundings.pair_beyond(pair, &end) > 0.0 {
+                if gap >= -closed || !is_new(pair) {
                     return false;
                 }
-                !self.surroundings.passes_end(pair, &Surroundings::relative(&here, &path.pose_at(now)), &end)
+                let start = Surroundings::relative(&here, &path.pose_at(now));
+                self.surroundings.beyond(pair, [&start, &end]) <= 0.0 && !self.surroundings.passes_end(pair, &start, &end)
             });
             if !pairs.is_empty() {
                 return Some([if halving == 0 { from } else { 0.0 }, to]);
@@ -170,7 +171,7 @@ impl Obstacles {
         pairs.iter().filter(|pair| !known.iter().any(|(key, _)| *key == pair.key)).any(|pair| {
             let path = &system.world.obstacles[pair.key.obstacle].path;
             let [before, after] = [(start, task.from), (&end, task.to)].map(|(at, time)| Surroundings::relative(at, &path.pose_at(time)));
-            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.pair_beyond(pair, &after) <= 0.0;
+            let overlaps = pair.features.gap(&after) < -closed && self.surroundings.beyond(pair, [&before, &after]) <= 0.0;
             overlaps && !self.surroundings.passes_end(pair, &before, &after)
         })
     }

@@ -43,6 +43,9 @@ pub struct Edge {
     /// Length by which it goes on behind each end (m), on its left, or with a minus on its right:
     /// there the next edge encloses a corner, and what passes through it passes through both.
     pub behind: [f64; 2],
+    /// Indices of the corners at its ends; `None` where the next edge encloses the end, or goes
+    /// straight on.
+    pub corners: [Option<usize>; 2],
 }
 
 /// All features of an outline.
@@ -55,7 +58,7 @@ pub struct Features {
 impl Edge {
     fn between(from: &Vec2, to: &Vec2, has_two_sides: bool) -> Self {
         let length = (to - from).norm();
-        Self { from: *from, along: (to - from) / length, length, has_two_sides, neighbours: [None; 2], behind: [0.0; 2] }
+        Self { from: *from, along: (to - from) / length, length, has_two_sides, neighbours: [None; 2], behind: [0.0; 2], corners: [None; 2] }
     }
 
     /// Outward normal of an edge that is touched from outside.
@@ -80,6 +83,12 @@ impl Edge {
         let at = self.along.dot(&(point - self.from));
         let [before, after] = self.behind.map(|length| if is_left { length } else { -length }.max(0.0));
         (-at - before).max(at - self.length - after)
+    }
+
+    /// Index of the corner at the end that is nearer to a point; `None` for an end without one.
+    pub fn corner_near(&self, point: &Vec2) -> Option<usize> {
+        let is_behind_middle = self.along.dot(&(point - self.from)) > 0.5 * self.length;
+        self.corners[usize::from(is_behind_middle)]
     }
 
     /// Whether the edge ends at a point.
@@ -164,18 +173,22 @@ impl Features {
     }
 
     fn add_polygon(&mut self, corners: &[Vec2]) {
-        let n = corners.len();
+        let (n, first) = (corners.len(), self.edges.len());
+        let mut of_points = vec![None; n];
         for (k, at) in corners.iter().enumerate() {
             let edge = Edge::between(at, &corners[(k + 1) % n], false);
             let before = (corners[(k + n - 1) % n] - at).normalize();
             // The interior lies on the left, so that a convex corner turns left.
             if (-before).perp(&edge.along) > STRAIGHT {
+                of_points[k] = Some(self.corners.len());
                 self.corners.push(Corner::new(at, SmallVec::from_slice(&[before, edge.along])));
             }
             self.edges.push(edge);
         }
-        let first = self.edges.len() - n;
-        (0..n).for_each(|k| self.join(first + k, first + (k + 1) % n));
+        for k in 0..n {
+            self.edges[first + k].corners = [of_points[k], of_points[(k + 1) % n]];
+            self.join(first + k, first + (k + 1) % n);
+        }
     }
 
     /// Joins two edges at the end of the first one.
@@ -190,17 +203,20 @@ impl Features {
     }
 
     fn add_polyline(&mut self, points: &[Vec2]) {
+        let mut of_points = vec![None; points.len()];
         for (k, at) in points.iter().enumerate() {
             let before = k.checked_sub(1).map(|k| (points[k] - at).normalize());
             let after = points.get(k + 1).map(|next| (next - at).normalize());
             let is_straight =
                 before.zip(after).is_some_and(|(before, after)| before.perp(&after).abs() <= STRAIGHT && before.dot(&after) < 0.0);
             if !is_straight {
+                of_points[k] = Some(self.corners.len());
                 self.corners.push(Corner::new(at, before.into_iter().chain(after).collect()));
             }
         }
         let first = self.edges.len();
-        self.edges.extend(points.windows(2).map(|ends| Edge::between(&ends[0], &ends[1], true)));
+        let ends = points.windows(2).zip(of_points.windows(2));
+        self.edges.extend(ends.map(|(ends, corners)| Edge { corners: [corners[0], corners[1]], ..Edge::between(&ends[0], &ends[1], true) }));
         for at in first + 1..self.edges.len() {
             let [one, other] = [self.edges[at - 1].along, self.edges[at].along];
             self.edges[at - 1].neighbours[1] = Some(other);

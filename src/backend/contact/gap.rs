@@ -53,14 +53,6 @@ impl FeaturePair {
         }
     }
 
-    /// Depth of a point behind a line (m), with this `gap` (m).
-    pub fn depth(&self, gap: f64) -> f64 {
-        match self {
-            Self::PointOnLine { rounding, .. } | Self::LineOnPoint { rounding, .. } => -gap - rounding,
-            Self::PointOnPoint { .. } => 0.0,
-        }
-    }
-
     /// Whether two pairs have the same line.
     pub fn is_in_line(&self, other: &Self) -> bool {
         match (self, other) {

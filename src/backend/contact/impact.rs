@@ -80,9 +80,9 @@ impl Obstacles {
         let place = Place::of(&motion.pose);
         let at = Surroundings::relative(&place, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
         let gap = pair.features.gap_with_derivatives(&at, pair.features.gap(&at));
-        let beyond = self.beyond(pair, &at);
-        if beyond > gap.energy.max(0.0) {
-            return (beyond, f64::NAN);
+        let beside = self.beside(pair, &at);
+        if beside > gap.energy.max(0.0) {
+            return (beside, f64::NAN);
         }
         (gap.energy, gap.gradient.dot(&relative_twist(system, pair.key.obstacle, motion, &place, time)))
     }

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! features      corners and edges of an outline
+//! corners       which of them touch where corner meets corner
 //! gap           gap and slip of two features, with all derivatives
 //! surroundings  which features may touch, and how far the obstacles are
 //! solve         one linear step with contacts, exactly
@@ -16,6 +17,7 @@
 
 mod answer;
 mod candidates;
+mod corners;
 mod displacement;
 mod features;
 mod gap;

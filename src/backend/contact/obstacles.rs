@@ -224,16 +224,16 @@ impl Obstacles {
         pairs
     }
 
-    /// See [`Surroundings::beyond`].
-    pub(super) fn beyond(&self, pair: &Pair, at: &Place) -> f64 {
-        self.surroundings.beyond(&pair.key, at)
+    /// See [`Surroundings::beside`].
+    pub(super) fn beside(&self, pair: &Pair, at: &Place) -> f64 {
+        self.surroundings.beside(&pair.key, at)
     }
 
     /// Whether a pair is closed.
     pub(super) fn is_closed(&self, system: &System, pair: &Pair, at: &Place, time: f64) -> bool {
         let seen = Surroundings::relative(at, &system.world.obstacles[pair.key.obstacle].path.pose_at(time));
         let closed = 10.0 * CLOSED * system.load.radius;
-        pair.features.gap(&seen) <= closed && self.surroundings.beyond(&pair.key, &seen) <= closed
+        pair.features.gap(&seen) <= closed && self.surroundings.beside(&pair.key, &seen) <= closed
     }
 
     pub(super) fn candidates(&mut self, system: &System, start: &Place, task: &Task, reach: f64, touching: &[Touching]) -> Candidates {
@@ -257,12 +257,13 @@ impl Obstacles {
         let path = &system.world.obstacles[pair.key.obstacle].path;
         let last = touching.iter().find(|touching| touching.key == pair.key);
         let near = last.map_or(0.0, |touching| touching.slip);
+        let pair = Pair { is_held: last.is_some(), ..pair };
         let at_start = Surroundings::relative(start, &path.pose_at(task.from));
         let (gap, slip) = (pair.features.gap(&at_start), pair.features.slip(&at_start, near));
         let has_touched = last.is_some() && gap <= gap_rounding(&start.pose, system.load.radius);
-        let is_rounding = task.has_inertia && (gap < 0.0 || has_touched) && self.surroundings.beyond(&pair.key, &at_start) <= 0.0;
+        let is_rounding = task.has_inertia && (gap < 0.0 || has_touched) && self.surroundings.beyond(&pair, [&at_start; 2]) <= 0.0;
         let closed = if is_rounding { gap } else { 0.0 };
-        let still = Candidate { pair, start: at_start, gap: gap - closed, slip, slipped: 0.0, closed };
+        let still = Candidate { pair, before: at_start, start: at_start, gap: gap - closed, slip, slipped: 0.0, closed };
         if !path.moves() {
             return still;
         }

@@ -41,13 +41,13 @@ pub struct Pair {
     pub friction_coefficient: f64,
     /// Coefficient of restitution (1).
     pub restitution: f64,
-    /// Distance that is rounding where its features lie beside each other (m), see [`BESIDE`].
-    behind: f64,
+    /// Whether it was closed when a step began.
+    pub is_held: bool,
 }
 
 impl Pair {
     fn of(key: PairKey, features: FeaturePair, obstacle: &Obstacle) -> Self {
-        Self { key, features, friction_coefficient: obstacle.friction_coefficient, restitution: obstacle.restitution, behind: 0.0 }
+        Self { key, features, friction_coefficient: obstacle.friction_coefficient, restitution: obstacle.restitution, is_held: false }
     }
 
     /// The mode in which a contact is named: without friction nothing tells sticking from sliding.
@@ -59,10 +59,10 @@ impl Pair {
 /// The features of all bodies, and the obstacles near the load.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
-    load: Features,
+    pub(super) load: Features,
     /// Radius of the load about its origin (m).
-    radius: f64,
-    bodies: Vec<Body>,
+    pub(super) radius: f64,
+    pub(super) bodies: Vec<Body>,
     /// Obstacles that move, and their extents about their origins (m).
     moving: Vec<(usize, f64)>,
     /// Smallest extent of a part that matters when a long displacement is searched for contacts
@@ -72,8 +72,8 @@ pub struct Surroundings {
 }
 
 #[derive(Clone, Debug)]
-struct Body {
-    features: Features,
+pub(super) struct Body {
+    pub features: Features,
     /// Centre of the obstacle in its frame, and its radius about it (m).
     centre: Vec2,
     radius: f64,
@@ -92,11 +92,6 @@ struct Near {
 /// Penetration over the load's radius that a load may have at the start of a step (1): rounding of
 /// many steps. Deeper features lie on the other side of the load.
 const DEEPEST_START: f64 = 1e-6;
-/// Distance over the load's radius up to which a point that was behind an edge still lies beside it
-/// where it comes to be within its ends (1). If it touches the next edge there, rounding would
-/// decide. It is more than the gap at which contacts are closed, 1e-11, up to which they also lie
-/// within the ends.
-const BESIDE: f64 = 4e-11;
 /// Least margin of the list of near obstacles over the load's radius (1).
 const MARGIN: f64 = 0.5;
 
@@ -240,11 +235,10 @@ impl Surroundings {
             if gap > reach {
                 return;
             }
-            let beyond = self.beyond(&pair.key, at);
-            let is_near = if beyond > 0.0 { features.distance_beside(gap, beyond) <= reach } else { (deepest..=reach).contains(&gap) };
+            let beside = self.beside(&pair.key, at);
+            let is_near = if beside > 0.0 { features.distance_beside(gap, beside) <= reach } else { (deepest..=reach).contains(&gap) };
             if is_near {
-                let behind = if features.depth(gap) > -deepest { BESIDE * self.radius } else { 0.0 };
-                pairs.push(Pair { behind, ..pair });
+                pairs.push(pair);
             }
         };
         for (i, corner) in self.load.corners.iter().enumerate() {
@@ -326,16 +320,9 @@ impl Surroundings {
         crossed < 0.0 && is_before || crossed > edge.length && is_behind
     }
 
-    /// As [`Self::beyond`], and farther by the depth up to [`BESIDE`] where a point was behind an
-    /// edge before.
-    pub fn pair_beyond(&self, pair: &Pair, at: &Place) -> f64 {
-        let beyond = self.beyond(&pair.key, at);
-        if pair.behind == 0.0 { beyond } else { beyond + pair.features.depth(pair.features.gap(at)).clamp(0.0, pair.behind) }
-    }
-
     /// Distance by which the features of a pair lie beside each other (m) for a load at this place
-    /// in the obstacle's frame; the pair touches where the gap is closed and this is not positive.
-    pub fn beyond(&self, key: &PairKey, at: &Place) -> f64 {
+    /// in the obstacle's frame. See [`Self::beyond`] for whether they may touch there.
+    pub fn beside(&self, key: &PairKey, at: &Place) -> f64 {
         let PairKey { obstacle, kind, of_load, of_obstacle } = *key;
         let body = &self.bodies[obstacle].features;
         match kind {

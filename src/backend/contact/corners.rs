@@ -1,0 +1,168 @@
+//! Corners that meet corners: which pairs of features touch there, and which hide each other.
+//!
+//! What the origin of a load may not enter, at its heading, is the Minkowski sum S = O - R L of an
+//! obstacle O and the reflected load. Two features touch where they make a face of S. With N the
+//! normal from obstacle to load, e_i the directions of the edges that leave a corner of the load,
+//! and f_j those that leave a corner of the obstacle, the line with the normal N through both
+//! corners is a face of S if and only if N lies in both normal cones (the Gauss map):
+//!
+//! ```text
+//! e_i.N >= 0    f_j.N <= 0    for all i, j
+//! ```
+//!
+//! Inside an edge this holds of itself for bodies that do not overlap. It decides at the end of an
+//! edge, where corner meets corner. Past the end of a wall, the front of a load is no face.
+//!
+//! Two convex bodies are apart where at least one face of S has no negative gap. Where two faces
+//! meet in a corner of S, they are alternatives: the load is held by one of them, and the others
+//! are covered by it. At the joint of two flush blocks the front of a load meets a face of the next
+//! block, which the top of that block covers. Different convex parts demand their faces each by
+//! themselves, so that a load in an enclosed corner touches both sides of it. Where a load crosses
+//! all faces of a corner within a step, it touches the one that it crosses last. A corner of S
+//! holds nothing: between the normals of its faces nothing drives a load back.
+
+use smallvec::SmallVec;
+
+use super::features::Corner;
+use super::surroundings::{Pair, PairKind, Surroundings};
+use crate::backend::springs::Place;
+use crate::math::{Mat2, Vec2, perpendicular};
+
+/// Overlap over the load's radius that is none (1): the least step in a wall that stops a load.
+/// Closed gaps are a hundredth of it, and rounding of many steps is less.
+const FLUSH: f64 = 1e-9;
+/// Rounding of a gap over the distance between load and obstacle (1).
+const ROUNDED: f64 = 16.0 * f64::EPSILON;
+/// Distance over the load's radius from the end of an edge up to which corner meets corner (1).
+/// Inside an edge the Gauss map decides nothing, so that this may be anything above [`FLUSH`].
+const AT_END: f64 = 1e-3;
+/// Sine of the angle by which a normal may lie outside of a cone (1). Parallel edges are two faces
+/// that are one; a normal that is wrongly taken for a face adds that face once more.
+const PARALLEL: f64 = 1e-7;
+/// Cosine of the angle between the normals of two faces that are one (1): 0.1 rad. The turn of a
+/// load in a step may make the one the other.
+const ALIKE: f64 = 0.995;
+
+/// What a normal is for two corners that meet.
+enum Meeting {
+    Face,
+    NoFace,
+    /// The edge of the obstacle is enclosed there by the next one, which is a face of its own.
+    Enclosed,
+}
+
+/// A corner of the load that meets one of an obstacle.
+struct Vertex<'a> {
+    corner: &'a Corner,
+    other: &'a Corner,
+}
+
+/// A face that may cover another one: its normal in the frame of the body that it belongs to.
+enum Face {
+    OfObstacle(Vec2),
+    OfLoad(Vec2),
+}
+
+impl Face {
+    fn normal(&self, turn: &Mat2) -> Vec2 {
+        match self {
+            Face::OfObstacle(normal) => *normal,
+            Face::OfLoad(normal) => turn * normal,
+        }
+    }
+}
+
+impl Vertex<'_> {
+    fn meeting(&self, normal: &Vec2, turn: &Mat2, kind: PairKind) -> Meeting {
+        let is_in_cone_of_load = self.corner.edges.iter().all(|edge| (turn * edge).dot(normal) >= -PARALLEL);
+        let is_in_cone_of_obstacle = self.other.edges.iter().all(|edge| edge.dot(normal) <= PARALLEL);
+        if !is_in_cone_of_obstacle && matches!(kind, PairKind::PointOnLine { .. }) && self.other.edges.len() == 2 {
+            Meeting::Enclosed
+        } else if is_in_cone_of_load && is_in_cone_of_obstacle {
+            Meeting::Face
+        } else {
+            Meeting::NoFace
+        }
+    }
+
+    /// Faces of the sum that meet here, for a load with this `turn`, other than the one with this
+    /// normal.
+    fn others(&self, normal: &Vec2, turn: &Mat2, kind: PairKind) -> SmallVec<[Face; 4]> {
+        let both = |edge: &Vec2| [perpendicular(edge), -perpendicular(edge)];
+        let of_obstacle = self.other.edges.iter().flat_map(both).map(Face::OfObstacle);
+        let of_load = self.corner.edges.iter().flat_map(both).map(Face::OfLoad);
+        let is_other = |face: &Face| {
+            let at = face.normal(turn);
+            at.dot(normal) < ALIKE && matches!(self.meeting(&at, turn, kind), Meeting::Face)
+        };
+        of_obstacle.chain(of_load).filter(is_other).collect()
+    }
+
+    /// Gap at a face (m) for a load at this place.
+    fn gap(&self, face: &Face, at: &Place) -> f64 {
+        face.normal(&at.turn).dot(&(at.pose.position + at.turn * self.corner.at - self.other.at))
+    }
+}
+
+impl Surroundings {
+    /// Overlap that is none (m) for a load at this place in an obstacle's frame.
+    pub fn flush(&self, at: &Place) -> f64 {
+        FLUSH * self.radius + ROUNDED * at.pose.position.norm()
+    }
+
+    /// Distance by which the features of a pair are from touching each other along their edges (m),
+    /// for a load that has moved between two places in the obstacle's frame. They touch at the
+    /// second one where the gap is closed and this is not positive. It is the distance by which
+    /// they lie beside each other, or the load's radius where they are no face, or where another
+    /// face covers them.
+    pub fn beyond(&self, pair: &Pair, [before, at]: [&Place; 2]) -> f64 {
+        let (beside, flush) = (self.beside(&pair.key, at), self.flush(at));
+        let is_at_end = beside >= -AT_END * self.radius;
+        if beside > flush || pair.key.kind == PairKind::PointOnPoint || !is_at_end && pair.features.gap(at) >= -flush {
+            return beside;
+        }
+        let Some(vertex) = self.vertex(pair, at) else { return beside };
+        let normal = pair.features.normal(at);
+        match vertex.meeting(&normal, &at.turn, pair.key.kind) {
+            Meeting::Enclosed => beside,
+            Meeting::NoFace => if is_at_end { self.radius } else { beside },
+            Meeting::Face if pair.is_held => beside,
+            Meeting::Face => {
+                let own = [before, at].map(|at| pair.features.gap(at));
+                let others = vertex.others(&normal, &at.turn, pair.key.kind);
+                let is_covered = others.iter().any(|face| covers([before, at].map(|at| vertex.gap(face, at)), own, flush));
+                if is_covered { self.radius } else { beside }
+            }
+        }
+    }
+
+    /// The corners that meet where the features of a pair end; `None` for a disc, and where the
+    /// edge ends in no corner.
+    fn vertex(&self, pair: &Pair, at: &Place) -> Option<Vertex<'_>> {
+        let (load, body) = (&self.load, &self.bodies[pair.key.obstacle].features);
+        let (of_load, of_obstacle) = (pair.key.of_load, pair.key.of_obstacle);
+        let [corner, other] = match pair.key.kind {
+            PairKind::PointOnPoint => return None,
+            PairKind::PointOnLine { .. } => {
+                let point = at.pose.position + at.turn * load.corners[of_load].at;
+                [&load.corners[of_load], &body.corners[body.edges[of_obstacle].corner_near(&point)?]]
+            }
+            PairKind::LineOnPoint => {
+                let point = at.turn.tr_mul(&(body.corners[of_obstacle].at - at.pose.position));
+                [&load.corners[load.edges[of_load].corner_near(&point)?], &body.corners[of_obstacle]]
+            }
+        };
+        (corner.rounding == 0.0 && other.rounding == 0.0).then_some(Vertex { corner, other })
+    }
+}
+
+/// Whether one face covers another, by the gaps (m) of both before and behind a displacement: it is
+/// not crossed by more than this overlap (m), or it is crossed later.
+fn covers(face: [f64; 2], covered: [f64; 2], flush: f64) -> bool {
+    if face[1] >= -flush || covered[1] >= -flush {
+        return face[1] >= -flush;
+    }
+    let crossed = |[before, behind]: [f64; 2]| if before < -flush { -1.0 } else { before.max(0.0) / (before.max(0.0) - behind) };
+    let (one, other) = (crossed(face), crossed(covered));
+    one > other || one == other && face[1] > covered[1]
+}
