@@ -2,17 +2,18 @@
 
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Sides, gap_rounding};
+use super::candidates::{CLOSED, Candidate, Candidates, ContactStep, Local, Locals, Sides, gap_rounding};
 use super::newton::Newton;
-use super::obstacles::{Obstacles, Scope, SideWork, Task, Touching, mobility, on_load};
+use super::obstacles::{Obstacles, Scope, SideWork, Task, mobility};
 use super::solve::{SideForce, SideMode};
 use super::step::Found;
 use super::surroundings::{Pair, PairKey, Surroundings};
-use crate::backend::Status;
+use super::touching::{Touching, on_load};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, Straight};
 use crate::backend::springs::Place;
-use crate::math::{Vec2, Vec3, increment_of};
+use crate::backend::{Status, StepReport};
+use crate::math::{Vec3, increment_of};
 use crate::model::System;
 
 /// Answer of a step with the features within reach.
@@ -49,12 +50,17 @@ impl Obstacles {
         touching: &mut Vec<Touching>,
         task: &Task,
     ) -> Option<(Increment, SideWork, Vec3)> {
-        let start = *course.start;
-        let candidates = self.touching_candidates(system, &start, task, touching);
-        let suggested = suggested(&candidates, touching);
+        let (start, guess) = (*course.start, task.guess?);
+        let mut candidates = self.touching_candidates(system, &start, task, touching);
+        let mut sides = suggested(&candidates, touching);
+        if !self.stay_in_place(course, &candidates, &mut sides, &guess) {
+            let reach = 2.0 * course.found(&guess, ContactMode::Slip, StepReport::default()).twist.xy().norm();
+            candidates = self.candidates(system, &start, task, reach, touching);
+            sides = suggested(&candidates, touching);
+            self.stay_in_place(course, &candidates, &mut sides, &guess);
+        }
         let mut contact = ContactStep { step: course, surroundings: &self.surroundings, candidates: &candidates, start_at: Vec3::zeros() };
-        let Newton { at, sides, are_forces_unique, report, .. } =
-            contact.newton(&suggested, task.guess?).filter(|found| found.is_stable)?;
+        let Newton { at, sides, are_forces_unique, report, .. } = contact.newton(&sides, guess).filter(|found| found.is_stable)?;
         let increment = course.found(&at, ContactMode::Slip, report);
         if !course.goes_on(&at, &increment) {
             return None;
@@ -64,6 +70,25 @@ impl Obstacles {
         let mut answer = Answer { found, candidates, cut: None, stays: false };
         let work = self.settle(system, &start, task, &mut answer, touching);
         Some((answer.found.increment, work, at))
+    }
+
+    /// Opens the contacts that features leave by their ends at an increment, and closes those that
+    /// continue them, in the mode of one that was left. Returns whether none is left.
+    fn stay_in_place(&self, course: &mut Straight, candidates: &[Candidate], sides: &mut Sides, at: &Vec3) -> bool {
+        let closed = CLOSED * course.length();
+        let mut locals = Locals::new();
+        ContactStep { step: course, surroundings: &self.surroundings, candidates, start_at: Vec3::zeros() }.fill_locals(at, &mut locals);
+        let is_open = |mode: &SideMode| *mode == SideMode::Open;
+        let left = |((mode, _), local): &(&(SideMode, SideForce), &Local)| !is_open(mode) && local.beyond > closed;
+        let Some(mode) = sides.iter().zip(&locals).find(left).map(|((mode, _), _)| *mode) else { return true };
+        for (side, local) in sides.iter_mut().zip(&locals) {
+            if local.beyond > closed {
+                *side = (SideMode::Open, SideForce::default());
+            } else if is_open(&side.0) {
+                side.0 = mode;
+            }
+        }
+        false
     }
 
     /// Takes note of what is known of the contact forces, and accepts the answer.
@@ -96,25 +121,25 @@ impl Obstacles {
             let path = &system.world.obstacles[key.obstacle].path;
             let obstacle = path.pose_at(task.to);
             if force.normal > 0.0 {
-                let apart = Touching { force: SideForce::default(), on_load: [Vec2::zeros(); 2], key: *key, mode: *mode, slip: *slip };
-                let before = last.iter().find(|touching| touching.key == *key).unwrap_or(&apart);
+                let before = last.iter().find(|touching| touching.key == *key);
+                let (force_before, on_load_before) = before.map_or_else(Default::default, |before| (before.force, before.on_load[0]));
                 let slipped = slip_at_end - slip;
-                let tangential = if task.is_smooth { 0.5 * (before.force.tangential + force.tangential) } else { force.tangential };
+                let tangential = if task.is_smooth { 0.5 * (force_before.tangential + force.tangential) } else { force.tangential };
                 work.friction += (-tangential * slipped).max(0.0);
                 let gap_at_start = features.gap(moved);
                 work.uncertainty +=
-                    force.normal * gap_at_start.max(0.0) + (force.tangential - before.force.tangential).abs() * slipped.abs();
+                    force.normal * gap_at_start.max(0.0) + (force.tangential - force_before.tangential).abs() * slipped.abs();
                 if path.moves() {
                     let [force_now, point] = on_load(features, force, &end, &obstacle);
                     let shift = point - path.pose_at(task.from).to_world(&obstacle.to_local(&point));
-                    work.of_obstacles += if before.force.normal > 0.0 {
-                        0.5 * (before.on_load[0] + force_now).dot(&shift)
+                    work.of_obstacles += if force_before.normal > 0.0 {
+                        0.5 * (on_load_before + force_now).dot(&shift)
                     } else {
                         // A contact that closes in the step has the whole force from then on.
                         let gap = features.gap(&Surroundings::relative(start, &path.pose_at(task.from)));
                         force_now.dot(&shift) - force.normal * gap.max(0.0)
                     };
-                    work.uncertainty += (force_now - before.on_load[0]).norm() * shift.norm();
+                    work.uncertainty += (force_now - on_load_before).norm() * shift.norm();
                 }
             }
             let beyond_at_end = self.surroundings.beyond(pair, [before, &end]);
@@ -128,8 +153,7 @@ impl Obstacles {
                 work.push_out += if overlaps { missing.max(0.0) } else { missing } / normal.dot(&along) * along;
             }
             if gap_at_end <= closed && beyond_at_end <= closed {
-                let on_load = on_load(features, force, &end, &obstacle);
-                touching.push(Touching { key: *key, mode: *mode, force: *force, slip: slip_at_end, on_load });
+                touching.push(Touching::new(pair, (*mode, *force, slip_at_end), &end, &obstacle));
             }
         }
         self.clear = None;

@@ -36,11 +36,13 @@ const ROUNDED: f64 = 16.0 * f64::EPSILON;
 /// Distance over the load's radius from the end of an edge up to which corner meets corner (1).
 /// Inside an edge the Gauss map decides nothing, so that this may be anything above [`FLUSH`].
 const AT_END: f64 = 1e-3;
-/// Sine of the angle by which a normal may lie outside of a cone (1). Parallel edges are two faces
-/// that are one; a normal that is wrongly taken for a face adds that face once more.
+/// Sine of the angle by which a normal may lie outside of a cone (1): rounding.
 const PARALLEL: f64 = 1e-7;
-/// Cosine of the angle between the normals of two faces that are one (1): 0.1 rad. The turn of a
-/// load in a step may make the one the other.
+/// Sine of the angle between two edges that lie along each other (1), and cosine of that between the
+/// normals of two faces that are one: 0.1 rad. The turn of a load in a step may make them parallel.
+/// They touch at both ends of what they share, and which of the two ends has the face depends on
+/// the sign of the angle.
+const ALONG: f64 = 0.1;
 const ALIKE: f64 = 0.995;
 
 /// What a normal is for two corners that meet.
@@ -55,6 +57,8 @@ enum Meeting {
 struct Vertex<'a> {
     corner: &'a Corner,
     other: &'a Corner,
+    /// Unit vector along the edge of the pair, away from where the corners meet.
+    along: Vec2,
 }
 
 /// A face that may cover another one: its normal in the frame of the body that it belongs to.
@@ -73,27 +77,31 @@ impl Face {
 }
 
 impl Vertex<'_> {
+    /// Whether a normal lies in both normal cones, but for this sine of an angle (1) to an edge that
+    /// lies along that of the pair.
+    fn is_in_cones(&self, normal: &Vec2, turn: &Mat2, along: f64) -> [bool; 2] {
+        let allowed = |edge: &Vec2| if edge.dot(&self.along) > 0.0 { along } else { PARALLEL };
+        let of_load = self.corner.edges.iter().map(|edge| turn * edge).all(|edge| edge.dot(normal) >= -allowed(&edge));
+        [of_load, self.other.edges.iter().all(|edge| edge.dot(normal) <= allowed(edge))]
+    }
+
     fn meeting(&self, normal: &Vec2, turn: &Mat2, kind: PairKind) -> Meeting {
-        let is_in_cone_of_load = self.corner.edges.iter().all(|edge| (turn * edge).dot(normal) >= -PARALLEL);
-        let is_in_cone_of_obstacle = self.other.edges.iter().all(|edge| edge.dot(normal) <= PARALLEL);
-        if !is_in_cone_of_obstacle && matches!(kind, PairKind::PointOnLine { .. }) && self.other.edges.len() == 2 {
-            Meeting::Enclosed
-        } else if is_in_cone_of_load && is_in_cone_of_obstacle {
-            Meeting::Face
-        } else {
-            Meeting::NoFace
+        match (self.is_in_cones(normal, turn, ALONG), kind) {
+            ([true, true], _) => Meeting::Face,
+            ([_, false], PairKind::PointOnLine { .. }) if self.other.edges.len() == 2 => Meeting::Enclosed,
+            _ => Meeting::NoFace,
         }
     }
 
     /// Faces of the sum that meet here, for a load with this `turn`, other than the one with this
     /// normal.
-    fn others(&self, normal: &Vec2, turn: &Mat2, kind: PairKind) -> SmallVec<[Face; 4]> {
+    fn others(&self, normal: &Vec2, turn: &Mat2) -> SmallVec<[Face; 4]> {
         let both = |edge: &Vec2| [perpendicular(edge), -perpendicular(edge)];
         let of_obstacle = self.other.edges.iter().flat_map(both).map(Face::OfObstacle);
         let of_load = self.corner.edges.iter().flat_map(both).map(Face::OfLoad);
         let is_other = |face: &Face| {
             let at = face.normal(turn);
-            at.dot(normal) < ALIKE && matches!(self.meeting(&at, turn, kind), Meeting::Face)
+            at.dot(normal) < ALIKE && self.is_in_cones(&at, turn, PARALLEL) == [true; 2]
         };
         of_obstacle.chain(of_load).filter(is_other).collect()
     }
@@ -125,11 +133,17 @@ impl Surroundings {
         let normal = pair.features.normal(at);
         match vertex.meeting(&normal, &at.turn, pair.key.kind) {
             Meeting::Enclosed => beside,
-            Meeting::NoFace => if is_at_end { self.radius } else { beside },
+            Meeting::NoFace => {
+                if is_at_end {
+                    self.radius
+                } else {
+                    beside
+                }
+            }
             Meeting::Face if pair.is_held => beside,
             Meeting::Face => {
                 let own = [before, at].map(|at| pair.features.gap(at));
-                let others = vertex.others(&normal, &at.turn, pair.key.kind);
+                let others = vertex.others(&normal, &at.turn);
                 let is_covered = others.iter().any(|face| covers([before, at].map(|at| vertex.gap(face, at)), own, flush));
                 if is_covered { self.radius } else { beside }
             }
@@ -141,18 +155,20 @@ impl Surroundings {
     fn vertex(&self, pair: &Pair, at: &Place) -> Option<Vertex<'_>> {
         let (load, body) = (&self.load, &self.bodies[pair.key.obstacle].features);
         let (of_load, of_obstacle) = (pair.key.of_load, pair.key.of_obstacle);
-        let [corner, other] = match pair.key.kind {
+        let (corner, other, along) = match pair.key.kind {
             PairKind::PointOnPoint => return None,
             PairKind::PointOnLine { .. } => {
                 let point = at.pose.position + at.turn * load.corners[of_load].at;
-                [&load.corners[of_load], &body.corners[body.edges[of_obstacle].corner_near(&point)?]]
+                let (other, along) = body.edges[of_obstacle].corner_near(&point)?;
+                (&load.corners[of_load], &body.corners[other], along)
             }
             PairKind::LineOnPoint => {
                 let point = at.turn.tr_mul(&(body.corners[of_obstacle].at - at.pose.position));
-                [&load.corners[load.edges[of_load].corner_near(&point)?], &body.corners[of_obstacle]]
+                let (corner, along) = load.edges[of_load].corner_near(&point)?;
+                (&load.corners[corner], &body.corners[of_obstacle], at.turn * along)
             }
         };
-        (corner.rounding == 0.0 && other.rounding == 0.0).then_some(Vertex { corner, other })
+        (corner.rounding == 0.0 && other.rounding == 0.0).then_some(Vertex { corner, other, along })
     }
 }
 

@@ -6,8 +6,9 @@
 //! overlaps in between alone leaves no trace: a corner that is clipped by less than a piece.
 
 use super::candidates::CLOSED;
-use super::obstacles::{Obstacles, Task, Touching};
+use super::obstacles::{Obstacles, Task};
 use super::surroundings::{Pair, PairKey, Surroundings};
+use super::touching::Touching;
 use crate::backend::springs::Place;
 use crate::math::Vec3;
 use crate::model::System;

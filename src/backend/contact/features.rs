@@ -58,7 +58,15 @@ pub struct Features {
 impl Edge {
     fn between(from: &Vec2, to: &Vec2, has_two_sides: bool) -> Self {
         let length = (to - from).norm();
-        Self { from: *from, along: (to - from) / length, length, has_two_sides, neighbours: [None; 2], behind: [0.0; 2], corners: [None; 2] }
+        Self {
+            from: *from,
+            along: (to - from) / length,
+            length,
+            has_two_sides,
+            neighbours: [None; 2],
+            behind: [0.0; 2],
+            corners: [None; 2],
+        }
     }
 
     /// Outward normal of an edge that is touched from outside.
@@ -85,10 +93,11 @@ impl Edge {
         (-at - before).max(at - self.length - after)
     }
 
-    /// Index of the corner at the end that is nearer to a point; `None` for an end without one.
-    pub fn corner_near(&self, point: &Vec2) -> Option<usize> {
+    /// Index of the corner at the end that is nearer to a point, and unit vector along the edge away
+    /// from it; `None` for an end without a corner.
+    pub fn corner_near(&self, point: &Vec2) -> Option<(usize, Vec2)> {
         let is_behind_middle = self.along.dot(&(point - self.from)) > 0.5 * self.length;
-        self.corners[usize::from(is_behind_middle)]
+        if is_behind_middle { Some((self.corners[1]?, -self.along)) } else { Some((self.corners[0]?, self.along)) }
     }
 
     /// Whether the edge ends at a point.
@@ -216,7 +225,8 @@ impl Features {
         }
         let first = self.edges.len();
         let ends = points.windows(2).zip(of_points.windows(2));
-        self.edges.extend(ends.map(|(ends, corners)| Edge { corners: [corners[0], corners[1]], ..Edge::between(&ends[0], &ends[1], true) }));
+        self.edges
+            .extend(ends.map(|(ends, corners)| Edge { corners: [corners[0], corners[1]], ..Edge::between(&ends[0], &ends[1], true) }));
         for at in first + 1..self.edges.len() {
             let [one, other] = [self.edges[at - 1].along, self.edges[at].along];
             self.edges[at - 1].neighbours[1] = Some(other);

@@ -15,9 +15,10 @@ use nalgebra::{DMatrix, DVector};
 use smallvec::SmallVec;
 
 use super::displacement::Displacement;
-use super::obstacles::{Obstacles, Touching, mobility};
+use super::obstacles::{Obstacles, mobility};
 use super::solve::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, solve_contacts};
 use super::surroundings::{Pair, Surroundings};
+use super::touching::Touching;
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::springs::Place;
@@ -239,9 +240,7 @@ impl Obstacles {
             let mode = if slip.abs() <= STAYS * speed { SideMode::Stick } else { SideMode::Slide { forward: slip > 0.0 } };
             let obstacle = system.world.obstacles[pair.key.obstacle].path.pose_at(time);
             let at = Surroundings::relative(place, &obstacle);
-            let force = SideForce::default();
-            let on_load = super::obstacles::on_load(&pair.features, &force, &at, &obstacle);
-            Touching { key: pair.key, mode: pair.mode(mode), force, slip: pair.features.slip(&at, 0.0), on_load }
+            Touching::new(pair, (pair.mode(mode), SideForce::default(), pair.features.slip(&at, 0.0)), &at, &obstacle)
         };
         pairs.iter().zip(rows).filter(stays).map(touching).collect()
     }

@@ -12,6 +12,7 @@
 //! search        one step with the features within reach, and shorter ones where it has no answer
 //! answer        an answer of such a step, and what it leaves behind
 //! displacement  what a load meets along a displacement
+//! touching      contacts that are closed, and the faces that they make
 //! obstacles     when a step needs them, and the contacts between two steps
 //! ```
 
@@ -29,11 +30,13 @@ mod search;
 mod solve;
 mod step;
 mod surroundings;
+mod touching;
 
 pub use candidates::gap_rounding;
 pub use impact::{Reflection, Strike};
-pub use obstacles::{Obstacles, Resistance, Scope, SideWork, Task, Touching, transitions};
+pub use obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
 pub use solve::{
     ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, mode_newton, solve_contacts,
 };
 pub use surroundings::PairKey;
+pub use touching::{Faces, Touching, transitions};

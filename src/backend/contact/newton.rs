@@ -43,7 +43,8 @@ impl<C: Course> ContactStep<'_, C> {
         let mut last = f64::INFINITY;
         // Both are filled anew in each iteration, and are too large to be passed around.
         let (mut system, mut locals) = (Linear::new(self.step.length()), Locals::new());
-        if n_unknown > 3 {
+        // A face on flush obstacles touches by more than two contacts, which hold it like two.
+        if n_unknown > 3 || sides.iter().filter(|(mode, _)| *mode != SideMode::Open).count() > 2 {
             system.hold(self.dependent(&guess, &sides, &mut locals));
         }
         for iteration in 0..MOST_ITERATIONS {

@@ -6,31 +6,16 @@
 //! within reach. Displacements that could pass over a feature are looked at piece by piece, and cut
 //! before the first one that they would pass.
 
-use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::candidates::{CLOSED, Candidate, Candidates, gap_rounding};
-use super::gap::FeaturePair;
-use super::solve::{SideForce, SideMode};
-use super::surroundings::{Pair, PairKey, Surroundings};
-use crate::backend::TransitionKind;
+use super::surroundings::{Pair, Surroundings};
+use super::touching::Touching;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::increment::{Increment, Step, minimise_step};
 use crate::backend::springs::{Place, Travel};
-use crate::math::{Arc, Pose, Vec2, Vec3, rotation};
+use crate::math::{Arc, Pose, Vec3, rotation};
 use crate::model::{ObstaclePath, System};
-
-/// A contact that is closed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Touching {
-    pub key: PairKey,
-    pub mode: SideMode,
-    pub force: SideForce,
-    /// Slip coordinate (m).
-    pub slip: f64,
-    /// Force on the load (N, world) and where it acts (m, world).
-    pub on_load: [Vec2; 2],
-}
 
 /// What a step did at the obstacles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -242,7 +227,8 @@ impl Obstacles {
         if task.scope == Scope::Touching {
             let touches = |pair: &Pair| touching.iter().any(|touching| touching.key == pair.key);
             let closed: SmallVec<[Pair; 4]> = pairs.iter().filter(|pair| touches(pair)).copied().collect();
-            pairs.retain(|pair| touches(pair) || closed.iter().any(|closed| self.surroundings.continues(closed, pair)));
+            let at = (system, start, task.from);
+            pairs.retain(|pair| touches(pair) || closed.iter().any(|closed| self.surroundings.continues(at, [closed, pair])));
         }
         pairs.into_iter().map(|pair| self.candidate(system, start, task, pair, touching)).collect()
     }
@@ -274,14 +260,6 @@ impl Obstacles {
     }
 }
 
-/// Force of a contact on the load (N, world) and where it acts (m, world), for a load at `at` in
-/// the frame of an obstacle.
-pub(super) fn on_load(features: &FeaturePair, force: &SideForce, at: &Place, obstacle: &Pose) -> [Vec2; 2] {
-    let normal = features.normal(at);
-    let in_frame = force.normal * normal + force.tangential * crate::math::perpendicular(&normal);
-    [rotation(obstacle.heading) * in_frame, obstacle.to_world(&features.contact_point(at))]
-}
-
 /// Displacement of a load that stands still, seen by an obstacle that moves along a path, in whose
 /// frame it is at `start` when a step begins.
 fn travel_seen(path: &ObstaclePath, task: &Task, start: &Place) -> Travel {
@@ -294,30 +272,4 @@ fn travel_seen(path: &ObstaclePath, task: &Task, start: &Place) -> Travel {
 /// that of its mass.
 pub(super) fn mobility(system: &System) -> Vec3 {
     Vec3::new(1.0, 1.0, system.load.mass / system.load.inertia)
-}
-
-/// What happened at the obstacles between two sets of contacts.
-pub fn transitions(before: &[Touching], after: &[Touching]) -> SmallVec<[TransitionKind; 2]> {
-    let mut kinds = SmallVec::new();
-    let goes_on = |(a, b): (&Touching, &Touching)| a.key == b.key && a.mode == b.mode;
-    if before.len() == after.len() && before.iter().zip(after).all(goes_on) {
-        return kinds;
-    }
-    let of = |touching: &[Touching], obstacle: usize| {
-        let mine = || touching.iter().filter(move |touching| touching.key.obstacle == obstacle);
-        (mine().count() > 0).then(|| mine().any(|touching| touching.mode == SideMode::Stick))
-    };
-    let mut obstacles: SmallVec<[usize; 4]> = before.iter().chain(after).map(|touching| touching.key.obstacle).collect();
-    obstacles.sort_unstable();
-    obstacles.dedup();
-    for obstacle in obstacles {
-        kinds.extend(match (of(before, obstacle), of(after, obstacle)) {
-            (None, Some(_)) => Some(TransitionKind::Touch { obstacle }),
-            (Some(_), None) => Some(TransitionKind::Separation { obstacle }),
-            (Some(false), Some(true)) => Some(TransitionKind::SideStick { obstacle }),
-            (Some(true), Some(false)) => Some(TransitionKind::SideSlip { obstacle }),
-            _ => None,
-        });
-    }
-    kinds
 }

@@ -4,7 +4,8 @@
 use super::answer::{Answer, carried, passes_beside, suggested};
 use super::candidates::{CLOSED, ContactStep};
 use super::displacement::PIECE;
-use super::obstacles::{Obstacles, Resistance, Scope, SideWork, Task, Touching};
+use super::obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
+use super::touching::Touching;
 use crate::backend::friction::{FrictionSolver, WarmStart};
 use crate::backend::increment::{Coasting, Course, Increment, Objective, Step};
 use crate::backend::{Status, StepReport};

@@ -92,6 +92,9 @@ struct Near {
 /// Penetration over the load's radius that a load may have at the start of a step (1): rounding of
 /// many steps. Deeper features lie on the other side of the load.
 const DEEPEST_START: f64 = 1e-6;
+/// Difference of the normals of flush obstacles (1): rounding of headings and of corners that are
+/// far apart.
+const FLUSH_NORMAL: f64 = 1e-7;
 /// Least margin of the list of near obstacles over the load's radius (1).
 const MARGIN: f64 = 0.5;
 
@@ -260,14 +263,20 @@ impl Surroundings {
         }
     }
 
-    /// Whether the features that touch change from one pair to the other while the load slides or
-    /// rolls on smoothly: a disc from an edge to its corner, a corner from an edge to the next one
-    /// on the same line, or an edge on an edge over the end of one of them.
-    pub fn continues(&self, one: &Pair, other: &Pair) -> bool {
+    /// Whether the features that touch change from one pair to the other while a load at `at` and
+    /// `time` (s) slides or rolls on smoothly: a disc from an edge to its corner, a corner from an
+    /// edge to the next one on the same line, an edge on an edge over the end of one of them, or
+    /// all of these from one obstacle to another one that is flush with it.
+    pub fn continues(&self, (system, load, time): (&System, &Place, f64), [one, other]: [&Pair; 2]) -> bool {
         use PairKind::{LineOnPoint, PointOnLine, PointOnPoint};
         let (a, b) = (&one.key, &other.key);
         if a.obstacle != b.obstacle {
-            return false;
+            let [(normal, _), (other, gap)] = [one, other].map(|pair| {
+                let obstacle = system.world.obstacles[pair.key.obstacle].path.pose_at(time);
+                let at = Self::relative(load, &obstacle);
+                (rotation(obstacle.heading) * pair.features.normal(&at), pair.features.gap(&at))
+            });
+            return (normal - other).norm() <= FLUSH_NORMAL && gap.abs() <= self.flush(load);
         }
         match (a.kind, b.kind) {
             (PointOnPoint, PointOnLine { .. }) | (PointOnLine { .. }, PointOnPoint) => a.of_load == b.of_load,

@@ -1,12 +1,25 @@
 //! What a load of any exact method does with obstacles between its steps.
 
-use smallvec::SmallVec;
-
 use super::load::{Exact, Method};
 use super::side::{Impact, SideState};
-use crate::backend::contact::{Obstacles, PairKey, SideForce, SideMode, Touching, transitions};
+use crate::backend::contact::{Faces, Obstacles, SideForce, Touching, transitions};
 use crate::backend::springs::Place;
 use crate::backend::{SideContact, Transition, TransitionKind};
+
+/// What does not change at the obstacles while the motion is smooth.
+pub struct Contacts {
+    faces: Faces,
+    n_impacts: usize,
+    /// Radius of the load (m).
+    radius: f64,
+}
+
+impl Contacts {
+    /// Whether the motion was smooth up to these.
+    pub fn go_on(&self, now: &Self) -> bool {
+        self.n_impacts == now.n_impacts && self.faces.go_on(&now.faces, self.radius)
+    }
+}
 
 impl<M: Method> Exact<M> {
     /// Whether no obstacle can touch a load that stands still for `duration` (s) from now.
@@ -53,11 +66,11 @@ impl<M: Method> Exact<M> {
         self.transitions.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 
-    /// Closed contacts with their modes, and the number of impacts: what does not change while the
+    /// Faces by which the load touches, and the number of impacts: what does not change while the
     /// motion is smooth.
-    pub(super) fn contacts(&self) -> (SmallVec<[(PairKey, SideMode); 2]>, usize) {
+    pub(super) fn contacts(&self) -> Contacts {
         let SideState { touching, impacts, .. } = &self.state.side;
-        (touching.iter().map(|touching| (touching.key, touching.mode)).collect(), impacts.len())
+        Contacts { faces: Faces::of(touching), n_impacts: impacts.len(), radius: self.system.load.radius }
     }
 
     /// Bound of the error of the work at obstacles by the trapezoid rule on a smooth path since

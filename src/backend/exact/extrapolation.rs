@@ -250,7 +250,7 @@ fn row<M: Method>(load: &mut Exact<M>, paths: &TipPaths, start: &Snapshot<M::Mem
         cost.add(&M::step(load, paths, share(i - 1), share(i)));
         let (mode_now, slips_now, sides_now) = (load.mode(), slips_of(load), load.contacts());
         let reverses = || slips.iter().zip(&slips_now).any(|(before, now)| before.dot(now) < 0.0);
-        if mode.is_some_and(|before| mode_now != Some(before) || reverses()) || sides != sides_now {
+        if mode.is_some_and(|before| mode_now != Some(before) || reverses()) || !sides.go_on(&sides_now) {
             changed_in = changed_in.or(Some(i));
         }
         (mode, slips, sides) = (mode_now, slips_now, sides_now);

@@ -252,7 +252,7 @@ impl Exact<Inertial> {
         let half = (self.contacts(), self.state.contact.last());
         report.add(&self.step_touching(paths, [middle, to], Scope::Touching));
         let halves = (self.flow(), self.contacts(), self.state.contact.last());
-        if (&whole.1, &whole.2) == (&halves.1, &halves.2) && (half.0, half.1) == (whole.1, whole.2) {
+        if whole.1.go_on(&halves.1) && whole.1.go_on(&half.0) && whole.2 == halves.2 && half.1 == whole.2 {
             let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();
             self.set_flow(&flow);
             // Features that part may overlap where both answers have them apart, and losses of

@@ -18,8 +18,7 @@ use super::bdf2::{Past, weights};
 use super::inertial::{Inertial, Memory};
 use super::load::{Exact, Snapshot};
 use super::one_step::{Stepped, Touched};
-use super::side::SideState;
-use crate::backend::contact::{Scope, Task};
+use crate::backend::contact::{Faces, Scope, Task};
 use crate::backend::increment::{Coasting, Straight};
 use crate::backend::springs::{Attachment, TipPaths};
 use crate::backend::{Motion, StepReport};
@@ -33,9 +32,9 @@ impl Exact<Inertial> {
     /// Takes note of the step of this `duration` (s) since the `start`, if nothing has changed at
     /// the obstacles.
     pub(super) fn remember_touching(&mut self, start: &Snapshot<Memory>, duration: f64) {
-        let modes = |side: &SideState| side.touching.iter().map(|it| (it.key, it.mode)).collect::<Vec<_>>();
         let state = &mut self.state;
-        if modes(&start.state.side) == modes(&state.side) {
+        let [before, now] = [&start.state.side, &state.side].map(|side| Faces::of(&side.touching));
+        if before.go_on(&now, self.system.load.radius) {
             let Motion { pose, twist } = start.state.motion;
             let shift = state.motion.pose.position - pose.position;
             let step = Past { shift, turn: state.motion.pose.heading - pose.heading, duration };
