@@ -30,6 +30,8 @@ const MOST_ITERATIONS: usize = 12;
 /// it may end where it no longer improves.
 const DONE: f64 = 3e-14;
 const STALLED: f64 = 1e-11;
+/// Difference of normals that are parallel (1): rounding.
+const PARALLEL: f64 = 1e-9;
 
 impl<C: Course> ContactStep<'_, C> {
     /// Newton's method from a guess, for a load that slips on all supports in these contact modes.
@@ -43,9 +45,12 @@ impl<C: Course> ContactStep<'_, C> {
         let mut last = f64::INFINITY;
         // Both are filled anew in each iteration, and are too large to be passed around.
         let (mut system, mut locals) = (Linear::new(self.step.length()), Locals::new());
-        // A face on flush obstacles touches by more than two contacts, which hold it like two.
-        if n_unknown > 3 || sides.iter().filter(|(mode, _)| *mode != SideMode::Open).count() > 2 {
-            system.hold(self.dependent(&guess, &sides, &mut locals));
+        if n_unknown > 2 {
+            self.fill_locals(&guess, &mut locals);
+            self.keep_ends(&mut sides, &locals);
+        }
+        if sides.iter().map(|(mode, _)| n_forces(*mode)).sum::<usize>() > 3 {
+            system.hold(self.dependent(&sides, &locals));
         }
         for iteration in 0..MOST_ITERATIONS {
             self.newton_system(&at, &sides, &mut system, &mut locals)?;
@@ -115,13 +120,44 @@ impl<C: Course> ContactStep<'_, C> {
         Some(())
     }
 
+    /// Opens contacts between two others of the same face, and gives their forces to these. A face
+    /// on flush obstacles touches by many contacts; the two at its ends hold it like all of them,
+    /// and push wherever all of them can.
+    fn keep_ends(&self, sides: &mut Sides, locals: &[Local]) {
+        // In load axes, the torque of a normal force is its place along the face.
+        let normal = |index: usize| locals[index].gap.gradient.xy();
+        let place = |index: usize| locals[index].gap.gradient.z;
+        for first in 0..sides.len() {
+            let (mode, friction) = (sides[first].0, self.candidates[first].pair.friction_coefficient);
+            let is_alike = |index: &usize| {
+                sides[*index].0 == mode
+                    && self.candidates[*index].pair.friction_coefficient == friction
+                    && (normal(*index) - normal(first)).norm() <= PARALLEL
+            };
+            let face: SmallVec<[usize; 8]> = (first..sides.len()).filter(is_alike).collect();
+            if mode == SideMode::Open || face.len() < 3 {
+                continue;
+            }
+            let by_place = |a: &&usize, b: &&usize| place(**a).total_cmp(&place(**b));
+            let [low, high] = [face.iter().min_by(by_place), face.iter().max_by(by_place)].map(|end| *end.expect("three contacts"));
+            let width = place(high) - place(low);
+            for index in face.into_iter().filter(|index| *index != low && *index != high) {
+                let share = if width > 0.0 { (place(index) - place(low)) / width } else { 0.0 };
+                let (_, SideForce { normal, tangential }) = std::mem::replace(&mut sides[index], (SideMode::Open, SideForce::default()));
+                for (end, share) in [(low, 1.0 - share), (high, share)] {
+                    sides[end].1.normal += share * normal;
+                    sides[end].1.tangential += share * tangential;
+                }
+            }
+        }
+    }
+
     /// Constraints that depend on the three with the most room for their forces: a face that sticks
     /// to another one by both of its corners has one more than the load can break.
-    fn dependent(&self, at: &Vec3, sides: &Sides, locals: &mut Locals) -> Rows {
-        self.fill_locals(at, locals);
+    fn dependent(&self, sides: &Sides, locals: &[Local]) -> Rows {
         let in_units = |row: &Vec3| Vec3::new(row.x, row.y, row.z / self.step.length());
         let mut rows: SmallVec<[(f64, Vec3); 8]> = SmallVec::new();
-        for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
+        for (((mode, force), local), candidate) in sides.iter().zip(locals).zip(self.candidates) {
             if *mode != SideMode::Open {
                 rows.push((force.normal, in_units(&local.gap.gradient)));
             }
