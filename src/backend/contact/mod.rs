@@ -4,6 +4,7 @@
 //! features      corners and edges of an outline
 //! corners       which of them touch where corner meets corner
 //! gap           gap and slip of two features, with all derivatives
+//! gate          whether a load lies inside an obstacle, told without features
 //! surroundings  which features may touch, and how far the obstacles are
 //! solve         one linear step with contacts, exactly
 //! candidates    what a step with contacts is made of
@@ -22,6 +23,7 @@ mod corners;
 mod displacement;
 mod features;
 mod gap;
+mod gate;
 mod impact;
 mod linear;
 mod newton;

@@ -9,6 +9,7 @@
 use smallvec::SmallVec;
 
 use super::candidates::{CLOSED, Candidate, Candidates, gap_rounding};
+use super::gate::Gate;
 use super::surroundings::{Pair, Surroundings};
 use super::touching::Touching;
 use crate::backend::friction::FrictionSolver;
@@ -106,6 +107,7 @@ pub struct Obstacles {
     pub(super) surroundings: Surroundings,
     /// Place and time of a distance from all obstacles (m).
     pub(super) clear: Option<(Place, f64, f64)>,
+    gate: Gate,
 }
 
 /// Most rounds in which contacts are closed (1): each takes an error to its square, but for
@@ -115,7 +117,7 @@ const MOST_CLOSINGS: usize = 12;
 impl Obstacles {
     /// The obstacles of a system; `None` without any.
     pub fn of(system: &System) -> Option<Self> {
-        (!system.world.is_empty()).then(|| Self { surroundings: Surroundings::new(system), clear: None })
+        (!system.world.is_empty()).then(|| Self { surroundings: Surroundings::new(system), clear: None, gate: Gate::of(system) })
     }
 
     /// The step, with the contacts that it ends in.
@@ -164,6 +166,16 @@ impl Obstacles {
         let clearance = self.surroundings.clearance(system, at, time, reach);
         self.clear = Some((*at, time, clearance));
         clearance < reach || self.surroundings.crosses(system, at, time, 0.0)
+    }
+
+    /// Largest depth by which a load at `at` lies inside an obstacle at `time` (m); zero for what is
+    /// rounding. See [`Gate`].
+    pub fn depth(&mut self, system: &System, at: &Place, time: f64) -> f64 {
+        let of_obstacle = |index: &usize| {
+            let seen = Surroundings::relative(at, &system.world.obstacles[*index].path.pose_at(time));
+            self.gate.depth(*index, &seen)
+        };
+        self.surroundings.near(system, at, time).iter().map(of_obstacle).fold(0.0, f64::max)
     }
 
     /// Whether an increment touches nothing.

@@ -148,6 +148,12 @@ impl Surroundings {
         least
     }
 
+    /// Obstacles near a load at `load` and `time` (s).
+    pub fn near(&mut self, system: &System, load: &Place, time: f64) -> &[usize] {
+        self.update_near(system, load, time, 0.0);
+        &self.near.obstacles
+    }
+
     /// Renews the list of near obstacles where the load or an obstacle has moved too far for it,
     /// and where it lacks obstacles within `reach` (m) or has those of a longer one.
     fn update_near(&mut self, system: &System, load: &Place, time: f64, reach: f64) {

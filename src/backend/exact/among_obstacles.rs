@@ -4,7 +4,7 @@ use super::load::{Exact, Method};
 use super::side::{Impact, SideState};
 use crate::backend::contact::{Faces, Obstacles, SideForce, Touching, transitions};
 use crate::backend::springs::Place;
-use crate::backend::{SideContact, Transition, TransitionKind};
+use crate::backend::{SideContact, Status, StepReport, Transition, TransitionKind};
 
 /// What does not change at the obstacles while the motion is smooth.
 pub struct Contacts {
@@ -42,6 +42,20 @@ impl<M: Method> Exact<M> {
         let place = Place::of(&self.state.motion.pose);
         let overlaps = |obstacles: &Obstacles| touching.iter().any(|it| obstacles.overlaps(&self.system, &it.key, &place, time));
         self.obstacles.as_ref().is_some_and(overlaps)
+    }
+
+    /// Largest depth by which the load lies inside an obstacle (m).
+    pub(super) fn depth_inside(&mut self) -> f64 {
+        let Self { obstacles, system, state, .. } = self;
+        let place = Place::of(&state.motion.pose);
+        obstacles.as_mut().map_or(0.0, |obstacles| obstacles.depth(system, &place, state.side.now))
+    }
+
+    /// Marks a step that ends inside an obstacle as one that has not converged.
+    pub(super) fn pass_gate(&mut self, report: &mut StepReport) {
+        if self.depth_inside() > 0.0 {
+            report.add(&StepReport { status: Status::NotConverged, n_not_converged: 1, ..StepReport::default() });
+        }
     }
 
     /// Takes note of time that has passed (s).

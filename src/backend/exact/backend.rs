@@ -6,7 +6,7 @@ use super::control::Pace;
 use super::extrapolation::{self, Task};
 use super::load::{Exact, Method, State};
 use crate::backend::friction::WarmStart;
-use crate::backend::springs::{AttachedSprings, AttachedTip, SavedSprings, TipPaths, pulls_with};
+use crate::backend::springs::{AttachedSprings, AttachedTip, Place, SavedSprings, TipPaths, pulls_with};
 use crate::backend::stepping::{Stepping, n_steps_in};
 use crate::backend::{Backend, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::{Vec2, Vec3, rotation};
@@ -122,10 +122,21 @@ impl<M: Method> Backend for Exact<M> {
         M::check(&state.memory, &self.system)?;
         state.certificate.check(&self.solver)?;
         state.side.check(&self.system)?;
+        self.check_outside(&state)?;
         let springs = AttachedSprings::restored(springs, &self.system.springs, &state.motion.pose)?;
         self.solver.set_warm_start(warm_start)?;
         (self.state, self.springs, self.pace) = (state, springs, pace);
         Ok(())
+    }
+}
+
+impl<M: Method> Exact<M> {
+    /// # Errors
+    /// When the load of a restored state lies inside an obstacle.
+    fn check_outside(&mut self, state: &State<M::Memory>) -> Result<(), RestoreError> {
+        let (Self { obstacles, system, .. }, place) = (self, Place::of(&state.motion.pose));
+        let depth = obstacles.as_mut().map_or(0.0, |obstacles| obstacles.depth(system, &place, state.side.time));
+        if depth > 0.0 { Err(RestoreError(format!("a load {depth:e} m inside an obstacle"))) } else { Ok(()) }
     }
 }
 

@@ -195,6 +195,9 @@ impl<M: Method> Exact<M> {
             self.note_mode_change(last, time);
             if let Some(touching) = touching {
                 self.note_contacts(&touching, time);
+                if !is_free {
+                    self.pass_gate(report);
+                }
             }
         }
     }
