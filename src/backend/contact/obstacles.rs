@@ -178,6 +178,11 @@ impl Obstacles {
         self.surroundings.near(system, at, time).iter().map(of_obstacle).fold(0.0, f64::max)
     }
 
+    /// See [`Surroundings::longest_bend`].
+    pub fn longest_bend(&self, system: &System, from: f64, to: f64) -> f64 {
+        self.surroundings.longest_bend(system, from, to)
+    }
+
     /// Whether an increment touches nothing.
     fn is_free(&mut self, system: &System, start: &Place, twist: &Vec3, task: &Task) -> bool {
         let moved = twist.xy().norm() + system.load.radius * twist.z.abs() + self.surroundings.longest_path(system, task.from, task.to);

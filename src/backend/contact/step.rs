@@ -36,6 +36,9 @@ const MOST_FAILED: u32 = 3;
 /// Number of linear steps after which only half of each is taken, where the whole ones do not
 /// settle.
 const STEPS_IN_FULL: usize = 20;
+/// Residual of the last forces, over the forces, up to which nothing has changed for a load at rest
+/// (1): the largest one of a step that converges.
+const UNCHANGED: f64 = LARGEST_RESIDUAL;
 /// Cosine of the angle between linear steps that point the same way (1).
 const ALIKE: f64 = 0.9;
 /// Number of linear steps the same way after which they are doubled: most searches end in fewer.
@@ -97,23 +100,31 @@ impl ContactStep<'_, Step<'_>> {
 
     /// Zero increment, for a load at rest that the last normal forces without friction still hold
     /// there, which is then the only answer, or that other forces hold by so much that it cannot
-    /// slide as well.
+    /// slide as well. Against an obstacle that slides by, the friction is that of its slip: there a
+    /// load goes on resting where nothing has changed, as the step before has decided.
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;
         let drive = -self.step.gradient(&Vec3::zeros());
         let (mut sides, mut locals) = (Sides::new(), Locals::new());
         self.fill_locals(&Vec3::zeros(), &mut locals);
-        let mut missing = drive;
-        for ((mode, force), local) in last.iter().zip(&locals) {
+        let (mut missing, mut slides) = (drive, false);
+        for (((mode, force), local), candidate) in last.iter().zip(&locals).zip(self.candidates) {
             let (overlaps, touches) = (local.gap.energy < -closed, local.gap.energy.abs() <= closed && local.beyond <= closed);
             if overlaps && local.beyond <= 0.0 || force.normal > 0.0 && !touches {
                 return None;
             }
-            missing += force.normal * local.gap.gradient;
-            sides.push((*mode, SideForce { tangential: 0.0, ..*force }));
+            let (slip, friction) = (local.slip.energy, candidate.pair.friction_coefficient * force.normal);
+            let is_slid_by = friction > 0.0 && slip.abs() > candidate.rounding(self.step.length);
+            let tangential = if is_slid_by { -friction.copysign(slip) } else { 0.0 };
+            missing += force.normal * local.gap.gradient + tangential * local.slip.gradient;
+            sides.push((*mode, SideForce { tangential, ..*force }));
+            slides |= is_slid_by;
         }
         let mut report = StepReport { n_steps: 1, n_solves: 1, ..StepReport::default() };
-        if let Some(residual) = solver.rest(&-missing).filter(|residual| *residual <= LARGEST_RESIDUAL) {
+        if slides {
+            let last = solver.residual_at_rest(&-missing).filter(|residual| *residual <= UNCHANGED)?;
+            report.residual = solver.rest(&-missing).unwrap_or(last);
+        } else if let Some(residual) = solver.rest(&-missing).filter(|residual| *residual <= LARGEST_RESIDUAL) {
             report.residual = residual;
         } else {
             let (rows, row_of) = self.rows(&Vec3::zeros(), &locals);

@@ -63,8 +63,9 @@ pub struct Surroundings {
     /// Radius of the load about its origin (m).
     pub(super) radius: f64,
     pub(super) bodies: Vec<Body>,
-    /// Obstacles that move, and their extents about their origins (m).
-    moving: Vec<(usize, f64)>,
+    /// Obstacles that move, with their extents about their origins, and the least combined radius of
+    /// round features by which the load may touch them (m).
+    moving: Vec<(usize, f64, f64)>,
     /// Smallest extent of a part that matters when a long displacement is searched for contacts
     /// (m).
     fineness: f64,
@@ -109,14 +110,26 @@ impl Surroundings {
         let load = Features::of(&system.world.outline);
         let sizes = bodies.iter().map(|body| &body.features).chain([&load]).flat_map(Features::sizes);
         let obstacles = system.world.obstacles.iter().enumerate();
-        let moving = obstacles.filter(|(_, it)| it.path.moves()).map(|(index, it)| (index, it.outline.extent())).collect();
+        let bend = |body: &Body| {
+            let pairs = body.features.corners.iter().flat_map(|corner| load.corners.iter().map(move |own| corner.rounding + own.rounding));
+            pairs.filter(|reach| *reach > 0.0).fold(f64::INFINITY, f64::min)
+        };
+        let moving =
+            obstacles.filter(|(_, it)| it.path.moves()).map(|(index, it)| (index, it.outline.extent(), bend(&bodies[index]))).collect();
         Self { fineness: sizes.fold(system.load.radius, f64::min), load, radius: system.load.radius, bodies, moving, near: Near::default() }
     }
 
     /// Bound of the path lengths of all obstacles between two times (m).
     pub fn longest_path(&self, system: &System, from: f64, to: f64) -> f64 {
-        let lengths = self.moving.iter().map(|(index, extent)| system.world.obstacles[*index].path.length(*extent, from, to));
+        let lengths = self.moving.iter().map(|(index, extent, _)| system.world.obstacles[*index].path.length(*extent, from, to));
         lengths.fold(0.0, f64::max)
+    }
+
+    /// Path of an obstacle between two times (s), over the radius by which it bends about the load
+    /// or the load about it (1); the largest one.
+    pub fn longest_bend(&self, system: &System, from: f64, to: f64) -> f64 {
+        let bends = self.moving.iter().map(|(index, extent, bend)| system.world.obstacles[*index].path.length(*extent, from, to) / bend);
+        bends.fold(0.0, f64::max)
     }
 
     /// Length (m) in which a load that moves farther may pass over a feature.

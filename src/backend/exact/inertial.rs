@@ -219,7 +219,7 @@ impl Method for Inertial {
     }
 
     #[inline]
-    fn longest_step(load: &Exact<Self>, paths: &TipPaths, longest: f64, report: &mut StepReport) -> f64 {
+    fn longest_step(load: &mut Exact<Self>, paths: &TipPaths, longest: f64, report: &mut StepReport) -> f64 {
         let adapted = |report| resolution::longest_step(&load.system, &load.state.motion.pose, paths, longest, report);
         if load.method.adapts_step { adapted(report) } else { longest }
     }

@@ -29,7 +29,7 @@ pub trait Method: Sized + Send {
     fn keeps_mode(load: &Exact<Self>) -> bool;
 
     /// Longest step that the load takes in an advance in place of the `longest` one (s).
-    fn longest_step(_load: &Exact<Self>, _paths: &TipPaths, longest: f64, _report: &mut StepReport) -> f64 {
+    fn longest_step(_load: &mut Exact<Self>, _paths: &TipPaths, longest: f64, _report: &mut StepReport) -> f64 {
         longest
     }
 

@@ -27,6 +27,9 @@ use crate::model::System;
 /// A load that slips only between the nodes of a macro-step is not seen to slip.
 const LONGEST_TIP_DISPLACEMENT: f64 = 0.125;
 
+/// Displacement of an obstacle in a step over the radius by which it bends about the load (1).
+const LARGEST_BEND: f64 = 0.5;
+
 /// Largest number of pieces of a path that obstacles divide (1).
 const MOST_LEGS: usize = 1024;
 
@@ -192,6 +195,17 @@ impl Method for QuasiStatic {
         state.motion.twist = Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
         state.contact = GroundContact::Known(state.contact.last());
         report
+    }
+
+    /// Round obstacles that touch the load and move far in a step would pass to its other side.
+    fn longest_step(load: &mut Exact<Self>, paths: &TipPaths, longest: f64, _report: &mut StepReport) -> f64 {
+        if !load.is_pushed(paths.duration) {
+            return longest;
+        }
+        let Exact { obstacles, system, state, .. } = load;
+        let from = state.side.time;
+        let bend = obstacles.as_ref().map_or(0.0, |obstacles| obstacles.longest_bend(system, from, from + paths.duration));
+        longest.min(LARGEST_BEND * paths.duration / bend)
     }
 
     #[inline]

@@ -91,6 +91,13 @@ impl FrictionSolver {
         })
     }
 
+    /// Residual (1) of the last friction forces on a load at rest under this `gradient` (N, N, N m) of
+    /// all other forces; `None` where the load was not at rest.
+    pub fn residual_at_rest(&self, gradient: &Vec3) -> Option<f64> {
+        let w = -self.cones.scaled_gradient(gradient);
+        self.was_at_rest().then(|| self.cones.residual(&Mat3::zeros(), &w, &Vec3::zeros(), &self.last.forces))
+    }
+
     /// Scaled vector that stands for the least friction forces that balance a wrench (N, N, N m) on
     /// a load at rest. It is linear in the wrench; `None` where it is not known.
     pub fn balanced(&self, wrench: &Vec3) -> Option<Vec3> {
