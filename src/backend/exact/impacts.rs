@@ -252,6 +252,11 @@ impl Exact<Inertial> {
         let half = (self.contacts(), self.state.contact.last());
         report.add(&self.step_touching(paths, [middle, to], Scope::Touching));
         let halves = (self.flow(), self.contacts(), self.state.contact.last());
+        // Forces that hold a load are no series in the step: they are not unique.
+        if self.stands_since(start) {
+            self.remember_touching(start, (to - from) * paths.duration);
+            return StepReport { n_steps: 1, ..report };
+        }
         if whole.1.go_on(&halves.1) && whole.1.go_on(&half.0) && whole.2 == halves.2 && half.1 == whole.2 {
             let flow: Vec<f64> = halves.0.iter().zip(&whole.0).map(|(fine, coarse)| 2.0 * fine - coarse).collect();
             self.set_flow(&flow);
@@ -268,12 +273,20 @@ impl Exact<Inertial> {
         StepReport { n_steps: 1, ..report }
     }
 
-    /// Whether the load has stood still since the `start`, and nothing was lost. Halves of such a
-    /// step would give the same: forces between those at its ends hold the load as well.
+    /// Whether the load has stood still since the `start`, and nothing was lost or the forces of the
+    /// obstacles have not changed. Halves of such a step would give the same: forces between those
+    /// at its ends hold the load as well.
     fn has_stood(&self, start: &Snapshot<Memory>) -> bool {
         let (now, before) = (&self.state, &start.state);
         let is_lossless =
             now.energy.side_friction == before.energy.side_friction && now.energy.obstacle_work == before.energy.obstacle_work;
-        now.motion == before.motion && now.motion.twist == Twist::ZERO && is_lossless && !self.method.is_damped
+        let is_unchanged = |(now, before): (&Touching, &Touching)| now.key == before.key && now.force == before.force;
+        let [now, before] = [&now.side.touching, &before.side.touching];
+        let are_unchanged = now.len() == before.len() && now.iter().zip(before).all(is_unchanged);
+        self.stands_since(start) && (is_lossless || are_unchanged) && !self.method.is_damped
+    }
+
+    fn stands_since(&self, start: &Snapshot<Memory>) -> bool {
+        self.state.motion == start.state.motion && self.state.motion.twist == Twist::ZERO
     }
 }
