@@ -1,0 +1,152 @@
+//! Random scenes with inertia against an independent solution.
+
+use std::time::Duration;
+
+use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
+use cohaul::backend::Status;
+use cohaul::math::Pose;
+use rayon::prelude::*;
+
+use crate::draws::asked;
+use crate::integrator::solve;
+use crate::known::{GROUND_LAG, REST, one_piece, pressed};
+use crate::random_scene::{LoadKind, ObstacleKind, Random};
+use crate::run::{Run, Steps, expect_none, keep, off, run};
+use crate::scene::Scene;
+
+/// Largest error of the independent solution over the size with which it is used (1), and what its
+/// estimate is multiplied by.
+const USABLE: f64 = 1e-3;
+const SURE: f64 = 3.0;
+/// Smallest distance over the size that counts (1): the independent solution neglects rebounds.
+const COUNTS: f64 = 2e-4;
+/// Distance of half a step over the size that explains a distance at default steps (1).
+const OF_STEPS: f64 = 4.0;
+/// Tolerance of the runs under error control over the size (1).
+const ASKED: f64 = 1e-6;
+/// A run of a second that takes longer is slow.
+const SLOW: Duration = Duration::from_secs(4);
+
+/// The scene of a seed as far as the independent solution knows such scenes: obstacles with an
+/// inside, loads in one piece, no restitution.
+fn scene(seed: u64) -> Option<Scene> {
+    let mut random = Random::new(seed, true);
+    let is_known = matches!(random.obstacle, ObstacleKind::Block | ObstacleKind::Post | ObstacleKind::Pusher);
+    random.scene.obstacles.iter_mut().for_each(|body| body.restitution = 0.0);
+    (is_known && random.load != LoadKind::Halves).then_some(random.scene)
+}
+
+/// What became of a scene.
+#[derive(Default)]
+struct Findings {
+    n_compared: usize,
+    n_without_solution: usize,
+    wrong: Vec<String>,
+    refused: Vec<String>,
+    slow: Vec<String>,
+}
+
+impl Findings {
+    fn add(mut self, other: Self) -> Self {
+        self.n_compared += other.n_compared;
+        self.n_without_solution += other.n_without_solution;
+        self.wrong.extend(other.wrong);
+        self.refused.extend(other.refused);
+        self.slow.extend(other.slow);
+        self
+    }
+
+    /// Notes the cost and the ending of a run, and whether it has converged.
+    fn has_converged(&mut self, what: &str, run: &Run) -> bool {
+        if run.took > SLOW {
+            self.slow.push(format!("{what} takes {:.1?}", run.took));
+        }
+        let has_converged = run.status == Status::Converged;
+        if !has_converged {
+            self.refused.push(format!("{what} ends with {:?}", run.status));
+        }
+        has_converged
+    }
+
+    /// Compares a run with the independent solution.
+    fn compare(&mut self, what: &str, found: &Run, right: &Run, allowed: f64, scene: &Scene) {
+        let apart = found.apart(right, scene.size());
+        if apart > allowed {
+            keep(&what.replace(' ', "-"), scene, right.end());
+            self.wrong.push(format!("{what}: {apart:.1e} of the size, allowed {allowed:.1e}, {:?}, right {:?}", found.end(), right.end()));
+        }
+    }
+}
+
+fn of_seed(seed: u64) -> Findings {
+    let mut findings = Findings::default();
+    let Some(scene) = scene(seed) else { return findings };
+    let by_default = run(&scene, Inertial, Steps::Default);
+    let has_converged = findings.has_converged(&format!("inertial-default-{seed}"), &by_default);
+    let within = run(&scene, Inertial, Steps::Within(ASKED * scene.size()));
+    let is_within = findings.has_converged(&format!("inertial-within-{seed}"), &within);
+    let Some((poses, error)) = solve(&scene).filter(|(_, error)| *error < USABLE) else {
+        findings.n_without_solution += 1;
+        return findings;
+    };
+    findings.n_compared += 1;
+    let poses = poses.into_iter().map(|[x, y, heading]| Pose::new(x, y, heading)).collect();
+    let right = Run { poses, ..by_default.clone() };
+    let allowed = SURE * error + COUNTS;
+    if is_within {
+        findings.compare(&format!("inertial-within-{seed}"), &within, &right, allowed, &scene);
+    }
+    if has_converged {
+        let of_steps = run(&scene, Inertial, Steps::Halved).apart(&by_default, scene.size());
+        findings.compare(&format!("inertial-default-{seed}"), &by_default, &right, allowed + OF_STEPS * of_steps, &scene);
+    }
+    findings
+}
+
+fn survey(seeds: std::ops::Range<u64>) -> Findings {
+    seeds.into_par_iter().map(of_seed).reduce(Findings::default, Findings::add)
+}
+
+/// The independent solution finds closed forms: a box that is pressed on a wall and pulled along
+/// it, with what the load still closes of its lag.
+#[test]
+fn the_independent_solution_finds_a_closed_form() {
+    let scene = pressed("known", one_piece(0.0), &[0.6]);
+    let (poses, error) = solve(&scene).expect("it takes few steps");
+    let (rate, since) = (200f64.sqrt(), 1.25 - GROUND_LAG / 0.48);
+    let right = [0.48 * (since - (rate * since).sin() / rate), REST, 0.0];
+    let end = *poses.last().expect("it has poses");
+    assert!(off(end, right) < 1e-5 && error < 1e-3, "ends at {end:?}, right is {right:?}, error {error:e}");
+}
+
+#[test]
+fn random_scenes_with_inertia_move_as_the_independent_solution() {
+    let found = survey(0..24);
+    assert!(found.n_compared > 8, "{} compared, {} without a solution", found.n_compared, found.n_without_solution);
+    expect_none(found.wrong);
+}
+
+/// `COHAUL_SEED` is the first seed in place of 1000, `COHAUL_COUNT` the number of scenes.
+#[test]
+#[ignore = "takes minutes"]
+fn many_scenes_with_inertia_move_as_the_independent_solution() {
+    let (first, count) = (asked("COHAUL_SEED", 1000), asked("COHAUL_COUNT", 600));
+    let found = survey(first..first + count);
+    let without_inertia = |seed: u64| {
+        let mut findings = Findings::default();
+        let scene = Random::new(seed, false).scene;
+        for steps in [Steps::Default, Steps::Within(ASKED * scene.size())] {
+            findings.has_converged(&format!("quasi-static {steps:?} {seed}"), &run(&scene, QuasiStatic, steps));
+        }
+        findings
+    };
+    let other = (first..first + count).into_par_iter().map(without_inertia).reduce(Findings::default, Findings::add);
+    for (name, found) in [("inertial", &found), ("quasi-static", &other)] {
+        for (what, list) in [("wrong", &found.wrong), ("refused", &found.refused), ("slow", &found.slow)] {
+            list.iter().for_each(|one| println!("{name} {what}: {one}"));
+            println!("{name}: {} {what}", list.len());
+        }
+        println!("{name}: {} compared, {} without a solution", found.n_compared, found.n_without_solution);
+    }
+    expect_none(found.wrong);
+}

@@ -1,0 +1,30 @@
+//! Answers at obstacles that do not depend on how a scene is posed, beside known answers.
+//!
+//! ```text
+//! scene.rs    scenes as data, and their JSON
+//! posed.rs    the same scene turned, mirrored, scaled, cut and refined
+//! draws.rs    random numbers
+//! run.rs      runs of the exact backends, and distances between them
+//! known.rs    known answers of a box that slides past joints, ends and steps
+//! reports.rs  known answers of scenes from reports
+//! tilings.rs  walls of flush blocks against the wall in one piece
+//! pairs.rs    random scenes against themselves posed differently
+//! integrator.rs          an independent solution with inertia
+//! against_integrator.rs  random scenes against that solution
+//! ```
+//!
+//! `random_scene.rs` and `variant.rs` make the scenes of `pairs.rs` and their other poses. Where
+//! the variable `COHAUL_DUMP` names a folder, scenes that are unequal are written there.
+
+mod against_integrator;
+mod draws;
+mod integrator;
+mod known;
+mod pairs;
+mod posed;
+mod random_scene;
+mod reports;
+mod run;
+mod scene;
+mod tilings;
+mod variant;

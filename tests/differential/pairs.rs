@@ -1,0 +1,162 @@
+//! Random scenes against themselves posed differently: their motion is the same.
+//!
+//! At fixed steps both runs do the same work up to rounding. Where pieces of a wall may divide a
+//! step at other instants, both have other errors of their steps. These are estimated by a run at
+//! half the step.
+
+use std::fmt;
+use std::ops::Range;
+
+use cohaul::backend::BackendKind::{self, Inertial, QuasiStatic};
+use rayon::prelude::*;
+
+use crate::draws::{Draws, asked};
+use crate::posed::Pose;
+use crate::random_scene::Random;
+use crate::run::{EXACT, Run, Steps, expect_none, keep, run};
+use crate::variant::{Variant, with_polygons};
+
+/// Largest distance at the same steps over the size (1): a thousand steps round to 1e-13, which
+/// unstable motions multiply by up to ten thousand.
+const SAME: f64 = 1e-9;
+/// Distance of two divisions of time over the distance from half of the step (1): each error is
+/// about twice that distance for steps of first order, and both may have the other sign.
+const OTHER_STEPS: f64 = 4.0;
+/// Size of the scene survey.
+const MANY: u64 = 2000;
+/// Distance of half a step over the size beyond which a scene is not looked at (1): its motion
+/// depends on its steps, and any other one would do as well.
+const DEPENDS_ON_STEPS: f64 = 1e-2;
+
+/// A scene and itself posed differently that moved differently.
+struct Unequal {
+    kind: BackendKind,
+    seed: u64,
+    variant: Variant,
+    random: Random,
+    apart: f64,
+    allowed: f64,
+    ends: [[f64; 3]; 2],
+}
+
+impl fmt::Display for Unequal {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Random { load, obstacle, drive, is_long, scene } = &self.random;
+        let [end, other] = self.ends;
+        write!(
+            f,
+            "{} {} {:?}: {load:?} of {:.3} m, {obstacle:?}, long {is_long}, {drive:?}: {:.1e} of the size, allowed {:.1e}, \
+             ends {end:?} and {other:?}",
+            self.kind.name(),
+            self.seed,
+            self.variant,
+            scene.size(),
+            self.apart,
+            self.allowed
+        )
+    }
+}
+
+/// The run of a scene in the pose of another one.
+fn posed(run: &Run, pose: &Pose) -> Run {
+    let mut posed = run.clone();
+    for one in &mut posed.poses {
+        let [x, y, heading] = pose.pose([one.position.x, one.position.y, one.heading]);
+        *one = cohaul::math::Pose::new(x, y, heading);
+    }
+    posed
+}
+
+/// What is unequal about a variant of a scene; `None` also where the variant does not apply.
+fn unequal(seed: u64, kind: BackendKind, variant: Variant, plain: &Run, random: &Random, of_steps: f64) -> Option<Unequal> {
+    let (scene, pose) = variant.of(random, &mut Draws::new(seed ^ 0xd1ff));
+    let other = run(&scene, kind, Steps::Default);
+    let plain = posed(plain, &pose);
+    let apart = plain.apart(&other, scene.size());
+    let allowed = SAME + variant.allowed() + if variant.may_cut_steps() { OTHER_STEPS * of_steps } else { 0.0 };
+    let is_equal = apart <= allowed;
+    if !is_equal {
+        keep(&format!("pair-{}-{seed}-{variant:?}", kind.name()), &scene, plain.end());
+    }
+    (!is_equal).then(|| Unequal { kind, seed, variant, random: random.clone(), apart, allowed, ends: [plain.end(), other.end()] })
+}
+
+/// The unequal variants of a scene, of which `n` are tried, and the number that was compared.
+fn of_seed(seed: u64, kind: BackendKind, n: usize) -> (usize, Vec<Unequal>) {
+    let random = Random::new(seed, kind == Inertial);
+    let plain = run(&random.scene, kind, Steps::Default);
+    let of_steps = run(&random.scene, kind, Steps::Halved).apart(&plain, random.scene.size());
+    let mut variants: Vec<Variant> = Variant::ALL.into_iter().filter(|variant| variant.applies(&random)).collect();
+    variants.retain(|variant| of_steps < DEPENDS_ON_STEPS || !variant.may_cut_steps());
+    Draws::new(seed ^ 0xa11).shuffle(&mut variants);
+    variants.truncate(n);
+    let unequal = variants.iter().filter_map(|variant| unequal(seed, kind, *variant, &plain, &random, of_steps)).collect();
+    (variants.len(), unequal)
+}
+
+/// Compares variants of the scenes of these seeds, two of each.
+fn compare(seeds: Range<u64>, kind: BackendKind) -> (usize, Vec<String>) {
+    let found: Vec<(usize, Vec<Unequal>)> = seeds.into_par_iter().map(|seed| of_seed(seed, kind, 2)).collect();
+    let n = found.iter().map(|(n, _)| n).sum();
+    (n, found.iter().flat_map(|(_, unequal)| unequal).map(Unequal::to_string).collect())
+}
+
+#[test]
+fn without_inertia_no_pose_of_a_scene_changes_its_motion() {
+    let (n, unequal) = compare(0..24, QuasiStatic);
+    assert!(n > 30, "{n} pairs");
+    expect_none(unequal);
+}
+
+#[test]
+fn with_inertia_no_pose_of_a_scene_changes_its_motion() {
+    let (n, unequal) = compare(0..24, Inertial);
+    assert!(n > 30, "{n} pairs");
+    expect_none(unequal);
+}
+
+/// Distance from the disc that a polygon of `n` corners may have over the size (1): it deviates by
+/// 5 / n^2 of the radius, and at each corner an impact without rebound takes a part of its energy,
+/// of the order 1 / n in all.
+fn of_polygon(n: usize) -> f64 {
+    10.0 / n as f64
+}
+
+/// Runs with polygons in place of discs that do not come closer to that with discs.
+fn not_round(seed: u64, kind: BackendKind, numbers: &[usize]) -> Option<String> {
+    let random = Random::new(seed, kind == Inertial);
+    let scenes: Vec<_> = numbers.iter().filter_map(|n| with_polygons(&random, *n)).collect();
+    let disc = (!scenes.is_empty()).then(|| run(&random.scene, kind, Steps::Default))?;
+    let size = random.scene.size();
+    let apart: Vec<f64> = scenes.iter().map(|scene| run(scene, kind, Steps::Default).apart(&disc, size)).collect();
+    let is_far = numbers.iter().zip(&apart).any(|(n, apart)| *apart > of_polygon(*n));
+    is_far.then(|| {
+        let scene = scenes.last().expect("there are scenes");
+        keep(&format!("polygon-{}-{seed}", kind.name()), scene, disc.end());
+        format!("{} {seed}: {numbers:?} corners are {apart:?} of the size from the disc: {random:?}", kind.name())
+    })
+}
+
+#[test]
+fn polygons_of_many_corners_move_as_discs() {
+    let pairs: Vec<(u64, BackendKind)> = EXACT.into_iter().flat_map(|kind| (0..12).map(move |seed| (seed, kind))).collect();
+    expect_none(pairs.into_par_iter().filter_map(|(seed, kind)| not_round(seed, kind, &[60, 240])).collect());
+}
+
+/// `COHAUL_SEED` is the first seed in place of 1000, `COHAUL_COUNT` the number of scenes.
+#[test]
+#[ignore = "takes half an hour"]
+fn many_scenes_move_as_in_other_poses() {
+    let (first, count) = (asked("COHAUL_SEED", 1000), asked("COHAUL_COUNT", MANY));
+    let mut all = Vec::new();
+    for kind in EXACT {
+        let (n, unequal) = compare(first..first + count, kind);
+        unequal.iter().for_each(|one| println!("{one}"));
+        println!("{}: {} of {n} pairs are unequal", kind.name(), unequal.len());
+        let not_round: Vec<String> =
+            (first..first + count / 20).into_par_iter().filter_map(|seed| not_round(seed, kind, &[12, 60, 240, 1000])).collect();
+        not_round.iter().for_each(|one| println!("{one}"));
+        all.extend(unequal.into_iter().chain(not_round));
+    }
+    expect_none(all);
+}

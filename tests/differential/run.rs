@@ -1,0 +1,119 @@
+//! Runs of the exact backends, and distances between them.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+use std::{env, fs};
+
+use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
+use cohaul::backend::{BackendKind, BackendOptions, EnergyLedger, Status, Tolerance, TransitionCounts};
+use cohaul::math::Pose;
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Keep, Simulation, backend_of, controller_of};
+use serde_json::json;
+
+use crate::scene::Scene;
+
+/// The backends whose answers are exact up to their steps.
+pub const EXACT: [BackendKind; 2] = [QuasiStatic, Inertial];
+
+/// How a run divides its time.
+#[derive(Clone, Copy, Debug)]
+pub enum Steps {
+    /// Steps of the default length.
+    Default,
+    /// Steps of half that length.
+    Halved,
+    /// Error control with this tolerance (m).
+    Within(f64),
+}
+
+/// What a run came to.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Poses at the instants of the control periods.
+    pub poses: Vec<Pose>,
+    /// Velocity (m/s) and turn rate (rad/s) at the end.
+    pub velocity: [f64; 3],
+    pub status: Status,
+    pub energy: EnergyLedger,
+    pub transitions: TransitionCounts,
+    /// Time that it took.
+    pub took: Duration,
+}
+
+/// Runs a scenario to its end.
+pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run {
+    let by_default = BackendOptions::at_step(None, kind, &scenario.system, scenario.control_period);
+    let options = match steps {
+        Steps::Default => by_default,
+        Steps::Halved => BackendOptions { step_s: 0.5 * by_default.step_s, ..by_default },
+        Steps::Within(tolerance) => BackendOptions::within(kind, Tolerance::at_edge(tolerance, &scenario.system.load)),
+    };
+    let begun = Instant::now();
+    let start = |options: &BackendOptions| {
+        Simulation::from_parts(scenario, options, Keep::Trace, controller_of(scenario), backend_of(scenario, options))
+    };
+    let mut run = start(&options);
+    if options.tolerance.is_some() {
+        run.run_to_tolerance(start, |_| true)
+    } else {
+        run.run(|_| true)
+    }
+    let (trace, outcome) = run.into_results();
+    let twist = outcome.motion.twist;
+    Run {
+        poses: trace.rows.iter().map(|row| row.motion.pose).collect(),
+        velocity: [twist.linear.x, twist.linear.y, twist.angular],
+        status: outcome.steps.status,
+        energy: outcome.energy,
+        transitions: outcome.transitions,
+        took: begun.elapsed(),
+    }
+}
+
+/// Runs a scene to its end.
+pub fn run(scene: &Scene, kind: BackendKind, steps: Steps) -> Run {
+    run_scenario(&scene.scenario(), kind, steps)
+}
+
+impl Run {
+    /// Position (m) and heading (rad) at the end.
+    pub fn end(&self) -> [f64; 3] {
+        let pose = self.poses.last().expect("a run has a row at its end");
+        [pose.position.x, pose.position.y, pose.heading]
+    }
+
+    /// Largest heading on the way, in magnitude (rad).
+    pub fn most_turned(&self) -> f64 {
+        self.poses.iter().map(|pose| pose.heading.abs()).fold(0.0, f64::max)
+    }
+
+    /// Largest distance from another run at an instant: coordinates over the load's size, and
+    /// headings (1, rad).
+    pub fn apart(&self, other: &Self, size: f64) -> f64 {
+        assert_eq!(self.poses.len(), other.poses.len(), "both runs have a row at each instant");
+        let distance = |(a, b): (&Pose, &Pose)| ((a.position - b.position).amax() / size).max((a.heading - b.heading).abs());
+        // A distance that is not a number counts as infinite.
+        let worst = |worst: f64, one: f64| if one <= worst { worst } else { one };
+        self.poses.iter().zip(&other.poses).map(distance).map(|one| if one.is_nan() { f64::INFINITY } else { one }).fold(0.0, worst)
+    }
+}
+
+/// Largest difference of three numbers (m, m, rad).
+pub fn off(found: [f64; 3], right: [f64; 3]) -> f64 {
+    let worst = found.iter().zip(right).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    if found.iter().all(|value| value.is_finite()) { worst } else { f64::INFINITY }
+}
+
+/// Fails with all findings.
+pub fn expect_none(findings: Vec<String>) {
+    assert!(findings.is_empty(), "{} wrong:\n{}", findings.len(), findings.join("\n"));
+}
+
+/// Writes a scene and its right end (m, m, rad) into the folder `COHAUL_DUMP`, where there is one.
+pub fn keep(name: &str, scene: &Scene, right: [f64; 3]) {
+    let Ok(folder) = env::var("COHAUL_DUMP") else { return };
+    let folder = Path::new(&folder);
+    fs::write(folder.join(format!("{name}.json")), format!("{:#}", scene.json())).expect("the scene is written");
+    fs::write(folder.join(format!("{name}.right")), json!(right).to_string()).expect("the answer is written");
+}
