@@ -11,7 +11,7 @@ use crate::draws::asked;
 use crate::integrator::solve;
 use crate::known::{GROUND_LAG, REST, one_piece, pressed};
 use crate::random_scene::{LoadKind, ObstacleKind, Random};
-use crate::run::{Run, Steps, expect_none, keep, off, run};
+use crate::run::{Run, Steps, expect_none, keep, off, run, step_error};
 use crate::scene::Scene;
 
 /// Largest error of the independent solution over the size with which it is used (1), and what its
@@ -20,8 +20,6 @@ const USABLE: f64 = 1e-3;
 const SURE: f64 = 3.0;
 /// Smallest distance over the size that counts (1): the independent solution neglects rebounds.
 const COUNTS: f64 = 2e-4;
-/// Distance of half a step over the size that explains a distance at default steps (1).
-const OF_STEPS: f64 = 4.0;
 /// Tolerance of the runs under error control over the size (1).
 const ASKED: f64 = 1e-6;
 /// A run of a second that takes longer is slow.
@@ -97,8 +95,8 @@ fn of_seed(seed: u64) -> Findings {
         findings.compare(&format!("inertial-within-{seed}"), &within, &right, allowed, &scene);
     }
     if has_converged {
-        let of_steps = run(&scene, Inertial, Steps::Halved).apart(&by_default, scene.size());
-        findings.compare(&format!("inertial-default-{seed}"), &by_default, &right, allowed + OF_STEPS * of_steps, &scene);
+        let of_steps = step_error(&scene, Inertial, &by_default);
+        findings.compare(&format!("inertial-default-{seed}"), &by_default, &right, allowed + of_steps, &scene);
     }
     findings
 }
@@ -121,7 +119,7 @@ fn the_independent_solution_finds_a_closed_form() {
 
 #[test]
 fn random_scenes_with_inertia_move_as_the_independent_solution() {
-    let found = survey(0..24);
+    let found = survey(0..30);
     assert!(found.n_compared > 8, "{} compared, {} without a solution", found.n_compared, found.n_without_solution);
     expect_none(found.wrong);
 }

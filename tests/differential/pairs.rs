@@ -13,20 +13,17 @@ use rayon::prelude::*;
 use crate::draws::{Draws, asked};
 use crate::posed::Pose;
 use crate::random_scene::Random;
-use crate::run::{EXACT, Run, Steps, expect_none, keep, run};
+use crate::run::{EXACT, Run, Steps, expect_none, keep, run, step_error};
 use crate::variant::{Variant, with_polygons};
 
 /// Largest distance at the same steps over the size (1): a thousand steps round to 1e-13, which
 /// unstable motions multiply by up to ten thousand.
 const SAME: f64 = 1e-9;
-/// Distance of two divisions of time over the distance from half of the step (1): each error is
-/// about twice that distance for steps of first order, and both may have the other sign.
-const OTHER_STEPS: f64 = 4.0;
-/// Size of the scene survey.
+/// Number of scenes of the long survey.
 const MANY: u64 = 2000;
-/// Distance of half a step over the size beyond which a scene is not looked at (1): its motion
-/// depends on its steps, and any other one would do as well.
-const DEPENDS_ON_STEPS: f64 = 1e-2;
+/// Error of the steps over the size beyond which a scene is not posed so that its steps may be
+/// divided at other instants (1).
+const DEPENDS_ON_STEPS: f64 = 3e-2;
 
 /// A scene and itself posed differently that moved differently.
 struct Unequal {
@@ -73,7 +70,7 @@ fn unequal(seed: u64, kind: BackendKind, variant: Variant, plain: &Run, random: 
     let other = run(&scene, kind, Steps::Default);
     let plain = posed(plain, &pose);
     let apart = plain.apart(&other, scene.size());
-    let allowed = SAME + variant.allowed() + if variant.may_cut_steps() { OTHER_STEPS * of_steps } else { 0.0 };
+    let allowed = SAME + variant.allowed() + if variant.may_cut_steps() { of_steps } else { 0.0 };
     let is_equal = apart <= allowed;
     if !is_equal {
         keep(&format!("pair-{}-{seed}-{variant:?}", kind.name()), &scene, plain.end());
@@ -85,7 +82,7 @@ fn unequal(seed: u64, kind: BackendKind, variant: Variant, plain: &Run, random: 
 fn of_seed(seed: u64, kind: BackendKind, n: usize) -> (usize, Vec<Unequal>) {
     let random = Random::new(seed, kind == Inertial);
     let plain = run(&random.scene, kind, Steps::Default);
-    let of_steps = run(&random.scene, kind, Steps::Halved).apart(&plain, random.scene.size());
+    let of_steps = step_error(&random.scene, kind, &plain);
     let mut variants: Vec<Variant> = Variant::ALL.into_iter().filter(|variant| variant.applies(&random)).collect();
     variants.retain(|variant| of_steps < DEPENDS_ON_STEPS || !variant.may_cut_steps());
     Draws::new(seed ^ 0xa11).shuffle(&mut variants);

@@ -10,12 +10,13 @@ use cohaul::backend::Status;
 use crate::draws::Draws;
 use crate::known::{GROUND_LAG, REST, ROUGH, SIDE_LAG, TOP, block, line, one_piece, pressed};
 use crate::posed::{Pose, refined};
-use crate::run::{EXACT, Run, Steps, off, run};
+use crate::run::{EXACT, Run, Steps, off, run, step_error};
 use crate::scene::{Body, GRAVITY, Part, Point, Scene, Spring, fixed, rectangle};
 
 /// Largest error without inertia (m, rad): rounding, and the distance at which a gap is closed.
 const ROUNDING: f64 = 1e-9;
-/// Largest distance of two poses of one scene at fixed steps (1), over the size.
+/// Largest distance of two poses of one scene (1), over the size, apart from the error of steps that
+/// are divided at joints.
 const SAME: f64 = 1e-9;
 
 /// The box at this wall: pressed on it within 0.5 s, and pulled to `target` (m) within 2.5 s.
@@ -33,10 +34,15 @@ fn expect_end(obstacles: Vec<Body>, friction: f64, target: f64) {
     let scene = pulled(obstacles, target);
     let found = run(&scene, QuasiStatic, Steps::Default);
     assert!(off(found.end(), [x, REST, 0.0]) < ROUNDING, "ends at {:?}, right is x {x}", found.end());
-    let whole = run(&pulled(one_piece(friction), target), Inertial, Steps::Default);
+    let in_one_piece = pulled(one_piece(friction), target);
+    let whole = run(&in_one_piece, Inertial, Steps::Default);
     let found = run(&scene, Inertial, Steps::Default);
     let apart = found.apart(&whole, scene.size());
-    assert!(apart < SAME, "{apart:e} of the size from the wall in one piece, ends at {:?}", found.end());
+    assert!(
+        apart < SAME + step_error(&in_one_piece, Inertial, &whole),
+        "{apart:e} of the size from the wall in one piece, ends at {:?}",
+        found.end()
+    );
 }
 
 /// A wall that ends before the front corner does: the side stays on it.
@@ -219,8 +225,8 @@ fn expect_belt(found: &Run, x: f64, allowed: f64) {
 fn a_belt_carries_a_load_to_the_balance_of_friction_and_spring() {
     let found = belt(QuasiStatic, Steps::Default);
     expect_belt(&found, BELT_BALANCE, ROUNDING);
-    // Two simulated seconds of a load at rest, on a busy machine.
-    assert!(found.took < Duration::from_secs(2), "takes {:?}", found.took);
+    // The load is at rest for most of the time.
+    assert!(found.took < Duration::from_secs(1), "takes {:?}", found.took);
 }
 
 /// The load leaves the belt at its speed v where forces balance, and oscillates with the rate w: it

@@ -1,11 +1,11 @@
 //! Runs of the exact backends, and distances between them.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use std::{env, fs};
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
-use cohaul::backend::{BackendKind, BackendOptions, EnergyLedger, Status, Tolerance, TransitionCounts};
+use cohaul::backend::{BackendKind, BackendOptions, EnergyLedger, Status, Tolerance};
 use cohaul::math::Pose;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, backend_of, controller_of};
@@ -32,13 +32,19 @@ pub enum Steps {
 pub struct Run {
     /// Poses at the instants of the control periods.
     pub poses: Vec<Pose>,
-    /// Velocity (m/s) and turn rate (rad/s) at the end.
-    pub velocity: [f64; 3],
     pub status: Status,
     pub energy: EnergyLedger,
-    pub transitions: TransitionCounts,
-    /// Time that it took.
+    /// Time of the processor that it took.
     pub took: Duration,
+}
+
+/// Time of the processor that this thread has used, in hundredths of a second: other processes do
+/// not count. It is zero where the system has no such file.
+fn processor_time() -> Duration {
+    let stat = fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
+    let ticks: u64 = fields.skip(11).take(2).filter_map(|field| field.parse::<u64>().ok()).sum();
+    Duration::from_millis(10 * ticks)
 }
 
 /// Runs a scenario to its end.
@@ -49,7 +55,7 @@ pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run
         Steps::Halved => BackendOptions { step_s: 0.5 * by_default.step_s, ..by_default },
         Steps::Within(tolerance) => BackendOptions::within(kind, Tolerance::at_edge(tolerance, &scenario.system.load)),
     };
-    let begun = Instant::now();
+    let begun = processor_time();
     let start = |options: &BackendOptions| {
         Simulation::from_parts(scenario, options, Keep::Trace, controller_of(scenario), backend_of(scenario, options))
     };
@@ -60,20 +66,27 @@ pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run
         run.run(|_| true)
     }
     let (trace, outcome) = run.into_results();
-    let twist = outcome.motion.twist;
     Run {
         poses: trace.rows.iter().map(|row| row.motion.pose).collect(),
-        velocity: [twist.linear.x, twist.linear.y, twist.angular],
         status: outcome.steps.status,
         energy: outcome.energy,
-        transitions: outcome.transitions,
-        took: begun.elapsed(),
+        took: processor_time().saturating_sub(begun),
     }
 }
 
 /// Runs a scene to its end.
 pub fn run(scene: &Scene, kind: BackendKind, steps: Steps) -> Run {
     run_scenario(&scene.scenario(), kind, steps)
+}
+
+/// Distance of two divisions of time over the distance from half of the step (1): each error is
+/// about twice that distance for steps of first order, and both may have the other sign.
+const OTHER_STEPS: f64 = 4.0;
+
+/// Largest distance over the size of two runs of a scene whose steps of the default length are
+/// divided at other instants (1), if `plain` is one of them.
+pub fn step_error(scene: &Scene, kind: BackendKind, plain: &Run) -> f64 {
+    OTHER_STEPS * run(scene, kind, Steps::Halved).apart(plain, scene.size())
 }
 
 impl Run {
