@@ -1,5 +1,6 @@
 //! Random scenes with inertia against an independent solution.
 
+use std::ops::Range;
 use std::time::Duration;
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
@@ -20,6 +21,8 @@ const USABLE: f64 = 1e-3;
 const SURE: f64 = 3.0;
 /// Smallest distance over the size that counts (1): the independent solution neglects rebounds.
 const COUNTS: f64 = 2e-4;
+/// Error of default steps over the size beyond which they are not compared (1).
+const DEPENDS_ON_STEPS: f64 = 3e-2;
 /// Tolerance of the runs under error control over the size (1).
 const ASKED: f64 = 1e-6;
 /// A run of a second that takes longer is slow.
@@ -31,6 +34,7 @@ fn scene(seed: u64) -> Option<Scene> {
     let mut random = Random::new(seed, true);
     let is_known = matches!(random.obstacle, ObstacleKind::Block | ObstacleKind::Post | ObstacleKind::Pusher);
     random.scene.obstacles.iter_mut().for_each(|body| body.restitution = 0.0);
+    random.scene.name = format!("{:?} on {:?}, {:?}", random.load, random.obstacle, random.drive);
     (is_known && random.load != LoadKind::Halves).then_some(random.scene)
 }
 
@@ -71,7 +75,11 @@ impl Findings {
         let apart = found.apart(right, scene.size());
         if apart > allowed {
             keep(&what.replace(' ', "-"), scene, right.end());
-            self.wrong.push(format!("{what}: {apart:.1e} of the size, allowed {allowed:.1e}, {:?}, right {:?}", found.end(), right.end()));
+            let (friction, (end, right)) = (scene.obstacles[0].friction, (found.end(), right.end()));
+            self.wrong.push(format!(
+                "{what}, {}, side friction {friction:.2}: {apart:.1e} of the size, allowed {allowed:.1e}, {end:?}, right {right:?}",
+                scene.name
+            ));
         }
     }
 }
@@ -94,14 +102,14 @@ fn of_seed(seed: u64) -> Findings {
     if is_within {
         findings.compare(&format!("inertial-within-{seed}"), &within, &right, allowed, &scene);
     }
-    if has_converged {
-        let of_steps = step_error(&scene, Inertial, &by_default);
+    let of_steps = if has_converged { step_error(&scene, Inertial, &by_default) } else { f64::INFINITY };
+    if of_steps < DEPENDS_ON_STEPS {
         findings.compare(&format!("inertial-default-{seed}"), &by_default, &right, allowed + of_steps, &scene);
     }
     findings
 }
 
-fn survey(seeds: std::ops::Range<u64>) -> Findings {
+fn survey(seeds: Range<u64>) -> Findings {
     seeds.into_par_iter().map(of_seed).reduce(Findings::default, Findings::add)
 }
 
@@ -119,32 +127,47 @@ fn the_independent_solution_finds_a_closed_form() {
 
 #[test]
 fn random_scenes_with_inertia_move_as_the_independent_solution() {
-    let found = survey(0..30);
-    assert!(found.n_compared > 8, "{} compared, {} without a solution", found.n_compared, found.n_without_solution);
+    let found = survey(0..20);
+    assert!(found.n_compared > 5, "{} compared, {} without a solution", found.n_compared, found.n_without_solution);
     expect_none(found.wrong);
 }
 
-/// `COHAUL_SEED` is the first seed in place of 1000, `COHAUL_COUNT` the number of scenes.
+/// Seeds of the long surveys: `COHAUL_SEED` is the first one in place of 1000, `COHAUL_COUNT` their
+/// number.
+fn asked_seeds() -> Range<u64> {
+    let (first, count) = (asked("COHAUL_SEED", 1000), asked("COHAUL_COUNT", 600));
+    first..first + count
+}
+
+fn print(found: &Findings) {
+    for (what, list) in [("wrong", &found.wrong), ("refused", &found.refused), ("slow", &found.slow)] {
+        list.iter().for_each(|one| println!("{what}: {one}"));
+        println!("{} {what}", list.len());
+    }
+    println!("{} compared, {} without a solution", found.n_compared, found.n_without_solution);
+}
+
+/// Half of the scenes are known to the independent solution.
 #[test]
 #[ignore = "takes minutes"]
 fn many_scenes_with_inertia_move_as_the_independent_solution() {
-    let (first, count) = (asked("COHAUL_SEED", 1000), asked("COHAUL_COUNT", 600));
-    let found = survey(first..first + count);
-    let without_inertia = |seed: u64| {
+    let found = survey(asked_seeds());
+    print(&found);
+    expect_none(found.wrong);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn many_scenes_without_inertia_are_solved_in_time() {
+    let of_seed = |seed: u64| {
         let mut findings = Findings::default();
         let scene = Random::new(seed, false).scene;
-        for steps in [Steps::Default, Steps::Within(ASKED * scene.size())] {
-            findings.has_converged(&format!("quasi-static {steps:?} {seed}"), &run(&scene, QuasiStatic, steps));
+        for (name, steps) in [("default", Steps::Default), ("within", Steps::Within(ASKED * scene.size()))] {
+            findings.has_converged(&format!("quasi-static-{name}-{seed}"), &run(&scene, QuasiStatic, steps));
         }
         findings
     };
-    let other = (first..first + count).into_par_iter().map(without_inertia).reduce(Findings::default, Findings::add);
-    for (name, found) in [("inertial", &found), ("quasi-static", &other)] {
-        for (what, list) in [("wrong", &found.wrong), ("refused", &found.refused), ("slow", &found.slow)] {
-            list.iter().for_each(|one| println!("{name} {what}: {one}"));
-            println!("{name}: {} {what}", list.len());
-        }
-        println!("{name}: {} compared, {} without a solution", found.n_compared, found.n_without_solution);
-    }
-    expect_none(found.wrong);
+    let found = asked_seeds().into_par_iter().map(of_seed).reduce(Findings::default, Findings::add);
+    print(&found);
+    expect_none(found.slow.into_iter().chain(found.refused).collect());
 }

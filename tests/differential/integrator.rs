@@ -9,7 +9,7 @@
 //!
 //! A Rosenbrock method of second order (Shampine and Reichelt 1997, ode23s) with error control
 //! solves the equations of motion. The limit of a rigid obstacle and of Coulomb's law is
-//! extrapolated from two solutions with different k and e.
+//! extrapolated from two solutions with different k, c and e.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -23,7 +23,7 @@ const DEPTH: f64 = 2e-7;
 /// Slip velocity at which friction is 0.7 of Coulomb's (m/s).
 const SLIP: f64 = 2e-6;
 /// Damping ratio of contacts (1): a load rebounds with about 1 / (4 ratio^2) of its speed.
-const DAMPING: f64 = 8.0;
+const DAMPING: f64 = 16.0;
 /// Error of a step: positions over the size and headings, and velocities (1, m/s).
 const POSITION_ERROR: f64 = 1e-9;
 const VELOCITY_ERROR: f64 = 1e-6;
@@ -187,7 +187,8 @@ struct Equations<'a> {
 }
 
 impl<'a> Equations<'a> {
-    /// Contacts of `softness` times the depth, and friction of `softness` times the slip.
+    /// Contacts of `softness` times the depth and the rebound, and friction of `softness` times the
+    /// slip: all errors are proportional to it.
     fn new(scene: &'a Scene, softness: f64) -> Self {
         let size = scene.size();
         let stiffness = scene.mass * crate::scene::GRAVITY / (softness * DEPTH * size);
@@ -197,7 +198,7 @@ impl<'a> Equations<'a> {
             load: shapes(&scene.load),
             obstacles: scene.obstacles.iter().map(|body| (body, shapes(&body.parts))).collect(),
             stiffness,
-            damping: 2.0 * DAMPING * (stiffness * scene.mass).sqrt(),
+            damping: 2.0 * DAMPING * (stiffness * scene.mass / softness).sqrt(),
             slip: softness * SLIP,
             size,
         }

@@ -126,11 +126,13 @@ fn not_round(seed: u64, kind: BackendKind, numbers: &[usize]) -> Option<String> 
     let disc = (!scenes.is_empty()).then(|| run(&random.scene, kind, Steps::Default))?;
     let size = random.scene.size();
     let apart: Vec<f64> = scenes.iter().map(|scene| run(scene, kind, Steps::Default).apart(&disc, size)).collect();
-    let is_far = numbers.iter().zip(&apart).any(|(n, apart)| *apart > of_polygon(*n));
+    let of_steps = step_error(&random.scene, kind, &disc);
+    let is_far = of_steps < DEPENDS_ON_STEPS && numbers.iter().zip(&apart).any(|(n, apart)| *apart > of_polygon(*n) + of_steps);
     is_far.then(|| {
         let scene = scenes.last().expect("there are scenes");
         keep(&format!("polygon-{}-{seed}", kind.name()), scene, disc.end());
-        format!("{} {seed}: {numbers:?} corners are {apart:?} of the size from the disc: {random:?}", kind.name())
+        let Random { load, obstacle, .. } = random;
+        format!("{} {seed}: {load:?}, {obstacle:?}, {numbers:?} corners are {apart:?} of the size from the disc", kind.name())
     })
 }
 

@@ -56,10 +56,10 @@ impl Variant {
         if self == Rounded { 1e-5 } else { 0.0 }
     }
 
-    /// Whether the steps may be divided at other instants: at a joint of pieces, or about the edge
-    /// of a round end.
+    /// Whether the steps may be divided at other instants: at a joint of pieces, at a corner on an
+    /// edge, or about the edge of a round end.
     pub fn may_cut_steps(self) -> bool {
-        matches!(self, Pieces | Compound | Steps | Rounded)
+        matches!(self, Pieces | Compound | Steps | Rounded | Refined)
     }
 
     /// The other scene, and how its poses follow from those of this one.
