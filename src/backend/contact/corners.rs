@@ -182,3 +182,96 @@ fn covers(face: [f64; 2], covered: [f64; 2], flush: f64) -> bool {
     let (one, other) = (crossed(face), crossed(covered));
     one > other || one == other && face[1] > covered[1]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::gate::Gate;
+    use super::*;
+    use crate::math::{Pose, RandomStreams, Stream, direction};
+    use crate::model::{Ground, Load, Obstacle, ObstaclePath, Outline, OutlinePart, System, World};
+
+    /// Convex polygon with corners at random angles on an ellipse with half axes up to 1 m, about
+    /// its origin.
+    fn polygon(draw: &mut impl FnMut() -> f64) -> Outline {
+        let (n, axes) = (3 + (6.0 * draw()) as usize, Vec2::new(0.3 + 0.7 * draw(), 0.3 + 0.7 * draw()));
+        let step = std::f64::consts::TAU / n as f64;
+        let corners = (0..n).map(|k| axes.component_mul(&direction(step * (k as f64 + 0.8 * draw())))).collect();
+        Outline { parts: vec![OutlinePart::Polygon { corners }] }
+    }
+
+    fn system(outline: Outline, obstacle: Outline) -> System {
+        let path = ObstaclePath::fixed(Pose::new(0.0, 0.0, 0.0));
+        let obstacle = Obstacle { name: String::new(), outline: obstacle, friction_coefficient: 0.0, restitution: 0.0, path };
+        System {
+            load: Load { mass: 1.0, radius: 1.0, inertia: 1.0 },
+            ground: Ground { friction_coefficient: 1.0, supports: Vec::new() },
+            springs: Vec::new(),
+            world: World { outline, obstacles: vec![obstacle] },
+        }
+    }
+
+    /// Whether some features touch with a negative gap.
+    fn overlaps(system: &System, before: &Place, at: &Place) -> bool {
+        let (mut surroundings, mut pairs) = (Surroundings::new(system), Vec::new());
+        surroundings.pairs(system, before, 0.0, 10.0, &mut pairs);
+        pairs.iter().any(|pair| pair.features.gap(at) < 0.0 && surroundings.beyond(pair, [before, at]) <= 0.0)
+    }
+
+    /// A convex load that comes straight to a convex obstacle, at any heading, touches it by its
+    /// features where the pieces of both begin to overlap, and not before.
+    #[test]
+    fn features_touch_where_pieces_do() {
+        // How far it goes in (m). Corners are at least as far apart, and edges longer.
+        const DEPTH: f64 = 1e-5;
+        let mut n_touched = 0;
+        for seed in 0..2000 {
+            let (streams, mut count) = (RandomStreams::new(seed), 0);
+            let mut draw = || {
+                count += 1;
+                streams.uniform(Stream::Scene, 0, count)
+            };
+            let system = system(polygon(&mut draw), polygon(&mut draw));
+            let (gate, heading) = (Gate::of(&system), std::f64::consts::TAU * draw());
+            let (start, aim) = (3.0 * direction(std::f64::consts::TAU * draw()), 0.2 * Vec2::new(draw(), draw()));
+            let place = |share: f64| {
+                let position = start + share * (aim - start);
+                Place::of(&Pose { position, heading })
+            };
+            let (mut apart, mut inside) = (0.0, 1.0);
+            if gate.depth(0, &place(inside)) == 0.0 {
+                continue;
+            }
+            while inside - apart > 1e-15 {
+                let middle = 0.5 * (apart + inside);
+                *(if gate.depth(0, &place(middle)) > 0.0 { &mut inside } else { &mut apart }) = middle;
+            }
+            let step = DEPTH / (aim - start).norm();
+            let [before, touching] = [place(inside - step), place(inside + step)];
+            assert!(!overlaps(&system, &place(0.0), &before), "{seed}: before it touches");
+            assert!(overlaps(&system, &before, &touching), "{seed}: where it touches");
+            n_touched += 1;
+        }
+        assert!(n_touched > 1800, "{n_touched}");
+    }
+
+    /// A face that is not crossed covers one that is, and of two that are crossed the later one
+    /// counts. One that was crossed before the displacement covers nothing.
+    #[test]
+    fn the_face_that_is_crossed_last_counts() {
+        const FLUSH: f64 = 1e-9;
+        for (face, covered, expected) in [
+            ([0.0, 0.0], [0.1, -0.2], true),
+            ([0.0, -1e-10], [0.1, -0.2], true),
+            ([-1e-6, -1e-6], [0.1, -0.2], false),
+            ([0.2, -0.1], [0.1, -0.2], true),
+            ([0.1, -0.2], [0.2, -0.1], false),
+            ([0.1, 0.2], [-0.1, -0.1], true),
+            ([-0.1, -0.1], [0.1, 0.2], false),
+            // Both began inside: the nearer face counts.
+            ([-0.1, -0.1], [-0.2, -0.2], true),
+            ([-0.2, -0.2], [-0.1, -0.1], false),
+        ] {
+            assert_eq!(covers(face, covered, FLUSH), expected, "{face:?} {covered:?}");
+        }
+    }
+}
