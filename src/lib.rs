@@ -87,9 +87,9 @@ pub use analysis::estimate::{Estimator, InertiaEstimate, Largest, with_estimate}
 pub use analysis::{ByTrigger, Trigger, TriggerKind};
 pub use backend::rapier::{EngineSettings, FrictionModel, Precision, SpringModel};
 pub use backend::{
-    AttachedTip, AttachedTips, Backend, BackendKind, BackendOptions, ConeSolver, DefectParts, EnergyLedger, Integrator, Motion, PoseError,
-    RapierOptions, RestoreError, SaveError, SavedState, Setting, Skip, SkipCounts, Skips, Status, StepReport, Tolerance, Transition,
-    TransitionCounts, TransitionKind, build, default_step, step_of,
+    AttachedTip, AttachedTips, Backend, BackendKind, BackendOptions, ConeSolver, DefectParts, Doubts, EnergyLedger, Integrator, Motion,
+    PoseError, RapierOptions, RestoreError, SaveError, SavedState, Setting, Skip, SkipCounts, Skips, Status, StepReport, Tolerance,
+    Transition, TransitionCounts, TransitionKind, build, default_step, step_of,
 };
 pub use math::{Interval, Pose, Summary, Twist, Vec2, Wrench};
 pub use model::behaviour::{GraspPace, HalfAngle, ReleaseLaw, ReleasePace};

@@ -2,6 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Largest defect outside of jumps, over the largest entry, with which the ledger of a run under
+/// error control counts as closed (1). Such a run keeps the energy of each macro-step to a share of
+/// its tolerance. The ledgers of runs that lose or gain energy by a wrong event are off by percents;
+/// a thousandth lies between both, and below all that is printed of an energy.
+pub const CLOSED_LEDGER: f64 = 1e-3;
+
+/// Largest defect outside of jumps, over the largest entry, with which a ledger counts as closed
+/// (1). A run at fixed steps has the error of its steps, and is allowed what the comparison that
+/// uses it takes as agreement, `tolerance_share` (1).
+pub fn closed_share(has_error_control: bool, tolerance_share: f64) -> f64 {
+    if has_error_control { CLOSED_LEDGER } else { CLOSED_LEDGER.max(tolerance_share) }
+}
+
 fn is_zero(energy: &f64) -> bool {
     *energy == 0.0
 }
@@ -79,6 +92,20 @@ impl EnergyLedger {
     /// a method without inertia.
     pub fn defect(&self) -> f64 {
         self.elastic + self.kinetic + self.dissipated() - self.tip_work - self.obstacle_work - self.initial
+    }
+
+    /// Size of the largest entry (J).
+    pub fn largest_entry(&self) -> f64 {
+        let Self { elastic, kinetic, tip_work, obstacle_work, initial, jumps, .. } = *self;
+        let losses = [self.friction, self.side_friction, self.impacts, self.damping, self.released];
+        [elastic, kinetic, tip_work, obstacle_work, initial, jumps].into_iter().chain(losses).map(f64::abs).fold(0.0, f64::max)
+    }
+
+    /// Whether no more energy appeared or vanished outside of jumps than a `share` (1) of the
+    /// energy `size` (J), which is the largest entry of the whole run. A defect that is no number
+    /// closes no ledger.
+    pub fn is_closed(&self, share: f64, size: f64) -> bool {
+        (self.defect() + self.jumps).abs() <= share * size
     }
 
     /// Defect by its causes.

@@ -8,6 +8,7 @@
 
 pub mod contact;
 mod default_step;
+mod doubt;
 mod exact;
 pub mod friction;
 pub mod increment;
@@ -30,10 +31,11 @@ mod wrapped;
 
 pub use crate::model::Motion;
 pub use default_step::{default_step, step_of};
+pub use doubt::Doubts;
 pub use exact::{Integrator, LONGEST_MACRO_STEP};
 pub use friction::ConeSolver;
 pub use interface::Backend;
-pub use ledger::{DefectParts, EnergyLedger};
+pub use ledger::{CLOSED_LEDGER, DefectParts, EnergyLedger, closed_share};
 pub use options::{BackendKind, BackendOptions, Setting};
 pub use pose_error::PoseError;
 pub use rapier::RapierOptions;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Doubts;
 use super::shortcuts::{Skip, SkipCounts};
 
 /// How an advance ended. The order is that of severity.
@@ -51,6 +52,9 @@ pub struct StepReport {
     /// run may lose (1); zero where it does not.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub lost_share: f64,
+    /// What makes the accepted steps of an exact backend doubtful.
+    #[serde(default, skip_serializing_if = "Doubts::is_empty")]
+    pub doubts: Doubts,
     /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
@@ -98,6 +102,7 @@ impl StepReport {
         self.unresolved_rad = self.unresolved_rad.max(other.unresolved_rad);
         self.lost_share = self.lost_share.max(other.lost_share);
         self.is_indeterminate |= other.is_indeterminate;
+        self.doubts.add(&other.doubts);
         self.skipped.add(&other.skipped);
     }
 }

@@ -41,6 +41,8 @@ pub enum TransitionKind {
         /// Energy lost (J).
         energy: f64,
     },
+    /// Another motion is admissible from here: the motion is not unique.
+    NotUnique { obstacle: usize },
     /// A load without inertia moves by a finite displacement in no time.
     Jump {
         /// Shift of the load's origin (m).
@@ -73,6 +75,8 @@ pub struct TransitionCounts {
     pub n_side_slip: u64,
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_impacts: u64,
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_not_unique: u64,
     pub n_jumps: u64,
     /// Jumps whose end depends on what dissipates besides friction, as far as the run looks.
     #[serde(default, skip_serializing_if = "is_none")]
@@ -98,6 +102,7 @@ impl TransitionCounts {
             TransitionKind::SideStick { .. } => self.n_side_stick += 1,
             TransitionKind::SideSlip { .. } => self.n_side_slip += 1,
             TransitionKind::Impact { .. } => self.n_impacts += 1,
+            TransitionKind::NotUnique { .. } => self.n_not_unique += 1,
             TransitionKind::Jump { shift, is_uncertain, .. } => {
                 self.n_jumps += 1;
                 self.n_uncertain_jumps += u64::from(*is_uncertain);
@@ -127,7 +132,8 @@ impl TransitionKind {
             | TransitionKind::Separation { obstacle }
             | TransitionKind::SideStick { obstacle }
             | TransitionKind::SideSlip { obstacle }
-            | TransitionKind::Impact { obstacle, .. } => Some(*obstacle),
+            | TransitionKind::Impact { obstacle, .. }
+            | TransitionKind::NotUnique { obstacle } => Some(*obstacle),
             _ => None,
         }
     }
@@ -144,6 +150,7 @@ impl TransitionKind {
             TransitionKind::SideStick { .. } => "side_stick",
             TransitionKind::SideSlip { .. } => "side_slip",
             TransitionKind::Impact { .. } => "impact",
+            TransitionKind::NotUnique { .. } => "not_unique",
             TransitionKind::Jump { .. } => "jump",
         }
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::backend::{BackendKind, BackendOptions, EnergyLedger, Motion, SkipCounts, Status, StepReport, TransitionCounts};
+use crate::backend::{BackendKind, BackendOptions, Doubts, EnergyLedger, Motion, SkipCounts, Status, StepReport, TransitionCounts};
 use crate::math::{Pose, Summary, Twist, Vec2, direction};
 use crate::simulation::{AttachedTip, Event, EventKind, Outcome, Row, Trace};
 
@@ -46,6 +46,7 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             unresolved_rad: 0.0,
             lost_share: 0.0,
             is_indeterminate: false,
+            doubts: Doubts::default(),
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },
         },
         failed_at: None,

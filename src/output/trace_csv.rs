@@ -177,7 +177,8 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
             TransitionKind::Touch { obstacle }
             | TransitionKind::Separation { obstacle }
             | TransitionKind::SideStick { obstacle }
-            | TransitionKind::SideSlip { obstacle } => {
+            | TransitionKind::SideSlip { obstacle }
+            | TransitionKind::NotUnique { obstacle } => {
                 lines.nothing(4);
                 lines.count(*obstacle);
             }

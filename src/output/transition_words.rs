@@ -30,6 +30,7 @@ pub fn in_words(kind: &TransitionKind, world: &World) -> String {
         TransitionKind::SideStick { .. } => format!("begins to stick to {name}, or to roll on it"),
         TransitionKind::SideSlip { .. } => format!("begins to slide along {name}"),
         TransitionKind::Impact { energy, .. } => format!("hits {name} and loses {}", short_quantity(*energy, "J")),
+        TransitionKind::NotUnique { .. } => format!("may move otherwise from here on at {name}: the motion is not unique"),
         TransitionKind::Jump { shift, .. } => format!("jump of {}", short_quantity(*shift, "m")),
     }
 }

@@ -61,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 64] = [
+pub const FACTS: [Fact; 68] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -135,7 +135,7 @@ pub const FACTS: [Fact; 64] = [
     }),
     count("transitions.n_jumps", "n_jumps", "Number of jumps of the quasi-static path.", |r| r.transitions(|t| Count(t.n_jumps))),
     count("transitions.n_uncertain_jumps", "", "Number of jumps whose end depends on what dissipates besides friction.", |r| {
-        r.transitions(|t| if t.n_uncertain_jumps > 0 { Count(t.n_uncertain_jumps) } else { Absent })
+        r.transitions(|t| positive_count(t.n_uncertain_jumps))
     }),
     number("transitions.largest_jump_m", "largest_jump_m", "Largest displacement in a jump.", |r| {
         r.transitions(|t| t.largest_jump.map_or(Absent, Number))
@@ -153,6 +153,9 @@ pub const FACTS: [Fact; 64] = [
         r.at_obstacles_exactly(|o| Count(o.transitions.n_side_slip))
     }),
     count("contacts.n_impacts", "n_impacts", "Number of impacts on obstacles.", |r| r.at_obstacles(|o| Count(o.transitions.n_impacts))),
+    count("contacts.n_not_unique", "", "Number of times another motion was admissible, if it was.", |r| {
+        r.at_obstacles_exactly(|o| positive_count(o.transitions.n_not_unique))
+    }),
     number("contacts.residual", "contact_residual", "Largest relative residual of a step with a contact force.", |r| {
         r.at_obstacles_exactly(|o| Number(o.steps.contact_residual))
     })
@@ -173,6 +176,15 @@ pub const FACTS: [Fact; 64] = [
     }),
     number("steps.unresolved_rad", "", "Largest angle of the fastest oscillation in a default step, if that is too much.", |r| {
         positive(r.outcome.steps.unresolved_rad)
+    }),
+    number("steps.doubts.overlap_m", "", "Largest depth of the load inside an obstacle after a step, if it lay inside one.", |r| {
+        if r.outcome.steps.doubts.overlap_m == 0.0 { Absent } else { Number(r.outcome.steps.doubts.overlap_m) }
+    }),
+    count("steps.doubts.n_gate_cuts", "", "Number of steps that were cut because they ended inside an obstacle, if any.", |r| {
+        positive_count(r.outcome.steps.doubts.n_gate_cuts)
+    }),
+    count("steps.doubts.n_not_unique", "", "Number of steps in which another motion was admissible, if any.", |r| {
+        positive_count(r.outcome.steps.doubts.n_not_unique)
     }),
     count("steps.n_steps", "n_steps", "Number of steps.", |r| Count(r.outcome.steps.n_steps)),
     count("steps.n_solves", "n_solves", "Number of solves.", |r| Count(r.outcome.steps.n_solves)),
@@ -324,6 +336,10 @@ impl Run<'_> {
 
 fn positive(value: f64) -> Value {
     if value > 0.0 { Number(value) } else { Absent }
+}
+
+fn positive_count(count: u64) -> Value {
+    if count > 0 { Count(count) } else { Absent }
 }
 
 fn time_to_nest(run: &Run) -> Value {

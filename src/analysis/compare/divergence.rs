@@ -104,7 +104,8 @@ fn of_transition(transition: &Transition) -> Trigger {
         | TransitionKind::Separation { obstacle }
         | TransitionKind::SideStick { obstacle }
         | TransitionKind::SideSlip { obstacle }
-        | TransitionKind::Impact { obstacle, .. } => Trigger { obstacle: Some(obstacle), ..trigger(TriggerKind::Contact) },
+        | TransitionKind::Impact { obstacle, .. }
+        | TransitionKind::NotUnique { obstacle } => Trigger { obstacle: Some(obstacle), ..trigger(TriggerKind::Contact) },
         TransitionKind::Jump { .. } => trigger(TriggerKind::Jump),
     }
 }
