@@ -66,7 +66,7 @@ impl Obstacles {
             return None;
         }
         solver.keep_gliding(&at);
-        let found = Found { increment, sides, are_forces_unique };
+        let found = Found { increment, sides, are_forces_unique, could_rest: false };
         let mut answer = Answer { found, candidates, cut: None, stays: false };
         let work = self.settle(system, &start, task, &mut answer, touching);
         Some((answer.found.increment, work, at))
@@ -95,6 +95,7 @@ impl Obstacles {
     pub fn settle(&mut self, system: &System, start: &Place, task: &Task, answer: &mut Answer, touching: &mut Vec<Touching>) -> SideWork {
         let of_found = &mut answer.found.increment.report;
         of_found.is_indeterminate = !answer.found.are_forces_unique;
+        of_found.doubts.n_not_unique = u64::from(answer.found.could_rest);
         if answer.found.sides.iter().any(|(_, force)| force.normal > 0.0) {
             of_found.contact_residual = of_found.residual;
         }

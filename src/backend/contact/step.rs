@@ -13,9 +13,9 @@
 
 use smallvec::SmallVec;
 
-use super::candidates::{CLOSED, ContactStep, Local, Locals, Sides};
+use super::candidates::{CLOSED, Candidate, ContactStep, Local, Locals, Sides};
 use super::newton::Newton;
-use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, go_on_resting, solve_contacts};
+use super::solve::{ContactRow, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, go_on_resting, may_rest, solve_contacts};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite, shortened};
 use crate::backend::{Status, StepReport};
@@ -27,6 +27,8 @@ pub struct Found {
     pub sides: Sides,
     /// Whether no other contact forces balance the load.
     pub are_forces_unique: bool,
+    /// Whether the load began to move although it could have gone on resting.
+    pub could_rest: bool,
 }
 
 /// Largest number of linear steps.
@@ -83,12 +85,30 @@ impl ContactStep<'_, Step<'_>> {
         {
             return found;
         }
+        let was_at_rest = solver.was_at_rest();
         let mut found = self.descend(solver);
+        found.could_rest = was_at_rest && found.increment.twist != Vec3::zeros() && self.could_rest(solver, &found.sides);
         if self.overlaps(&found.increment.twist) {
             let report = &mut found.increment.report;
             (report.status, report.n_not_converged) = (report.status.max(Status::NotConverged), 1);
         }
         found
+    }
+
+    /// Whether side friction could hold the load where the step begins, with normal forces near those
+    /// of its answer.
+    fn could_rest(&mut self, solver: &FrictionSolver, sides: &Sides) -> bool {
+        let drags =
+            |((_, force), candidate): (&(SideMode, SideForce), &Candidate)| force.normal > 0.0 && candidate.pair.friction_coefficient > 0.0;
+        if !sides.iter().zip(self.candidates).any(drags) {
+            return false;
+        }
+        let mut locals = Locals::new();
+        self.fill_locals(&Vec3::zeros(), &mut locals);
+        let (rows, row_of) = self.rows(&Vec3::zeros(), &locals);
+        let forces: PerContact<SideForce> = row_of.iter().map(|index| sides[*index].1).collect();
+        let drive = -self.step.gradient(&Vec3::zeros());
+        may_rest(&ContactSystem { hessian: &Mat3::zeros(), drive: &drive, rows: &rows }, solver, &forces)
     }
 
     /// Whether a pair overlaps by more than rounding at an increment.
@@ -139,7 +159,7 @@ impl ContactStep<'_, Step<'_>> {
         }
         // The friction of the ground may take the place of any contact force.
         let are_forces_unique = sides.iter().all(|(_, force)| force.normal == 0.0);
-        Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique })
+        Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique, could_rest: false })
     }
 
     /// The answer of [`Self::newton`], with which the friction solver goes on. It may be unstable
@@ -148,7 +168,7 @@ impl ContactStep<'_, Step<'_>> {
         let found = self.newton(sides, guess).filter(|found| found.is_stable || may_be_unstable)?;
         let Newton { at, sides, are_forces_unique, report, .. } = found;
         let mode = solver.keep_gliding(&at);
-        Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique })
+        Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique, could_rest: false })
     }
 
     /// Linear steps from where the search begins.
@@ -244,7 +264,7 @@ impl ContactStep<'_, Step<'_>> {
         let status = report.status.max(status_of(report.residual));
         let n_not_converged = u64::from(status != Status::Converged);
         let are_forces_unique = !report.is_indeterminate;
-        Found { increment: self.step.found(&at, mode, StepReport { status, n_not_converged, ..report }), sides, are_forces_unique }
+        Found { increment: self.step.found(&at, mode, StepReport { status, n_not_converged, ..report }), sides, are_forces_unique, could_rest: false }
     }
 
     /// Rows of the candidates that can touch near an increment, and the candidate of each.

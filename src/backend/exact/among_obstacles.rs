@@ -4,7 +4,7 @@ use super::load::{Exact, Method};
 use super::side::{Impact, SideState};
 use crate::backend::contact::{Faces, Obstacles, SideForce, Touching, transitions};
 use crate::backend::springs::Place;
-use crate::backend::{SideContact, Status, StepReport, Transition, TransitionKind};
+use crate::backend::{Doubts, SideContact, Status, StepReport, Transition, TransitionKind};
 
 /// What does not change at the obstacles while the motion is smooth.
 pub struct Contacts {
@@ -53,9 +53,18 @@ impl<M: Method> Exact<M> {
 
     /// Marks a step that ends inside an obstacle as one that has not converged.
     pub(super) fn pass_gate(&mut self, report: &mut StepReport) {
-        if self.depth_inside() > 0.0 {
-            report.add(&StepReport { status: Status::NotConverged, n_not_converged: 1, ..StepReport::default() });
+        let overlap_m = self.depth_inside();
+        if overlap_m > 0.0 {
+            let doubts = Doubts { overlap_m, ..Doubts::default() };
+            report.add(&StepReport { status: Status::NotConverged, n_not_converged: 1, doubts, ..StepReport::default() });
         }
+    }
+
+    /// Records a motion that is not unique since `time` (s), if steps since then report it.
+    pub(super) fn note_not_unique(&mut self, n_before: u64, report: &StepReport, time: f64) {
+        let pressing = self.state.side.touching.iter().find(|touching| touching.force.normal > 0.0);
+        let obstacle = pressing.filter(|_| report.doubts.n_not_unique > n_before).map(|touching| touching.key.obstacle);
+        self.transitions.extend(obstacle.map(|obstacle| Transition { time, kind: TransitionKind::NotUnique { obstacle } }));
     }
 
     /// Takes note of time that has passed (s).

@@ -90,6 +90,7 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
         macro_step = macro_step.min(longest).max(least);
         let to = if limit - at <= 1.01 * macro_step { limit } else { at + macro_step };
         let (start, before, n_not_converged) = (load.snapshot(), load.state.contact.last(), report.n_not_converged);
+        let n_not_unique = report.doubts.n_not_unique;
         match attempt(load, task, &start, [at, to], least, &mut report) {
             Attempt::Taken { growth, error, n_rows } => {
                 let touches = !start.state.side.touching.is_empty();
@@ -103,6 +104,7 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
                 let kinds = complete_snap_through(load, &start, &mut report).into_iter().chain(kind);
                 load.transitions.extend(kinds.map(|kind| Transition { time: to * duration, kind }));
                 if load.obstacles.is_some() {
+                    load.note_not_unique(n_not_unique, &report, to * duration);
                     load.note_contacts(&start.state.side.touching, to * duration);
                 }
                 change_by = change_by.filter(|change| *change > to);

@@ -187,6 +187,7 @@ impl<M: Method> Exact<M> {
             }
             let touching = self.obstacles.is_some().then(|| self.state.side.touching.clone());
             let (start, last) = (self.state.snap_start(), self.state.contact.last());
+            let n_not_unique = report.doubts.n_not_unique;
             report.add(&M::step(self, paths, share(done), share(done + 1)));
             done += 1;
             let time = share(done) * paths.duration;
@@ -194,6 +195,7 @@ impl<M: Method> Exact<M> {
             self.transitions.extend(jump.map(|kind| Transition { time, kind }));
             self.note_mode_change(last, time);
             if let Some(touching) = touching {
+                self.note_not_unique(n_not_unique, report, time);
                 self.note_contacts(&touching, time);
                 if !is_free {
                     self.pass_gate(report);

@@ -28,6 +28,6 @@ mod search;
 mod types;
 mod unique;
 
-pub use answer::{certificate, go_on_resting, mode_newton, solve_contacts};
+pub use answer::{certificate, go_on_resting, may_rest, mode_newton, solve_contacts};
 pub use linear::{Basis, MOST, System};
 pub use types::{ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage};
