@@ -15,8 +15,8 @@ use crate::scene::{Body, GRAVITY, Part, Point, Scene, Spring, fixed, rectangle};
 
 /// Largest error without inertia (m, rad): rounding, and the distance at which a gap is closed.
 const ROUNDING: f64 = 1e-9;
-/// Largest distance of two poses of one scene (1), over the size, apart from the error of steps that
-/// are divided at joints.
+/// Largest distance of two poses of one scene (1), over the size, apart from the error of steps
+/// that are divided at joints.
 const SAME: f64 = 1e-9;
 
 /// The box at this wall: pressed on it within 0.5 s, and pulled to `target` (m) within 2.5 s.

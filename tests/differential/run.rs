@@ -47,7 +47,10 @@ fn processor_time() -> Duration {
     Duration::from_millis(10 * ticks)
 }
 
-/// Runs a scenario to its end.
+/// Time of the processor after which a run is given up.
+const GIVEN_UP: Duration = Duration::from_secs(8);
+
+/// Runs a scenario to its end, or until it is given up.
 pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run {
     let by_default = BackendOptions::at_step(None, kind, &scenario.system, scenario.control_period);
     let options = match steps {
@@ -60,10 +63,11 @@ pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run
         Simulation::from_parts(scenario, options, Keep::Trace, controller_of(scenario), backend_of(scenario, options))
     };
     let mut run = start(&options);
+    let goes_on = |_| processor_time().saturating_sub(begun) < GIVEN_UP;
     if options.tolerance.is_some() {
-        run.run_to_tolerance(start, |_| true)
+        run.run_to_tolerance(start, goes_on)
     } else {
-        run.run(|_| true)
+        run.run(goes_on)
     }
     let (trace, outcome) = run.into_results();
     Run {
@@ -76,7 +80,12 @@ pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run
 
 /// Runs a scene to its end.
 pub fn run(scene: &Scene, kind: BackendKind, steps: Steps) -> Run {
-    run_scenario(&scene.scenario(), kind, steps)
+    let run = run_scenario(&scene.scenario(), kind, steps);
+    if run.took >= GIVEN_UP {
+        println!("{} {steps:?}, {}: takes {:.1?} for {} instants", kind.name(), scene.name, run.took, run.poses.len());
+        keep(&format!("slow-{}-{}", kind.name(), scene.name.replace(' ', "-")), scene, run.end());
+    }
+    run
 }
 
 /// Distance of two divisions of time over the distance from half of the step (1): each error is
@@ -102,9 +111,12 @@ impl Run {
     }
 
     /// Largest distance from another run at an instant: coordinates over the load's size, and
-    /// headings (1, rad).
+    /// headings (1, rad). It is infinite where one of them was given up.
     pub fn apart(&self, other: &Self, size: f64) -> f64 {
-        assert_eq!(self.poses.len(), other.poses.len(), "both runs have a row at each instant");
+        if self.poses.len() != other.poses.len() {
+            // One of them was given up.
+            return f64::INFINITY;
+        }
         let distance = |(a, b): (&Pose, &Pose)| ((a.position - b.position).amax() / size).max((a.heading - b.heading).abs());
         // A distance that is not a number counts as infinite.
         let worst = |worst: f64, one: f64| if one <= worst { worst } else { one };

@@ -12,9 +12,9 @@ use crate::posed::Pose;
 use crate::run::{EXACT, Run, Steps, expect_none, keep, run, step_error};
 use crate::scene::{Body, Part, Scene, fixed, rectangle};
 
-/// Largest distance of both runs over the size (1), apart from the error of steps with inertia, which
-/// may be divided at joints. Shifts by metres round the corners of a load of
-/// millimetres to 1e-13 of its size, and thousand steps add up.
+/// Largest distance of both runs over the size (1), apart from the error of steps with inertia,
+/// which may be divided at joints. Shifts by metres round the corners of a load of millimetres to
+/// 1e-13 of its size, and thousand steps add up.
 const SAME: f64 = 1e-8;
 /// Ends of the wall (m).
 const FROM: f64 = -0.6;

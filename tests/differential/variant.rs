@@ -69,7 +69,7 @@ impl Variant {
         match self {
             Pieces => scene.obstacles = in_pieces(&scene.obstacles, 0.0, draws),
             Steps => scene.obstacles = in_pieces(&scene.obstacles, NO_STEP, draws),
-            Compound => each_part(&mut scene, |part, draws| pieces_of(part, draws), draws),
+            Compound => each_part(&mut scene, pieces_of, draws),
             Longer => each_part(&mut scene, |part, _| vec![longer(part)], draws),
             Rounded => each_part(&mut scene, |part, _| rounded(part), draws),
             Refined => {
