@@ -4,7 +4,6 @@ use std::ops::Range;
 use std::time::Duration;
 
 use cohaul::backend::BackendKind::{Inertial, QuasiStatic};
-use cohaul::backend::Status;
 use cohaul::math::Pose;
 use rayon::prelude::*;
 
@@ -63,7 +62,7 @@ impl Findings {
         if run.took > SLOW {
             self.slow.push(format!("{what} takes {:.1?}", run.took));
         }
-        let has_converged = run.status == Status::Converged;
+        let has_converged = run.has_converged();
         if !has_converged {
             self.refused.push(format!("{what} ends with {:?}", run.status));
         }

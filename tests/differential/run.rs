@@ -69,12 +69,13 @@ pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run
     } else {
         run.run(goes_on)
     }
+    let took = processor_time().saturating_sub(begun);
     let (trace, outcome) = run.into_results();
     Run {
         poses: trace.rows.iter().map(|row| row.motion.pose).collect(),
-        status: outcome.steps.status,
+        status: if took < GIVEN_UP { outcome.steps.status } else { outcome.steps.status.max(Status::NotConverged) },
         energy: outcome.energy,
-        took: processor_time().saturating_sub(begun),
+        took,
     }
 }
 
@@ -99,10 +100,14 @@ pub fn step_error(scene: &Scene, kind: BackendKind, plain: &Run) -> f64 {
 }
 
 impl Run {
-    /// Position (m) and heading (rad) at the end.
+    /// Position (m) and heading (rad) at the end; no numbers where the run was given up at once.
     pub fn end(&self) -> [f64; 3] {
-        let pose = self.poses.last().expect("a run has a row at its end");
-        [pose.position.x, pose.position.y, pose.heading]
+        self.poses.last().map_or([f64::NAN; 3], |pose| [pose.position.x, pose.position.y, pose.heading])
+    }
+
+    /// Whether all steps met their tolerances.
+    pub fn has_converged(&self) -> bool {
+        self.status == Status::Converged
     }
 
     /// Largest heading on the way, in magnitude (rad).
