@@ -74,9 +74,11 @@ impl Findings {
         let apart = found.apart(right, scene.size());
         if apart > allowed {
             keep(&what.replace(' ', "-"), scene, right.end());
+            let time = found.parts_at(right, scene.size(), allowed).unwrap_or(0) as f64 * scene.control_period;
             let (friction, (end, right)) = (scene.obstacles[0].friction, (found.end(), right.end()));
             self.wrong.push(format!(
-                "{what}, {}, side friction {friction:.2}: {apart:.1e} of the size, allowed {allowed:.1e}, {end:?}, right {right:?}",
+                "{what}, {}, side friction {friction:.2}: {apart:.1e} of the size, allowed {allowed:.1e}, from {time:.2} s \
+                 on, {end:?}, right {right:?}",
                 scene.name
             ));
         }

@@ -122,10 +122,19 @@ impl Run {
             // One of them was given up.
             return f64::INFINITY;
         }
-        let distance = |(a, b): (&Pose, &Pose)| ((a.position - b.position).amax() / size).max((a.heading - b.heading).abs());
+        self.distances(other, size).fold(0.0, f64::max)
+    }
+
+    /// Distance from another run at each instant, as in [`Run::apart`].
+    fn distances<'a>(&'a self, other: &'a Self, size: f64) -> impl Iterator<Item = f64> + 'a {
+        let distance = move |(a, b): (&Pose, &Pose)| ((a.position - b.position).amax() / size).max((a.heading - b.heading).abs());
         // A distance that is not a number counts as infinite.
-        let worst = |worst: f64, one: f64| if one <= worst { worst } else { one };
-        self.poses.iter().zip(&other.poses).map(distance).map(|one| if one.is_nan() { f64::INFINITY } else { one }).fold(0.0, worst)
+        self.poses.iter().zip(&other.poses).map(distance).map(|one| if one.is_nan() { f64::INFINITY } else { one })
+    }
+
+    /// Number of the first instant at which another run is farther than `allowed` of the size.
+    pub fn parts_at(&self, other: &Self, size: f64, allowed: f64) -> Option<usize> {
+        self.distances(other, size).position(|one| one > allowed)
     }
 }
 
