@@ -79,9 +79,9 @@ pub mod simulation;
 pub mod studies;
 
 pub use analysis::compare::{
-    Cause, ClosedLoop, Difference, Distribution, Divergence, EdgeDisplacement, FirstDifferentDecision, FirstDivergence, MakeController,
-    Measure, MeasureVerdict, Numbers, PairedDifference, Pathwise, Point, Predicted, QuantityVerdict, ReferenceError, RunMeasure, SeedRuns,
-    Settings, Solution, SuggestedChange, ThreeWay, Tier, Verdict, Verdicts,
+    Cause, ClosedLoop, Difference, Distribution, Divergence, Doubt, DoubtKind, EdgeDisplacement, FirstDifferentDecision, FirstDivergence,
+    MakeController, Measure, MeasureVerdict, Numbers, Open, PairedDifference, Pathwise, Point, Predicted, QuantityVerdict, ReferenceError,
+    RunMeasure, SeedDoubt, SeedRuns, Settings, Solution, SuggestedChange, ThreeWay, Tier, Verdict, Verdicts,
 };
 pub use analysis::estimate::{Estimator, InertiaEstimate, Largest, with_estimate};
 pub use analysis::{ByTrigger, Trigger, TriggerKind};
@@ -99,7 +99,8 @@ pub use model::{
 };
 pub use scenario::{AntDrive, Drive, Finding, Scenario, ScenarioError, TipPath, Waypoint};
 pub use simulation::{
-    Ants, Commands, Controller, Event, EventKind, Keep, MakeBackend, Outcome, Replay, Row, SavedRun, Simulation, Tips, Trace, View,
+    Ants, Commands, Controller, DoubtTimes, Event, EventKind, Keep, MakeBackend, Outcome, Replay, Row, SavedRun, Simulation, Tips, Trace,
+    View,
 };
 
 /// The examples of the book run as tests.

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::backend::{BackendKind, BackendOptions, Doubts, EnergyLedger, Motion, SkipCounts, Status, StepReport, TransitionCounts};
 use crate::math::{Pose, Summary, Twist, Vec2, direction};
-use crate::simulation::{AttachedTip, Event, EventKind, Outcome, Row, Trace};
+use crate::simulation::{AttachedTip, DoubtTimes, Event, EventKind, Outcome, Row, Trace};
 
 /// Simulated time between two rows (s).
 const TICK: f64 = 0.025;
@@ -50,6 +50,7 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },
         },
         failed_at: None,
+        doubtful: DoubtTimes::default(),
         transitions: TransitionCounts { n_slip_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },
         contact_transitions: Vec::new(),
         error: None,

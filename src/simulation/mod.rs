@@ -1,16 +1,18 @@
 //! One run: a controller moves spring tips, a backend moves the load, and a trace records both.
 //!
 //! ```text
-//! run.rs        the loop: Simulation::step is the place to begin
-//! controllers/  what moves the tips: ants, prescribed paths, a recorded run
-//! clock.rs      control ticks, parts of control periods, and the end
-//! trace.rs      what is recorded
-//! saved.rs      saving and resuming
-//! run_facts.rs  the numbers of a run, for every report
+//! run.rs          the loop: Simulation::step is the place to begin
+//! controllers/    what moves the tips: ants, prescribed paths, a recorded run
+//! clock.rs        control ticks, parts of control periods, and the end
+//! trace.rs        what is recorded
+//! doubt_times.rs  when a run was first doubtful
+//! saved.rs        saving and resuming
+//! run_facts.rs    the numbers of a run, for every report
 //! ```
 
 mod clock;
 pub mod controllers;
+mod doubt_times;
 mod run;
 pub mod run_facts;
 mod saved;
@@ -19,6 +21,7 @@ mod trace;
 pub use crate::backend::{AttachedTip, AttachedTips};
 pub(crate) use clock::SAME_INSTANT;
 pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller_of, follow_ants};
+pub use doubt_times::DoubtTimes;
 pub use run::{MakeBackend, Simulation, backend_of};
 pub use saved::SavedRun;
 pub use trace::{Event, EventKind, Keep, Outcome, Row, Trace};

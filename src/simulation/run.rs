@@ -160,6 +160,7 @@ impl<'a> Simulation<'a> {
         if report.status == Status::Failed {
             self.totals.failed_at.get_or_insert(time);
         }
+        self.totals.doubtful.note(&report, time);
         self.totals.steps.add(&report);
         self.observe();
         self.clock.move_to(until);
@@ -211,6 +212,7 @@ impl<'a> Simulation<'a> {
             energy: self.backend.energy(),
             steps: self.totals.steps,
             failed_at: self.totals.failed_at,
+            doubtful: self.totals.doubtful,
             transitions: self.totals.transitions,
             contact_transitions: self.totals.contact_transitions.clone(),
             error: self.totals.error,

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::DoubtTimes;
 use crate::backend::{AttachedTips, EnergyLedger, Motion, PoseError, SideContact, StepReport, Transition, TransitionCounts};
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
@@ -110,6 +111,8 @@ pub(super) struct Totals {
     /// Start of the first advance that had no finite solution (s); `None` unless the run failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_at: Option<f64>,
+    #[serde(default, skip_serializing_if = "DoubtTimes::is_empty")]
+    pub doubtful: DoubtTimes,
     /// Largest error bound of the pose so far; `None` where the backend finds none.
     pub error: Option<PoseError>,
     pub transitions: TransitionCounts,
@@ -128,6 +131,9 @@ pub struct Outcome {
     /// Start of the first advance that had no finite solution (s); `None` unless the run failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_at: Option<f64>,
+    /// When the backend first reported each doubt.
+    #[serde(default, skip_serializing_if = "DoubtTimes::is_empty")]
+    pub doubtful: DoubtTimes,
     /// Counts of the transitions that the backend reported.
     #[serde(default)]
     pub transitions: TransitionCounts,

@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::doubt::Doubt;
 use super::seed_runs::{MEASURES, Quantity, SeedRuns};
 use super::seeds::{pairs_needed, pairs_needed_of_fractions};
 use super::settings::Tier;
@@ -27,12 +28,23 @@ pub struct ClosedLoop {
     /// Number of seeds that would decide all measures, if means and spreads stay; `null` if all are
     /// decided, or with one seed.
     pub n_seeds_needed: Option<u64>,
+    /// Seeds in which an exact run is doubtful, and why it is first; left out if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<SeedDoubt>,
     /// Worst status of a step in all runs.
     pub status: Status,
     /// Run of each backend at the first seed, for figures, in the order of
     /// [`BackendKind::COMPARED`](crate::backend::BackendKind::COMPARED).
     #[serde(skip)]
     pub traces: Vec<Trace>,
+}
+
+/// First reason to doubt an exact run of one seed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SeedDoubt {
+    pub seed: u64,
+    #[serde(flatten)]
+    pub doubt: Doubt,
 }
 
 /// One quantity of a run, over all seeds.
@@ -114,7 +126,7 @@ pub struct FirstDifferentDecision {
 
 /// Largest difference of equal means, divided by the inertial mean (1): half of the precision to
 /// which such force statistics are printed.
-const EQUAL: f64 = 0.05;
+pub(super) const EQUAL: f64 = 0.05;
 /// Largest difference that rounding can cause, divided by the size of the terms of a measure (1).
 const ROUNDING: f64 = 1e-9;
 
@@ -124,9 +136,19 @@ pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) 
     let earliest = |other: usize| runs.iter().filter_map(|run| run.first_different[other]).min_by(f64::total_cmp);
     let first_different_decision = FirstDifferentDecision { quasi_static_s: earliest(0), rapier_s: earliest(1) };
     let status = runs.iter().flat_map(|run| run.statuses).max().unwrap_or_default();
-    let verdict = if status == Status::Failed { Verdict::NotComputed } else { verdict(&measures, runs.len()) };
-    let verdicts = measures.iter().map(|measure| measure.verdict(runs.len())).collect();
-    let n_seeds_needed = measures.iter().filter_map(|measure| measure.n_seeds_needed(runs.len())).max();
+    let doubts = doubts(scenario, runs);
+    let verdict = match status {
+        Status::Failed => Verdict::NotComputed,
+        _ => doubted(verdict(&measures, runs.len()), &doubts),
+    };
+    let of_measure = |measure: &Measure| {
+        let found = measure.verdict(runs.len());
+        MeasureVerdict { verdict: doubted(found.verdict, &doubts), ..found }
+    };
+    let verdicts = measures.iter().map(of_measure).collect();
+    // More seeds do not end a doubt.
+    let needed = |measure: &Measure| measure.n_seeds_needed(runs.len()).filter(|_| doubts.is_empty());
+    let n_seeds_needed = measures.iter().filter_map(needed).max();
     let (n_seeds, first_seed) = (runs.len(), scenario.seed);
     ClosedLoop {
         tier: Tier::ClosedLoop,
@@ -137,8 +159,25 @@ pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) 
         verdict,
         verdicts,
         n_seeds_needed,
+        doubts,
         status,
         traces: traces.into(),
+    }
+}
+
+/// Seeds in which an exact run is doubtful.
+fn doubts(scenario: &Scenario, runs: &[SeedRuns]) -> Vec<SeedDoubt> {
+    let seed = |at: usize| scenario.seed.wrapping_add(at as u64);
+    runs.iter().enumerate().filter_map(|(at, run)| Some(SeedDoubt { seed: seed(at), doubt: run.doubt? })).collect()
+}
+
+/// Verdict on means over seeds, of which some are doubtful. Leaving these out would choose among
+/// the seeds by what happens in them.
+fn doubted(verdict: Verdict, doubts: &[SeedDoubt]) -> Verdict {
+    match verdict {
+        Verdict::NotComputed => verdict,
+        _ if doubts.is_empty() => verdict,
+        _ => Verdict::Inconclusive,
     }
 }
 

@@ -9,6 +9,8 @@
 //! settings.rs    tiers, steps and tolerances
 //! three_way.rs   the entry: one question to three backends
 //! solution.rs    path of one backend with its numerical error
+//! doubt.rs       why the result of an exact run cannot be trusted, and from when on
+//! same_stop.rs   places that hold both exact loads and that the engine passes
 //! difference.rs  distance of two paths
 //! course.rs      pulls, speed and energy of a run at its ticks
 //! divergence.rs  first divergence of two runs
@@ -30,11 +32,13 @@ mod attributed;
 mod course;
 mod difference;
 mod divergence;
+mod doubt;
 mod ensemble;
 mod jump_mode;
 mod numbers;
 mod pathwise;
 mod quantity;
+mod same_stop;
 mod seed_runs;
 mod seeds;
 mod settings;
@@ -47,10 +51,11 @@ mod verdicts;
 
 pub use difference::Difference;
 pub use divergence::Divergence;
-pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference};
+pub use doubt::{Doubt, DoubtKind};
+pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference, SeedDoubt};
 pub use numbers::{Numbers, Predicted};
 pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
-pub use quantity::{FirstDivergence, QuantityVerdict, RunMeasure, Verdicts};
+pub use quantity::{FirstDivergence, Open, QuantityVerdict, RunMeasure, Verdicts};
 pub use seed_runs::SeedRuns;
 pub use settings::{LEAST_MOTION, MakeController, Settings, Tier};
 pub use solution::{Point, Solution};

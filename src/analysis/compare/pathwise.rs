@@ -4,10 +4,12 @@ use serde::{Serialize, Serializer};
 
 use super::attributed::Attributed;
 use super::difference::{Difference, Jumps};
-use super::divergence::PathPair;
+use super::divergence::{Divergence, PathPair};
+use super::doubt::{self, Doubt};
 use super::jump_mode::JumpMode;
 use super::numbers::{Numbers, Predicted};
 use super::quantity::{FirstDivergence, Verdicts};
+use super::same_stop::same_stop;
 use super::settings::{Settings, Tier};
 use super::solution::{Question, Solution};
 use super::suggestion::{Differences, Driver, SuggestedChange, Tried};
@@ -16,7 +18,7 @@ use super::verdicts::Runs;
 use crate::analysis::trigger::ByTrigger;
 use crate::backend::{BackendKind, BackendOptions, Status, Tolerance};
 use crate::scenario::Scenario;
-use crate::simulation::{MakeBackend, backend_of};
+use crate::simulation::MakeBackend;
 
 /// Result of a comparison of paths.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -36,6 +38,9 @@ pub struct Pathwise {
     /// Verdict on the path.
     pub verdict: Verdict,
     pub verdicts: Verdicts,
+    /// Reasons to doubt the exact runs, in the order of time; left out if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<Doubt>,
     /// Largest net pull at a control tick, with inertia or without, over the sum of all slip limits
     /// (1); `null` without friction. Below 1 a pull through the centre moves nothing.
     pub largest_pull_over_slip_limit: Option<f64>,
@@ -111,11 +116,6 @@ impl EdgeDisplacement {
             reference_error_m,
         }
     }
-
-    fn causes(&self, tolerance: f64) -> Vec<Cause> {
-        let parts = [(Cause::Inertia, self.inertia_effect_range_m), (Cause::Engine, self.engine_error_range_m)];
-        parts.into_iter().filter(|(_, [least, _])| *least > tolerance).map(|(cause, _)| cause).collect()
-    }
 }
 
 impl Pathwise {
@@ -128,8 +128,8 @@ impl Pathwise {
     fn withdraw(&mut self) {
         if self.solutions.iter().any(|solution| solution.steps.status == Status::Failed) {
             self.verdicts.set_all(Verdict::NotComputed);
-        } else if !self.references_converged() {
-            self.verdicts.set_all(Verdict::Inconclusive);
+        } else if let Some(first) = self.doubts.first() {
+            self.verdicts.doubt(first.time_s);
         }
         self.verdict = self.verdicts.path.verdict;
     }
@@ -137,7 +137,7 @@ impl Pathwise {
     /// Changes against the causes, which leave this part, `aim`, of what the first ones leave (1).
     pub(super) fn suggestions(&self, scenario: &Scenario, settings: &Settings, aim: f64) -> Vec<SuggestedChange> {
         let (largest, tolerance) = (&self.edge_displacement, self.tolerance_m);
-        if self.verdict == Verdict::Inconclusive && self.references_converged() {
+        if self.verdict == Verdict::Inconclusive && self.doubts.is_empty() {
             return vec![SuggestedChange::TighterTolerance { tolerance_m: LARGEST_REFERENCE_ERROR * tolerance }];
         }
         let [model, model_uncertainty] = [&self.model_error, &self.reference_error.rapier].map(|error| error.edge_displacement_max_m);
@@ -167,14 +167,14 @@ fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result
 }
 
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
-    let Question { tier, scenario, settings, engine, .. } = *question;
+    let Question { tier, scenario, settings, engine, references: make, .. } = *question;
     let find = |at: f64, options: &BackendOptions, make: &MakeBackend| question.solution(options, make, |share| watch((at + share) / 3.0));
     let reference = |at, kind, settings: &Settings| {
         let options = settings.under_error_control(scenario, kind);
-        let mut found = find(at, &options, &backend_of)?;
+        let mut found = find(at, &options, make)?;
         if tier == Tier::Controlled {
             let coarser = options.tolerance.map(|it| Tolerance::at_edge(COARSER * it.position_m, &scenario.system.load));
-            found.add_distance_from(&find(at, &BackendOptions { tolerance: coarser, ..options }, &backend_of)?);
+            found.add_distance_from(&find(at, &BackendOptions { tolerance: coarser, ..options }, make)?);
         }
         Some(found)
     };
@@ -202,7 +202,7 @@ pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -
     // Another quantity may need a smaller error than the path.
     let error = found.edge_displacement.reference_error_m;
     let is_open = found.verdicts.named().iter().any(|(_, of)| of.verdict == Verdict::Inconclusive);
-    if !is_open || found.verdict == Verdict::Inconclusive || error == 0.0 {
+    if !is_open || found.verdict == Verdict::Inconclusive || !found.doubts.is_empty() || error == 0.0 {
         return Some(found);
     }
     let sharper = again(found.clone(), error / SHARPER)?;
@@ -239,6 +239,7 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         poses: [&inertia_effect, &engine_error, &reference_error.all],
     };
     let (verdicts, largest_pull_over_slip_limit) = (runs.verdicts(tolerance_m), runs.largest_pull_share());
+    let doubts = doubts(scenario, &solutions, &verdicts);
     let numbers = Numbers::of(scenario, &inertial.trace);
     let mut found = Pathwise {
         tier,
@@ -251,6 +252,7 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         numbers,
         verdict: verdicts.path.verdict,
         largest_pull_over_slip_limit,
+        doubts,
         causes: Vec::new(),
         suggested_changes: Vec::new(),
         tried: None,
@@ -263,9 +265,17 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         solutions,
     };
     found.withdraw();
-    if found.references_converged() {
-        found.causes = edge_displacement.causes(tolerance_m);
-    }
+    let causes = [(Cause::Inertia, found.verdict.has_inertia()), (Cause::Engine, found.verdict.has_engine())];
+    found.causes = causes.into_iter().filter(|(_, is_cause)| *is_cause).map(|(cause, _)| cause).collect();
     found.suggested_changes = found.suggestions(scenario, settings, 1.0);
     found
+}
+
+/// Reasons to doubt the exact runs, in the order of time.
+fn doubts(scenario: &Scenario, solutions: &[Solution; 3], verdicts: &Verdicts) -> Vec<Doubt> {
+    let mut doubts = doubt::of_references(&solutions[..2], scenario);
+    let diverges = |first: FirstDivergence| first.engine_error.map(|Divergence { time_s, .. }| time_s);
+    let times = [verdicts.path.first_divergence, verdicts.heading.first_divergence].into_iter().filter_map(diverges);
+    doubts.extend(times.reduce(f64::min).and_then(|time| same_stop(scenario, solutions, time)));
+    doubt::in_order(doubts)
 }

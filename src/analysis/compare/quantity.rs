@@ -43,6 +43,9 @@ pub struct QuantityVerdict {
     pub tolerance: f64,
     pub unit: &'static str,
     pub first_divergence: FirstDivergence,
+    /// Differences that a doubt leaves open; left out if there are none.
+    #[serde(skip_serializing_if = "Open::is_empty")]
+    pub open: Open,
     /// The numbers on which the verdict rests; left out for path and heading.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub measures: Vec<RunMeasure>,
@@ -53,6 +56,19 @@ pub struct QuantityVerdict {
 pub struct FirstDivergence {
     pub inertia_effect: Option<Divergence>,
     pub engine_error: Option<Divergence>,
+}
+
+/// Differences of which nothing is claimed, because an exact run is doubtful.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Open {
+    pub inertia_effect: bool,
+    pub engine_error: bool,
+}
+
+impl Open {
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// One number of a run on the three backends.
@@ -71,6 +87,9 @@ pub struct RunMeasure {
     pub reference_error: f64,
     pub tolerance: f64,
 }
+
+/// Range of a share of which nothing is claimed (1).
+const ANYTHING: [f64; 2] = [0.0, f64::INFINITY];
 
 /// Number that a course over ticks is reduced to.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -113,6 +132,16 @@ impl Verdicts {
         self.named().into_iter().filter(move |(name, _)| has_pulls || *name != "pulls")
     }
 
+    /// Leaves open what an exact run that is doubtful from a time on (s) does not show.
+    ///
+    /// Path and heading differ as much as they ever do: a difference beyond the tolerance before
+    /// that time remains. The other quantities are numbers of the whole run, and remain open.
+    pub(super) fn doubt(&mut self, since: f64) {
+        let Self { path, heading, pulls, speed, energy } = self;
+        [path, heading].into_iter().for_each(|of| of.doubt(since));
+        [pulls, speed, energy].into_iter().for_each(|of| of.doubt(f64::NEG_INFINITY));
+    }
+
     pub(super) fn set_all(&mut self, verdict: Verdict) {
         for of in [&mut self.path, &mut self.heading, &mut self.pulls, &mut self.speed, &mut self.energy] {
             of.verdict = verdict;
@@ -138,15 +167,24 @@ impl QuantityVerdict {
         self.measures.iter().reduce(|largest, measure| if weight(measure) > weight(largest) { measure } else { largest })
     }
 
+    /// Leaves open what did not exceed the tolerance by the time `since` (s).
+    fn doubt(&mut self, since: f64) {
+        let stays = |is_cause: bool, first: Option<Divergence>| is_cause && first.is_some_and(|first| first.time_s <= since);
+        let FirstDivergence { inertia_effect, engine_error } = self.first_divergence;
+        let causes = [stays(self.verdict.has_inertia(), inertia_effect), stays(self.verdict.has_engine(), engine_error)];
+        self.open = Open { inertia_effect: !causes[0], engine_error: !causes[1] };
+        self.verdict = Verdict::of_causes(causes).unwrap_or(Verdict::Inconclusive);
+    }
+
     /// Largest inertia effect less and plus reference error over the tolerance (1): at most one
-    /// where quasi-static is valid.
+    /// where quasi-static is valid. It may be anything where a doubt leaves it open.
     pub fn inertia_share_range(&self) -> [f64; 2] {
-        self.share_range(self.inertia_effect, |measure| measure.inertia_effect)
+        if self.open.inertia_effect { ANYTHING } else { self.share_range(self.inertia_effect, |measure| measure.inertia_effect) }
     }
 
     /// As [`QuantityVerdict::inertia_share_range`], for the engine error.
     pub fn engine_share_range(&self) -> [f64; 2] {
-        self.share_range(self.engine_error, |measure| measure.engine_error)
+        if self.open.engine_error { ANYTHING } else { self.share_range(self.engine_error, |measure| measure.engine_error) }
     }
 
     /// Range of a difference over its tolerance (1): the largest of all numbers, if there are any.
@@ -187,6 +225,7 @@ impl QuantityVerdict {
             tolerance: 0.0,
             unit,
             first_divergence,
+            open: Open::default(),
             measures,
         };
         if let Some(deciding) = found.deciding().copied() {
@@ -342,6 +381,7 @@ mod tests {
                 tolerance,
                 unit: "m/s",
                 first_divergence,
+                open: Open::default(),
                 measures,
             };
             assert_eq!(of.deciding().map(|measure| measure.name), Some("peak speed"), "{verdict:?}");

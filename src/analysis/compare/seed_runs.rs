@@ -2,12 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::doubt::{self, Doubt, LedgerBound};
+use super::ensemble::EQUAL;
 use super::solution::Question;
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::Summary;
 use crate::scenario::{AntDrive, Scenario};
 use crate::simulation::run_facts::{self, fact};
-use crate::simulation::{Keep, MakeBackend, Simulation, Trace, backend_of};
+use crate::simulation::{DoubtTimes, Keep, MakeBackend, Simulation, Trace};
 
 /// What a comparison keeps of the runs with one seed, in the order of [`BackendKind::COMPARED`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,6 +17,9 @@ pub struct SeedRuns {
     /// Quantities of each run; `null` where the run has none.
     pub(super) values: [Vec<Option<f64>>; 3],
     pub(super) statuses: [Status; 3],
+    /// First reason to doubt an exact run; left out if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) doubt: Option<Doubt>,
     /// First time at which decisions of the quasi-static run and of rapier differ from those of the
     /// inertial run (s).
     pub(super) first_different: [Option<f64>; 2],
@@ -25,6 +30,7 @@ struct Run {
     values: Vec<Option<f64>>,
     trace: Trace,
     status: Status,
+    doubtful: DoubtTimes,
 }
 
 /// Quantity that runs are compared by.
@@ -59,22 +65,30 @@ fn mean_attached(trace: &Trace) -> Option<f64> {
 
 /// Runs the seed `at` places after the scenario's on all backends.
 pub(super) fn seed_runs(question: &Question, at: usize, watch: impl Fn(f64) -> bool) -> Option<(SeedRuns, [Trace; 3])> {
-    let Question { scenario, settings, engine, .. } = *question;
+    let Question { scenario, settings, engine, references: exact, .. } = *question;
     let seeded = Scenario { seed: scenario.seed.wrapping_add(at as u64), ..scenario.clone() };
     let run = |nth: u32, kind, make: &MakeBackend| {
         let question = Question { scenario: &seeded, ..*question };
         let options = settings.at_fixed_step(&seeded, kind);
         run_of(&question, &options, make, |share| watch((f64::from(nth) + share) / BackendKind::COMPARED.len() as f64))
     };
-    let runs =
-        [run(0, BackendKind::QuasiStatic, &backend_of)?, run(1, BackendKind::Inertial, &backend_of)?, run(2, BackendKind::Rapier, engine)?];
+    let runs = [run(0, BackendKind::QuasiStatic, exact)?, run(1, BackendKind::Inertial, exact)?, run(2, BackendKind::Rapier, engine)?];
     let first_different = [0, 2].map(|other| first_different_decision(&runs[1].trace, &runs[other].trace));
     let found = SeedRuns {
         values: runs.each_ref().map(|run| run.values.clone()),
         statuses: runs.each_ref().map(|run| run.status),
+        doubt: first_doubt(&seeded, &runs),
         first_different,
     };
     Some((found, runs.map(|run| run.trace)))
+}
+
+/// First reason to doubt an exact run of one seed.
+fn first_doubt(scenario: &Scenario, runs: &[Run; 3]) -> Option<Doubt> {
+    let bound = LedgerBound::new(scenario, false, EQUAL);
+    let exact = BackendKind::COMPARED.into_iter().zip(runs).filter(|(kind, _)| kind.is_exact());
+    let doubts = exact.flat_map(|(kind, run)| doubt::of_run(kind, &run.trace, &run.doubtful, bound));
+    doubts.min_by(|a, b| a.time_s.total_cmp(&b.time_s))
 }
 
 fn run_of(question: &Question, options: &BackendOptions, make: &MakeBackend, watch: impl Fn(f64) -> bool) -> Option<Run> {
@@ -87,7 +101,7 @@ fn run_of(question: &Question, options: &BackendOptions, make: &MakeBackend, wat
     let (trace, outcome) = run.into_results();
     let facts = run_facts::Run { scenario, options, outcome: &outcome, path_length: None, wall_time: None };
     let values = MEASURES.iter().map(|measure| (measure.of)(&facts, &trace)).collect();
-    Some(Run { values, trace, status: outcome.steps.status })
+    Some(Run { values, trace, status: outcome.steps.status, doubtful: outcome.doubtful })
 }
 
 /// First time at which the events of two runs differ (s).

@@ -19,7 +19,7 @@ use super::settings::{MakeController, Settings, Tier};
 use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
 use crate::math::Pose;
 use crate::scenario::Scenario;
-use crate::simulation::{Controller, Keep, MakeBackend, Row, Simulation, Trace};
+use crate::simulation::{Controller, DoubtTimes, Keep, MakeBackend, Row, Simulation, Trace};
 
 /// Path of a load with its numerical error; JSON has its step and counts only.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,6 +43,9 @@ pub struct Solution {
     /// When the first of these runs failed (s); `None` if none did.
     #[serde(skip)]
     pub failed_at: Option<f64>,
+    /// When these runs first were doubtful.
+    #[serde(skip)]
+    pub doubtful: DoubtTimes,
 }
 
 /// Pose of the load at one instant, with its numerical error.
@@ -62,6 +65,8 @@ pub(super) struct Question<'a> {
     pub settings: &'a Settings,
     /// Makes rapier, or what replaces it.
     pub engine: &'a MakeBackend<'a>,
+    /// Makes the quasi-static and the inertial backend.
+    pub references: &'a MakeBackend<'a>,
     pub controller: &'a MakeController<'a>,
 }
 
@@ -119,6 +124,7 @@ impl Solution {
             step_s: None,
             steps: outcome.steps,
             failed_at: outcome.failed_at,
+            doubtful: outcome.doubtful,
         })
     }
 
@@ -157,7 +163,9 @@ impl Solution {
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
         let failed_at = levels.iter().filter_map(|(_, (_, outcome))| outcome.failed_at).reduce(f64::min);
         let (step_s, (trace, _)) = levels.swap_remove(if is_engine { 0 } else { 2 });
-        Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps, failed_at })
+        // Only the exact runs of a comparison are doubted, and they are under error control.
+        let doubtful = DoubtTimes::default();
+        Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps, failed_at, doubtful })
     }
 
     /// Adds the distance from a less exact path to the error of this one, from there on. Both have

@@ -44,6 +44,7 @@ pub struct ThreeWay<'a> {
     scenario: &'a Scenario,
     settings: &'a Settings,
     engine: &'a MakeBackend<'a>,
+    references: &'a MakeBackend<'a>,
     controller: &'a MakeController<'a>,
 }
 
@@ -52,7 +53,7 @@ const RECORDING: f64 = 0.05;
 
 impl<'a> ThreeWay<'a> {
     pub fn new(scenario: &'a Scenario, settings: &'a Settings) -> Self {
-        Self { scenario, settings, engine: &backend_of, controller: &controller_of }
+        Self { scenario, settings, engine: &backend_of, references: &backend_of, controller: &controller_of }
     }
 
     /// Replaces rapier by an engine of your own. Each comparison of paths makes three: at the step
@@ -61,14 +62,20 @@ impl<'a> ThreeWay<'a> {
         Self { engine, ..self }
     }
 
+    /// Replaces what makes the quasi-static and the inertial backend, for instance by what observes
+    /// them in a [`Wrapped`](crate::backend::Wrapped) backend. The options say which one to make.
+    pub fn references(self, references: &'a MakeBackend<'a>) -> Self {
+        Self { references, ..self }
+    }
+
     /// Replaces the controller of the scenario by one of your own.
     pub fn controller(self, controller: &'a MakeController<'a>) -> Self {
         Self { controller, ..self }
     }
 
     fn question(&self, tier: Tier) -> Question<'a> {
-        let Self { scenario, settings, engine, controller } = *self;
-        Question { tier, scenario, settings, engine, controller }
+        let Self { scenario, settings, engine, references, controller } = *self;
+        Question { tier, scenario, settings, engine, references, controller }
     }
 
     /// Compares paths under prescribed tip motions.

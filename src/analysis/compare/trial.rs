@@ -1,6 +1,7 @@
 //! Trials of the suggested changes: quasi-static and inertial runs of the changed scene.
 
 use super::difference::{Difference, Jumps};
+use super::doubt;
 use super::pathwise::{self, Pathwise};
 use super::settings::{Settings, Tier};
 use super::solution::Question;
@@ -8,7 +9,6 @@ use super::suggestion::{SuggestedChange, Tried};
 use super::verdict::Cause;
 use crate::backend::{BackendKind, Status};
 use crate::scenario::Scenario;
-use crate::simulation::backend_of;
 
 /// Parts of the tolerance that the changes of each trial aim at, over that of the first (1).
 const AIMS: [f64; 3] = [1.0, 1.0 / 3.0, 1.0 / 9.0];
@@ -70,7 +70,7 @@ fn tried_to_its_tolerance(question: &Question, before: &Pathwise, watch: &(impl 
 fn tried(question: &Question, needed: f64, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Tried> {
     let Question { scenario: changed, .. } = *question;
     let settings = Settings { reference_tolerance_m: Some(needed), ..*question.settings };
-    let find = |kind| question.solution(&settings.under_error_control(changed, kind), &backend_of, |_| watch(1.0));
+    let find = |kind| question.solution(&settings.under_error_control(changed, kind), question.references, |_| watch(1.0));
     let (quasi_static, inertial) = rayon::join(|| find(BackendKind::QuasiStatic), || find(BackendKind::Inertial));
     let [mut quasi_static, mut inertial] = [quasi_static?, inertial?];
     let n = quasi_static.points.len().min(inertial.points.len());
@@ -80,7 +80,8 @@ fn tried(question: &Question, needed: f64, watch: &(impl Fn(f64) -> bool + Sync)
     let effect = Difference::outside_jumps(&inertial.points, &quasi_static.points, radius, &jumps).edge_displacement_max_m;
     let error = [&quasi_static, &inertial].map(|solution| Difference::error_of(&solution.limit, radius).edge_displacement_max_m);
     let tolerance_m = settings.tolerance_path(quasi_static.path_length(radius).max(inertial.reach(radius)), radius);
-    let converged = [&quasi_static, &inertial].iter().all(|solution| solution.steps.status == Status::Converged);
-    let is_enough = converged && effect + error[0].max(error[1]) <= tolerance_m;
+    let has_failed = [&quasi_static, &inertial].iter().any(|solution| solution.steps.status == Status::Failed);
+    let is_trusted = !has_failed && doubt::of_references(&[quasi_static, inertial], changed).is_empty();
+    let is_enough = is_trusted && effect + error[0].max(error[1]) <= tolerance_m;
     Some(Tried { inertia_effect_m: effect, tolerance_m, is_enough })
 }

@@ -16,7 +16,7 @@ pub enum Verdict {
     /// Both exceed the tolerance.
     #[serde(rename = "inertia and engine")]
     InertiaAndEngine,
-    /// The reference error is too large to decide.
+    /// The reference error is too large to decide, or a reference run is doubtful.
     #[serde(rename = "inconclusive", alias = "below own error")]
     Inconclusive,
     /// The load never moves, with inertia or without: there is nothing to compare.
@@ -45,25 +45,29 @@ impl Verdict {
     /// the reference error, and agreement if no difference can exceed it.
     pub fn of(inertia_effect: f64, engine_error: f64, reference_error: f64, tolerance: f64) -> Self {
         let exceeds = |difference: f64| difference - reference_error > tolerance;
-        match (exceeds(inertia_effect), exceeds(engine_error)) {
-            (true, true) => Verdict::InertiaAndEngine,
-            (true, false) => Verdict::Inertia,
-            (false, true) => Verdict::Engine,
-            _ if inertia_effect.max(engine_error) + reference_error <= tolerance => Verdict::Agree,
-            _ => Verdict::Inconclusive,
+        Self::of_causes([exceeds(inertia_effect), exceeds(engine_error)]).unwrap_or(
+            match inertia_effect.max(engine_error) + reference_error <= tolerance {
+                true => Verdict::Agree,
+                false => Verdict::Inconclusive,
+            },
+        )
+    }
+
+    /// Verdict that names these causes, inertia and engine; `None` without any.
+    pub(super) fn of_causes(are_causes: [bool; 2]) -> Option<Self> {
+        match are_causes {
+            [true, true] => Some(Verdict::InertiaAndEngine),
+            [true, false] => Some(Verdict::Inertia),
+            [false, true] => Some(Verdict::Engine),
+            [false, false] => None,
         }
     }
 
     /// Verdict on two numbers together: every cause of either, else what is left open.
     pub fn and(self, other: Self) -> Self {
         let any = |is: fn(Self) -> bool| is(self) || is(other);
-        match (any(Self::has_inertia), any(Self::has_engine)) {
-            (true, true) => Verdict::InertiaAndEngine,
-            (true, false) => Verdict::Inertia,
-            (false, true) => Verdict::Engine,
-            _ if self == Verdict::Agree => other,
-            _ => self,
-        }
+        let left = if self == Verdict::Agree { other } else { self };
+        Self::of_causes([any(Self::has_inertia), any(Self::has_engine)]).unwrap_or(left)
     }
 
     pub fn has_inertia(self) -> bool {

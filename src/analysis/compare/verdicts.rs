@@ -3,7 +3,7 @@
 use super::course::Course;
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
-use super::quantity::{Courses, FirstDivergence, QuantityVerdict, Verdicts};
+use super::quantity::{Courses, FirstDivergence, Open, QuantityVerdict, Verdicts};
 use super::settings::{LEAST_MOTION, Settings};
 use super::solution::Solution;
 use super::verdict::Verdict;
@@ -33,7 +33,7 @@ impl Runs<'_> {
         let courses = self.courses();
         let times = &courses.runs[0].times;
         let diverges = |which: usize, time: f64| pairs[which].divergence_at(time);
-        let [pull, speed, energy] = self.least();
+        let [pull, speed, energy] = least_sizes(scenario);
         let of = |reduced: &[_], share: f64, least: f64, unit| QuantityVerdict::on(reduced, (share, least), times, unit, diverges);
         let (pulls, speeds) = (courses.pulls(), courses.speeds());
         let mut verdicts = Verdicts {
@@ -70,7 +70,7 @@ impl Runs<'_> {
 
     /// Length below which the load counts as resting (m).
     fn least_motion(&self) -> f64 {
-        LEAST_MOTION * self.scenario.system.load.radius
+        least_motion(self.scenario)
     }
 
     fn of_poses(
@@ -90,6 +90,7 @@ impl Runs<'_> {
             tolerance,
             unit,
             first_divergence: FirstDivergence { inertia_effect: first(by_inertia), engine_error: first(by_engine) },
+            open: Open::default(),
             measures: Vec::new(),
         }
     }
@@ -119,15 +120,20 @@ impl Runs<'_> {
             companions: [companion(&solutions[0]), companion(&solutions[1])],
         }
     }
+}
 
-    /// Sizes of pull (N), speed (m/s) and energy (J) below which nothing is compared: those of a
-    /// load that moves by a millionth of its radius, within a control period.
-    fn least(&self) -> [f64; 3] {
-        let (system, length) = (&self.scenario.system, self.least_motion());
-        let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);
-        let (friction, elastic) = (system.total_slip_limit(), stiffness * length);
-        // Without friction and springs there is neither a force nor a loss.
-        let [force, energy] = [LEAST_MOTION * friction + elastic, (friction + elastic) * length].map(|size| size.max(f64::MIN_POSITIVE));
-        [force, length / self.scenario.control_period, energy]
-    }
+/// Length below which the load counts as resting (m).
+fn least_motion(scenario: &Scenario) -> f64 {
+    LEAST_MOTION * scenario.system.load.radius
+}
+
+/// Sizes of pull (N), speed (m/s) and energy (J) below which nothing is compared: those of a load
+/// that moves by a millionth of its radius, within a control period.
+pub(super) fn least_sizes(scenario: &Scenario) -> [f64; 3] {
+    let (system, length) = (&scenario.system, least_motion(scenario));
+    let stiffness = system.springs.iter().map(|spring| spring.radial_stiffness).fold(0.0, f64::max);
+    let (friction, elastic) = (system.total_slip_limit(), stiffness * length);
+    // Without friction and springs there is neither a force nor a loss.
+    let [force, energy] = [LEAST_MOTION * friction + elastic, (friction + elastic) * length].map(|size| size.max(f64::MIN_POSITIVE));
+    [force, length / scenario.control_period, energy]
 }

@@ -6,13 +6,14 @@ use crate::backend::Status;
 use crate::output::page::Answer;
 use crate::output::quantity::of_run::short_quantity;
 use crate::output::quantity::short;
+use crate::studies::compare::doubt;
 
 /// Whether quasi-static is valid: for all quantities, for the path but not for all, or not for the
 /// path.
 pub fn of_paths(found: &Pathwise) -> Answer {
     let answers = found.verdicts.named().map(|(_, of)| is_valid(of));
     match answers[0] {
-        _ if !found.references_converged() || found.verdict == Verdict::NothingMoved => Answer::Open,
+        _ if found.verdict == Verdict::NothingMoved => Answer::Open,
         Answer::Yes if answers.iter().any(|of| *of != Answer::Yes) => Answer::Partly,
         path => path,
     }
@@ -44,11 +45,23 @@ pub fn sentence_of_paths(found: &Pathwise) -> String {
     if found.verdict == Verdict::NotComputed {
         return format!("{UNKNOWN}, because {}.", failed_runs(found));
     }
-    if !found.references_converged() {
-        return format!("{UNKNOWN}: some macro-steps of the reference runs did not converge.");
+    if let Some(why) = doubt::of_paths(found) {
+        let known = known_sentences(found);
+        return match known.is_empty() {
+            true => format!("{UNKNOWN}, nor what the engine error is: the comparison is inconclusive, because {why}."),
+            false => format!("{} All else is inconclusive, because {why}.", known.join(" ")),
+        };
     }
     let inertia = if found.verdict == Verdict::NothingMoved { nothing_moved(found) } else { inertia_sentence(found) };
     format!("{inertia} {}", engine_sentence(found))
+}
+
+/// What is known in spite of a doubt: differences beyond the tolerance before it.
+fn known_sentences(found: &Pathwise) -> Vec<String> {
+    let is_known = |of: fn(&QuantityVerdict) -> Answer| found.verdicts.shown().any(|(_, verdict)| of(verdict) == Answer::No);
+    let inertia = is_known(is_valid).then(|| format!("Quasi-static is not valid for {}.", list(&with_answer(found, Answer::No))));
+    let engine = is_known(engine_is_within).then(|| format!("The engine error of rapier exceeds the tolerance for {}.", beyond(found)));
+    inertia.into_iter().chain(engine).collect()
 }
 
 /// Which runs failed and when, in words.
@@ -71,11 +84,7 @@ fn nothing_moved(found: &Pathwise) -> String {
 }
 
 fn inertia_sentence(found: &Pathwise) -> String {
-    let of = |answer| {
-        let quantities = found.verdicts.shown().filter(move |(_, of)| is_valid(of) == answer);
-        quantities.map(|(name, of)| quantity_in_words(name, of, found, answer)).collect::<Vec<_>>()
-    };
-    let [valid, not_valid, open] = [Answer::Yes, Answer::No, Answer::Open].map(|answer| list(&of(answer)));
+    let [valid, not_valid, open] = [Answer::Yes, Answer::No, Answer::Open].map(|answer| list(&with_answer(found, answer)));
     let sentence = match (is_valid(&found.verdicts.path), valid.is_empty(), not_valid.is_empty()) {
         (Answer::Yes, _, true) => format!("Quasi-static is valid for {valid}"),
         (Answer::Yes, _, false) => format!("Quasi-static is valid for {valid} but not for {not_valid}"),
@@ -88,6 +97,12 @@ fn inertia_sentence(found: &Pathwise) -> String {
         true => format!("{sentence}."),
         false => format!("{sentence}. Too close to the tolerance for the reference error: {open}."),
     }
+}
+
+/// The quantities with this answer, in words.
+fn with_answer(found: &Pathwise, answer: Answer) -> Vec<String> {
+    let quantities = found.verdicts.shown().filter(move |(_, of)| is_valid(of) == answer);
+    quantities.map(|(name, of)| quantity_in_words(name, of, found, answer)).collect()
 }
 
 /// A quantity, and what inertia does to it unless it is valid.
@@ -130,13 +145,9 @@ fn list(words: &[String]) -> String {
 }
 
 fn engine_sentence(found: &Pathwise) -> String {
-    let of = |answer| found.verdicts.shown().filter(move |(_, of)| engine_is_within(of) == answer);
-    let beyond = |(name, of): (&str, &QuantityVerdict)| match of.worst_of_engine() {
-        None => format!("the {name} ({})", short_quantity(of.engine_error, of.unit)),
-        Some(measure) => format!("{} ({})", plural(measure), instead(measure.rapier, measure.inertial, of.unit)),
-    };
-    let exceeds = list(&of(Answer::No).map(beyond).collect::<Vec<_>>());
-    let open = list(&of(Answer::Open).map(|(name, _)| in_general(name).to_owned()).collect::<Vec<_>>());
+    let exceeds = beyond(found);
+    let open = found.verdicts.shown().filter(|(_, of)| engine_is_within(of) == Answer::Open);
+    let open = list(&open.map(|(name, _)| in_general(name).to_owned()).collect::<Vec<_>>());
     let on_path = short_quantity(found.edge_displacement.engine_error_m, "m");
     let sentence = match (exceeds.is_empty(), open.is_empty()) {
         (true, true) => format!("The engine error of rapier is within all tolerances ({on_path} on the path)"),
@@ -145,6 +156,15 @@ fn engine_sentence(found: &Pathwise) -> String {
         (false, false) => format!("The engine error of rapier exceeds the tolerance for {exceeds}, and is too close to decide for {open}"),
     };
     format!("{sentence}.")
+}
+
+/// The quantities for which the engine error exceeds the tolerance, as a list.
+fn beyond(found: &Pathwise) -> String {
+    let in_words = |(name, of): (&str, &QuantityVerdict)| match of.worst_of_engine() {
+        None => format!("the {name} ({})", short_quantity(of.engine_error, of.unit)),
+        Some(measure) => format!("{} ({})", plural(measure), instead(measure.rapier, measure.inertial, of.unit)),
+    };
+    list(&found.verdicts.shown().filter(|(_, of)| engine_is_within(of) == Answer::No).map(in_words).collect::<Vec<_>>())
 }
 
 /// The tolerance, and what it is a share of if the load moves.
@@ -163,6 +183,7 @@ pub fn of_ensemble(found: &ClosedLoop) -> Answer {
     let is_equal = found.measures.iter().filter(|measure| measure.exists()).all(|measure| measure.inertia_effect.is_equal);
     match found.verdict {
         Verdict::NotComputed | Verdict::Decorrelated => Answer::Open,
+        _ if !found.doubts.is_empty() => Answer::Open,
         _ if differs => Answer::No,
         _ if is_equal => Answer::Yes,
         _ => Answer::Open,
@@ -174,6 +195,9 @@ pub fn sentence_of_ensemble(found: &ClosedLoop) -> String {
     let seeds = format!("{} paired seed{}", found.n_seeds, if found.n_seeds == 1 { "" } else { "s" });
     if found.verdict == Verdict::NotComputed {
         return "It is not known what inertia changes in the closed loop: a run failed.".to_owned();
+    }
+    if let Some(why) = doubt::of_ensemble(found) {
+        return format!("It is not known what inertia changes in the closed loop: the comparison is inconclusive, because {why}.");
     }
     match of_ensemble(found) {
         Answer::No => {

@@ -4,6 +4,7 @@ pub mod answer;
 pub mod beside;
 pub mod closed_loop;
 pub mod comparison;
+pub mod doubt;
 pub mod files;
 pub mod page;
 pub mod text;

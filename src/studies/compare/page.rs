@@ -148,7 +148,7 @@ fn closed_loop(found: &ClosedLoop, scenario: &Scenario) -> Vec<Block> {
         Table::new("Paired differences of means over seeds, with confidence intervals", ["measure", "inertia effect", "engine error"]);
     let table = found.measures.iter().fold(table, |table, measure| {
         let (name, unit) = name_and_unit(measure.name);
-        table.row([name, paired(&measure.inertia_effect, unit), paired(&measure.engine_error, unit)])
+        table.row([name, paired(&measure.inertia_effect, unit, found), paired(&measure.engine_error, unit, found)])
     });
     vec![
         Block::text(sentence_of_ensemble(found)),

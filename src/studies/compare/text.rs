@@ -10,6 +10,7 @@ use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, rounded_up, tolerance};
 use crate::studies::compare::comparison::Comparison;
+use crate::studies::compare::doubt;
 
 /// Most lines of brief text below the answer.
 const MOST_LINES: usize = 15;
@@ -151,6 +152,7 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     let predicted = &found.predicted;
     let mut rows = Vec::new();
     let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
+    found.doubts.iter().for_each(|of| row("doubt", doubt::in_words(of)));
     for (name, of) in found.verdicts.shown() {
         let effects = [("inertia effect", of.first_divergence.inertia_effect), ("engine error", of.first_divergence.engine_error)];
         for (effect, first) in effects {
@@ -269,7 +271,8 @@ fn measures(found: &ClosedLoop) -> String {
         let (name, unit) = name_and_unit(measure.name);
         let mean = |of: &Distribution| if of.n > 0 { short_quantity(of.mean, unit) } else { "none".to_owned() };
         let [a, b, c] = [&measure.quasi_static, &measure.inertial, &measure.rapier].map(mean);
-        text += &row([&format!("  {name}"), &a, &b, &c, says(&measure.inertia_effect), says(&measure.engine_error)]);
+        let [inertia, engine] = [&measure.inertia_effect, &measure.engine_error].map(|of| says(of, found));
+        text += &row([&format!("  {name}"), &a, &b, &c, inertia, engine]);
     }
     if let Some(n) = found.n_seeds_needed {
         text += &format!("  too few seeds     about {} would decide all measures\n", rounded_up(n));
@@ -284,13 +287,16 @@ fn closed_loop(found: &ClosedLoop, lines: &mut Lines) {
     let first = &found.first_different_decision;
     let (quasi_static, rapier) = (time(first.quasi_static_s), time(first.rapier_s));
     lines.row("decisions", &format!("differ from inertial at {quasi_static} (quasi-static), {rapier} (rapier)"));
+    for seed in &found.doubts {
+        lines.row("doubt", &format!("with seed {}, {}", seed.seed, doubt::in_words(&seed.doubt)));
+    }
     for Measure { name, quasi_static, inertial, rapier, inertia_effect, engine_error, .. } in &found.measures {
         let (name, unit) = name_and_unit(name);
         lines.row(&name, &format!("quasi-static {}", distribution(quasi_static, unit)));
         lines.row("", &format!("inertial {}", distribution(inertial, unit)));
         lines.row("", &format!("rapier {}", distribution(rapier, unit)));
-        lines.row("", &format!("inertia effect {}", paired(inertia_effect, unit)));
-        lines.row("", &format!("engine error {}", paired(engine_error, unit)));
+        lines.row("", &format!("inertia effect {}", paired(inertia_effect, unit, found)));
+        lines.row("", &format!("engine error {}", paired(engine_error, unit, found)));
     }
 }
 
@@ -302,14 +308,16 @@ fn distribution(found: &Distribution, unit: &str) -> String {
     format!("{}{spread} ({} runs)", quantity(found.mean, unit), found.n)
 }
 
-pub fn paired(found: &PairedDifference, unit: &str) -> String {
+/// A difference of means with its interval, and what it says in a comparison `among` seeds.
+pub fn paired(found: &PairedDifference, unit: &str, among: &ClosedLoop) -> String {
     let Some(interval) = found.interval else { return "too few pairs".to_owned() };
     let range = format!("{} to {}", quantity(interval.low, unit), quantity(interval.high, unit));
-    format!("{} ({} % interval {range}): {}", quantity(found.mean, unit), short(100.0 * found.level), says(found))
+    format!("{} ({} % interval {range}): {}", quantity(found.mean, unit), short(100.0 * found.level), says(found, among))
 }
 
-fn says(found: &PairedDifference) -> &'static str {
+fn says(found: &PairedDifference, among: &ClosedLoop) -> &'static str {
     match (found.excludes_zero, found.is_equal) {
+        _ if !among.doubts.is_empty() => "inconclusive",
         (_, true) => "equal",
         (true, false) => "differs",
         _ => "inconclusive",

@@ -184,12 +184,11 @@ fn compared(scenario: &Scenario, settings: &Settings, go_on: &(dyn Fn() -> bool 
 }
 
 fn of_quantities(found: &Pathwise) -> [Compared; 5] {
-    let is_known = found.references_converged();
     let of = |(_, of): (&str, &QuantityVerdict)| Compared {
         verdict: of.verdict,
         is_valid: match answer::is_valid(of) {
-            Answer::Yes if is_known && of.verdict != Verdict::NothingMoved => Some(true),
-            Answer::No if is_known => Some(false),
+            Answer::Yes if of.verdict != Verdict::NothingMoved => Some(true),
+            Answer::No => Some(false),
             _ => None,
         },
         inertia_effect: of.inertia_effect,
