@@ -241,7 +241,7 @@ fn run_out_writes_every_tick_and_the_exact_end() {
         assert!(read("overview.svg").trim_end().ends_with("</svg>"));
         assert_eq!(read("events.csv").lines().count(), 3, "a head, a grasp and a release");
         let transitions = read("transitions.csv");
-        assert!(transitions.starts_with("time_s,transition,support,shift_m,turn_rad,energy_j,obstacle\n"), "{transitions}");
+        assert!(transitions.starts_with("time_s,transition,support,shift_m,turn_rad,energy_j,obstacle,law\n"), "{transitions}");
         // The load is drawn over its slip limit; whether an engine's is, it does not say.
         assert_eq!(transitions.contains(",slip_onset,,,,,\n"), backend != "rapier", "{transitions}");
         let n_onset = value.pointer("/transitions/n_slip_onset").and_then(Value::as_u64);

@@ -30,6 +30,7 @@ mod transition;
 mod wrapped;
 
 pub use crate::model::Motion;
+pub use contact::ImpactLaw;
 pub use default_step::{default_step, step_of};
 pub use doubt::Doubts;
 pub use exact::{Integrator, LONGEST_MACRO_STEP};

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::contact::ImpactLaw;
 use super::friction::ContactMode;
 
 /// An instant at which the motion of the load is not smooth.
@@ -35,11 +36,13 @@ pub enum TransitionKind {
     SideStick { obstacle: usize },
     /// A contact with an obstacle begins to slide.
     SideSlip { obstacle: usize },
-    /// The load hits an obstacle with a finite speed.
+    /// The load hits an obstacle with a finite speed, with or without a loss.
     Impact {
         obstacle: usize,
         /// Energy lost (J).
         energy: f64,
+        /// The law that its velocity follows.
+        law: ImpactLaw,
     },
     /// Another motion is admissible from here: the motion is not unique.
     NotUnique { obstacle: usize },
@@ -77,6 +80,12 @@ pub struct TransitionCounts {
     pub n_impacts: u64,
     #[serde(default, skip_serializing_if = "is_none")]
     pub n_not_unique: u64,
+    /// Impacts for which Newton's law gained energy or had no answer.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_impacts_by_poisson: u64,
+    /// Impacts for which no law had an answer.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub n_impacts_without_law: u64,
     pub n_jumps: u64,
     /// Jumps whose end depends on what dissipates besides friction, as far as the run looks.
     #[serde(default, skip_serializing_if = "is_none")]
@@ -101,8 +110,12 @@ impl TransitionCounts {
             TransitionKind::Separation { .. } => self.n_separation += 1,
             TransitionKind::SideStick { .. } => self.n_side_stick += 1,
             TransitionKind::SideSlip { .. } => self.n_side_slip += 1,
-            TransitionKind::Impact { .. } => self.n_impacts += 1,
             TransitionKind::NotUnique { .. } => self.n_not_unique += 1,
+            TransitionKind::Impact { law, .. } => {
+                self.n_impacts += 1;
+                self.n_impacts_by_poisson += u64::from(*law == ImpactLaw::Poisson);
+                self.n_impacts_without_law += u64::from(*law == ImpactLaw::None);
+            }
             TransitionKind::Jump { shift, is_uncertain, .. } => {
                 self.n_jumps += 1;
                 self.n_uncertain_jumps += u64::from(*is_uncertain);

@@ -77,8 +77,8 @@ impl World {
 
     /// First time after `time` at which an obstacle changes its velocity; infinite without one (s).
     pub fn next_corner(&self, time: f64) -> f64 {
-        let corners = self.obstacles.iter().filter(|obstacle| obstacle.path.moves()).flat_map(|obstacle| &obstacle.path.waypoints);
-        corners.map(|(at, _)| *at).filter(|at| *at > time).fold(f64::INFINITY, f64::min)
+        let moving = self.obstacles.iter().map(|obstacle| &obstacle.path).filter(|path| path.moves());
+        moving.filter_map(|path| path.next_waypoint(time)).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -109,6 +109,12 @@ impl ObstaclePath {
         let next = self.waypoints.partition_point(|(at, _)| *at <= time);
         let last = self.waypoints.len() - 1;
         (&self.waypoints[next.saturating_sub(1)], &self.waypoints[next.min(last)])
+    }
+
+    /// First time of a waypoint after `time` (s).
+    fn next_waypoint(&self, time: f64) -> Option<f64> {
+        let next = self.waypoints.partition_point(|(at, _)| *at <= time);
+        self.waypoints.get(next).map(|(at, _)| *at)
     }
 
     /// Bound of the path length of the points within `extent` (m) of the origin between two times

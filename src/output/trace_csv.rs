@@ -59,7 +59,7 @@ impl TraceColumns {
 pub const EVENT_COLUMNS: [&str; 6] = ["time_s", "event", "spring", "ant", "tip_x_m", "tip_y_m"];
 
 /// Columns of `transitions.csv`.
-pub const TRANSITION_COLUMNS: [&str; 7] = ["time_s", "transition", "support", "shift_m", "turn_rad", "energy_j", "obstacle"];
+pub const TRANSITION_COLUMNS: [&str; 8] = ["time_s", "transition", "support", "shift_m", "turn_rad", "energy_j", "obstacle", "law"];
 
 /// Writer of a `trace.csv`.
 pub struct TraceTable<W> {
@@ -154,7 +154,7 @@ pub fn write_events(trace: &Trace, out: impl Write) -> Result<(), TableError> {
 /// Writes `transitions.csv` with [`TRANSITION_COLUMNS`], in the order of time: slip onsets, stops,
 /// pinnings and unpinnings of supports, jumps, and what happens at obstacles. Shift and turn belong
 /// to jumps. The energy is what a jump would have given to a load with inertia, or what an impact
-/// lost.
+/// lost; the law is the one that the velocity after an impact follows.
 ///
 /// # Errors
 /// When a number is not finite, or `out` fails.
@@ -167,12 +167,12 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
         match kind {
             TransitionKind::Pinning { support } | TransitionKind::Unpinning { support } => {
                 lines.count(*support);
-                lines.nothing(4);
+                lines.nothing(5);
             }
             TransitionKind::Jump { shift, turn, energy, .. } => {
                 lines.nothing(1);
                 lines.numbers(&[*shift, *turn, *energy])?;
-                lines.nothing(1);
+                lines.nothing(2);
             }
             TransitionKind::Touch { obstacle }
             | TransitionKind::Separation { obstacle }
@@ -181,13 +181,15 @@ pub fn write_transitions(trace: &Trace, out: impl Write) -> Result<(), TableErro
             | TransitionKind::NotUnique { obstacle } => {
                 lines.nothing(4);
                 lines.count(*obstacle);
+                lines.nothing(1);
             }
-            TransitionKind::Impact { obstacle, energy } => {
+            TransitionKind::Impact { obstacle, energy, law } => {
                 lines.nothing(3);
                 lines.numbers(&[*energy])?;
                 lines.count(*obstacle);
+                lines.word(law.name());
             }
-            TransitionKind::SlipOnset | TransitionKind::Stop => lines.nothing(5),
+            TransitionKind::SlipOnset | TransitionKind::Stop => lines.nothing(6),
         }
         lines.end();
     }
@@ -210,6 +212,7 @@ pub(super) fn forces_of(row: &Row) -> [f64; FORCE_COLUMNS.len()] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::ImpactLaw;
     use crate::math::Vec2;
     use crate::output::synthetic;
 
@@ -290,7 +293,7 @@ mod tests {
             TransitionKind::Unpinning { support: 2 },
             TransitionKind::Touch { obstacle: 1 },
             TransitionKind::Jump { shift: 4e-3, turn: -0.1, energy: 2.5e-5, is_uncertain: true },
-            TransitionKind::Impact { obstacle: 0, energy: 0.5 },
+            TransitionKind::Impact { obstacle: 0, energy: 0.5, law: ImpactLaw::Poisson },
             TransitionKind::Stop,
         ];
         let transitions = kinds.map(|kind| Transition { time: 0.1 + 0.2, kind }).to_vec();
@@ -300,13 +303,13 @@ mod tests {
         let text = String::from_utf8(bytes).unwrap();
         let time = "0.30000000000000004";
         let rows = [
-            "slip_onset,,,,,",
-            "pinning,2,,,,",
-            "unpinning,2,,,,",
-            "touch,,,,,1",
-            "jump,,0.004,-0.1,0.000025,",
-            "impact,,,,0.5,0",
-            "stop,,,,,",
+            "slip_onset,,,,,,",
+            "pinning,2,,,,,",
+            "unpinning,2,,,,,",
+            "touch,,,,,1,",
+            "jump,,0.004,-0.1,0.000025,,",
+            "impact,,,,0.5,0,poisson",
+            "stop,,,,,,",
         ]
         .map(|row| format!("{time},{row}\n"));
         assert_eq!(text, format!("{}\n{}", TRANSITION_COLUMNS.join(","), rows.concat()));

@@ -1,7 +1,7 @@
 //! Transitions and triggers in plain words.
 
 use crate::analysis::ByTrigger;
-use crate::backend::TransitionKind;
+use crate::backend::{ImpactLaw, TransitionKind};
 use crate::model::World;
 use crate::output::quantity::of_run::{is_rounding, short_quantity};
 
@@ -29,9 +29,19 @@ pub fn in_words(kind: &TransitionKind, world: &World) -> String {
         TransitionKind::Separation { .. } => format!("separates from {name}"),
         TransitionKind::SideStick { .. } => format!("begins to stick to {name}, or to roll on it"),
         TransitionKind::SideSlip { .. } => format!("begins to slide along {name}"),
-        TransitionKind::Impact { energy, .. } => format!("hits {name} and loses {}", short_quantity(*energy, "J")),
+        TransitionKind::Impact { energy, law, .. } => hit(name, *energy, *law),
         TransitionKind::NotUnique { .. } => format!("may move otherwise from here on at {name}: the motion is not unique"),
         TransitionKind::Jump { shift, .. } => format!("jump of {}", short_quantity(*shift, "m")),
+    }
+}
+
+/// An impact with its loss (J), and the law that it follows where that is not Newton's.
+fn hit(name: &str, loss: f64, law: ImpactLaw) -> String {
+    let told = format!("hits {name} and loses {}", short_quantity(loss, "J"));
+    match law {
+        ImpactLaw::Newton | ImpactLaw::Engine => told,
+        ImpactLaw::Poisson => format!("{told} by Poisson's law"),
+        ImpactLaw::None => format!("hits {name}, and no law of impacts has an answer"),
     }
 }
 
@@ -54,7 +64,9 @@ mod tests {
         let post = Obstacle { name: "left post".into(), outline: Outline::disc(0.005), friction_coefficient: 0.0, restitution: 0.0, path };
         let world = World { outline: Outline::disc(0.0122), obstacles: vec![post] };
         assert_eq!(in_words(&TransitionKind::Touch { obstacle: 0 }, &world), "touches left post");
-        let hit = TransitionKind::Impact { obstacle: 0, energy: 7.17e-5 };
-        assert_eq!(in_words(&hit, &world), "hits left post and loses 71.7 µJ");
+        let hit = |law| in_words(&TransitionKind::Impact { obstacle: 0, energy: 7.17e-5, law }, &world);
+        assert_eq!(hit(ImpactLaw::Newton), "hits left post and loses 71.7 µJ");
+        assert_eq!(hit(ImpactLaw::Poisson), "hits left post and loses 71.7 µJ by Poisson's law");
+        assert_eq!(hit(ImpactLaw::None), "hits left post, and no law of impacts has an answer");
     }
 }

@@ -61,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 68] = [
+pub const FACTS: [Fact; 70] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -155,6 +155,12 @@ pub const FACTS: [Fact; 68] = [
     count("contacts.n_impacts", "n_impacts", "Number of impacts on obstacles.", |r| r.at_obstacles(|o| Count(o.transitions.n_impacts))),
     count("contacts.n_not_unique", "", "Number of times another motion was admissible, if it was.", |r| {
         r.at_obstacles_exactly(|o| positive_count(o.transitions.n_not_unique))
+    }),
+    count("contacts.n_impacts_by_poisson", "", "Number of impacts by Poisson's law, where Newton's gains energy or has no answer.", |r| {
+        r.transitions(|t| if t.n_impacts_by_poisson > 0 { Count(t.n_impacts_by_poisson) } else { Absent })
+    }),
+    count("contacts.n_impacts_without_law", "", "Number of impacts for which no law has an answer.", |r| {
+        r.transitions(|t| if t.n_impacts_without_law > 0 { Count(t.n_impacts_without_law) } else { Absent })
     }),
     number("contacts.residual", "contact_residual", "Largest relative residual of a step with a contact force.", |r| {
         r.at_obstacles_exactly(|o| Number(o.steps.contact_residual))

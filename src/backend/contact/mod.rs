@@ -14,6 +14,7 @@
 //! answer        an answer of such a step, and what it leaves behind
 //! displacement  what a load meets along a displacement
 //! touching      contacts that are closed, and the faces that they make
+//! impact        the velocity after an impact;  impact_law: the law that it follows
 //! obstacles     when a step needs them, and the contacts between two steps
 //! ```
 
@@ -25,6 +26,7 @@ mod features;
 mod gap;
 mod gate;
 mod impact;
+mod impact_law;
 mod linear;
 mod newton;
 mod obstacles;
@@ -35,7 +37,8 @@ mod surroundings;
 mod touching;
 
 pub use candidates::gap_rounding;
-pub use impact::{Reflection, Strike};
+pub use impact::{Instant, Reflection, SpeedLimits, Strike};
+pub use impact_law::ImpactLaw;
 pub use obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
 pub use solve::{
     ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, mode_newton, solve_contacts,

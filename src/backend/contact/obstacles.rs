@@ -244,10 +244,20 @@ impl Obstacles {
         if task.scope == Scope::Touching {
             let touches = |pair: &Pair| touching.iter().any(|touching| touching.key == pair.key);
             let closed: SmallVec<[Pair; 4]> = pairs.iter().filter(|pair| touches(pair)).copied().collect();
-            let at = (system, start, task.from);
-            pairs.retain(|pair| touches(pair) || closed.iter().any(|closed| self.surroundings.continues(at, [closed, pair])));
+            pairs.retain(|pair| touches(pair) || closed.iter().any(|closed| self.takes_over(system, [closed, pair], (start, task), reach)));
         }
         pairs.into_iter().map(|pair| self.candidate(system, start, task, pair, touching)).collect()
+    }
+
+    /// Whether the load may go on touching by the second of two pairs where it leaves the first,
+    /// within `reach` (m) of where it touches. Farther away, features that belong together, such as
+    /// the face of a load and its corner, touch anew: that is an impact.
+    fn takes_over(&self, system: &System, [closed, next]: [&Pair; 2], (start, task): (&Place, &Task), reach: f64) -> bool {
+        let point = |pair: &Pair| {
+            let obstacle = &system.world.obstacles[pair.key.obstacle];
+            pair.features.contact_point(&Surroundings::relative(start, &obstacle.path.pose_at(task.from)))
+        };
+        self.surroundings.continues((system, start, task.from), [closed, next]) && (point(closed) - point(next)).norm() <= reach
     }
 
     /// The pairs that touch, as candidates.

@@ -1,15 +1,18 @@
 //! What a load of any exact method does with obstacles between its steps.
 
-use super::load::{Exact, Method};
+use smallvec::SmallVec;
+
+use super::load::{Exact, Method, Snapshot, State};
 use super::side::{Impact, SideState};
-use crate::backend::contact::{Faces, Obstacles, SideForce, Touching, transitions};
-use crate::backend::springs::Place;
+use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, Strike, Touching, transitions};
+use crate::backend::springs::{Place, TipPaths};
 use crate::backend::{Doubts, SideContact, Status, StepReport, Transition, TransitionKind};
 
 /// What does not change at the obstacles while the motion is smooth.
 pub struct Contacts {
     faces: Faces,
-    n_impacts: usize,
+    /// Number of impacts and of divided steps.
+    n_events: usize,
     /// Radius of the load (m).
     radius: f64,
 }
@@ -17,9 +20,14 @@ pub struct Contacts {
 impl Contacts {
     /// Whether the motion was smooth up to these.
     pub fn go_on(&self, now: &Self) -> bool {
-        self.n_impacts == now.n_impacts && self.faces.go_on(&now.faces, self.radius)
+        self.n_events == now.n_events && self.faces.go_on(&now.faces, self.radius)
     }
 }
+
+/// Shares of a macro-step that are left of it at a touch that its steps did not see (1): it becomes
+/// shorter, and not at once by much, as the first estimates may be poor.
+const SHORTEST_CUT: f64 = 0.1;
+const LONGEST_CUT: f64 = 1.0 - 1e-6;
 
 impl<M: Method> Exact<M> {
     /// Whether no obstacle can touch a load that stands still for `duration` (s) from now.
@@ -67,6 +75,47 @@ impl<M: Method> Exact<M> {
         self.transitions.extend(obstacle.map(|obstacle| Transition { time, kind: TransitionKind::NotUnique { obstacle } }));
     }
 
+    /// Time at a share of the paths (s).
+    pub(super) fn time_at(&self, paths: &TipPaths, share: f64) -> f64 {
+        self.state.side.time + share * paths.duration
+    }
+
+    /// An instant of the part of the motion that is under way.
+    pub(super) fn instant(&self, time: f64) -> Instant {
+        Instant { time, within: self.state.side.within.unwrap_or(time) }
+    }
+
+    /// Features that the load has passed through since the `start`, between two times (s), besides
+    /// the known ones and those that have stayed closed, and the share of this part of the motion
+    /// by which it has.
+    pub(super) fn strikes(&mut self, start: &State<M::Memory>, times: [f64; 2], known: &[Strike]) -> Option<(Vec<Strike>, f64)> {
+        let Self { obstacles, system, state, .. } = self;
+        let was_closed = |key: &PairKey| start.side.touching.iter().any(|touching| touching.key == *key);
+        let kept: SmallVec<[Touching; 2]> = state.side.touching.iter().filter(|now| was_closed(&now.key)).copied().collect();
+        obstacles.as_mut()?.strikes(system, (&Place::of(&start.motion.pose), &state.motion.pose), times, known, &kept)
+    }
+
+    /// Share of a macro-step between two times (s) by which the load is likely to have touched what
+    /// lies between its `start` and the pose to which it was extrapolated; `None` for a free path.
+    ///
+    /// The steps of the table see what they touch. An extrapolated pose lies beyond all of theirs.
+    pub(super) fn touch_unseen(&mut self, start: &Snapshot<M::Memory>, times: [f64; 2]) -> Option<f64> {
+        let (strikes, until) = self.strikes(&start.state, times, &[])?;
+        let (Self { obstacles, system, state, .. }, duration) = (self, times[1] - times[0]);
+        let obstacles = obstacles.as_ref()?;
+        let gap = |strike: &Strike, state: &State<M::Memory>, time: f64| {
+            let within = 0.5 * (times[0] + times[1]);
+            obstacles.distance_and_rate(system, strike, &state.motion, Instant { time, within })
+        };
+        let share = |strike: &Strike| {
+            let ((first, _), (last, rate)) = (gap(strike, &start.state, times[0]), gap(strike, state, times[1]));
+            // By the speed at the end, or by the mean speed.
+            [1.0 - last / (rate * duration), first / (first - last)].into_iter().find(|share| (0.0..1.0).contains(share))
+        };
+        let earliest = strikes.iter().filter_map(share).fold(until, f64::min);
+        Some(earliest.clamp(SHORTEST_CUT, LONGEST_CUT))
+    }
+
     /// Takes note of time that has passed (s).
     pub(super) fn pass(&mut self, duration: f64) {
         if self.obstacles.is_some() {
@@ -82,18 +131,19 @@ impl<M: Method> Exact<M> {
         let kinds = transitions(before, &side.touching);
         self.transitions.extend(kinds.into_iter().map(|kind| Transition { time, kind }));
         let since = side.time;
-        self.transitions.extend(side.impacts.drain(..).map(|Impact { time, obstacle, loss }| Transition {
+        side.n_divided = 0;
+        self.transitions.extend(side.impacts.drain(..).map(|Impact { time, obstacle, loss, law }| Transition {
             time: time - since,
-            kind: TransitionKind::Impact { obstacle, energy: loss },
+            kind: TransitionKind::Impact { obstacle, energy: loss, law },
         }));
         self.transitions.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 
-    /// Faces by which the load touches, and the number of impacts: what does not change while the
-    /// motion is smooth.
+    /// Faces by which the load touches, and the number of impacts and of divided steps: what does not
+    /// change while the motion is smooth.
     pub(super) fn contacts(&self) -> Contacts {
-        let SideState { touching, impacts, .. } = &self.state.side;
-        Contacts { faces: Faces::of(touching), n_impacts: impacts.len(), radius: self.system.load.radius }
+        let SideState { touching, impacts, n_divided, .. } = &self.state.side;
+        Contacts { faces: Faces::of(touching), n_events: impacts.len() + n_divided, radius: self.system.load.radius }
     }
 
     /// Bound of the error of the work at obstacles by the trapezoid rule on a smooth path since

@@ -85,10 +85,11 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
         if n_attempts > many {
             (n_attempts, shortest) = (0.0, (shortest * GROWTH_AFTER_MANY).min(1.0));
         }
-        let limit = change_by.unwrap_or(1.0);
+        let limit = load.until_waypoint(&task.paths, [at, change_by.unwrap_or(1.0)]);
         let least = shortest.max((M::shortest_macro_step(load) / duration).min(longest));
         macro_step = macro_step.min(longest).max(least);
         let to = if limit - at <= 1.01 * macro_step { limit } else { at + macro_step };
+        meet_waypoint(load, &task.paths, [at, to], &mut report);
         let (start, before, n_not_converged) = (load.snapshot(), load.state.contact.last(), report.n_not_converged);
         let n_not_unique = report.doubts.n_not_unique;
         match attempt(load, task, &start, [at, to], least, &mut report) {
@@ -185,11 +186,8 @@ fn attempt<M: Method>(
         n_rises = if error >= last_error { n_rises + 1 } else { 0 };
         let has_all_rows = !is_solved || changed_in.is_some() || n >= 4 && n_rises > usize::from(touches) || n == MOST_ROWS;
         if is_solved && error <= 1.0 || is_shortest && has_all_rows {
-            match (control.keeps, changed_in) {
-                (Column::Last, None) => load.set_flow(&row[n - 1]),
-                (Column::LastButOne, None) => load.set_flow(&row[n - 2]),
-                (Column::Last, Some(_)) => load.set_flow(&row[0]),
-                (Column::LastButOne, Some(_)) => load.set_flow(&control.strayed(&before, &last_row[0], length * paths.duration)),
+            if let Some(share) = keep(load, task, (start, &before), [from, to], [&row, &last_row], (changed_in.is_none(), is_shortest)) {
+                return Attempt::TooLong { macro_step: share * length, change: Some(from + share * length) };
             }
             report.add(&StepReport { n_steps: 1, n_solves: 0, n_iterations: 0, n_skipped: 0, ..cost });
             let power = if changed_in.is_none() { n } else { 1 };
@@ -207,6 +205,46 @@ fn attempt<M: Method>(
         (last_row, last_error) = (row, error);
     }
     unreachable!("the last row is taken or too long")
+}
+
+/// Moves the load to the answer of the last two rows of a table. Steps look where they end, and no
+/// step has ended at an extrapolated answer. Where that one passes through an obstacle, returns the
+/// share of the macro-step that leads to the touch; the shortest one takes the answer of its steps.
+fn keep<M: Method>(
+    load: &mut Exact<M>,
+    Task { paths, control, .. }: &Task,
+    (start, before): (&Snapshot<M::Memory>, &[f64]),
+    shares: [f64; 2],
+    [row, last_row]: [&[Vec<f64>]; 2],
+    (is_smooth, is_shortest): (bool, bool),
+) -> Option<f64> {
+    let times = shares.map(|share| load.time_at(paths, share));
+    let (n, stepped) = (row.len(), if control.keeps == Column::Last { &row[0] } else { &last_row[0] });
+    match (control.keeps, is_smooth) {
+        (Column::Last, true) => load.set_flow(&row[n - 1]),
+        (Column::LastButOne, true) => load.set_flow(&row[n - 2]),
+        (Column::Last, false) => {
+            load.set_flow(stepped);
+            return None;
+        }
+        (Column::LastButOne, false) => load.set_flow(&control.strayed(before, stepped, (shares[1] - shares[0]) * paths.duration)),
+    }
+    let share = load.touch_unseen(start, times)?;
+    if is_smooth && !is_shortest {
+        return Some(share);
+    }
+    load.set_flow(stepped);
+    None
+}
+
+/// Takes note of obstacles that have another velocity from the start of a macro-step on.
+fn meet_waypoint<M: Method>(load: &mut Exact<M>, paths: &TipPaths, shares: [f64; 2], report: &mut StepReport) {
+    if load.obstacles.is_some() {
+        let touching = load.state.side.touching.clone();
+        let times = shares.map(|share| load.time_at(paths, share));
+        report.add(&M::meet_waypoint(load, times));
+        load.note_contacts(&touching, shares[0] * paths.duration);
+    }
 }
 
 /// Completes a snap-through that has begun since the start of a macro-step.

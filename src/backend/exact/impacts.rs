@@ -8,14 +8,12 @@
 //! contact at their end. One whole step and two halves are extrapolated to second order where the
 //! contact modes are the same, and go on by backward differences (`touching`).
 
-use smallvec::SmallVec;
-
 use super::inertial::{Inertial, Memory};
 use super::load::{Exact, Snapshot};
 use super::one_step::Integrator;
 use super::side::Impact;
-use crate::backend::contact::{PairKey, Reflection, Scope, Strike, Touching};
-use crate::backend::springs::{Place, TipPaths};
+use crate::backend::contact::{ImpactLaw, Reflection, Scope, SpeedLimits, Strike};
+use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
 use crate::math::Twist;
@@ -46,20 +44,31 @@ const LOCATED: f64 = 1e-13;
 /// far more than what locating leaves.
 const CLOSED: f64 = 1e-10;
 
+/// What an impact without a law adds to the report of its step.
+pub(super) fn without_law() -> StepReport {
+    StepReport { status: Status::NotConverged, n_not_converged: 1, ..StepReport::default() }
+}
+
+/// Gap over the load's radius that is rounding (1).
+const ROUNDED: f64 = 1e-12;
+
 /// Height of a bounce that is none, over the tolerance of a macro-step (1).
 const NEGLIGIBLE: f64 = 0.01;
 
 impl Exact<Inertial> {
-    /// Takes a step among obstacles.
+    /// Takes a step among obstacles. It is divided at waypoints of obstacles.
     pub(super) fn step_among_obstacles(&mut self, paths: &TipPaths, from: f64, to: f64) -> StepReport {
         let mut report = StepReport::default();
         let (mut at, mut n_touches) = (from, 0);
         while at < to {
+            let until = self.until_waypoint(paths, [at, to]);
+            report.add(&self.meet_waypoint([at, until].map(|share| self.time_at(paths, share))));
             if n_touches >= MOST_TOUCHES || report.n_iterations >= MOST_ITERATIONS {
-                report.add(&self.step_touching(paths, [at, to], Scope::Near));
-                break;
+                report.add(&self.step_touching(paths, [at, until], Scope::Near));
+                at = until;
+                continue;
             }
-            let (next, part) = self.move_to_touch(paths, [at, to]);
+            let (next, part) = self.move_to_touch(paths, [at, until]);
             report.add(&part);
             if part.status == Status::Failed {
                 break;
@@ -70,16 +79,12 @@ impl Exact<Inertial> {
         StepReport { n_steps: 1, ..report }
     }
 
-    /// Time at a share of the paths (s).
-    fn time_at(&self, paths: &TipPaths, share: f64) -> f64 {
-        self.state.side.time + share * paths.duration
-    }
-
     /// Moves the load up to the next touch, or to the end. Returns the share of the paths there.
     fn move_to_touch(&mut self, paths: &TipPaths, [from, to]: [f64; 2]) -> (f64, StepReport) {
         let start = self.snapshot();
         let (to, mut report) = self.move_as_far_as_solved(paths, [from, to], &start);
-        let Some(mut found) = self.strikes(paths, [from, to], &start, &[]) else { return (to, report) };
+        let times = [from, to].map(|share| self.time_at(paths, share));
+        let Some(mut found) = self.strikes(&start.state, times, &[]) else { return (to, report) };
         if report.status == Status::Failed {
             return (to, report);
         }
@@ -87,9 +92,18 @@ impl Exact<Inertial> {
         for _ in 0..MOST_EARLIER {
             let (strikes, share) = found;
             end = self.locate(&strikes, paths, [from, from + share * (end - from)], &start, &mut report);
-            let Some(earlier) = self.strikes(paths, [from, end], &start, &self.located(&strikes, self.time_at(paths, end))) else {
-                self.strike(&strikes, &start.state.motion, (to - from) * paths.duration, self.time_at(paths, end));
-                return (end, report);
+            let time = self.time_at(paths, end);
+            self.state.side.n_divided += usize::from(end < to);
+            let Some(earlier) = self.strikes(&start.state, [times[0], time], &self.located(&strikes, time)) else {
+                let limits = self.speed_limits(self.change_since(&start.state.motion), [time - times[0], times[1] - times[0]]);
+                if self.strike(&strikes, limits, time) != Some(ImpactLaw::None) {
+                    return (end, report);
+                }
+                report.add(&without_law());
+                if end < to {
+                    report.add(&self.step_touching(paths, [end, to], Scope::Near));
+                }
+                return (to, report);
             };
             found = earlier;
         }
@@ -102,23 +116,6 @@ impl Exact<Inertial> {
     fn located(&self, strikes: &[Strike], time: f64) -> Vec<Strike> {
         let closed = CLOSED * self.system.load.radius;
         strikes.iter().filter(|strike| self.nearest(std::slice::from_ref(strike), time).0.abs() <= closed).copied().collect()
-    }
-
-    /// Features that the load has passed through since the `start`, besides the known ones and
-    /// those that have stayed closed, and the share of this part of the paths by which it has.
-    fn strikes(
-        &mut self,
-        paths: &TipPaths,
-        [from, to]: [f64; 2],
-        start: &Snapshot<Memory>,
-        known: &[Strike],
-    ) -> Option<(Vec<Strike>, f64)> {
-        let times = [from, to].map(|share| self.time_at(paths, share));
-        let Self { obstacles, system, state, .. } = self;
-        let was_closed = |key: &PairKey| start.state.side.touching.iter().any(|touching| touching.key == *key);
-        let kept: SmallVec<[Touching; 2]> = state.side.touching.iter().filter(|now| was_closed(&now.key)).copied().collect();
-        let place = Place::of(&start.state.motion.pose);
-        obstacles.as_mut()?.strikes(system, (&place, &state.motion.pose), times, known, &kept)
     }
 
     /// Moves the load from the `start` to where it touches by these features, at the latest at the
@@ -195,27 +192,43 @@ impl Exact<Inertial> {
     /// speed at which it grows (m/s).
     fn nearest(&self, strikes: &[Strike], time: f64) -> (f64, f64) {
         let Self { obstacles: Some(obstacles), system, state, .. } = self else { return (0.0, 0.0) };
-        let of_pair = |strike: &Strike| obstacles.distance_and_rate(system, strike, &state.motion, time);
+        let instant = self.instant(time);
+        let of_pair = |strike: &Strike| obstacles.distance_and_rate(system, strike, &state.motion, instant);
         strikes.iter().map(of_pair).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
     }
 
-    /// Applies the impact law where the load touches. It has moved there from `before`, within a
-    /// step of `duration` (s).
-    fn strike(&mut self, strikes: &[Strike], before: &Motion, duration: f64, time: f64) {
-        let Self { obstacles, system, state, springs, stepping, .. } = self;
-        let Some(obstacles) = obstacles else { return };
-        // A load that is pressed against an obstacle bounces infinitely often before it stays
-        // there. At fixed steps a bounce that would end within a step is none, and under error
-        // control one that leads no farther than a hundredth of what a macro-step may be wrong by.
-        let change = (state.motion.twist.linear - before.twist.linear).norm()
-            + system.load.radius * (state.motion.twist.angular - before.twist.angular).abs();
-        let rounding = 1e-12 * system.load.radius;
-        let softest = match stepping {
+    /// Change of the velocity of the load's edge since another motion, or more (m/s).
+    fn change_since(&self, before: &Motion) -> f64 {
+        let (now, before) = (&self.state.motion.twist, &before.twist);
+        (now.linear - before.linear).norm() + self.system.load.radius * (now.angular - before.angular).abs()
+    }
+
+    /// Speeds that are none for a load whose edge has changed its velocity by `change` (m/s) since
+    /// it `moved` on (s), within a step of `duration` (s).
+    ///
+    /// A load that is pressed against an obstacle bounces infinitely often before it stays there.
+    /// At fixed steps a bounce that would end within a step is none, and under error control one
+    /// that leads no farther than a hundredth of what a macro-step may be wrong by.
+    pub(super) fn speed_limits(&self, change: f64, [moved, duration]: [f64; 2]) -> SpeedLimits {
+        let rounding = ROUNDED * self.system.load.radius;
+        let softest = match &self.stepping {
             Stepping::Fixed(_) => change.max(rounding / duration),
             Stepping::Controlled(control) => (2.0 * (NEGLIGIBLE * control.position).max(rounding) * change / duration).sqrt(),
         };
-        let Reflection { twist, loss, of_obstacles, obstacle } =
-            obstacles.reflect(system, &mut state.side.touching, strikes, &state.motion, (time, softest));
+        // What it gains on its way through a gap by rounding.
+        let gained = if moved > 0.0 { (2.0 * rounding * change / moved).sqrt() } else { 0.0 };
+        SpeedLimits { softest, rounding: gained.min(2.0 * change) }
+    }
+
+    /// Applies the law of impacts at a time (s), where the load touches by these features and by
+    /// those that were closed before. Returns the law that the velocity follows; `None` for a touch
+    /// without an approach above rounding.
+    pub(super) fn strike(&mut self, strikes: &[Strike], limits: SpeedLimits, time: f64) -> Option<ImpactLaw> {
+        let instant = self.instant(time);
+        let Self { obstacles, system, state, springs, .. } = self;
+        let Some(obstacles) = obstacles else { return None };
+        let Reflection { twist, loss, of_obstacles, obstacle, law } =
+            obstacles.reflect(system, &mut state.side.touching, strikes, &state.motion, (instant, limits));
         let kinetic = system.load.kinetic_energy(&twist);
         state.motion.twist = twist;
         state.energy.kinetic = kinetic;
@@ -223,10 +236,9 @@ impl Exact<Inertial> {
         state.energy.obstacle_work += of_obstacles;
         state.memory.forget_steps();
         state.forecast.forget();
-        if loss > 0.0 {
-            state.side.impacts.push(Impact { time, obstacle, loss });
-        }
+        state.side.impacts.extend(law.map(|law| Impact { time, obstacle, loss, law }));
         springs.refresh(&system.springs, &state.motion.pose);
+        law
     }
 
     /// Moves the load from the `start`, without regard to what it does not touch yet.

@@ -17,7 +17,7 @@ use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched};
 use super::side::SideState;
 use super::{euler, midpoint, resolution};
-use crate::backend::contact::{Scope, SideWork, gap_rounding};
+use crate::backend::contact::{Instant, Scope, SideWork, gap_rounding};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
 use crate::backend::springs::TipPaths;
@@ -105,13 +105,13 @@ impl Exact<Inertial> {
             && motion.twist != Twist::ZERO
             && !touching.is_empty()
         {
-            let twist = obstacles.along(system, motion, touching, [now - step, *now]);
+            let twist = obstacles.along(system, motion, touching, Instant { time: *now, within: *now - 0.5 * step });
             self.set_speed(twist);
         }
     }
 
     /// Corrects the velocity at an instant.
-    fn set_speed(&mut self, twist: Twist) {
+    pub(super) fn set_speed(&mut self, twist: Twist) {
         let State { motion, energy, .. } = &mut self.state;
         motion.twist = twist;
         let kinetic = self.system.load.kinetic_energy(&twist);
@@ -207,6 +207,10 @@ impl Method for Inertial {
     #[inline]
     fn step(load: &mut Exact<Self>, paths: &TipPaths, from: f64, to: f64) -> StepReport {
         if load.obstacles.is_some() { load.step_among_obstacles(paths, from, to) } else { load.step_freely(paths, from, to) }
+    }
+
+    fn meet_waypoint(load: &mut Exact<Self>, times: [f64; 2]) -> StepReport {
+        load.meet_waypoint(times)
     }
 
     fn rest(load: &mut Exact<Self>) -> bool {

@@ -28,6 +28,11 @@ pub trait Method: Sized + Send {
     /// Whether the load continues in its last contact mode after a spring was attached or released.
     fn keeps_mode(load: &Exact<Self>) -> bool;
 
+    /// Takes note of obstacles that have another velocity between two times (s) than before.
+    fn meet_waypoint(_load: &mut Exact<Self>, _times: [f64; 2]) -> StepReport {
+        StepReport::default()
+    }
+
     /// Longest step that the load takes in an advance in place of the `longest` one (s).
     fn longest_step(_load: &mut Exact<Self>, _paths: &TipPaths, longest: f64, _report: &mut StepReport) -> f64 {
         longest

@@ -9,6 +9,7 @@
 //! resolution     steps short enough for the springs as they are attached
 //! contact        what is known of the load's contact with the ground;  side: with obstacles
 //! among_obstacles  what all methods do with obstacles between their steps
+//! waypoints      instants at which obstacles change their velocity
 //! extrapolation  macro-steps under error control;  control: their tolerances and errors
 //! ```
 
@@ -31,6 +32,7 @@ mod quasi_static;
 mod resolution;
 mod side;
 mod touching;
+mod waypoints;
 
 pub use control::{Column, Control};
 pub use inertial::LONGEST_MACRO_STEP;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::backend::RestoreError;
-use crate::backend::contact::Touching;
+use crate::backend::contact::{ImpactLaw, Touching};
 use crate::model::System;
 
 /// Contacts with obstacles between two steps.
@@ -13,10 +13,17 @@ pub struct SideState {
     pub time: f64,
     /// Time at the end of the last step (s).
     pub now: f64,
+    /// Time at which obstacles have the velocity that they had in the last part of the motion (s);
+    /// `None` before any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<f64>,
     /// Closed contacts.
     pub touching: Vec<Touching>,
     /// Impacts that are not reported yet.
     pub impacts: Vec<Impact>,
+    /// Number of steps that were divided at a touch since the last report (1).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub n_divided: usize,
     /// Energy that the last step may have mistaken at obstacles (J).
     pub uncertainty: f64,
 }
@@ -29,6 +36,11 @@ pub struct Impact {
     pub obstacle: usize,
     /// Energy lost (J).
     pub loss: f64,
+    pub law: ImpactLaw,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 impl SideState {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::step::Step;
-use crate::backend::{EnergyLedger, TransitionKind};
+use crate::backend::{EnergyLedger, ImpactLaw, TransitionKind};
 
 /// What the last steps found at one obstacle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -55,7 +55,7 @@ pub fn add_contacts(ledger: &mut EnergyLedger, step: &Step, touches: &mut [Touch
         let has_ended = touch.is_closed() && !is_closed;
         touch.n_steps = if is_closed { (touch.n_steps + 1).min(N_IMPACT_STEPS) } else { 0 };
         if (has_ended || touch.n_steps == N_IMPACT_STEPS) && touch.energy > 0.0 {
-            happened.push(TransitionKind::Impact { obstacle, energy: std::mem::take(&mut touch.energy) });
+            happened.push(TransitionKind::Impact { obstacle, energy: std::mem::take(&mut touch.energy), law: ImpactLaw::Engine });
         }
         if has_ended {
             happened.push(TransitionKind::Separation { obstacle });
