@@ -6,6 +6,7 @@
 //!
 //! A backend that observes another one, or adds to what it does, is a [`Wrapped`] with a [`Hook`].
 
+mod balance;
 pub mod contact;
 mod default_step;
 mod doubt;
@@ -30,6 +31,7 @@ mod transition;
 mod wrapped;
 
 pub use crate::model::Motion;
+pub use balance::Balance;
 pub use contact::ImpactLaw;
 pub use default_step::{default_step, step_of};
 pub use doubt::Doubts;

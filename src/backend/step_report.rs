@@ -55,6 +55,10 @@ pub struct StepReport {
     /// What makes the accepted steps of an exact backend doubtful.
     #[serde(default, skip_serializing_if = "Doubts::is_empty")]
     pub doubts: Doubts,
+    /// Energy that appeared from nowhere, over the energy that went into the run, where it exceeds
+    /// what a run may gain (1); zero where it does not.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub gained_share: f64,
     /// Work that was skipped, by kind.
     #[serde(default)]
     pub skipped: SkipCounts,
@@ -101,6 +105,7 @@ impl StepReport {
         self.contact_residual = self.contact_residual.max(other.contact_residual);
         self.unresolved_rad = self.unresolved_rad.max(other.unresolved_rad);
         self.lost_share = self.lost_share.max(other.lost_share);
+        self.gained_share = self.gained_share.max(other.gained_share);
         self.is_indeterminate |= other.is_indeterminate;
         self.doubts.add(&other.doubts);
         self.skipped.add(&other.skipped);

@@ -45,6 +45,7 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             contact_residual: 0.0,
             unresolved_rad: 0.0,
             lost_share: 0.0,
+            gained_share: 0.0,
             is_indeterminate: false,
             doubts: Doubts::default(),
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },

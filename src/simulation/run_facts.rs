@@ -61,7 +61,7 @@ pub enum Value {
 }
 
 /// Every number of a run, in the order of tables.
-pub const FACTS: [Fact; 70] = [
+pub const FACTS: [Fact; 71] = [
     flag("arrived", "arrived", "Whether the load reached the nest.", |r| r.outcome.arrived.map_or(Absent, Flag)),
     number("time_to_nest_s", "time_to_nest_s", "Time at which the load reached the nest.", time_to_nest),
     number("final.time_s", "time_s", "Time at which the run ended.", |r| Number(r.outcome.time)),
@@ -179,6 +179,9 @@ pub const FACTS: [Fact; 70] = [
     number("steps.residual", "residual", "Largest relative residual of a step.", residual).not_reproducible(),
     number("steps.lost_share", "", "Share of the path that single precision lost by rounding, if that is too much.", |r| {
         positive(r.outcome.steps.lost_share)
+    }),
+    number("steps.gained_share", "", "Energy from nowhere over the energy that went in, if that is too much.", |r| {
+        positive(r.outcome.steps.gained_share)
     }),
     number("steps.unresolved_rad", "", "Largest angle of the fastest oscillation in a default step, if that is too much.", |r| {
         positive(r.outcome.steps.unresolved_rad)

@@ -264,7 +264,12 @@ impl ContactStep<'_, Step<'_>> {
         let status = report.status.max(status_of(report.residual));
         let n_not_converged = u64::from(status != Status::Converged);
         let are_forces_unique = !report.is_indeterminate;
-        Found { increment: self.step.found(&at, mode, StepReport { status, n_not_converged, ..report }), sides, are_forces_unique, could_rest: false }
+        Found {
+            increment: self.step.found(&at, mode, StepReport { status, n_not_converged, ..report }),
+            sides,
+            are_forces_unique,
+            could_rest: false,
+        }
     }
 
     /// Rows of the candidates that can touch near an increment, and the candidate of each.

@@ -14,8 +14,8 @@ use super::step::Step;
 use crate::backend::friction::WarmStart;
 use crate::backend::springs::{Attachment, Attachments};
 use crate::backend::{
-    Backend, BackendOptions, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, Skip, Skips, Status, StepReport,
-    Transition, TransitionKind, n_steps_in,
+    Backend, BackendOptions, Balance, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, Skip, Skips, Status,
+    StepReport, Transition, TransitionKind, n_steps_in,
 };
 use crate::math::{Pose, Twist, Vec2, Wrench};
 use crate::model::{ObstaclePath, System};
@@ -96,6 +96,12 @@ pub(super) struct State {
     /// What the poses of the engine have lost by rounding, in single precision.
     #[serde(default)]
     pub(super) rounding: Rounding,
+    /// Energy that went into the run.
+    #[serde(default)]
+    pub(super) balance: Balance,
+    /// Energy that the ledger has left open since the balance was judged (J).
+    #[serde(default)]
+    pub(super) unbooked: f64,
     /// Contacts that pushed the load in the last step.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) contacts: Vec<SideContact>,
@@ -143,6 +149,8 @@ impl Rapier {
             elapsed: 0.0,
             touches: vec![Touch::default(); system.world.obstacles.len()],
             rounding: Rounding::default(),
+            balance: Balance::default(),
+            unbooked: 0.0,
             contacts: Vec::new(),
         };
         state.ledger.initial = system.load.kinetic_energy(&state.motion().twist);
@@ -245,6 +253,15 @@ impl Rapier {
         EnergyLedger { elastic, kinetic: self.system.load.kinetic_energy(&motion.twist), ..ledger }
     }
 
+    /// Energy that the rounding of the engine's positions moves in a step (J): the forces on the load
+    /// times a last digit of its place.
+    fn rounding_energy(&self) -> f64 {
+        let pull: f64 = self.attached.iter().map(|spring| spring.pull.norm()).sum();
+        let push: f64 = self.state.contacts.iter().map(|contact| contact.force.norm()).sum();
+        let reach = self.state.body.position.norm() + self.system.load.radius;
+        self.options.precision.digit() * (self.slip_limit + pull + push) * reach
+    }
+
     /// Whether the engine keeps contacts from step to step. With the recommended settings each step
     /// finds them anew.
     fn keeps_contacts(&self) -> bool {
@@ -326,6 +343,8 @@ impl Backend for Rapier {
         }
         self.state.elapsed += duration;
         self.work = work;
+        let unbooked = std::mem::take(&mut self.state.unbooked) + report.n_steps as f64 * self.rounding_energy();
+        self.state.balance.judge(&self.energy(), unbooked, &mut report);
         report
     }
 

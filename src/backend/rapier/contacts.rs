@@ -26,6 +26,10 @@ impl ObstacleStep {
     }
 }
 
+/// Largest velocity at which a penetration is removed, over the radius of the load (1/s): the
+/// engine's default, with the radius as the unit of length.
+pub const FASTEST_CORRECTION: f64 = 3.0;
+
 /// A point at which the load touches an obstacle or comes close to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
@@ -36,6 +40,9 @@ pub struct ContactPoint {
     pub normal: Vec2,
     /// Distance at the start of the step; negative in a penetration (m).
     pub gap: f64,
+    /// Distance by which the contact may close in the step; negative where it must open by as much
+    /// (m).
+    pub room: f64,
     /// Velocity of the obstacle at the point (m/s).
     pub velocity: Vec2,
     /// Coefficient of friction (1).
@@ -70,8 +77,23 @@ impl ContactPoint {
         [relative.dot(&self.normal), relative.dot(&self.tangent())]
     }
 
-    /// Whether the load bounced off in a step from the twist `start` to `end`.
-    pub fn bounced(&self, start: &Twist, end: &Twist) -> bool {
-        self.restitution > 0.0 && self.push > 0.0 && self.velocity_of(start)[0] < 0.0 && self.velocity_of(end)[0] > 0.0
+    /// Distance by which the contact may close in a step of `duration` (s) that a load with the
+    /// twist `start` begins; negative where it must open by as much (m).
+    ///
+    /// Where the velocity at the start closes the gap within the step, the step holds the impact,
+    /// and the load leaves by Newton's law. Elsewhere it may close the gap by the end of the step.
+    /// A penetration is removed at `fastest` (m/s) at most.
+    pub fn room_in(&self, start: &Twist, duration: f64, fastest: f64) -> f64 {
+        let shift = duration * self.velocity_of(start)[0];
+        let room = self.gap.max(-duration * fastest);
+        let is_bounce = self.restitution > 0.0 && shift < -room.max(0.0);
+        if is_bounce { room.min(self.restitution * shift) } else { room }
+    }
+
+    /// Time after the start of a step of the twist `start` at which the load bounces off (s); `None`
+    /// where it does not.
+    pub fn bounces_at(&self, start: &Twist) -> Option<f64> {
+        let is_bounce = self.push > 0.0 && self.gap >= 0.0 && self.room < 0.0;
+        is_bounce.then(|| -self.gap / self.velocity_of(start)[0])
     }
 }

@@ -2,11 +2,12 @@
 //! included twice, like `world.rs`.
 
 use super::engine::prelude::{
-    CoefficientCombineRule, Collider, ColliderBuilder, ColliderHandle, ColliderSet, ContactManifold, Group, InteractionGroups,
-    InteractionTestMode, NarrowPhase, Pose, SharedShape, Vector,
+    ActiveHooks, CoefficientCombineRule, Collider, ColliderBuilder, ColliderHandle, ColliderSet, ContactManifold, Group, InteractionGroups,
+    InteractionTestMode, NarrowPhase, Pose, SharedShape,
 };
 
 use super::Real;
+use super::convert::{wide, widened};
 use super::shapes::shape_of;
 use crate::backend::rapier::contacts::ContactPoint;
 use crate::math::Vec2;
@@ -37,7 +38,7 @@ impl Obstacles {
     }
 
     /// Adds the contacts of the load that `narrow_phase` holds, with the mean forces of a step of
-    /// `duration` (s) and without the velocity of the obstacle.
+    /// `duration` (s). The velocity of the obstacle and the room of the load are left out.
     pub fn read_contacts(
         &self,
         narrow_phase: &NarrowPhase,
@@ -60,11 +61,13 @@ impl Obstacles {
     }
 }
 
-/// Collider of the load, without mass. Its coefficients are the largest, so that those of the
-/// obstacle count.
-pub fn load_collider(world: &Obstacles) -> Option<Collider> {
+/// Collider of the load, without mass, whose contacts call `hooks`. Its coefficients are the
+/// largest, so that those of the obstacle count.
+pub fn load_collider(world: &Obstacles, hooks: ActiveHooks) -> Option<Collider> {
     let (pose, shape) = world.load.clone()?;
-    Some(collider(pose, shape, LOADS, OBSTACLES, Real::MAX, Real::MAX))
+    let mut collider = collider(pose, shape, LOADS, OBSTACLES, Real::MAX, Real::MAX);
+    collider.set_active_hooks(hooks);
+    Some(collider)
 }
 
 impl ObstacleShape {
@@ -91,19 +94,30 @@ impl ObstacleShape {
         let normal = if load_is_first { -wide(manifold.data.normal) } else { wide(manifold.data.normal) };
         let rate = if duration > 0.0 { 1.0 / widened(duration) } else { 0.0 };
         manifold.data.solver_contacts.iter().map(move |contact| {
-            let data = &manifold.points[contact.contact_indices()[0] as usize].data;
+            let point = &manifold.points[contact.contact_indices()[0] as usize];
+            let data = &point.data;
             ContactPoint {
-                obstacle: self.index,
-                arm: wide(if load_is_first { data.solver_dp1 } else { data.solver_dp2 }),
-                normal,
-                gap: widened(contact.dist),
-                velocity: Vec2::zeros(),
-                friction: self.friction,
-                restitution: self.restitution,
                 push: rate * widened(data.impulse),
                 rub: rate * widened(data.tangent_impulse.x),
+                ..self.contact(wide(if load_is_first { data.solver_dp1 } else { data.solver_dp2 }), normal, widened(point.dist))
             }
         })
+    }
+
+    /// Contact at `arm` (m) with this `gap` (m), without a force and without any motion.
+    pub fn contact(&self, arm: Vec2, normal: Vec2, gap: f64) -> ContactPoint {
+        ContactPoint {
+            obstacle: self.index,
+            arm,
+            normal,
+            gap,
+            room: gap,
+            velocity: Vec2::zeros(),
+            friction: self.friction,
+            restitution: self.restitution,
+            push: 0.0,
+            rub: 0.0,
+        }
     }
 }
 
@@ -117,14 +131,4 @@ fn collider(pose: Pose, shape: SharedShape, member: Group, meets: Group, frictio
         .restitution_combine_rule(CoefficientCombineRule::Min)
         .collision_groups(InteractionGroups::new(member, meets, InteractionTestMode::And))
         .build()
-}
-
-// In f64 the cast does nothing, in f32 it is exact.
-#[allow(clippy::unnecessary_cast)]
-fn widened(value: Real) -> f64 {
-    value as f64
-}
-
-fn wide(v: Vector) -> Vec2 {
-    Vec2::new(widened(v.x), widened(v.y))
 }

@@ -66,6 +66,17 @@ pub enum EngineSettings {
     EngineDefaults,
 }
 
+impl Precision {
+    /// Last digit of a number near one (1).
+    pub(super) fn digit(self) -> f64 {
+        match self {
+            Self::F64 => f64::EPSILON,
+            #[cfg(feature = "rapier-f32")]
+            Self::F32 => f64::from(f32::EPSILON),
+        }
+    }
+}
+
 impl EngineSettings {
     /// Number of substeps of a step (1).
     pub(super) fn n_substeps(self) -> usize {

@@ -45,7 +45,7 @@ struct Row {
     /// Wrench of a unit force along the normal and along the tangent (load axes).
     normal: Vec3,
     tangent: Vec3,
-    /// Gap and slip of a load that does not move (m).
+    /// Distance by which the contact may close, and slip, under a load that does not move (m).
     gap: f64,
     slip: f64,
     friction: f64,
@@ -151,7 +151,7 @@ impl Row {
         };
         let (normal, tangent) = (row(&contact.normal), row(&contact.tangent()));
         let shift = problem.duration * contact.velocity;
-        let gap = contact.gap - shift.dot(&contact.normal);
+        let gap = contact.room - shift.dot(&contact.normal);
         Self {
             normal,
             tangent,

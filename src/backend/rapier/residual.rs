@@ -26,26 +26,26 @@ pub fn violation(load: &Load, slip_limit: f64, step: &Step) -> f64 {
     let gyration = (load.inertia / load.mass).sqrt();
     let mut worst: f64 = 0.0;
     let rate = load.mass / step.duration;
+    let fastest = step.start.twist.edge_speed(load.radius).max(step.end.twist.edge_speed(load.radius));
+    let reach = step.start.pose.position.norm() + load.radius;
+    let rounding = ROUNDINGS * step.digit * (fastest + reach / step.duration);
     for contact in step.contacts {
         gap -= wrench_of(&contact.arm, &contact.force());
-        worst = worst.max(rate * contact_violation(contact, step));
+        worst = worst.max(rate * contact_violation(contact, step, rounding, rate));
     }
-    let bounced = step.bounced();
     for (joint, wrench) in step.friction.iter().zip(step.wrenches) {
         let arm = turned(&step.facing, &joint.offset);
         gap -= wrench_of(&arm, &wrench.force) + Vec3::z() * wrench.torque;
         let slip = step.end.twist.velocity_at(&arm);
-        if bounced {
-            // Friction belongs to the motion before the bounce: an error of the step, not of the
-            // iterations.
-            continue;
-        }
         worst = worst.max(slip_below_limit(joint, &slip, &wrench.force, rate));
         if joint.turning_limit > 0.0 {
             worst = worst.max(load.inertia / gyration / step.duration * step.end.twist.angular.abs());
         }
     }
     worst = worst.max(gap.xy().norm()).max(gap.z.abs() / gyration);
+    if worst <= ROUNDINGS * step.digit * rate * fastest {
+        return 0.0;
+    }
     let pushes = step.contacts.iter().fold(0.0, |sum, contact| sum + contact.push);
     relative(worst, slip_limit + step.sum.force_scale + pushes)
 }
@@ -56,20 +56,22 @@ fn deepest(step: &Step) -> f64 {
 }
 
 /// Violation of the laws of a contact: the change of velocity that they require (m/s). A contact
-/// that pushes closes its gap within the step or bounces, one that does not push leaves no
-/// penetration, and friction opposes the slip.
-fn contact_violation(contact: &ContactPoint, step: &Step) -> f64 {
-    let ([before, _], [after, slip]) = (contact.velocity_of(&step.start.twist), contact.velocity_of(&step.end.twist));
-    let closing = after + contact.gap / step.duration;
-    if contact.push <= 0.0 {
-        return (-closing).max(0.0);
-    }
-    if contact.restitution > 0.0 && before < 0.0 {
-        return closing.abs().min((after + contact.restitution * before).abs());
+/// that pushes uses up its room, one that does not push keeps within it, and friction opposes the
+/// slip. The gap is known to a rounding of positions, and the velocity that closes it to `rounding`
+/// (m/s); `rate` (N s/m) converts it to a force that counts as none.
+fn contact_violation(contact: &ContactPoint, step: &Step, rounding: f64, rate: f64) -> f64 {
+    let [after, slip] = contact.velocity_of(&step.end.twist);
+    let closing = after + contact.room / step.duration;
+    if contact.push <= rate * rounding {
+        return (-closing - rounding).max(0.0);
     }
     let is_at_limit = contact.rub.abs() >= contact.friction * contact.push * (1.0 - LIMIT) && contact.rub * slip <= 0.0;
     closing.abs().max(if is_at_limit { 0.0 } else { slip.abs() })
 }
+
+/// Last digits of a velocity in a violation that is none (1): positions and velocities of a contact
+/// add up to a few. A load that closes its gap exactly is pushed by no more than such a rounding.
+const ROUNDINGS: f64 = 8.0;
 
 /// Share of the friction limit that counts as all of it (1): a rounding in f32.
 const LIMIT: f64 = 1e-6;

@@ -1,57 +1,57 @@
 //! Outlines as shapes of rapier for one precision. The file is included twice, like `world.rs`.
 
-use super::engine::parry::shape::TriMesh;
-use super::engine::parry::transformation::hertel_mehlhorn;
+use super::convert::narrow;
+use super::engine::parry::shape::ConvexPolygon;
 use super::engine::prelude::{Pose, SharedShape, Vector};
 
 use super::Real;
-use crate::math::Vec2;
+use crate::model::geometry::{ConvexPiece, convex_pieces, without_straight_points};
 use crate::model::{Outline, OutlinePart};
 
-/// Shape of an outline in the frame of its body; `None` for an outline that touches nothing.
+/// Shape of an outline in the frame of its body; `None` for an outline that touches nothing. It has
+/// all corners of the outline at which the outline turns, rounded to this precision.
 pub fn shape_of(outline: &Outline) -> Option<(Pose, SharedShape)> {
-    let mut pieces: Vec<(Pose, SharedShape)> = outline.parts.iter().flat_map(pieces_of).collect();
-    match pieces.len() {
+    let parts = outline.parts.iter().map(straightened).collect();
+    let pieces = convex_pieces(&Outline { parts }).expect("polygons do not cross themselves");
+    let mut shapes: Vec<_> = pieces.iter().map(shape_of_piece).collect();
+    match shapes.len() {
         0 => None,
-        1 => pieces.pop(),
-        _ => Some((Pose::IDENTITY, SharedShape::compound(pieces))),
+        1 => shapes.pop(),
+        _ => Some((Pose::IDENTITY, SharedShape::compound(shapes))),
     }
 }
 
-/// Convex pieces of a part.
-fn pieces_of(part: &OutlinePart) -> Vec<(Pose, SharedShape)> {
-    let here = |shape| (Pose::IDENTITY, shape);
+/// The part with one wall where several lie in one line. The engine lets a load catch on the ends
+/// between them.
+fn straightened(part: &OutlinePart) -> OutlinePart {
     match part {
-        OutlinePart::Disc { centre, radius } => vec![(Pose::from_translation(narrow(centre)), SharedShape::ball(*radius as Real))],
-        OutlinePart::Polygon { corners } => {
-            let corners: Vec<_> = corners.iter().map(narrow).collect();
-            convex_pieces(corners).into_iter().filter_map(SharedShape::convex_polyline).map(here).collect()
-        }
-        OutlinePart::Polyline { points } => {
-            points.windows(2).map(|ends| here(SharedShape::segment(narrow(&ends[0]), narrow(&ends[1])))).collect()
-        }
+        OutlinePart::Polyline { points } => OutlinePart::Polyline { points: without_straight_points(points) },
+        OutlinePart::Disc { .. } | OutlinePart::Polygon { .. } => part.clone(),
     }
 }
 
-/// Convex polygons that make up the polygon with these corners. The partition is exact: it cuts
-/// along diagonals, and moves no corner.
-fn convex_pieces(corners: Vec<Vector>) -> Vec<Vec<Vector>> {
-    if is_convex(&corners) {
-        return vec![corners];
+fn shape_of_piece(piece: &ConvexPiece) -> (Pose, SharedShape) {
+    let here = |shape| (Pose::IDENTITY, shape);
+    match piece {
+        ConvexPiece::Disc { centre, radius } => (Pose::from_translation(narrow(centre)), SharedShape::ball(*radius as Real)),
+        ConvexPiece::Wall { ends: [a, b] } => here(SharedShape::segment(narrow(a), narrow(b))),
+        ConvexPiece::Polygon { corners } => here(hull(corners.iter().map(narrow).collect())),
     }
-    // A polygon that crosses itself has no triangles. Outlines do not contain any.
-    TriMesh::from_polygon(corners).map_or_else(Vec::new, |mesh| hertel_mehlhorn(mesh.vertices(), mesh.indices()))
 }
 
-fn is_convex(corners: &[Vector]) -> bool {
-    let n = corners.len();
-    (0..n).all(|at| {
-        let [a, b, c] = [at, at + 1, at + 2].map(|i| corners[i % n]);
-        let (first, second) = (b - a, c - b);
-        first.x * second.y - first.y * second.x >= 0.0
-    })
-}
-
-fn narrow(v: &Vec2) -> Vector {
-    Vector::new(v.x as Real, v.y as Real)
+/// Convex polygon with these corners. Where rounding leaves fewer than three of them apart, it is
+/// the segment or the point that they have become.
+fn hull(mut corners: Vec<Vector>) -> SharedShape {
+    corners.dedup();
+    if corners.len() > 1 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    match *corners.as_slice() {
+        [point] => SharedShape::segment(point, point),
+        [a, b] => SharedShape::segment(a, b),
+        _ => {
+            let polygon = ConvexPolygon::from_convex_polyline_unmodified(corners);
+            SharedShape::new(polygon.expect("its corners are three or more, and apart"))
+        }
+    }
 }

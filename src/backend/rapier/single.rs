@@ -8,6 +8,12 @@ pub(super) type Real = f32;
 // The files are included once per precision: the two crates share no types, and a macro or a copy
 // would be harder to read.
 #[allow(clippy::duplicate_mod)]
+#[path = "convert.rs"]
+mod convert;
+#[allow(clippy::duplicate_mod)]
+#[path = "impact.rs"]
+mod impact;
+#[allow(clippy::duplicate_mod)]
 #[path = "obstacles.rs"]
 mod obstacles;
 #[allow(clippy::duplicate_mod)]

@@ -30,17 +30,13 @@ pub struct Step<'a> {
     pub friction: &'a [FrictionJoint],
     /// Force of each friction joint on the load, and its moment about the point where it acts.
     pub wrenches: &'a [Wrench],
+    /// Last digit of the engine's numbers (1).
+    pub digit: f64,
     /// Contacts with obstacles and their forces.
     pub contacts: &'a [ContactPoint],
 }
 
 impl Step<'_> {
-    /// Whether the load bounced off an obstacle: its velocity then changed after all other forces
-    /// were found.
-    pub fn bounced(&self) -> bool {
-        self.contacts.iter().any(|contact| contact.bounced(&self.start.twist, &self.end.twist))
-    }
-
     /// Twist that the dashpots act on.
     pub fn damped_twist(&self) -> &Twist {
         if self.is_explicit { &self.start.twist } else { &self.end.twist }

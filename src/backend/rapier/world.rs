@@ -2,17 +2,19 @@
 //! are set by the module that includes it.
 
 use super::engine::prelude::{
-    CCDSolver, ColliderHandle, ColliderSet, DefaultBroadPhase, GenericJoint, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters,
-    IslandManager, JointAxesMask, JointAxis, JointMotor, MassProperties, MotorModel, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose,
-    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, Rotation, SoftBodySet, SpringCoefficients, Vector,
+    ActiveHooks, CCDSolver, ColliderHandle, ColliderSet, DefaultBroadPhase, GenericJoint, ImpulseJointHandle, ImpulseJointSet,
+    IntegrationParameters, IslandManager, JointAxesMask, JointAxis, JointMotor, MassProperties, MotorModel, MultibodyJointSet, NarrowPhase,
+    PhysicsHooks, PhysicsPipeline, Pose, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SoftBodySet, SpringCoefficients, Vector,
 };
 
 use super::Real;
+use super::convert::{narrow, pose_of, unit, wide, widened};
+use super::impact::ImpactLaw;
 use super::obstacles::{Obstacles, load_collider};
-use crate::backend::rapier::contacts::{ContactPoint, ObstacleStep};
+use crate::backend::rapier::contacts::{ContactPoint, FASTEST_CORRECTION, ObstacleStep};
 use crate::backend::rapier::joints::{AxisLaw, BodyState, Engine, FrictionJoint, SpringJoint, StepInputs};
 use crate::backend::rapier::{EngineSettings, FrictionModel, RapierOptions};
-use crate::math::{Vec2, Vec3, Wrench, direction, perpendicular};
+use crate::math::{Twist, Vec2, Vec3, Wrench, perpendicular};
 use crate::model::System;
 
 /// Solver iterations over the joints in one step. They start from zero impulses in every step, so a
@@ -44,6 +46,9 @@ const RIGID: SpringCoefficients<Real> = SpringCoefficients { natural_frequency: 
 pub struct World {
     mass: Real,
     inertia: Real,
+    settings: EngineSettings,
+    /// Largest velocity at which a penetration is removed (m/s).
+    fastest: f64,
     parameters: IntegrationParameters,
     /// Sweeps over all joints and contacts in a substep.
     n_sweeps: usize,
@@ -82,11 +87,21 @@ impl World {
             set_contacts(&mut parameters, system.load.radius as Real);
         }
         let n_sweeps = parameters.num_internal_pgs_iterations;
-        Self { mass, inertia, parameters, n_sweeps, obstacles, sets: Sets::new(mass, inertia, body, 0, 0) }
+        let (settings, fastest) = (options.settings, FASTEST_CORRECTION * system.load.radius);
+        Self { mass, inertia, settings, fastest, parameters, n_sweeps, obstacles, sets: Sets::new(mass, inertia, body, 0, 0) }
     }
 
     fn substep(&self) -> Real {
         self.parameters.dt / self.parameters.num_solver_iterations as Real
+    }
+
+    /// The law of impacts in a step of the present duration; `None` where the engine's own holds.
+    fn impact_law<'a>(&self, shapes: &'a Obstacles, obstacles: &'a [ObstacleStep]) -> Option<ImpactLaw<'a>> {
+        let load = self.sets.load_collider.filter(|_| self.settings == EngineSettings::Recommended)?;
+        let (body, duration) = (self.body(), widened(self.parameters.dt));
+        let rate = RIGID.erp_inv_dt(self.parameters.dt);
+        let twist = Twist { linear: body.velocity, angular: body.turn_rate };
+        Some(ImpactLaw { shapes, obstacles, load, position: body.position, twist, duration, fastest: self.fastest, rate })
     }
 }
 
@@ -113,6 +128,8 @@ fn set_contacts(parameters: &mut IntegrationParameters, extent: Real) {
     parameters.contact_softness = RIGID;
     parameters.static_contact_softness = RIGID;
     parameters.contact_recycling = false;
+    // Penetrations are limited by the law of impacts, which needs any velocity.
+    parameters.normalized_max_corrective_velocity = Real::MAX;
 }
 
 impl Engine for World {
@@ -130,7 +147,11 @@ impl Engine for World {
     fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize, obstacles: &[ObstacleStep]) {
         self.sets = Sets::new(self.mass, self.inertia, body, n_friction, n_springs);
         if let Some(shapes) = &self.obstacles {
-            self.sets.add_obstacles(shapes, obstacles);
+            let hooks = match self.settings {
+                EngineSettings::Recommended => ActiveHooks::MODIFY_SOLVER_CONTACTS,
+                EngineSettings::EngineDefaults => ActiveHooks::empty(),
+            };
+            self.sets.add_obstacles(shapes, obstacles, hooks);
         }
     }
 
@@ -138,7 +159,7 @@ impl Engine for World {
         let default = IntegrationParameters::default().normalized_prediction_distance;
         self.parameters.normalized_prediction_distance = default.max(reach as Real / self.parameters.length_unit);
         // Without time the engine finds contacts and moves nothing.
-        self.sets.step(&IntegrationParameters { dt: 0.0, ..self.parameters });
+        self.sets.step(&IntegrationParameters { dt: 0.0, ..self.parameters }, &());
         self.read_contacts(obstacles, contacts);
     }
 
@@ -169,7 +190,10 @@ impl Engine for World {
             self.sets.push(push);
         }
         self.sets.move_obstacles(inputs.obstacles);
-        self.sets.step(&self.parameters)
+        match self.obstacles.as_ref().and_then(|shapes| self.impact_law(shapes, inputs.obstacles)) {
+            Some(law) => self.sets.step(&self.parameters, &law),
+            None => self.sets.step(&self.parameters, &()),
+        }
     }
 
     fn memory(&self) -> String {
@@ -243,8 +267,8 @@ impl Sets {
         }
     }
 
-    fn add_obstacles(&mut self, shapes: &Obstacles, steps: &[ObstacleStep]) {
-        let Some(collider) = load_collider(shapes) else { return };
+    fn add_obstacles(&mut self, shapes: &Obstacles, steps: &[ObstacleStep], hooks: ActiveHooks) {
+        let Some(collider) = load_collider(shapes, hooks) else { return };
         self.load_collider = Some(self.colliders.insert_with_parent(collider, self.load, &mut self.bodies));
         for (shape, step) in shapes.list.iter().zip(steps) {
             let body = if shape.moves { RigidBodyBuilder::kinematic_position_based() } else { RigidBodyBuilder::fixed() };
@@ -287,7 +311,7 @@ impl Sets {
         load.add_torque(wrench.z as Real, false);
     }
 
-    fn step(&mut self, parameters: &IntegrationParameters) -> bool {
+    fn step(&mut self, parameters: &IntegrationParameters, hooks: &dyn PhysicsHooks) -> bool {
         self.pipeline.step(
             Vector::ZERO,
             parameters,
@@ -300,7 +324,7 @@ impl Sets {
             &mut self.multibody_joints,
             &mut self.soft_bodies,
             &mut self.ccd,
-            &(),
+            hooks,
             &(),
         );
         // Rapier disables a body with a state that is not finite.
@@ -353,26 +377,4 @@ fn set_motor(motor: &mut JointMotor, law: &AxisLaw, substep: Real) {
     motor.damping = damping.max(SOFTEST / substep - substep * stiffness);
     motor.max_force = Real::INFINITY;
     motor.target_vel = -(law.force as Real) / (substep * stiffness + motor.damping);
-}
-
-fn pose_of(pose: &crate::math::Pose) -> Pose {
-    Pose::from_parts(narrow(&pose.position), unit(&direction(pose.heading)))
-}
-
-fn narrow(v: &Vec2) -> Vector {
-    Vector::new(v.x as Real, v.y as Real)
-}
-
-// In f64 the cast does nothing, in f32 it is exact.
-#[allow(clippy::unnecessary_cast)]
-fn widened(value: Real) -> f64 {
-    value as f64
-}
-
-fn wide(v: Vector) -> Vec2 {
-    Vec2::new(widened(v.x), widened(v.y))
-}
-
-fn unit(v: &Vec2) -> Rotation {
-    Rotation::from_cos_sin_unchecked(v.x as Real, v.y as Real)
 }

@@ -49,9 +49,27 @@ pub fn without_straight_corners(corners: &[Vec2]) -> Vec<Vec2> {
     (0..n).filter(|at| !is_straight(*at)).map(|at| corners[at]).collect()
 }
 
+/// The open chain without points at which it goes straight on. Both ends stay, and so does a point
+/// at which the chain turns back.
+pub fn without_straight_points(points: &[Vec2]) -> Vec<Vec2> {
+    let goes_on = |at: usize| {
+        let (before, after) = (points[at] - points[at - 1], points[at + 1] - points[at]);
+        before.perp(&after).abs() <= TOUCH * before.norm() * after.norm() && before.dot(&after) > 0.0
+    };
+    let is_end = |at: usize| at == 0 || at + 1 == points.len();
+    (0..points.len()).filter(|at| is_end(*at) || !goes_on(*at)).map(|at| points[at]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_chain_keeps_its_ends_and_the_points_at_which_it_turns() {
+        let chain = points(&[[0.0, 0.0], [0.1, 0.0], [0.7, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 2.0], [1.0, 1.0]]);
+        assert_eq!(without_straight_points(&chain), points(&[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [1.0, 1.0]]));
+        assert_eq!(without_straight_points(&chain[..2]), chain[..2]);
+    }
 
     fn points(list: &[[f64; 2]]) -> Vec<Vec2> {
         list.iter().copied().map(Vec2::from).collect()

@@ -1,0 +1,90 @@
+//! The energy balance of a run as a condition on its success.
+//!
+//! A step that does not resolve its springs or contacts can create energy while its equations are
+//! solved to the last digit. The ledger shows it: elastic and kinetic energy and all losses then
+//! exceed the work that went in. The opposite, energy that disappears, is the numerical damping of
+//! an implicit method, and is no such sign.
+
+use serde::{Deserialize, Serialize};
+
+use super::{EnergyLedger, Status, StepReport};
+
+/// Largest gain of energy over the energy that went in (1): the tolerance of a verdict on a path. A
+/// step of a tenth of the period of the fastest oscillation is wrong by less.
+const LARGEST_SHARE: f64 = 0.01;
+
+/// Energy that went into a run, against which its gain is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Balance {
+    /// Sum of the sizes of all work on tips and of obstacles (J).
+    worked: f64,
+    /// Work on the tips and of obstacles at the last look (J).
+    last: [f64; 2],
+    /// Gain that the backend's way of keeping the ledger explains (J).
+    explained: f64,
+}
+
+impl Balance {
+    /// Takes the `ledger` after an advance. Rounding and the rules by which the backend keeps the
+    /// ledger explain a gain of up to `explained` (J) in it. A run that has gained more than [`LARGEST_SHARE`] of what went in has not converged.
+    pub fn judge(&mut self, ledger: &EnergyLedger, explained: f64, report: &mut StepReport) {
+        let work = [ledger.tip_work, ledger.obstacle_work];
+        self.worked += work.iter().zip(self.last).map(|(now, before)| (now - before).abs()).sum::<f64>();
+        self.last = work;
+        self.explained += explained;
+        let went_in = ledger.initial + self.worked;
+        let gain = ledger.defect() - self.explained;
+        if gain > LARGEST_SHARE * went_in {
+            report.gained_share = (gain / went_in).min(f64::MAX);
+            report.status = report.status.max(Status::NotConverged);
+            report.n_not_converged = report.n_not_converged.max(1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report_after(ledgers: &[EnergyLedger], explained: f64) -> StepReport {
+        let (mut balance, mut sum) = (Balance::default(), StepReport::default());
+        for ledger in ledgers {
+            let mut report = StepReport { n_steps: 1, ..StepReport::default() };
+            balance.judge(ledger, explained, &mut report);
+            sum.add(&report);
+        }
+        sum
+    }
+
+    fn kinetic(tip_work: f64, kinetic: f64) -> EnergyLedger {
+        EnergyLedger { tip_work, kinetic, ..EnergyLedger::default() }
+    }
+
+    #[test]
+    fn a_run_that_gains_energy_has_not_converged() {
+        assert_eq!(report_after(&[kinetic(1.0, 1.0 + 0.99 * LARGEST_SHARE)], 0.0).status, Status::Converged);
+        let gained = report_after(&[kinetic(1.0, 1.0), kinetic(1.0, 1.5), kinetic(1.0, 0.5)], 0.0);
+        assert_eq!((gained.status, gained.n_not_converged, gained.gained_share), (Status::NotConverged, 1, 0.5));
+    }
+
+    #[test]
+    fn a_loss_is_no_gain() {
+        assert_eq!(report_after(&[kinetic(1.0, 0.0)], 0.0), StepReport { n_steps: 1, ..StepReport::default() });
+    }
+
+    /// Work that goes in and comes out again counts twice, so that rounding of an oscillation is
+    /// compared with all of it.
+    #[test]
+    fn work_to_and_fro_adds_up() {
+        let to_and_fro = [kinetic(1.0, 1.0), kinetic(0.0, 0.5 * LARGEST_SHARE)];
+        assert_eq!(report_after(&to_and_fro, 0.0).status, Status::Converged);
+    }
+
+    #[test]
+    fn energy_without_any_work_is_a_gain() {
+        assert_eq!(report_after(&[kinetic(0.0, 1e-9)], 0.0).gained_share, f64::MAX);
+        assert_eq!(report_after(&[kinetic(0.0, 1e-9)], 1e-9).status, Status::Converged);
+        assert_eq!(report_after(&[kinetic(0.0, 0.0)], 0.0).status, Status::Converged);
+    }
+}
