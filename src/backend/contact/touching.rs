@@ -34,8 +34,9 @@ struct Face {
     normal: Vec2,
     /// Interval of the contact points along the face (m).
     extent: [f64; 2],
-    /// Mode of the contacts that press.
+    /// Mode of the contacts that press, or else of the first one, and whether any of them does.
     mode: SideMode,
+    presses: bool,
 }
 
 /// All faces by which a load touches.
@@ -60,17 +61,17 @@ impl Faces {
     pub fn of(touching: &[Touching]) -> Self {
         let mut faces = Self::default();
         for Touching { mode, force, on_load: [_, point], normal, .. } in touching {
-            let mode = if force.normal > 0.0 { *mode } else { SideMode::Open };
+            let presses = force.normal > 0.0;
             let known = faces.0.iter_mut().find(|face| face.normal.dot(normal) >= ALIKE);
             let along = perpendicular(known.as_ref().map_or(normal, |face| &face.normal)).dot(point);
             match known {
                 Some(face) => {
                     face.extent = [face.extent[0].min(along), face.extent[1].max(along)];
-                    if face.mode == SideMode::Open {
-                        face.mode = mode;
+                    if presses && !face.presses {
+                        (face.mode, face.presses) = (*mode, true);
                     }
                 }
-                None => faces.0.push(Face { normal: *normal, extent: [along; 2], mode }),
+                None => faces.0.push(Face { normal: *normal, extent: [along; 2], mode: *mode, presses }),
             }
         }
         faces

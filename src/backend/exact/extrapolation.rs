@@ -106,6 +106,7 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
                 load.transitions.extend(kinds.map(|kind| Transition { time: to * duration, kind }));
                 if load.obstacles.is_some() {
                     load.note_not_unique(n_not_unique, &report, to * duration);
+                    load.pass_gate(&mut report);
                     load.note_contacts(&start.state.side.touching, to * duration);
                 }
                 change_by = change_by.filter(|change| *change > to);
@@ -229,7 +230,7 @@ fn keep<M: Method>(
         }
         (Column::LastButOne, false) => load.set_flow(&control.strayed(before, stepped, (shares[1] - shares[0]) * paths.duration)),
     }
-    let share = load.touch_unseen(start, times)?;
+    let share = load.touch_unseen(start, times).or_else(|| (load.depth_inside() > 0.0).then_some(0.5))?;
     if is_smooth && !is_shortest {
         return Some(share);
     }

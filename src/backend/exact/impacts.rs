@@ -12,7 +12,7 @@ use super::inertial::{Inertial, Memory};
 use super::load::{Exact, Snapshot};
 use super::one_step::Integrator;
 use super::side::Impact;
-use crate::backend::contact::{ImpactLaw, Reflection, Scope, SpeedLimits, Strike};
+use crate::backend::contact::{ImpactLaw, Reflection, Scope, SpeedLimits, Strike, Touching};
 use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
