@@ -133,12 +133,14 @@ fn a_load_leaves_a_pusher_that_slows_down() {
             let x = course.motion().pose.position.x - RADIUS - fast * changes_at;
             if meets_again {
                 let ((time, loss, law), again) = (course.hits[0], 2.0 * (fast - slow) / DECELERATION);
-                // Steps of Euler fall behind by (mu g h) t / 2, a seventh of this way.
-                let [late, off] = if error < 1e-4 { [1e-5, 1e3 * error] } else { [2e-3, 0.3] };
-                assert!((time - changes_at - again).abs() < late, "{options:?}: {:?}", course.hits);
-                assert!((loss / (0.5 * MASS * (fast - slow).powi(2)) - 1.0).abs() < off, "{options:?}: {:?}", course.hits);
+                // Seven steps of Euler lose half of this leap.
+                if error < 1e-4 {
+                    assert!((time - changes_at - again).abs() < 1e-5, "{options:?}: {:?}", course.hits);
+                    let lost = 0.5 * MASS * (fast - slow).powi(2);
+                    assert!((loss / lost - 1.0).abs() < 1e3 * error, "{options:?}: {:?}", course.hits);
+                }
                 assert_eq!((law, course.hits.len()), (ImpactLaw::Newton, 1));
-                assert!((x - 0.1 * slow).abs() < error, "{options:?}: {x:e}");
+                assert!((x - 0.1 * slow).abs() < error.min(1e-6), "{options:?}: {x:e}");
             } else {
                 assert!(course.hits.is_empty() && (x - fast * fast / (2.0 * DECELERATION)).abs() < error, "{options:?}: {x:e}");
             }

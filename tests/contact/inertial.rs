@@ -441,3 +441,31 @@ fn a_box_past_two_posts_ends_where_the_tolerance_says() {
     });
     assert!(ends[0].edge_displacement(&ends[1], radius) < 3e-5 * radius, "{ends:?}");
 }
+
+/// A spring presses a box on a rough wall and swings it to and fro: each swing is half a period
+/// long, about a centre that friction shifts by mu d, with d the depth of the tip behind the wall's
+/// balance. Where a swing ends, slip and friction reverse at once. All steps of a macro-step may
+/// end before that, and the extrapolated answer behind it.
+#[test]
+fn a_box_swings_along_a_rough_wall() {
+    let (friction, depth, first) = (0.2, 0.02, 0.03);
+    let mut system = boxed(vec![wall(Vec2::new(0.0, -BOX[1]), Vec2::new(1.0, 0.0), friction)], Vec2::zeros());
+    system.ground.friction_coefficient = 0.0;
+    let (shift, rate) = (friction * depth, (STIFFNESS / MASS).sqrt());
+    let place = |time: f64| {
+        let swing = (rate * time / PI).floor();
+        let sign = if swing % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let phase = rate * time - PI * swing;
+        sign * (shift + (first - (2.0 * swing + 1.0) * shift) * phase.cos())
+    };
+    let tip = Vec2::new(0.0, -depth);
+    for (tolerance, error) in [(1e-6, 1e-6), (1e-8, 1e-8)] {
+        let mut load = build(&system, at_rest(first, 0.0), &exact(Inertial, &system, tolerance));
+        load.attach(0, tip);
+        for tick in 1..=40 {
+            assert_eq!(load.advance(&[tip], 0.01).status, Status::Converged);
+            let (time, Motion { pose, .. }) = (0.01 * f64::from(tick), load.motion());
+            assert!((pose.position - Vec2::new(place(time), 0.0)).norm() < error, "{tolerance:e} {time}: {pose:?} {}", place(time));
+        }
+    }
+}

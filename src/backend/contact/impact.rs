@@ -8,7 +8,7 @@ use super::displacement::Displacement;
 use super::impact_law::{ImpactLaw, Rebound, Struck, rebound, speed};
 use super::obstacles::{Obstacles, mobility};
 use super::solve::{ContactRow, PerContact, SideForce, SideMode};
-use super::surroundings::{Pair, Surroundings};
+use super::surroundings::{Pair, PairKey, Surroundings};
 use super::touching::Touching;
 use crate::backend::Motion;
 use crate::backend::springs::Place;
@@ -88,6 +88,14 @@ impl Obstacles {
             return (beside, f64::NAN);
         }
         (gap.energy, gap.gradient.dot(&relative_twist(system, pair.key.obstacle, motion, &place, instant)))
+    }
+
+    /// Rate at which the slip of a contact grows (m/s).
+    pub fn slip_rate(&self, system: &System, key: &PairKey, motion: &Motion, instant: Instant) -> f64 {
+        let place = Place::of(&motion.pose);
+        let seen = Surroundings::relative(&place, &system.world.obstacles[key.obstacle].path.pose_at(instant.time));
+        let slip = self.surroundings.features(key).slip_with_derivatives(&seen, 0.0).gradient;
+        slip.dot(&relative_twist(system, key.obstacle, motion, &place, instant))
     }
 
     /// Velocity of a load that touches by the features `strikes`, and by those that were closed

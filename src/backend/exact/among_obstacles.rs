@@ -6,7 +6,7 @@ use super::load::{Exact, Method, Snapshot, State};
 use super::side::{Impact, SideState};
 use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, Strike, Touching, transitions};
 use crate::backend::springs::{Place, TipPaths};
-use crate::backend::{Doubts, SideContact, Status, StepReport, Transition, TransitionKind};
+use crate::backend::{Doubts, Motion, SideContact, Status, StepReport, Transition, TransitionKind};
 
 /// What does not change at the obstacles while the motion is smooth.
 pub struct Contacts {
@@ -28,6 +28,9 @@ impl Contacts {
 /// shorter, and not at once by much, as the first estimates may be poor.
 const SHORTEST_CUT: f64 = 0.1;
 const LONGEST_CUT: f64 = 1.0 - 1e-6;
+
+/// Slip over the speed of the load that is none where it reverses (1).
+const REVERSED: f64 = 1e-9;
 
 impl<M: Method> Exact<M> {
     /// Whether no obstacle can touch a load that stands still for `duration` (s) from now.
@@ -116,6 +119,23 @@ impl<M: Method> Exact<M> {
         Some(earliest.clamp(SHORTEST_CUT, LONGEST_CUT))
     }
 
+    /// Share of a macro-step between two times (s) by which the slip of a sliding contact has
+    /// reversed since the `start`, where the load was extrapolated beyond that; `None` without one.
+    pub(super) fn reversal_unseen(&self, start: &State<M::Memory>, times: [f64; 2]) -> Option<f64> {
+        let Self { obstacles: Some(obstacles), system, state, .. } = self else { return None };
+        let within = 0.5 * (times[0] + times[1]);
+        let rate = |key: &PairKey, motion: &Motion, time: f64| obstacles.slip_rate(system, key, motion, Instant { time, within });
+        let rounding = REVERSED * state.motion.twist.linear.norm().max(system.load.radius * state.motion.twist.angular.abs());
+        let share = |Touching { key, mode, .. }: &Touching| {
+            let SideMode::Slide { forward } = mode else { return None };
+            let sign = if *forward { 1.0 } else { -1.0 };
+            let [first, last] = [(&start.motion, times[0]), (&state.motion, times[1])].map(|(motion, time)| sign * rate(key, motion, time));
+            (first > rounding && last < -rounding).then(|| first / (first - last))
+        };
+        let earliest = state.side.touching.iter().filter_map(share).reduce(f64::min)?;
+        Some(earliest.clamp(SHORTEST_CUT, LONGEST_CUT))
+    }
+
     /// Takes note of time that has passed (s).
     pub(super) fn pass(&mut self, duration: f64) {
         if self.obstacles.is_some() {
@@ -144,6 +164,15 @@ impl<M: Method> Exact<M> {
     pub(super) fn contacts(&self) -> Contacts {
         let SideState { touching, impacts, n_divided, .. } = &self.state.side;
         Contacts { faces: Faces::of(touching), n_events: impacts.len() + n_divided, radius: self.system.load.radius }
+    }
+
+    /// Change of the friction of contacts that are in another mode than at the `start` (N).
+    pub(super) fn side_friction_change(&self, start: &SideState) -> f64 {
+        let of = |now: &Touching| {
+            let before = start.touching.iter().find(|before| before.key == now.key && before.mode != now.mode);
+            before.map_or(0.0, |before| (now.force.tangential - before.force.tangential).abs())
+        };
+        self.state.side.touching.iter().map(of).sum()
     }
 
     /// Bound of the error of the work at obstacles by the trapezoid rule on a smooth path since

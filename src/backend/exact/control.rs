@@ -99,10 +99,12 @@ const ENERGY_ROUNDING: f64 = 1e-14;
 
 impl Control {
     /// Error of a macro-step of `duration` (s) from the flow `before`, over the tolerance (1):
-    /// `row` is its last row of the table and `last_row` the one before.
+    /// `row` is its last row of the table and `last_row` the one before. The friction of obstacles
+    /// has changed by `side_change` (N) with its direction.
     pub(super) fn error(
         &self,
         moving: (&System, &Motion),
+        side_change: f64,
         changed_in: Option<usize>,
         before: &[f64],
         [row, last_row]: [&[Vec<f64>]; 2],
@@ -115,7 +117,7 @@ impl Control {
             // what stops a load.
             Some(step) if step == 1 || self.settling_time.is_some() => {
                 let lost = plain.max(self.lost_displacement(before, &row[0], duration));
-                let hidden = if step == 1 { self.of_reversal(moving, before, duration / n as f64) } else { 0.0 };
+                let hidden = if step == 1 { self.of_reversal(moving, side_change, before, duration / n as f64) } else { 0.0 };
                 lost.max(self.before_stop(moving, duration)).max(hidden) / CHANGE_SHARE
             }
             Some(_) => plain / CHANGE_SHARE,
@@ -147,15 +149,16 @@ impl Control {
         self.size(0.5 * system.total_slip_limit() / system.load.mass * duration * duration, 0.0, 0.0)
     }
 
-    /// Possible error of the speed by supports that reverse within a step of `duration` (s) from
-    /// the flow `before`, over the tolerance (1): an implicit step has their friction at its end.
-    fn of_reversal(&self, (system, motion): (&System, &Motion), before: &[f64], duration: f64) -> f64 {
+    /// Possible error of the speed by supports and side contacts that reverse within a step of
+    /// `duration` (s) from the flow `before`, over the tolerance (1): an implicit step has their
+    /// friction at its end.
+    fn of_reversal(&self, (system, motion): (&System, &Motion), side_change: f64, before: &[f64], duration: f64) -> f64 {
         let (start, ground) = (Motion::of_entries(before), &system.ground);
         let slip = |motion: &Motion, offset: &Vec2| motion.twist.velocity_at(&(rotation(motion.pose.heading) * offset));
         let reverses = |support: &SupportPoint| slip(&start, &support.offset).dot(&slip(motion, &support.offset)) < 0.0;
         let supports = ground.supports.iter().zip(ground.slip_limits());
         let limit: f64 = supports.filter(|(support, _)| reverses(support)).map(|(_, limit)| limit).sum();
-        let (load, change) = (&system.load, 2.0 * limit * duration);
+        let (load, change) = (&system.load, (2.0 * limit + side_change) * duration);
         let of_time = |time: f64| self.size(time * change / load.mass, 0.0, time * change * load.radius / load.inertia);
         self.settling_time.map_or(0.0, of_time)
     }

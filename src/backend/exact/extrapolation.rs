@@ -180,7 +180,8 @@ fn attempt<M: Method>(
             last_row = row;
             continue;
         }
-        let error = control.error((&load.system, &load.state.motion), changed_in, &before, [&row, &last_row], length * paths.duration);
+        let (moving, side_change) = ((&load.system, &load.state.motion), load.side_friction_change(&start.state.side));
+        let error = control.error(moving, side_change, changed_in, &before, [&row, &last_row], length * paths.duration);
         let is_solved = cost.status == Status::Converged || length <= SHORTENED_TO_SOLVE;
         // Further rows do not help where there is no series. That of a load at an obstacle may be
         // one of even powers, whose errors rise once.
@@ -209,8 +210,9 @@ fn attempt<M: Method>(
 }
 
 /// Moves the load to the answer of the last two rows of a table. Steps look where they end, and no
-/// step has ended at an extrapolated answer. Where that one passes through an obstacle, returns the
-/// share of the macro-step that leads to the touch; the shortest one takes the answer of its steps.
+/// step has ended at an extrapolated answer. Where that one passes through an obstacle, or a contact
+/// slides against its friction, returns the share of the macro-step that leads to the touch or to
+/// the reversal. The shortest macro-step takes the answer of its steps.
 fn keep<M: Method>(
     load: &mut Exact<M>,
     Task { paths, control, .. }: &Task,
@@ -230,7 +232,8 @@ fn keep<M: Method>(
         }
         (Column::LastButOne, false) => load.set_flow(&control.strayed(before, stepped, (shares[1] - shares[0]) * paths.duration)),
     }
-    let share = load.touch_unseen(start, times).or_else(|| (load.depth_inside() > 0.0).then_some(0.5))?;
+    let reversal = if is_smooth && control.settling_time.is_some() { load.reversal_unseen(&start.state, times) } else { None };
+    let share = load.touch_unseen(start, times).or(reversal).or_else(|| (load.depth_inside() > 0.0).then_some(0.5))?;
     if is_smooth && !is_shortest {
         return Some(share);
     }

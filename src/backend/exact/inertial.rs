@@ -15,9 +15,8 @@ use super::contact::GroundContact;
 use super::dashpots::Dashpots;
 use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched};
-use super::side::SideState;
 use super::{euler, midpoint, resolution};
-use crate::backend::contact::{Instant, Scope, SideWork, gap_rounding};
+use crate::backend::contact::{Instant, Scope, SideWork, Touching, gap_rounding};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
 use crate::backend::springs::TipPaths;
@@ -97,15 +96,13 @@ impl Exact<Inertial> {
         self.set_speed(twist);
     }
 
-    /// Turns the velocity of a load that touches obstacles, at the end of a `step` (s), along them.
-    fn turn_along_obstacles(&mut self, step: f64) {
-        let Self { obstacles, system, state, .. } = self;
-        let (motion, SideState { now, touching, .. }) = (&state.motion, &state.side);
-        if let Some(obstacles) = obstacles
-            && motion.twist != Twist::ZERO
+    /// Turns the velocity of a load at an instant along these contacts, which are closed.
+    pub(super) fn turn_along(&mut self, touching: &[Touching], instant: Instant) {
+        if let Some(obstacles) = &self.obstacles
+            && self.state.motion.twist != Twist::ZERO
             && !touching.is_empty()
         {
-            let twist = obstacles.along(system, motion, touching, Instant { time: *now, within: *now - 0.5 * step });
+            let twist = obstacles.along(&self.system, &self.state.motion, touching, instant);
             self.set_speed(twist);
         }
     }
@@ -293,7 +290,8 @@ impl Method for Inertial {
         // Where the modes change, the load goes on from the plain answer. Steps from its chord see
         // whether a contact still presses, and steps from its tangent do not.
         if is_smooth {
-            load.turn_along_obstacles(step);
+            let now = load.state.side.now;
+            load.turn_along(&load.state.side.touching.clone(), Instant { time: now, within: now - 0.5 * step });
         }
     }
 

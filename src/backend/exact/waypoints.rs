@@ -35,21 +35,24 @@ impl Exact<Inertial> {
     pub(super) fn meet_waypoint(&mut self, [from, to]: [f64; 2]) -> StepReport {
         let within = 0.5 * (from + to);
         let Some(before) = self.state.side.within.replace(within) else { return StepReport::default() };
-        let Self { obstacles: Some(obstacles), system, state, .. } = self else { return StepReport::default() };
         let turns = |touching: &Touching| {
-            let path = &system.world.obstacles[touching.key.obstacle].path;
+            let path = &self.system.world.obstacles[touching.key.obstacle].path;
             path.moves() && path.twist_after(before) != path.twist_after(within)
         };
-        if !state.side.touching.iter().any(turns) {
+        if !self.state.side.touching.iter().any(turns) {
             return StepReport::default();
         }
-        // The velocity along the chord of the last step would be an approach or a separation.
-        let pressed: Vec<Touching> = state.side.touching.iter().filter(|it| it.force.normal > 0.0).copied().collect();
-        let twist = obstacles.along(system, &state.motion, &pressed, Instant { time: from, within: before });
-        self.set_speed(twist);
+        let pressed = self.pressed();
+        self.turn_along(&pressed, Instant { time: from, within: before });
         let step = to - from;
         let limits = self.speed_limits(self.acceleration_by(&pressed) * step, [step, step]);
         if self.strike(&[], limits, from) == Some(ImpactLaw::None) { without_law() } else { StepReport::default() }
+    }
+
+    /// Contacts that press. The velocity along the chord of the last step would approach or leave
+    /// them.
+    pub(super) fn pressed(&self) -> Vec<Touching> {
+        self.state.side.touching.iter().filter(|touching| touching.force.normal > 0.0).copied().collect()
     }
 
     /// Acceleration of the load's edge by the forces of these contacts, or more (m/s^2): what brings
