@@ -46,6 +46,17 @@ impl Outline {
         }
     }
 
+    /// Corners of polygons, and ends of walls (m).
+    pub fn corners(&self) -> impl Iterator<Item = Vec2> + '_ {
+        self.parts
+            .iter()
+            .flat_map(|part| match part {
+                OutlinePart::Disc { .. } => &[],
+                OutlinePart::Polygon { corners: points } | OutlinePart::Polyline { points } => points.as_slice(),
+            })
+            .copied()
+    }
+
     /// Largest distance of a point of the outline from the origin (m).
     pub fn extent(&self) -> f64 {
         let farthest = |points: &[Vec2]| points.iter().map(|point| point.norm()).fold(0.0, f64::max);

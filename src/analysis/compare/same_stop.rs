@@ -5,8 +5,10 @@
 //! engine is right. The sign of it is looked for where the engine first diverges from the inertial
 //! run:
 //!
-//! * both exact loads are pushed by the same obstacle at about the same place, and the engine's
-//!   load does not touch it there;
+//! * both exact loads are pushed by the same obstacle at about the same place;
+//! * the engine's load does not touch it there, or the exact ones have a corner at a corner of the
+//!   obstacle, past which a load may slide that still touches it. Without corners, side friction
+//!   may hold the exact loads where the engine's load slides, which is an engine error;
 //! * the point of the load at which it is held hardly moves along the obstacle on either exact
 //!   path, against that of the engine's load. The load may turn about it;
 //! * the engine's load is ahead, against the force that holds the exact loads;
@@ -22,8 +24,8 @@ use super::doubt::{Doubt, DoubtKind};
 use super::solution::Solution;
 use crate::backend::SideContact;
 use crate::math::Vec2;
-use crate::model::Obstacle;
 use crate::model::geometry::overlap_depth;
+use crate::model::{Obstacle, Outline};
 use crate::scenario::Scenario;
 use crate::simulation::Row;
 
@@ -31,6 +33,9 @@ use crate::simulation::Row;
 /// loads meet a feature within their difference, which may be several tolerances of the path;
 /// another feature of the load is about a radius away.
 const SAME_PLACE: f64 = 0.1;
+/// Distance from a corner within which a contact is at it, over the load's radius (1): far more than
+/// the error of a touch, and far less than an edge.
+const AT_CORNER: f64 = 1e-3;
 /// Largest speed of a held point over that of the same point of the engine's load (1).
 const HELD: f64 = 0.5;
 /// Depth inside the obstacle over the advance against its force from which on the engine's load
@@ -83,7 +88,7 @@ impl<'a> Instant<'a> {
         if !self.is_pushed(inertial, contact, self.time()) || !self.is_pushed(quasi_static, contact, self.time()) {
             return false;
         }
-        if self.touches(engine, contact, self.time(), |_| true) {
+        if self.touches(engine, contact, self.time(), |_| true) && !self.is_at_corners(contact, obstacle) {
             return false;
         }
         let moved = [0, 1, 2].map(|run| self.moved_along(run, contact, obstacle));
@@ -104,6 +109,15 @@ impl<'a> Instant<'a> {
         let reach = SAME_PLACE * self.scenario.system.load.radius;
         let is_there = |other: &SideContact| (obstacle.path.pose_at(row.time).to_local(&other.point) - place).norm() <= reach;
         row.contacts.iter().any(|other| other.obstacle == contact.obstacle && counts(&other.force) && is_there(other))
+    }
+
+    /// Whether the inertial load touches a corner of the obstacle with a corner of its own.
+    fn is_at_corners(&self, contact: &SideContact, obstacle: &Obstacle) -> bool {
+        let (load, reach) = (&self.scenario.system.world.outline, AT_CORNER * self.scenario.system.load.radius);
+        let [in_load, in_obstacle] =
+            [self.rows[1].motion.pose, obstacle.path.pose_at(self.time())].map(|pose| pose.to_local(&contact.point));
+        let is_corner = |outline: &Outline, point: Vec2| outline.corners().any(|corner| (corner - point).norm() <= reach);
+        is_corner(load, in_load) && is_corner(&obstacle.outline, in_obstacle)
     }
 
     /// Point of the load of a run that is held on the inertial one (m, world), at this instant and

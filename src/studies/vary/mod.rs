@@ -21,7 +21,7 @@ use serde_json::Value;
 
 use crate::analysis::compare::{Pathwise, QuantityVerdict, Settings, ThreeWay, Verdict};
 use crate::analysis::estimate::{CLEAR, with_estimate};
-use crate::backend::{BackendKind, Status};
+use crate::backend::{BackendKind, Status, closed_share};
 use crate::output::page::Answer;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Keep, Simulation, controller_of};
@@ -64,8 +64,8 @@ pub struct Estimated {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
     pub verdict: Verdict,
-    /// Whether quasi-static is valid; `null` if the reference error leaves it open, or if nothing
-    /// moved.
+    /// Whether quasi-static is valid; `null` if the reference error or a doubtful run leaves it open,
+    /// or if nothing moved.
     pub is_valid: Option<bool>,
     pub inertia_effect: f64,
     pub engine_error: f64,
@@ -152,7 +152,11 @@ impl Estimated {
         let estimate = estimator.borrow().estimate();
         let found =
             Self { inertia_effect_m: estimate.edge_displacement_max_m, tolerance_m: settings.tolerance_share * estimate.path_length_m };
-        let is_valid = run.outcome().steps.status == Status::Converged && !estimate.is_invalid && !estimate.touches_obstacle;
+        let outcome = run.outcome();
+        let share = closed_share(options.tolerance.is_some(), settings.tolerance_energy_share);
+        let is_closed = outcome.energy.is_closed(share, outcome.energy.largest_entry());
+        let is_trusted = outcome.steps.status == Status::Converged && outcome.doubtful.is_empty() && is_closed;
+        let is_valid = is_trusted && !estimate.is_invalid && !estimate.touches_obstacle;
         // A load that hardly moves has no margin.
         Some(Some(found).filter(|found| is_valid && found.margin().is_finite()))
     }
