@@ -249,15 +249,18 @@ impl Obstacles {
         pairs.into_iter().map(|pair| self.candidate(system, start, task, pair, touching)).collect()
     }
 
-    /// Whether the load may go on touching by the second of two pairs where it leaves the first,
-    /// within `reach` (m) of where it touches. Farther away, features that belong together, such as
-    /// the face of a load and its corner, touch anew: that is an impact.
+    /// Whether the load may go on touching by the second of two pairs where it leaves the first: one
+    /// that is closed already, or that lies within `reach` (m) of where it touches. Farther away,
+    /// features that belong together, such as the face of a load and its corner, touch anew: that
+    /// is an impact.
     fn takes_over(&self, system: &System, [closed, next]: [&Pair; 2], (start, task): (&Place, &Task), reach: f64) -> bool {
-        let point = |pair: &Pair| {
-            let obstacle = &system.world.obstacles[pair.key.obstacle];
-            pair.features.contact_point(&Surroundings::relative(start, &obstacle.path.pose_at(task.from)))
+        let seen = |pair: &Pair| Surroundings::relative(start, &system.world.obstacles[pair.key.obstacle].path.pose_at(task.from));
+        let is_near = || {
+            let [one, other] = [closed, next].map(|pair| pair.features.contact_point(&seen(pair)));
+            (one - other).norm() <= reach
         };
-        self.surroundings.continues((system, start, task.from), [closed, next]) && (point(closed) - point(next)).norm() <= reach
+        let is_closed = || next.features.gap(&seen(next)) <= self.surroundings.flush(start);
+        self.surroundings.continues((system, start, task.from), [closed, next]) && (is_closed() || is_near())
     }
 
     /// The pairs that touch, as candidates.

@@ -4,7 +4,7 @@ use smallvec::SmallVec;
 
 use super::load::{Exact, Method, Snapshot, State};
 use super::side::{Impact, SideState};
-use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, Strike, Touching, transitions};
+use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, SideMode, Strike, Touching, transitions};
 use crate::backend::springs::{Place, TipPaths};
 use crate::backend::{Doubts, Motion, SideContact, Status, StepReport, Transition, TransitionKind};
 
