@@ -105,7 +105,7 @@ pub fn rebound(mass: &Mat3, radius: f64, struck: &[Struck], before: &Vec3) -> Re
 }
 
 /// The ground gives no impulse.
-const WITHOUT_FRICTION: Ground = Ground { friction_coefficient: 0.0, supports: Vec::new() };
+pub const WITHOUT_FRICTION: Ground = Ground { friction_coefficient: 0.0, supports: Vec::new() };
 
 /// Speed of the edge of a load of this `radius` (m), or more (m/s).
 pub fn speed(twist: &Vector3<f64>, radius: f64) -> f64 {

@@ -16,7 +16,8 @@ use crate::backend::contact::{ImpactLaw, Reflection, Scope, SpeedLimits, Strike,
 use crate::backend::springs::TipPaths;
 use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
-use crate::math::Twist;
+use crate::math::{Twist, Vec2, Vec3, rotation};
+use crate::model::support::wrench_of;
 
 /// Largest number of touches in one step (1). The rest of the step is taken as one of implicit
 /// Euler that regards all features within reach, and without bounces.
@@ -204,6 +205,21 @@ impl Exact<Inertial> {
         (now.linear - before.linear).norm() + self.system.load.radius * (now.angular - before.angular).abs()
     }
 
+    /// What springs and ground give the load within `duration` (N s, N s, N m s; load axes).
+    fn momentum_within(&self, duration: f64) -> Vec3 {
+        let Self { springs, system, state, .. } = self;
+        let Motion { pose, twist } = &state.motion;
+        let turn = rotation(pose.heading);
+        let pulls = -springs.reaction(&system.springs, pose).gradient;
+        let mut sum = turn.tr_mul(&pulls.xy()).push(pulls.z);
+        for (support, limit) in system.ground.supports.iter().zip(system.ground.slip_limits()) {
+            let slip = turn.tr_mul(&twist.velocity_at(&(turn * support.offset)));
+            let friction = slip.try_normalize(0.0).map_or(Vec2::zeros(), |along| -limit * along);
+            sum += wrench_of(&support.offset, &friction);
+        }
+        duration * sum
+    }
+
     /// Speeds that are none for a load whose edge has changed its velocity by `change` (m/s) since
     /// it `moved` on (s), within a step of `duration` (s).
     ///
@@ -218,7 +234,7 @@ impl Exact<Inertial> {
         };
         // What it gains on its way through a gap by rounding.
         let gained = if moved > 0.0 { (2.0 * rounding * change / moved).sqrt() } else { 0.0 };
-        SpeedLimits { softest, rounding: gained.min(2.0 * change) }
+        SpeedLimits { softest, rounding: gained.min(2.0 * change), momentum: self.momentum_within(duration) }
     }
 
     /// Applies the law of impacts at a time (s), where the load touches by these features and by
