@@ -142,7 +142,9 @@ fn a_load_leaves_a_pusher_that_slows_down() {
                 assert_eq!((law, course.hits.len()), (ImpactLaw::Newton, 1));
                 assert!((x - 0.1 * slow).abs() < error.min(1e-6), "{options:?}: {x:e}");
             } else {
-                assert!(course.hits.is_empty() && (x - fast * fast / (2.0 * DECELERATION)).abs() < error, "{options:?}: {x:e}");
+                // The midpoint rule stops up to mu g h^2 / 8 late.
+                let (stop, late) = (fast * fast / (2.0 * DECELERATION), error.max(DECELERATION * 1e-6 / 8.0));
+                assert!(course.hits.is_empty() && (x - stop).abs() < late, "{options:?}: {x:e}");
             }
             assert!(error == 1e-4 || course.defect() < 1e-3, "{options:?}: {:?}", course.load.energy());
         }

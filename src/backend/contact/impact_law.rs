@@ -243,7 +243,7 @@ mod tests {
             let scene = two_contacts(seed);
             let found = scene.rebound();
             if scene.struck.iter().all(|struck| struck.rate(&scene.before) >= 0.0) {
-                assert_eq!(found.after, scene.before, "{seed}");
+                assert!(speed(&(found.after - scene.before), scene.radius) <= 1e-12 * speed(&scene.before, scene.radius), "{seed}");
                 continue;
             }
             *counts.entry(found.law).or_insert(0.0) += 1.0;
