@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{EnergyLedger, Status, StepReport};
 
-/// Largest gain of energy over the energy that went in (1): the tolerance of a verdict on a path. A
-/// step of a tenth of the period of the fastest oscillation is wrong by less.
+/// Largest gain of energy over the energy that went in (1): the share of a path that a verdict
+/// allows as its error.
 const LARGEST_SHARE: f64 = 0.01;
 
 /// Energy that went into a run, against which its gain is measured.
