@@ -67,8 +67,9 @@ fn friction_of_a_bounce_follows_the_whole_normal_impulse() {
             let end = let_go(&system, start, RapierOptions::default(), 0.4, 1e-3);
             assert_eq!(end.report.status, Status::Converged);
             let error = differ(&end.load.motion().twist, &want);
-            // Of 14 m/s. The sweeps over a contact that bounces end at rounding. Without restitution
-            // the load first closes its gap, and the middle of the gap counts as the point of contact.
+            // Of 14 m/s. The sweeps over a contact that bounces end at rounding. Without
+            // restitution the load first closes its gap, and the middle of the gap counts as the
+            // point of contact.
             let allowed = if restitution > 0.0 { 1e-9 } else { 0.02 * 14.0 };
             assert!(error < allowed, "{restitution} {friction} {inertia}: {:?} {want:?}", end.load.motion().twist);
             // All that is lost is lost in the impact.

@@ -50,7 +50,8 @@ fn corners(kind: Kind, n: usize, random: &mut Random) -> Vec<Vec2> {
     }
 }
 
-/// Signed distance of a point to a polygon (m), negative inside: over all edges, and by the winding.
+/// Signed distance of a point to a polygon (m), negative inside: over all edges, and by the
+/// winding.
 fn distance(corners: &[Vec2], point: &Vec2) -> f64 {
     let n = corners.len();
     let (mut nearest, mut is_inside) = (f64::INFINITY, false);

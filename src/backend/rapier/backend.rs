@@ -253,8 +253,8 @@ impl Rapier {
         EnergyLedger { elastic, kinetic: self.system.load.kinetic_energy(&motion.twist), ..ledger }
     }
 
-    /// Energy that the rounding of the engine's positions moves in a step (J): the forces on the load
-    /// times a last digit of its place.
+    /// Energy that the rounding of the engine's positions moves in a step (J): the forces on the
+    /// load times a last digit of its place.
     fn rounding_energy(&self) -> f64 {
         let pull: f64 = self.attached.iter().map(|spring| spring.pull.norm()).sum();
         let push: f64 = self.state.contacts.iter().map(|contact| contact.force.norm()).sum();

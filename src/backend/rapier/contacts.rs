@@ -90,8 +90,8 @@ impl ContactPoint {
         if is_bounce { room.min(self.restitution * shift) } else { room }
     }
 
-    /// Time after the start of a step of the twist `start` at which the load bounces off (s); `None`
-    /// where it does not.
+    /// Time from the start of a step, with the twist `start`, until the load bounces off (s);
+    /// `None` where it does not.
     pub fn bounces_at(&self, start: &Twist) -> Option<f64> {
         let is_bounce = self.push > 0.0 && self.gap >= 0.0 && self.room < 0.0;
         is_bounce.then(|| -self.gap / self.velocity_of(start)[0])

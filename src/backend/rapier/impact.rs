@@ -1,5 +1,5 @@
-//! Newton's impact law with Coulomb friction in the solver of rapier, for one precision. The file is
-//! included twice, like `world.rs`.
+//! Newton's impact law with Coulomb friction in the solver of rapier, for one precision. The file
+//! is included twice, like `world.rs`.
 //!
 //! The engine applies restitution once a step, after its solver, along the normals alone: friction
 //! then never sees the impulse of the bounce, and of the rest it sees what is left after the gap is

@@ -76,8 +76,9 @@ impl Rapier {
         self.state.rounding.excess(radius).unwrap_or_default()
     }
 
-    /// The state `body` at the end of a step, with the time at which the load bounced off. The engine
-    /// moves the load through the whole step with its velocity after the bounce.
+    /// State of the load at the end of a step that the engine ended in `body`. The engine moves a
+    /// load that bounces through the whole step with its velocity after the bounce; here it has its
+    /// old velocity until it touches.
     fn after_bounce(&self, work: &Work, body: BodyState) -> BodyState {
         let before = self.state.motion().twist;
         let times = work.contacts.iter().filter_map(|contact| contact.bounces_at(&before));
