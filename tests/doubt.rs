@@ -120,7 +120,8 @@ fn a_difference_of_paths_before_the_first_doubt_remains() {
     let certain = doubted(&scenario, BackendKind::Inertial, StepReport::default(), 0.0);
     let first = certain.verdicts.path.first_divergence.engine_error.unwrap().time_s;
     let before = doubted(&scenario, BackendKind::Inertial, finding, first - 2.0 * scenario.control_period);
-    assert_eq!(before.verdict, Verdict::Inconclusive);
+    assert!(!before.verdict.has_engine() && before.verdicts.path.open.engine_error, "{:?}", before.verdicts.path);
+    assert!(!before.causes.contains(&Cause::Engine));
     let after = doubted(&scenario, BackendKind::Inertial, finding, first + 2.0 * scenario.control_period);
     assert!(after.verdict.has_engine() && !after.verdicts.path.open.engine_error, "{:?}", after.verdicts.path);
     assert!(after.causes.contains(&Cause::Engine));
@@ -237,13 +238,16 @@ fn a_doubtful_seed_leaves_the_closed_loop_open() {
     assert!(sentence.contains("inconclusive, because with seed 2, from 500 ms on the inertial motion is not unique"), "{sentence}");
 }
 
-/// A disc that is pulled along a wall without friction, at which it is pressed.
-fn along_a_wall() -> Scenario {
-    let mut scenario = Scenario::read(Path::new("scenarios/contact/wall-slide.json")).unwrap();
-    // Inertia changes little.
+/// The scene with little inertia, and the same normal loads.
+fn light(mut scenario: Scenario) -> Scenario {
     scenario.system.load.mass *= 1e-2;
     scenario.system.load.inertia *= 1e-2;
     scenario
+}
+
+/// A disc that is pulled along a wall without friction, at which it is pressed.
+fn along_a_wall() -> Scenario {
+    light(Scenario::read(Path::new("scenarios/contact/wall-slide.json")).unwrap())
 }
 
 /// The scene with more walls in its only obstacle.
@@ -287,7 +291,7 @@ fn a_corner_that_catches_at_the_end_of_a_wall_is_doubtful() {
       "obstacles": [{ "name": "wall", "outline": { "polyline": { "points_m": [[-1.763, -0.05], [0.12, -0.05]] } } }],
       "drive": { "kind": "tips", "paths": [{ "spring": 0, "waypoints": [[0, 0, 0], [0.2, 0, -0.02], [1.2, 0.08, -0.02]] }] }
     }"#;
-    let scenario = Scenario::parse(text, "wall end").unwrap();
+    let scenario = light(Scenario::parse(text, "wall end").unwrap());
     let caught = with_walls(scenario.clone(), &[[0.12, -0.05], [0.12, -0.04999]]);
     let found = compared_at_wall(&scenario, &caught, &exact_engine);
     assert!(found.doubts.iter().any(|doubt| doubt.kind == DoubtKind::SameStop), "{:?} {:?}", found.doubts, found.verdicts.path);
