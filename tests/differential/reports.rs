@@ -240,7 +240,10 @@ fn a_belt_throws_a_load_with_inertia_beyond_the_balance() {
     expect_belt(&belt(Inertial, Steps::Default), right, 1e-4);
 }
 
-/// A post at 15 m/s goes 15 mm in a control period, and is 24 mm wide together with the load.
+/// A post at 15 m/s goes 15 mm in a control period, and is 24 mm wide together with the load. It does
+/// not pass to the other side. A push by a single point is unstable: without inertia the load moves
+/// aside by a factor of e each 12 mm, and rounding decides after 0.4 m, where it may slide off by the
+/// side.
 #[test]
 fn a_fast_post_takes_a_load_with_it() {
     let post = Body {
@@ -253,6 +256,8 @@ fn a_fast_post_takes_a_load_with_it() {
         let found = run(&scene, kind, Steps::Default);
         let [x, y, _] = found.end();
         let is_taken = (x - 1.462).abs() < 1e-6 && y.abs() < 1e-6;
-        assert!(is_taken || found.status != Status::Converged, "{}: ends at {x} {y}, {:?}", kind.name(), found.status);
+        // Where it slides off, post and load pass each other side by side.
+        let slides_off = kind == QuasiStatic && x > 0.4 && (y.abs() - 0.012).abs() < 1e-4;
+        assert!(is_taken || slides_off, "{}: ends at {x} {y}, {:?}", kind.name(), found.status);
     }
 }
