@@ -86,6 +86,12 @@ impl ContactStep<'_, Step<'_>> {
             return found;
         }
         let was_at_rest = solver.was_at_rest();
+        if !was_at_rest
+            && suggested.iter().any(|(_, force)| force.normal > 0.0)
+            && let Some(found) = self.rest(solver, suggested)
+        {
+            return found;
+        }
         let mut found = self.descend(solver);
         found.could_rest = was_at_rest && found.increment.twist != Vec3::zeros() && self.could_rest(solver, &found.sides);
         if self.overlaps(&found.increment.twist) {
@@ -121,7 +127,7 @@ impl ContactStep<'_, Step<'_>> {
     /// Zero increment, for a load at rest that the last normal forces without friction still hold
     /// there, which is then the only answer, or that other forces hold by so much that it cannot
     /// slide as well. Against an obstacle that slides by, the friction is that of its slip: there a
-    /// load goes on resting where nothing has changed, as the step before has decided.
+    /// load rests where the last forces balance it.
     fn rest(&mut self, solver: &mut FrictionSolver, last: &Sides) -> Option<Found> {
         let closed = CLOSED * self.step.length;
         let drive = -self.step.gradient(&Vec3::zeros());
@@ -142,7 +148,7 @@ impl ContactStep<'_, Step<'_>> {
         }
         let mut report = StepReport { n_steps: 1, n_solves: 1, ..StepReport::default() };
         if slides {
-            let last = solver.residual_at_rest(&-missing).filter(|residual| *residual <= UNCHANGED)?;
+            let last = solver.hold(&-missing, UNCHANGED)?;
             report.residual = solver.rest(&-missing).unwrap_or(last);
         } else if let Some(residual) = solver.rest(&-missing).filter(|residual| *residual <= LARGEST_RESIDUAL) {
             report.residual = residual;

@@ -91,11 +91,16 @@ impl FrictionSolver {
         })
     }
 
-    /// Residual (1) of the last friction forces on a load at rest under this `gradient` (N, N, N m) of
-    /// all other forces; `None` where the load was not at rest.
-    pub fn residual_at_rest(&self, gradient: &Vec3) -> Option<f64> {
+    /// Residual (1) of a load at rest that the last friction forces hold under this `gradient` (N, N,
+    /// N m) of all other forces; rest is then the last answer. `None`, with nothing changed, where it
+    /// exceeds the `largest` one (1).
+    pub fn hold(&mut self, gradient: &Vec3, largest: f64) -> Option<f64> {
         let w = -self.cones.scaled_gradient(gradient);
-        self.was_at_rest().then(|| self.cones.residual(&Mat3::zeros(), &w, &Vec3::zeros(), &self.last.forces))
+        let residual = self.cones.residual(&Mat3::zeros(), &w, &Vec3::zeros(), &self.last.forces);
+        (residual <= largest).then(|| {
+            self.keep(&Candidate { twist: Vec3::zeros(), mode: ContactMode::Stick });
+            residual
+        })
     }
 
     /// Scaled vector that stands for the least friction forces that balance a wrench (N, N, N m) on
