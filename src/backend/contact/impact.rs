@@ -229,7 +229,8 @@ fn without_hops(mass: &Mat3, struck: &[Struck], after: Vec3, limits: &SpeedLimit
     let slow: PerContact<&Struck> = slow.into_iter().zip(&at_end.forces).filter(closes).map(|(struck, _)| struck).collect();
     let close = |struck: &&Struck| Rate { row: struck.row.normal, along: struck.row.normal, change: -struck.rate(&after) };
     let rates: PerContact<Rate> = slow.iter().map(close).collect();
-    let Some(change) = change_by_impulses(&mass.diagonal().map(f64::recip), &rates) else { return after };
+    let change = if rates.is_empty() { None } else { change_by_impulses(&mass.diagonal().map(f64::recip), &rates) };
+    let Some(change) = change else { return after };
     let closed = after + change;
     if struck.iter().all(|struck| struck.rate(&closed) >= -rounding) { closed } else { after }
 }

@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 
 use super::gap::FeaturePair;
 use super::solve::{SideForce, SideMode};
-use super::surroundings::{Pair, PairKey};
+use super::surroundings::{Pair, PairKey, PairKind};
 use crate::backend::TransitionKind;
 use crate::backend::springs::Place;
 use crate::math::{Pose, Vec2, perpendicular, rotation};
@@ -37,6 +37,8 @@ struct Face {
     /// Mode of the contacts that press, or else of the first one, and whether any of them does.
     mode: SideMode,
     presses: bool,
+    /// The pair where one point rolls or slides about another: others have another curvature.
+    bend: Option<PairKey>,
 }
 
 /// All faces by which a load touches.
@@ -60,7 +62,7 @@ impl Touching {
 impl Faces {
     pub fn of(touching: &[Touching]) -> Self {
         let mut faces = Self::default();
-        for Touching { mode, force, on_load: [_, point], normal, .. } in touching {
+        for Touching { key, mode, force, on_load: [_, point], normal, .. } in touching {
             let presses = force.normal > 0.0;
             let known = faces.0.iter_mut().find(|face| face.normal.dot(normal) >= ALIKE);
             let along = perpendicular(known.as_ref().map_or(normal, |face| &face.normal)).dot(point);
@@ -71,7 +73,13 @@ impl Faces {
                         (face.mode, face.presses) = (*mode, true);
                     }
                 }
-                None => faces.0.push(Face { normal: *normal, extent: [along; 2], mode: *mode, presses }),
+                None => faces.0.push(Face {
+                    normal: *normal,
+                    extent: [along; 2],
+                    mode: *mode,
+                    presses,
+                    bend: Some(*key).filter(|key| key.kind == PairKind::PointOnPoint),
+                }),
             }
         }
         faces
@@ -81,7 +89,8 @@ impl Faces {
     /// modes when it touches by the others.
     pub fn go_on(&self, others: &Self, radius: f64) -> bool {
         let is_narrow = |face: &Face| face.extent[1] - face.extent[0] <= NARROW * radius;
-        let is_alike = |a: &Face, b: &Face| a.mode == b.mode && is_narrow(a) == is_narrow(b) && a.normal.dot(&b.normal) >= ALIKE;
+        let is_alike =
+            |a: &Face, b: &Face| a.mode == b.mode && a.bend == b.bend && is_narrow(a) == is_narrow(b) && a.normal.dot(&b.normal) >= ALIKE;
         self.0.len() == others.0.len() && self.0.iter().all(|face| others.0.iter().any(|other| is_alike(face, other)))
     }
 }
