@@ -70,6 +70,8 @@ struct Findings {
     n_compared: usize,
     /// Variants without a converged answer, also where the scene itself has none.
     n_refused: usize,
+    /// Variants that may divide a jump of a load without inertia otherwise.
+    n_jumped: usize,
     unequal: Vec<Unequal>,
 }
 
@@ -77,6 +79,7 @@ impl Findings {
     fn add(mut self, other: Self) -> Self {
         self.n_compared += other.n_compared;
         self.n_refused += other.n_refused;
+        self.n_jumped += other.n_jumped;
         self.unequal.extend(other.unequal);
         self
     }
@@ -87,6 +90,11 @@ impl Findings {
         let other = run(&scene, kind, Steps::Default);
         if !other.has_converged() || !plain.has_converged() {
             self.n_refused += 1;
+            return;
+        }
+        // Where a jump ends among obstacles depends on its path, and that on where steps end.
+        if variant.may_cut_steps() && (other.energy.jumps > 0.0 || plain.energy.jumps > 0.0) {
+            self.n_jumped += 1;
             return;
         }
         self.n_compared += 1;
@@ -127,7 +135,8 @@ fn compare(seeds: Range<u64>, kind: BackendKind) -> Findings {
 
 fn expect_equal(found: &Findings) {
     expect_none(found.unequal.iter().map(Unequal::to_string).collect());
-    assert!(found.n_compared > 30 && 10 * found.n_refused < found.n_compared, "{} compared, {} refused", found.n_compared, found.n_refused);
+    let Findings { n_compared, n_refused, n_jumped, .. } = found;
+    assert!(*n_compared > 25 && 10 * n_refused < *n_compared, "{n_compared} compared, {n_refused} refused, {n_jumped} jumped");
 }
 
 #[test]
@@ -157,7 +166,8 @@ fn not_round(seed: u64, kind: BackendKind, numbers: &[usize]) -> Option<String> 
         return None;
     }
     let apart: Vec<f64> = runs.iter().map(|run| run.apart(&disc, random.scene.size())).collect();
-    let of_steps = step_error(&random.scene, kind, &disc);
+    let errors = scenes.iter().zip(&runs).map(|(scene, run)| step_error(scene, kind, run));
+    let of_steps = errors.fold(step_error(&random.scene, kind, &disc), f64::max);
     let is_far = of_steps < DEPENDS_ON_STEPS && numbers.iter().zip(&apart).any(|(n, apart)| *apart > of_polygon(*n) + of_steps);
     is_far.then(|| {
         let scene = scenes.last().expect("there are scenes");
@@ -182,7 +192,7 @@ fn many_scenes_move_as_in_other_poses() {
     for kind in EXACT {
         let found = compare(first..first + count, kind);
         let (n_unequal, n) = (found.unequal.len(), found.n_compared);
-        println!("{}: {n_unequal} of {n} pairs are unequal, {} refused", kind.name(), found.n_refused);
+        println!("{}: {n_unequal} of {n} pairs are unequal, {} refused, {} jumped", kind.name(), found.n_refused, found.n_jumped);
         let not_round: Vec<String> =
             (first..first + count / 20).into_par_iter().filter_map(|seed| not_round(seed, kind, &[12, 60, 240, 1000])).collect();
         not_round.iter().for_each(|one| println!("{one}"));

@@ -36,6 +36,9 @@ const ROUNDED: f64 = 16.0 * f64::EPSILON;
 /// Distance over the load's radius from the end of an edge up to which corner meets corner (1).
 /// Inside an edge the Gauss map decides nothing, so that this may be anything above [`FLUSH`].
 const AT_END: f64 = 1e-3;
+/// Overlap over the load's radius by which a closed face is crossed (1): as deep as features may
+/// overlap when a step begins.
+const DEEP: f64 = 1e-6;
 /// Sine of the angle by which a normal may lie outside of a cone (1): rounding.
 const PARALLEL: f64 = 1e-7;
 /// Sine of the angle between two edges that lie along each other (1), and cosine of that between the
@@ -43,7 +46,7 @@ const PARALLEL: f64 = 1e-7;
 /// They touch at both ends of what they share, and which of the two ends has the face depends on
 /// the sign of the angle.
 const ALONG: f64 = 0.1;
-const ALIKE: f64 = 0.995;
+pub const ALIKE: f64 = 0.995;
 
 /// What a normal is for two corners that meet.
 enum Meeting {
@@ -144,7 +147,8 @@ impl Surroundings {
             Meeting::Face => {
                 let own = [before, at].map(|at| pair.features.gap(at));
                 let others = vertex.others(&normal, &at.turn);
-                let is_covered = others.iter().any(|face| covers([before, at].map(|at| vertex.gap(face, at)), own, flush));
+                let is_covered =
+                    others.iter().any(|face| covers([before, at].map(|at| vertex.gap(face, at)), own, [flush, DEEP * self.radius]));
                 if is_covered { self.radius } else { beside }
             }
         }
@@ -173,10 +177,13 @@ impl Surroundings {
 }
 
 /// Whether one face covers another, by the gaps (m) of both before and behind a displacement: it is
-/// not crossed by more than this overlap (m), or it is crossed later.
-fn covers(face: [f64; 2], covered: [f64; 2], flush: f64) -> bool {
-    if face[1] >= -flush || covered[1] >= -flush {
-        return face[1] >= -flush;
+/// not crossed by more than the overlap that is none (m), or it is crossed later. A face that was
+/// closed is crossed where it is `deep` (m) inside: trial poses of a load that slides along it err
+/// by more than rounding.
+fn covers(face: [f64; 2], covered: [f64; 2], [flush, deep]: [f64; 2]) -> bool {
+    let is_apart = |[before, behind]: [f64; 2]| behind >= if before.abs() <= flush { -deep } else { -flush };
+    if is_apart(face) || is_apart(covered) {
+        return is_apart(face);
     }
     let crossed = |[before, behind]: [f64; 2]| if before < -flush { -1.0 } else { before.max(0.0) / (before.max(0.0) - behind) };
     let (one, other) = (crossed(face), crossed(covered));
@@ -258,9 +265,11 @@ mod tests {
     /// counts. One that was crossed before the displacement covers nothing.
     #[test]
     fn the_face_that_is_crossed_last_counts() {
-        const FLUSH: f64 = 1e-9;
+        const FLUSH: [f64; 2] = [1e-9, 1e-6];
         for (face, covered, expected) in [
             ([0.0, 0.0], [0.1, -0.2], true),
+            ([0.0, -1e-7], [0.1, -0.2], true),
+            ([0.0, -1e-5], [0.1, -0.2], false),
             ([0.0, -1e-10], [0.1, -0.2], true),
             ([-1e-6, -1e-6], [0.1, -0.2], false),
             ([0.2, -0.1], [0.1, -0.2], true),

@@ -9,6 +9,7 @@
 use smallvec::SmallVec;
 
 use super::candidates::{CLOSED, Candidate, Candidates, gap_rounding};
+use super::corners::ALIKE;
 use super::gate::Gate;
 use super::surroundings::{Pair, Surroundings};
 use super::touching::Touching;
@@ -241,12 +242,21 @@ impl Obstacles {
     pub(super) fn candidates(&mut self, system: &System, start: &Place, task: &Task, reach: f64, touching: &[Touching]) -> Candidates {
         let mut pairs = Vec::new();
         self.surroundings.pairs(system, start, task.from, reach, &mut pairs);
+        let touches = |pair: &Pair| touching.iter().any(|touching| touching.key == pair.key);
+        let closed: SmallVec<[Pair; 4]> = pairs.iter().filter(|pair| touches(pair)).copied().collect();
         if task.scope == Scope::Touching {
-            let touches = |pair: &Pair| touching.iter().any(|touching| touching.key == pair.key);
-            let closed: SmallVec<[Pair; 4]> = pairs.iter().filter(|pair| touches(pair)).copied().collect();
             pairs.retain(|pair| touches(pair) || closed.iter().any(|closed| self.takes_over(system, [closed, pair], (start, task), reach)));
         }
-        pairs.into_iter().map(|pair| self.candidate(system, start, task, pair, touching)).collect()
+        let candidate = |mut pair: Pair| {
+            pair.is_held = closed.iter().any(|closed| self.is_same_face(system, [closed, &pair], (start, task)));
+            self.candidate(system, start, task, pair, touching)
+        };
+        pairs.into_iter().map(candidate).collect()
+    }
+
+    /// Place of the load in the frame of the obstacle of a pair, when a step begins.
+    fn seen(&self, system: &System, pair: &Pair, (start, task): (&Place, &Task)) -> Place {
+        Surroundings::relative(start, &system.world.obstacles[pair.key.obstacle].path.pose_at(task.from))
     }
 
     /// Whether the load may go on touching by the second of two pairs where it leaves the first: one
@@ -254,13 +264,23 @@ impl Obstacles {
     /// features that belong together, such as the face of a load and its corner, touch anew: that
     /// is an impact.
     fn takes_over(&self, system: &System, [closed, next]: [&Pair; 2], (start, task): (&Place, &Task), reach: f64) -> bool {
-        let seen = |pair: &Pair| Surroundings::relative(start, &system.world.obstacles[pair.key.obstacle].path.pose_at(task.from));
+        let seen = |pair: &Pair| self.seen(system, pair, (start, task));
         let is_near = || {
             let [one, other] = [closed, next].map(|pair| pair.features.contact_point(&seen(pair)));
             (one - other).norm() <= reach
         };
         let is_closed = || next.features.gap(&seen(next)) <= self.surroundings.flush(start);
         self.surroundings.continues((system, start, task.from), [closed, next]) && (is_closed() || is_near())
+    }
+
+    /// Whether the second of two pairs belongs to the face by which the load touches at the first
+    /// one: on the same line, and as closed as rounding tells.
+    fn is_same_face(&self, system: &System, [closed, next]: [&Pair; 2], (start, task): (&Place, &Task)) -> bool {
+        let [one, other] = [closed, next].map(|pair| self.seen(system, pair, (start, task)));
+        let is_alike = || closed.features.normal(&one).dot(&next.features.normal(&other)) >= ALIKE;
+        next.features.gap(&other).abs() <= self.surroundings.flush(start)
+            && self.surroundings.continues((system, start, task.from), [closed, next])
+            && (closed.key.obstacle != next.key.obstacle || is_alike())
     }
 
     /// The pairs that touch, as candidates.
@@ -273,7 +293,7 @@ impl Obstacles {
         let path = &system.world.obstacles[pair.key.obstacle].path;
         let last = touching.iter().find(|touching| touching.key == pair.key);
         let near = last.map_or(0.0, |touching| touching.slip);
-        let pair = Pair { is_held: last.is_some(), ..pair };
+        let pair = Pair { is_held: pair.is_held || last.is_some(), ..pair };
         let at_start = Surroundings::relative(start, &path.pose_at(task.from));
         let (gap, slip) = (pair.features.gap(&at_start), pair.features.slip(&at_start, near));
         let has_touched = last.is_some() && gap <= gap_rounding(&start.pose, system.load.radius);

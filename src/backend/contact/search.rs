@@ -168,7 +168,9 @@ impl Search<'_, '_> {
         let shift = obstacles.surroundings.longest_path(system, task.from, task.to);
         let size = |twist: &Vec3| twist.xy().norm() + radius * twist.z.abs();
         let longest = 2.0 * shift + LONGEST_REACH * radius;
-        let mut reach = (2.0 * shift + (REACH * radius).max(2.0 * task.guess.as_ref().map_or(0.0, size))).min(longest);
+        let coasting = step.potential.inertia.as_ref().map_or(0.0, |it| it.shift.norm() + radius * it.turn.abs());
+        let expected = task.guess.as_ref().map_or(coasting, size);
+        let mut reach = (2.0 * shift + (REACH * radius).max(2.0 * expected)).min(longest);
         // Features that touch are all that such a step looks at: it is taken once.
         let warm_start = (task.scope == Scope::Near).then(|| solver.warm_start().clone());
         let mut attempt = 0;
