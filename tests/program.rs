@@ -243,7 +243,7 @@ fn run_out_writes_every_tick_and_the_exact_end() {
         let transitions = read("transitions.csv");
         assert!(transitions.starts_with("time_s,transition,support,shift_m,turn_rad,energy_j,obstacle,law\n"), "{transitions}");
         // The load is drawn over its slip limit; whether an engine's is, it does not say.
-        assert_eq!(transitions.contains(",slip_onset,,,,,\n"), backend != "rapier", "{transitions}");
+        assert_eq!(transitions.contains(",slip_onset,,,,,,\n"), backend != "rapier", "{transitions}");
         let n_onset = value.pointer("/transitions/n_slip_onset").and_then(Value::as_u64);
         assert_eq!(n_onset, (backend != "rapier").then(|| transitions.matches(",slip_onset,").count() as u64));
         let manifest: Value = serde_json::from_str(&read("manifest.json")).unwrap();

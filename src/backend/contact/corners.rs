@@ -217,10 +217,13 @@ mod tests {
         }
     }
 
-    /// Whether some features touch with a negative gap.
+    /// How far a load goes in (m). Corners are farther apart, and edges longer.
+    const DEPTH: f64 = 1e-5;
+
+    /// Whether some features touch with a negative gap, of those that were near before.
     fn overlaps(system: &System, before: &Place, at: &Place) -> bool {
         let (mut surroundings, mut pairs) = (Surroundings::new(system), Vec::new());
-        surroundings.pairs(system, before, 0.0, 10.0, &mut pairs);
+        surroundings.pairs(system, before, 0.0, 10.0 * DEPTH, &mut pairs);
         pairs.iter().any(|pair| pair.features.gap(at) < 0.0 && surroundings.beyond(pair, [before, at]) <= 0.0)
     }
 
@@ -228,8 +231,6 @@ mod tests {
     /// features where the pieces of both begin to overlap, and not before.
     #[test]
     fn features_touch_where_pieces_do() {
-        // How far it goes in (m). Corners are at least as far apart, and edges longer.
-        const DEPTH: f64 = 1e-5;
         let mut n_touched = 0;
         for seed in 0..2000 {
             let (streams, mut count) = (RandomStreams::new(seed), 0);
@@ -253,8 +254,8 @@ mod tests {
                 *(if gate.depth(0, &place(middle)) > 0.0 { &mut inside } else { &mut apart }) = middle;
             }
             let step = DEPTH / (aim - start).norm();
-            let [before, touching] = [place(inside - step), place(inside + step)];
-            assert!(!overlaps(&system, &place(0.0), &before), "{seed}: before it touches");
+            let [earlier, before, touching] = [-3.0, -1.0, 1.0].map(|n| place(inside + n * step));
+            assert!(!overlaps(&system, &earlier, &before), "{seed}: before it touches");
             assert!(overlaps(&system, &before, &touching), "{seed}: where it touches");
             n_touched += 1;
         }

@@ -81,11 +81,11 @@ impl Piece {
                 return widest;
             }
         }
-        if let [centre] = self.corners[..] {
-            let nearest = other.corners.iter().map(|corner| (seen(corner) - centre).norm()).fold(f64::INFINITY, f64::min);
-            widest = widest.max(nearest - reach);
-        }
-        widest
+        let [centre] = self.corners[..] else { return widest };
+        let arms = || other.corners.iter().map(|corner| seen(corner) - centre);
+        let nearest = arms().min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+        let along = nearest.and_then(|arm| arm.try_normalize(0.0)).unwrap_or_else(Vec2::x);
+        widest.max(arms().map(|arm| along.dot(&arm)).fold(f64::INFINITY, f64::min) - reach)
     }
 
     /// Separation from a piece of the load at this place (m); an upper bound where it is positive.
