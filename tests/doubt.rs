@@ -67,7 +67,8 @@ fn settings() -> Settings {
     Settings { step_s: Some(2e-4), check_suggestions: false, ..Settings::default() }
 }
 
-/// Comparison with a heavy engine, in which the backend `kind` reports a finding from a time on (s).
+/// Comparison with a heavy engine, in which the backend `kind` reports a finding from a time on
+/// (s).
 fn doubted(scenario: &Scenario, kind: BackendKind, finding: StepReport, since: f64) -> Pathwise {
     let references = |given: &Scenario, options: &BackendOptions| -> Box<dyn Backend> {
         let inside = backend_of(given, options);
@@ -278,9 +279,9 @@ fn a_place_that_holds_both_exact_loads_and_not_the_engine_is_doubtful() {
     assert!(sentence.contains("obstacle 0 holds both exact loads where the load of the engine passes"), "{sentence}");
 }
 
-/// A box pressed on a wall, the front corner of which passes the end of the wall. The exact backends
-/// see a spur of a ten-thousandth of the load's radius there; the engine's load goes on and still
-/// touches the end.
+/// A box pressed on a wall, the front corner of which passes the end of the wall. The exact
+/// backends see a spur of a ten-thousandth of the load's radius there; the engine's load goes on
+/// and still touches the end.
 #[test]
 fn a_corner_that_catches_at_the_end_of_a_wall_is_doubtful() {
     let text = r#"{

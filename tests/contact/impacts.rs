@@ -52,8 +52,8 @@ impl Course {
     }
 }
 
-/// A wall in the way of a load that goes along x, behind it or ahead: its face is at x = 0 at first,
-/// and then where the waypoints (s, m) have it.
+/// A wall in the way of a load that goes along x, behind it or ahead: its face is at x = 0 at
+/// first, and then where the waypoints (s, m) have it.
 fn moving_face(waypoints: &[(f64, f64)], restitution: f64) -> Obstacle {
     let face = OutlinePart::Polyline { points: vec![Vec2::new(0.0, -0.1), Vec2::new(0.0, 0.1)] };
     let waypoints = waypoints.iter().map(|(time, x)| (*time, Pose::new(*x, 0.0, 0.0))).collect();
@@ -167,7 +167,8 @@ fn a_bar_that_begins_to_turn_hits_the_load() {
         course.go_on(2, 0.01);
         let (speed, Motion { pose, twist }) = (arm * turn_rate, course.motion());
         let after = (1.0 + restitution) * speed;
-        // Where the bar lies when it is hit has no error but rounding, which the located instant has.
+        // Where the bar lies when it is hit has no error but rounding, which the located instant
+        // has.
         assert!((twist.linear - Vec2::new(after, 0.0)).norm() < 1e-9 * after, "{options:?}: {twist:?}");
         assert!((pose.position - Vec2::new(RADIUS + after * (0.02 - starts_at), arm)).norm() < 1e-10, "{options:?}: {pose:?}");
         let energy = course.load.energy();

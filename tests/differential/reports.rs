@@ -240,10 +240,10 @@ fn a_belt_throws_a_load_with_inertia_beyond_the_balance() {
     expect_belt(&belt(Inertial, Steps::Default), right, 1e-4);
 }
 
-/// A post at 15 m/s goes 15 mm in a control period, and is 24 mm wide together with the load. It does
-/// not pass to the other side. A push by a single point is unstable: without inertia the load moves
-/// aside by a factor of e each 12 mm, and rounding decides after 0.4 m, where it may slide off by the
-/// side.
+/// A post at 15 m/s goes 15 mm in a control period, and is 24 mm wide together with the load. It
+/// does not pass to the other side. A push by a single point is unstable: without inertia the load
+/// moves aside by a factor of e each 12 mm, and rounding decides after 0.4 m, where it may slide
+/// off by the side.
 #[test]
 fn a_fast_post_takes_a_load_with_it() {
     let post = Body {

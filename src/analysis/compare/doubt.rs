@@ -1,8 +1,8 @@
 //! Doubts: why the result of an exact run cannot be trusted, and from when on.
 //!
 //! A comparison measures an engine by the exact runs. Where an exact run is doubtful, a difference
-//! from it charges nobody: the verdict is inconclusive. Both exact backends share the code for
-//! contacts, so that their agreement proves nothing about it.
+//! from it says nothing of the engine: the verdict is inconclusive. Both exact backends share the
+//! code for contacts, so that their agreement proves nothing about it.
 
 use serde::{Deserialize, Serialize};
 

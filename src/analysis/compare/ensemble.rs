@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::doubt::Doubt;
-use super::seed_runs::{MEASURES, Quantity, SeedRuns};
+use super::seed_runs::{EQUAL, MEASURES, Quantity, SeedRuns};
 use super::seeds::{pairs_needed, pairs_needed_of_fractions};
 use super::settings::Tier;
 use super::verdict::Verdict;
@@ -124,9 +124,6 @@ pub struct FirstDifferentDecision {
     pub rapier_s: Option<f64>,
 }
 
-/// Largest difference of equal means, divided by the inertial mean (1): half of the precision to
-/// which such force statistics are printed.
-pub(super) const EQUAL: f64 = 0.05;
 /// Largest difference that rounding can cause, divided by the size of the terms of a measure (1).
 const ROUNDING: f64 = 1e-9;
 

@@ -265,10 +265,15 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         solutions,
     };
     found.withdraw();
-    let causes = [(Cause::Inertia, found.verdict.has_inertia()), (Cause::Engine, found.verdict.has_engine())];
-    found.causes = causes.into_iter().filter(|(_, is_cause)| *is_cause).map(|(cause, _)| cause).collect();
+    found.causes = causes_of(&found.verdict);
     found.suggested_changes = found.suggestions(scenario, settings, 1.0);
     found
+}
+
+/// What a verdict names as the cause of a difference.
+fn causes_of(verdict: &Verdict) -> Vec<Cause> {
+    let causes = [(Cause::Inertia, verdict.has_inertia()), (Cause::Engine, verdict.has_engine())];
+    causes.into_iter().filter(|(_, is_cause)| *is_cause).map(|(cause, _)| cause).collect()
 }
 
 /// Reasons to doubt the exact runs, in the order of time.

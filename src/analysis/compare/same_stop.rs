@@ -33,8 +33,8 @@ use crate::simulation::Row;
 /// loads meet a feature within their difference, which may be several tolerances of the path;
 /// another feature of the load is about a radius away.
 const SAME_PLACE: f64 = 0.1;
-/// Distance from a corner within which a contact is at it, over the load's radius (1): far more than
-/// the error of a touch, and far less than an edge.
+/// Distance from a corner within which a contact is at it, over the load's radius (1): far more
+/// than the error of a touch, and far less than an edge.
 const AT_CORNER: f64 = 1e-3;
 /// Largest speed of a held point over that of the same point of the engine's load (1).
 const HELD: f64 = 0.5;

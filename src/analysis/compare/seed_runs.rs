@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::doubt::{self, Doubt, LedgerBound};
-use super::ensemble::EQUAL;
 use super::solution::Question;
 use crate::backend::{BackendKind, BackendOptions, Status};
 use crate::math::Summary;
@@ -43,6 +42,10 @@ pub(super) struct Quantity {
     /// Whether the values are 0 and 1, and the mean a fraction of the runs.
     pub(super) is_fraction: bool,
 }
+
+/// Largest difference of equal means, divided by the inertial mean (1): half of the precision to
+/// which such force statistics are printed.
+pub(super) const EQUAL: f64 = 0.05;
 
 pub(super) const MEASURES: [Quantity; 6] = [
     mean("time_to_nest_s", |run, _| fact("time_to_nest_s").in_table(run).as_number(), |_, scenario| scenario.duration),

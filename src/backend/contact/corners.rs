@@ -41,10 +41,10 @@ const AT_END: f64 = 1e-3;
 const DEEP: f64 = 1e-6;
 /// Sine of the angle by which a normal may lie outside of a cone (1): rounding.
 const PARALLEL: f64 = 1e-7;
-/// Sine of the angle between two edges that lie along each other (1), and cosine of that between the
-/// normals of two faces that are one: 0.1 rad. The turn of a load in a step may make them parallel.
-/// They touch at both ends of what they share, and which of the two ends has the face depends on
-/// the sign of the angle.
+/// Sine of the angle between two edges that lie along each other (1), and cosine of that between
+/// the normals of two faces that are one: 0.1 rad. The turn of a load in a step may make them
+/// parallel. They touch at both ends of what they share, and which of the two ends has the face
+/// depends on the sign of the angle.
 const ALONG: f64 = 0.1;
 pub const ALIKE: f64 = 0.995;
 
@@ -80,8 +80,8 @@ impl Face {
 }
 
 impl Vertex<'_> {
-    /// Whether a normal lies in both normal cones, but for this sine of an angle (1) to an edge that
-    /// lies along that of the pair.
+    /// Whether a normal lies in both normal cones, but for this sine of an angle (1) to an edge
+    /// that lies along that of the pair.
     fn is_in_cones(&self, normal: &Vec2, turn: &Mat2, along: f64) -> [bool; 2] {
         let allowed = |edge: &Vec2| if edge.dot(&self.along) > 0.0 { along } else { PARALLEL };
         let of_load = self.corner.edges.iter().map(|edge| turn * edge).all(|edge| edge.dot(normal) >= -allowed(&edge));

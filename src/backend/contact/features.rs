@@ -93,8 +93,8 @@ impl Edge {
         (-at - before).max(at - self.length - after)
     }
 
-    /// Index of the corner at the end that is nearer to a point, and unit vector along the edge away
-    /// from it; `None` for an end without a corner.
+    /// Index of the corner at the end that is nearer to a point, and unit vector along the edge
+    /// away from it; `None` for an end without a corner.
     pub fn corner_near(&self, point: &Vec2) -> Option<(usize, Vec2)> {
         let is_behind_middle = self.along.dot(&(point - self.from)) > 0.5 * self.length;
         if is_behind_middle { Some((self.corners[1]?, -self.along)) } else { Some((self.corners[0]?, self.along)) }

@@ -1,7 +1,7 @@
 //! Whether a load lies inside an obstacle, told without the features by which steps are made.
 //!
-//! Both outlines are unions of convex pieces. Two pieces are apart where one face of their Minkowski
-//! sum has a gap:
+//! Both outlines are unions of convex pieces. Two pieces are apart where one face of their
+//! Minkowski sum has a gap:
 //!
 //! ```text
 //! separation = max over faces of the least distance of a corner of the other piece

@@ -38,9 +38,9 @@ pub struct SpeedLimits {
     pub softest: f64,
     /// An approach up to this speed comes from the rounding of a gap, and is no impact (m/s).
     pub rounding: f64,
-    /// What all forces but those of the obstacles give the load within a step (N s, N s, N m s; load
-    /// axes). Contacts that it does not close again part, however slowly: those that a load leaves
-    /// behind as it rolls.
+    /// What all forces but those of the obstacles give the load within a step (N s, N s, N m s;
+    /// load axes). Contacts that it does not close again part, however slowly: those that a load
+    /// leaves behind as it rolls.
     pub momentum: Vec3,
 }
 
@@ -137,8 +137,9 @@ impl Obstacles {
         Reflection { twist, loss, of_obstacles: if is_moved { of_obstacles } else { 0.0 }, obstacle, law: is_impact.then_some(law) }
     }
 
-    /// The twist along which contacts stay closed at an instant at the end of a step, and those that stick go on to do so, after the impulses of these contacts that lead there,
-    /// with their friction.
+    /// The twist along which contacts stay closed at an instant at the end of a step, and those
+    /// that stick go on to do so, after the impulses of these contacts that lead there, with their
+    /// friction.
     ///
     /// The velocity of a step is the one along its chord, which leaves the obstacle: contacts have
     /// made it by impulses with their friction, and take it back by such.

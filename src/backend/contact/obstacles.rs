@@ -169,8 +169,8 @@ impl Obstacles {
         clearance < reach || self.surroundings.crosses(system, at, time, 0.0)
     }
 
-    /// Largest depth by which a load at `at` lies inside an obstacle at `time` (m); zero for what is
-    /// rounding. See [`Gate`].
+    /// Largest depth by which a load at `at` lies inside an obstacle at `time` (m); zero for what
+    /// is rounding. See [`Gate`].
     pub fn depth(&mut self, system: &System, at: &Place, time: f64) -> f64 {
         let of_obstacle = |index: &usize| {
             let seen = Surroundings::relative(at, &system.world.obstacles[*index].path.pose_at(time));
@@ -259,10 +259,10 @@ impl Obstacles {
         Surroundings::relative(start, &system.world.obstacles[pair.key.obstacle].path.pose_at(task.from))
     }
 
-    /// Whether the load may go on touching by the second of two pairs where it leaves the first: one
-    /// that is closed already, or that lies within `reach` (m) of where it touches. Farther away,
-    /// features that belong together, such as the face of a load and its corner, touch anew: that
-    /// is an impact.
+    /// Whether the load may go on touching by the second of two pairs where it leaves the first:
+    /// one that is closed already, or that lies within `reach` (m) of where it touches. Farther
+    /// away, features that belong together, such as the face of a load and its corner, touch anew:
+    /// that is an impact.
     fn takes_over(&self, system: &System, [closed, next]: [&Pair; 2], (start, task): (&Place, &Task), reach: f64) -> bool {
         let seen = |pair: &Pair| self.seen(system, pair, (start, task));
         let is_near = || {

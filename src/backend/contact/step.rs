@@ -101,8 +101,8 @@ impl ContactStep<'_, Step<'_>> {
         found
     }
 
-    /// Whether side friction could hold the load where the step begins, with normal forces near those
-    /// of its answer.
+    /// Whether side friction could hold the load where the step begins, with normal forces near
+    /// those of its answer.
     fn could_rest(&mut self, solver: &FrictionSolver, sides: &Sides) -> bool {
         let drags =
             |((_, force), candidate): (&(SideMode, SideForce), &Candidate)| force.normal > 0.0 && candidate.pair.friction_coefficient > 0.0;

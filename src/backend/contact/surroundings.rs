@@ -63,8 +63,8 @@ pub struct Surroundings {
     /// Radius of the load about its origin (m).
     pub(super) radius: f64,
     pub(super) bodies: Vec<Body>,
-    /// Obstacles that move, with their extents about their origins, and the least combined radius of
-    /// round features by which the load may touch them (m).
+    /// Obstacles that move, with their extents about their origins, and the least combined radius
+    /// of round features by which the load may touch them (m).
     moving: Vec<(usize, f64, f64)>,
     /// Smallest extent of a part that matters when a long displacement is searched for contacts
     /// (m).

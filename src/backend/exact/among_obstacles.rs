@@ -159,8 +159,8 @@ impl<M: Method> Exact<M> {
         self.transitions.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 
-    /// Faces by which the load touches, and the number of impacts and of divided steps: what does not
-    /// change while the motion is smooth.
+    /// Faces by which the load touches, and the number of impacts and of divided steps: what does
+    /// not change while the motion is smooth.
     pub(super) fn contacts(&self) -> Contacts {
         let SideState { touching, impacts, n_divided, .. } = &self.state.side;
         Contacts { faces: Faces::of(touching), n_events: impacts.len() + n_divided, radius: self.system.load.radius }

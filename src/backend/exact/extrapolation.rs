@@ -210,9 +210,9 @@ fn attempt<M: Method>(
 }
 
 /// Moves the load to the answer of the last two rows of a table. Steps look where they end, and no
-/// step has ended at an extrapolated answer. Where that one passes through an obstacle, or a contact
-/// slides against its friction, returns the share of the macro-step that leads to the touch or to
-/// the reversal. The shortest macro-step takes the answer of its steps.
+/// step has ended at an extrapolated answer. Where that one passes through an obstacle, or a
+/// contact slides against its friction, returns the share of the macro-step that leads to the touch
+/// or to the reversal. The shortest macro-step takes the answer of its steps.
 fn keep<M: Method>(
     load: &mut Exact<M>,
     Task { paths, control, .. }: &Task,

@@ -45,7 +45,7 @@ const LOCATED: f64 = 1e-13;
 /// far more than what locating leaves.
 const CLOSED: f64 = 1e-10;
 
-/// What an impact without a law adds to the report of its step.
+/// What an impact without a law adds to a report.
 pub(super) fn without_law() -> StepReport {
     StepReport { status: Status::NotConverged, n_not_converged: 1, ..StepReport::default() }
 }
@@ -302,9 +302,9 @@ impl Exact<Inertial> {
         StepReport { n_steps: 1, ..report }
     }
 
-    /// Whether the load has stood still since the `start`, and nothing was lost or the forces of the
-    /// obstacles have not changed. Halves of such a step would give the same: forces between those
-    /// at its ends hold the load as well.
+    /// Whether the load has stood still since the `start`, and nothing was lost or the forces of
+    /// the obstacles have not changed. Halves of such a step would give the same: forces between
+    /// those at its ends hold the load as well.
     fn has_stood(&self, start: &Snapshot<Memory>) -> bool {
         let (now, before) = (&self.state, &start.state);
         let is_lossless =

@@ -55,8 +55,8 @@ impl Exact<Inertial> {
         self.state.side.touching.iter().filter(|touching| touching.force.normal > 0.0).copied().collect()
     }
 
-    /// Acceleration of the load's edge by the forces of these contacts, or more (m/s^2): what brings
-    /// a load back that rebounds from them.
+    /// Acceleration of the load's edge by the forces of these contacts, or more (m/s^2): what
+    /// brings a load back that rebounds from them.
     fn acceleration_by(&self, touching: &[Touching]) -> f64 {
         let (load, centre) = (&self.system.load, self.state.motion.pose.position);
         let (mut force, mut torque) = (Vec2::zeros(), 0.0);

@@ -91,9 +91,9 @@ impl FrictionSolver {
         })
     }
 
-    /// Residual (1) of a load at rest that the last friction forces hold under this `gradient` (N, N,
-    /// N m) of all other forces; rest is then the last answer. `None`, with nothing changed, where it
-    /// exceeds the `largest` one (1).
+    /// Residual (1) of a load at rest that the last friction forces hold under this `gradient` (N,
+    /// N, N m) of all other forces; rest is then the last answer. `None`, with nothing changed,
+    /// where it exceeds the `largest` one (1).
     pub fn hold(&mut self, gradient: &Vec3, largest: f64) -> Option<f64> {
         let w = -self.cones.scaled_gradient(gradient);
         let residual = self.cones.residual(&Mat3::zeros(), &w, &Vec3::zeros(), &self.last.forces);

@@ -64,8 +64,8 @@ pub struct Estimated {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
     pub verdict: Verdict,
-    /// Whether quasi-static is valid; `null` if the reference error or a doubtful run leaves it open,
-    /// or if nothing moved.
+    /// Whether quasi-static is valid; `null` if the reference error or a doubtful run leaves it
+    /// open, or if nothing moved.
     pub is_valid: Option<bool>,
     pub inertia_effect: f64,
     pub engine_error: f64,

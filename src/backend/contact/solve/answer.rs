@@ -65,8 +65,8 @@ fn untouched(free: &FrictionSolution, solver: &FrictionSolver, n_contacts: usize
     }
 }
 
-/// Whether a load could rest on all that touches, whatever else it may do: friction from none, spread
-/// evenly, balances the drive. `false` proves nothing.
+/// Whether a load could rest on all that touches, whatever else it may do: friction from none,
+/// spread evenly, balances the drive. `false` proves nothing.
 pub fn may_rest(system: &ContactSystem, solver: &FrictionSolver, forces: &[SideForce]) -> bool {
     let cones = solver.cones();
     let problem = Problem::new(cones, system, None);
