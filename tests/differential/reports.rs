@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use std::time::Duration;
 
 use cohaul::backend::BackendKind::{self, Inertial, QuasiStatic};
-use cohaul::backend::Status;
 
 use crate::draws::Draws;
 use crate::known::{GROUND_LAG, REST, ROUGH, SIDE_LAG, TOP, block, line, one_piece, pressed};
