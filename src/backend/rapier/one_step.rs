@@ -20,10 +20,6 @@ use crate::model::Load;
 /// omega, its springs, supports and two contacts agree after 300.
 const MORE_SWEEPS: [usize; 3] = [1, 4, 16];
 
-/// Share of a violation that is left after four times the sweeps where these are its cause (1). The
-/// sweeps converge linearly, so that what is left of an error of theirs is far less.
-const LEAST_GAIN: f64 = 0.5;
-
 impl Rapier {
     /// Makes one step of `duration` (s), from the tips of `work.from` to those of the state, with
     /// the obstacles of `work.obstacles`.
@@ -172,21 +168,15 @@ impl Rapier {
     /// Makes a step of the engine, with more sweeps until contacts and springs agree. Returns
     /// `false` when the engine found no finite state.
     fn step_until_solved(&mut self, work: &mut Work, duration: f64, sum: &SpringSum) -> bool {
-        let mut last = f64::INFINITY;
-        for more in MORE_SWEEPS {
-            if last.is_finite() {
+        for (at, more) in MORE_SWEEPS.into_iter().enumerate() {
+            if at > 0 {
                 self.rebuild(&work.obstacles);
             }
             let is_finite = self.step_engine(work, duration, sum, more);
             let may_repeat = self.options.settings == EngineSettings::Recommended && !work.contacts.is_empty();
-            if !is_finite || !may_repeat {
+            if !is_finite || !may_repeat || self.violation(work, duration, sum) <= self.solved() {
                 return is_finite;
             }
-            let violation = self.violation(work, duration, sum);
-            if violation <= self.solved() || violation > LEAST_GAIN * last {
-                return true;
-            }
-            last = violation;
         }
         true
     }
