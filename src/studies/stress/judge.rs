@@ -123,6 +123,8 @@ fn turnover(run: &Run) -> f64 {
 ///   and no more than a hundredth where omega h is not small. Without inertia there is none. Rapier
 ///   with its engine defaults cuts a step in four, of which its forces are those of the last: omega
 ///   h in place of its square;
+/// * friction with the ground in a step in which a load bounces, of the engine: it points against
+///   the velocity after the bounce for the whole step;
 /// * friction of the midpoint rule, which uses the direction at the end of a step for the whole
 ///   step: a hundredth of its loss, for a slip that turns by 0.35 rad in a step.
 pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
@@ -137,5 +139,6 @@ pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
         _ => radians * radians / 12.0,
     };
     let turning = if method == Method::INERTIAL_MIDPOINT { MOST_QUADRATURE * run.ledger.friction } else { 0.0 };
-    rounding + run.seen.quadrature + oscillation.min(MOST_QUADRATURE) * turned + turning
+    let bounces = if method.kind.is_exact() { 0.0 } else { run.seen.at_impacts };
+    rounding + run.seen.quadrature + bounces + oscillation.min(MOST_QUADRATURE) * turned + turning
 }

@@ -1,6 +1,6 @@
 //! Hook that records what a backend does at every step.
 
-use crate::backend::{Backend, Hook, Motion, Shared, Status, StepReport, Wrapped};
+use crate::backend::{Backend, Hook, Motion, Shared, Status, StepReport, TransitionKind, Wrapped};
 use crate::math::{Pose, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
@@ -17,6 +17,9 @@ pub struct Seen {
     /// each pull times the displacement of its tip, and of the change of the force of each moving
     /// obstacle times its displacement.
     pub quadrature: f64,
+    /// Bound of the work of the ground in steps with an impact (J): the slip limit times the path of
+    /// the edge at its largest speed.
+    pub at_impacts: f64,
     /// Largest sum of elastic and kinetic energy (J).
     pub peak_energy: f64,
     /// Largest force of a spring (N).
@@ -187,12 +190,18 @@ impl Hook for Observer {
 
     fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let (shapes, tips, pulls) = (self.shapes(inside), self.tips(inside), self.pulls(inside));
-        let (before, pushes) = (inside.motion().pose, self.pushes(inside));
+        let Motion { pose: before, twist: before_twist } = inside.motion();
+        let pushes = self.pushes(inside);
         let report = inside.advance(tip_targets, duration);
         let seen = self.seen.clone();
         let seen = &mut *seen.borrow();
         seen.report.add(&report);
         seen.n_advances += 1;
+        if inside.transitions().iter().any(|it| matches!(it.kind, TransitionKind::Impact { .. })) {
+            let before = before_twist.edge_speed(self.system.load.radius);
+            let speed = inside.motion().twist.edge_speed(self.system.load.radius).max(before);
+            seen.at_impacts += self.system.total_slip_limit() * speed * duration;
+        }
         let step = seen.n_advances;
         for (at, (tip, pull)) in tips.iter().zip(&pulls).enumerate() {
             let Some(tip) = tip else { continue };
