@@ -17,8 +17,8 @@ pub struct Seen {
     /// each pull times the displacement of its tip, and of the change of the force of each moving
     /// obstacle times its displacement.
     pub quadrature: f64,
-    /// Bound of the work of the ground in steps with an impact (J): the slip limit times the path of
-    /// the edge at its largest speed.
+    /// Bound of the work of the ground in steps with an impact (J): the slip limit times the path
+    /// of the edge at its largest speed.
     pub at_impacts: f64,
     /// Largest sum of elastic and kinetic energy (J).
     pub peak_energy: f64,
