@@ -139,6 +139,6 @@ pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
         _ => radians * radians / 12.0,
     };
     let turning = if method == Method::INERTIAL_MIDPOINT { MOST_QUADRATURE * run.ledger.friction } else { 0.0 };
-    let bounces = if method.kind.is_exact() { 0.0 } else { run.seen.at_impacts };
+    let bounces = if method.kind.is_exact() { 0.0 } else { run.seen.at_impacts * run.seen.speed };
     rounding + run.seen.quadrature + bounces + oscillation.min(MOST_QUADRATURE) * turned + turning
 }

@@ -17,8 +17,7 @@ pub struct Seen {
     /// each pull times the displacement of its tip, and of the change of the force of each moving
     /// obstacle times its displacement.
     pub quadrature: f64,
-    /// Bound of the work of the ground in steps with an impact (J): the slip limit times the path
-    /// of the edge at its largest speed.
+    /// Impulse of friction with the ground in steps with an impact, or more (N s).
     pub at_impacts: f64,
     /// Largest sum of elastic and kinetic energy (J).
     pub peak_energy: f64,
@@ -190,17 +189,14 @@ impl Hook for Observer {
 
     fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
         let (shapes, tips, pulls) = (self.shapes(inside), self.tips(inside), self.pulls(inside));
-        let Motion { pose: before, twist: before_twist } = inside.motion();
-        let pushes = self.pushes(inside);
+        let (before, pushes) = (inside.motion().pose, self.pushes(inside));
         let report = inside.advance(tip_targets, duration);
         let seen = self.seen.clone();
         let seen = &mut *seen.borrow();
         seen.report.add(&report);
         seen.n_advances += 1;
         if inside.transitions().iter().any(|it| matches!(it.kind, TransitionKind::Impact { .. })) {
-            let before = before_twist.edge_speed(self.system.load.radius);
-            let speed = inside.motion().twist.edge_speed(self.system.load.radius).max(before);
-            seen.at_impacts += self.system.total_slip_limit() * speed * duration;
+            seen.at_impacts += self.system.total_slip_limit() * duration;
         }
         let step = seen.n_advances;
         for (at, (tip, pull)) in tips.iter().zip(&pulls).enumerate() {
