@@ -28,7 +28,7 @@ pub struct Balance {
 impl Balance {
     /// Takes the `ledger` after an advance. Rounding and the rules by which the backend keeps the
     /// ledger explain a gain of up to `explained` (J) in it. A run that has gained more than
-    /// [`LARGEST_SHARE`] of what went in has not converged.
+    /// 1 % of what went in has not converged.
     pub fn judge(&mut self, ledger: &EnergyLedger, explained: f64, report: &mut StepReport) {
         let work = [ledger.tip_work, ledger.obstacle_work];
         self.worked += work.iter().zip(self.last).map(|(now, before)| (now - before).abs()).sum::<f64>();

@@ -107,7 +107,9 @@ impl StepReport {
         self.lost_share = self.lost_share.max(other.lost_share);
         self.gained_share = self.gained_share.max(other.gained_share);
         self.is_indeterminate |= other.is_indeterminate;
-        self.doubts.add(&other.doubts);
+        if !other.doubts.is_empty() {
+            self.doubts.add(&other.doubts);
+        }
         self.skipped.add(&other.skipped);
     }
 }

@@ -30,6 +30,9 @@ impl DoubtTimes {
     /// Notes the doubts of an advance that began at `time` (s).
     pub(super) fn note(&mut self, report: &StepReport, time: f64) {
         let doubts = &report.doubts;
+        if doubts.is_empty() && report.status == Status::Converged {
+            return;
+        }
         let note = |first: &mut Option<f64>, is_doubtful: bool| {
             if is_doubtful {
                 first.get_or_insert(time);

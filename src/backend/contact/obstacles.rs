@@ -170,7 +170,7 @@ impl Obstacles {
     }
 
     /// Largest depth by which a load at `at` lies inside an obstacle at `time` (m); zero for what
-    /// is rounding. See [`Gate`].
+    /// is rounding. See `gate`.
     pub fn depth(&mut self, system: &System, at: &Place, time: f64) -> f64 {
         let of_obstacle = |index: &usize| {
             let seen = Surroundings::relative(at, &system.world.obstacles[*index].path.pose_at(time));
@@ -179,7 +179,8 @@ impl Obstacles {
         self.surroundings.near(system, at, time).iter().map(of_obstacle).fold(0.0, f64::max)
     }
 
-    /// See [`Surroundings::longest_bend`].
+    /// Path of an obstacle between two times (s), over the radius by which it bends about the load
+    /// or the load about it (1); the largest one.
     pub fn longest_bend(&self, system: &System, from: f64, to: f64) -> f64 {
         self.surroundings.longest_bend(system, from, to)
     }
