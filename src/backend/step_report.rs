@@ -104,8 +104,11 @@ impl StepReport {
         self.n_rejected += other.n_rejected;
         self.contact_residual = self.contact_residual.max(other.contact_residual);
         self.unresolved_rad = self.unresolved_rad.max(other.unresolved_rad);
-        self.lost_share = self.lost_share.max(other.lost_share);
-        self.gained_share = self.gained_share.max(other.gained_share);
+        // Steps that lose or gain too much have not converged.
+        if other.status != Status::Converged {
+            self.lost_share = self.lost_share.max(other.lost_share);
+            self.gained_share = self.gained_share.max(other.gained_share);
+        }
         self.is_indeterminate |= other.is_indeterminate;
         if !other.doubts.is_empty() {
             self.doubts.add(&other.doubts);
