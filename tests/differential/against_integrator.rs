@@ -123,7 +123,8 @@ fn the_independent_solution_finds_a_closed_form() {
     let (rate, since) = (200f64.sqrt(), 1.25 - GROUND_LAG / 0.48);
     let right = [0.48 * (since - (rate * since).sin() / rate), REST, 0.0];
     let end = *poses.last().expect("it has poses");
-    assert!(off(end, right) < 1e-5 && error < 1e-3, "ends at {end:?}, right is {right:?}, error {error:e}");
+    // It is of first order, so that its error is about its difference from steps twice as long.
+    assert!(off(end, right) < 2.0 * error * scene.size() && error < USABLE, "ends at {end:?}, right is {right:?}, error {error:e}");
 }
 
 #[test]

@@ -13,8 +13,8 @@ use super::touching::Touching;
 use crate::backend::Motion;
 use crate::backend::friction::FrictionSolver;
 use crate::backend::springs::Place;
-use crate::math::{Mat3, Pose, Twist, Vec2, Vec3};
-use crate::model::System;
+use crate::math::{Mat3, Pose, Twist, Vec2, Vec3, perpendicular};
+use crate::model::{Reaction, System};
 
 /// A pair of features that the load is about to touch by.
 pub type Strike = Pair;
@@ -44,6 +44,20 @@ pub struct SpeedLimits {
     pub momentum: Vec3,
 }
 
+/// From the velocity along the path of a load to that along the chord of a step (s), which begins
+/// there, or back from that of a step which ends there.
+///
+/// A step of implicit Euler moves the load along its chord. Where a contact is curved, the chord
+/// leaves it by half of what the curvature adds to the rates of its gap and its slip within the
+/// step. Along the chords of one step after another, contacts see the whole force that keeps the
+/// load on them, and from a velocity along the path only half of that of the curvature: the load
+/// would part or stick at any length of the step.
+#[derive(Clone, Copy, Debug)]
+pub enum Turn {
+    ToChord(f64),
+    ToPath(f64),
+}
+
 /// Velocity after an impact.
 pub struct Reflection {
     pub twist: Twist,
@@ -59,6 +73,9 @@ pub struct Reflection {
 
 /// Speed of separation or approach over the largest speed at which a contact counts as closed (1).
 const STAYS: f64 = 1e-9;
+/// Slip over half of what the curvature adds to it within a step, up to which it may stop within the
+/// step or have just begun (1): as for supports.
+const CREEPING: f64 = 4.0;
 /// Singular value over the largest one that is rounding (1).
 const SINGULAR: f64 = 1e-10;
 
@@ -137,32 +154,67 @@ impl Obstacles {
         Reflection { twist, loss, of_obstacles: if is_moved { of_obstacles } else { 0.0 }, obstacle, law: is_impact.then_some(law) }
     }
 
-    /// The twist along which contacts stay closed at an instant at the end of a step, and those
-    /// that stick go on to do so, after the impulses of these contacts that lead there, with their
-    /// friction.
-    ///
-    /// The velocity of a step is the one along its chord, which leaves the obstacle: contacts have
-    /// made it by impulses with their friction, and take it back by such.
-    pub fn along(&self, system: &System, motion: &Motion, touching: &[Touching], instant: Instant) -> Twist {
+    /// The twist of a load at an instant at which these contacts are closed, turned from its path to
+    /// a chord, or back; `None` where it stays. The impulses of the contacts turn it, with their friction. The slips of the
+    /// `creeping` contacts are those that a chord could stop, or that have been stuck. They are
+    /// found for a chord, and are to be the same on the way back from it.
+    pub fn turned(
+        &self,
+        system: &System,
+        motion: &Motion,
+        touching: &[Touching],
+        (instant, turn): (Instant, Turn),
+        creeping: &mut SmallVec<[PairKey; 2]>,
+    ) -> Option<Twist> {
         let place = Place::of(&motion.pose);
-        let mut rates: SmallVec<[Rate; 4]> = SmallVec::new();
-        for Touching { key, mode, force, .. } in touching.iter().filter(|touching| touching.mode != SideMode::Open) {
-            let (features, path) = (self.surroundings.features(key), &system.world.obstacles[key.obstacle].path);
-            let seen = Surroundings::relative(&place, &path.pose_at(instant.time));
+        let (mut rates, mut slips): (SmallVec<[Rate; 4]>, SmallVec<[Rate; 2]>) = (SmallVec::new(), SmallVec::new());
+        let (step, is_back) = match turn {
+            Turn::ToChord(step) => (step, false),
+            Turn::ToPath(step) => (step, true),
+        };
+        for Touching { key, mode, force, .. } in touching {
+            let (pair, path) = (self.surroundings.pair(system, *key), &system.world.obstacles[key.obstacle].path);
+            let obstacle = path.pose_at(instant.time);
+            let seen = Surroundings::relative(&place, &obstacle);
             let own = relative_twist(system, key.obstacle, motion, &place, instant);
-            let [gap, slip] = [features.gap_with_derivatives(&seen, 0.0), features.slip_with_derivatives(&seen, 0.0)].map(|it| it.gradient);
-            let mut stop = |row: Vec3, along: Vec3| rates.push(Rate { row, along, change: -row.dot(&own) });
-            if *mode == SideMode::Stick {
-                stop(gap, gap);
-                stop(slip, slip);
-            } else {
-                let friction = if force.normal > 0.0 { force.tangential / force.normal } else { 0.0 };
-                stop(gap, gap + friction * slip);
+            let drift = drift_of(&place, motion, (&obstacle, &path.twist_after(instant.within)));
+            // Half of what the curvature adds to a rate within the step.
+            let bent = |it: &Reaction| 0.5 * step * (own.dot(&(it.hessian * own)) + it.gradient.xy().dot(&drift));
+            let kept = |it: &Reaction| if is_back { 0.0 } else { bent(it) } - it.gradient.dot(&own);
+            let passed = |it: &Reaction| if is_back { -bent(it) } else { bent(it) };
+            let rate = |it: &Reaction, along: Vec3, change: f64| Rate { row: it.gradient, along, change };
+            let gap = pair.features.gap_with_derivatives(&seen, 0.0);
+            let slip = pair.features.slip_with_derivatives(&seen, 0.0);
+            match mode {
+                SideMode::Stick => {
+                    rates.extend([&gap, &slip].map(|it| rate(it, it.gradient, kept(it))));
+                    creeping.push(*key);
+                }
+                SideMode::Slide { forward } => {
+                    let sign = if *forward { -1.0 } else { 1.0 };
+                    let friction = if force.normal > 0.0 { force.tangential / force.normal } else { sign * pair.friction_coefficient };
+                    let along = gap.gradient + friction * slip.gradient;
+                    rates.push(rate(&gap, along, kept(&gap)));
+                    let by_friction = || {
+                        let moved = along.component_mul(&mobility(system));
+                        kept(&gap) * slip.gradient.dot(&moved) / gap.gradient.dot(&moved)
+                    };
+                    if !is_back && slip.gradient.dot(&own).abs() <= CREEPING * (bent(&slip).abs() + by_friction().abs()) {
+                        creeping.push(*key);
+                    }
+                    slips.extend(creeping.contains(key).then(|| rate(&slip, slip.gradient, passed(&slip))));
+                }
+                // One that the load has left by its end is taken over by another.
+                SideMode::Open if self.beside(&pair, &seen) > 0.0 => (),
+                SideMode::Open => rates.push(rate(&gap, gap.gradient, passed(&gap))),
             }
         }
-        let change = if rates.is_empty() { None } else { change_by_impulses(&mobility(system), &rates) };
-        let change = change.unwrap_or_default();
-        Twist { linear: motion.twist.linear + place.turn * change.xy(), angular: motion.twist.angular + change.z }
+        // A twist has three parts, and closed gaps come first.
+        slips.truncate(3usize.saturating_sub(rates.len()));
+        rates.extend(slips);
+        let none = STAYS * STAYS * speed(&in_world(&motion.twist), system.load.radius);
+        let change = if rates.iter().all(|rate| rate.change.abs() <= none) { None } else { change_by_impulses(&mobility(system), &rates) }?;
+        Some(Twist { linear: motion.twist.linear + place.turn * change.xy(), angular: motion.twist.angular + change.z })
     }
 
     /// Pairs that are closed at an impact.
@@ -267,6 +319,14 @@ fn change_by_impulses(mobility: &Vec3, rates: &[Rate]) -> Option<Vec3> {
     let cutoff = SINGULAR * gains.amax();
     let change = moved * (gains.pseudo_inverse(cutoff).ok()? * wanted);
     Some(Vec3::new(change[0], change[1], change[2]))
+}
+
+/// Acceleration of a load that coasts, seen by an obstacle that turns as it moves (m/s^2; load
+/// axes): Coriolis's and the centrifugal one.
+fn drift_of(place: &Place, motion: &Motion, (obstacle, twist): (&Pose, &Twist)) -> Vec2 {
+    let arm: Vec2 = motion.pose.position - obstacle.position;
+    let relative = motion.twist.linear - twist.velocity_at(&arm);
+    place.turn.tr_mul(&(twist.angular * (twist.angular * arm - 2.0 * perpendicular(&relative))))
 }
 
 /// Twist of the load relative to an obstacle (m/s, m/s, rad/s; load axes).

@@ -37,7 +37,7 @@ mod surroundings;
 mod touching;
 
 pub use candidates::gap_rounding;
-pub use impact::{Instant, Reflection, SpeedLimits, Strike};
+pub use impact::{Instant, Reflection, SpeedLimits, Strike, Turn};
 pub use impact_law::ImpactLaw;
 pub use obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
 pub use solve::{

@@ -7,6 +7,7 @@ use super::side::{Impact, SideState};
 use crate::backend::contact::{Faces, Instant, Obstacles, PairKey, SideForce, SideMode, Strike, Touching, transitions};
 use crate::backend::springs::{Place, TipPaths};
 use crate::backend::{Doubts, Motion, SideContact, Status, StepReport, Transition, TransitionKind};
+use crate::math::Twist;
 
 /// What does not change at the obstacles while the motion is smooth.
 pub struct Contacts {
@@ -28,6 +29,10 @@ impl Contacts {
 /// shorter, and not at once by much, as the first estimates may be poor.
 const SHORTEST_CUT: f64 = 0.1;
 const LONGEST_CUT: f64 = 1.0 - 1e-6;
+
+/// Pull of a contact over its force before, up to which it is an error of extrapolation (1): what
+/// it does within that share of a macro-step is lost in its tolerance.
+const PULLS: f64 = 1e-3;
 
 /// Slip over the speed of the load that is none where it reverses (1).
 const REVERSED: f64 = 1e-9;
@@ -76,6 +81,21 @@ impl<M: Method> Exact<M> {
         let pressing = self.state.side.touching.iter().find(|touching| touching.force.normal > 0.0);
         let obstacle = pressing.filter(|_| report.doubts.n_not_unique > n_before).map(|touching| touching.key.obstacle);
         self.transitions.extend(obstacle.map(|obstacle| Transition { time, kind: TransitionKind::NotUnique { obstacle } }));
+    }
+
+    /// Share of a macro-step by which a contact has parted since the `start`, where the load was
+    /// extrapolated to a `flow` in which it would pull; `None` without one. Implicit steps have the
+    /// forces of a while before their ends, so that all of them may still press there.
+    pub(super) fn opening_unseen(&self, start: &State<M::Memory>, flow: &[f64]) -> Option<f64> {
+        let touching = &self.state.side.touching;
+        let forces = self.state.forces_of(flow)?;
+        let share = |(now, force): (&Touching, f64)| {
+            let before = start.side.touching.iter().find(|before| before.key == now.key)?.force.normal;
+            (now.mode != SideMode::Open && force < -PULLS * before).then(|| before / (before - force))
+        };
+        let moves = self.state.motion.twist != Twist::ZERO;
+        let earliest = touching.iter().zip(forces).filter_map(share).filter(|_| moves).reduce(f64::min)?;
+        Some(earliest.clamp(SHORTEST_CUT, LONGEST_CUT))
     }
 
     /// Time at a share of the paths (s).

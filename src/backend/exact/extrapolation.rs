@@ -211,8 +211,8 @@ fn attempt<M: Method>(
 
 /// Moves the load to the answer of the last two rows of a table. Steps look where they end, and no
 /// step has ended at an extrapolated answer. Where that one passes through an obstacle, or a
-/// contact slides against its friction, returns the share of the macro-step that leads to the touch
-/// or to the reversal. The shortest macro-step takes the answer of its steps.
+/// contact pulls or slides against its friction, returns the share of the macro-step that leads
+/// there. The shortest macro-step takes the answer of its steps.
 fn keep<M: Method>(
     load: &mut Exact<M>,
     Task { paths, control, .. }: &Task,
@@ -233,7 +233,8 @@ fn keep<M: Method>(
         (Column::LastButOne, false) => load.set_flow(&control.strayed(before, stepped, (shares[1] - shares[0]) * paths.duration)),
     }
     let reversal = if is_smooth && control.settling_time.is_some() { load.reversal_unseen(&start.state, times) } else { None };
-    let share = load.touch_unseen(start, times).or(reversal).or_else(|| (load.depth_inside() > 0.0).then_some(0.5))?;
+    let opening = if is_smooth { load.opening_unseen(&start.state, &row[n - 1]) } else { None };
+    let share = load.touch_unseen(start, times).or(reversal).or(opening).or_else(|| (load.depth_inside() > 0.0).then_some(0.5))?;
     if is_smooth && !is_shortest {
         return Some(share);
     }
@@ -299,7 +300,7 @@ fn row<M: Method>(load: &mut Exact<M>, paths: &TipPaths, start: &Snapshot<M::Mem
         }
         (mode, slips, sides) = (mode_now, slips_now, sides_now);
     }
-    M::end_row(load, support, macro_step / n as f64, changed_in.is_none());
+    M::end_row(load, support, macro_step / n as f64);
     Row { flow: load.flow(), cost, changed_in }
 }
 

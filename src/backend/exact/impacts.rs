@@ -97,7 +97,6 @@ impl Exact<Inertial> {
             self.state.side.n_divided += usize::from(end < to);
             let Some(earlier) = self.strikes(&start.state, [times[0], time], &self.located(&strikes, time)) else {
                 let limits = self.speed_limits(self.change_since(&start.state.motion), [time - times[0], times[1] - times[0]]);
-                self.turn_along(&self.pressed(), self.instant(time));
                 if self.strike(&strikes, limits, time) != Some(ImpactLaw::None) {
                     return (end, report);
                 }

@@ -10,13 +10,14 @@
 //! springs at their rest shapes; springs stretched many times turn the load faster.
 
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 
 use super::contact::GroundContact;
 use super::dashpots::Dashpots;
 use super::load::{Exact, Method, State};
 use super::one_step::{Among, Integrator, PastFriction, Problem, Stepped, Touched};
 use super::{euler, midpoint, resolution};
-use crate::backend::contact::{Instant, Scope, SideWork, Touching, gap_rounding};
+use crate::backend::contact::{Instant, PairKey, Scope, SideMode, SideWork, Touching, Turn, gap_rounding};
 use crate::backend::friction::ContactMode;
 use crate::backend::shortcuts::Skips;
 use crate::backend::springs::TipPaths;
@@ -96,15 +97,22 @@ impl Exact<Inertial> {
         self.set_speed(twist);
     }
 
-    /// Turns the velocity of a load at an instant along these contacts, which are closed.
-    pub(super) fn turn_along(&mut self, touching: &[Touching], instant: Instant) {
-        if let Some(obstacles) = &self.obstacles
-            && self.state.motion.twist != Twist::ZERO
-            && !touching.is_empty()
-        {
-            let twist = obstacles.along(&self.system, &self.state.motion, touching, instant);
-            self.set_speed(twist);
-        }
+    /// Velocity that is turned along these contacts, which were closed before a step, to its chord
+    /// or back; `None` where it stays.
+    fn turned(&self, closed: &[Touching], at: (Instant, Turn), creeping: &mut SmallVec<[PairKey; 2]>) -> Option<Twist> {
+        let obstacles = self.obstacles.as_ref().filter(|_| self.state.motion.twist != Twist::ZERO)?;
+        let now = |before: &Touching| {
+            let now = self.state.side.touching.iter().find(|now| now.key == before.key);
+            now.copied().unwrap_or(Touching { mode: SideMode::Open, ..*before })
+        };
+        let touching: SmallVec<[Touching; 2]> = closed.iter().map(now).collect();
+        obstacles.turned(&self.system, &self.state.motion, &touching, at, creeping)
+    }
+
+    /// Whether a contact that was closed before presses no more.
+    fn has_opened(&self, closed: &[Touching]) -> bool {
+        let presses = |before: &Touching| self.state.side.touching.iter().any(|now| now.key == before.key && now.mode != SideMode::Open);
+        !closed.iter().all(presses)
     }
 
     /// Corrects the velocity at an instant.
@@ -122,9 +130,39 @@ impl Exact<Inertial> {
     }
 
     /// Takes a step of a load that touches obstacles, with the features in `scope`. It is one of
-    /// implicit Euler.
+    /// implicit Euler, along a chord (see `Turn`). A load that parts is free, and its step begins
+    /// with the velocity of its path, if it parts from there as well.
     pub(super) fn step_touching(&mut self, paths: &TipPaths, span: [f64; 2], scope: Scope) -> StepReport {
-        self.step_by(Integrator::Euler, paths, span, Some(scope))
+        let mut step_on = |load: &mut Self| load.step_by(Integrator::Euler, paths, span, Some(scope));
+        if self.state.side.touching.is_empty() {
+            return step_on(self);
+        }
+        let [from, to] = span.map(|share| self.time_at(paths, share));
+        let instant = |time: f64| Instant { time, within: 0.5 * (from + to) };
+        let step = (span[1] - span[0]) * paths.duration;
+        let (closed, mut creeping) = (self.state.side.touching.clone(), SmallVec::new());
+        let mut report = StepReport::default();
+        if let Some(chord) = self.turned(&closed, (instant(from), Turn::ToChord(step)), &mut creeping) {
+            let start = self.snapshot();
+            self.set_speed(chord);
+            report = step_on(self);
+            if self.has_opened(&closed) {
+                let end = self.snapshot();
+                self.reset(&start);
+                let free = step_on(self);
+                report.add(&free.work());
+                if self.has_opened(&closed) {
+                    return StepReport { status: free.status, residual: free.residual, ..report };
+                }
+                self.reset(&end);
+            }
+        } else {
+            report = step_on(self);
+        }
+        if let Some(path) = self.turned(&closed, (instant(to), Turn::ToPath(step)), &mut creeping) {
+            self.set_speed(path);
+        }
+        report
     }
 
     fn step_by(&mut self, integrator: Integrator, paths: &TipPaths, [from, to]: [f64; 2], scope: Option<Scope>) -> StepReport {
@@ -282,16 +320,10 @@ impl Method for Inertial {
         support
     }
 
-    fn end_row(load: &mut Exact<Self>, support: Option<usize>, step: f64, is_smooth: bool) {
+    fn end_row(load: &mut Exact<Self>, support: Option<usize>, step: f64) {
         let support = if let ContactMode::Pinned(support) = load.state.contact.last() { Some(support) } else { support };
         if let Some(support) = support {
             load.shift_speed(support, step, -1.0);
-        }
-        // Where the modes change, the load goes on from the plain answer. Steps from its chord see
-        // whether a contact still presses, and steps from its tangent do not.
-        if is_smooth {
-            let now = load.state.side.now;
-            load.turn_along(&load.state.side.touching.clone(), Instant { time: now, within: now - 0.5 * step });
         }
     }
 

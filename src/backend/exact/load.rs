@@ -68,9 +68,8 @@ pub trait Method: Sized + Send {
         None
     }
 
-    /// Takes the result of steps of this length (s), smooth or not, to the instant at which they
-    /// end.
-    fn end_row(_load: &mut Exact<Self>, _support: Option<usize>, _step: f64, _is_smooth: bool) {}
+    /// Takes the result of steps of this length (s) to the instant at which they end.
+    fn end_row(_load: &mut Exact<Self>, _support: Option<usize>, _step: f64) {}
 
     /// Quantities that change smoothly, besides those of all methods.
     fn extra_flow(_state: &State<Self::Memory>) -> Vec<f64> {
@@ -288,6 +287,16 @@ impl<H> State<H> {
     fn side_flow(&self) -> impl Iterator<Item = f64> + '_ {
         let forces = self.side.touching.iter().flat_map(|touching| [touching.force.normal, touching.force.tangential]);
         [self.energy.side_friction, self.energy.obstacle_work].into_iter().chain(forces)
+    }
+
+    /// Normal forces of closed contacts in a flow (N), if it is one of the same contacts.
+    pub(super) fn forces_of<'a>(&self, flow: &'a [f64]) -> Option<impl Iterator<Item = f64> + 'a>
+    where
+        H: 'a,
+    {
+        let n_forces = 2 * self.side.touching.len();
+        let forces = flow.get(flow.len().checked_sub(n_forces)?..)?;
+        Some(forces.chunks_exact(2).map(|force| force[0]))
     }
 
     /// Replaces these quantities; forces only of the same contacts.

@@ -7,7 +7,7 @@ use super::impacts::without_law;
 use super::inertial::Inertial;
 use super::load::{Exact, Method};
 use crate::backend::StepReport;
-use crate::backend::contact::{ImpactLaw, Instant, Touching};
+use crate::backend::contact::{ImpactLaw, Touching};
 use crate::backend::springs::TipPaths;
 use crate::math::Vec2;
 
@@ -43,14 +43,12 @@ impl Exact<Inertial> {
             return StepReport::default();
         }
         let pressed = self.pressed();
-        self.turn_along(&pressed, Instant { time: from, within: before });
         let step = to - from;
         let limits = self.speed_limits(self.acceleration_by(&pressed) * step, [step, step]);
         if self.strike(&[], limits, from) == Some(ImpactLaw::None) { without_law() } else { StepReport::default() }
     }
 
-    /// Contacts that press. The velocity along the chord of the last step would approach or leave
-    /// them.
+    /// Contacts that press.
     pub(super) fn pressed(&self) -> Vec<Touching> {
         self.state.side.touching.iter().filter(|touching| touching.force.normal > 0.0).copied().collect()
     }
