@@ -3,11 +3,11 @@
 //! A step that does not resolve its springs or contacts can create energy while its equations are
 //! solved to the last digit. The ledger shows it: elastic and kinetic energy and all losses then
 //! exceed the work that went in. The opposite, energy that disappears, is the numerical damping of
-//! an implicit method, and is no such sign.
+//! an implicit method, and is no such sign at fixed steps. Under error control the ledger closes.
 
 use serde::{Deserialize, Serialize};
 
-use super::{EnergyLedger, Status, StepReport};
+use super::{CLOSED_LEDGER, EnergyLedger, Status, StepReport};
 
 /// Largest gain of energy over the energy that went in (1): the share of a path that a verdict
 /// allows as its error.
@@ -30,18 +30,40 @@ impl Balance {
     /// ledger explain a gain of up to `explained` (J) in it. A run that has gained more than
     /// 1 % of what went in has not converged.
     pub fn judge(&mut self, ledger: &EnergyLedger, explained: f64, report: &mut StepReport) {
+        self.explained += explained;
+        let went_in = self.went_in(ledger);
+        let gain = ledger.defect() - self.explained;
+        if gain > LARGEST_SHARE * went_in {
+            fail(gain / went_in, report);
+        }
+    }
+
+    /// Energy that went into the run up to this ledger (J).
+    fn went_in(&mut self, ledger: &EnergyLedger) -> f64 {
         let work = [ledger.tip_work, ledger.obstacle_work];
         self.worked += work.iter().zip(self.last).map(|(now, before)| (now - before).abs()).sum::<f64>();
         self.last = work;
-        self.explained += explained;
-        let went_in = ledger.initial + self.worked;
-        let gain = ledger.defect() - self.explained;
-        if gain > LARGEST_SHARE * went_in {
-            report.gained_share = (gain / went_in).min(f64::MAX);
-            report.status = report.status.max(Status::NotConverged);
-            report.n_not_converged = report.n_not_converged.max(1);
-        }
+        ledger.initial + self.worked
     }
+}
+
+/// Judges the `ledger` at the end of a run of an exact backend. Steps of fixed length may lose
+/// energy, and a run of them has not converged if it has gained more than 1 % of the largest entry.
+/// A run under error control has not converged if its ledger is open by more than
+/// [`CLOSED_LEDGER`], outside of jumps.
+pub fn judge_exact(ledger: &EnergyLedger, has_error_control: bool, report: &mut StepReport) {
+    let (open, size) = (ledger.defect() + ledger.jumps, ledger.largest_entry());
+    if open > LARGEST_SHARE * size || has_error_control && open.abs() > CLOSED_LEDGER * size {
+        fail(open / size, report);
+    }
+}
+
+/// Marks the steps of an advance after which the ledger is open by this share (1).
+#[cold]
+fn fail(share: f64, report: &mut StepReport) {
+    report.gained_share = share.clamp(-f64::MAX, f64::MAX);
+    report.status = report.status.max(Status::NotConverged);
+    report.n_not_converged = report.n_not_converged.max(1);
 }
 
 #[cfg(test)]
@@ -67,6 +89,23 @@ mod tests {
         assert_eq!(report_after(&[kinetic(1.0, 1.0 + 0.99 * LARGEST_SHARE)], 0.0).status, Status::Converged);
         let gained = report_after(&[kinetic(1.0, 1.0), kinetic(1.0, 1.5), kinetic(1.0, 0.5)], 0.0);
         assert_eq!((gained.status, gained.n_not_converged, gained.gained_share), (Status::NotConverged, 1, 0.5));
+    }
+
+    /// A load that is thrown and loses energy that no entry has: at fixed steps that is numerical
+    /// damping, under error control it is an error.
+    #[test]
+    fn under_error_control_the_ledger_closes() {
+        let report = |share: f64, has_error_control: bool| {
+            let ledger = EnergyLedger { initial: 1.0, kinetic: 1.0 + share, ..EnergyLedger::default() };
+            let mut report = StepReport::default();
+            judge_exact(&ledger, has_error_control, &mut report);
+            (report.status, (1e6 * report.gained_share).round())
+        };
+        let open = 2.0 * CLOSED_LEDGER;
+        assert_eq!(report(-open, false), (Status::Converged, 0.0));
+        assert_eq!(report(-open, true), (Status::NotConverged, -2000.0));
+        assert_eq!(report(0.5 * CLOSED_LEDGER, true), (Status::Converged, 0.0));
+        assert_eq!(report(2.0 * LARGEST_SHARE, false), (Status::NotConverged, 19_608.0));
     }
 
     #[test]

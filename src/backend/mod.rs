@@ -31,7 +31,7 @@ mod transition;
 mod wrapped;
 
 pub use crate::model::Motion;
-pub use balance::Balance;
+pub use balance::{Balance, judge_exact};
 pub use contact::ImpactLaw;
 pub use default_step::{default_step, step_of};
 pub use doubt::Doubts;

@@ -56,7 +56,8 @@ pub struct StepReport {
     #[serde(default, skip_serializing_if = "Doubts::is_empty")]
     pub doubts: Doubts,
     /// Energy that appeared from nowhere, over the energy that went into the run, where it exceeds
-    /// what a run may gain (1); zero where it does not.
+    /// what a run may gain (1), or is missing beyond what one under error control may lose, with a
+    /// minus; zero where neither holds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub gained_share: f64,
     /// Work that was skipped, by kind.
@@ -107,7 +108,8 @@ impl StepReport {
         // Steps that lose or gain too much have not converged.
         if other.status != Status::Converged {
             self.lost_share = self.lost_share.max(other.lost_share);
-            self.gained_share = self.gained_share.max(other.gained_share);
+            self.gained_share =
+                [self.gained_share, other.gained_share].into_iter().fold(0.0, |a: f64, b: f64| if b.abs() > a.abs() { b } else { a });
         }
         self.is_indeterminate |= other.is_indeterminate;
         if !other.doubts.is_empty() {

@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
-use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Status, Transition, build};
+use crate::backend::{AttachedTip, AttachedTips, Backend, BackendKind, BackendOptions, Motion, Status, Transition, build, judge_exact};
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
 
@@ -205,12 +205,16 @@ impl<'a> Simulation<'a> {
 
     /// Result of the run up to this time.
     pub fn outcome(&self) -> Outcome {
-        let motion = self.backend.motion();
+        let (motion, energy) = (self.backend.motion(), self.backend.energy());
+        let mut steps = self.totals.steps;
+        if self.options.kind != BackendKind::Rapier {
+            judge_exact(&energy, self.options.tolerance.is_some(), &mut steps);
+        }
         Outcome {
             time: self.clock.time,
             motion,
-            energy: self.backend.energy(),
-            steps: self.totals.steps,
+            energy,
+            steps,
             failed_at: self.totals.failed_at,
             doubtful: self.totals.doubtful,
             transitions: self.totals.transitions,

@@ -180,8 +180,8 @@ pub const FACTS: [Fact; 71] = [
     number("steps.lost_share", "", "Share of the path that single precision lost by rounding, if that is too much.", |r| {
         positive(r.outcome.steps.lost_share)
     }),
-    number("steps.gained_share", "", "Energy from nowhere over the energy that went in, if that is too much.", |r| {
-        positive(r.outcome.steps.gained_share)
+    number("steps.gained_share", "", "Energy from nowhere over the energy that went in, if that is too much; negative if lost.", |r| {
+        some(r.outcome.steps.gained_share)
     }),
     number("steps.unresolved_rad", "", "Largest angle of the fastest oscillation in a default step, if that is too much.", |r| {
         positive(r.outcome.steps.unresolved_rad)
@@ -341,6 +341,10 @@ impl Run<'_> {
     fn accuracy(&self, get: impl Fn(&Tolerance, &PoseError) -> Value) -> Value {
         self.options.tolerance.zip(self.outcome.error).map_or(Absent, |(asked, error)| get(&asked, &error))
     }
+}
+
+fn some(value: f64) -> Value {
+    if value == 0.0 { Absent } else { Number(value) }
 }
 
 fn positive(value: f64) -> Value {

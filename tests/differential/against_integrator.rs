@@ -15,10 +15,10 @@ use crate::run::{Run, Steps, expect_none, keep, off, run, step_error};
 use crate::scene::Scene;
 
 /// Largest error of the independent solution over the size with which it is used (1), and what its
-/// estimate is multiplied by.
+/// estimate is multiplied by: it is of first order, and steps fall on impacts as they come.
 const USABLE: f64 = 1e-3;
-const SURE: f64 = 3.0;
-/// Smallest distance over the size that counts (1): the independent solution neglects rebounds.
+const SURE: f64 = 6.0;
+/// Smallest distance over the size that counts (1): slips of the independent solution creep.
 const COUNTS: f64 = 2e-4;
 /// Error of default steps over the size beyond which they are not compared (1).
 const DEPENDS_ON_STEPS: f64 = 3e-2;

@@ -67,7 +67,7 @@ pub struct Control {
     pub position: f64,
     /// Error of the heading in a macro-step (rad).
     pub heading: f64,
-    /// Error of friction loss and work of the tips in a macro-step (J). Where only one motion is
+    /// Error of each loss to friction and of each work in a macro-step (J). Where only one motion is
     /// possible, as about a pinned support, poses may be exact at any length while the work is not.
     pub energy: f64,
     /// Time over which a wrong speed makes the position wrong (s); `None` for a method that carries
@@ -129,7 +129,10 @@ impl Control {
         let poses = self.size(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
         let speeds = self.settling_time.map_or(0.0, |time| time * self.size(a[3] - b[3], a[4] - b[4], a[5] - b[5]));
         let energy = |at: usize| (a[at] - b[at]).abs() / (self.energy + ENERGY_ROUNDING * a[at].abs());
-        poses.max(speeds).max(energy(6)).max(energy(7))
+        // Forces that hold a load are not unique, and neither is their work.
+        let moves = self.settling_time.is_some() && a[3..6].iter().any(|rate| *rate != 0.0);
+        let at_obstacles = if moves { energy(8).max(energy(9)) } else { 0.0 };
+        poses.max(speeds).max(energy(6)).max(energy(7)).max(at_obstacles)
     }
 
     /// Possible error of the displacement in an implicit step of `duration` (s) between two flows,

@@ -133,7 +133,7 @@ impl Exact<Inertial> {
     /// implicit Euler, along a chord (see `Turn`). A load that parts is free, and its step begins
     /// with the velocity of its path, if it parts from there as well.
     pub(super) fn step_touching(&mut self, paths: &TipPaths, span: [f64; 2], scope: Scope) -> StepReport {
-        let mut step_on = |load: &mut Self| load.step_by(Integrator::Euler, paths, span, Some(scope));
+        let step_on = |load: &mut Self| load.step_by(Integrator::Euler, paths, span, Some(scope));
         if self.state.side.touching.is_empty() {
             return step_on(self);
         }
@@ -141,24 +141,29 @@ impl Exact<Inertial> {
         let instant = |time: f64| Instant { time, within: 0.5 * (from + to) };
         let step = (span[1] - span[0]) * paths.duration;
         let (closed, mut creeping) = (self.state.side.touching.clone(), SmallVec::new());
-        let mut report = StepReport::default();
-        if let Some(chord) = self.turned(&closed, (instant(from), Turn::ToChord(step)), &mut creeping) {
-            let start = self.snapshot();
-            self.set_speed(chord);
-            report = step_on(self);
-            if self.has_opened(&closed) {
-                let end = self.snapshot();
-                self.reset(&start);
-                let free = step_on(self);
-                report.add(&free.work());
+        let report = match self.turned(&closed, (instant(from), Turn::ToChord(step)), &mut creeping) {
+            None => step_on(self),
+            Some(chord) => {
+                let start = self.snapshot();
+                self.set_speed(chord);
+                let mut report = step_on(self);
                 if self.has_opened(&closed) {
-                    return StepReport { status: free.status, residual: free.residual, ..report };
+                    let end = self.snapshot();
+                    self.reset(&start);
+                    let free = step_on(self);
+                    if self.has_opened(&closed) {
+                        return StepReport {
+                            n_solves: free.n_solves + report.n_solves,
+                            n_iterations: free.n_iterations + report.n_iterations,
+                            ..free
+                        };
+                    }
+                    report.add(&free.work());
+                    self.reset(&end);
                 }
-                self.reset(&end);
+                report
             }
-        } else {
-            report = step_on(self);
-        }
+        };
         if let Some(path) = self.turned(&closed, (instant(to), Turn::ToPath(step)), &mut creeping) {
             self.set_speed(path);
         }

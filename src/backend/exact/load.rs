@@ -256,11 +256,12 @@ impl<M: Method> Exact<M> {
     }
 
     /// All quantities that change smoothly: pose and twist (m, rad, m/s, rad/s), energy lost to
-    /// friction and work of the tips (J), then those of the method.
+    /// friction, work of the tips, energy lost to side friction and work of obstacles (J), then
+    /// those of the method, and the forces of closed contacts (N).
     pub(super) fn flow(&self) -> Vec<f64> {
         let State { motion, energy, .. } = &self.state;
-        let common = motion.entries().into_iter().chain([energy.friction, energy.tip_work]);
-        let flow = common.chain(M::extra_flow(&self.state));
+        let energies = [energy.friction, energy.tip_work, energy.side_friction, energy.obstacle_work];
+        let flow = motion.entries().into_iter().chain(energies).chain(M::extra_flow(&self.state));
         if self.obstacles.is_some() { flow.chain(self.state.side_flow()).collect() } else { flow.collect() }
     }
 
@@ -272,21 +273,21 @@ impl<M: Method> Exact<M> {
             state.motion.pose = obstacles.close(system, &state.motion.pose, &state.side.touching, state.side.now);
         }
         (state.energy.friction, state.energy.tip_work) = (flow[6], flow[7]);
+        (state.energy.side_friction, state.energy.obstacle_work) = (flow[8], flow[9]);
         springs.accept_outside(&system.springs, &state.motion.pose);
         state.energy.elastic = springs.energy(&system.springs, &state.motion.pose);
-        M::set_extra_flow(state, system, &flow[8..]);
+        M::set_extra_flow(state, system, &flow[10..]);
         if self.obstacles.is_some() {
             let n_extra = M::extra_flow(state).len();
-            state.set_side_flow(&flow[8 + n_extra..]);
+            state.set_forces(&flow[10 + n_extra..]);
         }
     }
 }
 
 impl<H> State<H> {
-    /// Energies at the obstacles (J), and the forces of closed contacts (N).
+    /// Forces of closed contacts (N).
     fn side_flow(&self) -> impl Iterator<Item = f64> + '_ {
-        let forces = self.side.touching.iter().flat_map(|touching| [touching.force.normal, touching.force.tangential]);
-        [self.energy.side_friction, self.energy.obstacle_work].into_iter().chain(forces)
+        self.side.touching.iter().flat_map(|touching| [touching.force.normal, touching.force.tangential])
     }
 
     /// Normal forces of closed contacts in a flow (N), if it is one of the same contacts.
@@ -299,10 +300,8 @@ impl<H> State<H> {
         Some(forces.chunks_exact(2).map(|force| force[0]))
     }
 
-    /// Replaces these quantities; forces only of the same contacts.
-    fn set_side_flow(&mut self, flow: &[f64]) {
-        let [friction, work, forces @ ..] = flow else { return };
-        (self.energy.side_friction, self.energy.obstacle_work) = (*friction, *work);
+    /// Replaces these forces, if they are of the same contacts.
+    fn set_forces(&mut self, forces: &[f64]) {
         if forces.len() == 2 * self.side.touching.len() {
             for (touching, force) in self.side.touching.iter_mut().zip(forces.chunks_exact(2)) {
                 touching.force = SideForce { normal: force[0].max(0.0), tangential: force[1] };

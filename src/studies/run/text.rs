@@ -133,9 +133,10 @@ pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
         let lost = format!("single precision lost {} % of the path by rounding", short(100.0 * share));
         format!("; {lost}: use a longer step or double precision")
     });
-    let gained = Some(steps.gained_share).filter(|share| *share > 0.0).map(|share| {
-        let gained = format!("the run gained {} % of the energy that went in", short(100.0 * share));
-        format!("; {gained}, because its steps do not resolve the springs or contacts: use a shorter step")
+    let gained = Some(steps.gained_share).filter(|share| *share != 0.0).map(|share| {
+        let (did, cure) = if share > 0.0 { ("gained", "use a shorter step") } else { ("lost", "use fixed steps beside it") };
+        let gained = format!("the run {did} {} % of the energy that went in", short(100.0 * share.abs()));
+        format!("; {gained}, because its steps do not resolve the springs or contacts: {cure}")
     });
     Some(format!("{what}{}{}", lost.unwrap_or_default(), gained.unwrap_or_default()))
 }
