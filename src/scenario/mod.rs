@@ -16,4 +16,5 @@ pub mod presets;
 pub(crate) use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
 pub use error::{Finding, Findings, ScenarioError, lines};
+#[cfg(any(feature = "program", all(test, feature = "output")))]
 pub(crate) use expand::sha256_hex;

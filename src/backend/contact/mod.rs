@@ -41,7 +41,8 @@ pub use impact::{Instant, Reflection, SpeedLimits, Strike, Turn};
 pub use impact_law::ImpactLaw;
 pub use obstacles::{Obstacles, Resistance, Scope, SideWork, Task};
 pub use solve::{
-    ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, mode_newton, solve_contacts,
+    ContactRow, ContactSolution, ContactSystem, Ending, PerContact, SideForce, SideMode, Stage, certificate, go_on_resting, mode_newton,
+    solve_contacts,
 };
 pub use surroundings::PairKey;
 pub use touching::{Faces, Touching, transitions};

@@ -113,6 +113,9 @@ struct Saved {
     options: RapierOptions,
     state: State,
     warm_start: Option<WarmStart>,
+    /// Contact forces under a load at rest (normal and tangent, N).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    held: Vec<[f64; 2]>,
     /// What the engine keeps from step to step, where it keeps contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     memory: Option<String>,
@@ -380,7 +383,8 @@ impl Backend for Rapier {
     fn save(&self) -> Result<SavedState, SaveError> {
         let warm_start = self.friction.warm_start().cloned();
         let memory = (self.keeps_contacts() && !self.is_stale).then(|| self.engine.memory());
-        Ok(SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start, memory }))
+        let held = self.friction.held().to_vec();
+        Ok(SavedState::of(&Saved { options: self.options, state: self.state.clone(), warm_start, held, memory }))
     }
 
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
@@ -400,6 +404,7 @@ impl Backend for Rapier {
         }
         saved.state.attachments.check(&self.system.springs)?;
         self.friction.set_warm_start(saved.warm_start)?;
+        self.friction.set_held(saved.held);
         self.state = saved.state;
         let (body, facing) = (&self.state.body, self.state.body.facing());
         self.attached = self.state.attachments.iter().map(|attachment| self.state_of(attachment, body, &facing)).collect();

@@ -64,6 +64,8 @@ pub struct Drive<'a> {
     /// (s)
     pub duration: f64,
     pub contacts: &'a [ContactPoint],
+    /// Gap of a contact that counts as none (m).
+    pub rounding: f64,
 }
 
 /// Number of axes of the polygon in a half turn (1).
@@ -104,6 +106,11 @@ impl GroundFriction {
     /// would bear, and its contact forces are zero.
     pub fn held(&self) -> &[[f64; 2]] {
         &self.held
+    }
+
+    /// Takes such forces from another run.
+    pub fn set_held(&mut self, held: Vec<[f64; 2]>) {
+        self.held = held;
     }
 
     /// Joints of the last step.
@@ -175,7 +182,7 @@ fn polygon(supports: &[Support]) -> Vec<FrictionJoint> {
 ///
 /// The search starts from the last twist, which is near for a load that keeps slipping.
 fn solve(solver: &mut FrictionSolver, system: &System, step: &Drive, contact_forces: &mut Vec<[f64; 2]>) -> FrictionSolution {
-    let Drive { motion, facing, sum, duration, contacts } = *step;
+    let Drive { motion, facing, sum, duration, contacts, rounding } = *step;
     let mass = Vec3::new(system.load.mass, system.load.mass, system.load.inertia);
     let mut slope = sum.stiffness + sum.damping / duration;
     for i in 0..3 {
@@ -185,12 +192,12 @@ fn solve(solver: &mut FrictionSolver, system: &System, step: &Drive, contact_for
     let drive = mass.component_mul(&twist.linear.push(twist.angular)) / duration + sum.wrench;
     let in_load = |v: &Vec3| seen_from(facing, &v.xy()).push(v.z);
     let (hessian, drive) = (in_load_axes(&slope, facing), in_load(&drive));
-    let near = duration * in_load(&twist.linear.push(twist.angular));
     if !contacts.is_empty() {
-        let problem = Problem { hessian: &hessian, drive: &drive, near: &near, facing, duration, radius: system.load.radius };
+        let problem = Problem { hessian: &hessian, drive: &drive, facing, duration, rounding };
         return prediction::solve(solver, &problem, contacts, contact_forces);
     }
     contact_forces.clear();
+    let near = duration * in_load(&twist.linear.push(twist.angular));
     solver.slide(&hessian, &drive, &near).unwrap_or_else(|| solver.solve(&hessian, &drive))
 }
 

@@ -137,15 +137,16 @@ pub trait Engine: Send {
     fn rebuild(&mut self, body: &BodyState, n_friction: usize, n_springs: usize, obstacles: &[ObstacleStep]);
 
     /// Writes the contacts that the next step meets within `reach` (m) to `contacts`, without
-    /// forces.
-    fn find_contacts(&mut self, reach: f64, obstacles: &[ObstacleStep], contacts: &mut Vec<ContactPoint>);
+    /// forces. The velocities of the obstacles and the room are left out.
+    fn find_contacts(&mut self, reach: f64, contacts: &mut Vec<ContactPoint>);
 
     /// Sets all joints and moves the load and the obstacles for `duration` (s). Returns `false`
     /// when the engine found no finite state.
     fn step(&mut self, duration: f64, inputs: &StepInputs) -> bool;
 
-    /// Writes the contacts of the last step, with its mean forces, to `contacts`.
-    fn read_contacts(&self, obstacles: &[ObstacleStep], contacts: &mut Vec<ContactPoint>);
+    /// Writes the contacts of the last step, with its mean forces, to `contacts`. The velocities of
+    /// the obstacles and the room are left out.
+    fn read_contacts(&self, contacts: &mut Vec<ContactPoint>);
 
     /// What the engine keeps from step to step beside the state of the load, as JSON.
     fn memory(&self) -> String;

@@ -34,6 +34,7 @@ mod rounding;
 mod single;
 mod springs;
 mod step;
+mod walls;
 
 pub use options::{EngineSettings, FrictionModel, Precision, RapierOptions, SpringModel};
 

@@ -8,11 +8,11 @@ use super::ground::Drive;
 use super::joints::{BodyState, StepInputs};
 use super::ledger::{add_friction, add_springs};
 use super::options::{EngineSettings, Precision, SpringModel};
-use super::residual::{residual, violation};
+use super::residual::{gap_rounding, residual, violation};
 use super::springs::{SpringSum, turned};
 use super::step::Step;
 use crate::backend::{Motion, Status, StepReport};
-use crate::math::{Twist, Vec2, direction};
+use crate::math::{Pose, Twist, Vec2, direction};
 use crate::model::Load;
 
 /// Numbers of sweeps in the attempts at a step with contacts, over the usual number (1). A box that
@@ -106,7 +106,7 @@ impl Rapier {
         }
         if self.options.settings != EngineSettings::Recommended {
             // The engine keeps its contacts; those of the last step are the best guess.
-            self.engine.read_contacts(&work.obstacles, &mut work.contacts);
+            self.engine.read_contacts(&mut work.contacts);
             self.limit_contacts(work, duration);
             return;
         }
@@ -114,14 +114,20 @@ impl Rapier {
         // degree and a millimetre, and their impulses would be state that cannot be saved.
         self.rebuild(&work.obstacles);
         let reach = self.reach(&work.obstacles, duration);
-        self.engine.find_contacts(reach, &work.obstacles, &mut work.contacts);
+        self.engine.find_contacts(reach, &mut work.contacts);
         self.limit_contacts(work, duration);
     }
 
-    /// Writes the room of the contacts in a step of `duration` (s) that starts now.
+    /// Writes the velocities of the obstacles at the contacts, and the room there, in a step of
+    /// `duration` (s) that starts in the present state. The arms of the contacts, also of those
+    /// that the engine shows after the step, begin at the position of that state.
     fn limit_contacts(&self, work: &mut Work, duration: f64) {
-        let (twist, fastest) = (self.state.motion().twist, FASTEST_CORRECTION * self.system.load.radius);
-        work.contacts.iter_mut().for_each(|contact| contact.room = contact.room_in(&twist, duration, fastest));
+        let (motion, fastest) = (self.state.motion(), FASTEST_CORRECTION * self.system.load.radius);
+        for contact in &mut work.contacts {
+            let step = &work.obstacles[contact.obstacle];
+            contact.velocity = step.twist.velocity_at(&(motion.pose.position + contact.arm - step.start.position));
+            contact.room = contact.room_in(&motion.twist, duration, fastest);
+        }
     }
 
     /// Bound of the displacement of the load towards an obstacle in a step of `duration` (s) (m).
@@ -160,9 +166,18 @@ impl Rapier {
             SpringModel::Joint | SpringModel::Aggregate => SpringSum::of(&work.joints),
             SpringModel::Force => SpringSum::explicit(&work.joints, &start.twist),
         };
-        let drive = Drive { motion: start, facing, sum: &sum, duration, contacts: &work.contacts };
+        let rounding = self.closed_gap(&start.pose, &sum, duration);
+        let drive = Drive { motion: start, facing, sum: &sum, duration, contacts: &work.contacts, rounding };
         self.friction.set_joints(&self.system, &drive, report);
         sum
+    }
+
+    /// Gap that counts as none in a step of `duration` (s) under the springs `sum` (m): rounding of
+    /// the load's pose, and what the engine leaves of a gap in a step that counts as solved.
+    fn closed_gap(&self, pose: &Pose, sum: &SpringSum, duration: f64) -> f64 {
+        let load = &self.system.load;
+        let left = self.solved() * (self.slip_limit + sum.force_scale) * duration * duration / load.mass;
+        gap_rounding(load, pose, self.options.precision.digit()) + left
     }
 
     /// Makes a step of the engine, with more sweeps until contacts and springs agree. Returns
@@ -233,7 +248,7 @@ impl Rapier {
         }
         let friction = self.friction.joints();
         let is_finite = self.engine.step(duration, &StepInputs { friction, springs, push, obstacles: &work.obstacles, more_sweeps: more });
-        self.engine.read_contacts(&work.obstacles, &mut work.contacts);
+        self.engine.read_contacts(&mut work.contacts);
         self.limit_contacts(work, duration);
         work.counted.clear();
         work.counted.extend_from_slice(&work.contacts);

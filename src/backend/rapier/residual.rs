@@ -4,7 +4,7 @@ use super::contacts::ContactPoint;
 use super::joints::FrictionJoint;
 use super::springs::turned;
 use super::step::Step;
-use crate::math::{Twist, Vec2, Vec3, perpendicular};
+use crate::math::{Pose, Twist, Vec2, Vec3, perpendicular};
 use crate::model::Load;
 use crate::model::support::wrench_of;
 
@@ -27,8 +27,7 @@ pub fn violation(load: &Load, slip_limit: f64, step: &Step) -> f64 {
     let mut worst: f64 = 0.0;
     let rate = load.mass / step.duration;
     let fastest = step.start.twist.edge_speed(load.radius).max(step.end.twist.edge_speed(load.radius));
-    let reach = step.start.pose.position.norm() + load.radius;
-    let rounding = ROUNDINGS * step.digit * (fastest + reach / step.duration);
+    let rounding = ROUNDINGS * step.digit * fastest + gap_rounding(load, &step.start.pose, step.digit) / step.duration;
     for contact in step.contacts {
         gap -= wrench_of(&contact.arm, &contact.force());
         worst = worst.max(rate * contact_violation(contact, step, rounding, rate));
@@ -72,6 +71,12 @@ fn contact_violation(contact: &ContactPoint, step: &Step, rounding: f64, rate: f
 /// Last digits of a velocity in a violation that is none (1): positions and velocities of a contact
 /// add up to a few. A load that closes its gap exactly is pushed by no more than such a rounding.
 const ROUNDINGS: f64 = 8.0;
+
+/// Rounding of the gaps of a load at this pose, for an engine whose numbers have the last `digit`
+/// (m).
+pub fn gap_rounding(load: &Load, pose: &Pose, digit: f64) -> f64 {
+    ROUNDINGS * digit * (pose.position.norm() + load.radius)
+}
 
 /// Share of the friction limit that counts as all of it (1): a rounding in f32.
 const LIMIT: f64 = 1e-6;

@@ -155,24 +155,19 @@ impl Engine for World {
         }
     }
 
-    fn find_contacts(&mut self, reach: f64, obstacles: &[ObstacleStep], contacts: &mut Vec<ContactPoint>) {
+    fn find_contacts(&mut self, reach: f64, contacts: &mut Vec<ContactPoint>) {
         let default = IntegrationParameters::default().normalized_prediction_distance;
         self.parameters.normalized_prediction_distance = default.max(reach as Real / self.parameters.length_unit);
         // Without time the engine finds contacts and moves nothing.
         self.sets.step(&IntegrationParameters { dt: 0.0, ..self.parameters }, &());
-        self.read_contacts(obstacles, contacts);
+        self.read_contacts(contacts);
     }
 
-    fn read_contacts(&self, obstacles: &[ObstacleStep], contacts: &mut Vec<ContactPoint>) {
+    fn read_contacts(&self, contacts: &mut Vec<ContactPoint>) {
         contacts.clear();
         if let Some(shapes) = &self.obstacles {
             let sets = &self.sets;
             shapes.read_contacts(&sets.narrow_phase, &sets.colliders, sets.load_collider, self.parameters.dt, contacts);
-            for contact in contacts {
-                let step = &obstacles[contact.obstacle];
-                let point = wide(sets.bodies[sets.load].translation()) + contact.arm;
-                contact.velocity = step.twist.velocity_at(&(point - step.start.position));
-            }
         }
     }
 
