@@ -64,7 +64,7 @@ pub struct Drive<'a> {
     /// (s)
     pub duration: f64,
     pub contacts: &'a [ContactPoint],
-    /// Gap of a contact that counts as none (m).
+    /// Rounding of the gaps of the contacts (m).
     pub rounding: f64,
 }
 

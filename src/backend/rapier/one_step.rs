@@ -12,7 +12,7 @@ use super::residual::{gap_rounding, residual, violation};
 use super::springs::{SpringSum, turned};
 use super::step::Step;
 use crate::backend::{Motion, Status, StepReport};
-use crate::math::{Pose, Twist, Vec2, direction};
+use crate::math::{Twist, Vec2, direction};
 use crate::model::Load;
 
 /// Numbers of sweeps in the attempts at a step with contacts, over the usual number (1). A box that
@@ -166,18 +166,10 @@ impl Rapier {
             SpringModel::Joint | SpringModel::Aggregate => SpringSum::of(&work.joints),
             SpringModel::Force => SpringSum::explicit(&work.joints, &start.twist),
         };
-        let rounding = self.closed_gap(&start.pose, &sum, duration);
+        let rounding = gap_rounding(&self.system.load, &start.pose, self.options.precision.digit());
         let drive = Drive { motion: start, facing, sum: &sum, duration, contacts: &work.contacts, rounding };
         self.friction.set_joints(&self.system, &drive, report);
         sum
-    }
-
-    /// Gap that counts as none in a step of `duration` (s) under the springs `sum` (m): rounding of
-    /// the load's pose, and what the engine leaves of a gap in a step that counts as solved.
-    fn closed_gap(&self, pose: &Pose, sum: &SpringSum, duration: f64) -> f64 {
-        let load = &self.system.load;
-        let left = self.solved() * (self.slip_limit + sum.force_scale) * duration * duration / load.mass;
-        gap_rounding(load, pose, self.options.precision.digit()) + left
     }
 
     /// Makes a step of the engine, with more sweeps until contacts and springs agree. Returns

@@ -24,6 +24,13 @@ use crate::model::support::wrench_of;
 /// the forces in it.
 const UNCHANGED: f64 = 1e-11;
 
+/// Stiffness of a stiff contact over that of the load in its direction (1). It leaves eight digits
+/// of the forces.
+const STIFFNESS: f64 = 1e8;
+
+/// Residual of forces of stiff contacts, in which the load yields by a share of 1e-8 (1).
+const YIELDING: f64 = 1e-6;
+
 /// Contacts up to which the exact solver tries all their modes.
 const FEW: usize = 4;
 
@@ -39,7 +46,7 @@ pub struct Problem<'a> {
     pub facing: &'a Vec2,
     /// Duration of the step (s).
     pub duration: f64,
-    /// Gap that counts as none (m).
+    /// Rounding of the gaps (m).
     pub rounding: f64,
 }
 
@@ -53,11 +60,58 @@ pub fn solve(solver: &mut FrictionSolver, problem: &Problem, contacts: &[Contact
     forces.resize(rows.len(), [0.0; 2]);
     let rows: PerContact<ContactRow> = that_matter.iter().map(|k| rows[*k]).collect();
     let system = ContactSystem { hessian: problem.hessian, drive: problem.drive, rows: &rows };
-    let found = last.and_then(|last| rest(&system, solver, &last)).unwrap_or_else(|| search(&system, solver, problem.rounding));
+    let goes_on = last.and_then(|last| rest(&system, solver, &last));
+    let found = goes_on.unwrap_or_else(|| {
+        let found = search(&system, solver, problem.rounding);
+        stopped(&system, solver, found)
+    });
     for (k, force) in that_matter.into_iter().zip(&found.forces) {
         forces[k] = [force.normal, force.tangential];
     }
     found.ground
+}
+
+/// The answer `found`, with other forces if the load has just stopped. They are not unique: those
+/// of stiff contacts are taken, where these satisfy Coulomb's law. The ground then bears as much as
+/// it can, as under the load that still moved, and the obstacles the rest.
+fn stopped(system: &ContactSystem, solver: &mut FrictionSolver, found: Found) -> Found {
+    let is_pushed = found.forces.iter().any(|force| force.normal > 0.0);
+    if found.ground.mode != ContactMode::Stick || !is_pushed || system.rows.iter().any(|row| row.slip != 0.0) {
+        return found;
+    }
+    let Some(flexibility) = system.hessian.try_inverse() else { return found };
+    let stiffness = |row: &Vec3| STIFFNESS / row.dot(&(flexibility * row));
+    let closed = || system.rows.iter().zip(&found.forces).filter(|(_, force)| force.normal > 0.0).map(|(row, _)| row);
+    let mut hessian = *system.hessian;
+    for row in closed() {
+        hessian += stiffness(&row.normal) * row.normal * row.normal.transpose();
+        if row.friction_coefficient > 0.0 {
+            hessian += stiffness(&row.tangent) * row.tangent * row.tangent.transpose();
+        }
+    }
+    let before = solver.warm_start().clone();
+    let increment = solver.solve(&hessian, system.drive).increment;
+    let force = |(row, last): (&ContactRow, &SideForce)| {
+        let along = |row: &Vec3| -stiffness(row) * row.dot(&increment);
+        let is_rough = row.friction_coefficient > 0.0;
+        let borne = SideForce { normal: along(&row.normal), tangential: if is_rough { along(&row.tangent) } else { 0.0 } };
+        if last.normal > 0.0 { borne } else { SideForce::default() }
+    };
+    let forces: PerContact<SideForce> = system.rows.iter().zip(&found.forces).map(force).collect();
+    let keeps_law = |(row, f): (&ContactRow, &SideForce)| f.normal >= 0.0 && f.tangential.abs() <= row.friction_coefficient * f.normal;
+    let residual = solver.hold(&-(system.drive + wrench(system.rows, &forces)), YIELDING);
+    match residual.filter(|_| system.rows.iter().zip(&forces).all(keeps_law)) {
+        Some(residual) => Found { ground: FrictionSolution { residual, ..found.ground }, forces },
+        None => {
+            solver.set_warm_start(before).expect("the answer is one of this solver");
+            found
+        }
+    }
+}
+
+/// Wrench of the obstacles on the load.
+fn wrench(rows: &[ContactRow], forces: &[SideForce]) -> Vec3 {
+    rows.iter().zip(forces).map(|(row, force)| force.normal * row.normal + force.tangential * row.tangent).sum()
 }
 
 /// Answer of all contacts at once, or else of few of them after another.
@@ -140,8 +194,7 @@ fn rest(system: &ContactSystem, solver: &mut FrictionSolver, last: &[SideForce])
         ..*force
     };
     let forces: PerContact<SideForce> = pairs().map(slid_by).collect();
-    let by_obstacles: Vec3 = system.rows.iter().zip(&forces).map(|(row, f)| f.normal * row.normal + f.tangential * row.tangent).sum();
-    let residual = solver.hold(&-(system.drive + by_obstacles), UNCHANGED)?;
+    let residual = solver.hold(&-(system.drive + wrench(system.rows, &forces)), UNCHANGED)?;
     Some(Found { ground: FrictionSolution { increment: Vec3::zeros(), mode: ContactMode::Stick, residual, n_iterations: 0 }, forces })
 }
 
