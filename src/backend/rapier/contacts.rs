@@ -30,6 +30,30 @@ impl ObstacleStep {
 /// engine's default, with the radius as the unit of length.
 pub const FASTEST_CORRECTION: f64 = 3.0;
 
+/// Angle up to which a normal counts as right (rad). In f32, points are known to 1e-5 of the size
+/// of a load; wrong normals are wrong by degrees.
+const RIGHT: f64 = 1e-4;
+
+/// Least distance of two contacts that shows a direction, over that from the load's origin (1).
+const APART: f64 = 1e-3;
+
+/// Normal of a pair of contacts between two straight sides, with these arms and gaps (m), for which
+/// the engine has `found` one.
+///
+/// The normal is perpendicular to one of the sides, and the line through the contacts lies between
+/// both. Where sides touch up to rounding, the engine takes the normal from the difference of two
+/// points that are the same, and it may be wrong by degrees.
+pub fn normal_of_sides(found: Vec2, arms: [Vec2; 2], gaps: [f64; 2]) -> Vec2 {
+    let along = arms[1] - arms[0];
+    let length = along.norm();
+    let is_right = found.dot(&along).abs() <= (gaps[1] - gaps[0]).abs() + RIGHT * length;
+    if is_right || length <= APART * arms[0].norm() {
+        return found;
+    }
+    let across = perpendicular(&along) / length;
+    across * across.dot(&found).signum()
+}
+
 /// A point at which the load touches an obstacle or comes close to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
@@ -95,5 +119,21 @@ impl ContactPoint {
     pub fn bounces_at(&self, start: &Twist) -> Option<f64> {
         let is_bounce = self.push > 0.0 && self.gap >= 0.0 && self.room < 0.0;
         is_bounce.then(|| -self.gap / self.velocity_of(start)[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sides that touch are perpendicular to their normal, and the one of sides at an angle stays.
+    #[test]
+    fn a_wrong_normal_of_two_sides_is_replaced() {
+        let arms = [Vec2::new(-0.012, -0.008), Vec2::new(0.012, -0.008)];
+        assert_eq!(normal_of_sides(Vec2::new(-0.09, 0.996), arms, [4e-8, 0.0]), Vec2::y());
+        let tilted = Vec2::new(-0.01, 1.0).normalize();
+        assert_eq!(normal_of_sides(tilted, arms, [0.0, 2.4e-4]), tilted);
+        // Contacts at one point show no direction.
+        assert_eq!(normal_of_sides(Vec2::x(), [arms[0], arms[0]], [0.0; 2]), Vec2::x());
     }
 }

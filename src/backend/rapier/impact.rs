@@ -9,10 +9,10 @@
 //! the impact, and no restitution.
 
 use super::Real;
-use super::convert::{wide, widened};
+use super::convert::{narrow, wide, widened};
 use super::engine::prelude::{ColliderHandle, ContactModificationContext, PhysicsHooks};
 use super::obstacles::Obstacles;
-use crate::backend::rapier::contacts::{ContactPoint, ObstacleStep};
+use crate::backend::rapier::contacts::{ContactPoint, ObstacleStep, normal_of_sides};
 use crate::math::{Twist, Vec2};
 
 /// The law for the contacts of a step.
@@ -39,8 +39,16 @@ impl PhysicsHooks for ImpactLaw<'_> {
         let index = context.colliders[other].user_data as usize;
         let Some(manifold) = context.rigid_mut() else { return };
         *manifold.restitution = 0.0;
+        let sign = if load_is_first { -1.0 } else { 1.0 };
+        let mut normal = sign * wide(*manifold.normal);
+        if let [a, b] = &manifold.solver_contacts[..] {
+            let arms = [a, b].map(|contact| 0.5 * (wide(contact.anchor1) + wide(contact.anchor2)) - self.position);
+            let right = normal_of_sides(normal, arms, [a, b].map(|contact| widened(contact.dist)));
+            if right != normal {
+                (normal, *manifold.normal) = (right, narrow(&(sign * right)));
+            }
+        }
         let along = *manifold.normal;
-        let normal = if load_is_first { -wide(along) } else { wide(along) };
         for contact in manifold.solver_contacts.iter_mut() {
             let point = if load_is_first { contact.anchor1 } else { contact.anchor2 };
             let found = self.contact(index, wide(point), normal, widened(contact.dist));

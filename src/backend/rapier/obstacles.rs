@@ -2,14 +2,14 @@
 //! included twice, like `world.rs`.
 
 use super::engine::prelude::{
-    ActiveHooks, CoefficientCombineRule, Collider, ColliderBuilder, ColliderHandle, ColliderSet, ContactManifold, Group, InteractionGroups,
-    InteractionTestMode, NarrowPhase, Pose, SharedShape,
+    ActiveHooks, CoefficientCombineRule, Collider, ColliderBuilder, ColliderHandle, ColliderSet, ContactData, ContactManifold, Group,
+    InteractionGroups, InteractionTestMode, NarrowPhase, Pose, SharedShape,
 };
 
 use super::Real;
 use super::convert::{wide, widened};
 use super::shapes::shape_of;
-use crate::backend::rapier::contacts::ContactPoint;
+use crate::backend::rapier::contacts::{ContactPoint, normal_of_sides};
 use crate::math::Vec2;
 use crate::model::{Obstacle, World};
 
@@ -91,7 +91,12 @@ impl ObstacleShape {
         load_is_first: bool,
         duration: Real,
     ) -> impl Iterator<Item = ContactPoint> + 'a {
-        let normal = if load_is_first { -wide(manifold.data.normal) } else { wide(manifold.data.normal) };
+        let arm = move |data: &ContactData| wide(if load_is_first { data.solver_dp1 } else { data.solver_dp2 });
+        let mut normal = if load_is_first { -wide(manifold.data.normal) } else { wide(manifold.data.normal) };
+        if let [a, b] = manifold.data.solver_contacts[..] {
+            let pair = [a, b].map(|contact| &manifold.points[contact.contact_indices()[0] as usize]);
+            normal = normal_of_sides(normal, pair.map(|point| arm(&point.data)), pair.map(|point| widened(point.dist)));
+        }
         let rate = if duration > 0.0 { 1.0 / widened(duration) } else { 0.0 };
         manifold.data.solver_contacts.iter().map(move |contact| {
             let point = &manifold.points[contact.contact_indices()[0] as usize];
@@ -99,7 +104,7 @@ impl ObstacleShape {
             ContactPoint {
                 push: rate * widened(data.impulse),
                 rub: rate * widened(data.tangent_impulse.x),
-                ..self.contact(wide(if load_is_first { data.solver_dp1 } else { data.solver_dp2 }), normal, widened(point.dist))
+                ..self.contact(arm(data), normal, widened(point.dist))
             }
         })
     }
