@@ -173,9 +173,9 @@ fn errors_of_a_lift_and_of_rolling_vanish_with_the_step() {
     // 45 um of a path of 27 mm.
     let [coarse, fine] = errors(&lift, |s| MM * Vec2::new(60.0 * s, -26.0 + 30.0 * s));
     assert!(coarse < 48e-6 && (1.5..2.6).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
-    // 4.2 mm of a path of 81 mm.
+    // 0.37 mm of a path of 81 mm, of which a part falls with the square of the step.
     let [coarse, fine] = errors(&disc_on_a_rough_wall(2.0), |s| MM * Vec2::new(80.0 * s, -20.0));
-    assert!(coarse < 4.4e-3 && (1.45..2.2).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+    assert!(coarse < 0.4e-3 && (1.45..3.2).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
 }
 
 /// K3: the disc follows its tip round a post.
