@@ -14,7 +14,7 @@
 //! error control look whether it is.
 
 use super::dashpots::Dashpots;
-use super::load::Exact;
+use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::springs::Place;
 use crate::backend::stepping::Stepping;
@@ -34,7 +34,7 @@ impl Exact<QuasiStatic> {
     /// Share of the forces that would lead the load from `start` elsewhere than to where it is
     /// (1). Infinite where that is not on the way of any flow.
     fn departure_from_flow(&self, start: &Pose) -> f64 {
-        if self.obstacles.is_some() || self.springs.is_empty() || self.solver.accuracy() > 0.0 || !self.is_far_from(start) {
+        if self.springs.is_empty() || self.solver.accuracy() > 0.0 || !self.is_far_from(start) {
             return 0.0;
         }
         let end = self.state.motion.pose;
@@ -42,10 +42,11 @@ impl Exact<QuasiStatic> {
         self.out_of_line(start, &twist)
     }
 
-    /// Whether the end of a jump from `start` depends on the dissipation. Only runs under error
-    /// control look; at fixed steps the answer is no.
-    pub(super) fn is_uncertain_from(&self, start: &Pose) -> bool {
-        matches!(self.stepping, Stepping::Controlled(_)) && self.departure_from_flow(start) > CERTAIN
+    /// Whether the end of a jump from `start` depends on the dissipation, as it may where obstacles
+    /// hold the load. Only runs under error control look; at fixed steps the answer is no.
+    pub(super) fn is_uncertain_from(&self, start: &SnapStart) -> bool {
+        let touches = || start.touches || !self.state.side.touching.is_empty();
+        matches!(self.stepping, Stepping::Controlled(_)) && (touches() || self.departure_from_flow(&start.pose) > CERTAIN)
     }
 
     /// Largest share of the forces that is out of line with a path of constant twist from `start`

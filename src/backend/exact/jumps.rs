@@ -87,7 +87,7 @@ impl Exact<QuasiStatic> {
 
     /// Adds the jump from `start` to the ledger.
     fn book_jump(&mut self, start: &SnapStart, has_path: bool) -> TransitionKind {
-        let is_uncertain = !has_path || self.is_uncertain_from(&start.pose);
+        let is_uncertain = !has_path || self.is_uncertain_from(start);
         let (pose, energy) = (&self.state.motion.pose, start.defect - self.state.energy.defect());
         self.state.energy.jumps += energy;
         let shift = (pose.position - start.pose.position).norm();

@@ -126,6 +126,8 @@ pub struct SnapStart {
     pub pose: Pose,
     /// Defect of the energy ledger (J).
     pub defect: f64,
+    /// Whether the load touched an obstacle.
+    pub touches: bool,
 }
 
 /// State and attachments at the start of a macro-step.
@@ -310,6 +312,6 @@ impl<H> State<H> {
     }
 
     pub fn snap_start(&self) -> SnapStart {
-        SnapStart { pose: self.motion.pose, defect: self.energy.defect() }
+        SnapStart { pose: self.motion.pose, defect: self.energy.defect(), touches: !self.side.touching.is_empty() }
     }
 }
