@@ -285,10 +285,10 @@ fn random_steps_satisfy_coulombs_law_at_the_obstacles_and_on_the_ground() {
     let (all, _) = survey(0..4800);
     assert_eq!(all.n_failed, 0, "{all:?}");
     // The cost is pinned: most steps need Newton's method only, and hardly any all combinations.
-    assert!(all.n_iterations < 60 * u64::from(all.n), "{all:?}");
+    assert!(all.n_iterations < 30 * u64::from(all.n), "{all:?}");
     let count = |stage: Stage| all.stages.get(&stage).copied().unwrap_or(0);
-    assert!((count(Stage::Smoothed) + count(Stage::Enumeration)) * 200 < all.n, "{all:?}");
-    assert!(count(Stage::Unstable) * 50 < all.n, "{all:?}");
+    assert!((count(Stage::Smoothed) + count(Stage::Enumeration)) * 600 < all.n, "{all:?}");
+    assert!(count(Stage::Unstable) * 80 < all.n, "{all:?}");
     assert_eq!(all.stages.get(&Stage::Failed), None);
 }
 
@@ -606,6 +606,17 @@ fn rest_that_is_not_stable_is_left() {
         let solution = random_step(i).solve();
         assert_eq!(solution.stage, Stage::Offsets, "{i}");
         assert!(solution.increment.amax() > 0.0 && solution.residual < 1e-11, "{i}");
+    }
+}
+
+/// In these steps rest on several contacts is not stable, but no slide is found. The search ends as
+/// soon as it returns to rest: all rounds together take some 450 iterations.
+#[test]
+fn a_search_for_a_slide_ends_where_it_comes_back_to_rest() {
+    for i in [627, 794, 1666] {
+        let solution = random_step(i).solve();
+        assert_eq!((solution.stage, solution.increment), (Stage::Unstable, Vec3::zeros()), "{i}");
+        assert!(solution.residual < 1e-11 && solution.n_iterations < 200, "{i} {}", solution.n_iterations);
     }
 }
 

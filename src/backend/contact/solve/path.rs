@@ -20,7 +20,11 @@ use smallvec::SmallVec;
 use super::problem::{PerCone, Problem};
 use super::types::{ContactRow, PerContact, SideForce};
 use crate::backend::friction::ContactMode;
-use crate::math::{Mat2, Mat3, Vec2, Vec3};
+use crate::math::{Mat2, Mat3, Vec2, Vec3, perpendicular};
+use crate::model::support::{slip_velocity, wrench_of};
+
+/// One entry per row.
+type PerRow<T> = SmallVec<[T; 8]>;
 
 /// Iterations at most; a convex step takes some twenty.
 const MOST_ITERATIONS: u32 = 80;
@@ -41,9 +45,9 @@ pub struct Path {
     pub twist: Vec3,
     pub ground_forces: PerCone<Vec2>,
     /// Force of each row.
-    pub forces: SmallVec<[SideForce; 8]>,
+    pub forces: PerRow<SideForce>,
     /// Whether each row is closed.
-    pub is_closed: SmallVec<[bool; 8]>,
+    pub is_closed: PerRow<bool>,
     /// Cones that stick.
     sticking: PerCone<usize>,
     pub is_converged: bool,
@@ -51,7 +55,7 @@ pub struct Path {
     /// Inverse of the derivative of the imbalance at the end (scaled for the path).
     inverse: Mat3,
     /// Force of each row over its gap there (scaled for the path).
-    stiffness: SmallVec<[f64; 8]>,
+    stiffness: PerRow<f64>,
 }
 
 impl Path {
@@ -94,7 +98,7 @@ pub fn follow(problem: &Problem) -> Path {
             })
         .max(END);
     }
-    state.end(problem, smoothing, &slopes, is_converged, n_iterations)
+    state.end(smoothing, &slopes, is_converged, n_iterations)
 }
 
 /// State of Newton's method in units of the path: lengths by the extent of the increment, forces by
@@ -103,187 +107,232 @@ struct State<'a> {
     problem: &'a Problem<'a>,
     h: Mat3,
     w: Vec3,
-    limits: PerCone<f64>,
-    rows: SmallVec<[ContactRow; 8]>,
+    supports: PerCone<Support>,
+    rows: PerRow<Row>,
     twist: Vec3,
-    ground: PerCone<Vec2>,
-    gaps: SmallVec<[f64; 8]>,
-    sides: SmallVec<[SideForce; 8]>,
-    /// Force of each support after a step of the forces alone, and its derivative by the slip.
-    next_ground: PerCone<(Vec2, Mat2)>,
-    /// The same of each row.
-    next_sides: SmallVec<[Side; 8]>,
+}
+
+/// A support in units of the path.
+struct Support {
+    offset: Vec2,
+    limit: f64,
+    force: Vec2,
+    /// Force after a step of the forces alone, and its derivative by the slip.
+    next: Vec2,
+    slope: Mat2,
+}
+
+/// A row in units of the path.
+struct Row {
+    scaled: ContactRow,
+    /// Variable that stands for the gap after the increment.
+    gap: f64,
+    force: SideForce,
+    /// Force after a step of the forces alone.
+    next: SideForce,
+    /// Derivative of the normal force by the gap, with the sign changed.
+    stiffness: f64,
+    /// Derivative of the friction by the slip, with the sign changed, and by the gap.
+    by_slip: f64,
+    coupling: f64,
+    /// Changes of the gap variable and of the force in a step.
+    change: (f64, SideForce),
 }
 
 impl<'a> State<'a> {
     fn new(problem: &'a Problem) -> Self {
         let Problem { cones, h, w, rows, extent, force, .. } = problem;
-        let scaled = |row: &ContactRow| ContactRow { gap: row.gap / extent, slip: row.slip / extent, ..*row };
+        let support = |(offset, limit): (&Vec2, &f64)| {
+            let zero = Vec2::zeros();
+            Support { offset: *offset, limit: limit / force, force: zero, next: zero, slope: Mat2::zeros() }
+        };
+        let row = |row: &ContactRow| {
+            let scaled = ContactRow { gap: row.gap / extent, slip: row.slip / extent, ..*row };
+            let (force, none) = (SideForce { normal: 1.0, tangential: 0.0 }, SideForce::default());
+            Row { scaled, gap: scaled.gap.max(1.0), force, next: none, stiffness: 0.0, by_slip: 0.0, coupling: 0.0, change: (0.0, none) }
+        };
         Self {
             problem,
             h: h * (*extent / force),
             w: w / *force,
-            limits: cones.limits.iter().map(|limit| limit / force).collect(),
-            rows: rows.iter().map(scaled).collect(),
+            supports: cones.offsets.iter().zip(&cones.limits).map(support).collect(),
+            rows: rows.iter().map(row).collect(),
             twist: Vec3::zeros(),
-            ground: SmallVec::from_elem(Vec2::zeros(), cones.len()),
-            gaps: rows.iter().map(|row| (row.gap / extent).max(1.0)).collect(),
-            sides: SmallVec::from_elem(SideForce { normal: 1.0, tangential: 0.0 }, rows.len()),
-            next_ground: PerCone::new(),
-            next_sides: SmallVec::new(),
         }
     }
 
     fn imbalance(&self) -> Vec3 {
-        let sides: Vec3 = self.rows.iter().zip(&self.sides).map(|(row, f)| f.normal * row.normal + f.tangential * row.tangent).sum();
-        self.h * self.twist - self.w + self.problem.cones.wrench(&self.ground) - sides
+        let ground: Vec3 = self.supports.iter().map(|support| wrench_of(&support.offset, &support.force)).sum();
+        let sides: Vec3 = self.rows.iter().map(|row| row.wrench(&row.force)).sum();
+        self.h * self.twist - self.w + ground - sides
     }
 
     /// Whether all conditions of the smoothed step hold, as far as it matters.
     fn is_solved(&self, smoothing: f64) -> bool {
         let near = NEAR * smoothing;
-        let support = |k: usize| {
-            let slip = self.problem.cones.slip(k, &self.twist);
-            let speed = (slip.norm_squared() + smoothing * smoothing).sqrt();
-            (self.ground[k] * speed - self.limits[k] * slip).norm() <= near * self.limits[k]
+        let support = |support: &Support| {
+            let (slip, speed) = support.slip_and_speed(&self.twist, smoothing);
+            (support.force * speed - support.limit * slip).norm() <= near * support.limit
         };
-        let row = |j: usize| {
-            let (SideForce { normal, tangential }, gap, friction) = (self.sides[j], self.gaps[j], self.rows[j].friction_coefficient);
-            let slip = self.slip_of(j);
-            let slips = tangential * slip.hypot(smoothing) + friction * normal * slip;
-            normal * gap <= near && self.gap_error(j, smoothing).abs() <= near + ROUNDED * gap && slips.abs() <= near * normal.max(1.0)
+        let row = |row: &Row| {
+            let (SideForce { normal, tangential }, slip) = (row.force, row.slip(&self.twist));
+            let slips = tangential * slip.hypot(smoothing) + row.scaled.friction_coefficient * normal * slip;
+            let gap_error = row.gap_error(&self.twist, smoothing).abs();
+            normal * row.gap <= near && gap_error <= near + ROUNDED * row.gap && slips.abs() <= near * normal.max(1.0)
         };
-        self.imbalance().amax() <= BALANCED && (0..self.ground.len()).all(support) && (0..self.rows.len()).all(row)
-    }
-
-    fn slip_of(&self, j: usize) -> f64 {
-        self.rows[j].slip + self.rows[j].tangent.dot(&self.twist)
-    }
-
-    /// What is missing in the gap variable of row j at the twist and at its force.
-    fn gap_error(&self, j: usize, smoothing: f64) -> f64 {
-        self.rows[j].gap + self.rows[j].normal.dot(&self.twist) + smoothing * self.sides[j].normal - self.gaps[j]
+        self.imbalance().amax() <= BALANCED && self.supports.iter().all(support) && self.rows.iter().all(row)
     }
 
     /// Newton step of the twist, and the derivative of the imbalance by the twist.
     fn newton_step(&mut self, smoothing: f64) -> Option<(Vec3, Mat3)> {
         let mut slopes = self.h;
         let mut sum = self.h * self.twist - self.w;
-        self.next_ground = (0..self.ground.len()).map(|k| self.support(k, smoothing)).collect();
-        self.next_sides = (0..self.rows.len()).map(|j| self.side(j, smoothing)).collect();
-        for (k, (force, slope)) in self.next_ground.iter().enumerate() {
-            let offset = self.problem.cones.offsets[k];
-            sum += Vec3::new(force.x, force.y, offset.perp(force));
-            let jacobian = nalgebra::Matrix2x3::new(1.0, 0.0, -offset.y, 0.0, 1.0, offset.x);
-            slopes += jacobian.transpose() * slope * jacobian;
+        for support in &mut self.supports {
+            support.prepare(&self.twist, smoothing);
+            sum += wrench_of(&support.offset, &support.next);
+            slopes += support.slope_by_twist();
         }
-        for (side, row) in self.next_sides.iter().zip(&self.rows) {
-            sum -= side.normal * row.normal + side.tangential * row.tangent;
-            slopes += side.stiffness * row.normal * row.normal.transpose();
-            slopes += row.tangent * (side.by_slip * row.tangent - side.coupling * row.normal).transpose();
+        for row in &mut self.rows {
+            row.prepare(&self.twist, smoothing);
+            let ContactRow { normal, tangent, friction_coefficient, .. } = row.scaled;
+            sum -= row.next.normal * normal;
+            slopes += (row.stiffness * normal) * normal.transpose();
+            if friction_coefficient > 0.0 {
+                sum -= row.next.tangential * tangent;
+                slopes += tangent * (row.by_slip * tangent - row.coupling * normal).transpose();
+            }
         }
         let step = slopes.lu().solve(&-sum).filter(|step| step.iter().all(|v| v.is_finite()))?;
         Some((step, slopes))
-    }
-
-    /// Force of support k without a step, and its derivative by the slip.
-    fn support(&self, k: usize, smoothing: f64) -> (Vec2, Mat2) {
-        let slip = self.problem.cones.slip(k, &self.twist);
-        let speed = (slip.norm_squared() + smoothing * smoothing).sqrt();
-        let (limit, force) = (self.limits[k], self.ground[k]);
-        let turned = force * slip.transpose() / (speed * speed);
-        (limit / speed * slip, Mat2::from_diagonal_element(limit / speed) - 0.5 * (turned + turned.transpose()))
-    }
-
-    /// Force of row j without a step of the twist, and its derivatives.
-    fn side(&self, j: usize, smoothing: f64) -> Side {
-        let (SideForce { normal, tangential }, gap, friction) = (self.sides[j], self.gaps[j], self.rows[j].friction_coefficient);
-        let stiffness = normal / (gap + smoothing * normal);
-        let without = normal + (smoothing - normal * (gap + self.gap_error(j, smoothing))) / (gap + smoothing * normal);
-        if friction == 0.0 {
-            return Side { normal: without, tangential: 0.0, stiffness, by_slip: 0.0, coupling: 0.0 };
-        }
-        let slip = self.slip_of(j);
-        let speed = (slip * slip + smoothing * smoothing).sqrt();
-        let share = friction * slip / speed;
-        Side {
-            normal: without,
-            tangential: -share * without,
-            stiffness,
-            by_slip: (tangential * slip / speed + friction * normal) / speed,
-            coupling: share * stiffness,
-        }
     }
 
     /// Goes as far along the step as the limits allow; returns that share of it. `None`, with
     /// nothing changed, where forces overflow.
     fn advance(&mut self, step: &Vec3, smoothing: f64) -> Option<f64> {
         let mut share: f64 = 1.0;
-        let mut changes: SmallVec<[(f64, SideForce); 8]> = SmallVec::new();
-        for (j, row) in self.rows.iter().enumerate() {
-            let (along, across) = (row.normal.dot(step), row.tangent.dot(step));
-            let side = &self.next_sides[j];
-            let normal = side.normal - side.stiffness * along - self.sides[j].normal;
-            let gap = along + smoothing * normal + self.gap_error(j, smoothing);
-            let tangential = side.tangential - side.by_slip * across + side.coupling * along - self.sides[j].tangential;
+        for row in &mut self.rows {
+            let (along, across) = (row.scaled.normal.dot(step), row.scaled.tangent.dot(step));
+            let normal = row.next.normal - row.stiffness * along - row.force.normal;
+            let gap = along + smoothing * normal + row.gap_error(&self.twist, smoothing);
+            let tangential = row.next.tangential - row.by_slip * across + row.coupling * along - row.force.tangential;
             if !(gap + normal + tangential).is_finite() {
                 return None;
             }
             if gap < 0.0 {
-                share = share.min(-SHARE * self.gaps[j] / gap);
+                share = share.min(-SHARE * row.gap / gap);
             }
             if normal < 0.0 {
-                share = share.min(-SHARE * self.sides[j].normal / normal);
+                share = share.min(-SHARE * row.force.normal / normal);
             }
-            changes.push((gap, SideForce { normal, tangential }));
+            row.change = (gap, SideForce { normal, tangential });
         }
-        for k in 0..self.ground.len() {
-            let (force, slope) = self.next_ground[k];
-            let next = force + slope * self.problem.cones.slip(k, step);
-            let change = next - self.ground[k];
-            self.ground[k] += share * change;
-            let (size, limit) = (self.ground[k].norm(), self.limits[k]);
-            if size > limit {
-                self.ground[k] *= limit / size;
+        for support in &mut self.supports {
+            let next = support.next + support.slope * support.slip(step);
+            support.force += share * (next - support.force);
+            let size = support.force.norm();
+            if size > support.limit {
+                support.force *= support.limit / size;
             }
         }
         self.twist += share * step;
-        for (j, (gap, change)) in changes.into_iter().enumerate() {
-            self.gaps[j] += share * gap;
-            let friction = self.rows[j].friction_coefficient;
-            let side = &mut self.sides[j];
-            side.normal += share * change.normal;
-            side.tangential = (side.tangential + share * change.tangential).clamp(-friction * side.normal, friction * side.normal);
+        for row in &mut self.rows {
+            let (gap, change) = row.change;
+            row.gap += share * gap;
+            row.force.normal += share * change.normal;
+            let limit = row.scaled.friction_coefficient * row.force.normal;
+            row.force.tangential = (row.force.tangential + share * change.tangential).clamp(-limit, limit);
         }
         Some(share)
     }
 
-    fn end(self, problem: &Problem, smoothing: f64, slopes: &Mat3, is_converged: bool, n_iterations: u32) -> Path {
-        let Problem { extent, force, cones, .. } = problem;
+    fn end(self, smoothing: f64, slopes: &Mat3, is_converged: bool, n_iterations: u32) -> Path {
+        let Problem { extent, force, .. } = self.problem;
         let slow = smoothing.sqrt();
-        let sticking = (0..cones.len()).filter(|k| cones.slip(*k, &self.twist).norm() < slow).collect();
-        let unscaled = |side: &SideForce| SideForce { normal: force * side.normal, tangential: force * side.tangential };
+        let sticks = |k: &usize| self.supports[*k].slip(&self.twist).norm() < slow;
         Path {
             twist: *extent * self.twist,
-            ground_forces: self.ground.iter().map(|f| *force * f).collect(),
-            forces: self.sides.iter().map(unscaled).collect(),
-            is_closed: self.sides.iter().zip(&self.gaps).map(|(side, gap)| side.normal > *gap).collect(),
-            sticking,
+            ground_forces: self.supports.iter().map(|support| *force * support.force).collect(),
+            forces: self
+                .rows
+                .iter()
+                .map(|row| SideForce { normal: force * row.force.normal, tangential: force * row.force.tangential })
+                .collect(),
+            is_closed: self.rows.iter().map(|row| row.force.normal > row.gap).collect(),
+            sticking: (0..self.supports.len()).filter(sticks).collect(),
             is_converged,
             n_iterations,
             inverse: slopes.try_inverse().filter(|inverse| inverse.iter().all(|v| v.is_finite())).unwrap_or_default(),
-            stiffness: self.sides.iter().zip(&self.gaps).map(|(side, gap)| side.normal / (gap + smoothing * side.normal)).collect(),
+            stiffness: self.rows.iter().map(|row| row.force.normal / (row.gap + smoothing * row.force.normal)).collect(),
         }
     }
 }
 
-/// Force of a row and its derivatives.
-struct Side {
-    normal: f64,
-    tangential: f64,
-    stiffness: f64,
-    by_slip: f64,
-    coupling: f64,
+impl Support {
+    fn slip(&self, twist: &Vec3) -> Vec2 {
+        slip_velocity(&self.offset, twist)
+    }
+
+    /// Slip, and its smoothed size.
+    fn slip_and_speed(&self, twist: &Vec3, smoothing: f64) -> (Vec2, f64) {
+        let slip = self.slip(twist);
+        (slip, (slip.norm_squared() + smoothing * smoothing).sqrt())
+    }
+
+    /// Force without a step of the twist, and its derivative by the slip.
+    fn prepare(&mut self, twist: &Vec3, smoothing: f64) {
+        let (slip, speed) = self.slip_and_speed(twist, smoothing);
+        let turned = self.force * slip.transpose() / (speed * speed);
+        self.next = self.limit / speed * slip;
+        self.slope = Mat2::from_diagonal_element(self.limit / speed) - 0.5 * (turned + turned.transpose());
+    }
+
+    /// Derivative of the wrench by the twist.
+    fn slope_by_twist(&self) -> Mat3 {
+        let by_turn = perpendicular(&self.offset);
+        let turned = self.slope * by_turn;
+        Mat3::new(
+            self.slope.m11,
+            self.slope.m12,
+            turned.x,
+            self.slope.m21,
+            self.slope.m22,
+            turned.y,
+            turned.x,
+            turned.y,
+            by_turn.dot(&turned),
+        )
+    }
+}
+
+impl Row {
+    fn wrench(&self, force: &SideForce) -> Vec3 {
+        force.normal * self.scaled.normal + force.tangential * self.scaled.tangent
+    }
+
+    fn slip(&self, twist: &Vec3) -> f64 {
+        self.scaled.slip + self.scaled.tangent.dot(twist)
+    }
+
+    /// What is missing in the gap variable at the twist and at the force.
+    fn gap_error(&self, twist: &Vec3, smoothing: f64) -> f64 {
+        self.scaled.gap + self.scaled.normal.dot(twist) + smoothing * self.force.normal - self.gap
+    }
+
+    /// Force without a step of the twist, and its derivatives.
+    fn prepare(&mut self, twist: &Vec3, smoothing: f64) {
+        let Self { scaled: ContactRow { friction_coefficient, .. }, gap, force: SideForce { normal, tangential }, .. } = *self;
+        let width = gap + smoothing * normal;
+        self.stiffness = normal / width;
+        self.next.normal = normal + (smoothing - normal * (gap + self.gap_error(twist, smoothing))) / width;
+        if friction_coefficient > 0.0 {
+            let slip = self.slip(twist);
+            let speed = (slip * slip + smoothing * smoothing).sqrt();
+            let share = friction_coefficient * slip / speed;
+            self.next.tangential = -share * self.next.normal;
+            self.by_slip = (tangential * slip / speed + friction_coefficient * normal) / speed;
+            self.coupling = share * self.stiffness;
+        }
+    }
 }
 
 /// Forces of contacts from those of their rows.

@@ -5,8 +5,9 @@
 //! 2. `frictionless`: the convex step without side friction, then Newton's method with the signs of
 //!    its slips. Next to the limit of slipping, Newton's method finds the limit itself (`limit`).
 //! 3. `rest_or_slide`: rest that is stable, or else a slide near it.
-//! 4. `smoothed`: Coulomb's law itself, smoothed.
-//! 5. `enumerate`: all modes.
+//! 4. `smoothed`: Coulomb's law itself, smoothed, where no answer is known.
+//! 5. `enumerate`: all modes. Where an answer is known that is not stable, the search starts from
+//!    it, in modes near its own: most stable answers that the methods before missed are there.
 
 use super::modes::{CONSISTENT, contradict, newton, next_to_the_limit};
 use super::path::{Path, follow, sides_of};
@@ -26,6 +27,10 @@ const SLOW: f64 = 1e-7;
 const SMALL: f64 = 0.1;
 /// Contacts up to which all combinations of modes are tried.
 const FEW: usize = 4;
+/// Contacts at most whose modes differ between an answer that is not stable and one that is looked
+/// for near it. None of 20,000 random steps and of 1,319 steps of a jam had a stable answer that
+/// differed in more and moved the load otherwise; two of the jam did that differ in three.
+const MOST_OTHERS: usize = 3;
 
 pub struct Search<'a> {
     pub(super) problem: Problem<'a>,
@@ -56,9 +61,14 @@ impl<'a> Search<'a> {
         }
         self.frictionless(free)
             .or_else(|| self.rest_or_slide())
-            .or_else(|| self.smoothed().0.then_some(Stage::Smoothed))
+            .or_else(|| (self.unstable().is_none() && self.smoothed().0).then_some(Stage::Smoothed))
             .or_else(|| self.enumerate().then_some(Stage::Enumeration))
-            .unwrap_or(if self.best.as_ref().is_some_and(|(_, residual)| *residual <= ACCEPTED) { Stage::Unstable } else { Stage::Failed })
+            .unwrap_or(if self.unstable().is_some() { Stage::Unstable } else { Stage::Failed })
+    }
+
+    /// The answer that is known but not stable, if there is one.
+    fn unstable(&self) -> Option<&Candidate> {
+        self.best.as_ref().filter(|(_, residual)| *residual <= ACCEPTED).map(|(found, _)| found)
     }
 
     /// Takes a candidate if it is better than the best; returns whether it is a stable answer. Of
@@ -237,7 +247,15 @@ impl<'a> Search<'a> {
             return false;
         }
         let grounds = [ContactMode::Slip, ContactMode::Stick].into_iter().chain((0..self.problem.cones.len()).map(ContactMode::Pinned));
-        let starts = std::mem::take(&mut self.starts);
+        let known = self.unstable().cloned();
+        let starts = match &known {
+            Some(known) => vec![(known.twist, known.ground_forces.clone(), known.forces.clone())],
+            None => std::mem::take(&mut self.starts),
+        };
+        let is_near = |modes: &PerContact<SideMode>| {
+            let n_others = |known: &Candidate| known.modes.iter().zip(modes).filter(|(known, mode)| known != mode).count();
+            known.as_ref().is_none_or(|known| n_others(known) <= MOST_OTHERS)
+        };
         for ground in grounds {
             for code in 0..4usize.pow(n as u32) {
                 let mode = |k: usize| match code / 4usize.pow(k as u32) % 4 {
@@ -247,6 +265,9 @@ impl<'a> Search<'a> {
                     _ => SideMode::Stick,
                 };
                 let guess = Guess { ground, modes: (0..n).map(mode).collect() };
+                if !is_near(&guess.modes) {
+                    continue;
+                }
                 for (at, (twist, ground_forces, forces)) in starts.iter().enumerate() {
                     let start = Start { twist, ground_forces, forces };
                     if at == 0 && contradict(&self.problem, ground, &guess.modes, &start) {
