@@ -48,13 +48,16 @@ impl Balance {
 }
 
 /// Judges the `ledger` at the end of a run of an exact backend. Steps of fixed length may lose
-/// energy, and a run of them has not converged if it has gained more than 1 % of the largest entry.
-/// A run under error control has not converged if its ledger is open by more than
+/// energy, and their work is that of the trapezoid rule. A run of them has not converged if its
+/// moving load has gained more than 1 % of the largest entry. A run under error control has not converged if its ledger is open by more than
 /// [`CLOSED_LEDGER`], outside of jumps.
 pub fn judge_exact(ledger: &EnergyLedger, has_error_control: bool, report: &mut StepReport) {
-    let (open, size) = (ledger.defect() + ledger.jumps, ledger.largest_entry());
-    if open > LARGEST_SHARE * size || has_error_control && open.abs() > CLOSED_LEDGER * size {
+    let (gain, size) = (ledger.defect_parts().numerical_damping, ledger.largest_entry());
+    let open = ledger.defect() + ledger.jumps;
+    if has_error_control && open.abs() > CLOSED_LEDGER * size {
         fail(open / size, report);
+    } else if gain > LARGEST_SHARE * size {
+        fail(gain / size, report);
     }
 }
 
@@ -96,7 +99,7 @@ mod tests {
     #[test]
     fn under_error_control_the_ledger_closes() {
         let report = |share: f64, has_error_control: bool| {
-            let ledger = EnergyLedger { initial: 1.0, kinetic: 1.0 + share, ..EnergyLedger::default() };
+            let ledger = EnergyLedger { initial: 1.0, kinetic: 1.0 + share, numerical_damping: -share, ..EnergyLedger::default() };
             let mut report = StepReport::default();
             judge_exact(&ledger, has_error_control, &mut report);
             (report.status, (1e6 * report.gained_share).round())

@@ -101,7 +101,8 @@ impl ContactStep<'_, Step<'_>> {
         found
     }
 
-    /// Whether side friction could hold the load where the step begins.
+    /// Whether side friction could hold the load where the step begins, with normal forces near
+    /// those of its answer.
     fn could_rest(&mut self, solver: &FrictionSolver, sides: &Sides) -> bool {
         let drags =
             |((_, force), candidate): (&(SideMode, SideForce), &Candidate)| force.normal > 0.0 && candidate.pair.friction_coefficient > 0.0;
@@ -110,10 +111,10 @@ impl ContactStep<'_, Step<'_>> {
         }
         let mut locals = Locals::new();
         self.fill_locals(&Vec3::zeros(), &mut locals);
-        let (rows, _) = self.rows(&Vec3::zeros(), &locals);
-        let local = self.step.at(&Vec3::zeros());
-        let hessian = positive_definite(&local.hessian, self.step.length);
-        may_rest(&ContactSystem { hessian: &hessian, drive: &-local.gradient, rows: &rows }, solver)
+        let (rows, row_of) = self.rows(&Vec3::zeros(), &locals);
+        let forces: PerContact<SideForce> = row_of.iter().map(|index| sides[*index].1).collect();
+        let drive = -self.step.gradient(&Vec3::zeros());
+        may_rest(&ContactSystem { hessian: &Mat3::zeros(), drive: &drive, rows: &rows }, solver, &forces)
     }
 
     /// Whether a pair overlaps by more than rounding at an increment.

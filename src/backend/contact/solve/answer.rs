@@ -65,9 +65,16 @@ fn untouched(free: &FrictionSolution, solver: &FrictionSolver, n_contacts: usize
     }
 }
 
-/// Whether friction could hold a load on what touches it, whatever else it may do.
-pub fn may_rest(system: &ContactSystem, solver: &FrictionSolver) -> bool {
-    Search::new(Problem::new(solver.cones(), system, None)).can_rest()
+/// Whether a load could rest on all that touches, whatever else it may do: friction from none,
+/// spread evenly, balances the drive. `false` proves nothing.
+pub fn may_rest(system: &ContactSystem, solver: &FrictionSolver, forces: &[SideForce]) -> bool {
+    let cones = solver.cones();
+    let problem = Problem::new(cones, system, None);
+    let forces: PerContact<SideForce> = forces.iter().map(|force| SideForce { tangential: 0.0, ..scaled_force(cones, force) }).collect();
+    let ground_forces = PerCone::from_elem(Vec2::zeros(), cones.len());
+    let start = Start { twist: &Vec3::zeros(), ground_forces: &ground_forces, forces: &forces };
+    let rest = balance(&problem, &problem.touching(), &start, 1);
+    rest.is_some_and(|rest| problem.residual_of(&rest) <= ACCEPTED)
 }
 
 /// The answer of a load that goes on resting, with forces near the last ones or, if those leave too

@@ -159,14 +159,6 @@ impl<'a> Search<'a> {
         Some(found)
     }
 
-    /// Whether friction with the ground and the obstacles can hold the load: the convex step with
-    /// friction cones then has rest as its answer.
-    pub(super) fn can_rest(&mut self) -> bool {
-        let relaxed = self.relaxed(&PerContact::from_elem(0.0, self.problem.rows.len()));
-        let rest = self.polished(&relaxed).filter(|found| found.twist == Vec3::zeros());
-        rest.is_some_and(|rest| self.problem.residual_of(&rest) <= ACCEPTED)
-    }
-
     /// Newton's method on the slip offsets, from one of this `share` at these contacts.
     fn climb_from(&mut self, contacts: &[bool], share: f64, rest: Option<&Candidate>) -> bool {
         let offsets = self.offsets(contacts, share);
