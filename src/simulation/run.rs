@@ -208,7 +208,8 @@ impl<'a> Simulation<'a> {
         let (motion, energy) = (self.backend.motion(), self.backend.energy());
         let mut steps = self.totals.steps;
         if self.options.kind != BackendKind::Rapier {
-            judge_exact(&energy, self.options.tolerance.is_some(), &mut steps);
+            let share = self.options.tolerance.map(|tolerance| tolerance.position_m / self.scenario.system.load.radius);
+            judge_exact(&energy, share, &mut steps);
         }
         Outcome {
             time: self.clock.time,

@@ -73,8 +73,8 @@ pub struct Reflection {
 
 /// Speed of separation or approach over the largest speed at which a contact counts as closed (1).
 const STAYS: f64 = 1e-9;
-/// Slip over half of what the curvature adds to it within a step, up to which it may stop within the
-/// step or have just begun (1): as for supports.
+/// Slip over half of what the curvature adds to it within a step, up to which it may stop within
+/// the step or have just begun (1): as for supports.
 const CREEPING: f64 = 4.0;
 /// Singular value over the largest one that is rounding (1).
 const SINGULAR: f64 = 1e-10;
@@ -154,10 +154,10 @@ impl Obstacles {
         Reflection { twist, loss, of_obstacles: if is_moved { of_obstacles } else { 0.0 }, obstacle, law: is_impact.then_some(law) }
     }
 
-    /// The twist of a load at an instant at which these contacts are closed, turned from its path to
-    /// a chord, or back; `None` where it stays. The impulses of the contacts turn it, with their friction. The slips of the
-    /// `creeping` contacts are those that a chord could stop, or that have been stuck. They are
-    /// found for a chord, and are to be the same on the way back from it.
+    /// The twist of a load at an instant at which these contacts are closed, turned from its path
+    /// to a chord, or back; `None` where it stays. The impulses of the contacts turn it, with their
+    /// friction. The slips of the `creeping` contacts are those that a chord could stop, or that
+    /// have been stuck. They are found for a chord, and are to be the same on the way back from it.
     pub fn turned(
         &self,
         system: &System,

@@ -67,8 +67,9 @@ pub struct Control {
     pub position: f64,
     /// Error of the heading in a macro-step (rad).
     pub heading: f64,
-    /// Error of each loss to friction and of each work in a macro-step (J). Where only one motion is
-    /// possible, as about a pinned support, poses may be exact at any length while the work is not.
+    /// Error of each loss to friction and of each work in a macro-step (J). Where only one motion
+    /// is possible, as about a pinned support, poses may be exact at any length while the work is
+    /// not.
     pub energy: f64,
     /// Time over which a wrong speed makes the position wrong (s); `None` for a method that carries
     /// no speed on.

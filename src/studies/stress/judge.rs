@@ -107,6 +107,9 @@ pub fn step_radians(scenario: &Scenario) -> f64 {
     scenario.system.fastest_rate() * scenario.control_period
 }
 
+/// Residual of a step that counts as solved (1): what the engine is asked for.
+const SOLVED: f64 = 1e-11;
+
 /// Energy that was turned over in the ledger (J).
 fn turnover(run: &Run) -> f64 {
     let ledger = &run.ledger;
@@ -116,7 +119,7 @@ fn turnover(run: &Run) -> f64 {
 /// Positive defect (J) that rounding and quadrature explain:
 ///
 /// * rounding: every step adds to sums as large as the turnover, and its forces know places to a
-///   last digit of the load's and the tips';
+///   last digit of the load's and the tips', or are solved to a residual of some more digits;
 /// * work of tips and moving obstacles, a trapezoid: at most the change of the force times the
 ///   displacement, step by step;
 /// * work on the load, a trapezoid along an oscillation: (omega h)^2 / 12 of what is turned over,
@@ -131,7 +134,8 @@ pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
     let digit = if method.options(1.0).is_single_precision() { f64::from(f32::EPSILON) } else { f64::EPSILON };
     let reach = run.seen.farthest + scenario.system.load.radius;
     let turned = turnover(run);
-    let rounding = run.seen.report.n_steps.max(1) as f64 * digit * (turned + run.seen.peak_force * reach);
+    let solved = run.seen.report.residual.min(SOLVED).max(digit);
+    let rounding = run.seen.report.n_steps.max(1) as f64 * (solved * turned + digit * run.seen.peak_force * reach);
     let radians = step_radians(scenario);
     let oscillation = match method {
         _ if !method.kind.has_inertia() => 0.0,
