@@ -134,9 +134,10 @@ fn random_scenes_with_inertia_move_as_the_independent_solution() {
     expect_none(found.wrong);
 }
 
-/// Faces that turn on posts, discs that roll round them, and impacts in which the slip ends or turns.
-/// Steps from the velocity of an instant let loads part from such contacts and hit them again,
-/// and extrapolated answers held loads that had parted: these were off by 1e-3 to 2e-2 of the size.
+/// Faces that turn on posts, discs that roll round them, and impacts in which the slip ends or
+/// turns. Steps from the velocity of an instant let loads part from such contacts and hit them
+/// again, and extrapolated answers held loads that had parted: these were off by 1e-3 to 2e-2 of
+/// the size.
 #[test]
 fn loads_on_curved_contacts_move_as_the_independent_solution() {
     let seeds = [1030, 1046, 1099, 1140, 1149, 1187];

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use super::map::Asked;
 use super::run::{Numbers, Run};
 use crate::backend::Status;
+use crate::backend::increment::LARGEST_RESIDUAL;
 use crate::scenario::Scenario;
 use crate::studies::methods::Method;
 use crate::studies::variants::names;
@@ -107,9 +108,6 @@ pub fn step_radians(scenario: &Scenario) -> f64 {
     scenario.system.fastest_rate() * scenario.control_period
 }
 
-/// Residual of a step that counts as solved (1): what the engine is asked for.
-const SOLVED: f64 = 1e-11;
-
 /// Energy that was turned over in the ledger (J).
 fn turnover(run: &Run) -> f64 {
     let ledger = &run.ledger;
@@ -119,7 +117,8 @@ fn turnover(run: &Run) -> f64 {
 /// Positive defect (J) that rounding and quadrature explain:
 ///
 /// * rounding: every step adds to sums as large as the turnover, and its forces know places to a
-///   last digit of the load's and the tips', or are solved to a residual of some more digits;
+///   last digit of the load's and the tips';
+/// * the residual with which the engine may end a step, as in an impact that turns over everything;
 /// * work of tips and moving obstacles, a trapezoid: at most the change of the force times the
 ///   displacement, step by step;
 /// * work on the load, a trapezoid along an oscillation: (omega h)^2 / 12 of what is turned over,
@@ -134,8 +133,8 @@ pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
     let digit = if method.options(1.0).is_single_precision() { f64::from(f32::EPSILON) } else { f64::EPSILON };
     let reach = run.seen.farthest + scenario.system.load.radius;
     let turned = turnover(run);
-    let solved = run.seen.report.residual.min(SOLVED).max(digit);
-    let rounding = run.seen.report.n_steps.max(1) as f64 * (solved * turned + digit * run.seen.peak_force * reach);
+    let rounding = run.seen.report.n_steps.max(1) as f64 * digit * (turned + run.seen.peak_force * reach);
+    let solved = if method.kind.is_exact() { 0.0 } else { LARGEST_RESIDUAL * turned };
     let radians = step_radians(scenario);
     let oscillation = match method {
         _ if !method.kind.has_inertia() => 0.0,
@@ -144,5 +143,5 @@ pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
     };
     let turning = if method == Method::INERTIAL_MIDPOINT { MOST_QUADRATURE * run.ledger.friction } else { 0.0 };
     let bounces = if method.kind.is_exact() { 0.0 } else { run.seen.at_impacts * run.seen.speed };
-    rounding + run.seen.quadrature + bounces + oscillation.min(MOST_QUADRATURE) * turned + turning
+    rounding + solved + run.seen.quadrature + bounces + oscillation.min(MOST_QUADRATURE) * turned + turning
 }
