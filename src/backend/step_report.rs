@@ -48,6 +48,14 @@ pub struct StepReport {
     /// resolves it (rad); zero where all steps do.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub unresolved_rad: f64,
+    /// Bound of the error of the work of tips and obstacles, in quasi-static steps of a fixed length
+    /// (J).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub work_error_j: f64,
+    /// Largest change of the direction of a spring about its root in a step of a fixed length
+    /// (rad).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub swing_rad: f64,
     /// Share of the path that the positions of the engine lost by rounding, where it exceeds what a
     /// run may lose (1); zero where it does not.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -55,9 +63,9 @@ pub struct StepReport {
     /// What makes the accepted steps of an exact backend doubtful.
     #[serde(default, skip_serializing_if = "Doubts::is_empty")]
     pub doubts: Doubts,
-    /// Energy that appeared from nowhere, over the energy that went into the run, where it exceeds
-    /// what a run may gain (1), or is missing beyond what one under error control may lose, with a
-    /// minus; zero where neither holds.
+    /// Energy that appeared from nowhere, where it exceeds what a run may gain, over the energy that
+    /// went into it, or over the largest entry of the ledger of an exact backend (1). Energy that is
+    /// missing beyond what a run under error control may lose has a minus. Zero where neither holds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub gained_share: f64,
     /// Work that was skipped, by kind.
@@ -105,6 +113,8 @@ impl StepReport {
         self.n_rejected += other.n_rejected;
         self.contact_residual = self.contact_residual.max(other.contact_residual);
         self.unresolved_rad = self.unresolved_rad.max(other.unresolved_rad);
+        self.work_error_j += other.work_error_j;
+        self.swing_rad = self.swing_rad.max(other.swing_rad);
         // Steps that lose or gain too much have not converged.
         if other.status != Status::Converged {
             self.lost_share = self.lost_share.max(other.lost_share);

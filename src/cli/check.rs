@@ -16,10 +16,12 @@ use super::error::at_file;
 use super::input::{check_step, read_scenario, stem_of};
 use super::output::{JunitArgs, OutputArgs, study_manifest};
 use super::watch::watched_to_end;
-use crate::backend::{BackendKind, BackendOptions, Integrator, Status, step_of};
+use crate::backend::{BackendKind, BackendOptions, Integrator, step_of};
+use crate::output::account_words;
 use crate::output::json;
 use crate::output::manifest::Manifest;
 use crate::scenario::Scenario;
+use crate::simulation::Health;
 use crate::studies::check::report::{CheckReport, check_suite, check_text, this_build, write_check};
 use crate::studies::check::{self, Baseline, Check, Settings, Verdict, read_folder, usual_name, write_file};
 
@@ -185,16 +187,17 @@ fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
         let mut baselines = Vec::new();
         for (name, scenario, options) in &questions {
             let (trace, outcome) = check::run(scenario, options, |time| watch((done + time) / total))?;
-            baselines.push((Baseline::of(name, scenario, options, &this_build(), (&trace, &outcome), args.rows), outcome.steps.status));
+            baselines.push((Baseline::of(name, scenario, options, &this_build(), (&trace, &outcome), args.rows), outcome.account));
             done += scenario.duration;
         }
         Some(baselines)
     })?;
     let mut code = ExitCode::SUCCESS;
-    for (baseline, status) in &baselines {
+    for (baseline, account) in &baselines {
         let path = args.baselines.join(baseline.file_name());
-        if *status == Status::Failed {
-            console::error(format_args!("{}: not stored: a step of the run had no finite solution", path.display()));
+        if account.health == Health::Failed {
+            let cause = account_words::cause(account).unwrap_or_default();
+            console::error(format_args!("{}: not stored: {cause}", path.display()));
             code = ExitCode::from(1);
             continue;
         }

@@ -14,7 +14,7 @@ use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, warn_idle};
 use super::error::CliError;
 use super::input::{check_step, name_of, read_scenario, read_text};
-use super::output::{OutputArgs, manifest_of};
+use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::{self, Finished};
 use super::vary::{VaryArgs, vary};
 use super::watch::watched_to_end;
@@ -28,7 +28,7 @@ use crate::studies::compare::beside::recorded_path;
 use crate::studies::compare::closed_loop::{First, judged, tasks};
 use crate::studies::compare::comparison::{Comparison, Tiers};
 use crate::studies::compare::files::write_comparison;
-use crate::studies::compare::text::{text, tolerance_warning};
+use crate::studies::compare::text::{account_warnings, text, tolerance_warning};
 use crate::studies::variants::names;
 
 #[derive(Args)]
@@ -108,6 +108,8 @@ pub struct CompareArgs {
     #[command(flatten)]
     engine: EngineArgs,
     #[command(flatten)]
+    strict: StrictArgs,
+    #[command(flatten)]
     output: OutputArgs,
     /// Write the traces and events of all runs too, trace-TIER-BACKEND and events-TIER-BACKEND.csv
     #[arg(long, value_name = "FORMAT", value_parser = choice::<TraceFormat>(), requires = "out", help_heading = "Output")]
@@ -162,15 +164,14 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         write_comparison(out, &comparison, &scenario, args.traces, &manifest_of(&scenario, &settings, started))?;
     }
     seeds.map_or(Ok(()), Finished::remove_journal)?;
-    let is_computed = comparison.tiers.are_computed();
     args.output.print(&comparison, || text(&comparison, console::detail()), tone(&comparison.tiers))?;
     args.output.print_report()?;
-    tolerance_warning(&comparison, &scenario).iter().for_each(console::warn);
+    tolerance_warning(&comparison, &scenario).into_iter().chain(account_warnings(&comparison)).for_each(console::warn);
     let failed = verdicts_of(&comparison.tiers).find(|(_, verdict)| args.fail_on.iter().any(|kind| kind.has(*verdict)));
     if let Some((name, verdict)) = &failed {
         console::warn(format_args!("--fail-on: the verdict on {name} is \"{}\"", verdict.text()));
     }
-    Ok(if is_computed && failed.is_none() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if failed.is_some() { ExitCode::from(1) } else { args.strict.code(comparison.tiers.worst()) })
 }
 
 /// # Errors

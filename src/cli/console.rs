@@ -13,6 +13,7 @@ use clap::Args;
 
 use super::error::CliError;
 use crate::output::text::Detail;
+use crate::simulation::Health;
 
 /// Options of every command that decide what is printed.
 #[derive(Args)]
@@ -82,6 +83,15 @@ pub enum Tone {
 }
 
 impl Tone {
+    /// Tone of results of which the worst is so.
+    pub fn of(worst: Health) -> Self {
+        match worst {
+            Health::Ok => Tone::Good,
+            Health::Doubtful => Tone::Caution,
+            Health::Failed => Tone::Bad,
+        }
+    }
+
     fn style(self) -> Style {
         let colour = match self {
             Tone::Good => AnsiColor::Green,

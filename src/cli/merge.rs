@@ -7,6 +7,7 @@ use std::time::SystemTime;
 use clap::Args;
 
 use super::error::CliError;
+use super::output::StrictArgs;
 use super::sweep::{finished, print_summary, write_table};
 use super::watch::is_interrupted;
 use crate::output::folder::check_target;
@@ -20,6 +21,8 @@ pub struct MergeArgs {
     /// Finished shards: files, or folders of `cohaul sweep --shard`
     #[arg(required = true, value_name = "DIR|FILE")]
     sources: Vec<PathBuf>,
+    #[command(flatten)]
+    strict: StrictArgs,
     /// Folder for tables, figure, summary and manifest
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: PathBuf,
@@ -37,5 +40,5 @@ pub fn merge(args: &MergeArgs) -> Result<ExitCode, CliError> {
     if is_interrupted() {
         return Err(CliError::Interrupted);
     }
-    print_summary(&write_table(&args.out, &shards.identity, &shards, None, started)?, args.json)
+    print_summary(&write_table(&args.out, &shards.identity, &shards, None, started)?, args.json, &args.strict)
 }

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::Args;
@@ -17,6 +18,7 @@ use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::sibling::write_whole;
 use crate::scenario::{Scenario, sha256_hex};
+use crate::simulation::Health;
 
 /// Options of every command that computes something.
 #[derive(Args)]
@@ -47,6 +49,22 @@ impl OutputArgs {
             Some(out) => print(&format!("report\n  {}\n", out.join(REPORT).display())),
             None => Ok(()),
         }
+    }
+}
+
+/// Option of the commands whose runs give an account of themselves.
+#[derive(Args)]
+pub struct StrictArgs {
+    /// Exit with code 1 if a run is doubtful, too; see `cohaul explain account`
+    #[arg(long)]
+    strict: bool,
+}
+
+impl StrictArgs {
+    /// Exit code of a command whose worst run is so.
+    pub fn code(&self, worst: Health) -> ExitCode {
+        let most = if self.strict { Health::Ok } else { Health::Doubtful };
+        if worst > most { ExitCode::from(1) } else { ExitCode::SUCCESS }
     }
 }
 

@@ -14,12 +14,13 @@ use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, check_error_control, warn_idle, warn_of_idle};
 use super::error::{CliError, at_file};
 use super::input::{check_step, read_scenario, warn_of_scenario};
-use super::output::{OutputArgs, manifest_of};
+use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::stopped;
 use super::watch::{catch_interrupts, watched_by};
 use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate_if};
-use crate::backend::{BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Status, Tolerance};
+use crate::backend::{BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Tolerance};
+use crate::output::account_words;
 use crate::output::chart::Scene;
 use crate::output::json;
 use crate::output::progress::Progress;
@@ -27,11 +28,11 @@ use crate::output::trace_csv::TraceColumns;
 use crate::output::traces::TraceFormat;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
-use crate::simulation::{Keep, SavedRun, Simulation, controller_of};
+use crate::simulation::{Health, Keep, SavedRun, Simulation, controller_of};
 use crate::studies::journal;
 use crate::studies::run::files::{RunFiles, RunWriter};
 use crate::studies::run::summary::RunSummary;
-use crate::studies::run::text::{convergence_warning, inertia_warning, resolution_warning, run_text};
+use crate::studies::run::text::{inertia_warning, run_text};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -87,6 +88,8 @@ pub struct RunArgs {
     #[command(flatten)]
     engine: EngineArgs,
     #[command(flatten)]
+    strict: StrictArgs,
+    #[command(flatten)]
     output: OutputArgs,
     /// Write the report with a replay of the run too, report.html
     #[arg(long, requires = "out", help_heading = "Output")]
@@ -140,7 +143,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         std::fs::remove_file(path).map_err(at_file(path))?;
     }
     print(args, &summary)?;
-    Ok(if outcome.steps.status == Status::Failed || !summary.run.is_accurate() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(args.strict.code(outcome.account.health))
 }
 
 /// The run, as far as it got, and what follows it to estimate the inertia effect.
@@ -179,19 +182,18 @@ fn computed<'a>(
 }
 
 fn print(args: &RunArgs, summary: &RunSummary) -> Result<(), CliError> {
-    let convergence = convergence_warning(summary);
+    let account = &summary.run.outcome.account;
     let inertia = summary.inertia_estimate.as_ref().and_then(inertia_warning);
-    let tone = match (&convergence, &inertia) {
-        _ if !summary.run.is_accurate() => Tone::Bad,
-        (Some(_), _) => Tone::Bad,
-        (None, Some(_)) => Tone::Caution,
-        (None, None) => Tone::Good,
+    let tone = match (account.health, &inertia) {
+        (Health::Failed, _) => Tone::Bad,
+        (Health::Ok, None) => Tone::Good,
+        _ => Tone::Caution,
     };
     args.output.print(summary, || run_text(summary, console::detail()), tone)?;
     if args.report {
         args.output.print_report()?;
     }
-    convergence.iter().chain(&resolution_warning(summary)).for_each(console::warn);
+    account_words::warnings(account).for_each(console::warn);
     // The text has this warning as its answer.
     inertia.iter().filter(|_| args.output.json).for_each(console::warn);
     Ok(())

@@ -17,7 +17,7 @@ use super::engine::{EngineArgs, check_error_control, warn_of_idle, warn_of_idle_
 use super::error::CliError;
 use super::error::at_file;
 use super::input::{check_step, name_of, read_text};
-use super::output::{command_line, identity_in};
+use super::output::{StrictArgs, command_line, identity_in};
 use super::resumable;
 use super::watch::{is_interrupted, watched_by};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
@@ -28,7 +28,7 @@ use crate::output::progress::Progress;
 use crate::scenario::Scenario;
 use crate::studies::journal::{Header, Journal, JournalError};
 use crate::studies::sweep::files::write_sweep;
-use crate::studies::sweep::report::{Cost, FAILED, NOT_WITHIN_TOLERANCE, SweepSummary, sweep_text};
+use crate::studies::sweep::report::{Cost, SweepSummary, sweep_text};
 use crate::studies::sweep::{
     Ask, Axis, Design, INERTIA, Identity, Method, Part, Plan, Sample, Table, Variant, finish_shard, shard_files, validate, verified, work,
 };
@@ -92,6 +92,8 @@ pub struct SweepArgs {
     shard: Option<Part>,
     #[command(flatten)]
     engine: EngineArgs,
+    #[command(flatten)]
+    strict: StrictArgs,
     /// Folder for the output files
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: PathBuf,
@@ -186,7 +188,7 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
             fs::remove_file(&path).map_err(at_file(&path))?;
         }
         console::note(format_args!("{}: is finished", out.display()));
-        return print_summary(&summary, args.json);
+        return print_summary(&summary, args.json, &args.strict);
     }
     let (started, wall, cpu) = (SystemTime::now(), Instant::now(), ProcessTime::now());
     let header = plan.identity.header(0..plan.identity.n_cells)?;
@@ -195,7 +197,7 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
     let cost = Cost { wall_s, cpu_s, n_threads: pool.current_num_threads(), n_runs };
     let summary = write_table(out, &plan.identity, &journal, Some(cost), started)?;
     journal.remove()?;
-    print_summary(&summary, args.json)
+    print_summary(&summary, args.json, &args.strict)
 }
 
 /// One part, into the folder of shards.
@@ -322,15 +324,15 @@ pub fn write_table(
     Ok(write_sweep(out, identity, table, summary, &manifest)?)
 }
 
-/// Prints the summary. The exit code is 1 if a run failed or missed its tolerance.
-pub fn print_summary(summary: &SweepSummary, json: bool) -> Result<ExitCode, CliError> {
-    let is_good = summary.n_of(FAILED) + summary.n_of(NOT_WITHIN_TOLERANCE) == 0;
+/// Prints the summary. The exit code is that of the worst run.
+pub fn print_summary(summary: &SweepSummary, json: bool, strict: &StrictArgs) -> Result<ExitCode, CliError> {
+    let worst = summary.worst();
     match json {
         true => print(&json::pretty(summary)?)?,
-        false => print_answer(&sweep_text(summary), if is_good { Tone::Good } else { Tone::Bad })?,
+        false => print_answer(&sweep_text(summary), Tone::of(worst))?,
     }
     console::warn_all(&summary.warnings());
-    Ok(if is_good { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(strict.code(worst))
 }
 
 /// The summary of this sweep if the folder holds it; `None` if it holds no sweep.

@@ -2,9 +2,10 @@
 
 use super::message::{LaneNow, StageNow};
 use super::scene::LiveScene;
-use crate::backend::{Motion, RestoreError, SaveError, Status};
+use crate::backend::{Motion, RestoreError, SaveError};
 use crate::math::Vec2;
 use crate::model::ant::Mode;
+use crate::output::account_words;
 use crate::scenario::Drive;
 use crate::simulation::{Keep, SavedRun, Simulation};
 
@@ -138,11 +139,8 @@ fn lane(run: &Simulation, drawn: &Drawn) -> LaneNow {
         pulls: drawn.springs.iter().map(pull).collect(),
         contacts: contacts.collect(),
         energy: finite([energy.elastic, energy.kinetic, energy.dissipated()]),
-        status: match outcome.steps.status {
-            Status::Converged => "converged",
-            Status::NotConverged => "not converged",
-            Status::Failed => "failed",
-        },
+        status: account_words::name(outcome.account.health),
+        cause: account_words::cause(&outcome.account).unwrap_or_default(),
         has_arrived: outcome.arrived == Some(true),
     }
 }

@@ -266,7 +266,7 @@ class Live extends Stage {
     this.showScale();
     this.playButton.textContent = now.is_playing ? 'Pause' : 'Play';
     this.clock.textContent = `${now.time_s.toFixed(3)} of ${this.scene.duration_s.toFixed(2)} s`;
-    const failed = now.lanes.flatMap(({ status }, i) => (status === 'converged' ? [] : [`${this.data.runs[i].label}: ${status}`]));
+    const failed = now.lanes.flatMap(({ status, cause }, i) => (status === 'ok' ? [] : [`${this.data.runs[i].label}: ${status}, ${cause}`]));
     const share = this.busy === undefined ? '' : `computing takes ${Number((100 * this.busy).toPrecision(2))} % of real time, ${this.recent.length} frames/s`;
     this.share.textContent = [share, ...failed].filter(Boolean).join('; ');
     const scale = this.scaleIn(0);

@@ -144,8 +144,10 @@ pub struct LaneNow {
     pub contacts: Vec<[f64; 4]>,
     /// Elastic energy, kinetic energy and energy dissipated so far (J).
     pub energy: Option<[f64; 3]>,
-    /// How the steps ended so far.
+    /// Whether the run can be trusted so far: `ok`, `doubtful` or `failed`.
     pub status: &'static str,
+    /// What happened, if it is not ok.
+    pub cause: &'static str,
     pub has_arrived: bool,
 }
 

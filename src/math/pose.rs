@@ -18,7 +18,7 @@ pub struct Pose {
 }
 
 /// Velocity of the load's origin and turn rate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Twist {
     /// Velocity of the origin (m/s, world axes).
     pub linear: Vec2,

@@ -1,6 +1,7 @@
 //! What people and programs read: tables, figures, pages, an output folder and a progress bar.
 //! Knows no study.
 
+pub mod account_words;
 pub mod chart;
 mod earlier;
 pub mod folder;

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::backend::{BackendKind, BackendOptions, Doubts, EnergyLedger, Motion, SkipCounts, Status, StepReport, TransitionCounts};
 use crate::math::{Pose, Summary, Twist, Vec2, direction};
-use crate::simulation::{AttachedTip, DoubtTimes, Event, EventKind, Outcome, Row, Trace};
+use crate::simulation::{Account, AttachedTip, DoubtTimes, Event, EventKind, Outcome, Resolution, Row, Trace};
 
 /// Simulated time between two rows (s).
 const TICK: f64 = 0.025;
@@ -44,12 +44,16 @@ pub fn outcome(arrived: Option<bool>) -> Outcome {
             n_rejected: 0,
             contact_residual: 0.0,
             unresolved_rad: 0.0,
+            work_error_j: 0.0,
+            swing_rad: 0.0,
             lost_share: 0.0,
             gained_share: 0.0,
             is_indeterminate: false,
             doubts: Doubts::default(),
             skipped: SkipCounts { free_load: 15_220, still_tips: 0, stick_certificate: 6_088, distant_ants: 1234 },
         },
+        account: Account::default(),
+        resolution: Resolution::default(),
         failed_at: None,
         doubtful: DoubtTimes::default(),
         transitions: TransitionCounts { n_slip_onset: 3, n_stop: 2, n_jumps: 1, largest_jump: Some(4e-3), ..TransitionCounts::default() },

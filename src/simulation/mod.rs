@@ -4,24 +4,32 @@
 //! run.rs          the loop: Simulation::step is the place to begin
 //! controllers/    what moves the tips: ants, prescribed paths, a recorded run
 //! clock.rs        control ticks, parts of control periods, and the end
+//! account.rs      whether the numbers of a run can be trusted, and why not
+//! resolution.rs   how well the steps resolve the motion
+//! rules.rs        the rules that decide it
 //! trace.rs        what is recorded
 //! doubt_times.rs  when a run was first doubtful
 //! saved.rs        saving and resuming
 //! run_facts.rs    the numbers of a run, for every report
 //! ```
 
+mod account;
 mod clock;
 pub mod controllers;
 mod doubt_times;
+mod resolution;
+pub mod rules;
 mod run;
 pub mod run_facts;
 mod saved;
 mod trace;
 
 pub use crate::backend::{AttachedTip, AttachedTips};
+pub use account::{Account, Cause, Finding, Health};
 pub(crate) use clock::SAME_INSTANT;
 pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller_of, follow_ants};
 pub use doubt_times::DoubtTimes;
+pub use resolution::Resolution;
 pub use run::{MakeBackend, Simulation, backend_of};
 pub use saved::SavedRun;
 pub use trace::{Event, EventKind, Keep, Outcome, Row, Trace};

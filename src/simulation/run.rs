@@ -1,9 +1,11 @@
 //! One run of one scenario: the loop of sensing, deciding, moving and recording.
 
+use super::account::Account;
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
+use super::resolution::Resolution;
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
-use crate::backend::{AttachedTip, AttachedTips, Backend, BackendKind, BackendOptions, Motion, Status, Transition, build, judge_exact};
+use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Status, Transition, build, judge_exact};
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
 
@@ -58,7 +60,10 @@ impl<'a> Simulation<'a> {
             keep,
             clock: Clock::new(scenario.control_period, scenario.duration),
             finished: false,
-            totals: Totals::default(),
+            totals: Totals {
+                resolution: Resolution::starting(&scenario.start, options.step_s, scenario.system.load.radius),
+                ..Totals::default()
+            },
             trace: Trace::default(),
             tips: attached_tips(scenario, backend.as_ref()),
             commands: Commands::default(),
@@ -157,12 +162,18 @@ impl<'a> Simulation<'a> {
         let view = View { scenario, backend: self.backend.as_ref(), motion, tips: &[], time, tick, skips };
         let targets = self.controller.targets(&view, until);
         let report = self.backend.advance(targets, until - time);
-        if report.status == Status::Failed {
-            self.totals.failed_at.get_or_insert(time);
-        }
         self.totals.doubtful.note(&report, time);
         self.totals.steps.add(&report);
         self.observe();
+        if self.options.kind.has_inertia() && self.options.tolerance.is_none() {
+            self.totals.resolution.add(&motion, &self.backend.motion(), report.n_steps, scenario.system.load.radius);
+        }
+        if report.status == Status::Failed {
+            // What lies beyond has no meaning. Time and rows end where the last answer was.
+            self.totals.failed_at = Some(time);
+            self.finished = true;
+            return;
+        }
         self.clock.move_to(until);
     }
 
@@ -207,15 +218,17 @@ impl<'a> Simulation<'a> {
     pub fn outcome(&self) -> Outcome {
         let (motion, energy) = (self.backend.motion(), self.backend.energy());
         let mut steps = self.totals.steps;
-        if self.options.kind != BackendKind::Rapier {
+        if self.options.kind.is_exact() {
             let share = self.options.tolerance.map(|tolerance| tolerance.position_m / self.scenario.system.load.radius);
             judge_exact(&energy, share, &mut steps);
         }
-        Outcome {
+        let mut outcome = Outcome {
             time: self.clock.time,
             motion,
             energy,
             steps,
+            account: Account::default(),
+            resolution: self.totals.resolution,
             failed_at: self.totals.failed_at,
             doubtful: self.totals.doubtful,
             transitions: self.totals.transitions,
@@ -223,7 +236,9 @@ impl<'a> Simulation<'a> {
             error: self.totals.error,
             arrived: self.controller.arrived(&motion),
             pulls: self.controller.pulls(),
-        }
+        };
+        outcome.account = Account::of(self.scenario, &self.options, &outcome);
+        outcome
     }
 
     /// Trace and outcome of the run up to this time.

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::DoubtTimes;
+use super::{Account, DoubtTimes, Resolution};
 use crate::backend::{AttachedTips, EnergyLedger, Motion, PoseError, SideContact, StepReport, Transition, TransitionCounts};
 use crate::math::{Summary, Vec2};
 use crate::model::interaction_force;
@@ -113,6 +113,8 @@ pub(super) struct Totals {
     pub failed_at: Option<f64>,
     #[serde(default, skip_serializing_if = "DoubtTimes::is_empty")]
     pub doubtful: DoubtTimes,
+    #[serde(default)]
+    pub resolution: Resolution,
     /// Largest error bound of the pose so far; `None` where the backend finds none.
     pub error: Option<PoseError>,
     pub transitions: TransitionCounts,
@@ -128,6 +130,12 @@ pub struct Outcome {
     pub motion: Motion,
     pub energy: EnergyLedger,
     pub steps: StepReport,
+    /// Whether the numbers can be trusted.
+    #[serde(default)]
+    pub account: Account,
+    /// How well fixed steps of a backend with inertia resolve the motion.
+    #[serde(default)]
+    pub resolution: Resolution,
     /// Start of the first advance that had no finite solution (s); `None` unless the run failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_at: Option<f64>,

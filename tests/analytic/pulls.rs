@@ -194,3 +194,20 @@ fn a_straight_jump_is_certain() {
 fn two_hundred_jumps_end_where_damped_springs_lead_or_are_flagged() {
     check_jumps(210, 1e-3);
 }
+
+/// The fastest oscillation on this spring turns by 2.8 rad in a step of 5 ms, in which the midpoint
+/// rule gains a tenth of the work of the tip. Steps of the default length resolve it.
+#[test]
+fn a_run_that_gains_energy_has_not_converged() {
+    let scenario = Scenario::parse(include_str!("../common/stiff-spring.json"), "stiff spring").unwrap();
+    let steps = |step_s: Option<f64>| {
+        let options = BackendOptions::at_step(step_s, BackendKind::Inertial, &scenario.system, scenario.control_period);
+        let mut simulation = Simulation::new(&scenario, &options, Keep::Outcome);
+        simulation.run(|_| true);
+        simulation.outcome().steps
+    };
+    let long = steps(Some(5e-3));
+    assert!(long.status == Status::NotConverged && long.gained_share > 0.05, "{long:?}");
+    let default = steps(None);
+    assert_eq!((default.status, default.gained_share), (Status::Converged, 0.0));
+}

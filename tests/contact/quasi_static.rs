@@ -318,3 +318,23 @@ fn a_pentagon_snaps_past_two_posts() {
     let distance = |pose: &Pose| pose.edge_displacement(&fine, system.load.radius) / system.load.radius;
     assert!(distance(&coarse) < 1e-3 && distance(&stepped) < 1e-3, "{coarse:?} {stepped:?} {fine:?}");
 }
+
+/// A pull moves a load at once against a wall. What obstacles do on the way of such a jump depends
+/// on the path, so that its end is uncertain. Without the wall the path is straight and the end is
+/// certain. Only runs under error control look.
+#[test]
+fn a_jump_against_a_wall_is_uncertain() {
+    let uncertain = |system: &System, options: &BackendOptions| {
+        let mut load = build(system, at_rest(0.0, 0.0), options);
+        let tip = Vec2::new(0.1, 0.0);
+        load.attach(0, tip);
+        assert_eq!(load.advance(&[tip], 0.01).status, Status::Converged);
+        let of_jump = |it: &Transition| if let TransitionKind::Jump { is_uncertain, .. } = it.kind { Some(is_uncertain) } else { None };
+        load.transitions().iter().find_map(of_jump).expect("the load jumps")
+    };
+    let at_wall = disc(vec![wall(Vec2::new(RADIUS + 1e-3, 0.0), Vec2::new(0.0, 1.0), 0.0)]);
+    let far_away = disc(vec![wall(Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0), 0.0)]);
+    assert!(uncertain(&at_wall, &exact(QuasiStatic, &at_wall, 1e-6)));
+    assert!(!uncertain(&far_away, &exact(QuasiStatic, &far_away, 1e-6)));
+    assert!(!uncertain(&at_wall, &fixed(QuasiStatic, 100)));
+}

@@ -23,6 +23,8 @@ pub enum Steps {
     Default,
     /// Steps of half that length.
     Halved,
+    /// Steps of this length (s).
+    Of(f64),
     /// Error control with this tolerance (m).
     Within(f64),
 }
@@ -56,6 +58,7 @@ pub fn run_scenario(scenario: &Scenario, kind: BackendKind, steps: Steps) -> Run
     let options = match steps {
         Steps::Default => by_default,
         Steps::Halved => BackendOptions { step_s: 0.5 * by_default.step_s, ..by_default },
+        Steps::Of(step_s) => BackendOptions { step_s, ..by_default },
         Steps::Within(tolerance) => BackendOptions::within(kind, Tolerance::at_edge(tolerance, &scenario.system.load)),
     };
     let begun = processor_time();

@@ -19,7 +19,7 @@ use super::settings::{MakeController, Settings, Tier};
 use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
 use crate::math::Pose;
 use crate::scenario::Scenario;
-use crate::simulation::{Controller, DoubtTimes, Keep, MakeBackend, Row, Simulation, Trace};
+use crate::simulation::{Account, Controller, DoubtTimes, Keep, MakeBackend, Outcome, Row, Simulation, Trace};
 
 /// Path of a load with its numerical error; JSON has its step and counts only.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,6 +40,8 @@ pub struct Solution {
     pub step_s: Option<f64>,
     /// Counts and worst status of all runs behind this path.
     pub steps: StepReport,
+    /// Whether the run from which forces and figures come can be trusted.
+    pub account: Account,
     /// When the first of these runs failed (s); `None` if none did.
     #[serde(skip)]
     pub failed_at: Option<f64>,
@@ -123,6 +125,7 @@ impl Solution {
             trace,
             step_s: None,
             steps: outcome.steps,
+            account: outcome.account,
             failed_at: outcome.failed_at,
             doubtful: outcome.doubtful,
         })
@@ -162,10 +165,10 @@ impl Solution {
         let mut steps = StepReport::default();
         levels.iter().for_each(|(_, (_, outcome))| steps.add(&outcome.steps));
         let failed_at = levels.iter().filter_map(|(_, (_, outcome))| outcome.failed_at).reduce(f64::min);
-        let (step_s, (trace, _)) = levels.swap_remove(if is_engine { 0 } else { 2 });
+        let (step_s, (trace, Outcome { account, .. })) = levels.swap_remove(if is_engine { 0 } else { 2 });
         // Only the exact runs of a comparison are doubted, and they are under error control.
         let doubtful = DoubtTimes::default();
-        Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps, failed_at, doubtful })
+        Some(Self { kind: options.kind, limit, points, trace, step_s: Some(step_s), steps, account, failed_at, doubtful })
     }
 
     /// Adds the distance from a less exact path to the error of this one, from there on. Both have

@@ -188,7 +188,7 @@ impl Obstacles {
             match mode {
                 SideMode::Stick => {
                     rates.extend([&gap, &slip].map(|it| rate(it, it.gradient, kept(it))));
-                    creeping.push(*key);
+                    creeping.extend((!is_back).then_some(*key));
                 }
                 SideMode::Slide { forward } => {
                     let sign = if *forward { -1.0 } else { 1.0 };
@@ -322,7 +322,7 @@ fn change_by_impulses(mobility: &Vec3, rates: &[Rate]) -> Option<Vec3> {
 }
 
 /// Acceleration of a load that coasts, seen by an obstacle that turns as it moves (m/s^2; load
-/// axes): Coriolis's and the centrifugal one.
+/// axes): `-2 w x v - w x (w x r)`, Coriolis's and the centrifugal one.
 fn drift_of(place: &Place, motion: &Motion, (obstacle, twist): (&Pose, &Twist)) -> Vec2 {
     let arm: Vec2 = motion.pose.position - obstacle.position;
     let relative = motion.twist.linear - twist.velocity_at(&arm);

@@ -261,16 +261,9 @@ mod tests {
     /// obstacles. Poisson's law then has one.
     #[test]
     fn an_impact_on_two_rough_obstacles_has_an_answer_and_gains_no_energy() {
-        let shares = shares(1000);
+        let shares = shares(10_000);
         assert!(!shares.contains_key(&ImpactLaw::None), "{shares:?}");
         assert!(shares[&ImpactLaw::Newton] > 0.7 && shares[&ImpactLaw::Poisson] > 0.001, "{shares:?}");
-    }
-
-    /// Prints the shares of the laws.
-    #[test]
-    #[ignore = "a survey"]
-    fn laws_of_ten_thousand_impacts_on_two_rough_obstacles() {
-        println!("{:?}", shares(10_000));
     }
 
     /// A smooth impact at one point loses m (1 - e^2) u^2 / 2, with the speed u of approach and the

@@ -88,7 +88,7 @@ impl<M: Method> Exact<M> {
     /// forces of a while before their ends, so that all of them may still press there.
     pub(super) fn opening_unseen(&self, start: &State<M::Memory>, flow: &[f64]) -> Option<f64> {
         let touching = &self.state.side.touching;
-        let forces = self.state.forces_of(flow)?;
+        let forces = self.forces_in(flow)?;
         let share = |(now, force): (&Touching, f64)| {
             let before = start.side.touching.iter().find(|before| before.key == now.key)?.force.normal;
             (now.mode != SideMode::Open && force < -PULLS * before).then(|| before / (before - force))

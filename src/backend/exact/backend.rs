@@ -55,6 +55,7 @@ impl<M: Method> Backend for Exact<M> {
             Stepping::Fixed(longest) => {
                 let longest = M::longest_step(self, &paths, longest, &mut report);
                 self.take_steps(&paths, n_steps_in(duration, longest), &mut report);
+                report.swing_rad = self.springs.blocks().take_most_swung();
             }
             Stepping::Controlled(control) => {
                 let longest = M::longest_macro_step(self, &paths);

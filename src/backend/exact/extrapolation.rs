@@ -79,7 +79,7 @@ pub fn advance<M: Method>(load: &mut Exact<M>, task: &Task) -> StepReport {
     // Share by which the contact mode changes, once that is known.
     let mut change_by = None;
     let (mut n_attempts, mut n_counted, many) = (0.0, 0.0, MANY_ATTEMPTS + MANY_A_MACRO_STEP * longest.recip());
-    while at < 1.0 {
+    while at < 1.0 && report.status != Status::Failed {
         n_attempts += (report.n_solves as f64 / SOLVES_AN_ATTEMPT - n_counted).max(1.0);
         n_counted = report.n_solves as f64 / SOLVES_AN_ATTEMPT;
         if n_attempts > many {

@@ -208,13 +208,13 @@ impl Exact<Inertial> {
         if stage_at != to {
             springs.place_tips(paths, to);
         }
-        self.accept(&stepped, step);
-        stepped.report
+        if self.accept(&stepped, step) { stepped.report } else { StepReport { status: Status::Failed, ..stepped.report } }
     }
 
-    /// Accepts a step (s) and adds its energies to the ledger.
+    /// Accepts a step (s) and adds its energies to the ledger. Returns `false` for energies that
+    /// are not finite: the ledger and the load then stay as they were.
     #[inline]
-    pub(super) fn accept(&mut self, Stepped { motion, stage, friction, mode, past, side, .. }: &Stepped, step: f64) {
+    pub(super) fn accept(&mut self, Stepped { motion, stage, friction, mode, past, side, .. }: &Stepped, step: f64) -> bool {
         let Self { method: Inertial { dashpots, .. }, state, springs, .. } = self;
         let damping = dashpots.loss(stage, step);
         let mut on_dashpots = 0.0;
@@ -224,20 +224,27 @@ impl Exact<Inertial> {
         }
         let accepted = springs.accept(&motion.pose);
         let kinetic = self.system.load.kinetic_energy(&motion.twist);
+        let SideWork { friction: side_friction, of_obstacles, .. } = side.unwrap_or_default();
+        // A dashpot stores nothing: the work on its tip goes to the load, less what it dissipates.
+        let on_load = accepted.on_load + on_dashpots - damping + (of_obstacles - side_friction);
+        let numerical_damping = on_load - friction - (kinetic - state.energy.kinetic);
+        if !(numerical_damping + accepted.of_tips + accepted.elastic).is_finite() {
+            springs.invalidate();
+            state.memory.dashpot_on_tip.fill(Vec2::zeros());
+            return false;
+        }
         let stood_still = accepted.tips_stood && motion.twist == Twist::ZERO && state.motion.twist == Twist::ZERO;
         state.contact = if stood_still { GroundContact::Settled(*mode) } else { GroundContact::Known(*mode) };
         (state.motion, state.memory.past, state.memory.touched) = (*motion, *past, None);
         let energy = &mut state.energy;
         energy.friction += friction;
-        let SideWork { friction: side_friction, of_obstacles, .. } = side.unwrap_or_default();
         energy.side_friction += side_friction;
         energy.obstacle_work += of_obstacles;
         energy.damping += damping;
         energy.add_tip_work(accepted.of_tips + on_dashpots, accepted.elastic);
-        // A dashpot stores nothing: the work on its tip goes to the load, less what it dissipates.
-        let on_load = accepted.on_load + on_dashpots - damping + (of_obstacles - side_friction);
-        energy.numerical_damping += on_load - friction - (kinetic - energy.kinetic);
+        energy.numerical_damping += numerical_damping;
         energy.kinetic = kinetic;
+        true
     }
 }
 

@@ -11,7 +11,7 @@ use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::shortcuts::{Forecast, Skip, Skips, StickCertificate};
 use crate::backend::springs::{AttachedSprings, Attachment, Attachments, TipPaths};
 use crate::backend::stepping::{Stepping, n_steps_in};
-use crate::backend::{EnergyLedger, Motion, RestoreError, StepReport, Transition, TransitionKind};
+use crate::backend::{EnergyLedger, Motion, RestoreError, Status, StepReport, Transition, TransitionKind};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
 
@@ -55,6 +55,12 @@ pub trait Method: Sized + Send {
         _report: &mut StepReport,
     ) -> Option<TransitionKind> {
         None
+    }
+
+    /// Bound of the error of the work of tips and obstacles in the last step (J), for a method whose
+    /// ledger has no other error.
+    fn work_error(_load: &Exact<Self>) -> f64 {
+        0.0
     }
 
     /// Length below which macro-steps are not shortened further (s).
@@ -107,6 +113,9 @@ pub struct Exact<M: Method> {
     pub(super) from: Vec<Attachment>,
     pub(super) transitions: Vec<Transition>,
 }
+
+/// Number of entries of a flow that all methods have: pose, twist and four energies (1).
+const N_COMMON: usize = 10;
 
 /// What changes during a run, besides the attached springs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -195,6 +204,10 @@ impl<M: Method> Exact<M> {
             let (start, last) = (self.state.snap_start(), self.state.contact.last());
             let n_not_unique = report.doubts.n_not_unique;
             report.add(&M::step(self, paths, share(done), share(done + 1)));
+            if report.status == Status::Failed {
+                break;
+            }
+            report.work_error_j += M::work_error(self);
             done += 1;
             let time = share(done) * paths.duration;
             let jump = M::complete_snap_through(self, &start, |load| load.springs.last_work_error(), report);
@@ -267,6 +280,13 @@ impl<M: Method> Exact<M> {
         if self.obstacles.is_some() { flow.chain(self.state.side_flow()).collect() } else { flow.collect() }
     }
 
+    /// Normal forces of closed contacts in a flow (N), if it is one of the same contacts.
+    pub(super) fn forces_in<'a>(&self, flow: &'a [f64]) -> Option<impl Iterator<Item = f64> + 'a> {
+        let forces = &flow[N_COMMON + M::extra_flow(&self.state).len()..];
+        let is_of_same = forces.len() == 2 * self.state.side.touching.len();
+        is_of_same.then(|| forces.chunks_exact(2).map(|force| force[0]))
+    }
+
     /// Replaces these quantities.
     pub(super) fn set_flow(&mut self, flow: &[f64]) {
         let Self { state, springs, system, obstacles, .. } = self;
@@ -278,10 +298,10 @@ impl<M: Method> Exact<M> {
         (state.energy.side_friction, state.energy.obstacle_work) = (flow[8], flow[9]);
         springs.accept_outside(&system.springs, &state.motion.pose);
         state.energy.elastic = springs.energy(&system.springs, &state.motion.pose);
-        M::set_extra_flow(state, system, &flow[10..]);
+        M::set_extra_flow(state, system, &flow[N_COMMON..]);
         if self.obstacles.is_some() {
             let n_extra = M::extra_flow(state).len();
-            state.set_forces(&flow[10 + n_extra..]);
+            state.set_forces(&flow[N_COMMON + n_extra..]);
         }
     }
 }
@@ -290,16 +310,6 @@ impl<H> State<H> {
     /// Forces of closed contacts (N).
     fn side_flow(&self) -> impl Iterator<Item = f64> + '_ {
         self.side.touching.iter().flat_map(|touching| [touching.force.normal, touching.force.tangential])
-    }
-
-    /// Normal forces of closed contacts in a flow (N), if it is one of the same contacts.
-    pub(super) fn forces_of<'a>(&self, flow: &'a [f64]) -> Option<impl Iterator<Item = f64> + 'a>
-    where
-        H: 'a,
-    {
-        let n_forces = 2 * self.side.touching.len();
-        let forces = flow.get(flow.len().checked_sub(n_forces)?..)?;
-        Some(forces.chunks_exact(2).map(|force| force[0]))
     }
 
     /// Replaces these forces, if they are of the same contacts.

@@ -147,7 +147,11 @@ impl Exact<QuasiStatic> {
             pose = before;
         }
         let accepted = springs.accept(&pose);
-        state.energy.add_tip_work(accepted.of_tips, accepted.elastic);
+        if (accepted.of_tips + accepted.elastic).is_finite() {
+            state.energy.add_tip_work(accepted.of_tips, accepted.elastic);
+        } else {
+            report.status = Status::Failed;
+        }
         if state.contact.last() == ContactMode::Stick
             && self.skips.stick_certificate
             && pose == before
@@ -251,5 +255,9 @@ impl Method for QuasiStatic {
         report: &mut StepReport,
     ) -> Option<TransitionKind> {
         load.snap_through(start, allowed, report)
+    }
+
+    fn work_error(load: &Exact<Self>) -> f64 {
+        load.springs.last_work_error() + load.state.side.uncertainty
     }
 }

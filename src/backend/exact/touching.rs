@@ -98,7 +98,9 @@ impl Exact<Inertial> {
         state.forecast.learn(&found, step);
         let report = found.report;
         let stepped = Stepped { motion, stage: pose, friction: found.friction, mode: found.mode, past: None, side: Some(side), report };
-        self.accept(&stepped, step);
+        if !self.accept(&stepped, step) {
+            return None;
+        }
         let past = Past { shift: found.shift, turn: found.twist.z, duration: step };
         self.state.memory.touched = Some(Touched { step: past, before: twist, tips });
         Some(report)

@@ -40,6 +40,8 @@ pub(super) struct Block {
     /// Squared product of the change of the pulls and the displacement of the tips, from the
     /// accepted pose before to this one (J^2).
     squared_error: Numbers,
+    /// Largest change of swing from an accepted pose to the next one (rad).
+    most_swung: Numbers,
     /// Swing (rad), pull on the tip (N, load axes) and unit vector from root to tip (load axes)
     /// at the pose that was evaluated last.
     last_swing: Numbers,
@@ -186,6 +188,7 @@ impl Block {
         let squared = displacement.dot(displacement);
         self.squared_error = change.dot(change) * squared;
         (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.last_direction);
+        self.most_swung = self.most_swung.max((self.last_swing - self.swing).abs());
         self.swing = self.last_swing;
         let turned = Numbers::splat(std::f64::consts::PI);
         if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
@@ -193,6 +196,12 @@ impl Block {
         }
         let acts = self.shortest.simd_gt(Numbers::ZERO);
         [sum.dot(displacement), acts & squared]
+    }
+
+    /// Largest change of swing from an accepted pose to the next one, since the last call (rad).
+    pub fn take_most_swung(&mut self) -> Numbers {
+        // A spring without a rest length has no direction.
+        std::mem::replace(&mut self.most_swung, Numbers::ZERO) & self.rest_length.simd_gt(Numbers::ZERO)
     }
 
     /// Change of the pulls times displacement of the tips on the way to the accepted pose (J).

@@ -229,6 +229,13 @@ impl SpringBlocks {
         0.5 * self.blocks.iter().map(|block| block.error().reduce_add()).sum::<f64>()
     }
 
+    /// Largest change of the direction of a spring about its root from an accepted pose to the next
+    /// one, since the last call (rad).
+    pub fn take_most_swung(&mut self) -> f64 {
+        let swung = |most: Numbers, block: &mut Block| most.max(block.take_most_swung());
+        self.blocks.iter_mut().fold(Numbers::ZERO, swung).to_array().into_iter().fold(0.0, f64::max)
+    }
+
     /// The accepted place.
     pub fn place(&self) -> &Place {
         &self.accepted.at

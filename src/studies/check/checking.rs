@@ -11,10 +11,10 @@ use super::difference::Difference;
 use super::measure::{Row, moving_row};
 use super::record::{Event, Record};
 use super::tolerance::Tolerances;
-use crate::backend::{BackendOptions, Status};
+use crate::backend::BackendOptions;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
-use crate::simulation::{Keep, Outcome, Simulation, Trace};
+use crate::simulation::{Health, Keep, Outcome, Simulation, Trace};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
@@ -109,7 +109,7 @@ fn judged(baseline: &Baseline, scenario: &Scenario, settings: &Settings, now: &B
     let (trace, outcome) = found;
     let run = Run { scenario, options: &baseline.options, outcome, path_length: None, wall_time: None };
     let tolerances = if settings.exact { Tolerances::default() } else { baseline.tolerances };
-    let (verdict, difference) = if outcome.steps.status == Status::Failed {
+    let (verdict, difference) = if outcome.account.health == Health::Failed {
         (Verdict::NotComputed, Difference::default())
     } else {
         let difference = Difference::between(&baseline.record, trace, &run, &tolerances);

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::analysis::compare::{ClosedLoop, Pathwise, Settings, Verdict};
 use crate::output::page::Answer;
 use crate::scenario::Scenario;
-use crate::simulation::Trace;
+use crate::simulation::{Health, Trace};
 use crate::studies::compare::answer;
 use crate::studies::compare::beside::Beside;
 
@@ -65,6 +65,19 @@ impl Tiers {
     /// Comparisons of paths: prescribed, then replayed.
     pub fn pathwise(&self) -> impl Iterator<Item = &Pathwise> {
         [&self.prescribed, &self.replayed].into_iter().flatten()
+    }
+
+    /// The worst account: a comparison that could not be computed has failed, and one with doubts or
+    /// with a run that is not ok is doubtful.
+    pub fn worst(&self) -> Health {
+        let accounts = self.pathwise().flat_map(|found| &found.solutions).map(|solution| solution.account.health);
+        let is_doubted =
+            self.pathwise().any(|found| !found.doubts.is_empty()) || self.closed_loop.iter().any(|found| !found.doubts.is_empty());
+        match () {
+            () if !self.are_computed() => Health::Failed,
+            () if is_doubted || accounts.max() > Some(Health::Ok) => Health::Doubtful,
+            () => Health::Ok,
+        }
     }
 
     /// Whether all runs succeeded.

@@ -1,8 +1,9 @@
 //! A comparison as text: the answer, the evidence, and all details on request.
 
 use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
-use crate::analysis::compare::{LONGEST_TRIAL, Pathwise, Predicted, SuggestedChange, Tier, Tried};
-use crate::backend::{PoseError, Status, Tolerance};
+use crate::analysis::compare::{LONGEST_TRIAL, Pathwise, Predicted, Solution, SuggestedChange, Tier, Tried};
+use crate::backend::{PoseError, Tolerance};
+use crate::output::account_words::{self, name};
 use crate::output::quantity::of_run::{quantity, short_quantity};
 use crate::output::quantity::short;
 use crate::output::text::{Detail, Lines};
@@ -42,6 +43,15 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
         _ => {}
     }
     lines.text
+}
+
+/// Warnings about runs of paths that are not ok.
+pub fn account_warnings(comparison: &Comparison) -> Vec<String> {
+    let solutions = comparison.tiers.pathwise().flat_map(|found| &found.solutions);
+    let of_run = |solution: &Solution| {
+        account_words::warnings(&solution.account).map(|what| format!("{}: {what}", solution.kind.name())).collect::<Vec<_>>()
+    };
+    solutions.flat_map(of_run).collect()
 }
 
 /// Warning about reference runs that do not reach the tolerance asked for; `None` if all do.
@@ -183,9 +193,13 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     row("", format!("{} of coasting from the start", or_none(predicted.coasting_m, "m")));
     row("", format!("release factor {}", or_none(predicted.release_factor, "")));
     for solution in &found.solutions {
-        let failed = if solution.steps.status == Status::Failed { ", FAILED" } else { "" };
         let steps = solution.step_s.map_or("error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
-        let counts = format!("{} solves, {} not converged{failed}", solution.steps.n_solves, solution.steps.n_not_converged);
+        let counts = format!(
+            "{} solves, {} not converged, {}",
+            solution.steps.n_solves,
+            solution.steps.n_not_converged,
+            name(solution.account.health)
+        );
         row(solution.kind.name(), format!("{steps}, {counts}"));
     }
     rows

@@ -2,16 +2,17 @@
 
 use crate::analysis::compare::LEAST_MOTION;
 use crate::analysis::estimate::{InertiaEstimate, TOLERANCE_SHARE};
-use crate::backend::Status;
+use crate::output::account_words;
 use crate::output::page::Answer;
 use crate::output::quantity::of_run::short_quantity;
 use crate::output::quantity::short;
+use crate::simulation::Health;
 use crate::simulation::run_facts::Run;
 
 /// Whether the estimate calls inertia negligible; [`Answer::None`] without an estimate.
 pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
     match estimate {
-        _ if run.outcome.steps.status == Status::Failed => Answer::Open,
+        _ if run.outcome.account.health == Health::Failed => Answer::Open,
         None => Answer::None,
         Some(estimate) if nothing_moved(run, estimate) => Answer::Open,
         Some(estimate) => match estimate.is_negligible {
@@ -24,7 +25,7 @@ pub fn is_negligible(run: &Run, estimate: Option<&InertiaEstimate>) -> Answer {
 
 pub fn sentence(run: &Run, estimate: Option<&InertiaEstimate>) -> String {
     // A failed run has no path to which an effect could be compared.
-    let estimate = estimate.filter(|_| run.outcome.steps.status != Status::Failed);
+    let estimate = estimate.filter(|_| run.outcome.account.health != Health::Failed);
     let inertia = estimate.map_or(String::new(), |estimate| format!(" {}", inertia_sentence(run, estimate)));
     format!("{}{inertia}", end_sentence(run))
 }
@@ -32,8 +33,9 @@ pub fn sentence(run: &Run, estimate: Option<&InertiaEstimate>) -> String {
 fn end_sentence(run: &Run) -> String {
     let (outcome, steps) = (run.outcome, &run.outcome.steps);
     let time = short_quantity(outcome.time, "s");
-    if steps.status == Status::Failed {
-        return format!("The run failed: a step had no finite solution, so that the result at {time} is not valid.");
+    let cause = account_words::cause(&outcome.account).unwrap_or_default();
+    if outcome.account.health == Health::Failed {
+        return format!("The run failed: {cause}. The result at {time} is not valid.");
     }
     let [x, y] = [0, 1].map(|axis| short_quantity(outcome.motion.pose.position[axis], "m"));
     let end = match outcome.arrived {
@@ -42,6 +44,7 @@ fn end_sentence(run: &Run) -> String {
         None => format!("The load ended at ({x}, {y}) after {time}"),
     };
     match steps.n_not_converged {
+        _ if outcome.account.health == Health::Doubtful => format!("{end}. This is doubtful: {cause}."),
         0 => format!("{end}; all {} steps converged.", steps.n_steps),
         n => format!("{end}; {n} of {} steps did not converge.", steps.n_steps),
     }
@@ -110,7 +113,7 @@ mod tests {
     fn a_failed_run_says_nothing_on_inertia() {
         let scenario = Scenario::parse(include_str!("../../../scenarios/analytic/release-jump.json"), "released").unwrap();
         let (options, mut outcome, estimate) = estimated(&scenario);
-        outcome.steps.status = Status::Failed;
+        outcome.account.health = Health::Failed;
         let run = Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time: None };
         let sentence = sentence(&run, Some(&estimate));
         assert!(sentence.ends_with(" is not valid."), "{sentence}");

@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 
 use crate::analysis::estimate::InertiaEstimate;
 use crate::backend::{BackendKind, Integrator, RapierOptions, Setting, Status};
+use crate::simulation::Account;
 use crate::simulation::run_facts::{FACTS, Run, Value};
 use crate::studies::run::answer::sentence;
 
@@ -29,6 +30,7 @@ struct Object<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     rapier: Option<RapierOptions>,
     seed: u64,
+    account: &'a Account,
     #[serde(flatten)]
     numbers: Node,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -54,6 +56,7 @@ impl Serialize for RunSummary<'_> {
             integrator: options.reads(Setting::Integrator).then_some(options.integrator),
             rapier: options.reads(Setting::Engine).then_some(options.rapier),
             seed: scenario.seed,
+            account: &outcome.account,
             numbers: Node::Object(numbers),
             inertia_estimate: self.inertia_estimate,
         };

@@ -1,10 +1,11 @@
 //! A run as text: the answer, the evidence, and all details on request.
 
 use crate::analysis::estimate::InertiaEstimate;
-use crate::backend::{Status, StepReport};
+use crate::backend::Status;
 use crate::math::Vec2;
+use crate::output::account_words;
 use crate::output::quantity::of_run::{quantity, short_quantity};
-use crate::output::quantity::{number, short};
+use crate::output::quantity::short;
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::simulation::run_facts::{FACTS, Run, Value, unit_of};
@@ -93,6 +94,7 @@ fn brief(run: &Run, lines: &mut Lines) {
     lines.row("energy", &format!("tip work {work}, dissipated {dissipated}, defect {defect}"));
     let skipped = format!("{} %", short(100.0 * steps.n_skipped as f64 / steps.n_steps.max(1) as f64));
     lines.row("steps", &format!("{}, {skipped} skipped, {} not converged", steps.n_steps, steps.n_not_converged));
+    lines.row("account", account_words::name(run.outcome.account.health));
     if let Some(wall_time) = run.wall_time {
         lines.row("wall time", &short_quantity(wall_time, "s"));
     }
@@ -118,36 +120,6 @@ fn full(run: &Run, lines: &mut Lines) {
     }
 }
 
-/// Warning about steps that did not converge; `None` if all did.
-pub fn convergence_warning(summary: &RunSummary) -> Option<String> {
-    let steps = &summary.run.outcome.steps;
-    let worst = finite_residual(steps).map_or(String::new(), |residual| format!(" (largest residual {})", number(residual)));
-    let what = match (steps.status, steps.n_not_converged) {
-        (Status::Converged, _) => return None,
-        (Status::NotConverged, 1) => format!("1 step did not converge{worst}"),
-        (Status::NotConverged, n) => format!("{n} steps did not converge{worst}"),
-        // The residual is that of the steps before.
-        (Status::Failed, _) => "a step had no finite solution, and the load stayed where it was".to_owned(),
-    };
-    let lost = Some(steps.lost_share).filter(|share| *share > 0.0).map(|share| {
-        let lost = format!("single precision lost {} % of the path by rounding", short(100.0 * share));
-        format!("; {lost}: use a longer step or double precision")
-    });
-    let gained = Some(steps.gained_share).filter(|share| *share != 0.0).map(|share| {
-        let (did, cure) = if share > 0.0 { ("gained", "use a shorter step") } else { ("lost", "use fixed steps beside it") };
-        let gained = format!("the run {did} {} % of the energy that went in", short(100.0 * share.abs()));
-        format!("; {gained}, because its steps do not resolve the springs or contacts: {cure}")
-    });
-    Some(format!("{what}{}{}", lost.unwrap_or_default(), gained.unwrap_or_default()))
-}
-
-/// Warning about steps that do not resolve the springs; `None` if all do.
-pub fn resolution_warning(summary: &RunSummary) -> Option<String> {
-    let angle = Some(summary.run.outcome.steps.unresolved_rad).filter(|angle| *angle > 0.0)?;
-    let what = format!("the shortest default step does not resolve the springs as attached: up to {} rad in a step", short(angle));
-    Some(format!("{what}; use --tolerance, or a shorter --step-s"))
-}
-
 /// Warning about neglected inertia that is not known to be negligible.
 pub fn inertia_warning(estimate: &InertiaEstimate) -> Option<String> {
     if estimate.touches_obstacle {
@@ -162,10 +134,6 @@ pub fn inertia_warning(estimate: &InertiaEstimate) -> Option<String> {
     };
     let what = format!("inertia {may_be} negligible here: estimated inertia effect {effect}, tolerance {}", tolerance(estimate));
     Some(format!("{what}; `cohaul compare` measures it"))
-}
-
-fn finite_residual(steps: &StepReport) -> Option<f64> {
-    Some(steps.residual).filter(|residual| residual.is_finite())
 }
 
 #[cfg(test)]
@@ -206,23 +174,6 @@ mod tests {
             assert_eq!(text.contains("\n  inertia effect "), !touches_obstacle, "{text}");
             assert_eq!(text.contains("\n  tolerance "), !touches_obstacle, "{text}");
         }
-    }
-
-    #[test]
-    fn a_warning_counts_steps_and_has_a_residual_only_of_steps_with_a_solution() {
-        let scenario = Scenario::parse(include_str!("../../../scenarios/analytic/release-jump.json"), "released").unwrap();
-        let options = synthetic::options(BackendKind::Inertial);
-        let warning = |status, n_not_converged| {
-            let mut outcome = synthetic::outcome(None);
-            (outcome.steps.status, outcome.steps.n_not_converged, outcome.steps.residual) = (status, n_not_converged, 0.25);
-            let run = Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time: None };
-            convergence_warning(&RunSummary { run, inertia_estimate: None })
-        };
-        let told = warning(Status::NotConverged, 1).unwrap();
-        assert_eq!(told, "1 step did not converge (largest residual 0.2500)");
-        assert!(warning(Status::NotConverged, 2).unwrap().starts_with("2 steps did not converge ("));
-        assert!(!warning(Status::Failed, 1).unwrap().contains("residual"));
-        assert_eq!(warning(Status::Converged, 0), None);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::heat_map::heat_map;
 use super::page::stress_page;
 use super::report::Stress;
 use super::{Map, Row};
+use crate::output::account_words;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
@@ -43,6 +44,7 @@ fn cells(maps: &[Map], rows: &[Row]) -> Table {
             ("backend", "", &|(_, row)| row.method.key.into()),
             ("outcome", "", &|(_, row)| row.outcome.name().into()),
             ("cause", "", &|(_, row)| row.cause.as_str().into()),
+            ("account", "", &|(_, row)| row.account.map_or("", |judged| account_words::name(judged.health)).into()),
             ("residual", "", &|(_, row)| row.numbers.residual.into()),
             ("not converged share", "", &|(_, row)| row.numbers.not_converged_share.into()),
             ("defect", "J", &|(_, row)| row.numbers.defect_j.into()),

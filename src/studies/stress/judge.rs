@@ -7,7 +7,7 @@
 //! | `unexplained` | nothing explains the fault, or a clock or a tip is not where it was sent |
 //! | `failed` | some step had no finite answer, and the backend said so |
 //! | `too-long` | the run costs more than its budget of work |
-//! | `energy-from-nowhere` | the positive defect exceeds [`allowed_defect`] |
+//! | `energy-from-nowhere` | the account of the run finds it |
 //! | `not-converged` | some step ended above its tolerance, and the backend said so |
 //! | `creep` | the edge of a load that must stick moved by over 1e-9 of its radius |
 //! | `drift` | a load left the axis of a symmetric scene by over 1e-3 of its displacement |
@@ -20,9 +20,8 @@ use serde::{Deserialize, Serialize};
 use super::map::Asked;
 use super::run::{Numbers, Run};
 use crate::backend::Status;
-use crate::backend::increment::LARGEST_RESIDUAL;
 use crate::scenario::Scenario;
-use crate::studies::methods::Method;
+use crate::simulation::Health;
 use crate::studies::variants::names;
 
 /// How a cell ended. The order is that of severity.
@@ -60,12 +59,13 @@ pub const MOST_CREEP: f64 = 1e-9;
 pub const MOST_DRIFT: f64 = 1e-3;
 /// Error over path length (1).
 pub const MOST_ERROR: f64 = 0.1;
-/// Share of the energy turned over that trapezoids may miss where a step does not resolve the
-/// oscillation (1).
-const MOST_QUADRATURE: f64 = 0.01;
+/// Displacement over the radius that counts at least, where an account is judged (1).
+const LEAST_RIM: f64 = 0.01;
+/// Displacement over the radius that counts at least in an error (1): see [`super::run::error`].
+const LEAST_PATH: f64 = 1e-9;
 
 /// Numbers and outcome of a run whose error is known or not.
-pub fn judge(scenario: &Scenario, asked: &Asked, method: Method, run: &Run, error: Option<f64>) -> (Outcome, Numbers) {
+pub fn judge(scenario: &Scenario, asked: &Asked, run: &Run, error: Option<f64>) -> (Outcome, Numbers) {
     let (seen, report) = (&run.seen, &run.seen.report);
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
     let defect = run.ledger.defect();
@@ -93,7 +93,7 @@ pub fn judge(scenario: &Scenario, asked: &Asked, method: Method, run: &Run, erro
         _ if report.status == Status::Failed => Outcome::Failed,
         _ if run.lost.is_some() => Outcome::Unexplained,
         _ if run.is_cut => Outcome::TooLong,
-        _ if defect > allowed_defect(scenario, method, run) => Outcome::EnergyFromNowhere,
+        _ if run.account.gained_energy() => Outcome::EnergyFromNowhere,
         _ if report.status == Status::NotConverged => Outcome::NotConverged,
         _ if above(creep, MOST_CREEP) => Outcome::Creep,
         _ if above(drift, MOST_DRIFT) => Outcome::Drift,
@@ -101,6 +101,25 @@ pub fn judge(scenario: &Scenario, asked: &Asked, method: Method, run: &Run, erro
         _ => Outcome::Finished,
     };
     (outcome, numbers)
+}
+
+/// What a run said of itself, beside its error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Judged {
+    pub health: Health,
+    /// Whether the end is right to a tenth of the displacement, or of a hundredth of the radius of a
+    /// load that moved less.
+    pub is_right: bool,
+    /// Whether it is right to that, or to the step error that the run stated.
+    pub is_as_stated: bool,
+}
+
+/// The account of a run beside its `error` over the displacement (1).
+pub fn judged(scenario: &Scenario, run: &Run, error: f64) -> Judged {
+    let allowed = MOST_ERROR * run.seen.rim.max(LEAST_RIM * scenario.system.load.radius);
+    let error = error * run.seen.rim.max(LEAST_PATH * scenario.system.load.radius);
+    let stated = run.account.step_error_m.unwrap_or_default().max(allowed);
+    Judged { health: run.account.health, is_right: error <= allowed, is_as_stated: error <= stated }
 }
 
 /// The step in radians of the fastest oscillation of the load on all its springs.
@@ -112,36 +131,4 @@ pub fn step_radians(scenario: &Scenario) -> f64 {
 fn turnover(run: &Run) -> f64 {
     let ledger = &run.ledger;
     ledger.tip_work.abs() + ledger.initial + ledger.dissipated() + run.seen.peak_energy
-}
-
-/// Positive defect (J) that rounding and quadrature explain:
-///
-/// * rounding: every step adds to sums as large as the turnover, and its forces know places to a
-///   last digit of the load's and the tips';
-/// * the residual with which the engine may end a step, as in an impact that turns over everything;
-/// * work of tips and moving obstacles, a trapezoid: at most the change of the force times the
-///   displacement, step by step;
-/// * work on the load, a trapezoid along an oscillation: (omega h)^2 / 12 of what is turned over,
-///   and no more than a hundredth where omega h is not small. Without inertia there is none. Rapier
-///   with its engine defaults cuts a step in four, of which its forces are those of the last: omega
-///   h in place of its square;
-/// * friction with the ground in a step in which a load bounces, of the engine: it points against
-///   the velocity after the bounce for the whole step;
-/// * friction of the midpoint rule, which uses the direction at the end of a step for the whole
-///   step: a hundredth of its loss, for a slip that turns by 0.35 rad in a step.
-pub fn allowed_defect(scenario: &Scenario, method: Method, run: &Run) -> f64 {
-    let digit = if method.options(1.0).is_single_precision() { f64::from(f32::EPSILON) } else { f64::EPSILON };
-    let reach = run.seen.farthest + scenario.system.load.radius;
-    let turned = turnover(run);
-    let rounding = run.seen.report.n_steps.max(1) as f64 * digit * (turned + run.seen.peak_force * reach);
-    let solved = if method.kind.is_exact() { 0.0 } else { LARGEST_RESIDUAL * turned };
-    let radians = step_radians(scenario);
-    let oscillation = match method {
-        _ if !method.kind.has_inertia() => 0.0,
-        _ if method.has_engine_defaults() => radians,
-        _ => radians * radians / 12.0,
-    };
-    let turning = if method == Method::INERTIAL_MIDPOINT { MOST_QUADRATURE * run.ledger.friction } else { 0.0 };
-    let bounces = if method.kind.is_exact() { 0.0 } else { run.seen.at_impacts * run.seen.speed };
-    rounding + solved + run.seen.quadrature + bounces + oscillation.min(MOST_QUADRATURE) * turned + turning
 }

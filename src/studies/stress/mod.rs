@@ -37,7 +37,7 @@ mod scene;
 mod suite;
 
 pub use crate::studies::runner::Effort;
-pub use judge::Outcome;
+pub use judge::{Judged, Outcome};
 pub use map::{Answer, Asked, Axis, Cell, Map};
 pub use maps::all;
 pub use run::Numbers;

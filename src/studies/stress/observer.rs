@@ -1,6 +1,6 @@
 //! Hook that records what a backend does at every step.
 
-use crate::backend::{Backend, Hook, Motion, Shared, Status, StepReport, TransitionKind, Wrapped};
+use crate::backend::{Backend, Hook, Motion, Shared, Status, StepReport, Wrapped};
 use crate::math::{Pose, Vec2, rotation};
 use crate::model::{PolarSpring, System};
 
@@ -13,12 +13,6 @@ pub struct Seen {
     pub not_finite: Option<String>,
     /// The first tip that was not where it was sent.
     pub misplaced: Option<String>,
-    /// Bound of the error of the work of tips and obstacles (J): sum over steps of the change of
-    /// each pull times the displacement of its tip, and of the change of the force of each moving
-    /// obstacle times its displacement.
-    pub quadrature: f64,
-    /// Impulse of friction with the ground in steps with an impact, or more (N s).
-    pub at_impacts: f64,
     /// Largest sum of elastic and kinetic energy (J).
     pub peak_energy: f64,
     /// Largest force of a spring (N).
@@ -52,8 +46,6 @@ pub struct Observer {
     system: System,
     start: Pose,
     swings: Vec<f64>,
-    /// (s)
-    time: f64,
     seen: Shared<Seen>,
 }
 
@@ -62,7 +54,7 @@ impl Observer {
     pub fn around(inside: Box<dyn Backend>, system: &System) -> (Box<dyn Backend>, Shared<Seen>) {
         let seen = Shared::new(Seen { shortest: f64::INFINITY, ..Seen::default() });
         let (start, swings) = (inside.motion().pose, vec![0.0; system.springs.len()]);
-        let hook = Self { system: system.clone(), start, swings, time: 0.0, seen: seen.clone() };
+        let hook = Self { system: system.clone(), start, swings, seen: seen.clone() };
         (Box::new(Wrapped { inside, hook }), seen)
     }
 
@@ -79,15 +71,6 @@ impl Observer {
 
     fn pulls(&self, inside: &dyn Backend) -> Vec<Vec2> {
         (0..self.system.springs.len()).map(|at| inside.pull(at)).collect()
-    }
-
-    /// Force of each obstacle on the load (N).
-    fn pushes(&self, inside: &dyn Backend) -> Vec<Vec2> {
-        let mut pushes = vec![Vec2::zeros(); self.system.world.obstacles.len()];
-        for contact in inside.side_contacts() {
-            pushes[contact.obstacle] += contact.force;
-        }
-        pushes
     }
 
     fn tips(&self, inside: &dyn Backend) -> Vec<Option<Vec2>> {
@@ -188,33 +171,23 @@ impl Hook for Observer {
     }
 
     fn advance(&mut self, inside: &mut dyn Backend, tip_targets: &[Vec2], duration: f64) -> StepReport {
-        let (shapes, tips, pulls) = (self.shapes(inside), self.tips(inside), self.pulls(inside));
-        let (before, pushes) = (inside.motion().pose, self.pushes(inside));
+        let (shapes, tips, before) = (self.shapes(inside), self.tips(inside), inside.motion().pose);
         let report = inside.advance(tip_targets, duration);
         let seen = self.seen.clone();
         let seen = &mut *seen.borrow();
         seen.report.add(&report);
         seen.n_advances += 1;
-        if inside.transitions().iter().any(|it| matches!(it.kind, TransitionKind::Impact { .. })) {
-            seen.at_impacts += self.system.total_slip_limit() * duration;
-        }
         let step = seen.n_advances;
-        for (at, (tip, pull)) in tips.iter().zip(&pulls).enumerate() {
+        for (at, tip) in tips.iter().enumerate() {
             let Some(tip) = tip else { continue };
             let (way, spring) = (tip_targets[at] - tip, &self.system.springs[at]);
-            let after = inside.pull(at);
             let size = if spring.rest_length > 0.0 { spring.rest_length } else { self.system.load.radius };
-            seen.quadrature += (after - pull).norm() * way.norm();
-            seen.peak_force = seen.peak_force.max(after.norm());
+            seen.peak_force = seen.peak_force.max(inside.pull(at).norm());
             seen.tip_way = seen.tip_way.max(way.norm() / size);
             if inside.tip(at) != Some(tip_targets[at]) && report.status != Status::Failed && seen.misplaced.is_none() {
                 seen.misplaced = Some(format!("tip {at} is not where it was sent at step {step}"));
             }
         }
-        let paths = self.system.world.obstacles.iter().map(|obstacle| obstacle.path_length(self.time, self.time + duration));
-        let changes = self.pushes(inside).into_iter().zip(pushes).map(|(after, before)| (after - before).norm());
-        seen.quadrature += changes.zip(paths).map(|(change, path)| change * path).sum::<f64>();
-        self.time += duration;
         self.see_springs(inside, seen, &shapes);
         self.see_load(inside, seen, &before);
         if seen.not_finite.is_none() {

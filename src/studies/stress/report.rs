@@ -7,8 +7,9 @@ use serde::Serialize;
 
 use crate::output::quantity::quantity;
 use crate::output::table::{Field, Table};
+use crate::simulation::Health;
 use crate::studies::methods::Method;
-use crate::studies::stress::{Map, Outcome, Row};
+use crate::studies::stress::{Judged, Map, Outcome, Row};
 use crate::studies::variants;
 
 /// What `stress --json` prints.
@@ -26,9 +27,38 @@ pub struct Stress {
     pub wall_s: f64,
     /// Number of runs by backend and outcome.
     pub outcomes: Counts,
+    /// What runs with a known answer said of themselves, by backend.
+    pub accounts: BTreeMap<&'static str, Accounts>,
     pub maps: Vec<MapSummary>,
     /// The first of what must not be.
     pub defects: Vec<Defect>,
+}
+
+/// Numbers of runs by what they said of themselves and whether it is so. Right is an end that is off
+/// by at most a tenth of the displacement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Accounts {
+    pub n_ok: usize,
+    pub n_ok_and_right: usize,
+    /// Runs that are ok, and right to a tenth or to the step error that they stated.
+    pub n_ok_and_as_stated: usize,
+    pub n_not_ok: usize,
+    /// False alarms: runs that are doubtful or failed, and right.
+    pub n_not_ok_and_right: usize,
+}
+
+impl Accounts {
+    fn add(&mut self, judged: &Judged) {
+        let (is_right, is_as_stated) = (usize::from(judged.is_right), usize::from(judged.is_as_stated));
+        if judged.health == Health::Ok {
+            self.n_ok += 1;
+            self.n_ok_and_right += is_right;
+            self.n_ok_and_as_stated += is_as_stated;
+        } else {
+            self.n_not_ok += 1;
+            self.n_not_ok_and_right += is_right;
+        }
+    }
 }
 
 pub type Counts = BTreeMap<&'static str, BTreeMap<&'static str, usize>>;
@@ -79,6 +109,7 @@ impl Stress {
             quick,
             wall_s,
             outcomes: counts(rows.iter()),
+            accounts: accounts(rows),
             maps: maps.iter().map(of_map).collect(),
             defects: defects.collect(),
         }
@@ -90,6 +121,14 @@ impl Defect {
         let (backend, outcome) = (row.method.key, row.outcome.name());
         Self { map: row.map.clone(), x: row.x, y: row.y, backend, outcome, cause: row.cause.clone() }
     }
+}
+
+fn accounts(rows: &[Row]) -> BTreeMap<&'static str, Accounts> {
+    let mut accounts = BTreeMap::<_, Accounts>::new();
+    for (row, judged) in rows.iter().filter_map(|row| Some((row, row.account.as_ref()?))) {
+        accounts.entry(row.method.key).or_default().add(judged);
+    }
+    accounts
 }
 
 fn counts<'a>(rows: impl Iterator<Item = &'a Row>) -> Counts {
@@ -112,6 +151,8 @@ pub fn stress_text(found: &Stress) -> String {
         writeln!(text, "all maps").expect("a string takes all");
         text.push_str(&table(&found.outcomes));
     }
+    text.push_str("what runs with a known answer said of themselves\n");
+    text.push_str(&account_table(&found.accounts).text());
     for Defect { map, x, y, backend, outcome, cause } in &found.defects {
         writeln!(text, "{outcome}: {map} at {x:e}, {y:e} by {backend}: {cause}").expect("a string takes all");
     }
@@ -132,6 +173,17 @@ fn table(counts: &Counts) -> String {
         table.push([Field::from(method.key)].into_iter().chain(numbers));
     }
     table.text()
+}
+
+/// A line a backend.
+pub fn account_table(accounts: &BTreeMap<&'static str, Accounts>) -> Table {
+    let columns = ["backend", "ok", "ok and right", "ok and as stated", "not ok", "not ok and right"];
+    let methods = Method::all_stressed().filter_map(|method| Some((method, accounts.get(method.key)?)));
+    let row = |(method, of): (Method, &Accounts)| {
+        let numbers = [of.n_ok, of.n_ok_and_right, of.n_ok_and_as_stated, of.n_not_ok, of.n_not_ok_and_right];
+        [Field::from(method.key)].into_iter().chain(numbers.map(Field::from)).collect::<Vec<_>>()
+    };
+    Table::new("", columns).with_rows(methods.map(row))
 }
 
 /// Names of the maps, their parameters and what they do.

@@ -7,7 +7,7 @@ use super::map::Answer;
 use super::observer::{Observer, Seen};
 use crate::backend::{Motion, Shared, Status};
 use crate::scenario::Scenario;
-use crate::simulation::{Keep, MakeBackend, Simulation, controller_of};
+use crate::simulation::{Account, Keep, MakeBackend, Simulation, controller_of};
 use crate::studies::methods::Method;
 
 /// Steps times joints that a run may cost: seconds. Counted before it starts, so that the same
@@ -26,6 +26,8 @@ pub struct Run {
     pub seen: Seen,
     pub end: Motion,
     pub ledger: crate::backend::EnergyLedger,
+    /// Whether the run itself says that its numbers can be trusted.
+    pub account: Account,
     /// Spent more than its budget of iterations.
     pub is_cut: bool,
     /// Fault of the clock or of the tips.
@@ -105,7 +107,14 @@ fn run_at(scenario: &Scenario, method: Method, step: f64, make: &MakeBackend) ->
         let seen = seen.borrow().clone();
         let late = (outcome.time - scenario.duration).abs() > 1e-9 * scenario.control_period;
         let lost = (late && !is_cut).then(|| format!("the clock stands at {} s at the end, not at {} s", outcome.time, scenario.duration));
-        Run { lost: lost.or_else(|| seen.misplaced.clone()), end: outcome.motion, ledger: outcome.energy, is_cut, seen }
+        Run {
+            account: outcome.account,
+            lost: lost.or_else(|| seen.misplaced.clone()),
+            end: outcome.motion,
+            ledger: outcome.energy,
+            is_cut,
+            seen,
+        }
     })
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cause::Facts;
 use super::guard::guarded;
-use super::judge::{Outcome, judge};
+use super::judge::{Judged, Outcome, judge, judged};
 use super::map::{Answer, Cell, Map};
 use super::run::{self, Numbers, Run};
 use crate::scenario::Scenario;
@@ -22,6 +22,8 @@ pub struct Row {
     pub outcome: Outcome,
     /// Empty for a cell that finished.
     pub cause: String,
+    /// What the run said of itself, beside its error; `None` where no error is known.
+    pub account: Option<Judged>,
     pub numbers: Numbers,
 }
 
@@ -35,10 +37,18 @@ pub fn tasks<'a>(maps: &'a [Map], methods: &'a [Method], make: &'a MakeBackend) 
 
 fn rows(map: &Map, index: usize, methods: &[Method], make: &MakeBackend) -> Vec<Row> {
     let [x, y] = map.parameters(index);
-    let row = |method: Method, (outcome, cause, numbers)| Row { map: map.name.to_owned(), x, y, method, outcome, cause, numbers };
-    let all = |outcome: Outcome, cause: &str| {
-        methods.iter().map(|method| row(*method, (outcome, cause.to_owned(), Numbers::default()))).collect()
+    let row = |method: Method, Ended { outcome, cause, account, numbers }| Row {
+        map: map.name.to_owned(),
+        x,
+        y,
+        method,
+        outcome,
+        cause,
+        account,
+        numbers,
     };
+    let all =
+        |outcome: Outcome, cause: &str| methods.iter().map(|method| row(*method, Ended::unjudged(outcome, cause.to_owned()))).collect();
     let cell = match guarded(|| (map.cell)(x, y)) {
         Ok(cell) => cell,
         Err(message) => return all(Outcome::Panicked, &message),
@@ -62,18 +72,32 @@ fn rows(map: &Map, index: usize, methods: &[Method], make: &MakeBackend) -> Vec<
     found.collect()
 }
 
-/// Outcome, cause and numbers of one cell on one backend.
-fn ended(cell: &Cell, scenario: &Scenario, method: Method, reference: Option<&Run>, make: &MakeBackend) -> (Outcome, String, Numbers) {
+/// How one cell ended on one backend.
+struct Ended {
+    outcome: Outcome,
+    cause: String,
+    account: Option<Judged>,
+    numbers: Numbers,
+}
+
+impl Ended {
+    fn unjudged(outcome: Outcome, cause: String) -> Self {
+        Self { outcome, cause, account: None, numbers: Numbers::default() }
+    }
+}
+
+/// One cell on one backend.
+fn ended(cell: &Cell, scenario: &Scenario, method: Method, reference: Option<&Run>, make: &MakeBackend) -> Ended {
     let run = match run::run(scenario, method, make) {
         Ok(run) => run,
-        Err(message) => return (Outcome::Panicked, message, Numbers::default()),
+        Err(message) => return Ended::unjudged(Outcome::Panicked, message),
     };
     let error_of = |run: &Run| run::error(scenario, &cell.asked.answer, method, run, reference);
     let error = error_of(&run);
-    let (outcome, numbers) = judge(scenario, &cell.asked, method, &run, error);
+    let (outcome, numbers) = judge(scenario, &cell.asked, &run, error);
     let finer_error = || error_of(&run::finer(scenario, method, make)?);
     let finishes_in_double = || {
-        let judged = |run: Run| judge(scenario, &cell.asked, Method::RAPIER, &run, error_of(&run)).0;
+        let judged = |run: Run| judge(scenario, &cell.asked, &run, error_of(&run)).0;
         run::run(scenario, Method::RAPIER, make).is_ok_and(|run| judged(run) == Outcome::Finished)
     };
     let facts = Facts {
@@ -94,5 +118,5 @@ fn ended(cell: &Cell, scenario: &Scenario, method: Method, reference: Option<&Ru
             .explain(outcome)
             .map_or_else(|| (Outcome::Unexplained, format!("{} without a known cause", outcome.name())), |cause| (outcome, cause)),
     };
-    (outcome, cause, numbers)
+    Ended { outcome, cause, account: error.map(|error| judged(scenario, &run, error)), numbers }
 }

@@ -4,12 +4,14 @@
 use super::column::{ESTIMATE, facts, field_of, line_of};
 use super::error::SweepError;
 use super::plan::{Place, Plan, content_key, point_hash};
+use super::report::{DOUBTFUL, FAILED, NOT_WITHIN_TOLERANCE};
 use crate::analysis::estimate::{InertiaEstimate, with_estimate};
-use crate::backend::{BackendOptions, Status};
+use crate::backend::BackendOptions;
+use crate::output::account_words;
 use crate::output::table::Field;
 use crate::scenario::Scenario;
 use crate::simulation::run_facts::Run;
-use crate::simulation::{Keep, Outcome, Simulation, backend_of, controller_of};
+use crate::simulation::{Cause, Health, Keep, Outcome, Simulation, backend_of, controller_of};
 use crate::studies::stress::guard::guarded;
 
 /// What is added up while a run goes on.
@@ -134,17 +136,14 @@ fn measured(run: &Run, totals: &Totals) -> Result<(&'static str, String, Vec<Fie
     if let Some((name, value)) = named.iter().find_map(|(name, field)| Some((name, field.number().filter(|value| !value.is_finite())?))) {
         return Err(format!("{name} is {value}"));
     }
-    let (status, cause) = match run.outcome.steps.status {
-        Status::Failed => ("failed", "some step had no finite solution".to_owned()),
-        Status::NotConverged => {
-            let steps = &run.outcome.steps;
-            ("not-converged", format!("{} of {} steps did not converge", steps.n_not_converged, steps.n_steps))
-        }
-        Status::Converged if !run.is_within_tolerance() => {
-            ("not-within-tolerance", "the estimated error exceeds the tolerance at the finest macro-steps".to_owned())
-        }
-        Status::Converged => ("finished", String::new()),
+    let account = &run.outcome.account;
+    let status = match account.worst() {
+        Some(finding) if finding.cause == Cause::ToleranceMissed => NOT_WITHIN_TOLERANCE,
+        Some(finding) if finding.health == Health::Failed => FAILED,
+        Some(_) => DOUBTFUL,
+        None => "finished",
     };
+    let cause = account_words::cause(account).unwrap_or_default().to_owned();
     Ok((status, cause, named.into_iter().map(|(_, field)| field).collect()))
 }
 

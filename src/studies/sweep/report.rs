@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::math::Interval;
 use crate::output::quantity::quantity;
 use crate::output::text::aligned;
+use crate::simulation::Health;
 use crate::studies::sweep::{Distribution, Group, Identity};
 
 /// Summary of a sweep. All but the cost follows from the table.
@@ -50,10 +51,10 @@ pub struct Failure {
     pub cause: String,
 }
 
-/// Status of a run without a solution.
+/// Status of a run that failed; see [`crate::simulation::rules`].
 pub const FAILED: &str = "failed";
-/// Status of a run in which some step did not converge.
-pub const NOT_CONVERGED: &str = "not-converged";
+/// Status of a run that is doubtful.
+pub const DOUBTFUL: &str = "doubtful";
 /// Status of a run under error control whose estimated error is too large.
 pub const NOT_WITHIN_TOLERANCE: &str = "not-within-tolerance";
 
@@ -90,17 +91,23 @@ impl SweepSummary {
         }
     }
 
-    /// Of a run's status, see [`FAILED`], [`NOT_CONVERGED`] and [`NOT_WITHIN_TOLERANCE`].
+    /// Of a run's status, see [`FAILED`], [`DOUBTFUL`] and [`NOT_WITHIN_TOLERANCE`].
     pub fn n_of(&self, status: &str) -> u64 {
         self.statuses.get(status).copied().unwrap_or(0)
     }
 
+    /// Account of the worst run.
+    pub fn worst(&self) -> Health {
+        match () {
+            () if self.n_of(FAILED) + self.n_of(NOT_WITHIN_TOLERANCE) > 0 => Health::Failed,
+            () if self.n_of(DOUBTFUL) > 0 => Health::Doubtful,
+            () => Health::Ok,
+        }
+    }
+
     /// Warnings about runs whose numbers are less accurate than asked for.
     pub fn warnings(&self) -> Vec<String> {
-        let kinds = [
-            (NOT_CONVERGED, "have steps that did not converge"),
-            (NOT_WITHIN_TOLERANCE, "exceed their tolerance at the finest macro-steps"),
-        ];
+        let kinds = [(DOUBTFUL, "are doubtful"), (NOT_WITHIN_TOLERANCE, "exceed their tolerance at the finest macro-steps")];
         let found = kinds.iter().map(|(status, what)| (self.n_of(status), what)).filter(|(n, _)| *n > 0);
         found.map(|(n, what)| format!("{n} of {} runs {what}; they are included in the means", self.n_runs)).collect()
     }

@@ -21,10 +21,10 @@ use serde_json::Value;
 
 use crate::analysis::compare::{Pathwise, QuantityVerdict, Settings, ThreeWay, Verdict};
 use crate::analysis::estimate::{CLEAR, with_estimate};
-use crate::backend::{BackendKind, Status, closed_share};
+use crate::backend::{BackendKind, closed_share};
 use crate::output::page::Answer;
 use crate::scenario::{Drive, Scenario};
-use crate::simulation::{Keep, Simulation, controller_of};
+use crate::simulation::{Health, Keep, Simulation, controller_of};
 use crate::studies::compare::answer;
 use crate::studies::runner::Tasks;
 use crate::studies::stress::guard::guarded;
@@ -155,7 +155,7 @@ impl Estimated {
         let outcome = run.outcome();
         let share = closed_share(options.tolerance.is_some(), settings.tolerance_energy_share);
         let is_closed = outcome.energy.is_closed(share, outcome.energy.largest_entry());
-        let is_trusted = outcome.steps.status == Status::Converged && outcome.doubtful.is_empty() && is_closed;
+        let is_trusted = outcome.account.health == Health::Ok && outcome.doubtful.is_empty() && is_closed;
         let is_valid = is_trusted && !estimate.is_invalid && !estimate.touches_obstacle;
         // A load that hardly moves has no margin.
         Some(Some(found).filter(|found| is_valid && found.margin().is_finite()))

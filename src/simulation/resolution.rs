@@ -1,0 +1,56 @@
+//! How well the steps of a run resolve its motion.
+//!
+//! With the increments d of the pose in equal steps, a first-order method is off by about half of
+//! the change of d in each step. One of second order is off by about an eighth of the change of
+//! that change, which is also what it misses where something happens within a step, such as a stop.
+//! Summed up over a run, this estimates the error of fixed steps at next to no cost. Errors add up
+//! otherwise than these sums: of the runs of `cohaul stress` with an answer, the sums are exceeded
+//! by a factor of four in 5 to 10 of a hundred.
+
+use serde::{Deserialize, Serialize};
+
+use crate::backend::{BackendOptions, Integrator};
+use crate::math::Vec3;
+use crate::model::Motion;
+
+/// Factor between the sum of errors of steps and what is stated (1).
+const SAFETY: f64 = 4.0;
+
+/// Sums over the steps of a run, at the edge of the load.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// Sum of the sizes of the changes of the increment (m).
+    pub changes_m: f64,
+    /// Sum of the sizes of the changes of these changes (m).
+    pub second_changes_m: f64,
+    /// Path length: sum of the sizes of the increments (m).
+    pub path_length_m: f64,
+    /// Increment of the last step, and its change in that step: shift, and turn times radius (m).
+    last: Vec3,
+    last_change: Vec3,
+}
+
+impl Resolution {
+    /// Nothing yet, for a load that begins with this motion, with steps of `step` (s).
+    pub(super) fn starting(motion: &Motion, step: f64, radius: f64) -> Self {
+        Self { last: step * motion.twist.linear.push(radius * motion.twist.angular), ..Self::default() }
+    }
+
+    /// Estimated error of the pose by the length of the steps, at the edge of the load (m): four
+    /// times the sum of what each step may be off by.
+    pub fn step_error_m(&self, options: &BackendOptions) -> f64 {
+        let is_second_order = options.kind.is_exact() && options.integrator == Integrator::Midpoint;
+        SAFETY * if is_second_order { 0.125 * self.second_changes_m } else { 0.5 * self.changes_m }
+    }
+
+    /// Adds an advance from one motion to another of a load of this `radius` (m), in so many steps.
+    pub(super) fn add(&mut self, from: &Motion, to: &Motion, n_steps: u64, radius: f64) {
+        let moved = (to.pose.position - from.pose.position).push(radius * (to.pose.heading - from.pose.heading));
+        let increment = moved / n_steps.max(1) as f64;
+        let change = increment - self.last;
+        self.changes_m += change.norm();
+        self.second_changes_m += (change - self.last_change).norm();
+        self.path_length_m += moved.norm();
+        (self.last, self.last_change) = (increment, change);
+    }
+}
