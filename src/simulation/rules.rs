@@ -189,9 +189,8 @@ impl Rule {
     fn finding(&self, facts: &Facts) -> Option<Finding> {
         let found = (self.get)(facts);
         let health = match found {
-            // A measure that is no number is never small.
-            _ if !(found <= self.failed) => Health::Failed,
-            _ if !(found <= self.doubtful) => Health::Doubtful,
+            _ if found.is_nan() || found > self.failed => Health::Failed,
+            _ if found > self.doubtful => Health::Doubtful,
             _ => return None,
         };
         let doubtful = &facts.outcome.doubtful;
