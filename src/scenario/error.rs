@@ -50,16 +50,24 @@ impl Display for Finding {
 
 /// Equal faults that are listed one by one. Further ones are counted.
 const MOST_LISTED: usize = 5;
+/// Lines of faults that are listed at most. Further faults are counted.
+const MOST_LINES: usize = 20;
 
 /// One line per finding. Findings count as equal if they have the same rule, and paths that are the
-/// same but for digits.
+/// same but for digits. Long lists end with the number of the findings that they leave out.
 pub fn lines(file: &str, findings: &[Finding]) -> String {
     let mut lines = Vec::new();
     let mut counts: Vec<(String, &str, usize)> = Vec::new();
+    let mut n_left_out = 0;
     for finding in findings {
         let (place, rule) =
             (finding.path.replace(|letter: char| letter.is_ascii_digit(), ""), finding.rule.split(',').next().unwrap_or_default());
-        let at = counts.iter().position(|(p, r, _)| *p == place && *r == rule).unwrap_or_else(|| {
+        let known = counts.iter().position(|(p, r, _)| *p == place && *r == rule);
+        if lines.len() == MOST_LINES && known.is_none_or(|at| counts[at].2 < MOST_LISTED) {
+            n_left_out += 1;
+            continue;
+        }
+        let at = known.unwrap_or_else(|| {
             counts.push((place, rule, 0));
             counts.len() - 1
         });
@@ -70,11 +78,35 @@ pub fn lines(file: &str, findings: &[Finding]) -> String {
     }
     let more = counts.iter().filter(|(_, _, n)| *n > MOST_LISTED);
     lines.extend(more.map(|(place, rule, n)| format!("{file}: {place}: {rule}: and {} more", n - MOST_LISTED)));
+    if n_left_out > 0 {
+        lines.push(format!("{file}: and {n_left_out} more faults"));
+    }
     lines.join("\n")
 }
 
 /// Largest number in a scenario (1): products of a few such numbers are finite.
 const LARGEST: f64 = 1e50;
+/// Smallest length (m) or time (s) in a scenario, other than zero: its inverse is no larger than the
+/// largest number.
+const SMALLEST: f64 = 1e-50;
+
+/// Longest text of a place, a rule and what was found in a message (characters). Keys and values
+/// of a file may have any length.
+const LONGEST: [usize; 3] = [200, 600, 200];
+
+/// The text, cut with dots at the end if it is longer than `most` characters.
+pub fn cut(mut text: String, most: usize) -> String {
+    if let Some((end, _)) = text.char_indices().nth(most) {
+        text.truncate(end);
+        text.push_str("...");
+    }
+    text
+}
+
+/// Whether a number is finite, and small enough to compute with.
+pub fn is_in_range(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
 
 /// Findings in the order of their discovery, with the rules that many places share.
 #[derive(Debug, Default)]
@@ -82,7 +114,10 @@ pub struct Findings(pub Vec<Finding>);
 
 impl Findings {
     pub fn report(&mut self, path: impl Display, rule: impl Into<String>, found: impl Display) {
-        self.0.push(Finding { path: path.to_string(), rule: rule.into(), found: found.to_string() });
+        let [path, rule, found] = [path.to_string(), rule.into(), found.to_string()];
+        let [longest_path, longest_rule, longest_found] = LONGEST;
+        let (path, rule) = (cut(path, longest_path), cut(rule, longest_rule));
+        self.0.push(Finding { path, rule, found: cut(found, longest_found) });
     }
 
     /// Adds a finding unless the rule `holds`. A number that is not finite, or so large that its
@@ -109,6 +144,15 @@ impl Findings {
 
     pub fn positive(&mut self, path: impl Display, found: f64) {
         self.require(found > 0.0, path, "must be positive", found);
+    }
+
+    /// The same for a length (m) or a time (s), whose inverse must be in range too.
+    pub fn positive_size(&mut self, path: impl Display, found: f64) {
+        if found > 0.0 && found < SMALLEST {
+            self.report(path, format!("must be at least {SMALLEST:e}"), number(found));
+        } else {
+            self.positive(path, found);
+        }
     }
 
     pub fn not_negative(&mut self, path: impl Display, found: f64) {

@@ -358,7 +358,7 @@ impl Controller for Ants {
         Ok(())
     }
 
-    fn check(&self, tick: u64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
+    fn check(&self, tick: u64, _time: f64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
         let mut n_attached = 0;
         for ant in &self.state.ants {
             let Mode::Transport { spring, grasp_tick } = ant.mode else { continue };
