@@ -55,7 +55,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 
 pub fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(value) if value >= 0.0 && value <= LARGEST => Ok(value),
+        Ok(value) if (0.0..=LARGEST).contains(&value) => Ok(value),
         Ok(value) if f64::is_finite(value) && value > LARGEST => Err(format!("must be at most {LARGEST:e}, found {text}")),
         _ => Err(format!("must be a finite number, zero or more, found {text}")),
     }

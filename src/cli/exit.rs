@@ -32,7 +32,7 @@ pub const EXIT_CODES: [(u8, &str); 7] = [
     (Exit::Internal as u8, "internal error; please report it"),
     (Exit::Output as u8, "output cannot be written: a full disk, or a missing permission"),
     (Exit::Interrupted as u8, "interrupted by Ctrl-C or by --stop-s"),
-    (Exit::Closed as u8, "standard output was closed before the end, as by | head"),
+    (Exit::Closed as u8, "standard output was closed before the end, as by a pipe to head"),
 ];
 
 /// The table as the help text has it.

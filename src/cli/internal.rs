@@ -6,8 +6,8 @@ use super::console;
 use super::output::command_line;
 use crate::output::manifest::build_of_program;
 
-/// Result of `work`; `None` if it panicked, on whatever thread. What the panic says is printed as an
-/// internal error, with a backtrace if `RUST_BACKTRACE` asks for one.
+/// Result of `work`; `None` if it panicked, on whatever thread. What the panic says is printed as
+/// an internal error, with a backtrace if `RUST_BACKTRACE` asks for one.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
     let usual = take_hook();
     let with_backtrace = std::env::var_os("RUST_BACKTRACE").is_some_and(|asked| asked != "0");
@@ -30,4 +30,16 @@ pub fn ask_for_report() {
         "this is a defect of cohaul: please report it, with its input files and these two lines:\n  cohaul {version}{commit}\n  {}",
         command_line().join(" ")
     ));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_on_any_thread_is_caught() {
+        assert_eq!(caught(|| 7), Some(7));
+        assert_eq!(caught(|| -> u32 { panic!("of a test") }), None);
+        assert_eq!(caught(|| rayon::join(|| 1, || -> u32 { panic!("of a test, on another thread") })), None);
+    }
 }

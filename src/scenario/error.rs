@@ -86,8 +86,8 @@ pub fn lines(file: &str, findings: &[Finding]) -> String {
 
 /// Largest number in a scenario (1): products of a few such numbers are finite.
 const LARGEST: f64 = 1e50;
-/// Smallest length (m) or time (s) in a scenario, other than zero: its inverse is no larger than the
-/// largest number.
+/// Smallest length (m) or time (s) in a scenario, other than zero: its inverse is no larger than
+/// the largest number.
 const SMALLEST: f64 = 1e-50;
 
 /// Longest text of a place, a rule and what was found in a message (characters). Keys and values
@@ -179,4 +179,34 @@ pub fn short(value: f64) -> String {
     let text = format!("{value:.2e}");
     let plain: f64 = text.parse().expect("it is a number");
     if plain == 0.0 || (1e-3..1e6).contains(&plain.abs()) { format!("{plain}") } else { format!("{plain:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_list_ends_with_the_number_of_what_it_leaves_out() {
+        let mut findings = Findings::default();
+        for key in 0..30 {
+            let name = char::from(b'a' + key % 26).to_string().repeat(1 + usize::from(key));
+            (0..7).for_each(|_| findings.report(&name, "is unknown", 1));
+        }
+        let text = lines("a.json", &findings.0);
+        // Four kinds of which five are shown and two are counted, and 26 that are only counted.
+        assert_eq!(text.lines().count(), 20 + 4 + 1);
+        assert_eq!(text.matches("is unknown: and 2 more").count(), 4);
+        assert_eq!(text.lines().last(), Some("a.json: and 182 more faults"));
+    }
+
+    #[test]
+    fn keys_and_values_of_any_length_are_cut() {
+        let mut findings = Findings::default();
+        let long = "ü".repeat(100_000);
+        findings.report(&long, long.as_str(), &long);
+        let Finding { path, rule, found } = &findings.0[0];
+        assert_eq!([path, rule, found].map(|text| text.chars().count()), [203, 603, 203]);
+        findings.report("load", "must be positive", -1);
+        assert_eq!(findings.0[1].to_string(), "load: must be positive, found -1");
+    }
 }

@@ -12,8 +12,8 @@ impl Scenario {
     /// The scenario in the JSON file at `path`.
     ///
     /// # Errors
-    /// When the file cannot be read, is larger than 64 MiB, is not JSON, or breaks rules of the format. The error lists
-    /// every broken rule.
+    /// When the file cannot be read, is larger than 64 MiB, is not JSON, or breaks rules of the
+    /// format. The error lists every broken rule.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let name = path.display().to_string();
         match File::open(path).and_then(|file| read_text(file, MOST_BYTES)) {

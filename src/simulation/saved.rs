@@ -17,6 +17,9 @@ const FORMAT: u32 = 1;
 
 /// Shortest step over the control period (1): a period of more steps takes minutes.
 const SHORTEST_STEP: f64 = 1e-9;
+/// Largest count in the totals of a run (1): far from the end of whole numbers, and more than any
+/// run adds up.
+const MOST_COUNTED: u64 = 1 << 60;
 /// Largest number of rows in a control period (1).
 const MOST_PARTS: u64 = 1_000_000;
 
@@ -106,10 +109,10 @@ impl<'a> Simulation<'a> {
         let mut resumed = Self::from_parts(scenario, &saved.options, keep, controller, backend).with_rows_per_period(saved.n_parts);
         resumed.backend.restore(&saved.backend)?;
         resumed.tips = attached_tips(scenario, resumed.backend.as_ref());
-        resumed.controller.check(saved.tick, saved.time, &resumed.tips)?;
         resumed.clock.tick = saved.tick;
         resumed.clock.time = saved.time;
         resumed.check_instant()?;
+        resumed.controller.check(saved.tick, saved.time, &resumed.tips)?;
         resumed.finished = saved.finished;
         resumed.totals = saved.totals.clone();
         resumed.trace = saved.trace.clone();
@@ -118,14 +121,11 @@ impl<'a> Simulation<'a> {
     }
 
     /// # Errors
-    /// When the time is not in the control period of the tick, or is none at which ants decide.
+    /// When the time is not in the control period of the tick.
     fn check_instant(&self) -> Result<(), RestoreError> {
         let Clock { tick, time, .. } = self.clock;
         if !self.clock.is_in_period() {
             return Err(RestoreError(format!("a time of {time} s, which is not in the control period after tick {tick}")));
-        }
-        if !self.controller.ants().is_empty() && self.clock.tick_now().is_none() {
-            return Err(RestoreError(format!("ants at {time} s, between two ticks")));
         }
         Ok(())
     }
@@ -163,6 +163,19 @@ impl SavedRun {
         if self.n_parts > MOST_PARTS {
             return refused(format!("{} rows in a control period", self.n_parts));
         }
-        Ok(())
+        let totals = serde_json::to_value(&self.totals).expect("totals are plain data");
+        match largest_count(&totals) {
+            count if count > MOST_COUNTED => refused(format!("a count of {count} in its totals")),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The largest whole number in a value.
+fn largest_count(value: &serde_json::Value) -> u64 {
+    match value {
+        serde_json::Value::Object(map) => map.values().map(largest_count).fold(0, u64::max),
+        serde_json::Value::Array(list) => list.iter().map(largest_count).fold(0, u64::max),
+        other => other.as_u64().unwrap_or_default(),
     }
 }

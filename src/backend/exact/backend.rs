@@ -122,9 +122,10 @@ impl<M: Method> Backend for Exact<M> {
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
         let Saved::<M::Memory> { state, springs, pace, warm_start } = state.read()?;
         M::check(&state.memory, &self.system)?;
-        state.certificate.check(&self.solver)?;
+        state.certificate.check(&self.solver, self.system.springs.len())?;
         state.side.check(&self.system)?;
         state.check(&self.system)?;
+        pace.check()?;
         self.check_outside(&state)?;
         let springs = AttachedSprings::restored(springs, &self.system.springs, &state.motion.pose)?;
         self.solver.set_warm_start(warm_start)?;

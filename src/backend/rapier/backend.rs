@@ -406,7 +406,7 @@ impl Backend for Rapier {
             return misfit("it has another number of obstacles");
         }
         let entries = saved.state.motion().entries();
-        if let Some(entry) = entries.into_iter().find(|entry| !(entry.abs() < LARGEST_ENTRY)) {
+        if let Some(entry) = entries.into_iter().find(|entry| entry.abs() > LARGEST_ENTRY) {
             return misfit(&format!("a motion with the entry {entry:e}"));
         }
         saved.state.attachments.check(&self.system.springs)?;

@@ -168,8 +168,8 @@ impl Attachments {
     }
 
     /// # Errors
-    /// When the list does not hold distinct ones of `springs` in the order of their index, or when a
-    /// tip is so far away that its energy is not finite.
+    /// When the list does not hold distinct ones of `springs` in the order of their index, or when
+    /// a tip is so far away that its energy is not finite.
     pub fn check(&self, springs: &[PolarSpring]) -> Result<(), RestoreError> {
         let in_order = self.windows(2).all(|pair| pair[0].spring < pair[1].spring);
         let exist = self.iter().all(|attachment| attachment.spring < springs.len());

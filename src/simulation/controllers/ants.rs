@@ -306,7 +306,8 @@ fn drawn_side(streams: &RandomStreams, ant: usize, ticks: f64) -> Side {
 impl Controller for Ants {
     /// Decides releases first: another ant can take a spring at the tick at which it was let go.
     fn decide(&mut self, view: &View, commands: &mut Commands) {
-        let tick = view.tick.expect("ants decide at ticks");
+        // Obstacles may turn between two ticks, where ants walk on as they decided.
+        let Some(tick) = view.tick else { return };
         self.release_where_decided(view, tick, commands);
         self.grasp_or_believe(view, tick, commands);
     }
