@@ -107,8 +107,8 @@ fn pointers(value: &Value, at: &str) -> Vec<String> {
     [at.to_owned()].into_iter().chain(below).collect()
 }
 
-/// Everything in a state replaced by every odd value. Whole numbers of any size stand for counts and
-/// indices only: among lengths they make a scene that takes long, and breaks nothing.
+/// Everything in a state replaced by every odd value. Whole numbers of any size stand for counts
+/// and indices only: among lengths they make a scene that takes long, and breaks nothing.
 #[test]
 fn odd_values_anywhere_in_a_state_are_answered() {
     let scenario = tips();

@@ -74,7 +74,7 @@ impl PullSeries {
     /// Blocks of about this duration (s), all of the same; `None` stands for the whole series.
     ///
     /// # Errors
-    /// When there would be more than [`MOST_BLOCKS`]: the error says which duration is long enough.
+    /// When there would be more than 10,000 blocks: the error says which duration is long enough.
     pub fn blocks(&self, duration: Option<f64>) -> Result<Vec<Vec<f64>>, String> {
         let (Some(first), Some(last)) = (self.pulls.first(), self.pulls.last()) else { return Ok(Vec::new()) };
         let whole = last.0 - first.0;
