@@ -328,7 +328,7 @@ fn only_an_earlier_output_is_replaced() {
     let edited = room.path("edited");
     json_of(&["run", &file, "--json", "--out", &edited]);
     fs::write(Path::new(&edited).join("events.csv"), "with my notes").unwrap();
-    refused(&["run", &file, "--out", &edited], &["events.csv: was changed since it was written"]);
+    refused(&["run", &file, "--out", &edited], &["events.csv: must be as it was written, found another hash", "changed since"]);
     assert_eq!(fs::read_to_string(Path::new(&edited).join("events.csv")).unwrap(), "with my notes");
     assert_eq!(room.names(), ["edited", "foreign", "out", "tips.json"], "nothing else is left beside them");
 }

@@ -177,6 +177,9 @@ fn manifest(checks: &[Check], exact: bool, started: SystemTime) -> Manifest {
 }
 
 fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
+    if args.baselines.is_file() {
+        return Err(CliError::Usage(format!("--baselines: must be a folder, found the file {}", args.baselines.display())));
+    }
     let questions = questions(args)?;
     warn_of_idle(&args.backend, args.integrator, &args.engine);
     let total: f64 = questions.iter().map(|(_, scenario, _)| scenario.duration).sum();

@@ -57,8 +57,7 @@ impl CliError {
             CliError::Output(_) | CliError::Unwritten { .. } => Exit::Output,
             CliError::Folder(error) => of_folder(error),
             CliError::Journal(error) => of_journal(error),
-            CliError::Sweep(SweepError::Io(_) | SweepError::Table(_)) => Exit::Output,
-            CliError::Sweep(SweepError::Journal(error)) => of_journal(error),
+            CliError::Sweep(error) => of_sweep(error),
             CliError::Interrupted | CliError::Stopped { .. } => Exit::Interrupted,
             _ => Exit::Input,
         }
@@ -67,7 +66,20 @@ impl CliError {
 
 /// Where an output goes is input; that it cannot be written is not.
 fn of_folder(error: &FolderError) -> Exit {
-    if matches!(error, FolderError::Io { .. } | FolderError::Content { .. }) { Exit::Output } else { Exit::Input }
+    match error {
+        FolderError::Io { .. } => Exit::Output,
+        // Rows of shards are read while the table is written.
+        FolderError::Content { source, .. } => source.downcast_ref().map_or(Exit::Output, of_sweep),
+        _ => Exit::Input,
+    }
+}
+
+fn of_sweep(error: &SweepError) -> Exit {
+    match error {
+        SweepError::Io(_) | SweepError::Table(_) => Exit::Output,
+        SweepError::Journal(error) => of_journal(error),
+        _ => Exit::Input,
+    }
 }
 
 fn of_journal(error: &JournalError) -> Exit {
@@ -116,6 +128,8 @@ mod tests {
             assert_eq!(error.exit(), Exit::Output, "{error}");
         }
         assert_eq!(at_file("in".as_ref())(full()).exit(), Exit::Input);
+        let shard = SweepError::Journal(JournalError::unusable("rows".as_ref(), "line 2 is cut off"));
+        assert_eq!(content(Box::new(shard)).exit(), Exit::Input);
         assert_eq!(CliError::Output(std::io::ErrorKind::BrokenPipe.into()).exit(), Exit::Closed);
     }
 }

@@ -31,11 +31,12 @@ pub enum FolderError {
     MountPoint { path: PathBuf },
     #[error("{}: must be as it was written, found {found}; move the folder away, or write to another", path.display())]
     Changed { path: PathBuf, found: &'static str },
-    #[error("{}: was changed since it was written; move it away, or write to another folder", path.display())]
-    Edited { path: PathBuf },
     #[error("{}: is or holds the working folder; write to a folder inside it", path.display())]
     WorkingFolder { path: PathBuf },
 }
+
+/// What was found in place of a file as it was written.
+const CHANGED: &str = "another hash than its manifest's, so that it was changed since";
 
 /// The part of a manifest that is read back.
 #[derive(Deserialize)]
@@ -88,7 +89,7 @@ pub(super) fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     let present = earlier.files.iter().map(|(name, hash)| (target.join(name), hash)).filter(|(path, _)| path.exists());
     for (path, hash) in present {
         if !path.is_file() || hash_of(&path).map_err(at(&path))? != *hash {
-            return Err(FolderError::Edited { path });
+            return Err(FolderError::Changed { path, found: CHANGED });
         }
     }
     Ok(())
@@ -119,7 +120,7 @@ pub fn check_files(folder: &Path) -> Result<(), FolderError> {
             found => found.map_err(at(&path))?,
         };
         if found != *hash {
-            return Err(FolderError::Changed { path, found: "another hash than its manifest's" });
+            return Err(FolderError::Changed { path, found: CHANGED });
         }
     }
     Ok(())

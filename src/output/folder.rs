@@ -284,7 +284,7 @@ mod tests {
         output(&target, "one").unwrap();
         fs::write(target.join("a.txt"), "one, and what I think of it").unwrap();
         let error = output(&target, "two").unwrap_err();
-        assert!(matches!(&error, FolderError::Edited { path } if path.ends_with("out/a.txt")), "{error}");
+        assert!(matches!(&error, FolderError::Changed { path, .. } if path.ends_with("out/a.txt")), "{error}");
         // Changed back, or removed, nothing of the user is lost.
         fs::write(target.join("a.txt"), "one").unwrap();
         output(&target, "two").unwrap();
@@ -294,7 +294,7 @@ mod tests {
         let mut folder = OutputFolder::create(&target).unwrap();
         folder.write("a.txt", |out| out.write_all(b"four")).unwrap();
         fs::write(target.join("a.txt"), "mine").unwrap();
-        assert!(matches!(folder.finish(&manifest()), Err(FolderError::Edited { .. })));
+        assert!(matches!(folder.finish(&manifest()), Err(FolderError::Changed { .. })));
         assert_eq!(fs::read_to_string(target.join("a.txt")).unwrap(), "mine");
     }
 
