@@ -310,3 +310,22 @@ fn ants_start_where_they_fit() {
     // The block fills 28 % of the square of 0.3 m.
     assert!((40..80).contains(&n_moved), "{n_moved}");
 }
+
+/// Obstacles turn at any time; ants decide at ticks and walk on in between.
+#[test]
+fn obstacles_may_turn_between_the_decisions_of_ants() {
+    let mut file: Value = serde_json::from_str(&std::fs::read_to_string("scenarios/paper/four-ants-four-springs.json").unwrap()).unwrap();
+    let waypoints = json!([[0.0, 0.3, 0.3, 0.0], [1.2345, 0.31, 0.3, 0.0], [4.0, 0.3, 0.3, 0.0]]);
+    file["obstacles"] = json!([{ "name": "pusher", "outline": { "disc": { "radius_m": 0.01 } }, "path": { "waypoints": waypoints } }]);
+    file["duration_s"] = json!(4.0);
+    let scenario = Scenario::parse(&file.to_string(), "turning").unwrap();
+    for kind in BackendKind::ALL {
+        let options = BackendOptions::new(kind, default_step(kind, &scenario.system, scenario.control_period));
+        let mut run = Simulation::new(&scenario, &options, Keep::Trace);
+        run.run(|_| true);
+        let (trace, outcome) = run.into_results();
+        assert!(outcome.time == 4.0 && trace.between.iter().any(|row| row.time == 1.2345), "{kind:?}");
+        let at_tick = |time: f64| time == (time / scenario.control_period).round() * scenario.control_period;
+        assert!(!trace.events.is_empty() && trace.events.iter().all(|event| at_tick(event.time)), "{kind:?}");
+    }
+}

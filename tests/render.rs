@@ -95,7 +95,7 @@ fn what_fails_says_why_and_leaves_nothing() {
     let scene = "scenarios/contact/rebound.json";
     let (gif, mp4) = (room.path().join("a.gif"), room.path().join("a.mp4"));
     let of_gif = gif.to_str().unwrap();
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 10] = [
         (&["--out", "a.webp"], "must end in .gif, .png or .mp4"),
         (&["--out", of_gif, "--at-s", "0"], "applies to a .png only"),
         (&["--out", of_gif, "--to-s", "7"], "up to the end at 0.05 s"),
@@ -103,6 +103,9 @@ fn what_fails_says_why_and_leaves_nothing() {
         (&["--out", of_gif, "--size", "9x9"], "each side from 64 to 4096 px"),
         (&["--out", of_gif, "--rate", "0"], "0"),
         (&["--out", of_gif, "--backend", "bullet"], "bullet"),
+        (&["--out", of_gif, "--pace", "1e-9"], "--pace, --rate: must make at most 100000 pictures, found 10000000"),
+        (&["--out", of_gif, "--pace", "1e-40"], "must make at most 100000 pictures"),
+        (&["--out", of_gif, "--pace", "1e-300"], "must be from 1e-50 to 1e50"),
     ];
     for (arguments, why) in cases {
         let refused = cohaul(&["render", scene]).args(arguments).assert().code(2);
@@ -118,7 +121,7 @@ fn what_fails_says_why_and_leaves_nothing() {
         let fake = room.path().join("ffmpeg");
         fs::write(&fake, "#!/bin/sh\necho broken codec >&2\nexit 1\n").unwrap();
         fs::set_permissions(&fake, fs::Permissions::from_mode(0o755)).unwrap();
-        let refused = cohaul(&["render", scene, "--out", mp4.to_str().unwrap()]).env("PATH", room.path()).assert().code(2);
+        let refused = cohaul(&["render", scene, "--out", mp4.to_str().unwrap()]).env("PATH", room.path()).assert().code(5);
         assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("ffmpeg failed: broken codec"));
         fs::remove_file(&fake).unwrap();
     }

@@ -12,7 +12,7 @@ use super::choice::{choice, seconds};
 use super::console::{self, Tone, print};
 use super::engine::{EngineArgs, warn_of_idle};
 use super::error::CliError;
-use super::error::at_file;
+use super::error::at_output;
 use super::input::{check_step, read_scenario, stem_of};
 use super::output::{JunitArgs, OutputArgs, study_manifest};
 use super::watch::watched_to_end;
@@ -179,6 +179,9 @@ fn manifest(checks: &[Check], exact: bool, started: SystemTime) -> Manifest {
 }
 
 fn store(args: &StoreArgs) -> Result<ExitCode, CliError> {
+    if args.baselines.is_file() {
+        return Err(CliError::Usage(format!("--baselines: must be a folder, found the file {}", args.baselines.display())));
+    }
     let questions = questions(args)?;
     warn_of_idle(&args.backend, args.integrator, &args.engine);
     let total: f64 = questions.iter().map(|(_, scenario, _)| scenario.duration).sum();
@@ -245,5 +248,5 @@ fn check_name(name: &str) -> Result<(), CliError> {
 }
 
 fn write(folder: &Path, baseline: &Baseline) -> Result<(), CliError> {
-    write_file(folder, baseline).map_err(at_file(&folder.join(baseline.file_name())))
+    write_file(folder, baseline).map_err(at_output(&folder.join(baseline.file_name())))
 }

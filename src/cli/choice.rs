@@ -34,9 +34,18 @@ fn is_alias<T: Serialize + DeserializeOwned>(name: &str) -> bool {
     parse::<T>(name).and_then(|found| serde_json::to_value(found).ok()) != Some(Value::from(name))
 }
 
+/// Smallest and largest number of an option (1), as those of a scenario: products of a few such
+/// numbers are neither zero nor infinite.
+const SMALLEST: f64 = 1e-50;
+const LARGEST: f64 = 1e50;
+
 pub fn positive(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("must be a number, found {text}"))?;
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("must be positive and finite, found {text}")) }
+    match value {
+        SMALLEST..=LARGEST => Ok(value),
+        _ if value.is_finite() && value > 0.0 => Err(format!("must be from {SMALLEST:e} to {LARGEST:e}, found {text}")),
+        _ => Err(format!("must be positive and finite, found {text}")),
+    }
 }
 
 /// A step or an instant (s).
@@ -46,7 +55,8 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 
 pub fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(value) if f64::is_finite(value) && value >= 0.0 => Ok(value),
+        Ok(value) if (0.0..=LARGEST).contains(&value) => Ok(value),
+        Ok(value) if f64::is_finite(value) && value > LARGEST => Err(format!("must be at most {LARGEST:e}, found {text}")),
         _ => Err(format!("must be a finite number, zero or more, found {text}")),
     }
 }
@@ -98,6 +108,22 @@ mod tests {
         for name in [&options[..], &engine, &studies, &results].concat().concat() {
             assert!(glossary::entry(name).is_some(), "{name} has no entry in the glossary");
         }
+    }
+
+    /// A hair below and a hair above each bound; what is denormal has no finite inverse.
+    #[test]
+    fn numbers_of_options_are_of_a_size_to_compute_with() {
+        for good in ["1e-50", "1e50", "0.01"] {
+            assert_eq!(positive(good), Ok(good.parse().unwrap()));
+        }
+        for bad in ["9.9e-51", "5e-324", "1.1e50", "1e308"] {
+            assert_eq!(positive(bad), Err(format!("must be from 1e-50 to 1e50, found {bad}")));
+        }
+        for bad in ["0", "-1", "nan", "inf", "1e-400"] {
+            assert_eq!(positive(bad), Err(format!("must be positive and finite, found {bad}")));
+        }
+        assert_eq!((not_negative("0"), not_negative("1e50")), (Ok(0.0), Ok(1e50)));
+        assert_eq!(not_negative("1e308"), Err("must be at most 1e50, found 1e308".into()));
     }
 
     #[test]

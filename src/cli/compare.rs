@@ -125,12 +125,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     check_step(args.step_s, &scenario)?;
     let asked = tiers_of(&scenario, &args.tier)?;
     let n_seeds = args.seeds.unwrap_or(8);
-    if n_seeds == 0 {
-        return Err(CliError::Usage("--seeds: must be at least 1, found 0".into()));
-    }
-    if scenario.seed.checked_add(n_seeds as u64 - 1).is_none() {
-        return Err(CliError::Usage(format!("--seeds: the last seed must be below 2^64, found {n_seeds} from {}", scenario.seed)));
-    }
+    check_seeds(n_seeds, scenario.seed)?;
     warn_of_idle_tiers(args, &asked);
     args.output.check()?;
     let recorded =
@@ -160,18 +155,40 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         comparison.lay_beside(&name_of(path), trace).map_err(|rule| CliError::Usage(format!("--beside: {rule}")))?;
     }
     json::check(&comparison)?;
-    if let Some(out) = &args.output.out {
+    let written = args.output.out.as_ref().map_or(Ok(()), |out| {
         write_comparison(out, &comparison, &scenario, args.traces, &manifest_of(&scenario, &settings, started))?;
-    }
-    seeds.map_or(Ok(()), Finished::remove_journal)?;
-    args.output.print(&comparison, || text(&comparison, console::detail()), tone(&comparison.tiers))?;
+        Ok(seeds.map_or(Ok(()), Finished::remove_journal)?)
+    });
+    told(args, &comparison, &scenario, written)
+}
+
+/// Prints what was found, even where it could not be `written`.
+fn told(args: &CompareArgs, comparison: &Comparison, scenario: &Scenario, written: Result<(), CliError>) -> Result<ExitCode, CliError> {
+    let tiers = &comparison.tiers;
+    args.output.print(comparison, || text(comparison, console::detail()), tone(tiers))?;
+    tolerance_warning(comparison, scenario).into_iter().chain(account_warnings(comparison)).for_each(console::warn);
+    written?;
     args.output.print_report()?;
-    tolerance_warning(&comparison, &scenario).into_iter().chain(account_warnings(&comparison)).for_each(console::warn);
-    let failed = verdicts_of(&comparison.tiers).find(|(_, verdict)| args.fail_on.iter().any(|kind| kind.has(*verdict)));
+    let failed = verdicts_of(tiers).find(|(_, verdict)| args.fail_on.iter().any(|kind| kind.has(*verdict)));
     if let Some((name, verdict)) = &failed {
         console::warn(format_args!("--fail-on: the verdict on {name} is \"{}\"", verdict.text()));
     }
-    Ok(if failed.is_some() { ExitCode::from(1) } else { args.strict.code(comparison.tiers.worst()) })
+    Ok(if failed.is_some() { ExitCode::from(1) } else { args.strict.code(tiers.worst()) })
+}
+
+/// Largest number of seeds of the closed loop (1). The results of all are in memory at the end.
+const MOST_SEEDS: usize = 100_000;
+
+/// # Errors
+/// When there are no seeds, too many, or when they end beyond the largest whole number.
+fn check_seeds(n: usize, first: u64) -> Result<(), CliError> {
+    let fault = match n {
+        0 => "must be at least 1, found 0".to_owned(),
+        n if n > MOST_SEEDS => format!("must be at most {MOST_SEEDS}, found {n}; `cohaul sweep` takes more"),
+        n if first.checked_add(n as u64 - 1).is_none() => format!("the last seed must be below 2^64, found {n} from {first}"),
+        _ => return Ok(()),
+    };
+    Err(CliError::Usage(format!("--seeds: {fault}")))
 }
 
 /// # Errors

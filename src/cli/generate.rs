@@ -7,7 +7,7 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 
 use super::console::print;
-use super::error::{CliError, at_file};
+use super::error::{CliError, at_output};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -41,8 +41,8 @@ pub fn completions(args: &CompletionsArgs, command: &mut Command) -> Result<Exit
 pub fn man(args: &ManArgs, command: Command) -> Result<ExitCode, CliError> {
     match &args.folder {
         Some(folder) => {
-            std::fs::create_dir_all(folder).map_err(at_file(folder))?;
-            clap_mangen::generate_to(command, folder).map_err(at_file(folder))?;
+            std::fs::create_dir_all(folder).map_err(at_output(folder))?;
+            clap_mangen::generate_to(command, folder).map_err(at_output(folder))?;
         }
         None => {
             let mut page = Vec::new();

@@ -1,6 +1,6 @@
 //! Scenario and table files that a command reads; `-` is standard input.
 
-use std::io::Read;
+use std::fs::File;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -8,16 +8,23 @@ use serde::de::DeserializeOwned;
 use super::console;
 use super::error::CliError;
 use super::error::at_file;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, bounded};
 
-/// The text of a file, or of standard input.
+/// The text of a file, or of standard input, of at most 1 GiB.
 pub fn read_text(path: &Path) -> Result<String, CliError> {
-    if !is_stdin(path) {
-        return std::fs::read_to_string(path).map_err(at_file(path));
+    read_up_to(path, bounded::MOST_BYTES_OF_TABLE)
+}
+
+/// The text of a scenario, of at most 64 MiB.
+pub fn read_scenario_text(path: &Path) -> Result<String, CliError> {
+    read_up_to(path, bounded::MOST_BYTES)
+}
+
+fn read_up_to(path: &Path, most: u64) -> Result<String, CliError> {
+    if is_stdin(path) {
+        return bounded::read_text(std::io::stdin().lock(), most).map_err(at_file(Path::new("standard input")));
     }
-    let mut text = String::new();
-    std::io::stdin().read_to_string(&mut text).map_err(at_file(Path::new("standard input")))?;
-    Ok(text)
+    File::open(path).and_then(|file| bounded::read_text(file, most)).map_err(at_file(path))
 }
 
 /// Reads data from a JSON file; `rule` says what the file must be.
@@ -28,7 +35,7 @@ pub fn read_json<T: DeserializeOwned>(path: &Path, rule: &str) -> Result<T, CliE
 /// Reads a scenario, with the seed of the command line if it has one.
 pub fn read_scenario(path: &Path, seed: Option<u64>) -> Result<Scenario, CliError> {
     let scenario = match is_stdin(path) {
-        true => Scenario::parse(&read_text(path)?, &name_of(path))?,
+        true => Scenario::parse(&read_scenario_text(path)?, &name_of(path))?,
         false => Scenario::read(path)?,
     };
     Ok(Scenario { seed: seed.unwrap_or(scenario.seed), ..scenario })

@@ -1,7 +1,4 @@
 //! The command line. Each command is one file; what all commands share has files of its own.
-//!
-//! Exit codes: 0 done, 1 a run failed or missed what it was asked to check, 2 usage or input,
-//! 3 internal, 130 interrupted.
 
 mod bench;
 mod calibrate;
@@ -12,9 +9,11 @@ mod console;
 mod cost;
 mod engine;
 mod error;
+mod exit;
 mod explain;
 mod generate;
 mod input;
+mod internal;
 mod merge;
 mod new;
 mod output;
@@ -26,6 +25,7 @@ mod run;
 mod scenario;
 mod stress;
 mod sweep;
+mod threads;
 mod vary;
 mod verify;
 mod view;
@@ -37,9 +37,11 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use error::CliError;
+pub use exit::EXIT_CODES;
+use exit::Exit;
 
 #[derive(Parser)]
-#[command(name = "cohaul", version, about, long_about = LONG_ABOUT, after_help = AFTER_HELP, max_term_width = 100)]
+#[command(name = "cohaul", version, about, long_about = LONG_ABOUT, after_help = after_help(), max_term_width = 100)]
 struct Cli {
     #[command(flatten)]
     console: console::ConsoleArgs,
@@ -49,15 +51,18 @@ struct Cli {
 
 const LONG_ABOUT: &str = "Simulates how ants or robots carry a load together, by three methods: a quasi-static solver, a reference solver with \
 inertia, and the rigid-body engine rapier2d. It reports where the three agree, what inertia changes, and how large the engine's error is.";
-const AFTER_HELP: &str = "\
+const EXAMPLES: &str = "\
 Examples:
   cohaul run scenarios/paper/four-ants-four-springs.json --report --out out/run
   cohaul compare scenarios/analytic/release-jump.json
   cohaul help compare
   cohaul explain 'engine error'
 
-SCENARIO may be - for standard input. Exit codes: 0 done; 1 a run failed or a
-check did not hold; 2 wrong usage or input; 3 internal error; 130 interrupted.";
+SCENARIO may be - for standard input.";
+
+fn after_help() -> String {
+    format!("{EXAMPLES}\n\nExit codes:\n{}", exit::table())
+}
 
 /// Makes the enum of commands, and what runs each, from one table.
 macro_rules! commands {
@@ -121,29 +126,44 @@ commands! {
 
 /// Parses the command line, runs the command and returns its exit code.
 pub fn main() -> ExitCode {
+    internal::caught(called).unwrap_or_else(|| {
+        internal::ask_for_report();
+        Exit::Internal.into()
+    })
+}
+
+fn called() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let command = command().color(console::apply_color(&arguments));
     let cli = match command.try_get_matches_from(arguments).and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        Err(error) => {
-            // A closed standard error is no reason to fail otherwise.
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        Err(told) => {
+            return match told.print() {
+                // A closed standard error is no reason to fail otherwise.
+                _ if told.use_stderr() => Exit::Input.into(),
+                Ok(()) => ExitCode::SUCCESS,
+                Err(error) => ended(&error.into()),
+            };
         }
     };
     cli.console.apply();
-    match cli.command.run() {
-        Ok(code) => code,
-        // A reader that has seen enough, such as `head`, is no failure.
-        Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(error) => {
-            match error {
-                CliError::Interrupted | CliError::Stopped { .. } => console::note(&error),
-                _ => console::error(&error),
-            }
-            ExitCode::from(error.exit_code())
-        }
+    threads::bound_environment();
+    cli.command.run().unwrap_or_else(|error| ended(&error))
+}
+
+/// Says why a command ended without its result.
+fn ended(error: &CliError) -> ExitCode {
+    let exit = error.exit();
+    match exit {
+        // A reader that has seen enough, such as `head`, needs no message.
+        Exit::Closed => {}
+        Exit::Interrupted => console::note(error),
+        _ => console::error(error),
     }
+    if exit == Exit::Internal {
+        internal::ask_for_report();
+    }
+    exit.into()
 }
 
 /// The whole command line, for parsing, completions and man pages.

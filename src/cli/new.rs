@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 
 use super::choice::{not_negative, positive};
 use super::console::{self, print};
-use super::error::{CliError, at_file};
+use super::error::{CliError, at_output};
 use super::input::warn_of_scenario;
 use crate::output::json;
 use crate::output::sibling::write_whole;
@@ -92,7 +92,7 @@ fn check_file(path: &Path, force: bool) -> Result<(), CliError> {
 
 fn write(path: &Path, text: &str, force: bool) -> Result<(), CliError> {
     check_file(path, force)?;
-    write_whole(path, |out| out.write_all(text.as_bytes())).map_err(at_file(path))
+    write_whole(path, |out| out.write_all(text.as_bytes())).map_err(at_output(path))
 }
 
 /// The scene of these options. The missing ones are asked for, or have their defaults.

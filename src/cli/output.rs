@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::{Value, json as object};
 
 use super::console::{Tone, print, print_answer};
-use super::error::{CliError, at_file};
+use super::error::{CliError, at_output};
 use crate::output::folder::{MANIFEST, check_target};
 use crate::output::json;
 use crate::output::junit::Suite;
@@ -89,7 +89,7 @@ impl JunitArgs {
     /// Writes the suite, in place of an earlier file.
     pub fn write(&self, suite: impl FnOnce() -> Suite) -> Result<(), CliError> {
         let Some(path) = &self.junit else { return Ok(()) };
-        write_whole(path, |out| out.write_all(suite().to_string().as_bytes())).map_err(at_file(path))
+        write_whole(path, |out| out.write_all(suite().to_string().as_bytes())).map_err(at_output(path))
     }
 }
 

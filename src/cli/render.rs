@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::choice::{not_negative, positive, seconds};
 use super::console::print;
 use super::engine::EngineArgs;
-use super::error::{CliError, at_file};
+use super::error::{CliError, at_output};
 use super::input::{check_step, name_of, read_json, read_scenario, warn_of_scenario};
 use super::watch::{watched, watched_to_end};
 use crate::backend::{BackendKind, BackendOptions};
@@ -80,6 +80,8 @@ const LEAST_PIXELS: u32 = 64;
 const SHORTEST: f64 = 3.0;
 const LONGEST: f64 = 20.0;
 const HEIGHT: u32 = 480;
+/// Largest number of pictures of a film (1): more than an hour of them.
+const MOST_FRAMES: u64 = 100_000;
 
 fn size(text: &str) -> Result<Size, String> {
     let fault = || format!("must be like 800x450, each side from {LEAST_PIXELS} to {MOST_PIXELS} px, found {text}");
@@ -105,7 +107,8 @@ pub fn render(args: &RenderArgs) -> Result<ExitCode, CliError> {
     let written = watched("render", |watch| film.write(&drawing, &args.out, format, watch));
     written.map_err(|error| match error {
         FilmError::Interrupted => CliError::Interrupted,
-        FilmError::File(source) => at_file(&args.out)(source),
+        FilmError::File(source) => at_output(&args.out)(source),
+        failed @ (FilmError::Gif(_) | FilmError::Png(_) | FilmError::Ffmpeg(_)) => at_output(&args.out)(std::io::Error::other(failed)),
         other => CliError::Usage(format!("--out: {}: {other}", args.out.display())),
     })?;
     print(&format!("{}\n", args.out.display()))?;
@@ -167,5 +170,10 @@ fn film(args: &RenderArgs, format: Format, end: f64) -> Result<Film, CliError> {
     }
     let span = (to - from).max(f64::MIN_POSITIVE);
     let pace = args.pace.unwrap_or_else(|| 1f64.max(span / LONGEST).min(span / SHORTEST));
-    Ok(Film { from, to, rate: f64::from(args.rate.unwrap_or(20)), pace })
+    let film = Film { from, to, rate: f64::from(args.rate.unwrap_or(20)), pace };
+    if !is_still && film.n_frames() > MOST_FRAMES {
+        let n = film.n_frames();
+        return Err(CliError::Usage(format!("--pace, --rate: must make at most {MOST_FRAMES} pictures, found {n}")));
+    }
+    Ok(film)
 }

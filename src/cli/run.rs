@@ -12,7 +12,7 @@ use super::choice::{choice, positive, seconds};
 use super::console::{self, Tone};
 use super::cost::warn_of_cost;
 use super::engine::{EngineArgs, check_error_control, warn_idle, warn_of_idle};
-use super::error::{CliError, at_file};
+use super::error::{CliError, at_output};
 use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::stopped;
@@ -140,7 +140,7 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
         writer.finish(&RunFiles { summary: &summary, trace: &trace, with_tips: args.tips, scene, manifest: &manifest, report })?;
     }
     if let Some(path) = args.state.as_deref().filter(|path| path.exists()) {
-        std::fs::remove_file(path).map_err(at_file(path))?;
+        std::fs::remove_file(path).map_err(at_output(path))?;
     }
     print(args, &summary)?;
     Ok(args.strict.code(outcome.account.health))

@@ -8,17 +8,17 @@ use std::time::{Instant, SystemTime};
 
 use clap::Args;
 use cpu_time::ProcessTime;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use serde_json::json;
 
 use super::choice::{choice, parse, positive, seconds};
 use super::console::{self, Tone, print, print_answer};
 use super::engine::{EngineArgs, check_error_control, warn_of_idle, warn_of_idle_points};
-use super::error::CliError;
-use super::error::at_file;
-use super::input::{check_step, name_of, read_text};
+use super::error::{CliError, at_file, at_output};
+use super::input::{check_step, name_of, read_scenario_text};
 use super::output::{StrictArgs, command_line, identity_in};
 use super::resumable;
+use super::threads::pool;
 use super::watch::{is_interrupted, watched_by};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
 use crate::output::folder::{MANIFEST, check_files, check_target};
@@ -116,7 +116,7 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, CliError> {
-    let text = read_text(&args.scenario)?;
+    let text = read_scenario_text(&args.scenario)?;
     let inertia = args.scale_inertia.as_deref().map(|values| Axis::new(INERTIA, values)).transpose()?;
     let axes = args.vary.iter().cloned().chain(inertia).collect();
     Ok(Plan::new(Ask {
@@ -164,19 +164,6 @@ fn check_variants(plan: &Plan) -> Result<(), CliError> {
     Ok(())
 }
 
-/// More than any machine has processors, and few enough to start.
-const MOST_THREADS: usize = 1024;
-
-/// No more threads than runs.
-pub fn pool(threads: Option<usize>, n_runs: u64) -> Result<ThreadPool, CliError> {
-    if let Some(n) = threads.filter(|n| !(1..=MOST_THREADS).contains(n)) {
-        return Err(CliError::Usage(format!("--threads: must be from 1 to {MOST_THREADS}, found {n}")));
-    }
-    let n_runs = usize::try_from(n_runs).unwrap_or(MOST_THREADS);
-    let pool = ThreadPoolBuilder::new().num_threads(threads.map_or(0, |n| n.min(n_runs))).build();
-    pool.map_err(|error| CliError::Usage(format!("--threads: {error}")))
-}
-
 /// All cells, into the folder.
 fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, CliError> {
     let out = &args.out;
@@ -185,7 +172,7 @@ fn whole(args: &SweepArgs, plan: &Plan, pool: &ThreadPool) -> Result<ExitCode, C
     if let Some(summary) = finished(out, &plan.identity)? {
         // A sweep that was killed between the last two steps leaves both.
         if path.exists() {
-            fs::remove_file(&path).map_err(at_file(&path))?;
+            fs::remove_file(&path).map_err(at_output(&path))?;
         }
         console::note(format_args!("{}: is finished", out.display()));
         return print_summary(&summary, args.json, &args.strict);
@@ -207,7 +194,7 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
         let what = "holds a finished output; shards go to a folder of their own";
         return Err(CliError::Usage(format!("{}: {what}", args.out.display())));
     }
-    fs::create_dir_all(&folder).map_err(at_file(&folder))?;
+    fs::create_dir_all(&folder).map_err(at_output(&folder))?;
     let cells = part.cells(plan.identity.n_cells);
     let header = plan.identity.header(cells.clone())?;
     let (path, journal_path) = (folder.join(format!("{}.rows", part.name())), folder.join(format!("{}.journal", part.name())));

@@ -9,10 +9,10 @@ use serde_json::json;
 
 use super::console::Tone;
 use super::error::CliError;
-use super::input::{check_step, name_of, read_text};
+use super::input::{check_step, name_of, read_scenario_text};
 use super::output::{OutputArgs, study_manifest};
 use super::resumable;
-use super::sweep::pool;
+use super::threads::pool;
 use crate::analysis::compare::Settings;
 use crate::backend::{BackendKind, Integrator};
 use crate::output::json;
@@ -43,7 +43,7 @@ pub fn vary(args: &VaryArgs, scenario: &Path, seed: Option<u64>, settings: &Sett
     }
     let plan = Plan::new(Ask {
         file: name_of(scenario),
-        text: read_text(scenario)?,
+        text: read_scenario_text(scenario)?,
         design: Design::new(args.vary.clone(), None)?,
         variants: vec![Variant {
             backend: BackendKind::QuasiStatic,
@@ -65,17 +65,19 @@ pub fn vary(args: &VaryArgs, scenario: &Path, seed: Option<u64>, settings: &Sett
     let finished = pool.install(|| resumable::run("compare", &asked, &tasks(&plan, &question), output.out.as_deref()))?;
     let map = Map::new(&plan, &question, finished.records.clone(), finished.wall_s);
     json::check(&map)?;
-    if let Some(out) = &output.out {
+    // What was found is printed even where it cannot be written.
+    let written = output.out.as_ref().map_or(Ok(()), |out| {
         let study = json!({ "name": "compare", "scenario": plan.identity.scenario, "axes": plan.identity.design.axes });
         write_map(out, &map, &study_manifest(&study, &json!({ "question": question }), started))?;
-    }
-    finished.remove_journal()?;
+        Ok::<(), CliError>(finished.remove_journal()?)
+    });
     let tone = match map.n_failed {
         0 if map.n_valid() == map.cells.len() => Tone::Good,
         0 => Tone::Caution,
         _ => Tone::Bad,
     };
     output.print(&map, || map.text(), tone)?;
+    written?;
     output.print_report()?;
     Ok(if map.n_failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }

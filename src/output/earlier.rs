@@ -35,6 +35,9 @@ pub enum FolderError {
     WorkingFolder { path: PathBuf },
 }
 
+/// What was found in place of a file as it was written.
+const CHANGED: &str = "another hash than its manifest's, so that it was changed since";
+
 /// The part of a manifest that is read back.
 #[derive(Deserialize)]
 struct Earlier {
@@ -43,7 +46,8 @@ struct Earlier {
 }
 
 /// Whether an output may be written to `target`: it is missing, empty, or an earlier output that
-/// holds nothing else. Changes nothing: ask before a long run.
+/// holds nothing else, and whose files are as they were written. Changes nothing: ask before a long
+/// run.
 ///
 /// # Errors
 /// When it may not.
@@ -78,10 +82,17 @@ pub(super) fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     }
     let earlier = earlier_output(target).ok_or_else(|| FolderError::Foreign { path: target.to_owned() })?;
     let belongs = |name: &str| name == MANIFEST || earlier.files.contains_key(name);
-    match names.iter().find(|name| !name.to_str().is_some_and(belongs)) {
-        Some(foreign) => Err(FolderError::ForeignFile { path: target.join(foreign) }),
-        None => Ok(()),
+    if let Some(foreign) = names.iter().find(|name| !name.to_str().is_some_and(belongs)) {
+        return Err(FolderError::ForeignFile { path: target.join(foreign) });
     }
+    // A file that the user removed is not lost with the others.
+    let present = earlier.files.iter().map(|(name, hash)| (target.join(name), hash)).filter(|(path, _)| path.exists());
+    for (path, hash) in present {
+        if !path.is_file() || hash_of(&path).map_err(at(&path))? != *hash {
+            return Err(FolderError::Changed { path, found: CHANGED });
+        }
+    }
+    Ok(())
 }
 
 /// Whether another file system begins with this folder, as far as the system tells.
@@ -104,17 +115,22 @@ pub fn check_files(folder: &Path) -> Result<(), FolderError> {
     let earlier = earlier_output(folder).ok_or_else(|| FolderError::Foreign { path: folder.to_owned() })?;
     for (name, hash) in &earlier.files {
         let path = folder.join(name);
-        let mut file = match File::open(&path) {
+        let found = match hash_of(&path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(FolderError::Changed { path, found: "nothing" }),
-            file => file.map_err(at(&path))?,
+            found => found.map_err(at(&path))?,
         };
-        let mut hashed = Hashed(XxHash3_128::new());
-        io::copy(&mut file, &mut hashed).map_err(at(&path))?;
-        if in_text(hashed.0.finish_128()) != *hash {
-            return Err(FolderError::Changed { path, found: "another hash than its manifest's" });
+        if found != *hash {
+            return Err(FolderError::Changed { path, found: CHANGED });
         }
     }
     Ok(())
+}
+
+/// Text of a file's hash, as a manifest has it.
+fn hash_of(path: &Path) -> io::Result<String> {
+    let mut hashed = Hashed(XxHash3_128::new());
+    io::copy(&mut File::open(path)?, &mut hashed)?;
+    Ok(in_text(hashed.0.finish_128()))
 }
 
 /// What is written to it is only hashed.

@@ -4,7 +4,7 @@
 //! error before that removes the hidden folder and leaves the target as it was. The next output of
 //! the same name removes what a killed process has left. `manifest.json` is written last and lists
 //! every other file with its hash. A later run replaces a folder that matches its manifest, and
-//! refuses to replace one with files of the user.
+//! refuses to replace one with files of the user, or with files that were changed since.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -275,6 +275,27 @@ mod tests {
         assert!(matches!(&error, FolderError::ForeignFile { path } if path.ends_with("out/notes.txt")), "{error}");
         assert_eq!(names(&target), ["a.txt", MANIFEST, "notes.txt"]);
         assert_eq!(names(room.path()), ["out"]);
+    }
+
+    #[test]
+    fn an_output_that_was_edited_stays() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out");
+        output(&target, "one").unwrap();
+        fs::write(target.join("a.txt"), "one, and what I think of it").unwrap();
+        let error = output(&target, "two").unwrap_err();
+        assert!(matches!(&error, FolderError::Changed { path, .. } if path.ends_with("out/a.txt")), "{error}");
+        // Changed back, or removed, nothing of the user is lost.
+        fs::write(target.join("a.txt"), "one").unwrap();
+        output(&target, "two").unwrap();
+        fs::remove_file(target.join("a.txt")).unwrap();
+        output(&target, "three").unwrap();
+        // An edit during a run counts as one before it.
+        let mut folder = OutputFolder::create(&target).unwrap();
+        folder.write("a.txt", |out| out.write_all(b"four")).unwrap();
+        fs::write(target.join("a.txt"), "mine").unwrap();
+        assert!(matches!(folder.finish(&manifest()), Err(FolderError::Changed { .. })));
+        assert_eq!(fs::read_to_string(target.join("a.txt")).unwrap(), "mine");
     }
 
     /// Of two at work on the same output neither loses its files to the other; of a killed one, and

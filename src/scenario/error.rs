@@ -50,16 +50,24 @@ impl Display for Finding {
 
 /// Equal faults that are listed one by one. Further ones are counted.
 const MOST_LISTED: usize = 5;
+/// Lines of faults that are listed at most. Further faults are counted.
+const MOST_LINES: usize = 20;
 
 /// One line per finding. Findings count as equal if they have the same rule, and paths that are the
-/// same but for digits.
+/// same but for digits. Long lists end with the number of the findings that they leave out.
 pub fn lines(file: &str, findings: &[Finding]) -> String {
     let mut lines = Vec::new();
     let mut counts: Vec<(String, &str, usize)> = Vec::new();
+    let mut n_left_out = 0;
     for finding in findings {
         let (place, rule) =
             (finding.path.replace(|letter: char| letter.is_ascii_digit(), ""), finding.rule.split(',').next().unwrap_or_default());
-        let at = counts.iter().position(|(p, r, _)| *p == place && *r == rule).unwrap_or_else(|| {
+        let known = counts.iter().position(|(p, r, _)| *p == place && *r == rule);
+        if lines.len() == MOST_LINES && known.is_none_or(|at| counts[at].2 < MOST_LISTED) {
+            n_left_out += 1;
+            continue;
+        }
+        let at = known.unwrap_or_else(|| {
             counts.push((place, rule, 0));
             counts.len() - 1
         });
@@ -70,11 +78,35 @@ pub fn lines(file: &str, findings: &[Finding]) -> String {
     }
     let more = counts.iter().filter(|(_, _, n)| *n > MOST_LISTED);
     lines.extend(more.map(|(place, rule, n)| format!("{file}: {place}: {rule}: and {} more", n - MOST_LISTED)));
+    if n_left_out > 0 {
+        lines.push(format!("{file}: and {n_left_out} more faults"));
+    }
     lines.join("\n")
 }
 
 /// Largest number in a scenario (1): products of a few such numbers are finite.
 const LARGEST: f64 = 1e50;
+/// Smallest length (m) or time (s) in a scenario, other than zero: its inverse is no larger than
+/// the largest number.
+const SMALLEST: f64 = 1e-50;
+
+/// Longest text of a place, a rule and what was found in a message (characters). Keys and values
+/// of a file may have any length.
+const LONGEST: [usize; 3] = [200, 600, 200];
+
+/// The text, cut with dots at the end if it is longer than `most` characters.
+pub fn cut(mut text: String, most: usize) -> String {
+    if let Some((end, _)) = text.char_indices().nth(most) {
+        text.truncate(end);
+        text.push_str("...");
+    }
+    text
+}
+
+/// Whether a number is finite, and small enough to compute with.
+pub fn is_in_range(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
 
 /// Findings in the order of their discovery, with the rules that many places share.
 #[derive(Debug, Default)]
@@ -82,7 +114,10 @@ pub struct Findings(pub Vec<Finding>);
 
 impl Findings {
     pub fn report(&mut self, path: impl Display, rule: impl Into<String>, found: impl Display) {
-        self.0.push(Finding { path: path.to_string(), rule: rule.into(), found: found.to_string() });
+        let [path, rule, found] = [path.to_string(), rule.into(), found.to_string()];
+        let [longest_path, longest_rule, longest_found] = LONGEST;
+        let (path, rule) = (cut(path, longest_path), cut(rule, longest_rule));
+        self.0.push(Finding { path, rule, found: cut(found, longest_found) });
     }
 
     /// Adds a finding unless the rule `holds`. A number that is not finite, or so large that its
@@ -111,6 +146,15 @@ impl Findings {
         self.require(found > 0.0, path, "must be positive", found);
     }
 
+    /// The same for a length (m) or a time (s), whose inverse must be in range too.
+    pub fn positive_size(&mut self, path: impl Display, found: f64) {
+        if found > 0.0 && found < SMALLEST {
+            self.report(path, format!("must be at least {SMALLEST:e}"), number(found));
+        } else {
+            self.positive(path, found);
+        }
+    }
+
     pub fn not_negative(&mut self, path: impl Display, found: f64) {
         self.require(found >= 0.0, path, "must not be negative", found);
     }
@@ -135,4 +179,34 @@ pub fn short(value: f64) -> String {
     let text = format!("{value:.2e}");
     let plain: f64 = text.parse().expect("it is a number");
     if plain == 0.0 || (1e-3..1e6).contains(&plain.abs()) { format!("{plain}") } else { format!("{plain:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_list_ends_with_the_number_of_what_it_leaves_out() {
+        let mut findings = Findings::default();
+        for key in 0..30 {
+            let name = char::from(b'a' + key % 26).to_string().repeat(1 + usize::from(key));
+            (0..7).for_each(|_| findings.report(&name, "is unknown", 1));
+        }
+        let text = lines("a.json", &findings.0);
+        // Four kinds of which five are shown and two are counted, and 26 that are only counted.
+        assert_eq!(text.lines().count(), 20 + 4 + 1);
+        assert_eq!(text.matches("is unknown: and 2 more").count(), 4);
+        assert_eq!(text.lines().last(), Some("a.json: and 182 more faults"));
+    }
+
+    #[test]
+    fn keys_and_values_of_any_length_are_cut() {
+        let mut findings = Findings::default();
+        let long = "ü".repeat(100_000);
+        findings.report(&long, long.as_str(), &long);
+        let Finding { path, rule, found } = &findings.0[0];
+        assert_eq!([path, rule, found].map(|text| text.chars().count()), [203, 603, 203]);
+        findings.report("load", "must be positive", -1);
+        assert_eq!(findings.0[1].to_string(), "load: must be positive, found -1");
+    }
 }

@@ -1,6 +1,7 @@
 //! A run as data. A scenario file is read, checked as a whole and expanded into a [`Scenario`]. The
 //! rest of the program does not use the file.
 
+pub(crate) mod bounded;
 mod data;
 mod error;
 mod expand;

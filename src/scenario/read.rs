@@ -1,8 +1,9 @@
 //! From a file to a scenario.
 
-use std::fs;
+use std::fs::File;
 use std::path::Path;
 
+use super::bounded::{MOST_BYTES, read_text};
 use super::data::Scenario;
 use super::error::ScenarioError;
 use super::{json, structure, validate};
@@ -11,11 +12,11 @@ impl Scenario {
     /// The scenario in the JSON file at `path`.
     ///
     /// # Errors
-    /// When the file cannot be read, is not JSON, or breaks rules of the format. The error lists
-    /// every broken rule.
+    /// When the file cannot be read, is larger than 64 MiB, is not JSON, or breaks rules of the
+    /// format. The error lists every broken rule.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let name = path.display().to_string();
-        match fs::read_to_string(path) {
+        match File::open(path).and_then(|file| read_text(file, MOST_BYTES)) {
             Ok(text) => Self::parse(&text, &name),
             Err(source) => Err(ScenarioError::Unreadable { file: name, source }),
         }

@@ -6,7 +6,7 @@
 use serde_json::{Map, Value};
 use strsim::levenshtein;
 
-use super::error::Findings;
+use super::error::{Findings, cut};
 use super::format;
 use super::json::join;
 
@@ -198,10 +198,7 @@ fn said(value: &Value) -> String {
     match value {
         Value::Object(_) => "an object".to_string(),
         Value::Array(list) => said_list(list),
-        other => {
-            let text = other.to_string();
-            if text.chars().count() <= LONGEST { text } else { text.chars().take(LONGEST).chain("...".chars()).collect() }
-        }
+        other => cut(other.to_string(), LONGEST),
     }
 }
 
@@ -220,5 +217,10 @@ fn unknown_key(key: &str, known: &Map<String, Value>) -> String {
 /// Whether `key` looks like a misspelt `other`: the unit is missing, or up to a third of it is
 /// wrong.
 fn is_near(key: &str, other: &str) -> bool {
+    /// Longest key that is compared (characters): a longer one is none that is misspelt.
+    const LONGEST: usize = 100;
+    if key.chars().nth(LONGEST).is_some() {
+        return false;
+    }
     other.starts_with(key) || levenshtein(key, other) <= (key.chars().count() / 3).max(2)
 }

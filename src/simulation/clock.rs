@@ -28,6 +28,12 @@ impl Clock {
         (self.time == self.tick_time(self.tick)).then_some(self.tick)
     }
 
+    /// Whether the time is in the control period that begins with the last tick, and not after the
+    /// end.
+    pub fn is_in_period(&self) -> bool {
+        self.time >= self.tick_time(self.tick) && self.time < self.tick_time(self.tick + 1) && self.time <= self.end
+    }
+
     pub fn is_at_end(&self) -> bool {
         self.end - self.time <= self.same_instant()
     }

@@ -1,22 +1,32 @@
 //! Text of a journal: its lines with their marks, its header, and whole journals of one record.
 
 use std::collections::BTreeSet;
-use std::io::{self, BufRead, BufReader, Write};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
+use crate::output::manifest::build_of_program;
 use crate::output::sibling::write_whole;
+use crate::scenario::bounded::MOST_BYTES;
 
 /// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
+    /// The disk fails.
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
+    /// A file that was named cannot be read.
+    #[error("{}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    /// A record of one build is no record of another one.
+    #[error("{}: was saved by another version of cohaul: {}; go on with that one, or remove the file", path.display(), differences.join("; "))]
+    OtherBuild { path: PathBuf, differences: Vec<String> },
     /// The file is damaged, is in use, or is not a journal.
     #[error("{}: {what}", path.display())]
     Unusable { path: PathBuf, what: String },
@@ -35,6 +45,12 @@ impl JournalError {
 pub fn at(path: &Path) -> impl FnOnce(io::Error) -> JournalError {
     let path = path.to_owned();
     move |source| JournalError::Io { path, source }
+}
+
+/// Adds the path of a file to an error of reading it, for `map_err`.
+pub fn at_reading(path: &Path) -> impl FnOnce(io::Error) -> JournalError {
+    let path = path.to_owned();
+    move |source| JournalError::Unreadable { path, source }
 }
 
 /// What the records of a file belong to.
@@ -75,9 +91,15 @@ impl Header {
     /// # Errors
     /// When the file cannot be read, or does not begin with a header.
     pub fn read(path: &Path) -> Result<Self, JournalError> {
+        let mut file = BufReader::new(File::open(path).map_err(at_reading(path))?);
+        Self::read_from(&mut file).map_err(at_reading(path))?.ok_or_else(|| not_a_journal(path))
+    }
+
+    /// The header at the beginning of a file; `None` if there is none.
+    fn read_from(file: &mut impl BufRead) -> io::Result<Option<Self>> {
         let mut line = Vec::new();
-        BufReader::new(std::fs::File::open(path).map_err(at(path))?).read_until(b'\n', &mut line).map_err(at(path))?;
-        Self::parse(&line).ok_or_else(|| not_a_journal(path))
+        file.take(LONGEST).read_until(b'\n', &mut line)?;
+        Ok(Self::parse(&line))
     }
 
     /// Compares the header that was `found` at `path` with this one.
@@ -118,8 +140,18 @@ fn shortened(value: &Value) -> String {
     }
 }
 
+/// Largest size of a header (bytes): it holds a scenario at most.
+const LONGEST: u64 = 2 * MOST_BYTES;
+
 /// Digits of a line's hash, and the space behind them.
 pub(super) const MARK: usize = 9;
+
+/// Format of a journal of one record, and the build of the program that writes it.
+fn build() -> Value {
+    const FORMAT: u32 = 1;
+    let (version, commit) = build_of_program();
+    json!({ "format": FORMAT, "version": version, "commit": commit })
+}
 
 /// Writes a journal of one record to `path`, completely or not at all.
 ///
@@ -130,24 +162,32 @@ pub(super) const MARK: usize = 9;
 /// When the record is not plain data.
 pub fn save_single(path: &Path, study: &str, record: &impl Serialize) -> Result<(), JournalError> {
     let text = serde_json::to_string(record).expect("a record is plain data");
-    let text = Header::new(study, &Value::Null, 0..1).line() + &marked(&format!("0,{text}"));
+    let text = Header::new(study, &build(), 0..1).line() + &marked(&format!("0,{text}"));
     write_whole(path, |file| file.write_all(text.as_bytes())).map_err(at(path))
 }
 
 /// Reads the record of a journal that [`save_single`] wrote; `None` if there is no file.
 ///
 /// # Errors
-/// When the file cannot be read, or is not a whole journal of such a record.
+/// When the file cannot be read, is not a whole journal of such a record, or was written by another
+/// build of the program.
 pub fn load_single<R: DeserializeOwned>(path: &Path, study: &str) -> Result<Option<R>, JournalError> {
-    let bytes = match std::fs::read(path) {
+    let mut file = match File::open(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        bytes => bytes.map_err(at(path))?,
+        file => BufReader::new(file.map_err(at_reading(path))?),
     };
-    let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
-    let is_asked = lines.next().and_then(Header::parse).is_some_and(|header| header.study == study);
-    let record = lines.next().and_then(unmarked).and_then(|line| line.strip_prefix("0,")).filter(|_| is_asked);
     let not_saved = |why: &str| JournalError::unusable(path, format!("is not a saved {study}{why}"));
-    let record = record.ok_or_else(|| not_saved("; remove the file to begin again"))?;
+    let nothing = || not_saved("; remove the file to begin again");
+    let header = Header::read_from(&mut file).map_err(at_reading(path))?;
+    let header = header.filter(|header| header.study == study).ok_or_else(nothing)?;
+    let found = if header.identity.is_object() { header.identity } else { json!({}) };
+    let differences = differences(&build(), &found);
+    if !differences.is_empty() {
+        return Err(JournalError::OtherBuild { path: path.to_owned(), differences });
+    }
+    let mut line = Vec::new();
+    file.read_until(b'\n', &mut line).map_err(at_reading(path))?;
+    let record = unmarked(&line).and_then(|line| line.strip_prefix("0,")).ok_or_else(nothing)?;
     serde_json::from_str(record).map(Some).map_err(|error| not_saved(&format!(": {error}")))
 }
 
@@ -190,5 +230,22 @@ mod tests {
         let taken = room.path().join("deep");
         assert!(matches!(save_single(&taken, "run", &0), Err(JournalError::Io { path, .. }) if path == taken));
         assert_eq!(std::fs::read_dir(room.path()).unwrap().count(), 1);
+    }
+
+    /// As the program wrote them before records had a version, too.
+    #[test]
+    fn a_record_of_another_build_is_refused_by_name() {
+        let room = tempfile::tempdir().unwrap();
+        let file = room.path().join("run");
+        let mut other = build();
+        other["version"] = "0.0.9".into();
+        for (identity, why) in [(other, "version is \"0.0.9\", not"), (Value::Null, "version is absent, not")] {
+            std::fs::write(&file, Header::new("run", &identity, 0..1).line() + &marked("0,1")).unwrap();
+            let error = load_single::<u32>(&file, "run").unwrap_err().to_string();
+            assert!(error.contains("was saved by another version of cohaul: ") && error.contains(why), "{error}");
+        }
+        // What never ends is no header.
+        let endless = load_single::<u32>(Path::new("/dev/zero"), "run");
+        assert!(cfg!(not(unix)) || endless.unwrap_err().to_string().contains("is not a saved run"));
     }
 }

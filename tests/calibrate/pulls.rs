@@ -89,8 +89,18 @@ fn the_distance_is_the_mean_square_of_the_difference() {
 fn series_are_cut_into_blocks_of_equal_duration() {
     let text = "time_s,spring,force_n\n0,0,1\n1,0,2\n2,0,3\n3,0,4\n4,0,5\n";
     let series = PullSeries::parse(text, "pulls").unwrap();
-    assert_eq!(series.blocks(None), [vec![1.0, 2.0, 3.0, 4.0, 5.0]]);
-    assert_eq!(series.blocks(Some(2.1)), [vec![1.0, 2.0], vec![3.0, 4.0, 5.0]]);
+    assert_eq!(series.blocks(None).unwrap(), [vec![1.0, 2.0, 3.0, 4.0, 5.0]]);
+    assert_eq!(series.blocks(Some(2.1)).unwrap(), [vec![1.0, 2.0], vec![3.0, 4.0, 5.0]]);
+    // A hair to both sides of the largest number of blocks, 10,000 of 0.4 ms.
+    assert_eq!(series.blocks(Some(4e-4)).unwrap().len(), 5);
+    for short in [3.9e-4, 1e-9, 1e-300] {
+        let error = series.blocks(Some(short)).unwrap_err();
+        assert!(error.contains("must make at most 10000 blocks") && error.contains("at least 400 µs"), "{error}");
+    }
+    // One time in seconds since 1970 among those of a clock that began with the recording.
+    let mixed = PullSeries::parse(&format!("{text}1700000000,0,6\n"), "pulls").unwrap();
+    let error = mixed.blocks(Some(20.0)).unwrap_err();
+    assert!(error.contains("to the last, 1700000000 s"), "{error}");
     let error = PullSeries::parse("time_s,force_n\n0,-1\n", "pulls").unwrap_err().to_string();
     assert!(error.contains("line 2, force_n") && error.contains("must not be negative"), "{error}");
 }

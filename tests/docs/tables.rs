@@ -1,10 +1,11 @@
-//! Tables of the book that follow from the program: printed values that presets replace, and
-//! choices that the paper leaves open.
+//! Tables of the book that follow from the program: printed values that presets replace, choices
+//! that the paper leaves open, and exit codes.
 //!
 //! A table stands between the lines `<!-- table NAME -->` and `<!-- end -->`.
 
 use std::fmt::Write;
 
+use cohaul::cli::EXIT_CODES;
 use cohaul::model::open_choices::{OPEN_CHOICES, Range};
 use cohaul::output::quantity::number;
 use cohaul::output::table::Table;
@@ -32,6 +33,9 @@ fn made(name: &str) -> Option<Table> {
     match name {
         "replaced values" => Some(replaced_values()),
         "open choices" => Some(open_choices()),
+        "exit codes" => {
+            Some(Table::new("", ["code", "meaning"]).with_rows(EXIT_CODES.map(|(code, meaning)| [code.to_string(), meaning.to_owned()])))
+        }
         _ => None,
     }
 }

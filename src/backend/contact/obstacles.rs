@@ -116,6 +116,11 @@ pub struct Obstacles {
 const MOST_CLOSINGS: usize = 12;
 
 impl Obstacles {
+    /// Whether a contact is one of features that are there.
+    pub fn have(&self, touching: &Touching) -> bool {
+        self.surroundings.has(&touching.key)
+    }
+
     /// The obstacles of a system; `None` without any.
     pub fn of(system: &System) -> Option<Self> {
         (!system.world.is_empty()).then(|| Self { surroundings: Surroundings::new(system), clear: None, gate: Gate::of(system) })

@@ -315,6 +315,18 @@ impl Surroundings {
             && body.edges[corner_on_edge.of_obstacle].ends_at(&body.corners[edge_on_corner.of_obstacle].at)
     }
 
+    /// Whether there are features with this key.
+    pub fn has(&self, key: &PairKey) -> bool {
+        let (load, Some(body)) = (&self.load, self.bodies.get(key.obstacle)) else { return false };
+        let body = &body.features;
+        let [n_load, n_body] = match key.kind {
+            PairKind::PointOnLine { .. } => [load.corners.len(), body.edges.len()],
+            PairKind::PointOnPoint => [load.corners.len(), body.corners.len()],
+            PairKind::LineOnPoint => [load.edges.len(), body.corners.len()],
+        };
+        key.of_load < n_load && key.of_obstacle < n_body
+    }
+
     /// The pair with this key.
     pub fn pair(&self, system: &System, key: PairKey) -> Pair {
         Pair::of(key, self.features(&key), &system.world.obstacles[key.obstacle])

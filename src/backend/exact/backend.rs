@@ -5,11 +5,13 @@ use serde::{Deserialize, Serialize};
 use super::control::Pace;
 use super::extrapolation::{self, Task};
 use super::load::{Exact, Method, State};
-use crate::backend::friction::WarmStart;
+use crate::backend::contact::Touching;
+use crate::backend::friction::{ContactMode, WarmStart};
 use crate::backend::springs::{AttachedSprings, AttachedTip, Place, SavedSprings, TipPaths, pulls_with};
 use crate::backend::stepping::{Stepping, n_steps_in};
 use crate::backend::{Backend, EnergyLedger, Motion, RestoreError, SaveError, SavedState, SideContact, StepReport, Transition};
 use crate::math::{Vec2, Vec3, rotation};
+use crate::model::System;
 
 #[derive(Serialize, Deserialize)]
 struct Saved<H> {
@@ -121,8 +123,10 @@ impl<M: Method> Backend for Exact<M> {
     fn restore(&mut self, state: &SavedState) -> Result<(), RestoreError> {
         let Saved::<M::Memory> { state, springs, pace, warm_start } = state.read()?;
         M::check(&state.memory, &self.system)?;
-        state.certificate.check(&self.solver)?;
+        state.certificate.check(&self.solver, self.system.springs.len())?;
         state.side.check(&self.system)?;
+        state.check(&self.system)?;
+        pace.check()?;
         self.check_outside(&state)?;
         let springs = AttachedSprings::restored(springs, &self.system.springs, &state.motion.pose)?;
         self.solver.set_warm_start(warm_start)?;
@@ -133,15 +137,39 @@ impl<M: Method> Backend for Exact<M> {
 
 impl<M: Method> Exact<M> {
     /// # Errors
-    /// When the load of a restored state lies inside an obstacle.
+    /// When the load of a restored state lies inside an obstacle, or touches what is not there.
     fn check_outside(&mut self, state: &State<M::Memory>) -> Result<(), RestoreError> {
         let (Self { obstacles, system, .. }, place) = (self, Place::of(&state.motion.pose));
+        let is_there = |touching: &Touching| obstacles.as_ref().is_some_and(|obstacles| obstacles.have(touching));
+        if let Some(touching) = state.side.touching.iter().find(|touching| !is_there(touching)) {
+            return Err(RestoreError(format!("a contact of features that are not there: {:?}", touching.key)));
+        }
         let depth = obstacles.as_mut().map_or(0.0, |obstacles| obstacles.depth(system, &place, state.side.time));
         if depth > 0.0 { Err(RestoreError(format!("a load {depth:e} m inside an obstacle"))) } else { Ok(()) }
     }
 }
 
+/// Largest entry of a motion to compute with (SI units). Scenarios end at 1e50.
+const LARGEST_ENTRY: f64 = 1e60;
+
 impl<H> State<H> {
+    /// # Errors
+    /// When a restored motion is none to compute with, or when the load turns about a support that
+    /// is not there.
+    fn check(&self, system: &System) -> Result<(), RestoreError> {
+        let far = self.motion.entries().into_iter().find(|entry| entry.abs() > LARGEST_ENTRY);
+        if let Some(entry) = far {
+            return Err(RestoreError(format!("a motion with the entry {entry:e}")));
+        }
+        let n_supports = system.ground.supports.len();
+        match self.contact.last() {
+            ContactMode::Pinned(support) if support >= n_supports => {
+                Err(RestoreError(format!("a load that turns about support {support} of {n_supports}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Forgets what an attached or released spring makes invalid. It changes the forces if it
     /// `pulls`.
     fn disturb<M: Method<Memory = H>>(&mut self, spring: usize, pulls: bool) {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::Motion;
+use crate::backend::{Motion, RestoreError};
 use crate::math::{Twist, Vec2, rotation};
 use crate::model::{SupportPoint, System};
 
@@ -52,6 +52,14 @@ impl Default for Pace {
 }
 
 impl Pace {
+    /// # Errors
+    /// When a restored pace is none that an advance leaves.
+    pub(super) fn check(&self) -> Result<(), RestoreError> {
+        let is_possible = self.macro_step > 0.0 && (SHORTEST..=SHORTEST_WHERE_NONE_CONVERGES).contains(&self.shortest);
+        let Self { macro_step, shortest, .. } = self;
+        if is_possible { Ok(()) } else { Err(RestoreError(format!("macro-steps of {macro_step} s, at least {shortest} of an advance"))) }
+    }
+
     /// Raises the shortest macro-step after an advance without an answer in places, such as a path
     /// through the root of a spring, and lowers it after one with answers.
     pub(super) fn hand_on(&mut self, had_answers: bool) {

@@ -53,8 +53,9 @@ impl SideState {
     /// When a restored contact is one with an obstacle that is not there.
     pub fn check(&self, system: &System) -> Result<(), RestoreError> {
         let n_obstacles = system.world.obstacles.len();
-        match self.touching.iter().find(|touching| touching.key.obstacle >= n_obstacles) {
-            Some(touching) => Err(RestoreError(format!("a contact with obstacle {} of {n_obstacles}", touching.key.obstacle))),
+        let touched = self.touching.iter().map(|touching| touching.key.obstacle);
+        match touched.chain(self.impacts.iter().map(|impact| impact.obstacle)).find(|obstacle| *obstacle >= n_obstacles) {
+            Some(obstacle) => Err(RestoreError(format!("a contact with obstacle {obstacle} of {n_obstacles}"))),
             None => Ok(()),
         }
     }

@@ -204,7 +204,14 @@ impl Engine for World {
 
     fn recall(&mut self, memory: &str) -> Result<(), serde_json::Error> {
         let sets = &mut self.sets;
-        (sets.islands, sets.broad_phase, sets.narrow_phase, sets.bodies, sets.colliders, sets.joints) = serde_json::from_str(memory)?;
+        let n_expected = [sets.bodies.len(), sets.colliders.len(), sets.joints.len()];
+        let read: (IslandManager, DefaultBroadPhase, NarrowPhase, RigidBodySet, ColliderSet, ImpulseJointSet) =
+            serde_json::from_str(memory)?;
+        let n_found = [read.3.len(), read.4.len(), read.5.len()];
+        if n_found != n_expected {
+            return Err(serde::de::Error::custom(format!("bodies, shapes and joints are {n_found:?}, not {n_expected:?}")));
+        }
+        (sets.islands, sets.broad_phase, sets.narrow_phase, sets.bodies, sets.colliders, sets.joints) = read;
         sets.pipeline = PhysicsPipeline::new();
         sets.ccd = CCDSolver::new();
         Ok(())

@@ -92,8 +92,12 @@ impl StickCertificate {
     }
 
     /// # Errors
-    /// When a restored certificate is one for another number of supports.
-    pub fn check(&self, solver: &FrictionSolver) -> Result<(), RestoreError> {
+    /// When a restored certificate is one for another number of supports, or for springs that are
+    /// not there.
+    pub fn check(&self, solver: &FrictionSolver, n_springs: usize) -> Result<(), RestoreError> {
+        if let Some(ball) = self.balls.iter().find(|ball| ball.attachment.spring >= n_springs) {
+            return Err(RestoreError(format!("a stick certificate for spring {} of {n_springs}", ball.attachment.spring)));
+        }
         let (n_forces, n_supports) = (self.forces.len(), solver.warm_start().forces.len());
         if n_forces == n_supports || n_forces == 0 && !self.is_made {
             return Ok(());

@@ -213,6 +213,9 @@ impl AttachedSprings {
             restored.fill(springs, &place);
             return Ok(restored);
         };
+        if tips.len() != restored.attachments.len() {
+            return Err(RestoreError(format!("{} accepted tips of {} attached springs", tips.len(), restored.attachments.len())));
+        }
         let ahead = restored.attachments.clone();
         restored.attachments.as_mut_slice().iter_mut().zip(tips).for_each(|(attachment, tip)| attachment.tip = tip);
         restored.fill(springs, &place);

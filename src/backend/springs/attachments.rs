@@ -168,11 +168,20 @@ impl Attachments {
     }
 
     /// # Errors
-    /// When the list does not hold distinct ones of `springs` in the order of their index.
+    /// When the list does not hold distinct ones of `springs` in the order of their index, or when
+    /// a tip is so far away that its energy is not finite.
     pub fn check(&self, springs: &[PolarSpring]) -> Result<(), RestoreError> {
         let in_order = self.windows(2).all(|pair| pair[0].spring < pair[1].spring);
         let exist = self.iter().all(|attachment| attachment.spring < springs.len());
-        if in_order && exist { Ok(()) } else { Err(RestoreError(format!("attachments that are not of {} springs", springs.len()))) }
+        if !(in_order && exist) {
+            return Err(RestoreError(format!("attachments that are not of {} springs", springs.len())));
+        }
+        match self.iter().find(|attachment| !is_somewhere(&attachment.tip) || attachment.swing.abs() > MOST_SWING) {
+            Some(Attachment { spring, tip, swing }) => {
+                Err(RestoreError(format!("spring {spring} with its tip at [{}, {}] m and a swing of {swing} rad", tip.x, tip.y)))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Keeps the branch of every swing at the accepted `pose`.
@@ -211,6 +220,9 @@ pub fn pulls_with(system: &System, spring: usize, energy: f64) -> bool {
     let is_at_rest = energy == 0.0 || largest_pull <= EXACT * system.total_slip_limit();
     !is_at_rest
 }
+
+/// Largest swing (rad): beyond it a float does not count turns any more.
+const MOST_SWING: f64 = 1e12;
 
 /// Distance beyond which energies have no finite value (m). Scenarios end at 1e50 m.
 const FARTHEST: f64 = 1e60;

@@ -84,5 +84,5 @@ fn blocks_of(path: &Path, duration: Option<f64>, texts: &mut String) -> Result<V
     let text = read_text(&file)?;
     let series = PullSeries::parse(&text, &name_of(&file))?;
     texts.push_str(&text);
-    Ok(series.blocks(duration))
+    series.blocks(duration).map_err(|rule| CliError::Usage(format!("--block-s: {}: {rule}", name_of(&file))))
 }

@@ -59,7 +59,8 @@ pub struct Film {
 
 impl Film {
     pub fn n_frames(&self) -> u64 {
-        ((self.to - self.from) / self.pace * self.rate + 1e-9).floor() as u64 + 1
+        // A number too large for a whole number becomes the largest one.
+        (((self.to - self.from) / self.pace * self.rate + 1e-9).floor() as u64).saturating_add(1)
     }
 
     fn time(&self, frame: u64) -> f64 {

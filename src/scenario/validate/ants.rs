@@ -67,13 +67,13 @@ fn with_defaults(entry: &AntsEntry, has_obstacles: bool) -> AntDrive {
 
 fn check_walk(ants: &AntDrive, findings: &mut Findings) {
     findings.finite_vector("drive.nest_position_m", ants.nest_position.as_slice());
-    findings.positive("drive.arrival_radius_m", ants.arrival_radius);
+    findings.positive_size("drive.arrival_radius_m", ants.arrival_radius);
     findings.not_negative("drive.start_half_width_m", ants.start_half_width);
     findings.not_negative("drive.search_speed_m_per_s", ants.search_speed);
     findings.not_negative("drive.pull_speed_m_per_s", ants.pull_speed);
     findings.not_negative("drive.sensing_range_m", ants.sensing_range);
     findings.not_negative("drive.target_variance_m2", ants.target_variance);
-    findings.positive("drive.target_redraw_period_s", ants.target_redraw_period);
+    findings.positive_size("drive.target_redraw_period_s", ants.target_redraw_period);
     findings.not_negative("drive.steering_gain_per_s", ants.steering_gain);
     let half_angle = ants.steering_half_angle;
     findings.require((0.0..=PI).contains(&half_angle), "drive.steering_half_angle_rad", "must be from 0 to pi", half_angle);
@@ -88,14 +88,14 @@ fn check_grasp(ants: &AntDrive, findings: &mut Findings) {
         GraspPace::PerTick => ((0.0..=1.0).contains(&probability), "must be from 0 to 1"),
     };
     findings.require(holds, "drive.grasp_probability", rule, probability);
-    findings.positive("drive.grasp_decision_period_s", ants.grasp_decision_period);
+    findings.positive_size("drive.grasp_decision_period_s", ants.grasp_decision_period);
 }
 
 fn check_release(ants: &AntDrive, control_period: Option<f64>, findings: &mut Findings) {
     let ReleaseLaw { strong_pull, steepness, period } = ants.release;
     findings.not_negative("drive.strong_pull_n", strong_pull);
     findings.not_negative("drive.release_steepness_per_n", steepness);
-    findings.positive("drive.release_decision_period_s", period);
+    findings.positive_size("drive.release_decision_period_s", period);
     // An ant decides at ticks: with more than one decision a tick the printed odds would be those
     // of another period.
     if ants.release_pace == ReleasePace::Aged && period > 0.0 && control_period.is_some_and(|tick| period < tick) {
@@ -105,8 +105,8 @@ fn check_release(ants: &AntDrive, control_period: Option<f64>, findings: &mut Fi
 }
 
 fn check_avoidance(ants: &AntDrive, control_period: Option<f64>, findings: &mut Findings) {
-    findings.positive("drive.body_radius_m", ants.body_radius);
-    findings.positive("drive.look_ahead_m", ants.look_ahead);
+    findings.positive_size("drive.body_radius_m", ants.body_radius);
+    findings.positive_size("drive.look_ahead_m", ants.look_ahead);
     let Some(period) = control_period.filter(|_| ants.avoidance != Avoidance::None && ants.body_radius > 0.0) else { return };
     let least = LEAST_RADIUS * ants.search_speed.max(ants.pull_speed) * period;
     if ants.body_radius < least {

@@ -52,7 +52,7 @@ fn weight(mass: Option<f64>, gravity: f64, findings: &mut Findings) -> Option<f6
 }
 
 fn tripod(tripod: &Tripod, weight: Option<f64>, findings: &mut Findings) -> Vec<SupportPoint> {
-    findings.positive("ground.supports.tripod.radius_m", tripod.radius_m);
+    findings.positive_size("ground.supports.tripod.radius_m", tripod.radius_m);
     findings.finite("ground.supports.tripod.first_bearing_rad", tripod.first_bearing_rad);
     on_circle(3, tripod.radius_m, tripod.first_bearing_rad, third_of(weight))
 }

@@ -54,8 +54,9 @@ fn load_outline(entry: &LoadEntry, findings: &mut Findings) -> Option<Outline> {
         (None, None) => findings.report("load.radius_m", "is required unless outline is given", "nothing"),
         (Some(_), Some(_)) => findings.report("load.outline", "must not be given together with radius_m", "both"),
         (Some(radius), None) => {
-            findings.positive("load.radius_m", radius);
-            return (radius > 0.0 && radius.is_finite()).then(|| Outline::disc(radius));
+            let n_before = findings.0.len();
+            findings.positive_size("load.radius_m", radius);
+            return (findings.0.len() == n_before).then(|| Outline::disc(radius));
         }
         (None, Some(outline)) => return of_solid(outline::outline(outline, "load.outline", findings)?, findings),
     }

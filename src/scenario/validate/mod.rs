@@ -128,10 +128,10 @@ fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
 fn check_clock(duration: Option<f64>, control_period: Option<f64>, findings: &mut Findings) {
     let n_before = findings.0.len();
     if let Some(duration) = duration {
-        findings.positive("duration_s", duration);
+        findings.positive_size("duration_s", duration);
     }
     if let Some(period) = control_period {
-        findings.positive("control_period_s", period);
+        findings.positive_size("control_period_s", period);
     }
     let (Some(duration), Some(period)) = (duration, control_period) else { return };
     if findings.0.len() > n_before {

@@ -48,12 +48,12 @@ fn add_parts(entry: &OutlineEntry, path: &str, at: &Pose, parts: &mut Vec<Outlin
     let placed = |points: &[[f64; 2]]| points.iter().map(|point| at.to_world(&Vec2::from(*point))).collect::<Vec<_>>();
     match entry {
         OutlineEntry::Disc(disc) => {
-            findings.positive(format_args!("{path}.disc.radius_m"), disc.radius_m);
+            findings.positive_size(format_args!("{path}.disc.radius_m"), disc.radius_m);
             parts.push(OutlinePart::Disc { centre: at.position, radius: disc.radius_m });
         }
         OutlineEntry::Rectangle(rectangle) => {
             for (axis, length) in rectangle.size_m.iter().enumerate() {
-                findings.positive(format_args!("{path}.rectangle.size_m[{axis}]"), *length);
+                findings.positive_size(format_args!("{path}.rectangle.size_m[{axis}]"), *length);
             }
             let [x, y] = rectangle.size_m.map(|length| 0.5 * length);
             let corners = placed(&[[-x, -y], [x, -y], [x, y], [-x, y]]);

@@ -69,7 +69,11 @@ fn ring(ring: &RingOfSprings, index: usize, findings: &mut Findings) -> impl Ite
 fn check_law(place: &impl Display, spring: &PolarSpring, findings: &mut Findings) {
     let key = |name: &str| format!("{place}.{name}");
     let (radial, torsional) = (spring.radial_stiffness, spring.torsional_stiffness);
-    findings.not_negative(key("rest_length_m"), spring.rest_length);
+    match spring.rest_length {
+        0.0 => {}
+        length if length > 0.0 => findings.positive_size(key("rest_length_m"), length),
+        length => findings.not_negative(key("rest_length_m"), length),
+    }
     findings.not_negative(key("radial_stiffness_n_per_m"), radial);
     findings.not_negative(key("torsional_stiffness_nm_per_rad"), torsional);
     findings.not_negative(key("damping_ratio"), spring.damping_ratio);

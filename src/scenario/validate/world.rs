@@ -2,11 +2,11 @@
 
 use super::load::CheckedLoad;
 use super::outline;
-use super::shared::{check_waypoints, is_control};
+use super::shared::{SHORTEST_PART, check_waypoints, is_control};
 use crate::math::Pose;
 use crate::model::geometry::overlap_depth;
 use crate::model::{Obstacle, ObstaclePath, Outline, SideFrictionRule, World};
-use crate::scenario::error::{Findings, number};
+use crate::scenario::error::{Findings, is_in_range, number, short};
 use crate::scenario::format::ObstacleEntry;
 
 /// Largest number of obstacles (1).
@@ -25,11 +25,12 @@ pub fn world(
         findings.report("obstacles", format!("must be at most {MOST_OBSTACLES}"), entries.len());
         return World::default();
     }
+    let shortest = SHORTEST_PART * control_period.filter(|period| *period > 0.0).unwrap_or_default();
     let mut obstacles = Vec::new();
     for (index, entry) in entries.iter().enumerate() {
         let place = format!("obstacles[{index}]");
         check_name(&entries[..index], entry, &place, findings);
-        let Some(mut obstacle) = obstacle(entry, &place, findings) else { continue };
+        let Some(mut obstacle) = obstacle(entry, &place, shortest, findings) else { continue };
         if let Some(load) = load {
             obstacle.friction_coefficient = rule.combine(load.side_friction, obstacle.friction_coefficient);
             obstacle.restitution = obstacle.restitution.max(load.restitution);
@@ -52,13 +53,14 @@ fn check_name(before: &[ObstacleEntry], entry: &ObstacleEntry, place: &str, find
     }
 }
 
-/// The obstacle with its own coefficients; `None` where outline or path break a rule.
-fn obstacle(entry: &ObstacleEntry, place: &str, findings: &mut Findings) -> Option<Obstacle> {
+/// The obstacle with its own coefficients; `None` where outline or path break a rule. From one of
+/// its waypoints to the next there is at least the time `shortest` (s).
+fn obstacle(entry: &ObstacleEntry, place: &str, shortest: f64, findings: &mut Findings) -> Option<Obstacle> {
     findings.not_negative(format_args!("{place}.friction_coefficient"), entry.friction_coefficient);
     outline::restitution(format_args!("{place}.restitution"), entry.restitution, findings);
     let outline = outline::outline(&entry.outline, &format!("{place}.outline"), findings);
     let n_before = findings.0.len();
-    let path = obstacle_path(entry, place, findings);
+    let path = obstacle_path(entry, place, shortest, findings);
     (findings.0.len() == n_before).then_some(Obstacle {
         name: entry.name.clone(),
         outline: outline?,
@@ -68,7 +70,7 @@ fn obstacle(entry: &ObstacleEntry, place: &str, findings: &mut Findings) -> Opti
     })
 }
 
-fn obstacle_path(entry: &ObstacleEntry, place: &str, findings: &mut Findings) -> ObstaclePath {
+fn obstacle_path(entry: &ObstacleEntry, place: &str, shortest: f64, findings: &mut Findings) -> ObstaclePath {
     let (position, heading) = (entry.position_m.unwrap_or_default(), entry.heading_rad.unwrap_or_default());
     findings.finite_vector(format_args!("{place}.position_m"), &position);
     findings.finite(format_args!("{place}.heading_rad"), heading);
@@ -78,7 +80,11 @@ fn obstacle_path(entry: &ObstacleEntry, place: &str, findings: &mut Findings) ->
         let rule = "must not be given together with position_m or heading_rad: its first waypoint is the start";
         findings.report(format_args!("{place}.path"), rule, "both");
     }
-    check_waypoints(&path.waypoints, &format!("{place}.path.waypoints"), 0.0, findings);
+    check_waypoints(&path.waypoints, &format!("{place}.path.waypoints"), shortest, findings);
+    if let Some([time, ..]) = path.waypoints.first().filter(|[time, ..]| *time > 0.0 && *time < shortest) {
+        let rule = format!("must be zero or at least {} s, {SHORTEST_PART:e} control periods", short(shortest));
+        findings.report(format_args!("{place}.path.waypoints[0][0]"), rule, number(*time));
+    }
     match path.waypoints.as_slice() {
         [] => fixed,
         // An obstacle with one waypoint stands still.
@@ -90,7 +96,8 @@ fn obstacle_path(entry: &ObstacleEntry, place: &str, findings: &mut Findings) ->
 /// Rules of a load and an obstacle at the start and on the obstacle's path.
 fn check_against(load: &CheckedLoad, obstacle: &Obstacle, control_period: Option<f64>, place: &str, findings: &mut Findings) {
     let Some(outline) = &load.outline else { return };
-    if load.start.pose.is_finite() {
+    let Pose { position, heading } = load.start.pose;
+    if [position.x, position.y, heading].into_iter().all(is_in_range) {
         check_start(outline, &load.start.pose, obstacle, place, findings);
     }
     let Some(period) = control_period.filter(|period| *period > 0.0 && period.is_finite()) else { return };

@@ -306,7 +306,8 @@ fn drawn_side(streams: &RandomStreams, ant: usize, ticks: f64) -> Side {
 impl Controller for Ants {
     /// Decides releases first: another ant can take a spring at the tick at which it was let go.
     fn decide(&mut self, view: &View, commands: &mut Commands) {
-        let tick = view.tick.expect("ants decide at ticks");
+        // Obstacles may turn between two ticks, where ants walk on as they decided.
+        let Some(tick) = view.tick else { return };
         self.release_where_decided(view, tick, commands);
         self.grasp_or_believe(view, tick, commands);
     }
@@ -358,7 +359,7 @@ impl Controller for Ants {
         Ok(())
     }
 
-    fn check(&self, tick: u64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
+    fn check(&self, tick: u64, _time: f64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
         let mut n_attached = 0;
         for ant in &self.state.ants {
             let Mode::Transport { spring, grasp_tick } = ant.mode else { continue };

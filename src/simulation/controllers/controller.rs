@@ -1,5 +1,7 @@
 //! The interface of a controller: what it sees of a run, and what it commands.
 
+use std::collections::BTreeSet;
+
 use crate::backend::{AttachedTip, Backend, Motion, RestoreError, SaveError, SkipCounts, Skips};
 use crate::math::{Summary, Vec2};
 use crate::model::ant::Ant;
@@ -97,12 +99,24 @@ pub trait Controller {
         Err(RestoreError("this controller cannot be restored".into()))
     }
 
-    /// Checks the restored state against the tick and the attached tips of the run.
+    /// Checks the restored state against the tick, the time (s) and the attached tips of the run.
+    /// What happens at this time has not happened yet.
     ///
     /// # Errors
     /// When they contradict each other.
-    fn check(&self, _tick: u64, _tips: &[AttachedTip]) -> Result<(), RestoreError> {
+    fn check(&self, _tick: u64, _time: f64, _tips: &[AttachedTip]) -> Result<(), RestoreError> {
         Ok(())
+    }
+}
+
+/// # Errors
+/// When the attached `tips` of a restored run are not those of these `springs`.
+pub(super) fn check_attached(springs: BTreeSet<usize>, time: f64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
+    let found: BTreeSet<usize> = tips.iter().map(|tip| tip.spring).collect();
+    match springs.symmetric_difference(&found).next() {
+        None => Ok(()),
+        Some(spring) if found.contains(spring) => Err(RestoreError(format!("at {time} s, spring {spring} attached, which is free"))),
+        Some(spring) => Err(RestoreError(format!("at {time} s, spring {spring} free, which is attached"))),
     }
 }
 

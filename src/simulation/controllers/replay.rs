@@ -1,10 +1,11 @@
 //! Grasps, releases and tip motions of a recorded run. They give another backend the same input
 //! although the ants would have decided otherwise after the first difference.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::controller::{Commands, Controller, View};
-use crate::backend::{RestoreError, SaveError};
+use super::controller::{Commands, Controller, View, check_attached};
+use crate::backend::{AttachedTip, RestoreError, SaveError};
 use crate::math::Vec2;
 use crate::simulation::trace::{EventKind, Trace};
 
@@ -63,5 +64,16 @@ impl Controller for Replay {
 
     fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
         if state.is_null() { Ok(()) } else { Err(RestoreError("the state is that of another controller, and a replay has none".into())) }
+    }
+
+    fn check(&self, _tick: u64, time: f64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
+        let mut attached = BTreeSet::new();
+        for event in self.recorded.events.iter().take_while(|event| event.time < time) {
+            match event.kind {
+                EventKind::Grasp => attached.insert(event.spring),
+                EventKind::Release => attached.remove(&event.spring),
+            };
+        }
+        check_attached(attached, time, tips)
     }
 }

@@ -1,7 +1,7 @@
 //! Prescribed tips: straight between waypoints, at rest after the last.
 
-use super::controller::{Commands, Controller, View};
-use crate::backend::{RestoreError, SaveError};
+use super::controller::{Commands, Controller, View, check_attached};
+use crate::backend::{AttachedTip, RestoreError, SaveError};
 use crate::math::Vec2;
 use crate::scenario::{Scenario, TipPath, Waypoint};
 use crate::simulation::clock::SAME_INSTANT;
@@ -164,5 +164,11 @@ impl Controller for Tips {
         } else {
             Err(RestoreError("the state is that of another controller, and prescribed tips have none".into()))
         }
+    }
+
+    fn check(&self, _tick: u64, time: f64, tips: &[AttachedTip]) -> Result<(), RestoreError> {
+        let is_attached = |path: &&TipPath| path.waypoints[0].time < time && path.release.is_none_or(|release| release >= time);
+        let springs = self.paths.iter().filter(is_attached).map(|path| path.spring).collect();
+        check_attached(springs, time, tips)
     }
 }

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::table::Table;
 use crate::math::{RandomStreams, Stream, Summary};
+use crate::output::quantity::short_quantity;
 use crate::scenario::ScenarioError;
 
 /// Pulls of one recording over time, in the order of time.
@@ -71,19 +72,33 @@ impl PullSeries {
     }
 
     /// Blocks of about this duration (s), all of the same; `None` stands for the whole series.
-    pub fn blocks(&self, duration: Option<f64>) -> Vec<Vec<f64>> {
-        let (Some(first), Some(last)) = (self.pulls.first(), self.pulls.last()) else { return Vec::new() };
+    ///
+    /// # Errors
+    /// When there would be more than 10,000 blocks: the error says which duration is long enough.
+    pub fn blocks(&self, duration: Option<f64>) -> Result<Vec<Vec<f64>>, String> {
+        let (Some(first), Some(last)) = (self.pulls.first(), self.pulls.last()) else { return Ok(Vec::new()) };
         let whole = last.0 - first.0;
         let n = duration.map_or(1.0, |duration| (whole / duration).round().max(1.0));
+        if n > MOST_BLOCKS {
+            let (least, found) = (short_quantity(whole / MOST_BLOCKS, "s"), short_quantity(duration.unwrap_or_default(), "s"));
+            return Err(format!(
+                "must make at most {MOST_BLOCKS} blocks of a table: from the first time, {} s, to the last, {} s, a block must be at \
+                 least {least}, found {found}",
+                first.0, last.0
+            ));
+        }
         let mut blocks = vec![Vec::new(); n as usize];
         for (time, pull) in &self.pulls {
             let share = if whole > 0.0 { (time - first.0) / whole } else { 0.0 };
             blocks[((n * share) as usize).min(n as usize - 1)].push(*pull);
         }
         blocks.retain(|block| !block.is_empty());
-        blocks
+        Ok(blocks)
     }
 }
+
+/// Largest number of blocks of one table (1). Each takes 4 kB while samples are compared.
+const MOST_BLOCKS: f64 = 1e4;
 
 /// Number of pulls at which distribution functions are compared, equally spaced in rank.
 const N_PLACES: usize = 512;

@@ -1,7 +1,7 @@
 //! Reads a baseline's file and names every fault: unknown, missing and repeated keys, values of
 //! another type, and broken rules.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -14,6 +14,7 @@ use super::record::{Ending, Event, Record};
 use super::rules;
 use super::tolerance::Tolerances;
 use crate::backend::BackendOptions;
+use crate::scenario::bounded::{MOST_BYTES_OF_TABLE, read_text};
 use crate::scenario::json::{join, read};
 use crate::scenario::{Finding, Findings, Scenario, ScenarioError};
 
@@ -48,7 +49,7 @@ impl Baseline {
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file = path.display().to_string();
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        match fs::read_to_string(path) {
+        match File::open(path).and_then(|file| read_text(file, MOST_BYTES_OF_TABLE)) {
             Ok(text) => Self::parse(&text, &name, &file),
             Err(source) => Err(ScenarioError::Unreadable { file, source }),
         }

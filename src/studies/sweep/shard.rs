@@ -14,7 +14,7 @@ use super::column::Table;
 use super::error::SweepError;
 use super::plan::{FORMAT, Identity};
 use crate::output::sibling::write_whole;
-use crate::studies::journal::{Header, Journal, JournalError, at, marked, task_of, unmarked};
+use crate::studies::journal::{Header, Journal, JournalError, at, at_reading, marked, task_of, unmarked};
 
 /// Part `index` of `n`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,12 +104,12 @@ fn read_shard(path: &Path, visit: &mut dyn FnMut(&str) -> Result<(), SweepError>
         let what = format!("line {n} is cut off or damaged; remove the file and run its shard again");
         SweepError::from(JournalError::unusable(path, what))
     };
-    let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(at(path))?);
+    let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(at_reading(path))?);
     let (mut hash, mut line, mut n_lines) = (Sha256::new(), Vec::new(), 0u64);
     let header = Header::read(path)?;
     loop {
         line.clear();
-        reader.read_until(b'\n', &mut line).map_err(at(path))?;
+        reader.read_until(b'\n', &mut line).map_err(at_reading(path))?;
         let text = unmarked(&line).ok_or_else(|| damaged(n_lines + 1))?;
         if text.starts_with("end ") {
             let is_right = text == end_of(n_lines - 1, hash) && n_lines - 1 == header.end - header.begin;
@@ -194,8 +194,8 @@ pub fn shard_files(sources: &[PathBuf]) -> Result<Vec<PathBuf>, SweepError> {
         let inner = source.join("shards");
         let folder = if inner.is_dir() { &inner } else { source };
         let mut inside = Vec::new();
-        for entry in fs::read_dir(folder).map_err(at(folder))? {
-            let path = entry.map_err(at(folder))?.path();
+        for entry in fs::read_dir(folder).map_err(at_reading(folder))? {
+            let path = entry.map_err(at_reading(folder))?.path();
             if path.extension().is_some_and(|extension| extension == "rows") {
                 inside.push(path);
             }
