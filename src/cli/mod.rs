@@ -132,7 +132,7 @@ pub fn main() -> ExitCode {
         }
     };
     cli.console.apply();
-    match cli.command.run() {
+    match watch::unless_stopped(|| cli.command.run()).unwrap_or(Err(CliError::Interrupted)) {
         Ok(code) => code,
         // A reader that has seen enough, such as `head`, is no failure.
         Err(CliError::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,

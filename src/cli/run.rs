@@ -16,7 +16,7 @@ use super::error::{CliError, at_file};
 use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, manifest_of};
 use super::resumable::stopped;
-use super::watch::{catch_interrupts, watched_by};
+use super::watch::{catch_interrupts, unless_stopped, watched_by};
 use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate_if};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Status, Tolerance};
@@ -159,10 +159,13 @@ fn computed<'a>(
             .map_err(|source| CliError::Restore { path: path.clone(), source })?,
         _ => Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend),
     };
+    if args.state.is_some() {
+        run = run.with_checkpoints();
+    }
     // Rows that nothing needs again are written as they come.
     let streams = writer.as_ref().is_some_and(RunWriter::streams);
     let passes_on = streams && args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
-    watched_by(Progress::start(scenario.duration, args.backend.name()), |watch| {
+    let computing = || watched_by(Progress::start(scenario.duration, args.backend.name()), |watch| {
         let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
         if let (Some(writer), true) = (writer, passes_on) {
             return run.run_streaming(watch, |rows| writer.add(rows));
@@ -174,7 +177,8 @@ fn computed<'a>(
         };
         run.run_to_tolerance(afresh, watch);
         Ok(())
-    })?;
+    });
+    unless_stopped(computing).unwrap_or(Ok(()))?;
     Ok((run, estimator))
 }
 
@@ -263,7 +267,9 @@ fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
 /// Keeps the state for the next call, if there is a file for it, and returns how the command ends.
 fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<CliError, CliError> {
     if let Some(path) = path {
-        journal::save_single(path, "run", &run.save()?)?;
+        let saved = run.save()?;
+        journal::save_single(path, "run", &saved)?;
+        return Ok(stopped(&format!("{} s", saved.time()), Some(path)));
     }
-    Ok(stopped(&format!("{} s", run.time()), path))
+    Ok(CliError::Interrupted)
 }

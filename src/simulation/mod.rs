@@ -5,17 +5,21 @@
 //! controllers/    what moves the tips: ants, prescribed paths, a recorded run
 //! clock.rs        control ticks, parts of control periods, and the end
 //! trace.rs        what is recorded
+//! checkpoints.rs  states of a run in memory, for a stop in the midst of a step
 //! doubt_times.rs  when a run was first doubtful
 //! saved.rs        saving and resuming
+//! saved_run.rs    the state of a run as data
 //! run_facts.rs    the numbers of a run, for every report
 //! ```
 
+mod checkpoints;
 mod clock;
 pub mod controllers;
 mod doubt_times;
 mod run;
 pub mod run_facts;
 mod saved;
+mod saved_run;
 mod trace;
 
 pub use crate::backend::{AttachedTip, AttachedTips};
@@ -23,7 +27,7 @@ pub(crate) use clock::SAME_INSTANT;
 pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller_of, follow_ants};
 pub use doubt_times::DoubtTimes;
 pub use run::{MakeBackend, Simulation, backend_of};
-pub use saved::SavedRun;
+pub use saved_run::SavedRun;
 pub use trace::{Event, EventKind, Keep, Outcome, Row, Trace};
 
 #[cfg(test)]

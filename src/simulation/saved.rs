@@ -1,37 +1,28 @@
 //! Saving a run and resuming it: the resumed run equals the uninterrupted one to the bit.
 
-use serde::{Deserialize, Serialize};
-
 use super::controllers::{Controller, controller_of};
 use super::run::{Simulation, attached_tips, backend_of};
-use super::trace::{Keep, Totals, Trace};
-use crate::backend::{Backend, BackendOptions, RestoreError, SaveError, SavedState};
+use super::saved_run::SavedRun;
+use super::trace::{Keep, Trace};
+use crate::backend::{Backend, RestoreError, SaveError};
 use crate::scenario::Scenario;
 
-/// State of a run. It holds all that does not follow from the scenario, with every digit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SavedRun {
-    /// Hash of the scenario, seed included: a run resumes in its own scenario only.
-    pub scenario_hash: String,
-    pub options: BackendOptions,
-    tick: u64,
-    time: f64,
-    #[serde(default)]
-    n_parts: u64,
-    finished: bool,
-    keep: Keep,
-    totals: Totals,
-    controller: serde_json::Value,
-    backend: SavedState,
-    trace: Trace,
-}
-
 impl<'a> Simulation<'a> {
-    /// State of the run so far, from which [`Simulation::resume`] continues.
+    /// State of the run so far, from which [`Simulation::resume`] continues. For a run that was
+    /// stopped in the midst of a step it is the last checkpoint.
     ///
     /// # Errors
-    /// When the backend or the controller cannot be saved.
+    /// When the backend or the controller cannot be saved, or when the run was stopped in the midst
+    /// of a step and has no checkpoint.
     pub fn save(&self) -> Result<SavedRun, SaveError> {
+        if self.is_stopped() {
+            return self.checkpoints.as_ref().and_then(|checkpoints| checkpoints.last(&self.trace)).ok_or(SaveError);
+        }
+        Ok(SavedRun { trace: self.trace.clone(), ..self.state()? })
+    }
+
+    /// The same without the trace.
+    pub(super) fn state(&self) -> Result<SavedRun, SaveError> {
         Ok(SavedRun {
             scenario_hash: self.scenario.hash(),
             options: self.options,
@@ -43,8 +34,15 @@ impl<'a> Simulation<'a> {
             totals: self.totals.clone(),
             controller: self.controller.save()?,
             backend: self.backend.save()?,
-            trace: self.trace.clone(),
+            trace: Trace::default(),
         })
+    }
+
+    /// Keeps the state in memory where checkpoints are asked for and one is due.
+    pub(super) fn take_checkpoint(&mut self) {
+        let Some(mut checkpoints) = self.checkpoints.take() else { return };
+        checkpoints.take_if_due(|| Some((self.state().ok()?, &self.trace)));
+        self.checkpoints = Some(checkpoints);
     }
 
     /// Resumes a run of the scenario's own controller.

@@ -31,7 +31,7 @@ pub enum CalibrateCommand {
 }
 
 pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
-    // These commands are short: an interrupt waits until the files are written.
+    // An interrupt leaves no file half written.
     catch_interrupts();
     match command {
         CalibrateCommand::Fit(args) => fit::fit(args),
