@@ -5,11 +5,12 @@
 //! [`stop`]. The second Ctrl-C ends the program at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::OnceLock;
 use std::thread;
 use std::time::Duration;
 
 use super::console;
+use super::cost::duration_in_words;
 use super::error::CliError;
 use crate::output::progress::Progress;
 use crate::stop::{self, Stop};
@@ -83,18 +84,17 @@ pub fn watched_to_end<T>(label: &str, work: impl FnOnce(Watch) -> Option<T>) -> 
     watched(label, work).ok_or(CliError::Interrupted)
 }
 
+/// Runs `work` under a progress bar. It says so when work with an expected time turns out to be
+/// long.
 pub fn watched_by<T>(progress: Progress, work: impl FnOnce(Watch) -> T) -> T {
-    let progress = (!console::is_quiet()).then(|| Mutex::new(progress));
-    let watch = |done: f64| {
-        // Only one thread draws; the others need not wait for it.
-        if let Some(Ok(mut progress)) = progress.as_ref().map(Mutex::try_lock) {
-            progress.at(done);
-        }
-        !is_interrupted()
-    };
-    let result = work(&watch);
-    if let Some(progress) = progress {
-        progress.into_inner().expect("no thread panicked while it drew").finish();
+    if console::is_quiet() {
+        return work(&|_| !is_interrupted());
     }
-    result
+    let too_long = |whole_s| console::warn(format_args!("this takes about {} in all; Ctrl-C ends it", duration_in_words(whole_s)));
+    progress.shown(&too_long, |at| {
+        work(&|done| {
+            at(done);
+            !is_interrupted()
+        })
+    })
 }
