@@ -7,10 +7,10 @@ use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
+use cohaul::stop::{self, Stop};
 use pyo3::call::PyCallArgs;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use cohaul::stop::{self, Stop};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Time between two looks for a signal, and between two calls of a progress function.

@@ -23,6 +23,10 @@ pub fn long_run(command: &str, scenario: &Scenario, cost: &ExpectedCost) -> Opti
             ("control_period_s", "at least one in each control period".to_owned(), "a longer control period or a shorter duration")
         }
         CostLimit::Step => ("duration_s", "as many as the step demands".to_owned(), "a longer step (--step-s) or a shorter duration"),
+        CostLimit::Ants => {
+            let limit = "and in each control period every ant looks at all obstacles".to_owned();
+            ("drive.n_ants", limit, "fewer ants or obstacles, a longer control period or a shorter duration")
+        }
         CostLimit::Oscillation => {
             let rate = short_quantity(fastest_rate(scenario), "rad/s");
             let limit = format!("one for every two radians of the fastest oscillation, {rate}");
@@ -32,7 +36,11 @@ pub fn long_run(command: &str, scenario: &Scenario, cost: &ExpectedCost) -> Opti
     Some(Finding {
         path: path.to_owned(),
         rule: format!("it is cheaper with {cheaper}"),
-        found: format!("`cohaul {command}` may take {} on one core: {} steps, {limit}", duration_in_words(cost.time_s), short(cost.n_steps)),
+        found: format!(
+            "`cohaul {command}` may take {} on one core: {} steps, {limit}",
+            duration_in_words(cost.time_s),
+            short(cost.n_steps)
+        ),
     })
 }
 

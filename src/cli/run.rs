@@ -165,19 +165,22 @@ fn computed<'a>(
     // Rows that nothing needs again are written as they come.
     let streams = writer.as_ref().is_some_and(RunWriter::streams);
     let passes_on = streams && args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
-    let computing = || watched_by(Progress::start(scenario.duration, args.backend.name()), |watch| {
-        let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
-        if let (Some(writer), true) = (writer, passes_on) {
-            return run.run_streaming(watch, |rows| writer.add(rows));
-        }
-        let afresh = |options: &BackendOptions| {
-            let (backend, follower) = with_estimate_if(scenario, options, !args.no_estimate);
-            estimator = follower;
-            Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend)
-        };
-        run.run_to_tolerance(afresh, watch);
-        Ok(())
-    });
+    let progress = Progress::start(scenario.duration, args.backend.name()).expecting(ExpectedCost::of_run(scenario, options).time_s);
+    let computing = || {
+        watched_by(progress, |watch| {
+            let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
+            if let (Some(writer), true) = (writer, passes_on) {
+                return run.run_streaming(watch, |rows| writer.add(rows));
+            }
+            let afresh = |options: &BackendOptions| {
+                let (backend, follower) = with_estimate_if(scenario, options, !args.no_estimate);
+                estimator = follower;
+                Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend)
+            };
+            run.run_to_tolerance(afresh, watch);
+            Ok(())
+        })
+    };
     unless_stopped(computing).unwrap_or(Ok(()))?;
     Ok((run, estimator))
 }

@@ -4,8 +4,8 @@
 //! asks between two pieces ends there. Where a piece lasts longer, it is stopped in its midst, by
 //! [`stop`]. The second Ctrl-C ends the program at once.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ static HANDLER: OnceLock<bool> = OnceLock::new();
 const TO_END_A_PIECE: Duration = Duration::from_millis(50);
 /// Time after which work that has not begun to end is ended with the program. No such work has
 /// anything to save: output appears whole or not at all, and journals are whole at every instant.
-const TO_BEGIN_TO_END: Duration = Duration::from_millis(150);
+const TO_BEGIN_TO_END: Duration = Duration::from_millis(120);
 
 /// Has Ctrl-C end the program in good order from here on. What must not be left half written is
 /// begun only after this.

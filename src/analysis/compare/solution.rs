@@ -150,7 +150,8 @@ impl Solution {
             run.is_finished().then(|| (options.step_s, run.into_results()))
         };
         // The longest first: two threads then end at about the same time.
-        let mut levels: Vec<_> = (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(|at| stop.within(|| level(at))).collect::<Option<Vec<_>>>()?;
+        let mut levels: Vec<_> =
+            (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(|at| stop.within(|| level(at))).collect::<Option<Vec<_>>>()?;
         levels.reverse();
         let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
         let is_engine = !options.kind.is_exact();

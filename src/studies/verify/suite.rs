@@ -6,8 +6,8 @@ use super::case::{Case, Plan};
 use super::measured::Measured;
 use super::row::{Row, rows};
 use crate::backend::BackendOptions;
-use crate::studies::runner::{Effort, Tasks};
 use crate::stop::Stop;
+use crate::studies::runner::{Effort, Tasks};
 
 /// One task a plan of `cases` that is `wanted`, in their order: the rows of the plan.
 pub fn tasks(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> Tasks<'_, Vec<Row>> {
