@@ -133,8 +133,8 @@ fn a_stopped_run_without_checkpoints_is_not_saved() {
     assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| caught(|| run.step()))).is_err(), "it does not go on");
 }
 
-/// Supports on random points, some of them on one another: the first of equal ones stands for all,
-/// at any number. The number of supports is large enough that a quadratic search would take minutes.
+/// Two supports on each of many points. Their number is so large that a quadratic search would take
+/// minutes.
 #[test]
 fn the_start_of_a_run_on_a_million_supports_is_linear() {
     let mut scenario = centre_pull();

@@ -7,8 +7,8 @@
 //! run may be cheaper.
 //!
 //! The times are those of 110 scenes, half of them with obstacles or ants, on a virtual machine at
-//! about 3 GHz. How often a load touches an obstacle is not known beforehand either, and the factors
-//! of obstacles are means. A run itself tells its time better as soon as a percent of it is done.
+//! about 3 GHz. How often a load touches an obstacle is not known beforehand either, and the
+//! factors of obstacles are means. A run itself tells its time better as soon as a percent of it is done.
 
 use super::compare::Settings;
 use crate::backend::{BackendKind, BackendOptions, LONGEST_MACRO_STEP};
@@ -42,9 +42,10 @@ pub enum CostLimit {
 /// Number of seeds of a comparison over seeds without options (1).
 pub const DEFAULT_SEEDS: usize = 8;
 
-/// Time of a step at a fixed step (s), without and for each attached spring and support.
+/// Time of a step at a fixed step (s), without and for each attached spring and each support.
 const STEP: f64 = 0.5e-6;
-const STEP_A_PART: f64 = 0.02e-6;
+const STEP_A_SPRING: f64 = 0.02e-6;
+const STEP_A_SUPPORT: f64 = 0.04e-6;
 /// Time of a step of rapier (s), without and for each joint: one a support, and two a spring.
 const ENGINE_STEP: f64 = 3e-6;
 const ENGINE_STEP_A_JOINT: f64 = 0.25e-6;
@@ -54,15 +55,16 @@ const ENGINE_STEP_A_JOINT: f64 = 0.25e-6;
 /// on the mean of scenes in which the load touches something for a part of the time.
 const AMONG_OBSTACLES: f64 = 2.0;
 const ENGINE_AMONG_OBSTACLES: f64 = 3.0;
-/// Time for each pair of a corner of the load and one of an obstacle in a step, and for each
-/// obstacle in a step of rapier (s).
-const STEP_A_PAIR: f64 = 0.01e-6;
+/// Time in a step among obstacles for each corner of the load and for each one of an obstacle, and
+/// for each obstacle in a step of rapier (s). Most obstacles are far from the load.
+const STEP_A_LOAD_CORNER: f64 = 0.05e-6;
+const STEP_A_CORNER: f64 = 0.005e-6;
 const ENGINE_STEP_AN_OBSTACLE: f64 = 0.5e-6;
 
 /// Time for each ant in a control period (s), without and for each corner of an obstacle, of which
 /// an ant sees all.
 const TICK_AN_ANT: f64 = 0.055e-6;
-const TICK_A_CORNER: f64 = 0.015e-6;
+const TICK_A_CORNER: f64 = 0.008e-6;
 
 /// Steps that error control takes in each control period and for each two radians of the fastest
 /// oscillation (1). A period or an oscillation takes a macro-step of the run and one of the run
@@ -71,13 +73,15 @@ const STEPS_A_PERIOD: f64 = 15.0;
 const STEPS_A_PERIOD_WITH_INERTIA: f64 = 25.0;
 const STEPS_AN_OSCILLATION: f64 = 40.0;
 /// The same among obstacles, over those in the open (1): where contacts open, close or turn,
-/// macro-steps are cut and their steps are searched for.
-const CONTROL_AMONG_OBSTACLES: f64 = 4.0;
+/// macro-steps are cut and their steps are searched for. This is the mean of scenes. Where impacts
+/// follow each other or a load jams, macro-steps cost up to a hundred times as much.
+const CONTROL_AMONG_OBSTACLES: f64 = 1.25;
 
 /// Time for each spring and each support to begin a run (s).
 const START_A_PART: f64 = 1e-6;
 
-/// Time in which ants bring the load to the nest, over that of the way at their pulling speed (1):
+/// Time in which ants bring the load to the nest, over that of a straight path at their pulling
+/// speed (1):
 /// of many ants, and what it is more for one alone. On the paper's scenes 1, 4, 10, 100 and 300
 /// ants take 15.6, 4.7, 2.6, 1.8 and 1.7 times as long.
 const TRANSPORT: f64 = 1.7;
@@ -94,10 +98,9 @@ struct Extent {
     n_supports: f64,
     n_ants: f64,
     n_obstacles: f64,
-    /// Corners of all obstacles, and pairs of one of them with one of the load (1). A disc counts
-    /// as one.
+    /// Corners of all obstacles and of the load (1). A disc counts as one.
     n_corners: f64,
-    n_pairs: f64,
+    n_load_corners: f64,
 }
 
 impl Extent {
@@ -110,8 +113,8 @@ impl Extent {
             Drive::Tips(paths) => (paths.len().min(n_springs), 0, scenario.duration),
             Drive::Ants(ants) => {
                 let n_attached = ants.n_ants.min(n_springs);
-                let way = (scenario.start.pose.position - ants.nest_position).norm() / ants.pull_speed;
-                let arrival = way * (TRANSPORT + TRANSPORT_BY_ONE / n_attached.max(1) as f64);
+                let straight = (scenario.start.pose.position - ants.nest_position).norm() / ants.pull_speed;
+                let arrival = straight * (TRANSPORT + TRANSPORT_BY_ONE / n_attached.max(1) as f64);
                 (n_attached, ants.n_ants, if arrival > 0.0 { scenario.duration.min(arrival) } else { scenario.duration })
             }
         };
@@ -124,7 +127,7 @@ impl Extent {
             n_ants: n_ants as f64,
             n_obstacles: system.world.obstacles.len() as f64,
             n_corners: n_corners as f64,
-            n_pairs: (n_corners * n_corners_of(&system.world.outline).max(1)) as f64,
+            n_load_corners: n_corners_of(&system.world.outline).max(1) as f64,
         }
     }
 
@@ -132,8 +135,9 @@ impl Extent {
     fn step_time(&self, kind: BackendKind) -> f64 {
         let is_open = self.n_obstacles == 0.0;
         if kind.is_exact() {
-            let open = STEP + STEP_A_PART * (self.n_attached + self.n_supports);
-            return if is_open { open } else { AMONG_OBSTACLES * open + STEP_A_PAIR * self.n_pairs };
+            let open = STEP + STEP_A_SPRING * self.n_attached + STEP_A_SUPPORT * self.n_supports;
+            let of_corners = STEP_A_LOAD_CORNER * self.n_load_corners + STEP_A_CORNER * self.n_corners;
+            return if is_open { open } else { AMONG_OBSTACLES * open + of_corners };
         }
         let open = ENGINE_STEP + ENGINE_STEP_A_JOINT * (2.0 * self.n_attached + self.n_supports);
         if is_open { open } else { ENGINE_AMONG_OBSTACLES * open + ENGINE_STEP_AN_OBSTACLE * self.n_obstacles }

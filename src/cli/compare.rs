@@ -124,12 +124,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     check_step(args.step_s, &scenario)?;
     let asked = tiers_of(&scenario, &args.tier)?;
     let n_seeds = args.seeds.unwrap_or(DEFAULT_SEEDS);
-    if n_seeds == 0 {
-        return Err(CliError::Usage("--seeds: must be at least 1, found 0".into()));
-    }
-    if scenario.seed.checked_add(n_seeds as u64 - 1).is_none() {
-        return Err(CliError::Usage(format!("--seeds: the last seed must be below 2^64, found {n_seeds} from {}", scenario.seed)));
-    }
+    check_seeds(&scenario, n_seeds)?;
     warn_of_idle_tiers(args, &asked);
     args.output.check()?;
     let recorded =
@@ -176,6 +171,18 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         console::warn(format_args!("--fail-on: the verdict on {name} is \"{}\"", verdict.text()));
     }
     Ok(if is_computed && failed.is_none() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// # Errors
+/// When there is no seed, or the last one does not fit into 64 bits.
+fn check_seeds(scenario: &Scenario, n_seeds: usize) -> Result<(), CliError> {
+    if n_seeds == 0 {
+        return Err(CliError::Usage("--seeds: must be at least 1, found 0".into()));
+    }
+    if scenario.seed.checked_add(n_seeds as u64 - 1).is_none() {
+        return Err(CliError::Usage(format!("--seeds: the last seed must be below 2^64, found {n_seeds} from {}", scenario.seed)));
+    }
+    Ok(())
 }
 
 /// # Errors
