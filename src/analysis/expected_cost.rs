@@ -8,7 +8,8 @@
 //!
 //! The times are those of 110 scenes, half of them with obstacles or ants, on a virtual machine at
 //! about 3 GHz. How often a load touches an obstacle is not known beforehand either, and the
-//! factors of obstacles are means. A run itself tells its time better as soon as a percent of it is done.
+//! factors of obstacles are means. A run itself tells its time better as soon as a percent of it is
+//! done.
 
 use super::compare::Settings;
 use crate::backend::{BackendKind, BackendOptions, LONGEST_MACRO_STEP};
