@@ -239,3 +239,61 @@ pub fn fastest_rate(scenario: &Scenario) -> f64 {
         Drive::Ants(_) => system.fastest_rate(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(name: &str) -> Scenario {
+        Scenario::read(format!("scenarios/{name}.json").as_ref()).unwrap()
+    }
+
+    fn time(scenario: &Scenario, kind: BackendKind) -> f64 {
+        let options = BackendOptions::at_step(None, kind, &scenario.system, scenario.control_period);
+        ExpectedCost::of_run(scenario, &options).time_s
+    }
+
+    /// Ten times the obstacles are ten times the work of the ants, and with many of them it is
+    /// nearly all of the work.
+    #[test]
+    fn ants_among_many_obstacles_pay_for_all_of_them() {
+        let mut wall = scene("paper/wall-with-gap");
+        wall.duration = 1.0;
+        let few = wall.system.world.obstacles.clone();
+        wall.system.world.obstacles = few.iter().cycle().take(500).cloned().collect();
+        let Drive::Ants(ants) = &mut wall.drive else { panic!("it has ants") };
+        ants.n_ants = 300;
+        let at = time(&wall, BackendKind::QuasiStatic);
+        wall.system.world.obstacles = few.iter().cycle().take(5000).cloned().collect();
+        assert!((9.0..11.0).contains(&(time(&wall, BackendKind::QuasiStatic) / at)), "{at}");
+        let options = BackendOptions::at_step(None, BackendKind::QuasiStatic, &wall.system, wall.control_period);
+        assert_eq!(ExpectedCost::of_run(&wall, &options).limit, CostLimit::Ants);
+    }
+
+    #[test]
+    fn obstacles_supports_and_seeds_cost_time() {
+        let tow = scene("robots/tow-past-corner");
+        let mut open = tow.clone();
+        open.system.world.obstacles.clear();
+        for kind in BackendKind::COMPARED {
+            assert!(time(&tow, kind) > 1.5 * time(&open, kind), "{}", kind.name());
+        }
+        let mut many = open.clone();
+        many.system.ground.supports = open.system.ground.supports.iter().cycle().take(100_000).copied().collect();
+        (many.duration, many.control_period) = (1e-9, 1e-9);
+        assert!(time(&many, BackendKind::QuasiStatic) > 0.05, "the start of a run alone");
+        let (ants, settings) = (scene("paper/four-ants-four-springs"), Settings::default());
+        let seeds = |n| ExpectedCost::of_closed_loop(&ants, &settings, n).time_s;
+        assert!((seeds(32) / seeds(8) - 4.0).abs() < 1e-12);
+    }
+
+    /// A load that ants bring to the nest ends its run: a longer duration costs nothing more.
+    #[test]
+    fn a_run_of_ants_is_expected_to_end_at_the_nest() {
+        let ants = scene("paper/ten-ants-ten-springs");
+        let longer = Scenario { duration: 10.0 * ants.duration, ..ants.clone() };
+        assert_eq!(time(&longer, BackendKind::Inertial), time(&ants, BackendKind::Inertial));
+        let shorter = Scenario { duration: 1.0, ..ants.clone() };
+        assert!(time(&shorter, BackendKind::Inertial) < 0.1 * time(&ants, BackendKind::Inertial));
+    }
+}
