@@ -172,9 +172,7 @@ mod tests {
                     if task == 7 {
                         current.ask();
                     }
-                    while task != 7 {
-                        point();
-                    }
+                    (0..u64::MAX).take_while(|_| task != 7).for_each(|_| point());
                 });
             });
         });

@@ -137,9 +137,8 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         Tier::ClosedLoop => ExpectedCost::of_closed_loop(&scenario, &settings, n_seeds),
         _ => ExpectedCost::of_comparison(&scenario, &settings),
     };
-    if let Some(cost) = asked.iter().map(cost_of).reduce(ExpectedCost::and) {
-        warn_of_cost("compare", &scenario, &cost);
-    }
+    let whole = asked.iter().map(cost_of).reduce(ExpectedCost::and).expect("there is a tier");
+    warn_of_cost("compare", &scenario, &whole);
     let (started, clock) = (SystemTime::now(), Instant::now());
     let (mut found, mut seeds) = (Tiers::default(), None);
     let runs = ThreeWay::new(&scenario, &settings);
@@ -150,7 +149,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
                 let (compared, finished) = closed_loop(runs, n_seeds, &asked, args.output.out.as_deref())?;
                 (found.closed_loop, seeds) = (Some(compared), Some(finished));
             }
-            tier => add_paths(&mut found, tier, runs, cost_of(&tier).time_s)?,
+            tier => add_paths(&mut found, tier, runs, [cost_of(&tier), whole].map(|cost| cost.time_s))?,
         }
     }
     let mut comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
@@ -255,9 +254,10 @@ fn tone(tiers: &Tiers) -> Tone {
     }
 }
 
-/// Runs a comparison of paths that is expected to take this time on one core (s).
-fn add_paths(tiers: &mut Tiers, tier: Tier, runs: ThreeWay, time_s: f64) -> Result<(), CliError> {
-    let progress = Progress::of_share(&list(&[tier])).expecting(time_s);
+/// Runs a comparison of paths that is expected to take this time on one core, and the whole command
+/// this time (s).
+fn add_paths(tiers: &mut Tiers, tier: Tier, runs: ThreeWay, [time_s, whole_s]: [f64; 2]) -> Result<(), CliError> {
+    let progress = Progress::of_share(&list(&[tier])).expecting(time_s).as_part_of(whole_s);
     match tier {
         Tier::Prescribed => tiers.prescribed = Some(watched_by(progress, |watch| runs.prescribed(watch)).ok_or(CliError::Interrupted)?),
         Tier::Replayed => tiers.replayed = Some(watched_by(progress, |watch| runs.replayed(watch)).ok_or(CliError::Interrupted)?),

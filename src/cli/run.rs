@@ -16,7 +16,7 @@ use super::error::{CliError, at_file};
 use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, manifest_of};
 use super::resumable::stopped;
-use super::watch::{catch_interrupts, unless_stopped, watched_by};
+use super::watch::{catch_interrupts, keep_state, unless_stopped, watched_by};
 use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate_if};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Status, Tolerance};
@@ -160,6 +160,7 @@ fn computed<'a>(
         _ => Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend),
     };
     if args.state.is_some() {
+        keep_state();
         run = run.with_checkpoints();
     }
     // Rows that nothing needs again are written as they come.

@@ -18,13 +18,17 @@ use crate::stop::{self, Stop};
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Whether the work has begun to end since the interrupt.
 static ENDS: AtomicBool = AtomicBool::new(false);
+/// Whether the work has a state to save.
+static HAS_STATE: AtomicBool = AtomicBool::new(false);
 static HANDLER: OnceLock<bool> = OnceLock::new();
 
 /// Time in which work may come to the end of a piece after an interrupt.
 const TO_END_A_PIECE: Duration = Duration::from_millis(50);
-/// Time after which work that has not begun to end is ended with the program. No such work has
-/// anything to save: output appears whole or not at all, and journals are whole at every instant.
+/// Time after which work that has not begun to end is ended with the program. Nothing is lost then:
+/// output appears whole or not at all, and journals are whole at every instant.
 const TO_BEGIN_TO_END: Duration = Duration::from_millis(120);
+/// The same for work with a state to save, of which a single step may take as long.
+const TO_BEGIN_TO_SAVE: Duration = Duration::from_secs(5);
 
 /// Has Ctrl-C end the program in good order from here on. What must not be left half written is
 /// begun only after this.
@@ -45,11 +49,17 @@ pub fn catch_interrupts() {
 fn end_the_work() {
     thread::sleep(TO_END_A_PIECE);
     Stop::of_process().ask();
-    thread::sleep(TO_BEGIN_TO_END - TO_END_A_PIECE);
+    let all = if HAS_STATE.load(Ordering::Relaxed) { TO_BEGIN_TO_SAVE } else { TO_BEGIN_TO_END };
+    thread::sleep(all - TO_END_A_PIECE);
     if !ENDS.load(Ordering::Relaxed) {
         console::note(CliError::Interrupted);
         std::process::exit(130);
     }
+}
+
+/// Says that the work has a state to save when it is interrupted.
+pub fn keep_state() {
+    HAS_STATE.store(true, Ordering::Relaxed);
 }
 
 /// Whether the user asked to stop; interrupts are caught from the first call on. Who hears so ends.

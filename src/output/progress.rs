@@ -36,12 +36,14 @@ pub struct Progress {
     unit: &'static str,
     /// Expected time of the whole work (s).
     expected: Option<f64>,
+    /// Time that was announced before the work (s), for this and what comes with it.
+    announced: f64,
 }
 
 impl Progress {
     /// Progress towards `total` (s, simulated), shown under `label`.
     pub fn start(total: f64, label: &str) -> Self {
-        Self { label: label.to_owned(), total, unit: "s", expected: None }
+        Self { label: label.to_owned(), total, unit: "s", expected: None, announced: 0.0 }
     }
 
     /// Progress of work that is measured by the fraction done (1).
@@ -62,7 +64,12 @@ impl Progress {
 
     /// The same for work that is expected to take this time (s).
     pub fn expecting(self, time_s: f64) -> Self {
-        Self { expected: Some(time_s), ..self }
+        Self { expected: Some(time_s), announced: time_s, ..self }
+    }
+
+    /// The same for work that is a part of what is expected to take this time (s).
+    pub fn as_part_of(self, time_s: f64) -> Self {
+        Self { announced: time_s, ..self }
     }
 
     /// Runs `work`, which tells how much of it is done, and shows that. Work with an expected time
@@ -186,8 +193,8 @@ impl Shown {
 
     /// Time of the whole work (s) where it is to be announced as long now.
     fn long(&self, done: f64, elapsed: Duration) -> Option<f64> {
-        let expected = self.progress.expected.filter(|_| !self.is_announced)?;
-        let limit = if expected > LONG { FAR_LONGER * expected } else { LONG };
+        let announced = self.progress.expected.filter(|_| !self.is_announced).map(|_| self.progress.announced)?;
+        let limit = if announced > LONG { FAR_LONGER * announced } else { LONG };
         let so_far = elapsed.as_secs_f64();
         let whole = match self.progress.measured(done, elapsed) {
             Some(whole) => whole,
@@ -276,7 +283,8 @@ mod tests {
     #[test]
     fn work_that_turns_out_to_be_long_is_announced_once() {
         let announced = |expected: Option<f64>, looks: &[(f64, f64)]| {
-            let progress = Progress { expected, ..Progress::start(100.0, "run") };
+            let run = Progress::start(100.0, "run");
+            let progress = if let Some(time_s) = expected { run.expecting(time_s) } else { run };
             let (mut shown, whole) = (Shown::new(progress, false), Cell::new(0.0));
             looks.iter().for_each(|(done, elapsed)| shown.look(*done, seconds(*elapsed), &|time| whole.set(whole.get() + time)));
             whole.get()
