@@ -78,6 +78,8 @@ pub mod simulation;
 #[cfg(all(feature = "reports", feature = "internals"))]
 pub mod studies;
 
+pub mod stop;
+
 pub use analysis::compare::{
     Cause, ClosedLoop, Difference, Distribution, Divergence, Doubt, DoubtKind, EdgeDisplacement, FirstDifferentDecision, FirstDivergence,
     MakeController, Measure, MeasureVerdict, Numbers, Open, PairedDifference, Pathwise, Point, Predicted, QuantityVerdict, ReferenceError,

@@ -946,7 +946,9 @@ fn what_show_prints_is_the_same_scenario() {
         assert_eq!(json_of(&["scenario", "show", &again]), shown, "{path}");
         let output = call(&["scenario", "check", path]);
         assert_eq!(output.status.code(), Some(0));
-        assert!(text(&output.stdout).contains(&hash) && output.stderr.is_empty());
+        assert!(text(&output.stdout).contains(&hash));
+        // Comparisons of ants among obstacles take half a minute and more.
+        assert!(text(&output.stderr).lines().all(|line| line.contains("`cohaul compare` may take")), "{}", text(&output.stderr));
     }
 }
 

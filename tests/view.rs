@@ -368,6 +368,36 @@ fn pages_that_are_gone_leave_no_running_computation() {
     assert!((0..60).any(|_| is_quiet()), "computing goes on");
 }
 
+/// A period of a day is half a minute's work and more: it ends with the page, and its messages do
+/// not keep it from being heard.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_that_is_closed_in_the_midst_of_a_control_period_ends_it() {
+    let room = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string("scenarios/analytic/centre-pull.json").unwrap();
+    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    (scene["duration_s"], scene["control_period_s"]) = (json!(864_000.0), json!(86_400.0));
+    scene["drive"]["paths"][0]["waypoints"] = json!([[0.0, 0.0, 0.0], [864_000.0, 50.0, 3.0]]);
+    let path = room.path().join("slow.json");
+    std::fs::write(&path, scene.to_string()).unwrap();
+    let served = Served::start(path.to_str().unwrap());
+    let mut page = served.page();
+    told(&mut page, "scene");
+    ask(&mut page, &json!({ "do": "go-to", "time_s": 86_400.0 }));
+    // More than the runs are handed at once.
+    (0..200).for_each(|_| ask(&mut page, &json!({ "do": "pace", "factor": 2.0 })));
+    let used = |time: Duration| {
+        let before = served.processor_s();
+        std::thread::sleep(time);
+        served.processor_s() - before
+    };
+    assert!((0..60).any(|_| used(Duration::from_millis(200)) > 0.05), "it computes");
+    let _ = page.close(None);
+    drop(page);
+    std::thread::sleep(Duration::from_millis(200));
+    assert!((0..10).any(|_| used(Duration::from_millis(500)) < 0.05), "computing goes on");
+}
+
 /// A page that draws no more, as one that is hidden, is sent a few frames and no others.
 #[test]
 fn a_page_that_draws_no_more_stops_its_runs() {

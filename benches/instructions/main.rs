@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::env::consts::{ARCH, OS};
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use clap::Parser;
 use cohaul::output::progress::Progress;
@@ -148,19 +148,14 @@ fn count_all(chosen: &[&'static HotPath]) -> Result<Vec<u64>, Unanswered> {
     if !stepper::fix_addresses() {
         eprintln!("addresses cannot be fixed here: counts may differ a little from run to run");
     }
-    let progress = Mutex::new((Progress::of_share("counting"), 0));
-    let count = |path: &&'static HotPath| {
+    let n_counted = AtomicUsize::new(0);
+    let count = |path: &&'static HotPath, at: &(dyn Fn(f64) + Sync)| {
         let count = stepper::count(path);
-        let mut shown = progress.lock().expect("nothing panics while it shows progress");
-        shown.1 += 1;
-        let share = f64::from(shown.1) / chosen.len() as f64;
-        shown.0.at(share);
+        at((n_counted.fetch_add(1, Relaxed) + 1) as f64 / chosen.len() as f64);
         let is_unavailable = |error: &StepError| matches!(error, StepError::Unavailable(_));
         count.map_err(|error| if is_unavailable(&error) { Unanswered::NotCounted(error) } else { Unanswered::Step(path.name, error) })
     };
-    let counts = chosen.par_iter().with_max_len(1).map(count).collect();
-    progress.into_inner().expect("nothing panics while it shows progress").0.finish();
-    counts
+    Progress::of_share("counting").shown(&|_| {}, |at| chosen.par_iter().with_max_len(1).map(|path| count(path, at)).collect())
 }
 
 fn accept(stored: Option<Ceilings>, chosen: &[&HotPath], counts: &[u64]) -> Result<ExitCode, Unanswered> {

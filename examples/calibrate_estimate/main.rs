@@ -37,15 +37,14 @@ fn main() -> Result<(), AnyError> {
     let mut scenes = stored()?;
     scenes.extend(SEEDS.map(|seed| (format!("random-{seed}"), Class::Random, random_scenes::random_scenario(seed))));
     let (n, done) = (scenes.len(), AtomicUsize::new(0));
-    let progress = std::sync::Mutex::new(Progress::of_share("scenes"));
-    let measured = |(name, class, scenario): &(String, Class, Scenario)| {
-        let found = scene::measure(name, *class, scenario);
-        let share = (done.fetch_add(1, Relaxed) + 1) as f64 / n as f64;
-        progress.lock().expect("nobody panics while drawing").at(share);
-        found
-    };
-    let found: Vec<Found> = scenes.par_iter().map(measured).collect();
-    progress.into_inner()?.finish();
+    let found: Vec<Found> = Progress::of_share("scenes").shown(&|_| {}, |at| {
+        let measured = |(name, class, scenario): &(String, Class, Scenario)| {
+            let found = scene::measure(name, *class, scenario);
+            at((done.fetch_add(1, Relaxed) + 1) as f64 / n as f64);
+            found
+        };
+        scenes.par_iter().map(measured).collect()
+    });
     let report = statistics::report(&found);
     std::fs::write(target.join("calibration.csv"), scene::table(&found)?)?;
     std::fs::write(target.join("calibration.svg"), figure::scatter(&found))?;

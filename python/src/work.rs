@@ -7,6 +7,7 @@ use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
+use cohaul::stop::{self, Stop};
 use pyo3::call::PyCallArgs;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -22,6 +23,8 @@ const MOST_THREADS: usize = 1024;
 #[derive(Default)]
 pub struct Watch {
     is_stopped: AtomicBool,
+    /// Ends the work in the midst of a piece of it.
+    stop: Stop,
     /// Bits of the fraction done (1).
     share: AtomicU64,
 }
@@ -35,6 +38,7 @@ impl Watch {
 
     pub fn stop(&self) {
         self.is_stopped.store(true, Relaxed);
+        self.stop.ask();
     }
 }
 
@@ -56,13 +60,14 @@ pub fn computed<T: Send>(py: Python, progress: Option<Py<PyAny>>, work: impl FnO
     py.allow_threads(|| {
         thread::scope(|scope| {
             let (sender, receiver) = sync_channel(1);
-            let job = move || drop(sender.send(guarded(|| work(watch))));
+            let job = move || drop(sender.send(watch.stop.run(|| guarded(|| work(watch)))));
             let spawned = thread::Builder::new().name("cohaul".to_owned()).spawn_scoped(scope, job);
             spawned.map_err(|error| PyRuntimeError::new_err(format!("a thread cannot be started: {error}")))?;
             let mut interrupt = None;
             loop {
                 match receiver.recv_timeout(PATIENCE) {
-                    Ok(done) => return interrupt.map_or(done.map_err(internal), Err),
+                    Ok(Some(done)) => return interrupt.map_or(done.map_err(internal), Err),
+                    Ok(None) => return Err(interrupt.unwrap_or_else(|| internal("the work was stopped".to_owned()))),
                     Err(RecvTimeoutError::Disconnected) => return Err(internal("a thread ended without a result".to_owned())),
                     Err(RecvTimeoutError::Timeout) if interrupt.is_none() => {
                         interrupt = look().err();
@@ -75,9 +80,9 @@ pub fn computed<T: Send>(py: Python, progress: Option<Py<PyAny>>, work: impl FnO
     })
 }
 
-/// Result of `work`, or the message of its panic.
+/// Result of `work`, or the message of its panic. A stop goes on to the caller.
 pub fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| message_of(payload.as_ref()))
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| message_of(stop::of_panic(payload).as_ref()))
 }
 
 fn message_of(payload: &(dyn Any + Send)) -> String {

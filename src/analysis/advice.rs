@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use super::ExpectedCost;
-use super::compare::{Numbers, Settings};
+use super::compare::Numbers;
 use crate::backend::{BackendKind, BackendOptions};
 use crate::math::{Mat3, Vec3};
 use crate::model::{PolarSpring, SpringShape};
@@ -96,7 +96,7 @@ impl ExpectedTimes {
             quasi_static: run(BackendKind::QuasiStatic),
             inertial: run(BackendKind::Inertial),
             rapier: run(BackendKind::Rapier),
-            compare: finite(ExpectedCost::of_comparison(scenario, &Settings::default()).time_s),
+            compare: finite(ExpectedCost::of_compare(scenario).time_s),
         }
     }
 }

@@ -8,6 +8,6 @@ mod expected_cost;
 mod trigger;
 
 pub use advice::{Advice, ExpectedTimes, Mode, Pull};
-pub use expected_cost::{CostLimit, ExpectedCost, fastest_rate};
+pub use expected_cost::{CostLimit, DEFAULT_SEEDS, ExpectedCost, fastest_rate};
 
 pub use trigger::{ByTrigger, Trigger, TriggerKind};

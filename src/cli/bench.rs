@@ -13,7 +13,7 @@ use super::error::CliError;
 use super::input::{read_scenario, stem_of};
 use super::output::{OutputArgs, study_manifest};
 use super::resumable;
-use super::watch::watched;
+use super::watch::{unless_stopped, watched};
 use crate::output::json;
 use crate::studies::bench::files::write_benchmark;
 use crate::studies::bench::report::Benchmark;
@@ -67,7 +67,10 @@ pub fn bench(args: &BenchArgs) -> Result<ExitCode, CliError> {
     let path = args.state.clone().or_else(|| args.output.out.as_deref().map(resumable::journal_beside));
     let mut records = resumable::open("bench", &asked, path.as_deref())?;
     let started = SystemTime::now();
-    let measured = watched("bench", |watch| bench::bench(&plan, &mut records, &mut |share| watch(share)));
+    let measured = watched("bench", |watch| {
+        let measured = unless_stopped(|| bench::bench(&plan, &mut records, &mut |share| watch(share)));
+        measured.unwrap_or(Err(BenchError::Stopped))
+    });
     let found = measured.map_err(|error| match error {
         BenchError::Stopped => resumable::stopped(&format!("{} measurements", records.n_done()), path.as_deref()),
         BenchError::NoReference(cause) => CliError::Usage(cause),

@@ -17,11 +17,12 @@ use super::input::{check_step, name_of, read_scenario, read_text};
 use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::{self, Finished};
 use super::vary::{VaryArgs, vary};
-use super::watch::watched_to_end;
-use crate::analysis::ExpectedCost;
+use super::watch::{watched_by, watched_to_end};
 use crate::analysis::compare::{ClosedLoop, SeedRuns, Settings, ThreeWay, Tier, Verdict};
+use crate::analysis::{DEFAULT_SEEDS, ExpectedCost};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
+use crate::output::progress::Progress;
 use crate::output::traces::TraceFormat;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::compare::beside::recorded_path;
@@ -124,7 +125,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     check_step(args.step_s, &scenario)?;
     let asked = tiers_of(&scenario, &args.tier)?;
-    let n_seeds = args.seeds.unwrap_or(8);
+    let n_seeds = args.seeds.unwrap_or(DEFAULT_SEEDS);
     check_seeds(n_seeds, scenario.seed)?;
     warn_of_idle_tiers(args, &asked);
     args.output.check()?;
@@ -134,9 +135,12 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
         return Err(CliError::Usage("--beside: applies to comparisons of paths, found closed-loop only".into()));
     }
     let settings = settings(args);
-    if asked.iter().any(|tier| *tier != Tier::ClosedLoop) {
-        warn_of_cost("compare", &scenario, &ExpectedCost::of_comparison(&scenario, &settings));
-    }
+    let cost_of = |tier: &Tier| match tier {
+        Tier::ClosedLoop => ExpectedCost::of_closed_loop(&scenario, &settings, n_seeds),
+        _ => ExpectedCost::of_comparison(&scenario, &settings),
+    };
+    let whole = asked.iter().map(cost_of).reduce(ExpectedCost::and).expect("there is a tier");
+    warn_of_cost("compare", &scenario, &whole);
     let (started, clock) = (SystemTime::now(), Instant::now());
     let (mut found, mut seeds) = (Tiers::default(), None);
     let runs = ThreeWay::new(&scenario, &settings);
@@ -147,7 +151,7 @@ pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
                 let (compared, finished) = closed_loop(runs, n_seeds, &asked, args.output.out.as_deref())?;
                 (found.closed_loop, seeds) = (Some(compared), Some(finished));
             }
-            tier => add_paths(&mut found, tier, runs)?,
+            tier => add_paths(&mut found, tier, runs, [cost_of(&tier), whole].map(|cost| cost.time_s))?,
         }
     }
     let mut comparison = Comparison::new(&scenario, &settings, found, clock.elapsed().as_secs_f64());
@@ -261,12 +265,13 @@ fn tone(tiers: &Tiers) -> Tone {
     }
 }
 
-/// Runs a comparison of paths.
-fn add_paths(tiers: &mut Tiers, tier: Tier, runs: ThreeWay) -> Result<(), CliError> {
-    let label = list(&[tier]);
+/// Runs a comparison of paths that is expected to take this time on one core, and the whole command
+/// this time (s).
+fn add_paths(tiers: &mut Tiers, tier: Tier, runs: ThreeWay, [time_s, whole_s]: [f64; 2]) -> Result<(), CliError> {
+    let progress = Progress::of_share(&list(&[tier])).expecting(time_s).as_part_of(whole_s);
     match tier {
-        Tier::Prescribed => tiers.prescribed = Some(watched_to_end(&label, |watch| runs.prescribed(watch))?),
-        Tier::Replayed => tiers.replayed = Some(watched_to_end(&label, |watch| runs.replayed(watch))?),
+        Tier::Prescribed => tiers.prescribed = Some(watched_by(progress, |watch| runs.prescribed(watch)).ok_or(CliError::Interrupted)?),
+        Tier::Replayed => tiers.replayed = Some(watched_by(progress, |watch| runs.replayed(watch)).ok_or(CliError::Interrupted)?),
         Tier::ClosedLoop | Tier::Controlled => unreachable!("the closed loop has seeds, and the command line no own controllers"),
     }
     Ok(())

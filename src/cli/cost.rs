@@ -2,12 +2,9 @@
 
 use super::console;
 use crate::analysis::{CostLimit, ExpectedCost, fastest_rate};
+use crate::output::progress::LONG;
 use crate::output::quantity::{short, short_quantity};
 use crate::scenario::{Finding, Scenario};
-
-/// Time above which a command announces its cost (s). Comparisons of the scenes that come with the
-/// program take up to two minutes by the estimate, which counts steps that are skipped.
-const LONG: f64 = 150.0;
 
 /// Warns of a command that is expected to take long, with what would make it cheaper.
 pub fn warn_of_cost(command: &str, scenario: &Scenario, cost: &ExpectedCost) {
@@ -26,6 +23,10 @@ pub fn long_run(command: &str, scenario: &Scenario, cost: &ExpectedCost) -> Opti
             ("control_period_s", "at least one in each control period".to_owned(), "a longer control period or a shorter duration")
         }
         CostLimit::Step => ("duration_s", "as many as the step demands".to_owned(), "a longer step (--step-s) or a shorter duration"),
+        CostLimit::Ants => {
+            let limit = "and in each control period every ant looks at all obstacles".to_owned();
+            ("drive.n_ants", limit, "fewer ants or obstacles, a longer control period or a shorter duration")
+        }
         CostLimit::Oscillation => {
             let rate = short_quantity(fastest_rate(scenario), "rad/s");
             let limit = format!("one for every two radians of the fastest oscillation, {rate}");
@@ -35,12 +36,16 @@ pub fn long_run(command: &str, scenario: &Scenario, cost: &ExpectedCost) -> Opti
     Some(Finding {
         path: path.to_owned(),
         rule: format!("it is cheaper with {cheaper}"),
-        found: format!("`cohaul {command}` may take {} on one core: {} steps, {limit}", duration(cost.time_s), short(cost.n_steps)),
+        found: format!(
+            "`cohaul {command}` may take {} on one core: {} steps, {limit}",
+            duration_in_words(cost.time_s),
+            short(cost.n_steps)
+        ),
     })
 }
 
 /// A time in words, to one or two digits (s).
-fn duration(time: f64) -> String {
+pub fn duration_in_words(time: f64) -> String {
     const UNITS: [(f64, &str); 3] = [(86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")];
     let unit = UNITS.into_iter().find(|(length, _)| time >= 2.0 * length);
     let (length, name) = unit.unwrap_or((1.0, "seconds"));

@@ -148,7 +148,7 @@ fn called() -> ExitCode {
     };
     cli.console.apply();
     threads::bound_environment();
-    cli.command.run().unwrap_or_else(|error| ended(&error))
+    watch::unless_stopped(|| cli.command.run()).unwrap_or(Err(CliError::Interrupted)).unwrap_or_else(|error| ended(&error))
 }
 
 /// Says why a command ended without its result.

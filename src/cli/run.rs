@@ -16,7 +16,7 @@ use super::error::{CliError, at_output};
 use super::input::{check_step, read_scenario, warn_of_scenario};
 use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::stopped;
-use super::watch::{catch_interrupts, watched_by};
+use super::watch::{catch_interrupts, keep_state, unless_stopped, watched_by};
 use crate::analysis::ExpectedCost;
 use crate::analysis::estimate::{Estimator, with_estimate_if};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Setting, Shared, Skip, Skips, Tolerance};
@@ -162,22 +162,30 @@ fn computed<'a>(
             .map_err(|source| CliError::Restore { path: path.clone(), source })?,
         _ => Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend),
     };
+    if args.state.is_some() {
+        keep_state();
+        run = run.with_checkpoints();
+    }
     // Rows that nothing needs again are written as they come.
     let streams = writer.as_ref().is_some_and(RunWriter::streams);
     let passes_on = streams && args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
-    watched_by(Progress::start(scenario.duration, args.backend.name()), |watch| {
-        let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
-        if let (Some(writer), true) = (writer, passes_on) {
-            return run.run_streaming(watch, |rows| writer.add(rows));
-        }
-        let afresh = |options: &BackendOptions| {
-            let (backend, follower) = with_estimate_if(scenario, options, !args.no_estimate);
-            estimator = follower;
-            Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend)
-        };
-        run.run_to_tolerance(afresh, watch);
-        Ok(())
-    })?;
+    let progress = Progress::start(scenario.duration, args.backend.name()).expecting(ExpectedCost::of_run(scenario, options).time_s);
+    let computing = || {
+        watched_by(progress, |watch| {
+            let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
+            if let (Some(writer), true) = (writer, passes_on) {
+                return run.run_streaming(watch, |rows| writer.add(rows));
+            }
+            let afresh = |options: &BackendOptions| {
+                let (backend, follower) = with_estimate_if(scenario, options, !args.no_estimate);
+                estimator = follower;
+                Simulation::from_parts(scenario, options, keep, controller_of(scenario), backend)
+            };
+            run.run_to_tolerance(afresh, watch);
+            Ok(())
+        })
+    };
+    unless_stopped(computing).unwrap_or(Ok(()))?;
     Ok((run, estimator))
 }
 
@@ -265,7 +273,9 @@ fn differences(saved: &BackendOptions, asked: &BackendOptions) -> String {
 /// Keeps the state for the next call, if there is a file for it, and returns how the command ends.
 fn interrupted(run: &Simulation, path: Option<&Path>) -> Result<CliError, CliError> {
     if let Some(path) = path {
-        journal::save_single(path, "run", &run.save()?)?;
+        let saved = run.save()?;
+        journal::save_single(path, "run", &saved)?;
+        return Ok(stopped(&format!("{} s", saved.time()), Some(path)));
     }
-    Ok(stopped(&format!("{} s", run.time()), path))
+    Ok(CliError::Interrupted)
 }

@@ -14,7 +14,6 @@ use super::cost::long_run;
 use super::error::CliError;
 use super::input::{name_of, read_scenario, read_text, warn_of_scenario};
 use super::new::{NewArgs, new};
-use crate::analysis::compare::Settings;
 use crate::analysis::{Advice, ExpectedCost};
 use crate::output::json;
 use crate::scenario::{Finding, Scenario, format};
@@ -124,7 +123,7 @@ fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
         match read_scenario(path, None) {
             Ok(scenario) => {
                 warn_of_scenario(path, &scenario);
-                let cost = ExpectedCost::of_comparison(&scenario, &Settings::default());
+                let cost = ExpectedCost::of_compare(&scenario);
                 if let Some(found) = long_run("compare", &scenario, &cost) {
                     console::warn(format_args!("{file}: {}; {}", found.found, found.rule));
                 }

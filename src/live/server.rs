@@ -4,6 +4,7 @@
 //! must be those of this server, so that no page from elsewhere can ask it anything. Nothing is
 //! written. Sizes, rates and the number of pages are bounded.
 
+use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
@@ -25,6 +26,7 @@ use super::scene::LiveScene;
 use super::session::{Gone, Session};
 use super::verdict::Judge;
 use crate::output::json;
+use crate::stop::Stop;
 
 /// Bytes of a message at most: a scene with thousands of waypoints.
 const LONGEST_MESSAGE: usize = 4 << 20;
@@ -34,6 +36,10 @@ const MOST_MESSAGES_A_SECOND: f64 = 300.0;
 const MOST_AT_ONCE: f64 = 900.0;
 /// Messages of a page that make no sense at most.
 const MOST_MALFORMED: usize = 100;
+/// Messages of a page at most that wait for its runs.
+const MOST_WAITING: usize = 10_000;
+/// Time after which messages that wait are offered to the runs again.
+const AGAIN: Duration = Duration::from_millis(2);
 /// Close code of a WebSocket that broke the rules.
 const POLICY: u16 = 1008;
 
@@ -180,33 +186,48 @@ async fn socket(State(shared): State<Arc<Shared>>, headers: HeaderMap, RawQuery(
 }
 
 /// A page from its opening to its end. Its runs have a thread of their own, which ends when either
-/// channel does.
+/// channel does, and at once when the page is closed.
 async fn serve_page(shared: &Shared, mut socket: WebSocket) {
     let (ask, asks) = sync_channel(64);
     let (tell, mut told) = channel(8);
     let (scene, judge) = (shared.scene.clone(), Judge::new(Arc::clone(&shared.turn)));
-    let tell_page = tell.clone();
+    let (tell_page, stop) = (tell.clone(), Stop::default());
+    let of_session = stop.clone();
     thread::spawn(move || {
         let tell = move |what: Tell| send(&tell_page, &what);
-        let _: Result<(), Gone> = Session::new(&scene, judge, tell).run(scene, &asks);
+        let _: Option<Result<(), Gone>> = of_session.run(|| Session::new(&scene, judge, tell).run(scene, &asks));
     });
     let end = talk(&mut socket, ask, &mut told, &tell).await;
+    stop.ask();
     drop(told);
     if let Some(why) = end {
         let _ = socket.send(Message::Close(Some(CloseFrame { code: POLICY, reason: why.into() }))).await;
     }
 }
 
-/// Hands messages to and fro until one side ends; the reason, if the page broke a rule.
+/// Hands messages to and fro until one side ends; the reason, if the page broke a rule. The page is
+/// heard also while the runs are slow to answer, so that its end ends them.
 async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<String>, tell: &Sender<String>) -> Option<&'static str> {
     let (mut budget, mut last, mut n_malformed) = (MOST_AT_ONCE, Instant::now(), 0);
+    let mut waiting: VecDeque<Ask> = VecDeque::new();
     loop {
+        while let Some(asked) = waiting.pop_front() {
+            match ask.try_send(asked) {
+                Ok(()) => {}
+                Err(TrySendError::Full(back)) => {
+                    waiting.push_front(back);
+                    break;
+                }
+                Err(TrySendError::Disconnected(_)) => return None,
+            }
+        }
         let message = tokio::select! {
             line = told.recv() => {
                 socket.send(Message::Text(line?.into())).await.ok()?;
                 continue;
             }
             message = socket.recv() => message?.ok()?,
+            () = tokio::time::sleep(AGAIN), if !waiting.is_empty() => continue,
         };
         budget = MOST_AT_ONCE.min(budget + MOST_MESSAGES_A_SECOND * last.elapsed().as_secs_f64()) - 1.0;
         last = Instant::now();
@@ -220,20 +241,8 @@ async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<
             Message::Close(_) => return None,
         };
         match read {
-            Ok(asked) => {
-                let mut asked: Ask = asked;
-                // Runs that are slow to answer slow the page down.
-                while let Err(error) = ask.try_send(asked) {
-                    match error {
-                        TrySendError::Full(back) => asked = back,
-                        TrySendError::Disconnected(_) => return None,
-                    }
-                    tokio::select! {
-                        line = told.recv() => socket.send(Message::Text(line?.into())).await.ok()?,
-                        () = tokio::time::sleep(Duration::from_millis(2)) => {}
-                    }
-                }
-            }
+            Ok(_) if waiting.len() >= MOST_WAITING => return Some("too many messages that wait for an answer"),
+            Ok(asked) => waiting.push_back(asked),
             Err(why) => {
                 n_malformed += 1;
                 if n_malformed > MOST_MALFORMED {

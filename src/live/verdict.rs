@@ -1,6 +1,5 @@
 //! The comparison of the scene, beside the runs.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -13,6 +12,7 @@ use crate::backend::BackendKind;
 use crate::output::page::Answer;
 use crate::output::quantity::short_quantity;
 use crate::scenario::{Drive, Scenario};
+use crate::stop::Stop;
 use crate::studies::compare::comparison::{Comparison, Tiers};
 
 /// A slider that moves asks many times; only a scene that has stood for this long is compared.
@@ -22,24 +22,24 @@ const LONGEST: f64 = 120.0;
 
 /// Compares the last scene it was asked for. At its end the comparison stops.
 pub struct Judge {
-    is_stale: Arc<AtomicBool>,
+    stale: Stop,
     /// One comparison at a time in the whole process.
     turn: Arc<Mutex<()>>,
 }
 
 impl Judge {
     pub fn new(turn: Arc<Mutex<()>>) -> Self {
-        Self { is_stale: Arc::default(), turn }
+        Self { stale: Stop::default(), turn }
     }
 
     /// Forgets the scene before and compares this one; `tell` hears of it.
     pub fn ask(&mut self, scene: &LiveScene, tell: impl Fn(Tell) + Send + 'static) {
-        self.is_stale.store(true, Ordering::Relaxed);
-        self.is_stale = Arc::default();
-        let (is_stale, turn) = (Arc::clone(&self.is_stale), Arc::clone(&self.turn));
+        self.stale.ask();
+        self.stale = Stop::default();
+        let (stale, turn) = (self.stale.clone(), Arc::clone(&self.turn));
         let (scenario, settings) = (scene.scenario.clone(), settings(scene));
         thread::spawn(move || {
-            let is_wanted = || !is_stale.load(Ordering::Relaxed);
+            let is_wanted = || !stale.is_asked();
             thread::sleep(PATIENCE);
             if !is_wanted() {
                 return;
@@ -47,7 +47,7 @@ impl Judge {
             tell(Tell::Comparing);
             // A comparison before this one that panicked leaves nothing half done here.
             let _turn = turn.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            if let Some(judged) = is_wanted().then(|| judged(&scenario, &settings, is_wanted)).flatten() {
+            if let Some(judged) = stale.run(|| judged(&scenario, &settings, is_wanted)).flatten() {
                 tell(Tell::Verdict(judged));
             }
         });
@@ -56,7 +56,7 @@ impl Judge {
 
 impl Drop for Judge {
     fn drop(&mut self) {
-        self.is_stale.store(true, Ordering::Relaxed);
+        self.stale.ask();
     }
 }
 

@@ -8,12 +8,15 @@
 //! resolution.rs   how well the steps resolve the motion
 //! rules.rs        the rules that decide it
 //! trace.rs        what is recorded
+//! checkpoints.rs  states of a run in memory, for a stop in the midst of a step
 //! doubt_times.rs  when a run was first doubtful
 //! saved.rs        saving and resuming
+//! saved_run.rs    the state of a run as data
 //! run_facts.rs    the numbers of a run, for every report
 //! ```
 
 mod account;
+mod checkpoints;
 mod clock;
 pub mod controllers;
 mod doubt_times;
@@ -22,6 +25,7 @@ pub mod rules;
 mod run;
 pub mod run_facts;
 mod saved;
+mod saved_run;
 mod trace;
 
 pub use crate::backend::{AttachedTip, AttachedTips};
@@ -31,7 +35,7 @@ pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller
 pub use doubt_times::DoubtTimes;
 pub use resolution::Resolution;
 pub use run::{MakeBackend, Simulation, backend_of};
-pub use saved::SavedRun;
+pub use saved_run::SavedRun;
 pub use trace::{Event, EventKind, Keep, Outcome, Row, Trace};
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! One run of one scenario: the loop of sensing, deciding, moving and recording.
 
 use super::account::Account;
+use super::checkpoints::Checkpoints;
 use super::clock::Clock;
 use super::controllers::{Commands, Controller, View, controller_of};
 use super::resolution::Resolution;
@@ -27,6 +28,9 @@ pub struct Simulation<'a> {
     commands: Commands,
     /// Whether the trace has rows of the less exact run beside this one.
     pub(super) keeps_companion: bool,
+    /// Whether a step has begun and not ended.
+    is_stepping: bool,
+    pub(super) checkpoints: Option<Box<Checkpoints>>,
 }
 
 impl<'a> Simulation<'a> {
@@ -68,6 +72,8 @@ impl<'a> Simulation<'a> {
             tips: attached_tips(scenario, backend.as_ref()),
             commands: Commands::default(),
             keeps_companion: false,
+            is_stepping: false,
+            checkpoints: None,
             controller,
             backend,
         }
@@ -83,6 +89,13 @@ impl<'a> Simulation<'a> {
     /// Keeps the rows of the less exact run beside this one as well, under error control.
     pub fn with_companion(mut self) -> Self {
         self.keeps_companion = true;
+        self
+    }
+
+    /// Keeps a state of a second ago or so in memory, so that a run that is stopped in the midst of
+    /// a step can be saved: see [`Simulation::save`].
+    pub fn with_checkpoints(mut self) -> Self {
+        self.checkpoints = Some(Box::default());
         self
     }
 
@@ -125,7 +138,9 @@ impl<'a> Simulation<'a> {
             self.step();
             if let Some(tighter) = self.options.tolerance.filter(|_| !self.is_within_tolerance()).and_then(|it| it.tightened()) {
                 let options = BackendOptions { tolerance: Some(tighter), ..self.options };
+                let has_checkpoints = self.checkpoints.is_some();
                 *self = restart(&options);
+                self.checkpoints = has_checkpoints.then(Box::default);
             }
         }
     }
@@ -136,11 +151,22 @@ impl<'a> Simulation<'a> {
     }
 
     /// Senses, decides, acts, records and advances to the next instant; does nothing once the run
-    /// is finished.
+    /// is finished. A [`stop`](crate::stop) may leave the step in its midst.
+    ///
+    /// # Panics
+    /// When the last step was stopped.
     pub fn step(&mut self) {
         if self.finished {
             return;
         }
+        assert!(!self.is_stepping, "a run that was stopped in a step does not go on");
+        self.take_checkpoint();
+        self.is_stepping = true;
+        self.step_on();
+        self.is_stepping = false;
+    }
+
+    fn step_on(&mut self) {
         if self.keep == Keep::Trace {
             self.backend.read_tips(&mut self.tips);
         }
@@ -179,6 +205,12 @@ impl<'a> Simulation<'a> {
 
     pub fn is_finished(&self) -> bool {
         self.finished
+    }
+
+    /// Whether a step was stopped in its midst. The run is of no further use then, except for
+    /// [`Simulation::save`].
+    pub fn is_stopped(&self) -> bool {
+        self.is_stepping
     }
 
     /// Time that the run has reached (s).

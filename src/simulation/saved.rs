@@ -1,56 +1,29 @@
 //! Saving a run and resuming it: the resumed run equals the uninterrupted one to the bit.
 
-use serde::{Deserialize, Serialize};
-
 use super::clock::Clock;
 use super::controllers::{Controller, controller_of};
 use super::run::{Simulation, attached_tips, backend_of};
-use super::trace::{Keep, Totals, Trace};
-use crate::backend::{Backend, BackendOptions, RestoreError, SaveError, SavedState, Tolerance};
+use super::saved_run::{FORMAT, SavedRun, VERSION};
+use super::trace::{Keep, Trace};
+use crate::backend::{Backend, RestoreError, SaveError};
 use crate::scenario::Scenario;
 
-/// Version of this program.
-const VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// Format of a saved run (1). It changes with the meaning of any field.
-const FORMAT: u32 = 1;
-
-/// Shortest step over the control period (1): a period of more steps takes minutes.
-const SHORTEST_STEP: f64 = 1e-9;
-/// Largest count in the totals of a run (1): far from the end of whole numbers, and more than any
-/// run adds up.
-const MOST_COUNTED: u64 = 1 << 60;
-/// Largest number of rows in a control period (1).
-const MOST_PARTS: u64 = 1_000_000;
-
-/// State of a run. It holds all that does not follow from the scenario, with every digit. Only the
-/// version of the program that saved it resumes it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SavedRun {
-    format: u32,
-    /// Version of the program that saved the run.
-    version: String,
-    /// Hash of the scenario, seed included: a run resumes in its own scenario only.
-    pub scenario_hash: String,
-    pub options: BackendOptions,
-    tick: u64,
-    time: f64,
-    #[serde(default)]
-    n_parts: u64,
-    finished: bool,
-    keep: Keep,
-    totals: Totals,
-    controller: serde_json::Value,
-    backend: SavedState,
-    trace: Trace,
-}
-
 impl<'a> Simulation<'a> {
-    /// State of the run so far, from which [`Simulation::resume`] continues.
+    /// State of the run so far, from which [`Simulation::resume`] continues. For a run that was
+    /// stopped in the midst of a step it is the last checkpoint.
     ///
     /// # Errors
-    /// When the backend or the controller cannot be saved.
+    /// When the backend or the controller cannot be saved, or when the run was stopped in the midst
+    /// of a step and has no checkpoint.
     pub fn save(&self) -> Result<SavedRun, SaveError> {
+        if self.is_stopped() {
+            return self.checkpoints.as_ref().and_then(|checkpoints| checkpoints.last(&self.trace)).ok_or(SaveError);
+        }
+        Ok(SavedRun { trace: self.trace.clone(), ..self.state()? })
+    }
+
+    /// The same without the trace.
+    pub(super) fn state(&self) -> Result<SavedRun, SaveError> {
         Ok(SavedRun {
             format: FORMAT,
             version: VERSION.to_owned(),
@@ -64,8 +37,15 @@ impl<'a> Simulation<'a> {
             totals: self.totals.clone(),
             controller: self.controller.save()?,
             backend: self.backend.save()?,
-            trace: self.trace.clone(),
+            trace: Trace::default(),
         })
+    }
+
+    /// Keeps the state in memory where checkpoints are asked for and one is due.
+    pub(super) fn take_checkpoint(&mut self) {
+        let Some(mut checkpoints) = self.checkpoints.take() else { return };
+        checkpoints.take_if_due(|| Some((self.state().ok()?, &self.trace)));
+        self.checkpoints = Some(checkpoints);
     }
 
     /// Resumes a run of the scenario's own controller.
@@ -128,54 +108,5 @@ impl<'a> Simulation<'a> {
             return Err(RestoreError(format!("a time of {time} s, which is not in the control period after tick {tick}")));
         }
         Ok(())
-    }
-}
-
-impl SavedRun {
-    /// # Errors
-    /// When the state is of another format, version or scenario, or when no backend can be built
-    /// from its options.
-    fn check(&self, scenario: &Scenario) -> Result<(), RestoreError> {
-        let refused = |why: String| Err(RestoreError(why));
-        if (self.format, self.version.as_str()) != (FORMAT, VERSION) {
-            let (format, version) = (self.format, &self.version);
-            return refused(format!("it was saved by version {version} in format {format}, this is version {VERSION}, format {FORMAT}"));
-        }
-        let hash = scenario.hash();
-        if self.scenario_hash != hash {
-            return refused(format!("it was saved from the scenario {}, this one is {hash}", self.scenario_hash));
-        }
-        let BackendOptions { kind, step_s, tolerance, .. } = self.options;
-        if let Some(tolerance) = tolerance {
-            if !kind.is_exact() {
-                return refused(format!("a tolerance {}", kind.tolerance_rule()));
-            }
-            let Tolerance { position_m, heading_rad, .. } = tolerance;
-            if ![position_m, heading_rad].into_iter().all(|size| size > 0.0 && size.is_finite()) {
-                return refused(format!("a tolerance of {position_m} m and {heading_rad} rad"));
-            }
-        }
-        // A step is infinite under error control only.
-        let is_possible = step_s >= SHORTEST_STEP * scenario.control_period && (step_s.is_finite() || tolerance.is_some());
-        if !is_possible {
-            return refused(format!("a step of {step_s} s at a control period of {} s", scenario.control_period));
-        }
-        if self.n_parts > MOST_PARTS {
-            return refused(format!("{} rows in a control period", self.n_parts));
-        }
-        let totals = serde_json::to_value(&self.totals).expect("totals are plain data");
-        match largest_count(&totals) {
-            count if count > MOST_COUNTED => refused(format!("a count of {count} in its totals")),
-            _ => Ok(()),
-        }
-    }
-}
-
-/// The largest whole number in a value.
-fn largest_count(value: &serde_json::Value) -> u64 {
-    match value {
-        serde_json::Value::Object(map) => map.values().map(largest_count).fold(0, u64::max),
-        serde_json::Value::Array(list) => list.iter().map(largest_count).fold(0, u64::max),
-        other => other.as_u64().unwrap_or_default(),
     }
 }

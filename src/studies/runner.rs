@@ -18,6 +18,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::journal::{Header, Journal, JournalError};
+use crate::stop::Stop;
 
 /// How much of a study is done. What it leaves out to be quick, each study says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -87,7 +88,8 @@ impl<'a, R: Serialize + DeserializeOwned + Send> Tasks<'a, R> {
 /// Runs every task that `next` gives out on all threads of the current rayon pool.
 ///
 /// Each thread makes one function with `worker` and calls it task by task; the function returns
-/// `None` when `go_on` ended it. `keep` receives the results one at a time.
+/// `None` when `go_on` ended it. A task that is stopped ends in the same way. `keep` receives the
+/// results one at a time.
 ///
 /// # Errors
 /// With the first error of a task or of `keep`, which ends the work.
@@ -102,12 +104,13 @@ where
 {
     let (keep, failure, has_failed) = (Mutex::new(keep), Mutex::new(None), AtomicBool::new(false));
     let go_on = || !has_failed.load(Relaxed) && go_on();
+    let stop = Stop::current();
     rayon::broadcast(|_| {
         let mut run = worker();
         while go_on()
             && let Some(task) = next()
         {
-            let Some(result) = run(task, &go_on) else { return };
+            let Some(result) = stop.run(|| run(task, &go_on)).flatten() else { return };
             let kept = result.and_then(|record| (keep.lock().expect("keeping does not panic"))(task, record));
             if let Err(error) = kept {
                 failure.lock().expect("nothing panics here").get_or_insert(error);

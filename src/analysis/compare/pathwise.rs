@@ -19,6 +19,7 @@ use crate::analysis::trigger::ByTrigger;
 use crate::backend::{BackendKind, BackendOptions, Status, Tolerance};
 use crate::scenario::Scenario;
 use crate::simulation::MakeBackend;
+use crate::stop::Stop;
 
 /// Result of a comparison of paths.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -180,7 +181,8 @@ pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -
     };
     let rapier = find(0.0, &settings.at_fixed_step(scenario, BackendKind::Rapier), engine)?;
     let references = |settings: &Settings| {
-        let find = |at, kind| reference(at, kind, settings);
+        let stop = Stop::current();
+        let find = |at, kind| stop.within(|| reference(at, kind, settings));
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
         Some([quasi_static?, inertial?])
     };

@@ -20,6 +20,7 @@ use crate::backend::{BackendKind, BackendOptions, PoseError, StepReport};
 use crate::math::Pose;
 use crate::scenario::Scenario;
 use crate::simulation::{Account, Controller, DoubtTimes, Keep, MakeBackend, Outcome, Row, Simulation, Trace};
+use crate::stop::Stop;
 
 /// Path of a load with its numerical error; JSON has its step and counts only.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -140,6 +141,7 @@ impl Solution {
         let n_levels = 3;
         let cost_of_all = f64::from((1 << n_levels) - 1);
         let done: Vec<AtomicU64> = (0..n_levels).map(|_| AtomicU64::new(0)).collect();
+        let stop = Stop::current();
         let level = |level: u32| {
             let options = BackendOptions { step_s: options.step_s / f64::from(1 << level), ..*options };
             let mut run = start(&options);
@@ -151,7 +153,8 @@ impl Solution {
             run.is_finished().then(|| (options.step_s, run.into_results()))
         };
         // The longest first: two threads then end at about the same time.
-        let mut levels: Vec<_> = (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(level).collect::<Option<Vec<_>>>()?;
+        let mut levels: Vec<_> =
+            (0..n_levels).rev().collect::<Vec<_>>().into_par_iter().map(|at| stop.within(|| level(at))).collect::<Option<Vec<_>>>()?;
         levels.reverse();
         let rows: Vec<&[Row]> = levels.iter().map(|(_, (trace, _))| trace.rows.as_slice()).collect();
         let is_engine = !options.kind.is_exact();

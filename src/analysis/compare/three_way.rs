@@ -13,6 +13,7 @@ use super::solution::Question;
 use super::trial;
 use crate::scenario::{Drive, Scenario};
 use crate::simulation::{Controller, Keep, MakeBackend, Replay, Simulation, Trace, backend_of, controller_of};
+use crate::stop::Stop;
 
 /// A comparison of the quasi-static and inertial backends with rapier, or with an engine of your
 /// own.
@@ -121,12 +122,12 @@ impl<'a> ThreeWay<'a> {
     /// Without a seed.
     pub fn closed_loop(&self, n_seeds: usize, watch: impl Fn(f64) -> bool + Sync) -> Option<ClosedLoop> {
         assert!(n_seeds > 0, "a comparison over seeds needs at least one");
-        let n_done = AtomicUsize::new(0);
+        let (n_done, stop) = (AtomicUsize::new(0), Stop::current());
         let runs: Option<Vec<(SeedRuns, Option<[Trace; 3]>)>> = (0..n_seeds)
             .into_par_iter()
             .map(|at| {
                 let watch = |share: f64| watch((n_done.load(Relaxed) as f64 + share) / n_seeds as f64);
-                let (runs, traces) = self.seed_runs(at, watch)?;
+                let (runs, traces) = stop.within(|| self.seed_runs(at, watch))?;
                 n_done.fetch_add(1, Relaxed);
                 // Figures show the first seed only.
                 Some((runs, (at == 0).then_some(traces)))

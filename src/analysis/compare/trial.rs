@@ -9,6 +9,7 @@ use super::suggestion::{SuggestedChange, Tried};
 use super::verdict::Cause;
 use crate::backend::{BackendKind, Status};
 use crate::scenario::Scenario;
+use crate::stop::Stop;
 
 /// Parts of the tolerance that the changes of each trial aim at, over that of the first (1).
 const AIMS: [f64; 3] = [1.0, 1.0 / 3.0, 1.0 / 9.0];
@@ -70,7 +71,9 @@ fn tried_to_its_tolerance(question: &Question, before: &Pathwise, watch: &(impl 
 fn tried(question: &Question, needed: f64, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Tried> {
     let Question { scenario: changed, .. } = *question;
     let settings = Settings { reference_tolerance_m: Some(needed), ..*question.settings };
-    let find = |kind| question.solution(&settings.under_error_control(changed, kind), question.references, |_| watch(1.0));
+    let stop = Stop::current();
+    let options = |kind| settings.under_error_control(changed, kind);
+    let find = |kind| stop.within(|| question.solution(&options(kind), question.references, |_| watch(1.0)));
     let (quasi_static, inertial) = rayon::join(|| find(BackendKind::QuasiStatic), || find(BackendKind::Inertial));
     let [mut quasi_static, mut inertial] = [quasi_static?, inertial?];
     let n = quasi_static.points.len().min(inertial.points.len());

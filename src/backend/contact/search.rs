@@ -11,6 +11,7 @@ use crate::backend::increment::{Coasting, Course, Increment, Objective, Step};
 use crate::backend::{Status, StepReport};
 use crate::math::{Vec2, Vec3};
 use crate::model::System;
+use crate::stop;
 
 /// Most times that the motion of the obstacles in a step is halved (1).
 const MOST_HALVINGS: i32 = 6;
@@ -138,6 +139,7 @@ impl Search<'_, '_> {
     fn held(&mut self, task: &Task, first: f64, ratio: f64) -> Option<Ended> {
         let (warm_start, mut stiffness) = (self.solver.warm_start().clone(), first);
         for _ in 0..MOST_RESISTANCES {
+            stop::point();
             self.begin_again(&warm_start);
             let may_soften = stiffness == first && task.resistance.is_none_or(|last| last.may_soften);
             let found = self.resisted(task, stiffness, may_soften);

@@ -20,6 +20,7 @@ use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Course, Increment, LARGEST_RESIDUAL, Objective, Step, positive_definite, shortened};
 use crate::backend::{Status, StepReport};
 use crate::math::{Mat3, Vec3};
+use crate::stop;
 
 /// What a step with contacts found.
 pub struct Found {
@@ -185,6 +186,7 @@ impl ContactStep<'_, Step<'_>> {
         let mut mode = ContactMode::Stick;
         let (mut n_failed, mut locals, mut pace) = (0, Locals::new(), Pace::default());
         for round in 0..MOST_STEPS {
+            stop::point();
             let local = self.step.at(&at);
             self.fill_locals(&at, &mut locals);
             let hessian = self.curvature(&local.hessian, &at, mode, (&sides, &locals));

@@ -28,6 +28,7 @@ use crate::backend::springs::TipPaths;
 use crate::backend::{Motion, Status, StepReport, Transition, TransitionKind};
 use crate::math::{Vec2, rotation};
 use crate::model::System;
+use crate::stop;
 
 /// An advance under error control.
 pub struct Task<'a> {
@@ -292,6 +293,7 @@ fn row<M: Method>(load: &mut Exact<M>, paths: &TipPaths, start: &Snapshot<M::Mem
     let macro_step = (to - from) * paths.duration;
     let support = M::begin_row(load, macro_step, n);
     for i in 1..=n {
+        stop::point();
         cost.add(&M::step(load, paths, share(i - 1), share(i)));
         let (mode_now, slips_now, sides_now) = (load.mode(), slips_of(load), load.contacts());
         let reverses = || slips.iter().zip(&slips_now).any(|(before, now)| before.dot(now) < 0.0);

@@ -18,6 +18,7 @@ use crate::backend::stepping::Stepping;
 use crate::backend::{Motion, Status, StepReport};
 use crate::math::{Twist, Vec2, Vec3, rotation};
 use crate::model::support::wrench_of;
+use crate::stop;
 
 /// Largest number of touches in one step (1). The rest of the step is taken as one of implicit
 /// Euler that regards all features within reach, and without bounces.
@@ -62,6 +63,7 @@ impl Exact<Inertial> {
         let mut report = StepReport::default();
         let (mut at, mut n_touches) = (from, 0);
         while at < to {
+            stop::point();
             let until = self.until_waypoint(paths, [at, to]);
             report.add(&self.meet_waypoint([at, until].map(|share| self.time_at(paths, share))));
             if n_touches >= MOST_TOUCHES || report.n_iterations >= MOST_ITERATIONS {
@@ -132,6 +134,7 @@ impl Exact<Inertial> {
     ) -> f64 {
         let (mut free, mut hit, mut end) = (from, to, to);
         for attempt in 0..MOST_ATTEMPTS {
+            stop::point();
             self.reset(start);
             if end <= from {
                 break;
@@ -165,6 +168,7 @@ impl Exact<Inertial> {
         let whole = self.move_on(paths, [from, to], start);
         let (mut end, mut report) = (to, whole);
         for _ in 0..MOST_HALVINGS {
+            stop::point();
             if report.status == Status::Converged {
                 return (end, report);
             }

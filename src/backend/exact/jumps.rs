@@ -7,6 +7,7 @@ use super::quasi_static::QuasiStatic;
 use crate::backend::friction::EXACT;
 use crate::backend::{Status, StepReport, Transition, TransitionKind};
 use crate::math::Pose;
+use crate::stop;
 
 /// Largest number of iterations of one jump. Each is shorter than the last by orders of magnitude,
 /// and three are rarely needed.
@@ -53,6 +54,7 @@ impl Exact<QuasiStatic> {
         let rounding = self.displacement_rounding();
         let (mut report, mut found, mut last) = (StepReport::default(), StepReport::default(), None);
         for _ in 0..MOST_ITERATIONS {
+            stop::point();
             let before = self.state.motion.pose;
             found = self.balance(None, [self.state.side.now; 2]);
             report.add(&found);

@@ -14,6 +14,7 @@ use crate::backend::stepping::{Stepping, n_steps_in};
 use crate::backend::{EnergyLedger, Motion, RestoreError, Status, StepReport, Transition, TransitionKind};
 use crate::math::{Pose, Twist, Vec2};
 use crate::model::System;
+use crate::stop;
 
 /// One method: how it takes a step, and what it remembers from step to step.
 pub trait Method: Sized + Send {
@@ -194,6 +195,7 @@ impl<M: Method> Exact<M> {
         let mut done = 0;
         let is_free = self.is_free(paths.duration);
         while done < n_steps {
+            stop::point();
             if is_free {
                 done += self.skip_certain_steps(paths, [done, n_steps], report);
             }

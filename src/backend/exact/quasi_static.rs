@@ -22,6 +22,7 @@ use crate::backend::stepping::Stepping;
 use crate::backend::{ConeSolver, Motion, Status, StepReport, TransitionKind};
 use crate::math::{Pose, Twist};
 use crate::model::System;
+use crate::stop;
 
 /// Longest displacement of a tip in one macro-step while the load is at rest, over its radius (1).
 /// A load that slips only between the nodes of a macro-step is not seen to slip.
@@ -91,6 +92,7 @@ impl Exact<QuasiStatic> {
         self.state.side.now = to;
         let mut n_held = 0;
         for _ in 0..MOST_LEGS {
+            stop::point();
             let goes_on = n_held < MOST_HELD_LEGS && report.n_iterations < MOST_ITERATIONS;
             let Some(share) = work.cut.filter(|_| goes_on) else { break };
             n_held += u32::from(share == 1.0);

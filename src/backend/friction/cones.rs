@@ -7,10 +7,15 @@
 //! point among the supports. About the origin the slips would be small differences of large
 //! numbers.
 
+use std::collections::HashMap;
+
+use smallvec::SmallVec;
+
 use crate::backend::contact::ContactRow;
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::model::Ground;
 use crate::model::support::{slip_velocity, wrench_of};
+use crate::stop;
 
 /// Cones of one ground. Supports on the same point act as one with the sum of their limits; those
 /// without a limit do not act at all.
@@ -53,6 +58,38 @@ const SHORT: f64 = 0.1;
 /// origin, below which twists are about the middle (1).
 const CLOSE: f64 = 1e-2;
 
+/// Points by the cell of a grid that they lie in: one near another is found in a time that does not
+/// grow with their number.
+struct Places {
+    /// Distance up to which points are the same (scaled).
+    same: f64,
+    cells: HashMap<[i64; 2], SmallVec<[usize; 1]>>,
+}
+
+impl Places {
+    fn new(same: f64) -> Self {
+        Self { same, cells: HashMap::new() }
+    }
+
+    /// Cells are twice as wide as points are apart that are the same. Such points then lie in
+    /// neighbouring cells, whatever the rounding.
+    fn cell(&self, point: &Vec2) -> [i64; 2] {
+        [point.x, point.y].map(|along| (along / (2.0 * self.same)).floor() as i64)
+    }
+
+    fn add(&mut self, point: &Vec2, index: usize) {
+        self.cells.entry(self.cell(point)).or_default().push(index);
+    }
+
+    /// The first of these points that is the same as this one.
+    fn first_near(&self, point: &Vec2, points: &[Vec2]) -> Option<usize> {
+        let [x, y] = self.cell(point);
+        let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x.saturating_add(i), y.saturating_add(j)]));
+        let indices = around.filter_map(|cell| self.cells.get(&cell)).flatten().copied();
+        indices.filter(|k| (points[*k] - point).norm() <= self.same).min()
+    }
+}
+
 impl Cones {
     /// Cones of `ground` under a load of size `length_scale` (m).
     pub fn new(ground: &Ground, length_scale: f64) -> Self {
@@ -75,10 +112,12 @@ impl Cones {
             balance: None,
             sways: Vec::new(),
         };
+        let mut places = Places::new(SAME_POINT * cluster.unwrap_or(1.0));
         for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
+            stop::point();
             let share = (limit > 0.0).then(|| {
                 let arm = point.unwrap_or_else(|| centre.map_or(support.offset, |centre| support.offset - centre));
-                cones.merge(arm / length, limit / cones.force)
+                cones.merge(arm / length, limit / cones.force, &mut places)
             });
             cones.shares.push(share);
         }
@@ -100,11 +139,12 @@ impl Cones {
     }
 
     /// Adds a support; returns its cone and its limit.
-    fn merge(&mut self, offset: Vec2, limit: f64) -> (usize, f64) {
-        if let Some(k) = self.offsets.iter().position(|known| (known - offset).norm() <= SAME_POINT * self.cluster.unwrap_or(1.0)) {
+    fn merge(&mut self, offset: Vec2, limit: f64, places: &mut Places) -> (usize, f64) {
+        if let Some(k) = places.first_near(&offset, &self.offsets) {
             self.limits[k] += limit;
             return (k, limit);
         }
+        places.add(&offset, self.len());
         self.offsets.push(offset);
         self.limits.push(limit);
         (self.len() - 1, limit)

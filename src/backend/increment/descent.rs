@@ -8,6 +8,7 @@ use crate::backend::{Status, StepReport};
 use crate::math::{Mat3, Pose, PositiveDefinite, Vec3};
 use crate::model::support::slip_velocity;
 use crate::model::{Reaction, SupportPoint};
+use crate::stop;
 
 /// Largest number of iterations. Converging steps take two to six; where the energy has a kink no
 /// number suffices.
@@ -65,6 +66,7 @@ impl Step<'_> {
         let mut mode = ContactMode::Stick;
         let mut pace = Pace { last: None, n_corrections: 0 };
         for iteration in 0..MOST_ITERATIONS {
+            stop::point();
             let stiffened = positive_definite(&local.hessian, length);
             let is_slow = iteration >= FEW_ITERATIONS && stiffened != local.hessian;
             let held = if is_slow { self.held_by_friction(&local.hessian, &at) } else { None };
@@ -163,6 +165,7 @@ impl Step<'_> {
     fn glide(&mut self, solver: &mut FrictionSolver, (mut at, mut local): (Vec3, Reaction)) -> (Vec3, Reaction, Option<Corrected>) {
         let mut last = f64::INFINITY;
         for n_iterations in 0..MOST_GLIDES {
+            stop::point();
             let newton = solver.gliding_step(&at, &local.gradient, Some(&local.hessian), &mut None);
             if let Some((_, residual)) = newton.filter(|(_, residual)| *residual <= EXACT && *residual >= 0.25 * last) {
                 let report = StepReport { residual, n_solves: 1, n_iterations, ..StepReport::default() };

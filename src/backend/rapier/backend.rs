@@ -19,6 +19,7 @@ use crate::backend::{
 };
 use crate::math::{Pose, Twist, Vec2, Wrench};
 use crate::model::{ObstaclePath, System};
+use crate::stop;
 
 /// A load under rapier.
 pub struct Rapier {
@@ -327,6 +328,7 @@ impl Backend for Rapier {
         let tips_stay = self.state.attachments.tips_are_at(tip_targets);
         let mut report = StepReport::default();
         for done in 1..=n_steps {
+            stop::point();
             if self.state.has_failed {
                 report.status = Status::Failed;
                 break;

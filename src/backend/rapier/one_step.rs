@@ -14,6 +14,7 @@ use super::step::Step;
 use crate::backend::{Motion, Status, StepReport};
 use crate::math::{Twist, Vec2, direction};
 use crate::model::Load;
+use crate::stop;
 
 /// Numbers of sweeps in the attempts at a step with contacts, over the usual number (1). A box that
 /// slides along a wall in steps of 0.02 / omega ends at 1e-13 after 24 sweeps; with steps of 0.6 /
@@ -185,6 +186,7 @@ impl Rapier {
     /// `false` when the engine found no finite state.
     fn step_until_solved(&mut self, work: &mut Work, duration: f64, sum: &SpringSum) -> bool {
         for (at, more) in MORE_SWEEPS.into_iter().enumerate() {
+            stop::point();
             if at > 0 {
                 self.rebuild(&work.obstacles);
             }

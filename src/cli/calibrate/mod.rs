@@ -13,7 +13,8 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use super::error::CliError;
-use super::watch::catch_interrupts;
+use super::watch::{catch_interrupts, watched_by};
+use crate::output::progress::Progress;
 pub use sensor::table_of;
 
 #[derive(Subcommand)]
@@ -31,13 +32,13 @@ pub enum CalibrateCommand {
 }
 
 pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
-    // These commands are short: an interrupt waits until the files are written.
+    // An interrupt leaves no file half written.
     catch_interrupts();
-    match command {
+    watched_by(Progress::of_unknown("calibrate"), |_| match command {
         CalibrateCommand::Fit(args) => fit::fit(args),
         CalibrateCommand::Design(args) => design::design(args),
         CalibrateCommand::Forces(args) => forces::forces(args),
         CalibrateCommand::Behaviour(args) => behaviour::behaviour(args),
         CalibrateCommand::Pulls(args) => pulls::pulls(args),
-    }
+    })
 }

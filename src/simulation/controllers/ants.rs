@@ -22,6 +22,7 @@ use crate::model::team::Haul;
 use crate::scenario::{AntDrive, Drive, Scenario};
 use crate::simulation::clock::SAME_INSTANT;
 use crate::simulation::trace::{Event, EventKind, Trace};
+use crate::stop;
 
 /// The ants of one run.
 pub struct Ants {
@@ -117,6 +118,7 @@ impl Ants {
         let belief = self.belief_due(tick);
         let n_released = commands.events.len();
         for i in 0..self.state.ants.len() {
+            stop::point();
             if self.state.ants[i].mode != Mode::Search {
                 continue;
             }
@@ -230,6 +232,7 @@ impl Ants {
                         ant.walk(searched, steering.turn(turn_towards(&target, &ant.ahead)), self.drive.control_offset);
                     }
                     Some(avoiding) => {
+                        stop::point();
                         let target = self.load.position + ant.belief_error;
                         let draw = || drawn_side(&self.streams, i, from / self.control_period);
                         avoiding.walk(ant, &mut self.state.sides[i], &target, searched, &steering, draw);

@@ -4,6 +4,8 @@ use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
 
+use crate::stop;
+
 thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
     static LAST: RefCell<String> = const { RefCell::new(String::new()) };
@@ -12,7 +14,7 @@ thread_local! {
 static INSTALLED: Once = Once::new();
 
 /// Result of `work`, or the message and place of its panic, which is not printed. Panics of other
-/// threads are printed as usual.
+/// threads are printed as usual. A stop of the work goes on to the caller.
 pub fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     INSTALLED.call_once(|| {
         let others = take_hook();
@@ -29,5 +31,8 @@ pub fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     let before = GUARDED.replace(true);
     let done = catch_unwind(AssertUnwindSafe(work));
     GUARDED.set(before);
-    done.map_err(|_| LAST.take())
+    done.map_err(|payload| {
+        stop::of_panic(payload);
+        LAST.take()
+    })
 }

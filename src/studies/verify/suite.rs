@@ -6,6 +6,7 @@ use super::case::{Case, Plan};
 use super::measured::Measured;
 use super::row::{Row, rows};
 use crate::backend::BackendOptions;
+use crate::stop::Stop;
 use crate::studies::runner::{Effort, Tasks};
 
 /// One task a plan of `cases` that is `wanted`, in their order: the rows of the plan.
@@ -19,5 +20,7 @@ pub fn tasks(cases: &[Case], wanted: impl Fn(&Plan) -> bool, effort: Effort) -> 
 }
 
 fn answers(case: &Case, plan: &Plan, effort: Effort, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Vec<(BackendOptions, Measured)>> {
-    plan.options(effort).into_par_iter().map(|options| go_on().then(|| (options, case.run(&options)))).collect()
+    let stop = Stop::current();
+    let run = |options| stop.within(|| go_on().then(|| (options, case.run(&options))));
+    plan.options(effort).into_par_iter().map(run).collect()
 }

@@ -16,6 +16,7 @@ use super::search::{ACCEPTED, Guess, Search, polish};
 use super::types::{ContactRow, PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::ContactMode;
 use crate::math::{Vec2, Vec3};
+use crate::stop;
 
 /// Slip offset over the size of the increment at which rest is asked whether it is stable (1). In a
 /// short step a load slides by little before its springs hold it again, and the offset has to be
@@ -171,6 +172,7 @@ impl<'a> Search<'a> {
         let is_rest = |found: &Candidate, same: f64| rest.is_some_and(|rest| (found.twist - rest.twist).amax() <= same);
         let first = largest(&offsets);
         for round in 0..if rest.is_some() { FEW_ROUNDS } else { MOST_ROUNDS } {
+            stop::point();
             let same = SAME * self.problem.extent;
             let found = self.polished(&relaxed).filter(|found| !is_rest(found, same));
             if found.is_some_and(|found| self.consider(found)) {

@@ -22,6 +22,7 @@ use super::types::{ContactRow, PerContact, SideForce};
 use crate::backend::friction::ContactMode;
 use crate::math::{Mat2, Mat3, Vec2, Vec3, perpendicular};
 use crate::model::support::{slip_velocity, wrench_of};
+use crate::stop;
 
 /// One entry per row.
 type PerRow<T> = SmallVec<[T; 8]>;
@@ -80,6 +81,7 @@ pub fn follow(problem: &Problem) -> Path {
     let (mut smoothing, mut n_iterations, mut is_converged) = (1.0, 0, false);
     let mut slopes = Mat3::zeros();
     while n_iterations < MOST_ITERATIONS {
+        stop::point();
         n_iterations += 1;
         let Some((step, found)) = state.newton_step(smoothing) else { break };
         slopes = found;

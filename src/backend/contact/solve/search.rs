@@ -15,6 +15,7 @@ use super::problem::{Candidate, PerCone, Problem, RESTS, Start};
 use super::types::{PerContact, SideForce, SideMode, Stage};
 use crate::backend::friction::ContactMode;
 use crate::math::{Vec2, Vec3};
+use crate::stop;
 
 /// Residual up to which an answer is taken without looking for a better one (1).
 pub const ACCEPTED: f64 = 1e-12;
@@ -88,6 +89,7 @@ impl<'a> Search<'a> {
     }
 
     fn newton(&mut self, guess: &Guess, start: &Start) -> Option<Candidate> {
+        stop::point();
         let found = newton(&self.problem, guess.ground, &guess.modes, start)?;
         self.n_iterations += found.n_iterations;
         Some(found)

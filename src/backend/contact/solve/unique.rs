@@ -29,6 +29,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::problem::{Candidate, PerCone, Problem};
 use crate::math::{Vec2, Vec3};
+use crate::stop;
 
 /// Sine of the angle between two sides of one wall, and distance of these over the length of the
 /// cones (1).
@@ -107,6 +108,7 @@ impl Slides {
         let mut parts: SmallVec<[(f64, f64); 16]> = smallvec![(0.0, f64::INFINITY)];
         let mut n_parts = 0;
         while let Some((from, to)) = parts.pop() {
+            stop::point();
             if self.least_work(from, to) > LEAST_WORK {
                 continue;
             }

@@ -12,6 +12,7 @@ use crate::backend::friction::cones::Cones;
 use crate::backend::friction::problem::{Candidate, ContactMode, EXACT};
 use crate::math::{Mat2, Mat3, Vec2, Vec3};
 use crate::model::support::wrench_of;
+use crate::stop;
 
 /// Stages down to the rounding of double precision.
 const N_STAGES: i32 = 15;
@@ -34,6 +35,7 @@ pub fn search(cones: &Cones, h: &Mat3, w: &Vec3, forces: &mut [Vec2], n_iteratio
     let mut rounding = scale;
     let most = *n_iterations + MOST_IN_ALL;
     for stage in 0..N_STAGES {
+        stop::point();
         if *n_iterations >= most {
             break;
         }
