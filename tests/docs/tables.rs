@@ -11,6 +11,7 @@ use cohaul::output::quantity::number;
 use cohaul::output::table::Table;
 use cohaul::scenario::Scenario;
 use cohaul::scenario::presets::Preset;
+use cohaul::simulation::rules::{RULES, Rule};
 use serde_json::Value;
 
 /// The page with its tables as they should be.
@@ -33,6 +34,7 @@ fn made(name: &str) -> Option<Table> {
     match name {
         "replaced values" => Some(replaced_values()),
         "open choices" => Some(open_choices()),
+        "account rules" => Some(account_rules()),
         "exit codes" => {
             Some(Table::new("", ["code", "meaning"]).with_rows(EXIT_CODES.map(|(code, meaning)| [code.to_string(), meaning.to_owned()])))
         }
@@ -61,6 +63,21 @@ fn replaced_values() -> Table {
         fields
     });
     Table::new("", ["parameter", "paper", "here", "presets", "where it acts, and why"]).with_rows(rows)
+}
+
+/// What makes a run doubtful or failed.
+fn account_rules() -> Table {
+    let row = |rule: &Rule| {
+        let limit = |limit: f64| match (limit, rule.unit) {
+            (limit, _) if limit.is_infinite() => "never".to_owned(),
+            (limit, "") => number(limit),
+            (limit, unit) => format!("{} {unit}", number(limit)),
+        };
+        let cause = serde_json::to_value(rule.cause).expect("a cause is a word");
+        let measure = if rule.measure.is_empty() { "whether it happened" } else { rule.measure };
+        [format!("`{}`", text_of(&cause)), measure.to_owned(), limit(rule.doubtful), limit(rule.failed), rule.means.to_owned()]
+    };
+    Table::new("", ["rule", "measure", "doubtful above", "failed above", "what happened"]).with_rows(RULES.iter().map(row))
 }
 
 fn open_choices() -> Table {
