@@ -165,16 +165,13 @@ mod tests {
     #[test]
     fn tasks_on_other_threads_stop_with_the_work_that_handed_them_out() {
         let stop = Stop::default();
-        let ended = stop.run(|| {
-            let current = Stop::current();
-            (0..64).into_par_iter().for_each(|task| {
-                current.within(|| {
-                    if task == 7 {
-                        current.ask();
-                    }
-                    (0..u64::MAX).take_while(|_| task != 7).for_each(|_| point());
-                });
-            });
+        let ended = std::thread::scope(|scope| {
+            scope.spawn(|| stop.ask());
+            stop.run(|| {
+                let current = Stop::current();
+                // Each task would last for ever.
+                (0..64).into_par_iter().for_each(|_| current.within(|| (0..u64::MAX).for_each(|_| point())));
+            })
         });
         assert_eq!(ended, None);
         (0..64).into_par_iter().for_each(|_| point());
