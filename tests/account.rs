@@ -32,8 +32,8 @@ const SCENES: [(&str, &str, &[&str], Health); 6] = [
     ("stiff-spring", "inertial", &[], Health::Ok),
 ];
 
-/// The exit code is the same in text, in JSON and with files, and so is the account. Nothing that is
-/// no number is printed.
+/// The exit code is the same in text, in JSON and with files, and so is the account. Nothing that
+/// is no number is printed.
 #[test]
 fn a_run_has_one_account_and_one_exit_code_in_all_forms() {
     for (scene, backend, options, health) in SCENES {

@@ -68,7 +68,7 @@ fn nothing_is_overwritten_and_wrong_options_write_nothing() {
     refused(&["x.json", "--size", "40cm"], &["--size", "as in 0.4x0.3"]);
     refused(&["x.json", "--robots", "0"], &["--robots", "from 1 to 100"]);
     refused(&["x.json", "--mass", "-2"], &["--mass", "must be positive"]);
-    refused(&["x.json", "--mass", "1e60"], &["load.mass_kg", "at most 1e50"]);
+    refused(&["x.json", "--mass", "1e60"], &["--mass", "from 1e-50 to 1e50"]);
     refused(&["."], &["must be a file, found a folder"]);
     assert_eq!(fs::read_dir(room.path()).unwrap().count(), 0);
     assert_eq!(call(room.path(), &["scenario", "new", "x.json"]).status.code(), Some(0));

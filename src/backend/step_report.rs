@@ -48,8 +48,8 @@ pub struct StepReport {
     /// resolves it (rad); zero where all steps do.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub unresolved_rad: f64,
-    /// Bound of the error of the work of tips and obstacles, in quasi-static steps of a fixed length
-    /// (J).
+    /// Bound of the error of the work of tips and obstacles, in quasi-static steps of a fixed
+    /// length (J).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub work_error_j: f64,
     /// Largest change of the direction of a spring about its root in a step of a fixed length
@@ -63,9 +63,10 @@ pub struct StepReport {
     /// What makes the accepted steps of an exact backend doubtful.
     #[serde(default, skip_serializing_if = "Doubts::is_empty")]
     pub doubts: Doubts,
-    /// Energy that appeared from nowhere, where it exceeds what a run may gain, over the energy that
-    /// went into it, or over the largest entry of the ledger of an exact backend (1). Energy that is
-    /// missing beyond what a run under error control may lose has a minus. Zero where neither holds.
+    /// Energy that appeared from nowhere, where it exceeds what a run may gain, over the energy
+    /// that went into it, or over the largest entry of the ledger of an exact backend (1). Energy
+    /// that is missing beyond what a run under error control may lose has a minus. Zero where
+    /// neither holds.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub gained_share: f64,
     /// Work that was skipped, by kind.

@@ -18,13 +18,14 @@ use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::{self, Finished};
 use super::vary::{VaryArgs, vary};
 use super::watch::{watched_by, watched_to_end};
-use crate::analysis::compare::{ClosedLoop, SeedRuns, Settings, ThreeWay, Tier, Verdict};
+use crate::analysis::compare::{ClosedLoop, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict};
 use crate::analysis::{DEFAULT_SEEDS, ExpectedCost};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
 use crate::output::progress::Progress;
 use crate::output::traces::TraceFormat;
 use crate::scenario::{Drive, Scenario};
+use crate::studies::compare::answer::{self, verdict_text};
 use crate::studies::compare::beside::recorded_path;
 use crate::studies::compare::closed_loop::{First, judged, tasks};
 use crate::studies::compare::comparison::{Comparison, Tiers};
@@ -86,8 +87,9 @@ pub struct CompareArgs {
     tolerance_energy: Option<f64>,
     /// Exit with code 1 if a verdict on any quantity or measure is of this kind; may be repeated
     ///
-    /// The kind inconclusive stands for all verdicts that are left open: inconclusive, decorrelated
-    /// and nothing moved.
+    /// The kind inconclusive stands for all that is left open: the verdicts inconclusive,
+    /// decorrelated and nothing moved, and an open inertia effect or engine error beside another
+    /// verdict.
     #[arg(long, value_name = "KIND", value_parser = choice::<FailOn>())]
     fail_on: Vec<FailOn>,
     /// Print suggested changes without trying them
@@ -173,9 +175,9 @@ fn told(args: &CompareArgs, comparison: &Comparison, scenario: &Scenario, writte
     tolerance_warning(comparison, scenario).into_iter().chain(account_warnings(comparison)).for_each(console::warn);
     written?;
     args.output.print_report()?;
-    let failed = verdicts_of(tiers).find(|(_, verdict)| args.fail_on.iter().any(|kind| kind.has(*verdict)));
-    if let Some((name, verdict)) = &failed {
-        console::warn(format_args!("--fail-on: the verdict on {name} is \"{}\"", verdict.text()));
+    let failed = verdicts_of(tiers).find(|of| args.fail_on.iter().any(|kind| kind.has(of)));
+    if let Some(Judged { name, text, .. }) = &failed {
+        console::warn(format_args!("--fail-on: the verdict on {name} is \"{text}\""));
     }
     Ok(if failed.is_some() { ExitCode::from(1) } else { args.strict.code(tiers.worst()) })
 }
@@ -239,20 +241,40 @@ enum FailOn {
 }
 
 impl FailOn {
-    fn has(self, verdict: Verdict) -> bool {
+    fn has(self, of: &Judged) -> bool {
         match self {
-            FailOn::Inertia => verdict.has_inertia(),
-            FailOn::Engine => verdict.has_engine(),
-            FailOn::Inconclusive => matches!(verdict, Verdict::Inconclusive | Verdict::Decorrelated | Verdict::NothingMoved),
+            FailOn::Inertia => of.verdict.has_inertia(),
+            FailOn::Engine => of.verdict.has_engine(),
+            FailOn::Inconclusive => of.is_open,
         }
     }
 }
 
+/// The verdict on a quantity of the paths or a measure of the closed loop.
+struct Judged {
+    name: String,
+    verdict: Verdict,
+    text: String,
+    /// Whether the inertia effect or the engine error is left open.
+    is_open: bool,
+}
+
 /// The verdict on each quantity of the paths, then on each measure of the closed loop.
-fn verdicts_of(tiers: &Tiers) -> impl Iterator<Item = (String, Verdict)> {
-    let quantities = tiers.pathwise().flat_map(|found| found.verdicts.named().map(|(name, of)| (name.to_owned(), of.verdict)));
+fn verdicts_of(tiers: &Tiers) -> impl Iterator<Item = Judged> {
+    let is_open = |verdict: Verdict| matches!(verdict, Verdict::Inconclusive | Verdict::Decorrelated | Verdict::NothingMoved);
+    let of_quantity = move |(name, of): (&str, &QuantityVerdict)| {
+        let is_open = is_open(of.verdict) || answer::is_open(of);
+        Judged { name: name.to_owned(), verdict: of.verdict, text: verdict_text(of), is_open }
+    };
+    let of_measure = move |(name, verdict): (&str, Verdict)| Judged {
+        name: name.to_owned(),
+        verdict,
+        text: verdict.text().to_owned(),
+        is_open: is_open(verdict),
+    };
+    let quantities = tiers.pathwise().flat_map(|found| found.verdicts.named()).map(of_quantity);
     let measures = tiers.closed_loop.iter().flat_map(|found| found.measures.iter().zip(&found.verdicts));
-    quantities.chain(measures.map(|(measure, of)| (measure.name.to_owned(), of.verdict)))
+    quantities.chain(measures.map(|(measure, of)| (measure.name, of.verdict)).map(of_measure))
 }
 
 fn tone(tiers: &Tiers) -> Tone {

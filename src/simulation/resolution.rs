@@ -31,8 +31,10 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Nothing yet, for a load that begins with this motion, with steps of `step` (s).
+    /// Nothing yet, for a load that begins with this motion, with steps of `step` (s). Under error
+    /// control steps have no length, and nothing is added later.
     pub(super) fn starting(motion: &Motion, step: f64, radius: f64) -> Self {
+        let step = if step.is_finite() { step } else { 0.0 };
         Self { last: step * motion.twist.linear.push(radius * motion.twist.angular), ..Self::default() }
     }
 
@@ -46,10 +48,12 @@ impl Resolution {
     /// Adds an advance from one motion to another of a load of this `radius` (m), in so many steps.
     pub(super) fn add(&mut self, from: &Motion, to: &Motion, n_steps: u64, radius: f64) {
         let moved = (to.pose.position - from.pose.position).push(radius * (to.pose.heading - from.pose.heading));
-        let increment = moved / n_steps.max(1) as f64;
+        let n_steps = n_steps.max(1) as f64;
+        let increment = moved / n_steps;
         let change = increment - self.last;
         self.changes_m += change.norm();
-        self.second_changes_m += (change - self.last_change).norm();
+        // Increments are means over the advance, from the middle of one to the middle of the next.
+        self.second_changes_m += (change - self.last_change).norm() / n_steps;
         self.path_length_m += moved.norm();
         (self.last, self.last_change) = (increment, change);
     }

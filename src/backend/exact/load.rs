@@ -58,8 +58,8 @@ pub trait Method: Sized + Send {
         None
     }
 
-    /// Bound of the error of the work of tips and obstacles in the last step (J), for a method whose
-    /// ledger has no other error.
+    /// Bound of the error of the work of tips and obstacles in the last step (J), for a method
+    /// whose ledger has no other error.
     fn work_error(_load: &Exact<Self>) -> f64 {
         0.0
     }
@@ -206,9 +206,6 @@ impl<M: Method> Exact<M> {
             let (start, last) = (self.state.snap_start(), self.state.contact.last());
             let n_not_unique = report.doubts.n_not_unique;
             report.add(&M::step(self, paths, share(done), share(done + 1)));
-            if report.status == Status::Failed {
-                break;
-            }
             report.work_error_j += M::work_error(self);
             done += 1;
             let time = share(done) * paths.duration;
@@ -221,6 +218,9 @@ impl<M: Method> Exact<M> {
                 if !is_free {
                     self.pass_gate(report);
                 }
+            }
+            if report.status == Status::Failed {
+                break;
             }
         }
     }

@@ -25,6 +25,22 @@ pub fn is_valid(of: &QuantityVerdict) -> Answer {
     within(of, of.inertia_share_range())
 }
 
+/// The verdict on a quantity in words. A verdict that names one cause and leaves the other one open
+/// says both.
+pub fn verdict_text(of: &QuantityVerdict) -> String {
+    let open = match of.verdict {
+        Verdict::Engine if is_valid(of) == Answer::Open => ", inertia open",
+        Verdict::Inertia if engine_is_within(of) == Answer::Open => ", engine open",
+        _ => "",
+    };
+    format!("{}{open}", of.verdict.text())
+}
+
+/// Whether the verdict on a quantity leaves the inertia effect or the engine error open.
+pub fn is_open(of: &QuantityVerdict) -> bool {
+    [is_valid(of), engine_is_within(of)].contains(&Answer::Open)
+}
+
 fn engine_is_within(of: &QuantityVerdict) -> Answer {
     within(of, of.engine_share_range())
 }

@@ -67,8 +67,8 @@ impl Tiers {
         [&self.prescribed, &self.replayed].into_iter().flatten()
     }
 
-    /// The worst account: a comparison that could not be computed has failed, and one with doubts or
-    /// with a run that is not ok is doubtful.
+    /// The worst account: a comparison that could not be computed has failed, and one with doubts
+    /// or with a run that is not ok is doubtful.
     pub fn worst(&self) -> Health {
         let accounts = self.pathwise().flat_map(|found| &found.solutions).map(|solution| solution.account.health);
         let is_doubted =

@@ -11,7 +11,7 @@ use crate::output::quantity::of_run::{quantity, short_quantity};
 use crate::output::quantity::short;
 use crate::output::table::Table;
 use crate::scenario::Scenario;
-use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance};
+use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance, verdict_text};
 use crate::studies::compare::comparison::Comparison;
 use crate::studies::compare::text::{ESTIMATED, details, divergence, or_none, paired, suggested, tier_name, tried};
 
@@ -104,7 +104,7 @@ fn quantities(found: &Pathwise) -> Vec<Block> {
         let [inertia, engine, reference, tolerance] = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance].map(cell);
         let first = of.first_divergence.inertia_effect.or(of.first_divergence.engine_error);
         let first = first.map_or("none".to_owned(), |first| divergence(&first));
-        verdicts.push([name.to_owned(), inertia, engine, reference, tolerance, of.verdict.text().to_owned(), first]);
+        verdicts.push([name.to_owned(), inertia, engine, reference, tolerance, verdict_text(of), first]);
         for measure in &of.measures {
             let values = [measure.quasi_static, measure.inertial, measure.rapier].map(|value| quantity(value, of.unit));
             let differences = [measure.inertia_effect, measure.engine_error, measure.reference_error, measure.tolerance].map(cell);

@@ -9,7 +9,7 @@ use crate::output::quantity::short;
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::scenario::Scenario;
-use crate::studies::compare::answer::{name_and_unit, rounded_up, tolerance};
+use crate::studies::compare::answer::{name_and_unit, rounded_up, tolerance, verdict_text};
 use crate::studies::compare::comparison::Comparison;
 use crate::studies::compare::doubt;
 
@@ -81,7 +81,7 @@ fn verdicts(found: &Pathwise) -> String {
         let name = if name == "energy dissipated" { "energy" } else { name };
         let cell = |value: f64| short_quantity(value, of.unit);
         let [inertia, engine, reference, tolerance] = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance].map(cell);
-        text += &row([&format!("  {name}"), &inertia, &engine, &reference, &tolerance, of.verdict.text()]);
+        text += &row([&format!("  {name}"), &inertia, &engine, &reference, &tolerance, &verdict_text(of)]);
     }
     text
 }

@@ -107,8 +107,8 @@ pub fn judge(scenario: &Scenario, asked: &Asked, run: &Run, error: Option<f64>) 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Judged {
     pub health: Health,
-    /// Whether the end is right to a tenth of the displacement, or of a hundredth of the radius of a
-    /// load that moved less.
+    /// Whether the end is right to a tenth of the displacement, or of a hundredth of the radius of
+    /// a load that moved less.
     pub is_right: bool,
     /// Whether it is right to that, or to the step error that the run stated.
     pub is_as_stated: bool,

@@ -34,8 +34,8 @@ pub struct Stress {
     pub defects: Vec<Defect>,
 }
 
-/// Numbers of runs by what they said of themselves and whether it is so. Right is an end that is off
-/// by at most a tenth of the displacement.
+/// Numbers of runs by what they said of themselves and whether it is so. Right is an end that is
+/// off by at most a tenth of the displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Accounts {
     pub n_ok: usize,
