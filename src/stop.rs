@@ -15,6 +15,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static OF_PROCESS: AtomicBool = AtomicBool::new(false);
+/// Whether any stop was ever asked for: until then no thread looks for its own flag.
+static ANY: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     static OF_THREAD: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
@@ -68,6 +70,7 @@ impl Stop {
     /// Asks the work to stop.
     pub fn ask(&self) {
         self.flag().store(true, Ordering::Relaxed);
+        ANY.store(true, Ordering::Release);
     }
 
     pub fn is_asked(&self) -> bool {
@@ -104,17 +107,23 @@ impl Stop {
     }
 }
 
-/// Leaves the work of this thread if a stop was asked for. It costs some ten instructions.
+/// Leaves the work of this thread if a stop was asked for. It costs a few instructions.
 #[inline]
 pub fn point() {
+    if ANY.load(Ordering::Relaxed) {
+        look();
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn look() {
     let is_asked = OF_THREAD.with_borrow(|flag| flag.as_deref().unwrap_or(&OF_PROCESS).load(Ordering::Relaxed));
     if is_asked {
         leave();
     }
 }
 
-#[cold]
-#[inline(never)]
 fn leave() {
     // What a value does as it is dropped goes on while a thread unwinds.
     if !std::thread::panicking() {

@@ -48,8 +48,7 @@ pub struct StepReport {
     /// resolves it (rad); zero where all steps do.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub unresolved_rad: f64,
-    /// Bound of the error of the work of tips and obstacles, in quasi-static steps of a fixed
-    /// length (J).
+    /// Energy that quasi-static steps gained within the error of the trapezoid rule for the work (J).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub work_error_j: f64,
     /// Largest change of the direction of a spring about its root in a step of a fixed length
@@ -114,8 +113,11 @@ impl StepReport {
         self.n_rejected += other.n_rejected;
         self.contact_residual = self.contact_residual.max(other.contact_residual);
         self.unresolved_rad = self.unresolved_rad.max(other.unresolved_rad);
-        self.work_error_j += other.work_error_j;
-        self.swing_rad = self.swing_rad.max(other.swing_rad);
+        // Only steps that no other step is a part of have these.
+        if other.work_error_j + other.swing_rad > 0.0 {
+            self.work_error_j += other.work_error_j;
+            self.swing_rad = self.swing_rad.max(other.swing_rad);
+        }
         // Steps that lose or gain too much have not converged.
         if other.status != Status::Converged {
             self.lost_share = self.lost_share.max(other.lost_share);

@@ -160,7 +160,9 @@ impl<'a> Simulation<'a> {
             return;
         }
         assert!(!self.is_stepping, "a run that was stopped in a step does not go on");
-        self.take_checkpoint();
+        if self.checkpoints.is_some() {
+            self.take_checkpoint();
+        }
         self.is_stepping = true;
         self.step_on();
         self.is_stepping = false;

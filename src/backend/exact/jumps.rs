@@ -109,6 +109,10 @@ impl Exact<QuasiStatic> {
         let energy = &self.state.energy;
         let missing = start.defect - energy.defect();
         let rounding = SNAP_ROUNDING * (energy.tip_work.abs() + energy.dissipated() + energy.elastic) + self.state.side.uncertainty;
+        if missing < -rounding {
+            report.work_error_j += allowed(self).min(-missing);
+            return None;
+        }
         if missing <= rounding || self.state.motion.pose == start.pose || missing <= allowed(self) + rounding {
             return None;
         }

@@ -58,12 +58,6 @@ pub trait Method: Sized + Send {
         None
     }
 
-    /// Bound of the error of the work of tips and obstacles in the last step (J), for a method
-    /// whose ledger has no other error.
-    fn work_error(_load: &Exact<Self>) -> f64 {
-        0.0
-    }
-
     /// Length below which macro-steps are not shortened further (s).
     fn shortest_macro_step(_load: &Exact<Self>) -> f64 {
         0.0
@@ -206,7 +200,6 @@ impl<M: Method> Exact<M> {
             let (start, last) = (self.state.snap_start(), self.state.contact.last());
             let n_not_unique = report.doubts.n_not_unique;
             report.add(&M::step(self, paths, share(done), share(done + 1)));
-            report.work_error_j += M::work_error(self);
             done += 1;
             let time = share(done) * paths.duration;
             let jump = M::complete_snap_through(self, &start, |load| load.springs.last_work_error(), report);

@@ -258,8 +258,4 @@ impl Method for QuasiStatic {
     ) -> Option<TransitionKind> {
         load.snap_through(start, allowed, report)
     }
-
-    fn work_error(load: &Exact<Self>) -> f64 {
-        load.springs.last_work_error() + load.state.side.uncertainty
-    }
 }

@@ -40,8 +40,8 @@ pub(super) struct Block {
     /// Squared product of the change of the pulls and the displacement of the tips, from the
     /// accepted pose before to this one (J^2).
     squared_error: Numbers,
-    /// Largest change of swing from an accepted pose to the next one (rad).
-    most_swung: Numbers,
+    /// Whether a pose was evaluated far from the accepted swing since it was accepted.
+    pub is_far: bool,
     /// Swing (rad), pull on the tip (N, load axes) and unit vector from root to tip (load axes)
     /// at the pose that was evaluated last.
     last_swing: Numbers,
@@ -139,7 +139,7 @@ impl Block {
 
     /// Polar angle of d less the bearing, on the branch of the accepted swing (rad).
     #[inline]
-    fn swing_of(&self, d: Vectors) -> Numbers {
+    fn swing_of(&mut self, d: Vectors) -> Numbers {
         let along = self.accepted_direction.dot(d);
         let tangent = self.accepted_direction.perp(d) / along;
         // Not a number is not small.
@@ -151,7 +151,8 @@ impl Block {
 
     /// Swing at any distance from the accepted one (rad).
     #[cold]
-    fn far_swing_of(&self, d: Vectors) -> Numbers {
+    fn far_swing_of(&mut self, d: Vectors) -> Numbers {
+        self.is_far = true;
         let principal = self.bearing.perp(d).atan2(self.bearing.dot(d));
         let swing = principal + self.turns;
         let (pi, whole) = (Numbers::splat(std::f64::consts::PI), Numbers::splat(std::f64::consts::TAU));
@@ -188,7 +189,6 @@ impl Block {
         let squared = displacement.dot(displacement);
         self.squared_error = change.dot(change) * squared;
         (self.accepted_tip, self.accepted_pull, self.accepted_direction) = (self.tip, pull, self.last_direction);
-        self.most_swung = self.most_swung.max((self.last_swing - self.swing).abs());
         self.swing = self.last_swing;
         let turned = Numbers::splat(std::f64::consts::PI);
         if self.swing.abs().simd_gt(turned).any() || self.turns.abs().simd_gt(turned).any() {
@@ -198,10 +198,13 @@ impl Block {
         [sum.dot(displacement), acts & squared]
     }
 
-    /// Largest change of swing from an accepted pose to the next one, since the last call (rad).
-    pub fn take_most_swung(&mut self) -> Numbers {
-        // A spring without a rest length has no direction.
-        std::mem::replace(&mut self.most_swung, Numbers::ZERO) & self.rest_length.simd_gt(Numbers::ZERO)
+    /// Change of swing from the accepted pose to the one that was evaluated last (rad). A spring
+    /// without a rest length has no direction.
+    #[cold]
+    pub fn take_swung(&mut self) -> f64 {
+        self.is_far = false;
+        let swung = (self.last_swing - self.swing).abs() & self.rest_length.simd_gt(Numbers::ZERO);
+        swung.to_array().into_iter().fold(0.0, f64::max)
     }
 
     /// Change of the pulls times displacement of the tips on the way to the accepted pose (J).

@@ -34,6 +34,7 @@ pub struct SpringBlocks {
     bearings: Vec<(f64, Vec2)>,
     evaluated: Evaluated,
     accepted: Evaluated,
+    most_swung: f64,
 }
 
 /// Energy (J) of all springs at a place, and its gradient in world axes.
@@ -207,6 +208,9 @@ impl SpringBlocks {
         let (cos, sin) = (Numbers::splat(turn.m11), Numbers::splat(turn.m21));
         let (mut work, mut displacement) = (Numbers::ZERO, Numbers::ZERO);
         for block in &mut self.blocks {
+            if block.is_far {
+                self.most_swung = self.most_swung.max(block.take_swung());
+            }
             let [of_tips, moved] = block.accept(cos, sin);
             work += of_tips;
             displacement += moved;
@@ -230,10 +234,9 @@ impl SpringBlocks {
     }
 
     /// Largest change of the direction of a spring about its root from an accepted pose to the next
-    /// one, since the last call (rad).
+    /// one, since the last call (rad); zero where all are small.
     pub fn take_most_swung(&mut self) -> f64 {
-        let swung = |most: Numbers, block: &mut Block| most.max(block.take_most_swung());
-        self.blocks.iter_mut().fold(Numbers::ZERO, swung).to_array().into_iter().fold(0.0, f64::max)
+        std::mem::take(&mut self.most_swung)
     }
 
     /// The accepted place.
