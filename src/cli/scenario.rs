@@ -1,6 +1,5 @@
 //! `cohaul scenario show|check|new|from-tips|schema`.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -15,7 +15,7 @@ use serde_json::json;
 use super::choice::{choice, parse, positive, seconds};
 use super::console::{self, Tone, print, print_answer};
 use super::engine::{EngineArgs, check_error_control, warn_of_idle, warn_of_idle_points};
-use super::error::{CliError, at_file, at_output};
+use super::error::{CliError, at_output};
 use super::input::{check_step, name_of, read_json, read_scenario_text};
 use super::output::{StrictArgs, command_line, identity_in};
 use super::resumable;
