@@ -8,22 +8,38 @@ use serde_json::Value;
 /// Types of the value at each path.
 pub type Keys = BTreeMap<String, BTreeSet<String>>;
 
-/// Adds the paths of `value`. The parts at `opaque` paths belong to other formats, or their keys are
-/// data: they are not entered.
-pub fn add(keys: &mut Keys, path: &str, value: &Value, opaque: &[&str]) {
+/// Parts of a format that are not compared key by key.
+#[derive(Clone, Copy, Default)]
+pub struct Parts {
+    /// Paths of other formats inside of this one, and of values of any shape: they are not entered.
+    pub opaque: &'static [&'static str],
+    /// Paths of objects whose keys are data, such as names of files. Their keys are listed as `*`.
+    pub maps: &'static [&'static str],
+}
+
+/// Adds the paths of `value`.
+pub fn add(keys: &mut Keys, path: &str, value: &Value, parts: Parts) {
     if !path.is_empty() {
         keys.entry(path.to_owned()).or_default().insert(type_of(value).to_owned());
     }
-    if opaque.contains(&path) {
+    if parts.opaque.contains(&path) {
         return;
     }
     match value {
-        Value::Object(map) => map
-            .iter()
-            .for_each(|(key, value)| add(keys, &if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, value, opaque)),
-        Value::Array(list) => list.iter().for_each(|value| add(keys, &format!("{path}[]"), value, opaque)),
+        Value::Object(map) => {
+            for (key, value) in map {
+                let key = if parts.maps.contains(&path) { "*" } else { key };
+                add(keys, &join(path, key), value, parts);
+            }
+        }
+        Value::Array(list) => list.iter().for_each(|value| add(keys, &format!("{path}[]"), value, parts)),
         _ => {}
     }
+}
+
+/// `key` inside of `path`.
+pub fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
 fn type_of(value: &Value) -> &'static str {
@@ -85,6 +101,10 @@ pub fn compare(format: &Format, stored: Option<&str>, found: &Keys) -> Result<()
     for (path, types) in found {
         match stored.get(path) {
             None => added.push(format!("the key {path} of {name:?} is new: the version stays, and the list needs it")),
+            // Whoever reads a key that was only seen as null knows nothing of its type.
+            Some(before) if !types.is_subset(before) && before.iter().all(|kind| kind == "null") => {
+                added.push(format!("the type of the key {path} of {name:?} was only known as null: the list needs it"));
+            }
             Some(before) if !types.is_subset(before) => {
                 let [before, now] = [before, types].map(|types| types.iter().cloned().collect::<Vec<_>>().join(" or "));
                 broken.push(format!("the key {path} was {before}, and is {now}: {needs}"));
@@ -107,21 +127,25 @@ pub fn compare(format: &Format, stored: Option<&str>, found: &Keys) -> Result<()
 fn keys_may_be_added_but_lost_or_changed_ones_need_another_version() {
     let keys = |value: Value| {
         let mut keys = Keys::new();
-        add(&mut keys, "", &value, &["files"]);
+        add(&mut keys, "", &value, Parts { opaque: &["any"], maps: &["files"] });
         keys
     };
     let format = cohaul::formats::RUN;
-    let before = keys(serde_json::json!({ "end": [{ "x_m": 1.0 }, { "x_m": null }], "files": { "a.csv": "" }, "ok": true }));
+    let before =
+        keys(serde_json::json!({ "end": [{ "x_m": 1.0 }, { "x_m": null }], "files": { "a.csv": "" }, "any": { "a": 1 }, "ok": true }));
     let stored = text_of(format.version, &before);
-    assert_eq!(stored, "version 1\n\nend: list\nend[]: object\nend[].x_m: null or number\nfiles: object\nok: boolean\n");
+    assert_eq!(
+        stored,
+        "version 1\n\nany: object\nend: list\nend[]: object\nend[].x_m: null or number\nfiles: object\nfiles.*: text\nok: boolean\n"
+    );
     assert!(compare(&format, Some(&stored), &before).is_ok());
     let misfit = |stored: &str, now: &Keys| compare(&format, Some(stored), now).err().expect("a misfit");
-    let more = keys(serde_json::json!({ "end": [{ "x_m": 1.0 }], "files": {}, "ok": true, "y_m": 2.0 }));
+    let more = keys(serde_json::json!({ "end": [{ "x_m": 1.0 }], "files": { "b.csv": "" }, "any": {}, "ok": true, "y_m": 2.0 }));
     let added = misfit(&stored, &more);
     assert_eq!(added.why, ["the key y_m of \"cohaul run\" is new: the version stays, and the list needs it"]);
     // Types that these outputs lack stay in the list.
     assert_eq!(text_of(1, &added.list.expect("a list")), stored.clone() + "y_m: number\n");
-    let lost = misfit(&stored, &keys(serde_json::json!({ "end": [{ "x_m": "1" }], "files": {} })));
+    let lost = misfit(&stored, &keys(serde_json::json!({ "end": [{ "x_m": "1" }], "files": { "b.csv": "" }, "any": {} })));
     assert_eq!(
         lost.why,
         [

@@ -12,15 +12,26 @@ use tempfile::{TempDir, tempdir};
 use tungstenite::Message;
 use tungstenite::client::IntoClientRequest;
 
-use crate::keys::{Keys, add};
+use crate::keys::{Keys, Parts, add};
 
-/// Parts that belong to other formats, or whose keys are data: names of files, backends or options.
-const OPAQUE: [(&str, &[&str]); 4] = [
-    ("cohaul manifest", &["options", "scenario", "files"]),
-    ("cohaul baseline", &["scenario"]),
-    ("cohaul state", &["backend", "controller"]),
-    ("cohaul live", &["saved.scenario"]),
-];
+/// Parts of formats that are not compared key by key.
+fn parts_of(name: &str) -> Parts {
+    let (opaque, maps): (&[&str], &[&str]) = match name {
+        "cohaul manifest" => (&["options", "scenario"], &["files"]),
+        "cohaul baseline" => (&["scenario"], &["build"]),
+        "cohaul state" => (&["backend", "controller"], &[]),
+        "cohaul sweep rows" => (&["identity.scenario"], &[]),
+        "cohaul live" => (&["saved.scenario"], &[]),
+        "cohaul sweep" => (&[], &["statuses"]),
+        "cohaul check" => (&["baselines[].scenario_changes[].stored", "baselines[].scenario_changes[].now"], &["build"]),
+        "cohaul stress" => (&[], &["accounts", "outcomes", "outcomes.*", "maps[].outcomes", "maps[].outcomes.*"]),
+        // Warnings depend on how the program was built.
+        "cohaul bench" => (&["warnings"], &[]),
+        "cohaul regime" => (&[], &["laws[].causes"]),
+        _ => (&[], &[]),
+    };
+    Parts { opaque, maps }
+}
 
 /// Keys of all formats but the scenario, by the names of the formats.
 pub fn all() -> BTreeMap<&'static str, Keys> {
@@ -83,8 +94,7 @@ impl Outputs {
     }
 
     fn add(&mut self, name: &'static str, value: &Value) {
-        let opaque = OPAQUE.iter().find(|(format, _)| *format == name).map_or(&[][..], |(_, paths)| paths);
-        add(self.found.entry(name).or_default(), "", value, opaque);
+        add(self.found.entry(name).or_default(), "", value, parts_of(name));
     }
 
     fn runs(&mut self) {
@@ -207,7 +217,11 @@ fn messages(link: &str) -> Vec<Value> {
     }
     let mut messages: Vec<Value> = Vec::new();
     let is_there = |messages: &[Value], kind: &str| messages.iter().any(|message| message["tell"] == kind);
-    while !["scene", "frame", "comparing", "verdict", "saved", "refused"].iter().all(|kind| is_there(&messages, kind)) {
+    // The load is touched at the time that the page goes to.
+    let has_gone = |messages: &[Value]| messages.iter().any(|message| message["time_s"].as_f64().is_some_and(|time| time > 0.49));
+    while !has_gone(&messages)
+        || !["scene", "frame", "comparing", "verdict", "saved", "refused"].iter().all(|kind| is_there(&messages, kind))
+    {
         let Message::Text(text) = page.read().expect("the server answers") else { continue };
         let message: Value = serde_json::from_str(&text).expect("JSON");
         if message["tell"] == "frame" {

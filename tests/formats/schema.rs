@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use cohaul::scenario::format::schema;
 use serde_json::Value;
 
-use crate::keys::Keys;
+use crate::keys::{Keys, join};
 
 /// All keys of a scenario. A part of a compound outline has the keys of an outline again, and is
 /// entered once.
@@ -32,7 +32,7 @@ fn visit(keys: &mut Keys, path: &str, schema_here: &Value, above: &[&str]) {
         keys.entry(path.to_owned()).or_insert_with(BTreeSet::new).insert(types.to_owned());
     }
     for (key, value) in schema_here["properties"].as_object().into_iter().flatten() {
-        visit(keys, &if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, value, above);
+        visit(keys, &join(path, key), value, above);
     }
     if schema_here["items"].is_object() {
         visit(keys, &format!("{path}[]"), &schema_here["items"], above);
