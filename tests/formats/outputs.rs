@@ -104,6 +104,7 @@ impl Outputs {
             self.take(&["run", &self.ants(), "--backend", backend]);
         }
         self.take(&["run", JUMP, "--backend", "inertial", "--tolerance", "1e-6"]);
+        self.take(&["run", "scenarios/contact/rebound.json", "--backend", "inertial"]);
         // The account of these runs has findings.
         self.take(&["run", "tests/common/tip-past-root.json"]);
         self.take(&["run", "tests/common/stiff-spring.json", "--backend", "inertial", "--step-s", "0.005"]);
