@@ -76,6 +76,7 @@ pub fn read(text: &str) -> (u32, Keys) {
 
 /// Why the outputs do not fit the stored list of a format, and the list that would fit, if the
 /// version allows one.
+#[derive(Debug)]
 pub struct Misfit {
     pub why: Vec<String>,
     pub list: Option<Keys>,
@@ -139,7 +140,7 @@ fn keys_may_be_added_but_lost_or_changed_ones_need_another_version() {
         "version 1\n\nany: object\nend: list\nend[]: object\nend[].x_m: null or number\nfiles: object\nfiles.*: text\nok: boolean\n"
     );
     assert!(compare(&format, Some(&stored), &before).is_ok());
-    let misfit = |stored: &str, now: &Keys| compare(&format, Some(stored), now).err().expect("a misfit");
+    let misfit = |stored: &str, now: &Keys| compare(&format, Some(stored), now).expect_err("a misfit");
     let more = keys(serde_json::json!({ "end": [{ "x_m": 1.0 }], "files": { "b.csv": "" }, "any": {}, "ok": true, "y_m": 2.0 }));
     let added = misfit(&stored, &more);
     assert_eq!(added.why, ["the key y_m of \"cohaul run\" is new: the version stays, and the list needs it"]);

@@ -1,7 +1,5 @@
 //! Key paths of scenarios, from the schema: it has all keys, and the program reads by it.
 
-use std::collections::BTreeSet;
-
 use cohaul::scenario::format::schema;
 use serde_json::Value;
 
@@ -29,7 +27,7 @@ fn visit(keys: &mut Keys, path: &str, schema_here: &Value, above: &[&str]) {
     }
     let types = type_of(schema_here);
     if !path.is_empty() {
-        keys.entry(path.to_owned()).or_insert_with(BTreeSet::new).insert(types.to_owned());
+        keys.entry(path.to_owned()).or_default().insert(types.to_owned());
     }
     for (key, value) in schema_here["properties"].as_object().into_iter().flatten() {
         visit(keys, &join(path, key), value, above);
