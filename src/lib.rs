@@ -78,6 +78,7 @@ pub mod simulation;
 #[cfg(all(feature = "reports", feature = "internals"))]
 pub mod studies;
 
+pub mod formats;
 pub mod stop;
 
 pub use analysis::compare::{

@@ -5,6 +5,7 @@ use std::time::{Instant, SystemTime};
 
 use cohaul::analysis::compare::{Pathwise, Settings, ThreeWay, Tier};
 use cohaul::backend::BackendKind;
+use cohaul::formats::stamped;
 use cohaul::output::chart::{self, Labelled};
 use cohaul::output::json;
 use cohaul::output::manifest::Manifest;
@@ -122,7 +123,7 @@ fn traces_of(found: Option<&Pathwise>) -> Option<Vec<&Trace>> {
 impl Comparison {
     /// What `cohaul compare --json` prints.
     fn json(&self, py: Python) -> PyResult<String> {
-        py.allow_threads(|| json::line(&self.found)).map_err(|error| PyArithmeticError::new_err(error.to_string()))
+        py.allow_threads(|| json::line(&stamped(&self.found))).map_err(|error| PyArithmeticError::new_err(error.to_string()))
     }
 
     /// The page that `cohaul compare --out` writes, with its replay.

@@ -5,6 +5,7 @@ use std::time::{Instant, SystemTime};
 
 use cohaul::analysis::estimate::{InertiaEstimate, with_estimate_if};
 use cohaul::backend::BackendOptions;
+use cohaul::formats::stamped;
 use cohaul::output::chart::{self, Labelled};
 use cohaul::output::json;
 use cohaul::output::manifest::Manifest;
@@ -98,7 +99,7 @@ impl RunData {
 impl RunData {
     /// What `cohaul run --json` prints.
     fn json(&self, py: Python) -> PyResult<String> {
-        py.allow_threads(|| json::line(&self.summary())).map_err(|error| PyArithmeticError::new_err(error.to_string()))
+        py.allow_threads(|| json::line(&stamped(&self.summary()))).map_err(|error| PyArithmeticError::new_err(error.to_string()))
     }
 
     fn trace(&self) -> TraceData {

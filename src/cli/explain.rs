@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::console::print;
 use super::error::CliError;
+use crate::formats;
 use crate::output::glossary::{Entry, entries, entry};
 use crate::output::table::wrapped;
 
@@ -13,7 +14,8 @@ use crate::output::table::wrapped;
 #[command(after_help = "\
 Examples:
   cohaul explain               (lists all terms)
-  cohaul explain engine error")]
+  cohaul explain engine error
+  cohaul explain formats       (lists names and versions of all formats)")]
 pub struct ExplainArgs {
     /// A term as it is printed; without it, all terms are listed
     term: Vec<String>,
@@ -31,9 +33,18 @@ pub fn explain(args: &ExplainArgs) -> Result<ExitCode, CliError> {
         return Ok(ExitCode::SUCCESS);
     }
     let term = args.term.join(" ");
+    if term == "formats" {
+        print(&versions())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let found = entry(&term).ok_or_else(|| unknown(&term))?;
     print(&explanation(found))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Name and version of each format, one on each line.
+fn versions() -> String {
+    formats::ALL.iter().map(|format| format!("{:28}{}\n", format.name, format.version)).collect()
 }
 
 fn explanation(entry: &Entry) -> String {

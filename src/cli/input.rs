@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use super::console;
 use super::error::CliError;
 use super::error::at_file;
+use crate::formats::Format;
 use crate::scenario::{Scenario, bounded};
 
 /// The text of a file, or of standard input, of at most 1 GiB.
@@ -27,8 +28,22 @@ fn read_up_to(path: &Path, most: u64) -> Result<String, CliError> {
     File::open(path).and_then(|file| bounded::read_text(file, most)).map_err(at_file(path))
 }
 
-/// Reads data from a JSON file; `rule` says what the file must be.
-pub fn read_json<T: DeserializeOwned>(path: &Path, rule: &str) -> Result<T, CliError> {
+/// Reads data of a format from a JSON file; `rule` says what the file must be.
+///
+/// # Errors
+/// When the file cannot be read, or has another format or a version that this program does not
+/// read.
+pub fn read_json<T: DeserializeOwned>(path: &Path, format: &Format, rule: &str) -> Result<T, CliError> {
+    let fault = |why: String| CliError::Usage(format!("{}: {rule}: {why}", name_of(path)));
+    let text = read_text(path)?;
+    let value = serde_json::from_str(&text).map_err(|error| fault(error.to_string()))?;
+    format.check(&value).map_err(fault)?;
+    // The text is read again, because its errors name line and column.
+    serde_json::from_str(&text).map_err(|error| fault(error.to_string()))
+}
+
+/// Reads data from a JSON file without a format; `rule` says what the file must be.
+pub fn read_plain_json<T: DeserializeOwned>(path: &Path, rule: &str) -> Result<T, CliError> {
     serde_json::from_str(&read_text(path)?).map_err(|error| CliError::Usage(format!("{}: {rule}: {error}", name_of(path))))
 }
 

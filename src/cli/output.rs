@@ -11,6 +11,7 @@ use serde_json::{Value, json as object};
 
 use super::console::{Tone, print, print_answer};
 use super::error::{CliError, at_output};
+use crate::formats::{Versioned, stamped};
 use crate::output::folder::{MANIFEST, check_target};
 use crate::output::json;
 use crate::output::junit::Suite;
@@ -38,9 +39,9 @@ impl OutputArgs {
         self.out.as_deref().map_or(Ok(()), check_out)
     }
 
-    /// Prints the result as JSON, or as text with the answer first.
-    pub fn print(&self, result: &impl Serialize, text: impl FnOnce() -> String, tone: Tone) -> Result<(), CliError> {
-        if self.json { print(&json::pretty(result)?) } else { print_answer(&text(), tone) }
+    /// Prints the result as JSON with its format, or as text with the answer first.
+    pub fn print(&self, result: &impl Versioned, text: impl FnOnce() -> String, tone: Tone) -> Result<(), CliError> {
+        if self.json { print(&json::pretty(&stamped(result))?) } else { print_answer(&text(), tone) }
     }
 
     /// Prints where the report is, unless the result is JSON.

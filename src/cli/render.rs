@@ -13,6 +13,7 @@ use super::error::{CliError, at_output};
 use super::input::{check_step, name_of, read_json, read_scenario, warn_of_scenario};
 use super::watch::{watched, watched_to_end};
 use crate::backend::{BackendKind, BackendOptions};
+use crate::formats;
 use crate::output::chart::Labelled;
 use crate::output::folder::MANIFEST;
 use crate::output::picture::{Drawing, Film, FilmError, Format, Size};
@@ -140,7 +141,7 @@ fn recorded(args: &RenderArgs, manifest: &Path) -> Result<(Scenario, Vec<Backend
     if !args.backend.is_empty() || args.step_s.is_some() || args.seed.is_some() {
         return Err(CliError::Usage("--backend, --step-s, --seed: must be left out with a folder, which holds its own".into()));
     }
-    let read: Value = read_json(manifest, "must be the manifest of a run")?;
+    let read: Value = read_json(manifest, &formats::MANIFEST, "must be the manifest of a run")?;
     let fault =
         |error: &dyn std::fmt::Display| CliError::Usage(format!("{}: must be the manifest of `cohaul run`: {error}", name_of(manifest)));
     let options: BackendOptions = serde_json::from_value(read["options"].clone()).map_err(|error| fault(&error))?;

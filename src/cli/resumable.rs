@@ -10,8 +10,7 @@ use serde_json::Value;
 use super::console;
 use super::error::CliError;
 use super::watch::watched;
-use crate::output::manifest::build_of_program;
-use crate::studies::journal::{Journal, JournalError};
+use crate::studies::journal::{Journal, JournalError, build};
 use crate::studies::runner::{Records, Tasks};
 
 /// All records of a study, in the order of their tasks.
@@ -40,10 +39,10 @@ pub fn journal_beside(out: &Path) -> PathBuf {
 /// another build or of another question, `asked`, are refused.
 pub fn open<R: Serialize + DeserializeOwned>(study: &str, asked: &Value, path: Option<&Path>) -> Result<Records<R>, CliError> {
     let Some(path) = path else { return Ok(Records::in_memory()) };
-    let (version, commit) = build_of_program();
     let mut identity = asked.clone();
-    identity["version"] = version.into();
-    identity["commit"] = commit.into();
+    for (key, value) in build().as_object().into_iter().flatten() {
+        identity[key] = value.clone();
+    }
     let records = Records::open(path, study, &identity)?;
     if records.n_done() > 0 {
         console::note(format_args!("{}: continues after {} tasks", path.display(), records.n_done()));

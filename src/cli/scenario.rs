@@ -1,6 +1,5 @@
 //! `cohaul scenario show|check|new|from-tips|schema`.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -15,7 +14,9 @@ use super::error::CliError;
 use super::input::{name_of, read_scenario, read_text, warn_of_scenario};
 use super::new::{NewArgs, new};
 use crate::analysis::{Advice, ExpectedCost};
+use crate::formats::{self, Format, Versioned, stamped};
 use crate::output::json;
+use crate::scenario::format::ScenarioFile;
 use crate::scenario::{Finding, Scenario, format};
 use crate::studies::advice::advice_text;
 use crate::studies::from_tips::scenario_from_tips;
@@ -80,7 +81,7 @@ Example:
 
 pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
     match command {
-        ScenarioCommand::Show { scenario } => print(&json::pretty(&read_scenario(scenario, None)?.expanded())?)?,
+        ScenarioCommand::Show { scenario } => print_scenario(&read_scenario(scenario, None)?)?,
         ScenarioCommand::Schema => print(&json::pretty(&format::schema())?)?,
         ScenarioCommand::New(args) => return new(args),
         ScenarioCommand::Check { scenarios, json } => return check(scenarios, *json),
@@ -90,10 +91,16 @@ pub fn scenario(command: &ScenarioCommand) -> Result<ExitCode, CliError> {
             let made = scenario_from_tips(&read_text(&file)?, &name_of(&file), &like)?;
             let name = name.clone().unwrap_or(made.name.clone());
             let made = Scenario { name, duration: duration_s.unwrap_or(made.duration), ..made };
-            print(&json::pretty(&made.expanded().checked(&name_of(&file))?.expanded())?)?;
+            print_scenario(&made.expanded().checked(&name_of(&file))?)?;
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints the expanded scenario with the version of its format.
+fn print_scenario(scenario: &Scenario) -> Result<(), CliError> {
+    let file = ScenarioFile { format: Some(formats::SCENARIO.version), ..scenario.expanded() };
+    print(&json::pretty(&file)?)
 }
 
 /// What is reported of one file.
@@ -114,6 +121,16 @@ struct Checked {
     /// What is known before a run.
     #[serde(skip_serializing_if = "Option::is_none")]
     advice: Option<Advice>,
+}
+
+/// What `scenario check` prints with `--json`.
+#[derive(Serialize)]
+struct AllChecked {
+    scenarios: Vec<Checked>,
+}
+
+impl Versioned for AllChecked {
+    const FORMAT: Format = formats::SCENARIO_CHECK;
 }
 
 fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
@@ -144,7 +161,7 @@ fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
         }
     }
     if as_json {
-        print(&json::pretty(&BTreeMap::from([("scenarios", all)]))?)?;
+        print(&json::pretty(&stamped(&AllChecked { scenarios: all }))?)?;
     }
     Ok(code)
 }

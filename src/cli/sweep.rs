@@ -9,18 +9,20 @@ use std::time::{Instant, SystemTime};
 use clap::Args;
 use cpu_time::ProcessTime;
 use rayon::ThreadPool;
+use serde::Serialize;
 use serde_json::json;
 
 use super::choice::{choice, parse, positive, seconds};
 use super::console::{self, Tone, print, print_answer};
 use super::engine::{EngineArgs, check_error_control, warn_of_idle, warn_of_idle_points};
-use super::error::{CliError, at_file, at_output};
-use super::input::{check_step, name_of, read_scenario_text};
+use super::error::{CliError, at_output};
+use super::input::{check_step, name_of, read_json, read_scenario_text};
 use super::output::{StrictArgs, command_line, identity_in};
 use super::resumable;
 use super::threads::pool;
 use super::watch::{is_interrupted, watched_by};
 use crate::backend::{BackendKind, BackendOptions, Integrator, Skip, Skips};
+use crate::formats::{self, Format, Versioned, stamped};
 use crate::output::folder::{MANIFEST, check_files, check_target};
 use crate::output::json;
 use crate::output::manifest::Manifest;
@@ -210,16 +212,35 @@ fn one_shard(args: &SweepArgs, plan: &Plan, pool: &ThreadPool, part: Part) -> Re
     }
     let n_runs = cells.end - cells.start;
     if args.json {
-        let found = json!({
-            "shard": part.index, "n_shards": part.n, "first_cell": cells.start, "n_runs": n_runs,
-            "file": path.display().to_string(), "was_finished": is_skipped
-        });
-        print(&format!("{found:#}\n"))?;
+        let found = FinishedShard {
+            shard: part.index,
+            n_shards: part.n,
+            first_cell: cells.start,
+            n_runs,
+            file: path.display().to_string(),
+            was_finished: is_skipped,
+        };
+        print(&json::pretty(&stamped(&found))?)?;
     } else {
         let how = if is_skipped { "was finished" } else { "is finished" };
         print(&format!("shard {} of {} {how}: {n_runs} runs in {}\n", part.index, part.n, path.display()))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What `--shard` prints with `--json`.
+#[derive(Serialize)]
+struct FinishedShard {
+    shard: u64,
+    n_shards: u64,
+    first_cell: u64,
+    n_runs: u64,
+    file: String,
+    was_finished: bool,
+}
+
+impl Versioned for FinishedShard {
+    const FORMAT: Format = formats::SWEEP_SHARD;
 }
 
 /// Refuses, before the work, a folder with shards of another sweep or of another number of parts.
@@ -315,7 +336,7 @@ pub fn write_table(
 pub fn print_summary(summary: &SweepSummary, json: bool, strict: &StrictArgs) -> Result<ExitCode, CliError> {
     let worst = summary.worst();
     match json {
-        true => print(&json::pretty(summary)?)?,
+        true => print(&json::pretty(&stamped(summary))?)?,
         false => print_answer(&sweep_text(summary), Tone::of(worst))?,
     }
     console::warn_all(&summary.warnings());
@@ -335,7 +356,5 @@ pub fn finished(out: &Path, identity: &Identity) -> Result<Option<SweepSummary>,
     check_same(out, differences)?;
     check_files(out)?;
     let path = out.join("summary.json");
-    let text = fs::read(&path).map_err(at_file(&path))?;
-    let summary = serde_json::from_slice(&text).map_err(|error| at_file(&path)(error.into()))?;
-    Ok(Some(summary))
+    read_json(&path, &formats::SWEEP, "must be the summary of a sweep").map(Some)
 }

@@ -114,8 +114,8 @@ class Live extends Stage {
     this.send({ do: 'save' });
   }
 
-  async saved({ scenario, settings, time_s }) {
-    const saved = { scenario, settings, time_s };
+  async saved({ format, scenario, settings, time_s }) {
+    const saved = { format, scenario, settings, time_s };
     const text = JSON.stringify(saved);
     this.canvas.dataset.saved = text;
     if (this.wanted === 'file') save(new Blob([`${JSON.stringify(saved.scenario, null, 2)}\n`], { type: 'application/json' }), 'scenario.json');

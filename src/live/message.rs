@@ -7,6 +7,7 @@ use super::hand::Handle;
 use super::parameters::Parameter;
 use super::settings::Settings;
 use crate::analysis::compare::Numbers;
+use crate::formats::{Format, Found};
 use crate::output::page::Replay;
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -64,6 +65,9 @@ pub enum Ask {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saved {
+    /// `None` in what a program without versions saved, which is of the first one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub format: Option<Found>,
     pub scenario: Value,
     #[serde(default)]
     pub settings: Settings,
@@ -88,6 +92,8 @@ pub enum Tell {
 /// The scene after a change.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneNow {
+    /// Format of all messages.
+    pub format: Format,
     pub name: String,
     /// As a replay of no length: outlines, springs, nest.
     pub replay: Replay,

@@ -7,6 +7,7 @@ use super::settings::Settings;
 use super::shipped::{names, shipped};
 use crate::analysis::compare::Numbers;
 use crate::backend::{BackendKind, default_step};
+use crate::formats::LIVE;
 use crate::math::Vec2;
 use crate::output::page::Replay;
 use crate::scenario::{AntDrive, Drive, Scenario, TipPath, Waypoint};
@@ -71,6 +72,7 @@ impl LiveScene {
                 Reach::Whole
             }
             Edit::Open(saved) => {
+                saved.format.as_ref().map_or(Ok(()), |found| LIVE.check_found(found))?;
                 changed = Self { settings: saved.settings.clone(), ..Self::new(read(&saved.scenario.to_string(), "scenario")?) };
                 changed.settings.check(&changed.scenario)?;
                 Reach::Whole
@@ -114,7 +116,7 @@ impl LiveScene {
 
     pub fn saved(&self, time_s: f64) -> Saved {
         let scenario = serde_json::to_value(self.scenario.expanded()).expect("the format is plain data");
-        Saved { scenario, settings: self.settings.clone(), time_s }
+        Saved { format: Some(LIVE.found()), scenario, settings: self.settings.clone(), time_s }
     }
 
     /// Numbers of the obstacles that can be dragged.
@@ -132,6 +134,7 @@ impl LiveScene {
         let scenario = &self.scenario;
         let step = |kind: BackendKind| default_step(kind, &scenario.system, scenario.control_period);
         SceneNow {
+            format: LIVE,
             name: scenario.name.clone(),
             replay: self.replay(),
             duration_s: scenario.duration,

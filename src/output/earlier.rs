@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use twox_hash::XxHash3_128;
 
+use crate::formats::{self, Found};
 use crate::output::manifest::PROGRAM;
 use crate::output::sibling::turn_at;
 
@@ -25,6 +26,8 @@ pub enum FolderError {
     Foreign { path: PathBuf },
     #[error("{}: is not part of the earlier output beside it; move it away, or write to another folder", path.display())]
     ForeignFile { path: PathBuf },
+    #[error("{}: {why}; move the folder away, or write to another", path.display())]
+    OtherVersion { path: PathBuf, why: String },
     #[error("{}: is a link to what is not there; write to a folder, or to a link to one", path.display())]
     DanglingLink { path: PathBuf },
     #[error("{}: is a mount point, in whose place no folder can be put; write to a folder inside it", path.display())]
@@ -41,6 +44,8 @@ const CHANGED: &str = "another hash than its manifest's, so that it was changed 
 /// The part of a manifest that is read back.
 #[derive(Deserialize)]
 struct Earlier {
+    /// `None` in a manifest that was written before there were versions.
+    format: Option<Found>,
     program: String,
     files: BTreeMap<String, String>,
 }
@@ -80,7 +85,7 @@ pub(super) fn check_in_turn(target: &Path) -> Result<(), FolderError> {
     if names.is_empty() {
         return Ok(());
     }
-    let earlier = earlier_output(target).ok_or_else(|| FolderError::Foreign { path: target.to_owned() })?;
+    let earlier = earlier_output(target)?;
     let belongs = |name: &str| name == MANIFEST || earlier.files.contains_key(name);
     if let Some(foreign) = names.iter().find(|name| !name.to_str().is_some_and(belongs)) {
         return Err(FolderError::ForeignFile { path: target.join(foreign) });
@@ -112,7 +117,7 @@ fn is_mount_point(_: &Path, _: &fs::Metadata) -> bool {
 /// # Errors
 /// When one of them is missing, cannot be read, or is another.
 pub fn check_files(folder: &Path) -> Result<(), FolderError> {
-    let earlier = earlier_output(folder).ok_or_else(|| FolderError::Foreign { path: folder.to_owned() })?;
+    let earlier = earlier_output(folder)?;
     for (name, hash) in &earlier.files {
         let path = folder.join(name);
         let found = match hash_of(&path) {
@@ -147,9 +152,15 @@ impl Write for Hashed {
     }
 }
 
-fn earlier_output(folder: &Path) -> Option<Earlier> {
-    let text = fs::read(folder.join(MANIFEST)).ok()?;
-    serde_json::from_slice(&text).ok().filter(|earlier: &Earlier| earlier.program == PROGRAM)
+/// # Errors
+/// When the folder has no manifest of this program, or one of a version that is not read.
+fn earlier_output(folder: &Path) -> Result<Earlier, FolderError> {
+    let text = fs::read(folder.join(MANIFEST)).ok();
+    let earlier = text.and_then(|text| serde_json::from_slice(&text).ok()).filter(|earlier: &Earlier| earlier.program == PROGRAM);
+    let earlier = earlier.ok_or_else(|| FolderError::Foreign { path: folder.to_owned() })?;
+    let check = earlier.format.as_ref().map_or(Ok(()), |found| formats::MANIFEST.check_found(found));
+    check.map_err(|why| FolderError::OtherVersion { path: folder.join(MANIFEST), why })?;
+    Ok(earlier)
 }
 
 /// Text of a file's hash in a manifest. XXH3 detects a truncated or changed file as reliably as a

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use twox_hash::XxHash3_128;
 
+use crate::formats::{Versioned, stamped};
 pub use crate::output::earlier::{FolderError, MANIFEST, check_files, check_target};
 use crate::output::earlier::{at, check_in_turn, in_text};
 use crate::output::json;
@@ -82,15 +83,15 @@ impl OutputFolder {
         self.close(out)
     }
 
-    /// Writes `data` as indented JSON.
+    /// Writes `data` as indented JSON, with their format as the first key.
     ///
     /// # Errors
     /// When a number is not finite, or the disk fails; the error names the file.
     ///
     /// # Panics
     /// As [`OutputFolder::open`] does.
-    pub fn write_json(&mut self, name: &str, data: &impl Serialize) -> Result<(), FolderError> {
-        let text = json::pretty(data).map_err(|error| self.in_content(name, error))?;
+    pub fn write_json(&mut self, name: &str, data: &impl Versioned) -> Result<(), FolderError> {
+        let text = json::pretty(&stamped(data)).map_err(|error| self.in_content(name, error))?;
         self.write(name, |out| out.write_all(text.as_bytes()))
     }
 

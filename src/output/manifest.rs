@@ -5,11 +5,13 @@ use std::time::SystemTime;
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::formats::{self, Format};
 use crate::output::json;
 
 /// What `manifest.json` says of a run, the list of files aside.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Manifest {
+    pub format: Format,
     /// Always `cohaul`: an output folder is known by it.
     pub program: &'static str,
     pub version: &'static str,
@@ -86,6 +88,7 @@ impl Manifest {
     ) -> Self {
         let (version, commit) = build_of_program();
         Self {
+            format: formats::MANIFEST,
             program: PROGRAM,
             version,
             commit,

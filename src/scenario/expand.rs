@@ -21,6 +21,7 @@ impl Scenario {
     pub fn expanded(&self) -> ScenarioFile {
         ScenarioFile {
             schema: None,
+            format: None,
             name: self.name.clone(),
             duration_s: plain(self.duration),
             control_period_s: plain(self.control_period),

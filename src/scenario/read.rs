@@ -3,10 +3,13 @@
 use std::fs::File;
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::bounded::{MOST_BYTES, read_text};
 use super::data::Scenario;
-use super::error::ScenarioError;
+use super::error::{Finding, ScenarioError};
 use super::{json, structure, validate};
+use crate::formats::SCENARIO;
 
 impl Scenario {
     /// The scenario in the JSON file at `path`.
@@ -42,8 +45,17 @@ impl Scenario {
     /// When the text is not JSON or breaks rules of the format, as for [`Scenario::read`].
     pub fn parse(text: &str, name_for_errors: &str) -> Result<Self, ScenarioError> {
         let (mut value, mut findings) = json::read(text).map_err(|error| error.of_file(name_for_errors))?;
+        if let Some(finding) = newer_version(&value) {
+            return Err(ScenarioError::Invalid { file: name_for_errors.to_string(), findings: vec![finding] });
+        }
         let misfits = structure::compare(&mut value, &mut findings);
         let draft = validate::Draft::read(value, &misfits, &mut findings);
         validate::scenario(draft, findings).map_err(|findings| ScenarioError::Invalid { file: name_for_errors.to_string(), findings })
     }
+}
+
+/// The only finding of a file of a newer version, whose other keys this program does not know.
+fn newer_version(value: &Value) -> Option<Finding> {
+    let found = value.get("format")?.as_u64().filter(|found| *found > u64::from(SCENARIO.version))?;
+    Some(Finding { path: "format".to_owned(), rule: SCENARIO.version_rule(), found: found.to_string() })
 }

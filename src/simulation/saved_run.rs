@@ -4,13 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use super::trace::{Keep, Totals, Trace};
 use crate::backend::{BackendOptions, RestoreError, SavedState, Tolerance};
+use crate::formats::STATE;
 use crate::scenario::Scenario;
 
 /// Version of this program.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Format of a saved run (1). It changes with the meaning of any field.
-pub(super) const FORMAT: u32 = 1;
+pub(super) const FORMAT: u32 = STATE.version;
 
 /// Shortest step over the control period (1): a period of more steps takes minutes.
 const SHORTEST_STEP: f64 = 1e-9;
@@ -55,7 +56,10 @@ impl SavedRun {
         let refused = |why: String| Err(RestoreError(why));
         if (self.format, self.version.as_str()) != (FORMAT, VERSION) {
             let (format, version) = (self.format, &self.version);
-            return refused(format!("it was saved by version {version} in format {format}, this is version {VERSION}, format {FORMAT}"));
+            return refused(format!(
+                "it was saved by version {version} in format {format}, this is version {VERSION}, format {FORMAT} of {:?}",
+                STATE.name
+            ));
         }
         let hash = scenario.hash();
         if self.scenario_hash != hash {

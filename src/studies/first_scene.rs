@@ -7,6 +7,7 @@
 use std::f64::consts::FRAC_PI_3;
 use std::str::FromStr;
 
+use crate::formats::SCENARIO;
 use crate::math::{Vec2, direction};
 use crate::output::json::{NotFinite, pretty};
 use crate::scenario::format::{
@@ -72,6 +73,7 @@ impl FirstScene {
         };
         ScenarioFile {
             schema: Some(schema.to_owned()),
+            format: Some(SCENARIO.version),
             name: self.name.clone().unwrap_or_else(|| self.usual_name()),
             duration_s: rounded(DURATION * duration),
             control_period_s: round_down(duration / PERIODS).min(LONGEST_PERIOD),

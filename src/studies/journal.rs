@@ -11,7 +11,9 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-pub use super::journal_text::{Header, JournalError, at, at_reading, differences, load_single, marked, save_single, task_of, unmarked};
+pub use super::journal_text::{
+    Header, JournalError, at, at_reading, build, differences, load_single, marked, save_single, task_of, unmarked,
+};
 use super::journal_text::{MARK, not_a_journal};
 
 /// A journal that is open for new records. No other process can open it meanwhile.

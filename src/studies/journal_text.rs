@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
+use crate::formats::JOURNAL;
 use crate::output::manifest::build_of_program;
 use crate::output::sibling::write_whole;
 use crate::scenario::bounded::MOST_BYTES;
@@ -146,11 +147,10 @@ const LONGEST: u64 = 2 * MOST_BYTES;
 /// Digits of a line's hash, and the space behind them.
 pub(super) const MARK: usize = 9;
 
-/// Format of a journal of one record, and the build of the program that writes it.
-fn build() -> Value {
-    const FORMAT: u32 = 1;
+/// Format of a journal, and the build of the program that writes it: a part of every identity.
+pub fn build() -> Value {
     let (version, commit) = build_of_program();
-    json!({ "format": FORMAT, "version": version, "commit": commit })
+    json!({ "format": JOURNAL.version, "version": version, "commit": commit })
 }
 
 /// Writes a journal of one record to `path`, completely or not at all.

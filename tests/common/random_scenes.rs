@@ -100,7 +100,20 @@ fn file(seed: u64, name: String, kind: Kind, draws: &mut Draws) -> ScenarioFile 
     };
     let springs = springs.into_iter().map(SpringsEntry::One).collect();
     let (obstacles, side_friction_rule) = (Vec::new(), SideFrictionRule::default());
-    ScenarioFile { schema: None, name, duration_s, control_period_s, seed, load, ground, springs, obstacles, side_friction_rule, drive }
+    ScenarioFile {
+        schema: None,
+        format: None,
+        name,
+        duration_s,
+        control_period_s,
+        seed,
+        load,
+        ground,
+        springs,
+        obstacles,
+        side_friction_rule,
+        drive,
+    }
 }
 
 /// The load, and its radius (m).

@@ -1,11 +1,12 @@
 //! Tables of the book that follow from the program: printed values that presets replace, choices
-//! that the paper leaves open, and exit codes.
+//! that the paper leaves open, account rules, formats, and exit codes.
 //!
 //! A table stands between the lines `<!-- table NAME -->` and `<!-- end -->`.
 
 use std::fmt::Write;
 
 use cohaul::cli::EXIT_CODES;
+use cohaul::formats::{ALL, Format};
 use cohaul::model::open_choices::{OPEN_CHOICES, Range};
 use cohaul::output::quantity::number;
 use cohaul::output::table::Table;
@@ -35,6 +36,7 @@ fn made(name: &str) -> Option<Table> {
         "replaced values" => Some(replaced_values()),
         "open choices" => Some(open_choices()),
         "account rules" => Some(account_rules()),
+        "formats" => Some(formats()),
         "exit codes" => {
             Some(Table::new("", ["code", "meaning"]).with_rows(EXIT_CODES.map(|(code, meaning)| [code.to_string(), meaning.to_owned()])))
         }
@@ -78,6 +80,15 @@ fn account_rules() -> Table {
         [format!("`{}`", text_of(&cause)), measure.to_owned(), limit(rule.doubtful), limit(rule.failed), rule.means.to_owned()]
     };
     Table::new("", ["rule", "measure", "doubtful above", "failed above", "what happened"]).with_rows(RULES.iter().map(row))
+}
+
+/// Formats with their versions, and what meets data of other versions.
+fn formats() -> Table {
+    let row = |format: &Format| {
+        let [older, newer] = format.reads.answers();
+        [format.name.trim_start_matches("cohaul "), &format.version.to_string(), format.place, older, newer].map(str::to_owned)
+    };
+    Table::new("", ["format", "version", "written to", "older data", "newer data"]).with_rows(ALL.iter().map(row))
 }
 
 fn open_choices() -> Table {

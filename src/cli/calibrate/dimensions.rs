@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::super::choice::positive;
 use super::super::error::CliError;
-use super::super::input::{name_of, read_json};
+use super::super::input::{name_of, read_plain_json};
 use crate::studies::calibrate::Dimensions;
 
 /// Dimensions of the spring [default: the paper's].
@@ -37,7 +37,7 @@ impl DimensionArgs {
     /// The dimensions of the file, with the options in place of its values.
     pub fn read(&self) -> Result<Dimensions, CliError> {
         let file: Dimensions =
-            self.dimensions.as_ref().map(|path| read_json(path, "must be JSON of dimensions")).transpose()?.unwrap_or_default();
+            self.dimensions.as_ref().map(|path| read_plain_json(path, "must be JSON of dimensions")).transpose()?.unwrap_or_default();
         let found = Dimensions {
             member_width_m: self.member_width_m.unwrap_or(file.member_width_m),
             member_depth_m: self.member_depth_m.unwrap_or(file.member_depth_m),

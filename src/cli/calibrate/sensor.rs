@@ -12,6 +12,7 @@ use super::super::error::CliError;
 use super::super::input::{name_of, read_json, read_scenario, read_text};
 use super::super::output::measured_manifest;
 use crate::backend::BackendKind;
+use crate::formats;
 use crate::model::paper;
 use crate::output::folder::MANIFEST;
 use crate::output::manifest::Manifest;
@@ -107,7 +108,8 @@ impl SensorArgs {
     /// else the paper.
     fn sensor(&self, scenario: Option<&Scenario>) -> Result<Sensor, CliError> {
         let rule = "must be what `cohaul calibrate fit --json` prints";
-        let calibration: Option<Calibration> = self.calibration.as_deref().map(|path| read_json(path, rule)).transpose()?;
+        let calibration: Option<Calibration> =
+            self.calibration.as_deref().map(|path| read_json(path, &formats::CALIBRATE_FIT, rule)).transpose()?;
         let mut sensor = match scenario {
             Some(scenario) if scenario.system.springs.is_empty() => {
                 return Err(CliError::Usage("the scenario must have springs, found none".into()));
@@ -186,6 +188,6 @@ pub fn table_of(recording: &Path) -> Result<PathBuf, CliError> {
 
 fn ran(folder: &Path) -> Result<(PathBuf, Ran), CliError> {
     let path = folder.join(MANIFEST);
-    let ran = read_json(&path, "must be the manifest of a run")?;
+    let ran = read_json(&path, &formats::MANIFEST, "must be the manifest of a run")?;
     Ok((path, ran))
 }

@@ -25,6 +25,7 @@ use schemars::{JsonSchema, schema_for};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::formats::SCENARIO;
 use crate::model::SideFrictionRule;
 
 /// One run of collective transport. All units are SI units. Angles are in radians and
@@ -37,6 +38,11 @@ pub struct ScenarioFile {
     #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub schema: Option<String>,
+    /// Version of the scenario format (1). The default is 1, the first one. A newer version than
+    /// the program reads is refused.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "u32", range(min = 1, max = SCENARIO.version), extend("default" = 1))]
+    pub format: Option<u32>,
     /// Name of the run, in a few words.
     pub name: String,
     /// Longest simulated time (s). A run with ants ends earlier when the load arrives at the nest.

@@ -17,6 +17,7 @@ use serde_json::Value;
 use super::error::{Finding, Findings, ScenarioError};
 use super::format::{DriveEntry, GroundEntry, LoadEntry, ObstacleEntry, ScenarioFile, SpringsEntry};
 use super::{Drive, Scenario};
+use crate::formats::SCENARIO;
 use crate::model::{SideFrictionRule, System};
 use shared::is_control;
 
@@ -27,6 +28,7 @@ const MOST_TICKS: f64 = 1e9;
 #[derive(Default, Deserialize)]
 #[serde(default)]
 pub struct Draft {
+    format: Option<u32>,
     name: Option<String>,
     duration_s: Option<f64>,
     control_period_s: Option<f64>,
@@ -57,6 +59,7 @@ impl Draft {
 impl From<ScenarioFile> for Draft {
     fn from(file: ScenarioFile) -> Self {
         Self {
+            format: file.format,
             name: Some(file.name),
             duration_s: Some(file.duration_s),
             control_period_s: Some(file.control_period_s),
@@ -99,6 +102,9 @@ pub fn scenario(draft: Draft, mut findings: Findings) -> Result<Scenario, Vec<Fi
 
 /// The scenario; `None` when a section is missing.
 fn build(draft: Draft, findings: &mut Findings) -> Option<Scenario> {
+    if let Some(version) = draft.format.filter(|version| !(1..=SCENARIO.version).contains(version)) {
+        findings.report("format", SCENARIO.version_rule(), version);
+    }
     if let Some(name) = draft.name.as_deref().filter(|name| name.chars().any(is_control)) {
         findings.report("name", "must not contain control characters", format_args!("{name:?}"));
     }

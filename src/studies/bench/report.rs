@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::formats::{self, Format, Versioned};
 use crate::output::table::Table;
 use crate::studies::bench::{
     Effort, EqualError, GrowthPoint, Host, MOST_SPREAD, Measured, NOISY_SHARE, Row, SceneFacts, Sequence, Solver, SolverRow, Timing,
@@ -27,6 +28,10 @@ pub struct Benchmark {
     pub fits: Table,
     #[serde(skip)]
     pub measured: Measured,
+}
+
+impl Versioned for Benchmark {
+    const FORMAT: Format = formats::BENCH;
 }
 
 /// Whether times may be compared.

@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use super::case::MOST_TURN;
 use super::dimensions::Dimensions;
+use crate::formats::{self, Format, Versioned};
 use crate::math::bisected;
 use crate::model::SpringDesign;
 
@@ -91,6 +92,10 @@ pub struct DesignReport {
     /// The design with lengths rounded to a grid; absent without a grid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_grid: Option<Made>,
+}
+
+impl Versioned for DesignReport {
+    const FORMAT: Format = formats::CALIBRATE_DESIGN;
 }
 
 /// The spring that is wanted.

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
 use super::figure;
 use super::fit::Calibration;
 use super::forces::{Force, ForcesReport};
 use super::measurements::{Measurements, Trial};
 use super::text::fit_text;
+use crate::formats::Versioned;
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::table::Table;
@@ -91,7 +90,7 @@ pub fn write_tip_forces(target: &Path, found: &ForcesReport, forces: &[Force], m
 ///
 /// # Errors
 /// As [`write_calibration`].
-pub fn write_result(target: &Path, name: &str, found: &impl Serialize, manifest: &Manifest) -> Result<(), FolderError> {
+pub fn write_result(target: &Path, name: &str, found: &impl Versioned, manifest: &Manifest) -> Result<(), FolderError> {
     let mut folder = OutputFolder::create(target)?;
     folder.write_json(name, found)?;
     folder.finish(manifest)

@@ -14,6 +14,7 @@ use super::law::Law;
 use super::measurements::{Measurements, Trial};
 use super::quality::{Goodness, Misfit};
 use super::trials::{Estimate, TrialSlope, Weighting, agreement, mean_of_cases, pool};
+use crate::formats::{self, Format, Versioned};
 use crate::model::SpringDesign;
 
 /// Ranges of the displacement, without sign, over which the linear laws are fitted. Without a
@@ -45,6 +46,10 @@ pub struct Calibration {
     pub radial_equivalents: Option<RadialEquivalents>,
     pub swing_equivalents: SwingEquivalents,
     pub warnings: Vec<String>,
+}
+
+impl Versioned for Calibration {
+    const FORMAT: Format = formats::CALIBRATE_FIT;
 }
 
 /// The pseudo-rigid-body model in one case.

@@ -23,6 +23,7 @@ use serde::Serialize;
 use super::case::{Case, MOST_TURN};
 use super::recording::{Recording, Sample, Tip};
 use super::sensor::Sensor;
+use crate::formats::{self, Format, Versioned};
 use crate::math::{Pose, Summary, Vec2};
 use crate::model::{PolarSpring, SpringDesign, SpringShape};
 
@@ -77,6 +78,10 @@ pub struct ForcesReport {
     pub springs: Vec<ForceSummary>,
     pub tip_noise_m: f64,
     pub warnings: Vec<String>,
+}
+
+impl Versioned for ForcesReport {
+    const FORMAT: Format = formats::CALIBRATE_FORCES;
 }
 
 /// Forces on the tips of a recording, in its order. Each swing is on the branch of the previous

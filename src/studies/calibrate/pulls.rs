@@ -10,6 +10,7 @@
 use serde::Serialize;
 
 use super::table::Table;
+use crate::formats::{self, Format, Versioned};
 use crate::math::{RandomStreams, Stream, Summary};
 use crate::output::quantity::short_quantity;
 use crate::scenario::ScenarioError;
@@ -35,6 +36,10 @@ pub struct PullComparison {
     /// Correlation of the mean pulls of neighbouring blocks; `null` below eight pairs. Far from
     /// zero, blocks are too short to be independent.
     pub block_correlation: Option<f64>,
+}
+
+impl Versioned for PullComparison {
+    const FORMAT: Format = formats::CALIBRATE_PULLS;
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

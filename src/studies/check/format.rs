@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::measure::Row;
+use crate::formats::BASELINE;
 
 /// Value of `format` in every baseline.
-pub const FORMAT: &str = "cohaul baseline";
+pub const FORMAT: &str = BASELINE.name;
 /// Version of the format that this program reads and writes.
-pub const VERSION: u64 = 1;
+pub const VERSION: u32 = BASELINE.version;
 
 /// Keys of a file, in its order.
 pub const KEYS: [&str; 10] =

@@ -11,6 +11,7 @@ use super::{
     Verdict,
 };
 use crate::backend::Status;
+use crate::formats::{self, Format, Versioned};
 use crate::output::chart::{self, Labelled, Scene};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::junit::{Case, Outcome, Suite};
@@ -36,6 +37,10 @@ pub struct CheckReport {
     pub accepted: Vec<String>,
     pub wall_s: f64,
     pub baselines: Vec<Check>,
+}
+
+impl Versioned for CheckReport {
+    const FORMAT: Format = formats::CHECK;
 }
 
 /// Versions of this program and its libraries, and this machine, as a baseline stores them.

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::analysis::compare::{ClosedLoop, Pathwise, Settings, Verdict};
+use crate::formats::{self, Format, Versioned};
 use crate::output::page::Answer;
 use crate::scenario::Scenario;
 use crate::simulation::{Health, Trace};
@@ -23,6 +24,10 @@ pub struct Comparison {
     pub beside: Option<Beside>,
     /// Real time that the comparison took (s).
     pub wall_s: f64,
+}
+
+impl Versioned for Comparison {
+    const FORMAT: Format = formats::COMPARE;
 }
 
 /// Results by tier; a tier that was not asked for is left out.

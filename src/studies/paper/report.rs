@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::backend::{BackendKind, Status};
+use crate::formats::{self, Format, Versioned};
 use crate::studies::paper::{
     Answer, At, Change, ChangeOf, Changes, Claim, Conclusion, Experiment, ForceRow, Grade, Missed, Mixture, Plan, Replayed, RunFacts, Set,
     Speeds, TableRow, Task, Trial, Unit, claims, conclusions, experiment, force_rows, load_speeds, missed, mixture, table, units,
@@ -35,6 +36,10 @@ pub struct Paper {
     pub transitions: Vec<TransitionRow>,
     pub conclusions: Vec<Conclusion>,
     pub replayed: Vec<Replayed>,
+}
+
+impl Versioned for Paper {
+    const FORMAT: Format = formats::PAPER;
 }
 
 /// A set of runs that have all in common but trial and seed.

@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use crate::formats::{self, Format, Versioned};
 use crate::output::table::Table;
 use crate::studies::regime::theory::{EPSILON_MAX, PHI_MIN, ZETA_MIN};
 use crate::studies::regime::{Cell, Grid, Law, LawOutcome, RELATIVE_TOLERANCE, Scene};
@@ -27,6 +28,10 @@ pub struct Regime {
     /// Cells of the maps, in the order of the grids.
     #[serde(skip)]
     pub cells: Vec<Cell>,
+}
+
+impl Versioned for Regime {
+    const FORMAT: Format = formats::REGIME;
 }
 
 /// One panel in numbers.

@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 
 use crate::analysis::estimate::InertiaEstimate;
 use crate::backend::{BackendKind, Integrator, RapierOptions, Setting, Status};
+use crate::formats::{self, Format, Versioned};
 use crate::simulation::Account;
 use crate::simulation::run_facts::{FACTS, Run, Value};
 use crate::studies::run::answer::sentence;
@@ -15,6 +16,10 @@ pub struct RunSummary<'a> {
     pub run: Run<'a>,
     /// Estimated effect of inertia, for a quasi-static run.
     pub inertia_estimate: Option<InertiaEstimate>,
+}
+
+impl Versioned for RunSummary<'_> {
+    const FORMAT: Format = formats::RUN;
 }
 
 /// What was run and how, beside the numbers.

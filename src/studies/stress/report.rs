@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use crate::formats::{self, Format, Versioned};
 use crate::output::quantity::quantity;
 use crate::output::table::{Field, Table};
 use crate::simulation::Health;
@@ -32,6 +33,10 @@ pub struct Stress {
     pub maps: Vec<MapSummary>,
     /// The first of what must not be.
     pub defects: Vec<Defect>,
+}
+
+impl Versioned for Stress {
+    const FORMAT: Format = formats::STRESS;
 }
 
 /// Numbers of runs by what they said of themselves and whether it is so. Right is an end that is

@@ -88,6 +88,7 @@ impl Scene {
     pub fn file(self) -> ScenarioFile {
         ScenarioFile {
             schema: None,
+            format: None,
             name: "stress".to_owned(),
             duration_s: self.duration(),
             control_period_s: self.step,

@@ -12,12 +12,13 @@ use super::design::Design;
 use super::error::SweepError;
 use super::template::Template;
 use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance};
+use crate::formats::SHARD;
 use crate::output::table::Kind;
 use crate::scenario::{Drive, Scenario};
 use crate::studies::journal::{self, Header, JournalError};
 
 /// Version of the table. It changes whenever the row of the same run would.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = SHARD.version;
 
 /// Most cells of one file: the place of each row stays in memory.
 const MOST_CELLS: u64 = 100_000_000;

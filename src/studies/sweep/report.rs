@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
+use crate::formats::{self, Format, Versioned};
 use crate::math::Interval;
 use crate::output::quantity::quantity;
 use crate::output::text::aligned;
@@ -30,6 +31,10 @@ pub struct SweepSummary {
     pub groups: Option<Vec<Group>>,
     /// Only of a sweep that ran: a merge has run nothing.
     pub cost: Option<Cost>,
+}
+
+impl Versioned for SweepSummary {
+    const FORMAT: Format = formats::SWEEP;
 }
 
 /// What the runs of the last call took; those of an earlier one that was stopped are not counted.

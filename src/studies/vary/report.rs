@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::{Cell, Question};
 use crate::analysis::compare::Verdict;
 use crate::analysis::estimate::CLEAR;
+use crate::formats::{self, Format, Versioned};
 use crate::output::quantity::of_run::{quantity, short_quantity};
 use crate::output::quantity::short;
 use crate::output::table::{Column, Field, Table};
@@ -32,6 +33,10 @@ pub struct Map {
     pub cells: Vec<Cell>,
     /// Real time that all calls took (s).
     pub wall_s: f64,
+}
+
+impl Versioned for Map {
+    const FORMAT: Format = formats::MAP;
 }
 
 impl Map {

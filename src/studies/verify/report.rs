@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Serialize, Serializer};
 
+use crate::formats::{self, Format, Versioned};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::junit;
 use crate::output::manifest::Manifest;
@@ -28,6 +29,10 @@ pub struct Verification {
     pub cases: Table,
     #[serde(serialize_with = "as_table")]
     pub rows: Vec<Row>,
+}
+
+impl Versioned for Verification {
+    const FORMAT: Format = formats::VERIFY;
 }
 
 impl Verification {

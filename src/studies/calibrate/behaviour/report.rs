@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::holds::{Bin, HoldFit};
 use super::profile::Parameter;
 use super::steering::SteeringFit;
+use crate::formats::{self, Format, Versioned};
 use crate::model::behaviour::ReleasePace;
 use crate::output::chart::panel::{Entry, Panel, Scale, Shape, Style};
 use crate::output::chart::{MILLI, TIME_HEIGHT, WIDTH, grid};
@@ -30,6 +31,10 @@ pub struct BehaviourReport {
     pub steering: Option<SteeringFit>,
     pub tip_noise_m: f64,
     pub warnings: Vec<String>,
+}
+
+impl Versioned for BehaviourReport {
+    const FORMAT: Format = formats::CALIBRATE_BEHAVIOUR;
 }
 
 /// p-value below which a law does not fit.

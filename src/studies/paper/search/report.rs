@@ -9,6 +9,7 @@ use super::screen::{SCREENED, Screened};
 use super::sensitivity::{Index, Triple, given_data, sobol};
 use super::space::Block;
 use super::{ACCEPTED, Answer, Plan, Stage};
+use crate::formats::{self, Format, Versioned};
 use crate::model::open_choices::Chosen;
 use crate::model::paper as printed;
 use crate::studies::paper::Measure;
@@ -35,6 +36,10 @@ pub struct Search {
     pub closest: Option<SetRow>,
     #[serde(skip)]
     pub sets: Vec<SetRow>,
+}
+
+impl Versioned for Search {
+    const FORMAT: Format = formats::PAPER_SEARCH;
 }
 
 /// How much of a quantity's variance comes from a choice.
