@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use super::console;
 use super::error::CliError;
 use super::error::at_file;
-use crate::scenario::{Scenario, bounded};
+use crate::scenario::{Scenario, bounded, cut};
 
 /// The text of a file, or of standard input, of at most 1 GiB.
 pub fn read_text(path: &Path) -> Result<String, CliError> {
@@ -29,7 +29,8 @@ fn read_up_to(path: &Path, most: u64) -> Result<String, CliError> {
 
 /// Reads data from a JSON file; `rule` says what the file must be.
 pub fn read_json<T: DeserializeOwned>(path: &Path, rule: &str) -> Result<T, CliError> {
-    serde_json::from_str(&read_text(path)?).map_err(|error| CliError::Usage(format!("{}: {rule}: {error}", name_of(path))))
+    serde_json::from_str(&read_text(path)?)
+        .map_err(|error| CliError::Usage(format!("{}: {rule}: {}", name_of(path), cut(error.to_string(), 500))))
 }
 
 /// Reads a scenario, with the seed of the command line if it has one.

@@ -8,6 +8,7 @@ use super::parameters::Parameter;
 use super::settings::Settings;
 use crate::analysis::compare::Numbers;
 use crate::output::page::Replay;
+use crate::scenario::cut;
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
@@ -83,6 +84,16 @@ pub enum Tell {
     Refused {
         why: String,
     },
+}
+
+/// Longest reason (characters). It may quote a message of any length.
+const LONGEST_REASON: usize = 5000;
+
+impl Tell {
+    /// A refusal for this reason, which is cut if it is long.
+    pub fn refused(why: String) -> Self {
+        Tell::Refused { why: cut(why, LONGEST_REASON) }
+    }
 }
 
 /// The scene after a change.

@@ -16,6 +16,7 @@ pub mod presets;
 
 pub(crate) use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
+pub(crate) use error::cut;
 pub use error::{Finding, Findings, ScenarioError, lines};
 #[cfg(any(feature = "program", all(test, feature = "output")))]
 pub(crate) use expand::sha256_hex;

@@ -31,8 +31,10 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Nothing yet, for a load that begins with this motion, with steps of `step` (s).
+    /// Nothing yet, for a load that begins with this motion, with steps of `step` (s). Steps under
+    /// error control have no length beforehand, and nothing is added up for them.
     pub(super) fn starting(motion: &Motion, step: f64, radius: f64) -> Self {
+        let step = if step.is_finite() { step } else { 0.0 };
         Self { last: step * motion.twist.linear.push(radius * motion.twist.angular), ..Self::default() }
     }
 

@@ -24,7 +24,8 @@ fn among_obstacles(seed: u64) -> Option<Scenario> {
     let scene = Scene::new(seed);
     let duration = scene.duration * scene.n_advances as f64;
     let path = |spring: usize| {
-        let waypoints = (0..4).map(|k| f64::from(k) / 3.0).map(|share| Waypoint { time: share * duration, position: scene.tip(spring, share) });
+        let waypoints =
+            (0..4).map(|k| f64::from(k) / 3.0).map(|share| Waypoint { time: share * duration, position: scene.tip(spring, share) });
         TipPath { spring, waypoints: waypoints.collect(), release: None }
     };
     let paths = (0..scene.attached.len()).filter(|spring| scene.attached[*spring]).map(path).collect();
@@ -37,7 +38,7 @@ fn among_obstacles(seed: u64) -> Option<Scenario> {
         start: scene.start,
         drive: Drive::Tips(paths),
     };
-    scenario.expanded().checked("scene").ok()
+    scenario.expanded().checked("scene").inspect_err(|error| eprintln!("{}", error)).ok()
 }
 
 #[derive(Debug, Default)]
@@ -81,7 +82,7 @@ fn open_share(kind: BackendKind) -> [f64; 2] {
 
 /// What is wrong with a run that says that it is ok.
 fn wrong(scenario: &Scenario, options: &BackendOptions, found: &Outcome) -> Option<String> {
-    check_account(found, options);
+    check_account(scenario, found, options);
     if let Err(error) = json::check(found) {
         return Some(error.to_string());
     }
@@ -128,7 +129,7 @@ fn survey_of(scenario: &Scenario) -> Survey {
             Health::Doubtful => found.n_doubtful += 1,
             Health::Failed => found.n_failed += 1,
         }
-        check_account(&coarse, &options);
+        check_account(scenario, &coarse, &options);
         if coarse.account.health != Health::Ok {
             continue;
         }

@@ -9,13 +9,13 @@ use std::process::Command;
 use std::sync::LazyLock;
 use std::time::{Duration, SystemTime};
 
-use cohaul::backend::BackendKind;
+use cohaul::backend::{BackendKind, BackendOptions, Tolerance};
 use cohaul::output::json;
 use cohaul::output::manifest::Manifest;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, SavedRun, Simulation};
 use cohaul::studies::check::Baseline;
-use cohaul::studies::journal::{Header, load_single, marked, unmarked};
+use cohaul::studies::journal::{Header, load_single, marked, save_single, unmarked};
 use cohaul::studies::runner::Records;
 use cohaul::studies::sweep::files::write_sweep;
 use cohaul::studies::sweep::report::{SweepSummary, sweep_text};
@@ -38,7 +38,8 @@ fn told(error: impl ToString) -> String {
 fn read_baseline(input: &[u8]) -> Result<(), String> {
     let baseline = Baseline::parse(&String::from_utf8_lossy(input), "baseline", "baseline.json").map_err(told)?;
     short_run(&baseline.scenario, &baseline.options);
-    let again = Baseline::parse(&baseline.to_json(), "baseline", "again").unwrap_or_else(|error| panic!("it is not written again: {error}"));
+    let again =
+        Baseline::parse(&baseline.to_json(), "baseline", "again").unwrap_or_else(|error| panic!("it is not written again: {error}"));
     assert_eq!(again, baseline, "it is written as another one");
     Ok(())
 }
@@ -50,7 +51,7 @@ fn changed_baselines_are_refused_or_run() {
     survey(&Format { name: "baseline", texts, files, read: read_baseline }, 300);
 }
 
-static SCENES: LazyLock<[Scenario; 2]> = LazyLock::new(|| [corpus::scene(&corpus::small()), corpus::scene(corpus::ANTS)]);
+pub static SCENES: LazyLock<[Scenario; 2]> = LazyLock::new(|| [corpus::scene(&corpus::small()), corpus::scene(corpus::ANTS)]);
 
 /// States of both scenes on each backend.
 static STATES: LazyLock<Vec<Value>> = LazyLock::new(|| {
@@ -62,16 +63,27 @@ static STATES: LazyLock<Vec<Value>> = LazyLock::new(|| {
     };
     let of_scene = |scene| kinds.map(|kind| state(scene, kind, Keep::Outcome));
     let traced = state((&SCENES[0], 0.05), BackendKind::Inertial, Keep::Trace);
-    SCENES.iter().zip(times).flat_map(of_scene).chain([traced]).collect()
+    let tolerance = Tolerance::at_edge(1e-5, &SCENES[0].system.load);
+    let within = [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| {
+        let mut run = Simulation::new(&SCENES[0], &BackendOptions::within(kind, tolerance), Keep::Outcome);
+        run.run(|now| now < 0.25);
+        serde_json::to_value(run.save().unwrap()).unwrap()
+    });
+    SCENES.iter().zip(times).flat_map(of_scene).chain([traced]).chain(within).collect()
 });
 
-/// Resumes a state in the scene whose hash it has.
+/// A state as the record of a file.
 fn read_state(input: &[u8]) -> Result<(), String> {
-    let saved: SavedRun = serde_json::from_slice(input).map_err(told)?;
-    resume(&saved)
+    let room = tempdir().unwrap();
+    let path = room.path().join("state");
+    let state: Value = serde_json::from_slice(input).map_err(|_| "no JSON".to_owned())?;
+    save_single(&path, "run", &state).unwrap();
+    let saved: Option<SavedRun> = load_single(&path, "run").map_err(told)?;
+    resume(&saved.expect("there is a file"))
 }
 
-fn resume(saved: &SavedRun) -> Result<(), String> {
+/// Resumes a state in the scene whose hash it has.
+pub fn resume(saved: &SavedRun) -> Result<(), String> {
     let scenario = SCENES.iter().find(|scenario| scenario.hash() == saved.scenario_hash).unwrap_or(&SCENES[0]);
     let (resumed, time) = within(LONGEST, "a resumed run", || {
         let mut run = Simulation::resume(scenario, saved, Keep::Outcome)?;
@@ -125,7 +137,7 @@ fn cohaul(args: &[&str]) -> i32 {
 }
 
 /// A small sweep as one finished shard, without marks, and a saved run as the program writes it.
-static WRITTEN: LazyLock<(String, Vec<u8>)> = LazyLock::new(|| {
+pub static WRITTEN: LazyLock<(String, Vec<u8>)> = LazyLock::new(|| {
     let room = tempdir().unwrap();
     let path = |name: &str| room.path().join(name).to_str().unwrap().to_owned();
     fs::write(path("scene.json"), corpus::small()).unwrap();
@@ -169,7 +181,10 @@ fn changed_shards_are_refused_or_merged() {
     let (shard, _) = &*WRITTEN;
     let texts = || vec![shard.clone().into_bytes()];
     survey(&Format { name: "shard", texts: texts(), files: Vec::new(), read: merge_marked }, 400);
-    survey(&Format { name: "bytes of a shard", texts: vec![with_marks(shard.as_bytes()).into_bytes()], files: Vec::new(), read: merge }, 300);
+    survey(
+        &Format { name: "bytes of a shard", texts: vec![with_marks(shard.as_bytes()).into_bytes()], files: Vec::new(), read: merge },
+        300,
+    );
     // The first line, changed as JSON.
     let (head, rows) = shard.split_once('\n').unwrap();
     let whole = json!({ "head": serde_json::from_str::<Value>(head).unwrap(), "rows": rows });
@@ -178,14 +193,14 @@ fn changed_shards_are_refused_or_merged() {
     survey(&Format { name: "header of a shard", texts, files, read: merge_header }, 400);
 }
 
-fn merge_header(input: &[u8]) -> Result<(), String> {
+pub fn merge_header(input: &[u8]) -> Result<(), String> {
     let whole: Value = serde_json::from_slice(input).map_err(told)?;
     let rows = whole["rows"].as_str().unwrap_or_default();
     merge_marked(format!("{}\n{rows}", whole["head"]).as_bytes())
 }
 
 /// A journal of a study, as it is opened again.
-fn read_journal(input: &[u8]) -> Result<(), String> {
+pub fn read_journal(input: &[u8]) -> Result<(), String> {
     let room = tempdir().unwrap();
     let path = file(&room, "journal", with_marks(input));
     let records: Records<Vec<f64>> = Records::open(&path, STUDY, &json!({ "step_s": 0.1 })).map_err(told)?;
@@ -193,7 +208,7 @@ fn read_journal(input: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-const STUDY: &str = "bench";
+pub const STUDY: &str = "bench";
 
 #[test]
 fn changed_journals_are_refused_or_go_on() {

@@ -9,6 +9,7 @@
 //! scenes.rs     scenarios, and short runs of those that are accepted
 //! tables.rs     tables of tips, paths, readings and pulls
 //! files.rs      baselines, saved runs, journals and shards
+//! known.rs      inputs that the program once answered wrongly
 //! messages.rs   messages of the live page
 //! accounts.rs   random scenes whose account must be true
 //! ```
@@ -23,6 +24,7 @@ mod corpus;
 #[allow(dead_code, reason = "other tests use more of it")]
 mod draws;
 mod files;
+mod known;
 mod messages;
 #[path = "../contact/random_scene.rs"]
 #[allow(dead_code, reason = "other tests use more of it")]

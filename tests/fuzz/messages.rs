@@ -25,21 +25,24 @@ fn read(input: &[u8]) -> Result<(), String> {
     for one in parsed {
         match one {
             Ok(asked) => ask.send(asked).map_err(told)?,
-            Err(why) => refused = Some(why),
+            Err(why) => refused = Some(Tell::refused(why)),
         }
     }
     drop(ask);
     let scene = LiveScene::new(corpus::scene(&corpus::small()));
     let tell = |what: Tell| -> Result<(), Gone> {
         let line = json::line(&what).unwrap_or_else(|error| panic!("told: {error}"));
-        let is_short = !matches!(what, Tell::Refused { .. }) || line.len() < 20_000;
-        assert!(is_short, "a refusal of {} bytes", line.len());
+        let is_short = !matches!(what, Tell::Refused { .. }) || line.chars().count() < 12_000;
+        assert!(is_short, "a refusal of {} characters", line.chars().count());
         Ok(())
     };
     let judge = Judge::new(std::sync::Arc::default());
     // It ends when the messages do.
     let _: Result<(), Gone> = Session::new(&scene, judge, tell).run(scene, &asks);
-    refused.map_or(Ok(()), Err)
+    match refused {
+        Some(Tell::Refused { why }) => Err(why),
+        _ => Ok(()),
+    }
 }
 
 fn told(error: impl ToString) -> String {

@@ -7,7 +7,9 @@ use cohaul::analysis::compare::{Numbers, Settings};
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, Tolerance};
 use cohaul::output::json;
 use cohaul::scenario::Scenario;
+use cohaul::simulation::run_facts::Run;
 use cohaul::simulation::{Health, Keep, Outcome, Simulation};
+use cohaul::studies::run::summary::RunSummary;
 
 use crate::corpus;
 use crate::survey::{Format, survey};
@@ -56,14 +58,16 @@ pub fn short_run(scenario: &Scenario, options: &BackendOptions) {
     });
     assert!(time < LONGEST + TO_STOP, "{} does not end when it is stopped, for {time:?}", options.kind.name());
     if let Some(outcome) = outcome {
-        check_account(&outcome, options);
+        check_account(scenario, &outcome, options);
     }
 }
 
 /// Every number is finite, and the account says why a run is not ok.
-pub fn check_account(outcome: &Outcome, options: &BackendOptions) {
+pub fn check_account(scenario: &Scenario, outcome: &Outcome, options: &BackendOptions) {
     let name = options.kind.name();
     let account = &outcome.account;
+    let run = Run { scenario, options, outcome, path_length: None, wall_time: None };
+    json::check(&RunSummary { run, inertia_estimate: None }).unwrap_or_else(|error| panic!("{name}, {:?}: {error}", account.health));
     json::check(outcome).unwrap_or_else(|error| panic!("{name}, {:?}: {error}", account.health));
     assert_eq!(account.worst().map_or(Health::Ok, |worst| worst.health), account.health, "{name}: {account:?}");
     if outcome.failed_at.is_some() {

@@ -81,7 +81,8 @@ fn number(before: f64, draws: &mut Draws) -> Value {
 fn odd(draws: &mut Draws) -> Value {
     let deep = (0..200).fold(json!(0), |inner, _| json!([inner]));
     let long = "x".repeat(if draws.is(0.1) { 100_000 } else { 10 });
-    let odd = [json!(null), json!("x"), json!(true), json!([]), json!({}), json!(""), json!(long), json!([0, 0]), json!("\u{202e}ü\0"), deep];
+    let odd =
+        [json!(null), json!("x"), json!(true), json!([]), json!({}), json!(""), json!(long), json!([0, 0]), json!("\u{202e}ü\0"), deep];
     if draws.is(0.3) { number(1.0, draws) } else { one_of(&odd, draws).clone() }
 }
 

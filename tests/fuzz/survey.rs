@@ -24,7 +24,7 @@ pub struct Format {
     pub read: fn(&[u8]) -> Result<(), String>,
 }
 
-/// Longest message of an error (bytes), of some 25 lines.
+/// Longest message of an error (characters), of some 25 lines.
 const LONGEST_MESSAGE: usize = 12_000;
 /// Time of an input, which a machine that is busy may need (s).
 const LIMIT: Duration = Duration::from_secs(10);
@@ -76,11 +76,12 @@ fn fault(format: &Format, about: &str, input: &[u8]) -> (Option<String>, bool) {
 }
 
 fn bad_message(told: &str, input: &[u8]) -> Option<String> {
-    if told.len() > LONGEST_MESSAGE {
+    if told.chars().count() > LONGEST_MESSAGE {
         return Some(format!("a message of {} lines that is too long", told.lines().count()));
     }
     let has_nan = |text: &str| text.to_lowercase().contains("nan");
-    (has_nan(told) && !has_nan(&String::from_utf8_lossy(input))).then(|| "a message with NaN".to_owned())
+    let is_new = has_nan(told) && !has_nan(&String::from_utf8_lossy(input));
+    is_new.then(|| format!("a message with NaN: {}", told.chars().take(500).collect::<String>()))
 }
 
 /// The beginning of a place: the file and the line, or all of it.

@@ -6,7 +6,9 @@ use cohaul::output::json;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Row};
 use cohaul::studies::calibrate::behaviour::{attachments, exposures, fit_holds, fit_steering};
-use cohaul::studies::calibrate::{Dimensions, Measurements, PullSeries, Ranges, Recording, Sensor, compare_pulls, fit, summaries, tip_forces};
+use cohaul::studies::calibrate::{
+    Dimensions, Measurements, PullSeries, Ranges, Recording, Sensor, compare_pulls, fit, summaries, tip_forces,
+};
 use cohaul::studies::compare::beside::recorded_path;
 use cohaul::studies::from_tips::scenario_from_tips;
 use cohaul::studies::sweep::{Ask, Axis, Design, Method, Plan, Sample, Variant};
@@ -56,8 +58,9 @@ fn read_readings(input: &[u8]) -> Result<(), String> {
 fn read_pulls(input: &[u8]) -> Result<(), String> {
     let series = PullSeries::parse(&String::from_utf8_lossy(input), "forces.csv").map_err(told)?;
     let whole = series.blocks(None)?;
-    let blocks = series.blocks(Some(0.1))?;
-    finite("pulls", &compare_pulls([&[whole], &[blocks]], 99, 1)?);
+    let blocks = series.blocks(Some(0.3))?;
+    finite("blocks", &whole);
+    finite("pulls", &compare_pulls([&[blocks.clone()], &[blocks]], 99, 1)?);
     Ok(())
 }
 
@@ -106,8 +109,8 @@ const AXES: [&str; 6] = [
     "load.mass_kg=log:1e-4:1e-2:7\ndrive.n_ants=2:6:3",
     "/load/mass_kg=1e-4..1e-2\nsprings.*.damping_ratio=0..1",
     "inertia_scale=0.1,1,10\nground.friction_coefficient=log:0.1..1",
-    "drive.release.kind=pull,never",
-    "seed=1,2,3\nload.position_m[0]=-1:1:5\nduration_s=10",
+    "ground.friction_coefficient=0.5,1.4",
+    "load.position_m[0]=-1:1:5\nduration_s=10\nload.heading_rad=-1..1",
 ];
 
 fn bytes(texts: &[&str]) -> Vec<Vec<u8>> {
