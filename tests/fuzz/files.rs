@@ -1,7 +1,7 @@
 //! Baselines, saved runs, journals and shards.
 //!
-//! A line of a journal begins with a hash of the rest. Changes are made to lines without hashes, and
-//! the reader here adds those that are right; otherwise hardly any changed line would be read.
+//! A line of a journal begins with a hash of the rest. Changes are made to lines without hashes,
+//! and the reader here adds those that are right; otherwise hardly any changed line would be read.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,11 +1,13 @@
 //! Inputs that the program once answered by a panic, wrongly, or at any length.
 
 use cohaul::backend::{BackendKind, BackendOptions, Tolerance};
+use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, SavedRun, Simulation};
 use cohaul::studies::journal::{load_single, save_single};
 use serde_json::{Value, json};
 use tempfile::tempdir;
 
+use crate::corpus;
 use crate::files::{SCENES, WRITTEN, merge_header, read_journal};
 
 /// Its steps have no length beforehand, and the state held a product with that length.
@@ -33,6 +35,22 @@ fn a_record_without_content_is_no_record() {
     assert_eq!(read_journal(format!("{head}\n0,[0.1,[]]\n").as_bytes()), Ok(()));
     let told = read_journal(format!("{head}\n1").as_bytes()).unwrap_err();
     assert!(told.contains("has a record that is none of a bench"), "{told}");
+}
+
+/// What follows from two numbers in range is in range too, so that the expanded file is accepted.
+#[test]
+fn products_of_given_numbers_are_in_range() {
+    let told = |load: Value, gravity: f64| {
+        let mut scene: Value = serde_json::from_str(&corpus::small()).unwrap();
+        scene["obstacles"] = json!([]);
+        scene["load"] = load;
+        scene["ground"]["gravity_m_per_s2"] = json!(gravity);
+        Scenario::parse(&scene.to_string(), "scene").unwrap_err().to_string()
+    };
+    let wide = told(json!({ "mass_kg": 1, "radius_m": 1e40 }), 9.81);
+    assert!(wide.contains("load.inertia_kg_m2: must be given"), "{wide}");
+    let heavy = told(json!({ "mass_kg": 1e40, "radius_m": 1 }), 1e20);
+    assert!(heavy.contains("ground.gravity_m_per_s2: must give a weight in the range"), "{heavy}");
 }
 
 /// The header of a shard with one value in another's place.

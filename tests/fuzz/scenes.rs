@@ -19,8 +19,8 @@ use crate::watch::{TO_STOP, within};
 const N_STEPS: usize = 12;
 const LONGEST: Duration = Duration::from_millis(100);
 
-/// What holds of each scenario that is accepted: it reads as it was written, its cost and its scales
-/// are numbers, and short runs of it are in order.
+/// What holds of each scenario that is accepted: it reads as it was written, its cost and its
+/// scales are numbers, and short runs of it are in order.
 fn read(input: &[u8]) -> Result<(), String> {
     let text = String::from_utf8_lossy(input);
     let scenario = Scenario::parse(&text, "scene.json").map_err(|error| error.to_string())?;

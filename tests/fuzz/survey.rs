@@ -79,7 +79,7 @@ fn bad_message(told: &str, input: &[u8]) -> Option<String> {
     if told.chars().count() > LONGEST_MESSAGE {
         return Some(format!("a message of {} lines that is too long", told.lines().count()));
     }
-    let has_nan = |text: &str| text.to_lowercase().contains("nan");
+    let has_nan = |text: &str| text.split(|letter: char| !letter.is_ascii_alphanumeric()).any(|word| word == "NaN");
     let is_new = has_nan(told) && !has_nan(&String::from_utf8_lossy(input));
     is_new.then(|| format!("a message with NaN: {}", told.chars().take(500).collect::<String>()))
 }
