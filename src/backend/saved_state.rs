@@ -1,6 +1,10 @@
 //! The state of a backend as JSON, and why it cannot be saved or restored.
 
+use std::fmt::Display;
+
 use serde::{Deserialize, Serialize};
+
+use crate::scenario::cut;
 
 /// State of a backend as a JSON value. Floats keep all their digits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +24,7 @@ impl SavedState {
     /// # Errors
     /// When the value has another shape than `T`.
     pub fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T, RestoreError> {
-        T::deserialize(&self.0).map_err(|error| RestoreError(error.to_string()))
+        T::deserialize(&self.0).map_err(RestoreError::unreadable)
     }
 }
 
@@ -33,3 +37,12 @@ pub struct SaveError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("saved state does not fit this run: {0}")]
 pub struct RestoreError(pub String);
+
+impl RestoreError {
+    /// For a state that is no data of the kind that was saved. The error may quote a text of any
+    /// length from a file.
+    pub fn unreadable(error: impl Display) -> Self {
+        const LONGEST: usize = 500;
+        Self(cut(error.to_string(), LONGEST))
+    }
+}

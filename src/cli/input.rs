@@ -9,7 +9,7 @@ use super::console;
 use super::error::CliError;
 use super::error::at_file;
 use crate::formats::Format;
-use crate::scenario::{Scenario, bounded};
+use crate::scenario::{Scenario, bounded, cut};
 
 /// The text of a file, or of standard input, of at most 1 GiB.
 pub fn read_text(path: &Path) -> Result<String, CliError> {
@@ -34,7 +34,7 @@ fn read_up_to(path: &Path, most: u64) -> Result<String, CliError> {
 /// When the file cannot be read, or has another format or a version that this program does not
 /// read.
 pub fn read_json<T: DeserializeOwned>(path: &Path, format: &Format, rule: &str) -> Result<T, CliError> {
-    let fault = |why: String| CliError::Usage(format!("{}: {rule}: {why}", name_of(path)));
+    let fault = |why: String| CliError::Usage(format!("{}: {rule}: {}", name_of(path), cut(why, 500)));
     let text = read_text(path)?;
     let value = serde_json::from_str(&text).map_err(|error| fault(error.to_string()))?;
     format.check(&value).map_err(fault)?;
@@ -44,7 +44,8 @@ pub fn read_json<T: DeserializeOwned>(path: &Path, format: &Format, rule: &str) 
 
 /// Reads data from a JSON file without a format; `rule` says what the file must be.
 pub fn read_plain_json<T: DeserializeOwned>(path: &Path, rule: &str) -> Result<T, CliError> {
-    serde_json::from_str(&read_text(path)?).map_err(|error| CliError::Usage(format!("{}: {rule}: {error}", name_of(path))))
+    serde_json::from_str(&read_text(path)?)
+        .map_err(|error| CliError::Usage(format!("{}: {rule}: {}", name_of(path), cut(error.to_string(), 500))))
 }
 
 /// Reads a scenario, with the seed of the command line if it has one.

@@ -9,6 +9,7 @@ use super::settings::Settings;
 use crate::analysis::compare::Numbers;
 use crate::formats::{Format, Found};
 use crate::output::page::Replay;
+use crate::scenario::cut;
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
@@ -87,6 +88,16 @@ pub enum Tell {
     Refused {
         why: String,
     },
+}
+
+/// Longest reason (characters). It may quote a message of any length.
+const LONGEST_REASON: usize = 5000;
+
+impl Tell {
+    /// A refusal for this reason, which is cut if it is long.
+    pub fn refused(why: String) -> Self {
+        Tell::Refused { why: cut(why, LONGEST_REASON) }
+    }
 }
 
 /// The scene after a change.

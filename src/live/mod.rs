@@ -34,7 +34,10 @@ mod verdict;
 
 pub use hand::{Handle, Reach, Span};
 pub use lanes::Lanes;
+pub use message::{Ask, Tell};
 pub use scene::{Edit, LiveScene};
 pub use server::{Server, ServerError};
+pub use session::{Gone, Session};
 pub use settings::Settings;
 pub use shipped::shipped;
+pub use verdict::Judge;

@@ -248,7 +248,7 @@ async fn talk(socket: &mut WebSocket, ask: SyncSender<Ask>, told: &mut Receiver<
                 if n_malformed > MOST_MALFORMED {
                     return Some("too many messages that make no sense");
                 }
-                let refused = Tell::Refused { why: format!("a message: {why}") };
+                let refused = Tell::refused(format!("a message: {why}"));
                 if let Ok(line) = json::line(&refused) {
                     let _ = tell.try_send(line);
                 }

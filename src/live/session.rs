@@ -133,7 +133,7 @@ impl<T: Fn(Tell) -> Result<(), Gone> + Clone + Send + 'static> Session<T> {
     }
 
     fn refuse(&self, why: String) -> Result<(), Gone> {
-        (self.tell)(Tell::Refused { why })
+        (self.tell)(Tell::refused(why))
     }
 
     fn play(&mut self, lanes: &mut Lanes, asks: &Receiver<Ask>) -> Result<Change, Gone> {

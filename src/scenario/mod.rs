@@ -17,5 +17,6 @@ pub mod presets;
 pub(crate) use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
 pub use error::{Finding, Findings, ScenarioError, lines};
+pub(crate) use error::{cut, is_in_range};
 #[cfg(any(feature = "program", all(test, feature = "output")))]
 pub(crate) use expand::sha256_hex;

@@ -53,7 +53,7 @@ impl SavedRun {
     /// When the state is of another format, version or scenario, or when no backend can be built
     /// from its options.
     pub(super) fn check(&self, scenario: &Scenario) -> Result<(), RestoreError> {
-        let refused = |why: String| Err(RestoreError(why));
+        let refused = |why: String| Err(RestoreError::unreadable(why));
         if (self.format, self.version.as_str()) != (FORMAT, VERSION) {
             let (format, version) = (self.format, &self.version);
             return refused(format!(

@@ -15,6 +15,7 @@ use crate::formats::JOURNAL;
 use crate::output::manifest::build_of_program;
 use crate::output::sibling::write_whole;
 use crate::scenario::bounded::MOST_BYTES;
+use crate::scenario::cut;
 
 /// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -144,6 +145,8 @@ fn shortened(value: &Value) -> String {
 /// Largest size of a header (bytes): it holds a scenario at most.
 const LONGEST: u64 = 2 * MOST_BYTES;
 
+/// Longest reason of an error (characters). It may quote a text of any length from a file.
+const LONGEST_REASON: usize = 500;
 /// Digits of a line's hash, and the space behind them.
 pub(super) const MARK: usize = 9;
 
@@ -188,7 +191,7 @@ pub fn load_single<R: DeserializeOwned>(path: &Path, study: &str) -> Result<Opti
     let mut line = Vec::new();
     file.read_until(b'\n', &mut line).map_err(at_reading(path))?;
     let record = unmarked(&line).and_then(|line| line.strip_prefix("0,")).ok_or_else(nothing)?;
-    serde_json::from_str(record).map(Some).map_err(|error| not_saved(&format!(": {error}")))
+    serde_json::from_str(record).map(Some).map_err(|error| not_saved(&cut(format!(": {error}"), LONGEST_REASON)))
 }
 
 /// A line with its mark and end.

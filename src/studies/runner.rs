@@ -147,7 +147,7 @@ impl<R: Serialize + DeserializeOwned> Records<R> {
         let journal = Journal::open(path, &Header::new(study, identity, 0..MOST_TASKS))?;
         let mut records = Self::in_memory();
         journal.visit(|line| {
-            let (task, text) = line.split_once(',').expect("records begin with their task");
+            let (task, text) = line.split_once(',').unwrap_or((line, ""));
             let bad = |error| JournalError::unusable(path, format!("has a record that is none of a {study}: {error}"));
             let (wall_s, record) = serde_json::from_str::<(f64, R)>(text).map_err(bad)?;
             records.earlier_s = records.earlier_s.max(wall_s);

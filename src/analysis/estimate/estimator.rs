@@ -349,7 +349,7 @@ impl Estimator {
     /// If the state is not from an estimator of the same system.
     pub fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
         let system = &self.system;
-        let state = State::deserialize(state).map_err(|error| RestoreError(error.to_string()))?;
+        let state = State::deserialize(state).map_err(RestoreError::unreadable)?;
         state.attachments.check(&system.springs)?;
         self.workspace.solver.set_warm_start(state.warm_start.clone())?;
         if !self.workspace.static_friction.set_forces(&state.resting_forces) {

@@ -420,7 +420,7 @@ impl Backend for Rapier {
         self.is_stale = true;
         if let Some(memory) = &saved.memory {
             self.rebuild(&self.obstacles_now());
-            self.engine.recall(memory).map_err(|error| RestoreError(error.to_string()))?;
+            self.engine.recall(memory).map_err(RestoreError::unreadable)?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::math::Vec2;
 use crate::model::support::normal_loads_of_three;
 use crate::model::uniform_supports::uniform_supports;
 use crate::model::{Ground, SupportPoint};
-use crate::scenario::error::{Findings, number};
+use crate::scenario::error::{Findings, is_in_range, number};
 use crate::scenario::format::{GroundEntry, RingOfSupports, STANDARD_GRAVITY, SupportEntry, SupportsEntry, Tripod, UniformSupports};
 
 /// Negative normal load over the weight that counts as rounding of offsets: the centre of mass is
@@ -36,11 +36,11 @@ pub fn ground(entry: &GroundEntry, load: Option<&CheckedLoad>, findings: &mut Fi
 
 /// Weight of a `mass` (kg) under `gravity` (m/s^2); `None` where one of them is out of range (N).
 fn weight(mass: Option<f64>, gravity: f64, findings: &mut Findings) -> Option<f64> {
-    let is_good = |value: f64| value > 0.0 && value.is_finite();
+    let is_good = |value: f64| value > 0.0 && is_in_range(value);
     let weight = mass.filter(|mass| is_good(*mass) && is_good(gravity))? * gravity;
     // At least one of three supports carries a third or more, so that some normal load is above
     // zero then.
-    let fits = (weight / 3.0).is_normal();
+    let fits = (weight / 3.0).is_normal() && is_in_range(weight);
     if !fits {
         findings.report(
             "ground.gravity_m_per_s2",

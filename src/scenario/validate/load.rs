@@ -4,7 +4,7 @@ use super::outline;
 use crate::math::{Pose, Twist};
 use crate::model::geometry::{AreaMoments, area_moments, overlap_of_parts};
 use crate::model::{Load, Motion, Outline, OutlinePart};
-use crate::scenario::error::{Findings, number};
+use crate::scenario::error::{Findings, is_in_range, number};
 use crate::scenario::format::LoadEntry;
 
 /// Distance of the outline's centroid from the origin, over the extent, that counts as rounding of
@@ -121,7 +121,7 @@ fn inertia(entry: &LoadEntry, mass: f64, outline: Option<&Outline>, findings: &m
         }
     };
     // A wrong mass has its own finding; this is for a product that floats cannot hold.
-    if mass > 0.0 && mass.is_finite() && !(inertia > 0.0 && inertia.is_finite()) {
+    if mass > 0.0 && is_in_range(mass) && !(inertia > 0.0 && is_in_range(inertia)) {
         let rule = "must be given: m R^2 / 2 of this mass and radius is out of the range of floating-point numbers";
         findings.report("load.inertia_kg_m2", rule, "nothing");
     }

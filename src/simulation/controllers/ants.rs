@@ -337,7 +337,7 @@ impl Controller for Ants {
     }
 
     fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError> {
-        let state = State::deserialize(state).map_err(|error| RestoreError(error.to_string()))?;
+        let state = State::deserialize(state).map_err(RestoreError::unreadable)?;
         if state.ants.len() != self.drive.n_ants {
             return Err(RestoreError(format!("{} ants, not {}", state.ants.len(), self.drive.n_ants)));
         }

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use csv::StringRecord;
 
-use crate::scenario::{Findings, ScenarioError};
+use crate::scenario::{Findings, ScenarioError, is_in_range};
 
 /// Rows of a CSV file; lines that begin with `#` are comments.
 pub struct Table {
@@ -85,8 +85,10 @@ impl Table {
     pub fn number(&mut self, row: usize, column: &str) -> Option<f64> {
         let text = self.text(row, column).to_owned();
         let value = text.parse().ok().filter(|value: &f64| value.is_finite());
-        if value.is_none() {
-            self.at(row, column, "must be a finite number", if text.is_empty() { "nothing" } else { &text });
+        match value {
+            None => self.at(row, column, "must be a finite number", if text.is_empty() { "nothing" } else { &text }),
+            Some(large) if !is_in_range(large) => self.at(row, column, "must be at most 1e50 in size", &text),
+            Some(_) => {}
         }
         value
     }

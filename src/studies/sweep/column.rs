@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::SweepError;
 use crate::output::table::{Field, Kind};
+use crate::scenario::cut;
 use crate::simulation::run_facts;
 
 /// A column of the table.
@@ -92,6 +93,9 @@ pub fn head_of(columns: &[Column]) -> String {
     line_of(&columns.iter().map(|column| Field::Word(column.name.clone())).collect::<Vec<_>>())
 }
 
+/// Longest part of a line in a message (characters).
+const LONGEST_LINE: usize = 500;
+
 /// Fields of a line.
 ///
 /// # Errors
@@ -100,7 +104,7 @@ pub fn fields_of(line: &str, columns: &[Column]) -> Result<Vec<Field>, SweepErro
     let mut reader = csv::ReaderBuilder::new().has_headers(false).buffer_capacity(line.len().max(1)).from_reader(line.as_bytes());
     let record = reader.records().next().and_then(Result::ok).filter(|record| record.len() == columns.len());
     let parse = |record: csv::StringRecord| record.iter().zip(columns).map(|(text, column)| Field::parse(text, column.kind)).collect();
-    record.and_then(parse).ok_or_else(|| SweepError::Line(line.to_owned()))
+    record.and_then(parse).ok_or_else(|| SweepError::Line(cut(line.to_owned(), LONGEST_LINE)))
 }
 
 /// Rows of a table, read line by line in the order of cells.

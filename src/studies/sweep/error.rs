@@ -1,7 +1,7 @@
 //! Why a sweep cannot be made, gone on with, or merged.
 
 use crate::output::lines::TableError;
-use crate::scenario::ScenarioError;
+use crate::scenario::{ScenarioError, cut};
 use crate::studies::journal::JournalError;
 
 #[derive(Debug, thiserror::Error)]
@@ -30,8 +30,11 @@ pub enum SweepError {
     Line(String),
 }
 
+/// Longest text of a place or of what was found in a message (characters).
+const LONGEST: usize = 500;
+
 impl SweepError {
     pub fn axis(path: &str, rule: impl Into<String>, found: impl ToString) -> Self {
-        SweepError::Axis { path: path.to_owned(), rule: rule.into(), found: found.to_string() }
+        SweepError::Axis { path: cut(path.to_owned(), LONGEST), rule: rule.into(), found: cut(found.to_string(), LONGEST) }
     }
 }

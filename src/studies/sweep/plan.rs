@@ -14,7 +14,7 @@ use super::template::Template;
 use crate::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Skips, Tolerance};
 use crate::formats::SHARD;
 use crate::output::table::Kind;
-use crate::scenario::{Drive, Scenario};
+use crate::scenario::{Drive, Scenario, cut};
 use crate::studies::journal::{self, Header, JournalError};
 
 /// Version of the table. It changes whenever the row of the same run would.
@@ -22,6 +22,9 @@ pub const FORMAT: u32 = SHARD.version;
 
 /// Most cells of one file: the place of each row stays in memory.
 const MOST_CELLS: u64 = 100_000_000;
+
+/// Longest reason of an error (characters). It may quote a text of any length from a file.
+const LONGEST_REASON: usize = 500;
 
 /// A way to run every point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -106,8 +109,33 @@ impl Identity {
     /// When the file cannot be read, or holds no rows of a sweep.
     pub fn read(path: &Path) -> Result<(Self, Range<u64>), SweepError> {
         let header = Header::read(path)?;
-        let foreign = |error| JournalError::unusable(path, format!("has no rows of a sweep that this version reads: {error}"));
-        Ok((serde_json::from_value(header.identity).map_err(foreign)?, header.begin..header.end))
+        let foreign = |error: String| JournalError::unusable(path, format!("has no rows of a sweep that this version reads: {error}"));
+        let identity: Self = serde_json::from_value(header.identity).map_err(|error| foreign(cut(error.to_string(), LONGEST_REASON)))?;
+        let cells = header.begin..header.end;
+        let is_part = cells.start <= cells.end && cells.end <= identity.n_cells;
+        match identity.fault() {
+            // The rows of another format have other columns, and the format is named.
+            Some(fault) if identity.format == FORMAT => Err(foreign(fault.to_owned()).into()),
+            _ if !is_part => Err(foreign(format!("cells {} to {} of {}", cells.start, cells.end, identity.n_cells)).into()),
+            _ => Ok((identity, cells)),
+        }
+    }
+
+    /// What no sweep of this program has; `None` if nothing.
+    fn fault(&self) -> Option<&'static str> {
+        if Design::new(self.design.axes.clone(), self.design.sample).is_err() {
+            return Some("its design breaks a rule");
+        }
+        let of_point = self.n_seeds.checked_mul(self.variants.len() as u64);
+        let n_cells = of_point.and_then(|n| n.checked_mul(self.design.n_points()));
+        if n_cells != Some(self.n_cells) || n_cells == Some(0) {
+            return Some("its number of runs does not follow from its design");
+        }
+        let parameters = self.columns.iter().skip(BEFORE.len()).take(self.design.axes.len());
+        let parameters: Vec<Column> = parameters.cloned().collect();
+        let fits = |n: usize, more: bool| columns(parameters.clone(), n, more) == self.columns;
+        let are_known = (0..=MOST_ATTACHED).any(|n| fits(n, false) || fits(n, true));
+        (!are_known).then_some("its columns are not those of its design")
     }
 
     /// Number of the point that a cell belongs to.
