@@ -48,7 +48,8 @@ pub struct StepReport {
     /// resolves it (rad); zero where all steps do.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub unresolved_rad: f64,
-    /// Energy that quasi-static steps gained within the error of the trapezoid rule for the work (J).
+    /// Energy that quasi-static steps gained within the error of the trapezoid rule for the work
+    /// (J).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub work_error_j: f64,
     /// Largest change of the direction of a spring about its root in a step of a fixed length

@@ -4,8 +4,7 @@
 //! the change of d in each step. One of second order is off by about an eighth of the change of
 //! that change, which is also what it misses where something happens within a step, such as a stop.
 //! Summed up over a run, this estimates the error of fixed steps at next to no cost. Errors add up
-//! otherwise than these sums: of the runs of `cohaul stress` with an answer, the sums are exceeded
-//! by a factor of four in 5 to 10 of a hundred.
+//! otherwise than these sums; `results/2026-11-29-account` counts how often they are larger.
 
 use serde::{Deserialize, Serialize};
 
