@@ -16,7 +16,9 @@ pub mod presets;
 
 pub(crate) use data::SAME_INSTANT;
 pub use data::{AntDrive, Drive, Scenario, TipPath, Waypoint};
+pub(crate) use error::cut;
+#[cfg(feature = "reports")]
+pub(crate) use error::is_in_range;
 pub use error::{Finding, Findings, ScenarioError, lines};
-pub(crate) use error::{cut, is_in_range};
 #[cfg(any(feature = "program", all(test, feature = "output")))]
 pub(crate) use expand::sha256_hex;
