@@ -8,7 +8,7 @@ use cohaul::math::{Pose, RandomStreams, Stream, Vec2, direction};
 use cohaul::model::ant::{Ant, Mode, Steering};
 use cohaul::model::avoidance::{Avoidance, Side, Walker};
 use cohaul::model::behaviour::turn_towards;
-use cohaul::model::geometry::{Barrier, PlacedBarrier};
+use cohaul::model::geometry::{Barrier, Barriers, PlacedBarrier};
 use cohaul::model::{Outline, OutlinePart};
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Ants, Controller, Keep, Outcome, Simulation, Trace, follow_ants};
@@ -28,6 +28,10 @@ fn wall(list: &[[f64; 2]]) -> PlacedBarrier {
     PlacedBarrier::new(Barrier::of(&outline), &Pose::new(0.0, 0.0, 0.0))
 }
 
+fn still(barriers: &[PlacedBarrier]) -> Barriers {
+    Barriers::new(barriers.to_vec(), Vec::new(), WALKER.radius)
+}
+
 /// A walk of at most ten seconds to within 5 mm of a target: the path, and whether it arrived. No
 /// step overlaps a barrier.
 fn walk(
@@ -37,6 +41,7 @@ fn walk(
     avoidance: Avoidance,
     draw: impl Fn() -> Side,
 ) -> (Vec<Vec2>, bool) {
+    let barriers = still(barriers);
     let (target, steering) = (Vec2::from(target), Steering::new(10.0, PERIOD));
     let (mut ant, mut side) = (Ant::new(Vec2::new(x, y), heading), None);
     let mut path = vec![ant.position];
@@ -45,10 +50,10 @@ fn walk(
         if (target - from).norm() < 0.005 {
             return (path, true);
         }
-        let desired = WALKER.desired(barriers.iter(), &from, &ant.ahead, &target, &mut side, &draw);
+        let desired = WALKER.desired(barriers.alone(), &from, &ant.ahead, &target, &mut side, &draw);
         ant.walk(SPEED * PERIOD, steering.turn(turn_towards(&desired, &ant.ahead)), 0.0);
-        ant.position = WALKER.stepped(barriers.iter(), &from, &ant.position, avoidance).expect("there is room");
-        assert!(WALKER.is_clear(barriers.iter(), &ant.position), "{}", ant.position);
+        ant.position = WALKER.stepped(barriers.alone(), &from, &ant.position, avoidance).expect("there is room");
+        assert!(WALKER.is_clear(barriers.alone(), &ant.position), "{}", ant.position);
         path.push(ant.position);
     }
     (path, false)
@@ -145,7 +150,7 @@ fn what_moves_pushes_walkers() {
     let mut at = Vec2::new(0.02, 0.0);
     for tick in 0..400 {
         let pusher = disc(1e-4 * f64::from(tick), 0.0, 0.01);
-        at = WALKER.stepped([pusher].iter(), &at, &at, Avoidance::Turn).unwrap();
+        at = WALKER.stepped(still(&[pusher]).alone(), &at, &at, Avoidance::Turn).unwrap();
     }
     assert!((at - Vec2::new(0.0399 + 0.012, 0.0)).norm() < 1e-12, "{at}");
 }
@@ -302,11 +307,11 @@ fn ants_start_where_they_fit() {
             corners: [[-0.13, -0.125], [-0.03, -0.125], [-0.03, 0.125], [-0.13, 0.125]].map(Vec2::from).to_vec(),
         }],
     };
-    let barriers = [PlacedBarrier::new(Barrier::of(&block), &Pose::new(0.0, 0.0, 0.0)), disc(0.0, 0.0, 0.0122)];
+    let barriers = still(&[PlacedBarrier::new(Barrier::of(&block), &Pose::new(0.0, 0.0, 0.0)), disc(0.0, 0.0, 0.0122)]);
     let (free, any) = (starts("sidestep"), starts("none"));
-    assert!(free.iter().all(|at| WALKER.is_clear(barriers.iter(), at)));
+    assert!(free.iter().all(|at| WALKER.is_clear(barriers.alone(), at)));
     let n_moved = free.iter().zip(&any).filter(|(a, b)| a != b).count();
-    assert_eq!(n_moved, any.iter().filter(|at| !WALKER.is_clear(barriers.iter(), at)).count());
+    assert_eq!(n_moved, any.iter().filter(|at| !WALKER.is_clear(barriers.alone(), at)).count());
     // The block fills 28 % of the square of 0.3 m.
     assert!((40..80).contains(&n_moved), "{n_moved}");
 }

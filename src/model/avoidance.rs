@@ -21,7 +21,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::geometry::{FirstContact, Piece, PlacedBarrier};
+use super::geometry::{Among, FirstContact, Piece};
 use crate::math::{Vec2, rotation};
 
 /// How walkers avoid obstacles and the load.
@@ -72,48 +72,32 @@ const MOST_PUSHES: usize = 64;
 
 impl Walker {
     /// First contact on the way along the unit vector `ahead` (m).
-    fn first_contact<'a>(
-        &self,
-        barriers: impl Iterator<Item = &'a PlacedBarrier>,
-        from: &Vec2,
-        ahead: &Vec2,
-        length: f64,
-    ) -> Option<FirstContact> {
-        let radius = (1.0 - GRAZE) * self.radius;
-        let contacts = barriers.filter_map(|barrier| barrier.first_contact(from, ahead, length, radius));
-        contacts.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    fn first_contact(&self, among: Among, from: &Vec2, ahead: &Vec2, length: f64) -> Option<FirstContact> {
+        among.first_contact(from, ahead, length, (1.0 - GRAZE) * self.radius)
     }
 
     /// Whether the straight way between two points is free.
-    pub fn is_way_free<'a>(&self, barriers: impl Iterator<Item = &'a PlacedBarrier>, from: &Vec2, to: &Vec2) -> bool {
+    pub fn is_way_free(&self, among: Among, from: &Vec2, to: &Vec2) -> bool {
         let length = (to - from).norm();
-        length == 0.0 || self.first_contact(barriers, from, &((to - from) / length), length).is_none()
+        length == 0.0 || self.first_contact(among, from, &((to - from) / length), length).is_none()
     }
 
     /// Whether a walker at this point overlaps no barrier.
-    pub fn is_clear<'a>(&self, mut barriers: impl Iterator<Item = &'a PlacedBarrier>, at: &Vec2) -> bool {
-        barriers.all(|barrier| !self.overlaps(barrier, at))
-    }
-
-    fn overlaps(&self, barrier: &PlacedBarrier, at: &Vec2) -> bool {
-        let least = (1.0 - GRAZE) * self.radius;
-        barrier.is_near(at, least) && barrier.gap(at).is_some_and(|gap| gap.distance < least)
+    pub fn is_clear(&self, among: Among, at: &Vec2) -> bool {
+        among.deepest(at, (1.0 - GRAZE) * self.radius).is_none()
     }
 
     /// Direction in which a walker at `from` that faces `ahead` wants to go to reach a target, a
     /// vector of any length. The `side` is kept from tick to tick, and drawn where both are equal.
-    pub fn desired<'a, B>(
+    pub fn desired(
         &self,
-        barriers: B,
+        among: Among,
         from: &Vec2,
         ahead: &Vec2,
         target: &Vec2,
         side: &mut Option<Side>,
         draw: impl FnOnce() -> Side,
-    ) -> Vec2
-    where
-        B: Iterator<Item = &'a PlacedBarrier> + Clone,
-    {
+    ) -> Vec2 {
         let straight = target - from;
         let distance = straight.norm();
         if distance == 0.0 {
@@ -122,11 +106,11 @@ impl Walker {
         let towards = straight / distance;
         // A walker that turns aside already looks as far as its target.
         let range = if side.is_some() { distance } else { distance.min(self.look_ahead) };
-        let Some(contact) = self.first_contact(barriers.clone(), from, &towards, range) else {
+        let Some(contact) = self.first_contact(among, from, &towards, range) else {
             *side = None;
             return straight;
         };
-        let around = |side: Side| self.tangent(barriers.clone(), from, &towards, &contact.piece, side);
+        let around = |side: Side| self.tangent(among, from, &towards, &contact.piece, side);
         if let Some(kept) = *side {
             return around(kept).unwrap_or(straight);
         }
@@ -153,10 +137,7 @@ impl Walker {
 
     /// First direction on a side of `towards` that is free up to the point where it touches what
     /// blocks it, a unit vector; `None` for a walker that is closed in.
-    fn tangent<'a, B>(&self, barriers: B, from: &Vec2, towards: &Vec2, blocking: &Piece, side: Side) -> Option<Vec2>
-    where
-        B: Iterator<Item = &'a PlacedBarrier> + Clone,
-    {
+    fn tangent(&self, among: Among, from: &Vec2, towards: &Vec2, blocking: &Piece, side: Side) -> Option<Vec2> {
         let sign = if side == Side::Left { 1.0 } else { -1.0 };
         let (mut piece, mut turned) = (*blocking, 0.0);
         for _ in 0..MOST_TANGENTS {
@@ -167,7 +148,7 @@ impl Walker {
                 return None;
             }
             let direction = rotation(sign * turned) * towards;
-            match self.first_contact(barriers.clone(), from, &direction, distance) {
+            match self.first_contact(among, from, &direction, distance) {
                 None => return Some(direction),
                 Some(next) => piece = next.piece,
             }
@@ -191,35 +172,27 @@ impl Walker {
 
     /// Point nearest to `at` where a walker overlaps no barrier, found by leaving the deepest one
     /// again and again; `None` where it overlaps one after many of these pushes.
-    pub fn pushed_out<'a, B>(&self, barriers: B, at: &Vec2) -> Option<Vec2>
-    where
-        B: Iterator<Item = &'a PlacedBarrier> + Clone,
-    {
+    pub fn pushed_out(&self, among: Among, at: &Vec2) -> Option<Vec2> {
         let mut at = *at;
         for _ in 0..MOST_PUSHES {
-            let gaps = barriers.clone().filter(|barrier| barrier.is_near(&at, self.radius)).filter_map(|barrier| barrier.gap(&at));
-            let deepest = gaps.min_by(|a, b| a.distance.total_cmp(&b.distance)).filter(|gap| gap.distance < self.radius);
-            let Some(gap) = deepest else { return Some(at) };
+            let Some(gap) = among.deepest(&at, self.radius) else { return Some(at) };
             at += (self.radius - gap.distance) * gap.normal;
         }
-        self.is_clear(barriers, &at).then_some(at)
+        self.is_clear(among, &at).then_some(at)
     }
 
     /// Point where a walker arrives that steps from one point to another. It is the end of the step
     /// pushed out of all barriers, in pieces shorter than the walker, so that no wall is passed.
-    pub fn stepped<'a, B>(&self, barriers: B, from: &Vec2, to: &Vec2, avoidance: Avoidance) -> Option<Vec2>
-    where
-        B: Iterator<Item = &'a PlacedBarrier> + Clone,
-    {
+    pub fn stepped(&self, among: Among, from: &Vec2, to: &Vec2, avoidance: Avoidance) -> Option<Vec2> {
         let step = to - from;
         let length = step.norm();
         if avoidance == Avoidance::Turn && length > 0.0 {
-            let contact = self.first_contact(barriers.clone(), from, &(step / length), length);
+            let contact = self.first_contact(among, from, &(step / length), length);
             let free = contact.map_or(1.0, |contact| (contact.distance / length).min(1.0));
-            return self.pushed_out(barriers, &(from + free * step));
+            return self.pushed_out(among, &(from + free * step));
         }
         let n_pieces = (length / (0.5 * self.radius)).ceil().max(1.0);
-        (0..n_pieces as usize).try_fold(*from, |at, _| self.pushed_out(barriers.clone(), &(at + step / n_pieces)))
+        (0..n_pieces as usize).try_fold(*from, |at, _| self.pushed_out(among, &(at + step / n_pieces)))
     }
 }
 
@@ -227,10 +200,14 @@ impl Walker {
 mod tests {
     use super::*;
     use crate::math::{Pose, direction};
-    use crate::model::geometry::Barrier;
+    use crate::model::geometry::{Barrier, Barriers, PlacedBarrier};
     use crate::model::{Outline, OutlinePart};
 
     const WALKER: Walker = Walker { radius: 0.002, look_ahead: 0.03 };
+
+    fn still(barriers: &[PlacedBarrier]) -> Barriers {
+        Barriers::new(barriers.to_vec(), Vec::new(), WALKER.radius)
+    }
 
     fn disc(x: f64, y: f64, radius: f64) -> PlacedBarrier {
         PlacedBarrier::new(Barrier::of(&Outline::disc(radius)), &Pose::new(x, y, 0.3))
@@ -243,7 +220,7 @@ mod tests {
 
     /// Desired direction (rad) of a walker at the origin that faces `facing` (rad).
     fn desired(barriers: &[PlacedBarrier], facing: f64, target: [f64; 2], side: &mut Option<Side>) -> f64 {
-        let at = WALKER.desired(barriers.iter(), &Vec2::zeros(), &direction(facing), &target.into(), side, || Side::Right);
+        let at = WALKER.desired(still(barriers).alone(), &Vec2::zeros(), &direction(facing), &target.into(), side, || Side::Right);
         at.y.atan2(at.x)
     }
 
@@ -276,7 +253,7 @@ mod tests {
     fn a_gap_is_used_where_the_walker_fits() {
         for (width, fits) in [(0.00401, true), (0.00399, false)] {
             let gap = [wall(&[[0.01, -0.1], [0.01, -0.5 * width]]), wall(&[[0.01, 0.5 * width], [0.01, 0.1]])];
-            assert_eq!(WALKER.is_way_free(gap.iter(), &Vec2::zeros(), &Vec2::new(0.02, 0.0)), fits);
+            assert_eq!(WALKER.is_way_free(still(&gap).alone(), &Vec2::zeros(), &Vec2::new(0.02, 0.0)), fits);
             let angle = desired(&gap, 0.1, [0.02, 0.0], &mut None);
             // The end of the wall is 84 degrees off.
             assert!(if fits { angle == 0.0 } else { angle > 1.4 }, "{angle}");
@@ -302,20 +279,20 @@ mod tests {
         let floor = [wall(&[[-1.0, 0.0], [1.0, 0.0]])];
         let from = Vec2::new(0.0, 0.002);
         let to = Vec2::new(3e-4, 0.002 - 4e-4);
-        let slid = WALKER.stepped(floor.iter(), &from, &to, Avoidance::Sidestep).unwrap();
+        let slid = WALKER.stepped(still(&floor).alone(), &from, &to, Avoidance::Sidestep).unwrap();
         assert!((slid - Vec2::new(3e-4, 0.002)).norm() < 1e-17, "{slid}");
         // The contact is found within the share by which a walker may overlap what it touches.
-        let stopped = WALKER.stepped(floor.iter(), &from, &to, Avoidance::Turn).unwrap();
+        let stopped = WALKER.stepped(still(&floor).alone(), &from, &to, Avoidance::Turn).unwrap();
         assert!((stopped - from).norm() < GRAZE * WALKER.radius, "{stopped}");
         // A step as long as ten walkers does not pass the wall either.
-        let far = WALKER.stepped(floor.iter(), &from, &Vec2::new(0.0, -0.02), Avoidance::Sidestep).unwrap();
+        let far = WALKER.stepped(still(&floor).alone(), &from, &Vec2::new(0.0, -0.02), Avoidance::Sidestep).unwrap();
         assert!((far - from).norm() < 1e-17, "{far}");
         // In a corner of 90 degrees both walls hold.
         let corner = [wall(&[[-1.0, 0.0], [0.01, 0.0], [0.01, 1.0]])];
-        let held = WALKER.stepped(corner.iter(), &Vec2::new(0.0, 0.01), &Vec2::new(0.03, -0.02), Avoidance::Sidestep).unwrap();
+        let held = WALKER.stepped(still(&corner).alone(), &Vec2::new(0.0, 0.01), &Vec2::new(0.03, -0.02), Avoidance::Sidestep).unwrap();
         assert!((held - Vec2::new(0.008, 0.002)).norm() < 1e-15, "{held}");
         // What moves pushes both kinds.
-        let pushed = WALKER.stepped([disc(-0.0105, 0.0, 0.01)].iter(), &Vec2::zeros(), &Vec2::zeros(), Avoidance::Turn).unwrap();
+        let pushed = WALKER.stepped(still(&[disc(-0.0105, 0.0, 0.01)]).alone(), &Vec2::zeros(), &Vec2::zeros(), Avoidance::Turn).unwrap();
         assert!((pushed - Vec2::new(0.0015, 0.0)).norm() < 1e-16, "{pushed}");
     }
 }

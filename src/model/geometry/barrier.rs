@@ -148,6 +148,16 @@ impl PlacedBarrier {
         }
     }
 
+    /// Corners of the box about the outline, in world axes (m); `None` for one without parts.
+    pub fn bounds(&self) -> Option<[Vec2; 2]> {
+        let of_end = |end: &Vec2, rounding: f64| {
+            let centre = self.position + self.turn * end;
+            [centre.add_scalar(-rounding), centre.add_scalar(rounding)]
+        };
+        let boxes = self.barrier.pieces.iter().flat_map(|piece| piece.ends.iter().map(|end| of_end(end, piece.rounding)));
+        boxes.reduce(|[least, most], [low, high]| [least.inf(&low), most.sup(&high)])
+    }
+
     /// Whether a point may be within `reach` (m) of the outline, by its distance from the origin.
     pub fn is_near(&self, point: &Vec2, reach: f64) -> bool {
         let far = self.barrier.extent + reach;

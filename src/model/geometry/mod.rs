@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! barrier.rs   outlines as barriers to discs that walk
+//! barriers.rs  many of them, in a tree
 //! moments.rs   area, centroid and second moment in closed form
 //! polygon.rs   crossings and orientation of a polygon
 //! pieces.rs    convex pieces, also as shapes of parry2d
@@ -13,12 +14,14 @@
 //! to about 5e-9 of the size; those of moments and crossings are rounding.
 
 mod barrier;
+mod barriers;
 mod moments;
 mod pieces;
 mod polygon;
 mod queries;
 
 pub use barrier::{Barrier, FirstContact, Gap, Piece, PlacedBarrier};
+pub use barriers::{Among, Barriers};
 pub use moments::{AreaMoments, area_moments, moments_of_polygon};
 pub use pieces::{ConvexPiece, convex_pieces};
 pub use polygon::{first_crossing, turned_counter_clockwise, without_straight_corners, without_straight_points};

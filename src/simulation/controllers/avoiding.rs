@@ -9,7 +9,7 @@ use crate::model::ObstaclePath;
 use crate::model::ant::{Ant, Steering};
 use crate::model::avoidance::{Avoidance, Side, Walker};
 use crate::model::behaviour::turn_towards;
-use crate::model::geometry::{Barrier, PlacedBarrier};
+use crate::model::geometry::{Among, Barrier, Barriers, PlacedBarrier};
 use crate::scenario::{AntDrive, Scenario};
 
 /// Most draws of a start (1): an ant that finds no free place in so many is pushed out of what it
@@ -22,7 +22,7 @@ pub struct Avoiding {
     walker: Walker,
     /// Distance from the position of a searching ant to the point about which it turns (m).
     control_offset: f64,
-    obstacles: Vec<PlacedBarrier>,
+    obstacles: Barriers,
     /// Paths of the obstacles that move, with their indices.
     paths: Vec<(usize, ObstaclePath)>,
     load: PlacedBarrier,
@@ -37,12 +37,14 @@ impl Avoiding {
         let world = &scenario.system.world;
         let placed = |path: &ObstaclePath, outline| PlacedBarrier::new(Barrier::of(outline), &path.pose_at(0.0));
         let moving = world.obstacles.iter().enumerate().filter(|(_, obstacle)| obstacle.path.moves());
+        let paths: Vec<_> = moving.map(|(index, obstacle)| (index, obstacle.path.clone())).collect();
+        let obstacles = world.obstacles.iter().map(|obstacle| placed(&obstacle.path, &obstacle.outline)).collect();
         Some(Self {
             avoidance: drive.avoidance,
             walker: Walker { radius: drive.body_radius, look_ahead: drive.look_ahead },
             control_offset: drive.control_offset,
-            obstacles: world.obstacles.iter().map(|obstacle| placed(&obstacle.path, &obstacle.outline)).collect(),
-            paths: moving.map(|(index, obstacle)| (index, obstacle.path.clone())).collect(),
+            obstacles: Barriers::new(obstacles, paths.iter().map(|(index, _)| *index).collect(), drive.body_radius),
+            paths,
             load: PlacedBarrier::new(Barrier::of(&world.outline), &scenario.start.pose),
         })
     }
@@ -51,13 +53,13 @@ impl Avoiding {
     pub fn place(&mut self, load: &Pose, time: f64) {
         self.load.move_to(load);
         for (index, path) in &self.paths {
-            self.obstacles[*index].move_to(&path.pose_at(time));
+            self.obstacles.moving(*index).move_to(&path.pose_at(time));
         }
     }
 
     /// Obstacles, and the load.
-    fn all(&self) -> impl Iterator<Item = &PlacedBarrier> + Clone {
-        self.obstacles.iter().chain([&self.load])
+    fn all(&self) -> Among<'_> {
+        self.obstacles.with(Some(&self.load))
     }
 
     /// First of the drawn positions at which an ant overlaps nothing (m, world).
@@ -69,7 +71,7 @@ impl Avoiding {
     /// Whether an ant at `from` senses a tip: the straight way to it is free, and it can stand
     /// there.
     pub fn senses(&self, from: &Vec2, tip: &Vec2) -> bool {
-        self.walker.is_way_free(self.obstacles.iter(), from, tip) && self.walker.is_clear(self.obstacles.iter(), tip)
+        self.walker.is_way_free(self.obstacles.alone(), from, tip) && self.walker.is_clear(self.obstacles.alone(), tip)
     }
 
     /// Walks a searching ant a `distance` (m) towards a target (m, world).
@@ -84,7 +86,7 @@ impl Avoiding {
     ) {
         let from = ant.position;
         let is_at_load = self.load.gap(target).is_some_and(|gap| gap.distance < self.walker.radius);
-        let blocking = self.obstacles.iter().chain((!is_at_load).then_some(&self.load));
+        let blocking = self.obstacles.with((!is_at_load).then_some(&self.load));
         let desired = self.walker.desired(blocking, &from, &ant.ahead, target, side, draw);
         ant.walk(distance, steering.turn(turn_towards(&desired, &ant.ahead)), self.control_offset);
         let stepped = self.walker.stepped(self.all(), &from, &ant.position, self.avoidance);
@@ -95,6 +97,6 @@ impl Avoiding {
     /// Position (m, world) of an ant that drags its tip from one point to another, outside of the
     /// obstacles.
     pub fn dragged(&self, from: &Vec2, to: &Vec2) -> Vec2 {
-        self.walker.stepped(self.obstacles.iter(), from, to, Avoidance::Sidestep).unwrap_or(*from)
+        self.walker.stepped(self.obstacles.alone(), from, to, Avoidance::Sidestep).unwrap_or(*from)
     }
 }
