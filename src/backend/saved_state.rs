@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::Motion;
 use crate::scenario::cut;
 
 /// State of a backend as a JSON value. Floats keep all their digits.
@@ -44,5 +45,14 @@ impl RestoreError {
     pub fn unreadable(error: impl Display) -> Self {
         const LONGEST: usize = 500;
         Self(cut(error.to_string(), LONGEST))
+    }
+
+    /// # Errors
+    /// When a restored motion is none to compute with.
+    pub(super) fn check_motion(motion: &Motion) -> Result<(), Self> {
+        /// Largest entry of a motion (SI units). Scenarios end at 1e50.
+        const LARGEST_ENTRY: f64 = 1e60;
+        let far = motion.entries().into_iter().find(|entry| entry.abs() > LARGEST_ENTRY);
+        far.map_or(Ok(()), |entry| Err(Self(format!("a motion with the entry {entry:e}"))))
     }
 }

@@ -52,8 +52,8 @@ pub struct StepReport {
     /// (J).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub work_error_j: f64,
-    /// Largest change of the direction of a spring about its root in a step of a fixed length
-    /// (rad).
+    /// Largest change of the direction of a spring about its root in a fixed step of an exact
+    /// backend (rad); zero where all are small.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub swing_rad: f64,
     /// Share of the path that the positions of the engine lost by rounding, where it exceeds what a

@@ -54,6 +54,10 @@ pub struct Finding {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Account {
     pub health: Health,
+    /// Energy that appeared from nowhere over the energy turned over (1), negative where it
+    /// vanished.
+    #[serde(default)]
+    pub defect_share: f64,
     /// Estimated error of the pose by the length of the steps, at the edge of the load (m): see
     /// [`super::Resolution::step_error_m`]. Only for fixed steps with inertia.
     #[serde(default, skip_serializing_if = "Option::is_none")]

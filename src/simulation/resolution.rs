@@ -8,11 +8,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::backend::{BackendOptions, Integrator};
+use crate::backend::{BackendOptions, Integrator, StepReport};
 use crate::math::Vec3;
 use crate::model::Motion;
 
-/// Factor between the sum of errors of steps and what is stated (1).
+/// Factor between the sum of errors of steps and what is stated (1). The sum is an estimate of the
+/// leading term; errors of forces that turn with the load add up to a few times as much. With four,
+/// 98 % of the runs of the stress maps that are ok, but for those with the engine's own settings,
+/// end within what they state.
 const SAFETY: f64 = 4.0;
 
 /// Sums over the steps of a run, at the edge of the load.
@@ -24,6 +27,10 @@ pub struct Resolution {
     pub second_changes_m: f64,
     /// Path length: sum of the sizes of the increments (m).
     pub path_length_m: f64,
+    /// Sum of the sizes of the increments, each times the residual of its steps, at most one (m):
+    /// how much of the path lacks forces that balance.
+    #[serde(default)]
+    pub unsolved_m: f64,
     /// Increment of the last step, and its change in that step: shift, and turn times radius (m).
     last: Vec3,
     last_change: Vec3,
@@ -44,16 +51,18 @@ impl Resolution {
         SAFETY * if is_second_order { 0.125 * self.second_changes_m } else { 0.5 * self.changes_m }
     }
 
-    /// Adds an advance from one motion to another of a load of this `radius` (m), in so many steps.
-    pub(super) fn add(&mut self, from: &Motion, to: &Motion, n_steps: u64, radius: f64) {
+    /// Adds an advance from one motion to another of a load of this `radius` (m), with what its
+    /// steps report.
+    pub(super) fn add(&mut self, from: &Motion, to: &Motion, report: &StepReport, radius: f64) {
         let moved = (to.pose.position - from.pose.position).push(radius * (to.pose.heading - from.pose.heading));
-        let n_steps = n_steps.max(1) as f64;
+        let n_steps = report.n_steps.max(1) as f64;
         let increment = moved / n_steps;
         let change = increment - self.last;
         self.changes_m += change.norm();
         // Increments are means over the advance, from the middle of one to the middle of the next.
         self.second_changes_m += (change - self.last_change).norm() / n_steps;
         self.path_length_m += moved.norm();
+        self.unsolved_m += report.residual.min(1.0) * moved.norm();
         (self.last, self.last_change) = (increment, change);
     }
 }

@@ -84,17 +84,17 @@ pub const RULES: [Rule; 14] = [
     },
     Rule {
         cause: Cause::EngineNotSolved,
-        measure: "largest residual times share of steps",
+        measure: "share of the path with unsolved forces",
         unit: "",
         doubtful: 0.03,
-        failed: 0.3,
+        failed: 0.5,
         means: "steps of the engine did not converge",
         cure: "use a shorter step, or more iterations of the engine",
-        get: |facts| if facts.options.kind.is_exact() { 0.0 } else { facts.not_solved() },
+        get: |facts| if facts.options.kind.is_exact() { 0.0 } else { facts.of_path(facts.outcome.resolution.unsolved_m) },
     },
     Rule {
         cause: Cause::EnergyGained,
-        measure: "share of the energy that went in",
+        measure: "share of the energy turned over",
         unit: "",
         doubtful: 0.05,
         failed: 0.5,
@@ -114,9 +114,9 @@ pub const RULES: [Rule; 14] = [
     },
     Rule {
         cause: Cause::EnergyLost,
-        measure: "share of the energy that went in",
+        measure: "share of the energy turned over",
         unit: "",
-        doubtful: 0.2,
+        doubtful: 0.1,
         failed: 0.9,
         means: "energy vanished",
         cure: "use a shorter step, or --tolerance",
@@ -130,7 +130,7 @@ pub const RULES: [Rule; 14] = [
         failed: f64::INFINITY,
         means: "the steps are too long for the motion",
         cure: "use a shorter step, or --tolerance",
-        get: |facts| facts.step_error_share(),
+        get: |facts| facts.of_path(facts.outcome.resolution.step_error_m(facts.options)),
     },
     Rule {
         cause: Cause::UnresolvedOscillation,
@@ -236,7 +236,7 @@ impl Facts<'_> {
 
     /// Energy gained from nowhere over the largest entry of the ledger (1), negative if lost. A run
     /// of rapier knows more of its energies: it says itself what it gained beyond what its steps
-    /// explain.
+    /// explain, over the energy that went in.
     fn gained(&self) -> f64 {
         let (steps, energy) = (&self.outcome.steps, &self.outcome.energy);
         if !self.options.kind.is_exact() {
@@ -254,11 +254,11 @@ impl Facts<'_> {
         if gain > 0.0 { gain / size } else { 0.0 }
     }
 
-    /// Estimated step error over the path length (1), or over a hundredth of the radius of a load
-    /// that moves less.
-    fn step_error_share(&self) -> f64 {
+    /// A length over the path length (1), or over a hundredth of the radius of a load that moves
+    /// less.
+    fn of_path(&self, length: f64) -> f64 {
         let least = LEAST_PATH * self.scenario.system.load.radius;
-        self.outcome.resolution.step_error_m(self.options) / self.outcome.resolution.path_length_m.max(least)
+        length / self.outcome.resolution.path_length_m.max(least)
     }
 }
 
@@ -269,7 +269,8 @@ impl Account {
         let findings: Vec<Finding> = RULES.iter().filter_map(|rule| rule.finding(&facts)).collect();
         let health = findings.iter().map(|finding| finding.health).max().unwrap_or_default();
         let has_estimate = options.kind.has_inertia() && options.tolerance.is_none();
-        Self { health, step_error_m: has_estimate.then(|| outcome.resolution.step_error_m(options)), findings }
+        let defect_share = facts.gained().clamp(-f64::MAX, f64::MAX);
+        Self { health, defect_share, step_error_m: has_estimate.then(|| outcome.resolution.step_error_m(options)), findings }
     }
 
     /// The worst finding, of several the first; `None` for a run that is ok.

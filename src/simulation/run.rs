@@ -194,7 +194,7 @@ impl<'a> Simulation<'a> {
         self.totals.steps.add(&report);
         self.observe();
         if self.options.kind.has_inertia() && self.options.tolerance.is_none() {
-            self.totals.resolution.add(&motion, &self.backend.motion(), report.n_steps, scenario.system.load.radius);
+            self.totals.resolution.add(&motion, &self.backend.motion(), &report, scenario.system.load.radius);
         }
         if report.status == Status::Failed {
             // What lies beyond has no meaning. Time and rows end where the last answer was.

@@ -82,7 +82,7 @@ fn run(scenario: &Scenario, options: &BackendOptions) -> Option<Outcome> {
 /// Share of the largest entry by which the ledger of a run that is ok may stay open (1): the limits
 /// of gained and of lost energy, with inertia and without.
 fn open_share(kind: BackendKind) -> [f64; 2] {
-    if kind.has_inertia() { [-0.2, 0.05] } else { [-0.5, 0.5] }
+    if kind.has_inertia() { [-0.1, 0.05] } else { [-0.5, 0.5] }
 }
 
 /// What is wrong with a run that says that it is ok.

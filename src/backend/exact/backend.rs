@@ -149,18 +149,12 @@ impl<M: Method> Exact<M> {
     }
 }
 
-/// Largest entry of a motion to compute with (SI units). Scenarios end at 1e50.
-const LARGEST_ENTRY: f64 = 1e60;
-
 impl<H> State<H> {
     /// # Errors
     /// When a restored motion is none to compute with, or when the load turns about a support that
     /// is not there.
     fn check(&self, system: &System) -> Result<(), RestoreError> {
-        let far = self.motion.entries().into_iter().find(|entry| entry.abs() > LARGEST_ENTRY);
-        if let Some(entry) = far {
-            return Err(RestoreError(format!("a motion with the entry {entry:e}")));
-        }
+        RestoreError::check_motion(&self.motion)?;
         let n_supports = system.ground.supports.len();
         match self.contact.last() {
             ContactMode::Pinned(support) if support >= n_supports => {

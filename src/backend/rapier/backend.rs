@@ -122,9 +122,6 @@ struct Saved {
     memory: Option<String>,
 }
 
-/// Largest entry of a restored motion (SI units). Scenarios end at 1e50.
-const LARGEST_ENTRY: f64 = 1e60;
-
 /// Residual above which a step counts as not converged (1). A thousandth of the forces is less than
 /// the error of a step of a millisecond. Converged iterations end near 1e-15 in f64. In f32 they
 /// end near 1e-5, and at 1e-3 for a step of 10 us.
@@ -407,10 +404,7 @@ impl Backend for Rapier {
         if saved.state.touches.len() != self.system.world.obstacles.len() {
             return misfit("it has another number of obstacles");
         }
-        let entries = saved.state.motion().entries();
-        if let Some(entry) = entries.into_iter().find(|entry| entry.abs() > LARGEST_ENTRY) {
-            return misfit(&format!("a motion with the entry {entry:e}"));
-        }
+        RestoreError::check_motion(&saved.state.motion())?;
         saved.state.attachments.check(&self.system.springs)?;
         self.friction.set_warm_start(saved.warm_start)?;
         self.friction.set_held(saved.held);

@@ -50,7 +50,6 @@ impl Rapier {
         report.residual = report.residual.max(residual(&self.system.load, self.slip_limit, &step));
         let is_at_rest = report.residual <= TOLERANCE && self.repeats(&step, &body);
         (work.dashpots, work.touches, work.happened) = (dashpots, touches, happened);
-        report.swing_rad = self.most_swung(work);
         if !self.accept(work, body, end.pose.heading, ledger) {
             return StepReport { status: Status::Failed, n_not_converged: 1, n_steps: 1, residual: 0.0, ..report };
         }
@@ -64,14 +63,6 @@ impl Rapier {
             report.n_not_converged = 1;
         }
         report
-    }
-
-    /// Largest change of the direction of a spring about its root in a step (rad). A spring without
-    /// a rest length has none.
-    fn most_swung(&self, work: &Work) -> f64 {
-        let springs = self.state.attachments.iter().map(|attachment| &self.system.springs[attachment.spring]);
-        let changes = self.attached.iter().zip(&work.attached).map(|(before, after)| (after.swing - before.swing).abs());
-        springs.zip(changes).filter(|(spring, _)| spring.rest_length > 0.0).map(|(_, change)| change).fold(0.0, f64::max)
     }
 
     /// Share of the path that the poses of the engine have lost by rounding, with a step of

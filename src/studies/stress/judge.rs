@@ -108,9 +108,9 @@ pub fn judge(scenario: &Scenario, asked: &Asked, run: &Run, error: Option<f64>) 
 pub struct Judged {
     pub health: Health,
     /// Whether the end is right to a tenth of the displacement, or of a hundredth of the radius of
-    /// a load that moved less.
+    /// a load that moved less, and the energy ledger closes to a tenth.
     pub is_right: bool,
-    /// Whether it is right to that, or to the step error that the run stated.
+    /// Whether it is right to that, with the end to the step error that the run stated.
     pub is_as_stated: bool,
 }
 
@@ -119,7 +119,8 @@ pub fn judged(scenario: &Scenario, run: &Run, error: f64) -> Judged {
     let allowed = MOST_ERROR * run.seen.rim.max(LEAST_RIM * scenario.system.load.radius);
     let error = error * run.seen.rim.max(LEAST_PATH * scenario.system.load.radius);
     let stated = run.account.step_error_m.unwrap_or_default().max(allowed);
-    Judged { health: run.account.health, is_right: error <= allowed, is_as_stated: error <= stated }
+    let closes = run.account.defect_share.abs() <= MOST_ERROR;
+    Judged { health: run.account.health, is_right: closes && error <= allowed, is_as_stated: closes && error <= stated }
 }
 
 /// The step in radians of the fastest oscillation of the load on all its springs.

@@ -40,7 +40,7 @@ impl Versioned for Stress {
 }
 
 /// Numbers of runs by what they said of themselves and whether it is so. Right is an end that is
-/// off by at most a tenth of the displacement.
+/// off by at most a tenth of the displacement, with a ledger that closes to a tenth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Accounts {
     pub n_ok: usize,
