@@ -24,8 +24,8 @@ pub fn long_run(command: &str, scenario: &Scenario, cost: &ExpectedCost) -> Opti
         }
         CostLimit::Step => ("duration_s", "as many as the step demands".to_owned(), "a longer step (--step-s) or a shorter duration"),
         CostLimit::Ants => {
-            let limit = "and in each control period every ant looks at all obstacles".to_owned();
-            ("drive.n_ants", limit, "fewer ants or obstacles, a longer control period or a shorter duration")
+            let limit = "and in each control period every ant looks about".to_owned();
+            ("drive.n_ants", limit, "fewer ants, a longer control period or a shorter duration")
         }
         CostLimit::Oscillation => {
             let rate = short_quantity(fastest_rate(scenario), "rad/s");
