@@ -253,7 +253,7 @@ mod tests {
         ExpectedCost::of_run(scenario, &options).time_s
     }
 
-    /// Each doubling of the obstacles costs many ants the same, and they take longer than the steps.
+    /// Each doubling of the obstacles costs many ants the same. They take longer than the steps.
     #[test]
     fn ants_pay_for_each_doubling_of_the_obstacles() {
         let mut wall = scene("paper/wall-with-gap");
