@@ -254,8 +254,8 @@ impl Facts<'_> {
         if gain > 0.0 { gain / size } else { 0.0 }
     }
 
-    /// Energy that appeared from nowhere (1), negative where it vanished. Without inertia it is what
-    /// lies beyond the error of the work.
+    /// Energy that appeared from nowhere (1), negative where it vanished. Without inertia it is
+    /// that beyond the error of the work.
     fn defect_share(&self) -> f64 {
         let gained = self.gained();
         if self.options.kind.has_inertia() || gained < 0.0 { gained } else { self.gained_beyond_work() }
