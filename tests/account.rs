@@ -10,7 +10,7 @@ use std::process::{Command, Output};
 
 use cohaul::backend::{BackendKind, BackendOptions};
 use cohaul::scenario::{Drive, Scenario};
-use cohaul::simulation::{Cause, Health, Keep, Outcome, Simulation};
+use cohaul::simulation::{Account, Cause, Health, Keep, Outcome, Simulation};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -100,4 +100,42 @@ fn random_runs_that_are_ok_are_right_within_what_they_say() {
         }
     }
     assert!(n_ok > 60, "only {n_ok} runs are ok");
+}
+
+/// Forces that the engine leaves open count by the path on which they act. The limits are 0.03
+/// and 0.5 of it.
+#[test]
+fn open_forces_of_the_engine_count_where_the_load_moves() {
+    let scenario = Scenario::read(Path::new("scenarios/analytic/ramp-and-hold.json")).unwrap();
+    let options = BackendOptions::at_step(None, BackendKind::Rapier, &scenario.system, scenario.control_period);
+    let mut outcome = run(&scenario, &options);
+    assert_eq!(outcome.account.health, Health::Ok, "{:?}", outcome.account);
+    // Every step leaves more open than all of its forces.
+    (outcome.steps.residual, outcome.steps.n_not_converged) = (27.0, outcome.steps.n_steps);
+    let path = outcome.resolution.path_length_m;
+    for (share, health) in
+        [(0.0, Health::Ok), (0.025, Health::Ok), (0.04, Health::Doubtful), (0.45, Health::Doubtful), (0.6, Health::Failed)]
+    {
+        outcome.resolution.unsolved_m = share * path;
+        let account = Account::of(&scenario, &options, &outcome);
+        assert_eq!(account.health, health, "{share}: {account:?}");
+        assert!(account.findings.iter().all(|finding| finding.cause == Cause::EngineNotSolved), "{account:?}");
+    }
+}
+
+/// An account states how far its ledger is open, with its sign.
+#[test]
+fn an_account_states_what_vanished() {
+    let scenario = Scenario::read(Path::new("scenarios/analytic/ramp-and-hold.json")).unwrap();
+    let options = BackendOptions::at_step(None, BackendKind::Inertial, &scenario.system, scenario.control_period);
+    let whole = run(&scenario, &options);
+    assert!(whole.account.health == Health::Ok && whole.account.defect_share.abs() < 0.01, "{:?}", whole.account);
+    for (share, health) in [(0.08, Health::Ok), (0.15, Health::Doubtful)] {
+        let mut outcome = whole.clone();
+        outcome.energy.friction -= share * outcome.energy.largest_entry();
+        let account = Account::of(&scenario, &options, &outcome);
+        assert_eq!(account.health, health, "{share}: {account:?}");
+        // The ledger of the run itself closes to a hundredth.
+        assert!((account.defect_share + share).abs() < 0.01, "{share}: {account:?}");
+    }
 }

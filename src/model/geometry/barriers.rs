@@ -125,6 +125,9 @@ impl<'a> Among<'a> {
 
 /// Distance at which a ray enters a box, zero inside of it; infinite where it does not. The inverse
 /// of its direction has infinite entries where it is parallel to sides.
+///
+/// The cast of parry2d divides for each box, and took a quarter of all instructions of ants among a
+/// thousand walls.
 fn entry_into(node: &BvhNode, from: &Vec2, inverse: &Vec2) -> f64 {
     let (least, most) = (node.mins(), node.maxs());
     let (mut enter, mut leave) = (0.0, f64::INFINITY);
@@ -185,10 +188,10 @@ mod tests {
             for number in 100..400 {
                 let uniform = |of: u64| streams.uniform(Stream::Scene, number, of);
                 // Every third one starts on the lattice and goes along it, where walls meet.
-                let is_even = number % 3 == 0;
-                let place = |value: f64| if is_even { (8.0 * value).floor() / 8.0 } else { value };
+                let is_on_lattice = number % 3 == 0;
+                let place = |value: f64| if is_on_lattice { (8.0 * value).floor() / 8.0 } else { value };
                 let from = Vec2::new(place(uniform(0)), place(uniform(1)));
-                let angle = if is_even { std::f64::consts::FRAC_PI_4 * (8.0 * uniform(2)).floor() } else { 7.0 * uniform(2) };
+                let angle = if is_on_lattice { std::f64::consts::FRAC_PI_4 * (8.0 * uniform(2)).floor() } else { 7.0 * uniform(2) };
                 let of = |barriers: &Barriers| {
                     let among = barriers.with((number % 2 == 0).then_some(&other));
                     let reach = [0.5, 1.0][(number % 2) as usize] * RADIUS;
