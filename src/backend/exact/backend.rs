@@ -60,6 +60,7 @@ impl<M: Method> Backend for Exact<M> {
                 report.swing_rad = self.springs.blocks().take_most_swung();
             }
             Stepping::Controlled(control) => {
+                M::begin_advance(self, &paths);
                 let longest = M::longest_macro_step(self, &paths);
                 report.add(&extrapolation::advance(self, &Task { paths, longest, control }));
             }

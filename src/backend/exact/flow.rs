@@ -2,7 +2,8 @@
 //!
 //! Friction alone does not say where a jump leads: whatever else dissipates decides its path. Take
 //! the limit without mass of a load on damped springs whose dashpots are in proportion to the
-//! springs, radial and torsional: all springs relax in the same time. Its path obeys
+//! springs, radial and torsional: all springs relax in the same time. Springs that have dashpots
+//! keep their shapes in a jump instead. Its path obeys
 //!
 //! ```text
 //! M(q) v + sum_i B_i' f_i = w(q)        M: dashpots, w: wrench of the springs
@@ -62,7 +63,8 @@ impl Exact<QuasiStatic> {
             let pull = -springs.reaction(&system.springs, &place.pose).gradient;
             let pull = rotation(place.pose.heading).tr_mul(&pull.xy()).push(pull.z);
             let mut dashpots = Dashpots::default();
-            dashpots.renew_as(system, springs, &place.pose, in_proportion, |_, last| last.shape(&system.springs, &place.pose));
+            let stiffness = |spring: &PolarSpring| self.stiffness_in_jump(spring);
+            dashpots.renew_as(system, springs, &place.pose, stiffness, |_, last| last.shape(&system.springs, &place.pose));
             let Some(blocks) = dashpots.blocks() else { return 0.0 };
             blocks.start(&place);
             let drag = (blocks.reaction(&place).hessian * twist).component_mul(&units);
@@ -79,11 +81,6 @@ impl Exact<QuasiStatic> {
         // Not a number is not certain.
         SHARES.into_iter().map(at).map(|share| if share.is_nan() { f64::INFINITY } else { share }).fold(0.0, f64::max)
     }
-}
-
-/// Stiffness of dashpots as springs in proportion to the springs (N/m, N m/rad).
-fn in_proportion(spring: &PolarSpring) -> (f64, f64) {
-    (spring.radial_stiffness, spring.torsional_stiffness)
 }
 
 /// Friction on all supports that slip with this twist, at its limits (N, N, N m; load axes), and

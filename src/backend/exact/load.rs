@@ -39,6 +39,9 @@ pub trait Method: Sized + Send {
         longest
     }
 
+    /// Takes note of the paths of an advance under error control that begins.
+    fn begin_advance(_load: &mut Exact<Self>, _paths: &TipPaths) {}
+
     /// Longest macro-step under error control (s).
     fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64;
 

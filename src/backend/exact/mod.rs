@@ -3,7 +3,7 @@
 //! ```text
 //! backend        the calls of a backend;  load: what all methods share, and what a method may choose
 //! quasi_static   balance at every instant, after the paper;  jumps: where the balance is lost
-//! flow           where a jump ends if its path bends
+//! flow           where a jump ends if its path bends;  viscous: its dashpots
 //! bdf2           its step of second order
 //! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
 //! resolution     steps short enough for the springs as they are attached
@@ -32,6 +32,7 @@ mod quasi_static;
 mod resolution;
 mod side;
 mod touching;
+mod viscous;
 mod waypoints;
 
 pub use control::{Column, Control};
