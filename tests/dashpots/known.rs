@@ -283,7 +283,7 @@ fn a_held_load_pulls_with_its_dashpots() {
 /// and more, goes on at a finite speed.
 #[test]
 fn a_snap_through_is_a_fast_motion() {
-    let x0 = -18.02776e-3;
+    let x0 = -f64::sqrt(0.035 * 0.035 - 0.03 * 0.03);
     let radial = |angle: f64| {
         json!({
             "root_m": [0.0, 0.0], "bearing_rad": angle, "rest_length_m": 0.035, "radial_stiffness_n_per_m": STIFFNESS,
