@@ -223,7 +223,6 @@ fn fixed_steps_are_of_first_order() {
         let error = |(row, exact): (&Row, &Row)| row.motion.pose.edge_displacement(&exact.motion.pose, RADIUS);
         rows.iter().zip(&exact).map(error).fold(0.0, f64::max)
     });
-    println!("{errors:?}");
     for pair in errors.windows(2) {
         assert!((pair[0] / pair[1] - 2.0).abs() < 0.3, "{errors:?}");
     }

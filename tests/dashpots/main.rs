@@ -7,3 +7,4 @@
 mod known;
 mod limit;
 mod scene;
+mod steps;

@@ -19,7 +19,7 @@ use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::springs::Place;
 use crate::backend::stepping::Stepping;
-use crate::math::{Arc, Pose, Vec2, Vec3, increment_of, rotation};
+use crate::math::{Arc, Mat3, Pose, PositiveDefinite, Vec2, Vec3, increment_of, rotation};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, PolarSpring};
 
@@ -67,9 +67,13 @@ impl Exact<QuasiStatic> {
             dashpots.renew_as(system, springs, &place.pose, stiffness, |_, last| last.shape(&system.springs, &place.pose));
             let Some(blocks) = dashpots.blocks() else { return 0.0 };
             blocks.start(&place);
-            let drag = (blocks.reaction(&place).hessian * twist).component_mul(&units);
+            let hessian = blocks.reaction(&place).hessian;
+            let drag = (hessian * twist).component_mul(&units);
             let left = (pull - friction).component_mul(&units);
             let Some((offset, limit)) = pin else {
+                if self.is_damped() {
+                    return out_of_course(&hessian, &(pull - friction), &units, twist);
+                }
                 let across = left - left.dot(&drag) / drag.norm_squared() * drag;
                 return across.norm() / (left.norm() + system.total_slip_limit() * radius);
             };
@@ -81,6 +85,14 @@ impl Exact<QuasiStatic> {
         // Not a number is not certain.
         SHARES.into_iter().map(at).map(|share| if share.is_nan() { f64::INFINITY } else { share }).fold(0.0, f64::max)
     }
+}
+
+/// Share of the velocity of a flow that is out of line with a `twist` (1), where dashpots with this
+/// `hessian` resist a `wrench`. Those of damped springs bear forces without a motion to speak of.
+fn out_of_course(hessian: &Mat3, wrench: &Vec3, units: &Vec3, twist: &Vec3) -> f64 {
+    let Some(factor) = PositiveDefinite::new(hessian) else { return f64::INFINITY };
+    let [course, twist] = [factor.solve(wrench), *twist].map(|course| course.component_div(units));
+    (course - course.dot(&twist) / twist.norm_squared() * twist).norm() / course.norm()
 }
 
 /// Friction on all supports that slip with this twist, at its limits (N, N, N m; load axes), and

@@ -40,6 +40,8 @@ const FIRST_MACRO_STEP: f64 = 1e-3;
 /// Displacement after a change of the velocity of a tip that needs no such macro-step, over the
 /// tolerance of one (1).
 const SAME_VELOCITY: f64 = 0.1;
+/// Share of an advance within which an obstacle turns at its start (1): far above rounding.
+const SAME_INSTANT: f64 = 1e-6;
 /// Distance by which a tip may miss the continuation of its last path, over the radius of the load
 /// and the distance from the origin (1): far above rounding.
 const STRAIGHT: f64 = 1e-11;
@@ -229,10 +231,11 @@ impl Exact<QuasiStatic> {
         let velocity = |start: &Attachment| (paths.targets[start.spring] - start.tip) / paths.duration;
         let velocities = &mut self.state.memory.viscous.velocities;
         velocities.resize(self.system.springs.len(), None);
-        let mut goes_on = true;
+        let (now, same) = (self.state.side.time, SAME_INSTANT * paths.duration);
+        let mut goes_on = self.obstacles.is_none() || self.system.world.next_corner(now - same) > now + same;
         for start in paths.from {
-            let (now, before) = (velocity(start), &mut velocities[start.spring]);
-            let change = before.replace(now).map(|before| (now - before).norm());
+            let (next, last) = (velocity(start), &mut velocities[start.spring]);
+            let change = last.replace(next).map(|last| (next - last).norm());
             goes_on &= change.is_some_and(|change| change * longest <= SAME_VELOCITY * control.position);
         }
         if !goes_on {
