@@ -159,8 +159,7 @@ fn a_load_starts_when_a_tip_stops() {
     let time = c / (STIFFNESS + soft);
     assert!((amplitude - 15.185965e-3).abs() < 5e-10 && (time - 0.578273684).abs() < 5e-10);
     let springs = [isotropic(STIFFNESS, 0.0), isotropic(soft, zeta)];
-    let paths =
-        [path(0, &[[0.0, 0.0, 0.0], [0.5, -1.5 * LIMIT / STIFFNESS, 0.0]]), path(1, &[[0.0, 0.0, 0.0], [0.6, 0.6 * speed, 0.0]])];
+    let paths = [path(0, &[[0.0, 0.0, 0.0], [0.5, -1.5 * LIMIT / STIFFNESS, 0.0]]), path(1, &[[0.0, 0.0, 0.0], [0.6, 0.6 * speed, 0.0]])];
     let rows = quasi_static(&scene(1.6, &springs, &paths));
     assert_path(&rows, |t| -amplitude * relaxed(t - 0.6, time));
 }
@@ -186,12 +185,8 @@ pub fn three_springs() -> serde_json::Value {
 }
 
 /// x, y (mm) and heading (mrad) at times (s): an independent program, to half of the last digit.
-const THREE_SPRINGS: [(f64, [f64; 3]); 4] = [
-    (0.5, [-0.0526, -0.0924, 13.071]),
-    (0.51, [0.7903, 1.1569, 33.229]),
-    (0.6, [2.4217, 3.8597, 67.081]),
-    (1.0, [2.4896, 3.9829, 67.471]),
-];
+const THREE_SPRINGS: [(f64, [f64; 3]); 4] =
+    [(0.5, [-0.0526, -0.0924, 13.071]), (0.51, [0.7903, 1.1569, 33.229]), (0.6, [2.4217, 3.8597, 67.081]), (1.0, [2.4896, 3.9829, 67.471])];
 
 /// K6: three polar springs with other dashpots each.
 #[test]
@@ -290,11 +285,7 @@ fn a_snap_through_is_a_fast_motion() {
         })
     };
     let springs = [radial(FRAC_PI_2), radial(-FRAC_PI_2), isotropic(0.1, 0.5)];
-    let paths = [
-        path(0, &[[0.0, 0.0, 0.03]]),
-        path(1, &[[0.0, 0.0, -0.03]]),
-        path(2, &[[0.0, x0, 0.0], [0.5, x0 + 0.1, 0.0]]),
-    ];
+    let paths = [path(0, &[[0.0, 0.0, 0.03]]), path(1, &[[0.0, 0.0, -0.03]]), path(2, &[[0.0, x0, 0.0], [0.5, x0 + 0.1, 0.0]])];
     let mut scene = scene(0.5, &springs, &paths);
     scene["ground"]["friction_coefficient"] = json!(0.2);
     for support in scene["ground"]["supports"].as_array_mut().unwrap() {

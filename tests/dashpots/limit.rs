@@ -81,14 +81,11 @@ fn random(seed: u64) -> Value {
     let mut scene = scene(1.0, &springs, &paths);
     let n = draws.count(3, 5);
     let (first, reach) = (draws.between(0.0, TAU), draws.between(0.4, 0.9) * RADIUS);
-    let offsets: Vec<Vec2> =
-        (0..n).map(|k| reach * direction(first + (k as f64 + draws.between(-0.3, 0.3)) * TAU / n as f64)).collect();
+    let offsets: Vec<Vec2> = (0..n).map(|k| reach * direction(first + (k as f64 + draws.between(-0.3, 0.3)) * TAU / n as f64)).collect();
     let shares: Vec<f64> = offsets.iter().map(|_| draws.between(0.5, 1.5)).collect();
     let sum: f64 = shares.iter().sum();
     let middle = offsets.iter().zip(&shares).map(|(offset, share)| offset * (share / sum)).sum::<Vec2>();
-    let support = |(offset, share): (&Vec2, &f64)| {
-        json!({ "offset_m": [offset.x - middle.x, offset.y - middle.y], "normal_load_n": MASS * GRAVITY * share / sum })
-    };
+    let support = |(offset, share): (&Vec2, &f64)| json!({ "offset_m": [offset.x - middle.x, offset.y - middle.y], "normal_load_n": MASS * GRAVITY * share / sum });
     scene["ground"]["supports"] = offsets.iter().zip(&shares).map(support).collect();
     scene
 }

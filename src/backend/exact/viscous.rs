@@ -187,7 +187,8 @@ impl Exact<QuasiStatic> {
     /// forces at its end. Work and loss are those of the mean rate, also in a step by backward
     /// differences.
     pub(super) fn account_for_dashpots(&mut self, step: f64) -> StepReport {
-        let Self { method: QuasiStatic { viscous: Viscous { dashpots, start, by_differences, .. }, .. }, system, springs, state, .. } = self;
+        let Self { method: QuasiStatic { viscous: Viscous { dashpots, start, by_differences, .. }, .. }, system, springs, state, .. } =
+            self;
         let (pose, memory) = (&state.motion.pose, &mut state.memory.viscous);
         memory.on_tip.resize(system.springs.len(), Vec2::zeros());
         for (force, attached) in dashpots.forces(pose).zip(springs.iter()) {
