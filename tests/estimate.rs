@@ -130,8 +130,8 @@ fn a_jump_overshoots_by_its_own_length_and_less_with_damping() {
         let swinging = |angle: f64| (-zeta * angle).exp() * ((rate * angle).cos() + zeta / rate * (rate * angle).sin());
         let behind = |at: u32| swinging(1e-3 * f64::from(at)) - relaxing(1e-3 * f64::from(at));
         let most = (0..3000).map(behind).fold(0.0, f64::max).max(overshoot);
-        // A control period is a fiftieth of a radian.
-        assert_near(found.edge_displacement_max_m, most * jump, 1e-3);
+        // Crests are looked for in intervals of a third of a radian.
+        assert_near(found.edge_displacement_max_m, most * jump, 1e-2);
     }
     // An overdamped load approaches the balance; after a second only the slow mode is left.
     scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = 2.0);

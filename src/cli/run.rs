@@ -67,7 +67,8 @@ pub struct RunArgs {
     /// Use second-order steps while the load slips (quasi-static)
     #[arg(long, conflicts_with = "tolerance")]
     second_order: bool,
-    /// Leave out the dashpots of the springs (quasi-static): the rate-independent model of the paper
+    /// Leave out the dashpots of the springs (quasi-static): the rate-independent model of the
+    /// paper
     #[arg(long)]
     rate_independent: bool,
     /// Time integration of the inertial backend [default: midpoint]

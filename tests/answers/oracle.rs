@@ -1,9 +1,9 @@
 //! An independent solution for a load on springs along one line: what a comparison must find.
 //!
 //! The equation of motion m x'' = sum of k (p_j - x) + c (p_j' - x') - f sign(x') is integrated by
-//! the classical Runge-Kutta method in steps of 1/500 rad. Without inertia the load moves just so far
-//! that undamped springs pull with f at most, and on n damped ones their mean stretch w obeys
-//! n k w + n c w' = f sign(x'). Neither shares code with the backends.
+//! the classical Runge-Kutta method in steps of 1/500 rad. Without inertia the load moves just so
+//! far that undamped springs pull with f at most, and on n damped ones their mean stretch w obeys n
+//! k w + n c w' = f sign(x'). Neither shares code with the backends.
 
 use cohaul::scenario::Scenario;
 use serde_json::json;

@@ -1,6 +1,6 @@
-//! K10: two robots tow a box on damped springs, and a third one pushes it through a doorway. The box
-//! stands while the robots start, and their springs pull with k v t + c v each: in both models, so
-//! that inertia is no part of it.
+//! K10: two robots tow a box on damped springs, and a third one pushes it through a doorway. The
+//! box stands while the robots start, and their springs pull with k v t + c v each: in both models,
+//! so that inertia is no part of it.
 
 use cohaul::analysis::compare::{Settings, ThreeWay, Verdict};
 use cohaul::scenario::Scenario;
@@ -34,8 +34,8 @@ fn quasi_static_is_valid_in_a_doorway_with_dashpots_and_without() {
                 assert!((pull / peak - 1.0).abs() < 1e-6, "{pull} {peak}");
             }
         }
-        // Without the dashpots in the quasi-static model they count as inertia, and are named beside
-        // it otherwise.
+        // Without the dashpots in the quasi-static model they count as inertia, and are named
+        // beside it otherwise.
         let damping = found.damping_effect;
         assert_eq!(damping.is_some(), damping_ratio > 0.0);
         if let Some(damping) = damping {

@@ -1,5 +1,5 @@
-//! The quasi-static run of random damped scenes is the limit of the inertial run as the mass goes to
-//! zero at the same dashpots and the same friction.
+//! The quasi-static run of random damped scenes is the limit of the inertial run as the mass goes
+//! to zero at the same dashpots and the same friction.
 //!
 //! | what | distribution (log: uniform in the logarithm) |
 //! |---|---|
@@ -24,8 +24,8 @@ use crate::scene::*;
 
 /// Error of each run over the load's radius (1).
 const TOLERANCE: f64 = 3e-8;
-/// Masses over that of the scene (1), of which the limit is extrapolated: the path differs from that
-/// without mass by a series in the mass.
+/// Masses over that of the scene (1), of which the limit is extrapolated: the path differs from
+/// that without mass by a series in the mass.
 const MASSES: [f64; 2] = [4e-4, 1e-4];
 /// What the quasi-static run may differ from the limit by, over the size (1).
 const SAME: f64 = 1e-6;
@@ -103,8 +103,8 @@ fn lighter(scenario: &Scenario, share: f64) -> Scenario {
 #[derive(Clone, Copy, Debug)]
 struct Gaps {
     seed: u64,
-    /// Largest edge displacement between the runs over the length of the path, or the radius if that
-    /// is longer (1): for both masses, and from their limit.
+    /// Largest edge displacement between the runs over the length of the path, or the radius if
+    /// that is longer (1): for both masses, and from their limit.
     pose: [f64; 3],
     /// Largest difference of friction, damping, tip work and elastic energy from the limit at the
     /// end, over the largest of them (1), of either sign.

@@ -1,5 +1,5 @@
-//! What the quasi-static method does with dashpots besides the motion: its ledger, its rest, its jumps
-//! about damped springs, its order, the switch, its state and its contacts.
+//! What the quasi-static method does with dashpots besides the motion: its ledger, its rest, its
+//! jumps about damped springs, its order, the switch, its state and its contacts.
 
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Skips, TransitionKind, build};
 use cohaul::math::Vec2;
@@ -90,8 +90,8 @@ fn undamped_springs_jump_about_a_damped_one() {
         assert!(load.motion().pose.heading.abs() < 1e-12);
         load.release(2);
         load.advance(&tips, 1e-6);
-        // The dashpot is a million times as stiff as the springs in the jump. As it takes its force,
-        // the load turns by a further 3e-5 with less friction.
+        // The dashpot is a million times as stiff as the springs in the jump. As it takes its
+        // force, the load turns by a further 3e-5 with less friction.
         let heading = load.motion().pose.heading;
         assert!((heading - low).abs() < 1e-4, "{heading} {low}");
         assert!((load.motion().pose.to_world(&held) - held).norm() < 1e-5 * RADIUS);
@@ -102,8 +102,8 @@ fn undamped_springs_jump_about_a_damped_one() {
     }
 }
 
-/// Steps of second order are of second order on damped springs as well: here of a load that is towed
-/// aside and turns.
+/// Steps of second order are of second order on damped springs as well: here of a load that is
+/// towed aside and turns.
 #[test]
 fn steps_of_second_order() {
     let spring = |x: f64, y: f64, zeta: f64| {

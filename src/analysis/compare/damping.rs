@@ -7,7 +7,6 @@
 use serde::Serialize;
 
 use super::difference::Difference;
-use super::pathwise::{Pathwise, reference_error_for};
 use super::settings::Settings;
 use super::solution::{Question, Solution};
 use crate::backend::{BackendKind, Status};
@@ -24,29 +23,33 @@ pub struct DampingEffect {
     pub peak_net_pull_n: f64,
     /// Largest net pull of all tips without the dashpots (N).
     pub peak_net_pull_without_n: f64,
+    /// Longest time in which a damped spring relaxes, c / k (s). Where the rate-independent load
+    /// jumps, the load relaxes within a few of these.
+    pub relaxation_s: f64,
 }
 
 impl DampingEffect {
-    /// The effect in a scene with damped springs, to the error that a verdict on the paths found
-    /// needs: `Some(None)` without such springs, or if the run has no answer. `None` if `watch` says
-    /// no.
-    pub(super) fn of(question: &Question, found: &Pathwise, watch: impl Fn(f64) -> bool + Sync) -> Option<Option<Self>> {
+    /// The effect in a scene with damped springs, from the quasi-static run `with` them and one of
+    /// this error (m), unless the settings ask for another one. `Some(None)` without such springs,
+    /// or if a run has no answer; `None` if `watch` says no.
+    pub(super) fn of(question: &Question, with: &Solution, error_m: f64, watch: impl Fn(f64) -> bool + Sync) -> Option<Option<Self>> {
         let Question { scenario, settings, references, .. } = *question;
         let system = &scenario.system;
-        let is_damped = system.springs.iter().any(|spring| system.dashpot(spring) != (0.0, 0.0));
-        if !is_damped || settings.rate_independent {
+        let damped = system.springs.iter().filter(|spring| system.dashpot(spring).0 > 0.0);
+        let relaxation_s = damped.map(|spring| system.dashpot(spring).0 / spring.radial_stiffness).fold(0.0, f64::max);
+        if relaxation_s == 0.0 || settings.rate_independent {
             return Some(None);
         }
-        let reference_tolerance_m = settings.reference_tolerance_m.or(Some(reference_error_for(found.tolerance_m)));
+        let reference_tolerance_m = settings.reference_tolerance_m.or(Some(error_m));
         let settings = Settings { rate_independent: true, reference_tolerance_m, ..*settings };
         let options = settings.under_error_control(scenario, BackendKind::QuasiStatic);
         let without = question.solution(&options, references, watch)?;
-        let with = &found.solutions[0];
         if [with, &without].iter().any(|solution| solution.steps.status == Status::Failed) {
             return Some(None);
         }
         let path = Difference::between(&with.points, &without.points, system.load.radius);
-        Some(Some(Self { path, peak_net_pull_n: peak_net_pull(with), peak_net_pull_without_n: peak_net_pull(&without) }))
+        let [peak_net_pull_n, peak_net_pull_without_n] = [with, &without].map(peak_net_pull);
+        Some(Some(Self { path, peak_net_pull_n, peak_net_pull_without_n, relaxation_s }))
     }
 }
 

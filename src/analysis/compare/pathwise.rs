@@ -171,14 +171,10 @@ fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result
     serializer.collect_map(["quasi_static", "inertial", "rapier"].into_iter().zip(solutions))
 }
 
-/// Reference error (m) that lets a verdict on this tolerance (m) stand.
-pub(super) fn reference_error_for(tolerance_m: f64) -> f64 {
-    LARGEST_REFERENCE_ERROR * tolerance_m
-}
-
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
     let mut found = compare_models(question, &watch)?;
-    found.damping_effect = DampingEffect::of(question, &found, |_| watch(1.0))?;
+    let error_m = LARGEST_REFERENCE_ERROR * found.tolerance_m;
+    found.damping_effect = DampingEffect::of(question, &found.solutions[0], error_m, |_| watch(1.0))?;
     Some(found)
 }
 
@@ -256,7 +252,6 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         poses: [&inertia_effect, &engine_error, &reference_error.all],
     };
     let (verdicts, largest_pull_over_slip_limit) = (runs.verdicts(tolerance_m), runs.largest_pull_share());
-    let doubts = doubts(scenario, &solutions, &verdicts);
     let (numbers, traces) = (Numbers::of(scenario, &inertial.trace), [&quasi_static.trace, &inertial.trace]);
     let mut found = Pathwise {
         tier,
@@ -270,7 +265,7 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         numbers,
         verdict: verdicts.path.verdict,
         largest_pull_over_slip_limit,
-        doubts,
+        doubts: doubts(scenario, &solutions, &verdicts),
         causes: Vec::new(),
         suggested_changes: Vec::new(),
         tried: None,

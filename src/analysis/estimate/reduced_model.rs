@@ -21,8 +21,8 @@
 //! The offset r across the slip, `n'Hr = 0`, is constant while the model sticks. Over a path dx it
 //! drifts to where the springs balance what the dashpots do to the model beyond what they do to the
 //! load without inertia, d = C (v - v_model): `h'' dr = (d - H r) dx`, implicit. Beside a load
-//! without dashpots d is their whole wrench. Where the model moves alone, springs and friction across its path turn it in the same
-//! way, with its mass.
+//! without dashpots d is their whole wrench. Where the model moves alone, springs and friction
+//! across its path turn it in the same way, with its mass.
 
 use serde::{Deserialize, Serialize};
 

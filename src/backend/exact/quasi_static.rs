@@ -2,18 +2,18 @@
 //! neglected.
 //!
 //! Without dashpots the path of the load does not depend on the speed of the tips: the method is
-//! rate-independent, and equal nodes give equal bits. It is of first order in the step, or of second
-//! order while the load goes on slipping (`bdf2`). Where an attached or released spring leaves the
-//! load out of balance, the load jumps to the nearest balance before the tips move on. Where moving
-//! tips remove the balance, a snap-through leads to another one within the step (`jumps`). With
-//! dashpots the load relaxes there (`viscous`).
+//! rate-independent, and equal nodes give equal bits. It is of first order in the step, or of
+//! second order while the load goes on slipping (`bdf2`). Where an attached or released spring
+//! leaves the load out of balance, the load jumps to the nearest balance before the tips move on.
+//! Where moving tips remove the balance, a snap-through leads to another one within the step
+//! (`jumps`). With dashpots the load relaxes there (`relaxation`).
 
 use serde::{Deserialize, Serialize};
 
 use super::bdf2::{self, Past};
 use super::contact::GroundContact;
 use super::load::{Exact, Method, SnapStart, State};
-use super::viscous::{self, Viscous, ViscousMemory};
+use super::viscous::{Viscous, ViscousMemory};
 use crate::backend::contact::{Resistance, Scope, SideWork, Task};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Increment, Potential, Step, minimise};
@@ -171,7 +171,7 @@ impl Exact<QuasiStatic> {
         }
         if state.contact.last() == ContactMode::Stick
             && self.skips.stick_certificate
-            && !self.method.viscous.acts()
+            && !self.method.viscous.acts
             && pose == before
             && report.status == Status::Converged
             && state.side.touching.is_empty()
@@ -225,10 +225,10 @@ impl Method for QuasiStatic {
         load.set_dashpots(step);
         // Shares of the path keep the answer the same to the last bit at another speed of the tips.
         // The second order and dashpots need the time.
-        let needs_time = load.method.second_order || load.method.viscous.acts();
+        let needs_time = load.method.second_order || load.method.viscous.acts;
         let times = [from, to].map(|share| load.state.side.time + share * paths.duration);
         let mut report = load.balance(Some(if needs_time { step } else { to - from }), times);
-        if load.method.viscous.acts() {
+        if load.method.viscous.acts {
             report.add(&load.account_for_dashpots(step));
         }
         let state = &mut load.state;
@@ -306,11 +306,11 @@ impl Method for QuasiStatic {
     }
 
     fn extra_flow(state: &State<Memory>) -> Vec<f64> {
-        viscous::flow(state)
+        state.memory.viscous.flow(&state.energy)
     }
 
     fn set_extra_flow(state: &mut State<Memory>, _system: &System, flow: &[f64]) {
-        viscous::set_flow(state, flow);
+        state.memory.viscous.set_flow(&mut state.energy, flow);
     }
 
     fn pull_with_dashpot(state: &State<Memory>, spring: usize, pull: Vec2) -> Vec2 {

@@ -7,11 +7,10 @@ use clap::Args;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::super::choice::{not_negative, parse, positive};
+use super::super::choice::{not_negative, positive};
 use super::super::error::CliError;
 use super::super::input::{name_of, read_json, read_scenario, read_text};
 use super::super::output::measured_manifest;
-use crate::backend::BackendKind;
 use crate::formats;
 use crate::model::paper;
 use crate::output::folder::MANIFEST;

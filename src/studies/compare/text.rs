@@ -138,7 +138,7 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
 pub fn damping(effect: &DampingEffect) -> String {
     let path = short_quantity(effect.path.edge_displacement_max_m, "m");
     let pulls = answer::instead(effect.peak_net_pull_n, effect.peak_net_pull_without_n, "N");
-    format!("path {path}, peak net pull {pulls} without dashpots")
+    format!("path {path}, net pull {pulls} at most; relaxes in {}", short_quantity(effect.relaxation_s, "s"))
 }
 
 /// What trials of the changes against inertia found; `None` where there is no such change.

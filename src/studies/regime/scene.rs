@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::script::{Act, Cue};
-use crate::backend::{BackendKind, BackendOptions, Setting, Tolerance};
+use crate::backend::{BackendKind, BackendOptions, Tolerance};
 use crate::math::{Vec2, direction};
 use crate::model::PolarSpring;
 use crate::scenario::{Drive, Scenario};
@@ -98,7 +98,7 @@ impl Staged {
     /// Options of a run. The laws compare with the rate-independent model.
     pub fn options(&self, kind: BackendKind) -> BackendOptions {
         let options = BackendOptions::within(kind, Tolerance::at_edge(self.tolerance_m, &self.scenario.system.load));
-        BackendOptions { rate_independent: kind.reads(Setting::RateIndependent), ..options }
+        BackendOptions { rate_independent: !kind.has_inertia(), ..options }
     }
 }
 

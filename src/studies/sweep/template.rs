@@ -168,8 +168,8 @@ fn expanded(scenario: &Scenario) -> Value {
     serde_json::to_value(scenario.expanded()).expect("a scenario is plain data")
 }
 
-/// Normal loads are written out in an expanded scenario, and stay. So do the dashpots, whose damping
-/// ratios are those of the mass.
+/// Normal loads are written out in an expanded scenario, and stay. So do the dashpots, whose
+/// damping ratios are those of the mass.
 fn scale_inertia(expanded: &mut Value, scale: &Value) -> Result<(), SweepError> {
     let refused = || SweepError::axis(INERTIA, "must be a positive number", scale);
     let scale = scale.as_f64().filter(|scale| *scale > 0.0).ok_or_else(refused)?;
