@@ -1,15 +1,17 @@
 //! The exact methods: one backend for the quasi-static method and the methods with inertia.
 //!
 //! ```text
-//! backend the calls of a backend; load: what all methods share, and what a method may choose
-//! quasi_static balance at every instant, after the paper; jumps: where the balance is lost
-//! relaxation what becomes of a jump on damped springs; viscous: their dashpots flow where a jump
-//! ends if its path bends bdf2 its step of second order inertial the equation of motion, by euler
-//! or midpoint, with dashpots resolution steps short enough for the springs as they are attached
-//! contact what is known of the load's contact with the ground; side: with obstacles
-//! among_obstacles what all methods do with obstacles between their steps waypoints instants at
-//! which obstacles change their velocity extrapolation macro-steps under error control; control:
-//! their tolerances and errors
+//! backend        the calls of a backend;  load: what all methods share, and what a method may choose
+//! quasi_static   balance at every instant, after the paper;  jumps: where the balance is lost
+//! relaxation     what becomes of a jump on damped springs;  viscous: their dashpots
+//! flow           where a jump ends if its path bends
+//! bdf2           its step of second order
+//! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
+//! resolution     steps short enough for the springs as they are attached
+//! contact        what is known of the load's contact with the ground;  side: with obstacles
+//! among_obstacles  what all methods do with obstacles between their steps
+//! waypoints      instants at which obstacles change their velocity
+//! extrapolation  macro-steps under error control;  control: their tolerances and errors
 //! ```
 
 mod among_obstacles;
