@@ -199,6 +199,8 @@ impl Exact<QuasiStatic> {
     }
 
     /// Increment of second order, if there is one near the guess.
+    // A function of its own, as are those of dashpots: most steps need the registers.
+    #[inline(never)]
     fn increment_by_differences(&mut self, start: &Place, past: &Past, duration: f64, guess: &Vec3) -> Option<Increment> {
         if !self.carry_dashpots_on(past, duration) {
             return None;
@@ -222,20 +224,25 @@ impl Method for QuasiStatic {
         load.springs.place_tips(paths, to);
         let before = load.state.motion.pose;
         let step = (to - from) * paths.duration;
-        load.set_dashpots(step);
+        let is_damped = load.method.viscous.acts;
+        if is_damped {
+            load.set_dashpots(step);
+        }
         // Shares of the path keep the answer the same to the last bit at another speed of the tips.
         // The second order and dashpots need the time.
-        let needs_time = load.method.second_order || load.method.viscous.acts;
+        let needs_time = load.method.second_order || is_damped;
         let times = [from, to].map(|share| load.state.side.time + share * paths.duration);
         let mut report = load.balance(Some(if needs_time { step } else { to - from }), times);
-        if load.method.viscous.acts {
+        if is_damped {
             report.add(&load.account_for_dashpots(step));
         }
         let state = &mut load.state;
         let after = state.motion.pose;
         state.motion.twist = Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
         state.contact = GroundContact::Known(state.contact.last());
-        load.note_settled(&before, paths);
+        if is_damped {
+            load.note_settled(&before, paths);
+        }
         report
     }
 
@@ -257,7 +264,7 @@ impl Method for QuasiStatic {
     #[inline]
     fn rest(load: &mut Exact<Self>) -> bool {
         // As a tip stops, its dashpot ceases to pull, and the load may start.
-        if load.is_damped() {
+        if load.method.viscous.acts && load.is_damped() {
             load.springs.refresh(&load.system.springs, &load.state.motion.pose);
             return matches!(load.state.contact, GroundContact::Settled(ContactMode::Stick));
         }
@@ -311,6 +318,10 @@ impl Method for QuasiStatic {
 
     fn set_extra_flow(state: &mut State<Memory>, _system: &System, flow: &[f64]) {
         state.memory.viscous.set_flow(&mut state.energy, flow);
+    }
+
+    fn has_dashpots(state: &State<Memory>) -> bool {
+        !state.memory.viscous.on_tip.is_empty()
     }
 
     fn pull_with_dashpot(state: &State<Memory>, spring: usize, pull: Vec2) -> Vec2 {

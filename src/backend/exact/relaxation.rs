@@ -64,6 +64,7 @@ impl Exact<QuasiStatic> {
     }
 
     /// Sets the dashpots of a step of this length (s), with the tips of the blocks at its end.
+    #[inline(never)]
     pub(super) fn set_dashpots(&mut self, step: f64) {
         let Self { method: QuasiStatic { viscous, .. }, system, springs, state, .. } = self;
         if viscous.acts {
@@ -105,6 +106,7 @@ impl Exact<QuasiStatic> {
     /// Adds the work and the loss of the dashpots in a step (s) to the ledger, and keeps their
     /// forces at its end. Work and loss are those of the mean rate, also in a step by backward
     /// differences.
+    #[inline(never)]
     pub(super) fn account_for_dashpots(&mut self, step: f64) -> StepReport {
         let Self { method: QuasiStatic { viscous: Viscous { dashpots, start, by_differences, .. }, .. }, system, springs, state, .. } =
             self;
@@ -132,9 +134,10 @@ impl Exact<QuasiStatic> {
 
     /// Takes note of a load at rest with tips that stood still. Dashpots pull no more then, and the
     /// next step repeats this one unless a tip moves.
+    #[inline(never)]
     pub(super) fn note_settled(&mut self, before: &Pose, paths: &TipPaths) {
         let stood = |start: &Attachment| start.tip == paths.targets[start.spring];
-        if self.method.viscous.acts && self.state.motion.pose == *before && paths.from.iter().all(stood) {
+        if self.state.motion.pose == *before && paths.from.iter().all(stood) {
             self.state.contact = GroundContact::Settled(self.state.contact.last());
         }
     }
@@ -171,6 +174,7 @@ impl Exact<QuasiStatic> {
     }
 
     /// Sets the dashpots of a step of vanishing duration.
+    #[inline(never)]
     pub(super) fn set_rigid_dashpots(&mut self) {
         let Self { method: QuasiStatic { viscous, .. }, system, springs, state, .. } = self;
         if viscous.acts {
