@@ -270,8 +270,7 @@ fn follow(change: &SuggestedChange, scenario: &mut Scenario, settings: &mut Sett
             scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = damping_ratio)
         }
         SuggestedChange::ReducedInertia { factor } => {
-            scenario.system.load.mass *= factor;
-            scenario.system.load.inertia *= factor;
+            scenario.system.scale_inertia(factor);
         }
         SuggestedChange::SmallerStep { step_s } => settings.step_s = Some(step_s),
         _ => panic!("{change:?}"),

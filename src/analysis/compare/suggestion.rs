@@ -27,8 +27,8 @@ pub enum SuggestedChange {
     SlowerStart { factor: f64 },
     /// Springs with at least this damping ratio: the overshoot after a release becomes smaller.
     SpringDamping { damping_ratio: f64 },
-    /// Mass and moment of inertia times this factor, with the same normal loads: the load then
-    /// settles within one control period after a release.
+    /// Mass and moment of inertia times this factor, with the same normal loads and dashpots: the
+    /// load then settles within one control period after a release.
     ReducedInertia { factor: f64 },
     /// Smaller tolerance of the quasi-static and inertial runs: the verdict is inconclusive.
     TighterTolerance { tolerance_m: f64 },
@@ -90,8 +90,7 @@ impl SuggestedChange {
                 scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = spring.damping_ratio.max(damping_ratio));
             }
             SuggestedChange::ReducedInertia { factor } => {
-                scenario.system.load.mass *= factor;
-                scenario.system.load.inertia *= factor;
+                scenario.system.scale_inertia(factor);
             }
             SuggestedChange::SmallerStep { .. } | SuggestedChange::OtherModel | SuggestedChange::TighterTolerance { .. } => {}
         }
