@@ -55,7 +55,7 @@ pub struct Finding {
 pub struct Account {
     pub health: Health,
     /// Energy that appeared from nowhere over the energy turned over (1), negative where it
-    /// vanished.
+    /// vanished; without inertia beyond the error of the work in steps of that length.
     #[serde(default)]
     pub defect_share: f64,
     /// Estimated error of the pose by the length of the steps, at the edge of the load (m): see

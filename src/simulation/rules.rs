@@ -254,6 +254,13 @@ impl Facts<'_> {
         if gain > 0.0 { gain / size } else { 0.0 }
     }
 
+    /// Energy that appeared from nowhere (1), negative where it vanished: without inertia beyond the
+    /// error of the work.
+    fn defect_share(&self) -> f64 {
+        let gained = self.gained();
+        if self.options.kind.has_inertia() || gained < 0.0 { gained } else { self.gained_beyond_work() }
+    }
+
     /// A length over the path length (1), or over a hundredth of the radius of a load that moves
     /// less.
     fn of_path(&self, length: f64) -> f64 {
@@ -269,7 +276,7 @@ impl Account {
         let findings: Vec<Finding> = RULES.iter().filter_map(|rule| rule.finding(&facts)).collect();
         let health = findings.iter().map(|finding| finding.health).max().unwrap_or_default();
         let has_estimate = options.kind.has_inertia() && options.tolerance.is_none();
-        let defect_share = facts.gained().clamp(-f64::MAX, f64::MAX);
+        let defect_share = facts.defect_share().clamp(-f64::MAX, f64::MAX);
         Self { health, defect_share, step_error_m: has_estimate.then(|| outcome.resolution.step_error_m(options)), findings }
     }
 

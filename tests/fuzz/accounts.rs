@@ -117,7 +117,12 @@ fn not_confirmed(scenario: &Scenario, coarse: &Outcome, fine: &Outcome) -> Optio
     let displacement = fine.motion.pose.edge_displacement(&scenario.start.pose, radius);
     let allowed = coarse.account.step_error_m.unwrap_or_default().max(0.1 * displacement.max(0.01 * radius));
     let error = coarse.motion.pose.edge_displacement(&fine.motion.pose, radius);
-    (error > allowed).then(|| format!("off by {:.2} of the displacement, {:.2} allowed", error / displacement, allowed / displacement))
+    let steps = &coarse.steps;
+    let open = format!("residual {:.1e}, {} of {} steps open", steps.residual, steps.n_not_converged, steps.n_steps);
+    let of_path = coarse.resolution.unsolved_m / coarse.resolution.path_length_m.max(f64::MIN_POSITIVE);
+    let [error_share, allowed_share] = [error, allowed].map(|length| length / displacement);
+    (error > allowed)
+        .then(|| format!("off by {error_share:.2} of the displacement, {allowed_share:.2} allowed ({open}, {of_path:.3} of the path)"))
 }
 
 fn survey_of(scenario: &Scenario) -> Survey {
