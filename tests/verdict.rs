@@ -236,7 +236,7 @@ fn suggested_changes_help() {
         scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = damping_ratio);
         scenario
     };
-    let scenes = [(scene(10.0), 1), (scene(1.0), 2), (release(0.02, 0.0), 3), (release(0.02, 1.0), 1), (release(0.1, 1.0), 1)];
+    let scenes = [(scene(10.0), 1), (scene(1.0), 2), (release(0.02, 0.0), 2), (release(0.02, 1.0), 1), (release(0.1, 1.0), 1)];
     for (scenario, n_suggested_changes) in scenes {
         let settings = Settings { tolerance_share: 0.01, ..settings(RapierOptions::default()) };
         let before = compared(&scenario, &settings);
@@ -268,10 +268,6 @@ fn follow(change: &SuggestedChange, scenario: &mut Scenario, settings: &mut Sett
         }
         SuggestedChange::SpringDamping { damping_ratio } => {
             scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = damping_ratio)
-        }
-        SuggestedChange::ReducedInertia { factor } => {
-            scenario.system.load.mass *= factor;
-            scenario.system.load.inertia *= factor;
         }
         SuggestedChange::SmallerStep { step_s } => settings.step_s = Some(step_s),
         _ => panic!("{change:?}"),

@@ -106,6 +106,7 @@ def compare(
     tolerance_speed_share: float | None = None,
     tolerance_energy_share: float | None = None,
     recorded_from: str | None = None,
+    rate_independent: bool = False,
     no_skip: str | Sequence[str] | None = None,
     rapier: Mapping[str, str] | None = None,
     threads: int | None = None,
@@ -122,6 +123,8 @@ def compare(
         small as the verdict needs
     :param tolerance_share: largest edge displacement that counts as agreement, over the path
         length (1)
+    :param rate_independent: whether the quasi-static model leaves out the dashpots of the springs,
+        which are then part of the inertia effect
     :param threads: number of threads; the default is one for each processor
 
     >>> found = compare("scenarios/analytic/release-jump.json")
@@ -134,6 +137,7 @@ def compare(
         "step_s": number("step_s", step_s),
         "reference_tolerance_m": number("tolerance_m", tolerance_m),
         "recorded_from": text("recorded_from", recorded_from),
+        "rate_independent": bool(rate_independent),
         "tolerance_share": number("tolerance_share", tolerance_share),
         "tolerance_heading_rad": number("tolerance_heading_rad", tolerance_heading_rad),
         "tolerance_pull_share": number("tolerance_pull_share", tolerance_pull_share),

@@ -71,6 +71,7 @@ def backend_options(
     tolerance_rad: float | None = None,
     integrator: str | None = None,
     second_order: bool = False,
+    rate_independent: bool = False,
     no_skip: str | Sequence[str] | None = None,
     rapier: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
@@ -82,6 +83,7 @@ def backend_options(
         "tolerance_rad": number("tolerance_rad", tolerance_rad),
         "integrator": text("integrator", integrator),
         "second_order": bool(second_order),
+        "rate_independent": bool(rate_independent),
         "no_skip": texts("no_skip", no_skip),
         "rapier": engine(rapier),
     }

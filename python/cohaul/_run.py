@@ -196,6 +196,7 @@ def run(
     progress: bool | Callable[[float], Any] | None = None,
     integrator: str | None = None,
     second_order: bool = False,
+    rate_independent: bool = False,
     no_skip: str | Sequence[str] | None = None,
     rapier: Mapping[str, str] | None = None,
 ) -> Run:
@@ -210,6 +211,7 @@ def run(
         :class:`View` for what it is given
     :param trace: whether rows and events are kept
     :param progress: ``True`` for a bar, or a function of the fraction done (1)
+    :param rate_independent: whether the quasi-static model leaves out the dashpots of the springs
     :param rapier: options of rapier: ``friction``, ``springs``, ``precision``, ``settings``
 
     >>> found = run("scenarios/analytic/qs-ref-1.json", step_s=1e-3)
@@ -220,7 +222,7 @@ def run(
     scene = given._scene if seed is None else given._scene.with_seed(whole("seed", seed))
     if controller is not None and not callable(controller):
         raise TypeError(f"controller: must be a function, found {type(controller).__name__}")
-    options = backend_options(backend, step_s, tolerance_m, tolerance_rad, integrator, second_order, no_skip, rapier)
+    options = backend_options(backend, step_s, tolerance_m, tolerance_rad, integrator, second_order, rate_independent, no_skip, rapier)
     show, end = progress_of(progress, backend)
     try:
         data = _native.run(scene, as_json(options), bool(trace), controller, show)

@@ -47,11 +47,12 @@ class Simulation(_native.Stepper):
         tolerance_m: float | None = None,
         integrator: str | None = None,
         second_order: bool = False,
+        rate_independent: bool = False,
         no_skip: str | Sequence[str] | None = None,
         rapier: Mapping[str, str] | None = None,
     ) -> Self:
         given = as_scenario(scenario)
-        options = backend_options(backend, step_s, tolerance_m, None, integrator, second_order, no_skip, rapier)
+        options = backend_options(backend, step_s, tolerance_m, None, integrator, second_order, rate_independent, no_skip, rapier)
         made = super().__new__(cls, given._scene, as_json(options))
         made.scenario = given
         made.backend = backend

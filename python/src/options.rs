@@ -24,6 +24,7 @@ pub struct Asked {
     tolerance_rad: Option<f64>,
     integrator: Option<String>,
     second_order: bool,
+    rate_independent: bool,
     no_skip: Vec<String>,
     rapier: AskedEngine,
 }
@@ -45,6 +46,7 @@ pub struct AskedComparison {
     step_s: Option<f64>,
     reference_tolerance_m: Option<f64>,
     recorded_from: Option<String>,
+    rate_independent: bool,
     tolerance_share: Option<f64>,
     tolerance_heading_rad: Option<f64>,
     tolerance_pull_share: Option<f64>,
@@ -108,7 +110,8 @@ impl Asked {
             let tolerance = Tolerance::at_edge(position_m, &scenario.system.load);
             let heading_rad = self.tolerance_rad.unwrap_or(tolerance.heading_rad);
             let tolerance = Tolerance { heading_rad, ..tolerance };
-            return Ok(BackendOptions { skips: variant.skips, ..BackendOptions::within(variant.backend, tolerance) });
+            let options = BackendOptions::within(variant.backend, tolerance);
+            return Ok(BackendOptions { skips: variant.skips, rate_independent: self.rate_independent, ..options });
         }
         if self.tolerance_rad.is_some() {
             return Err(refused("tolerance_rad", "must come with tolerance_m", "it alone"));
@@ -118,6 +121,7 @@ impl Asked {
             rapier: variant.rapier,
             skips: variant.skips,
             second_order: self.second_order,
+            rate_independent: self.rate_independent,
             ..BackendOptions::at_step(self.step_s, variant.backend, &scenario.system, scenario.control_period)
         })
     }
@@ -131,6 +135,7 @@ impl Asked {
         let of_others = [
             ("integrator", Setting::Integrator, self.integrator.is_some()),
             ("second_order", Setting::SecondOrder, self.second_order),
+            ("rate_independent", Setting::RateIndependent, self.rate_independent),
             ("rapier", Setting::Engine, self.rapier.is_given()),
         ];
         if let Some((name, ..)) = of_others.iter().find(|(_, setting, is_given)| *is_given && !backend.reads(*setting)) {
@@ -180,6 +185,7 @@ impl AskedComparison {
             reference_tolerance_m: self.reference_tolerance_m,
             rapier: self.rapier.options()?,
             recorded_from: named_if("recorded_from", self.recorded_from.as_ref())?.unwrap_or(usual.recorded_from),
+            rate_independent: self.rate_independent,
             tolerance_share: self.tolerance_share.unwrap_or(usual.tolerance_share),
             tolerance_heading_rad: self.tolerance_heading_rad,
             tolerance_pull_share: self.tolerance_pull_share.unwrap_or(usual.tolerance_pull_share),

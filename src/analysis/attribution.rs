@@ -9,10 +9,14 @@
 //! | trigger | disturbance of the load without inertia | size |
 //! |---|---|---|
 //! | start | the load with inertia starts with speed | speed over w |
-//! | grasp, release, jump | it jumps | its displacement beyond that at the speed before |
+//! | grasp, release, jump | it jumps, or relaxes | its displacement beyond that at the speed before |
 //! | slip onset | it starts from rest | change of speed over w |
 //! | contact | its speed, or that of the load with inertia, changes where it touches an obstacle | change of speed over w |
 //! | driving | its speed changes otherwise, with that of the tips | change of speed over w |
+//!
+//! On springs of damping ratio zeta the load without inertia relaxes over A in the time 2 zeta / w.
+//! It leaves the load with inertia behind by A where that is the shorter time, and by A / (2 zeta)
+//! where it is the longer one.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +27,7 @@ use super::trigger::{Trigger, TriggerKind};
 pub(super) struct Attribution {
     pub trigger: Trigger,
     /// Edge speed of the load without inertia in the last interval and in the one before (m/s);
-    /// zero after a jump, which has no speed.
+    /// zero after a jump, which has no speed. A load that relaxes has one.
     speeds: [f64; 2],
     /// Edge speed of the load with inertia at the start of the last interval (m/s).
     speed_with_inertia: f64,
@@ -59,6 +63,21 @@ pub(super) struct Disturbance {
     pub speed_with_inertia: f64,
     /// Frequency of the load on its springs (rad/s); zero without springs.
     pub rate: f64,
+    /// Damping ratio of that oscillation (1); zero where the load without inertia jumps.
+    pub damping_ratio: f64,
+}
+
+impl Disturbance {
+    /// Size of an event after which the load without inertia has moved by `moved` (m) beyond its
+    /// path at the speed before (m).
+    fn size_of_event(&self, moved: f64) -> f64 {
+        if self.damping_ratio == 0.0 || self.rate == 0.0 {
+            return moved;
+        }
+        let slowness = 2.0 * self.damping_ratio;
+        let whole = moved / -(-self.rate * self.duration / slowness).exp_m1();
+        whole * slowness.recip().min(1.0)
+    }
 }
 
 impl Attribution {
@@ -80,7 +99,7 @@ impl Attribution {
         let amplitude = now.distance.hypot(swing(now.speed_with_inertia - last));
         let speed = now.displacement / now.duration;
         let jump = now.displacement - last * now.duration;
-        let event = now.event.filter(|_| jump > 0.0 && jump >= LEAST_SIZE * amplitude);
+        let event = now.event.filter(|_| jump > 0.0 && now.size_of_event(jump) >= LEAST_SIZE * amplitude);
         let from = if (speed - before).abs() > (speed - last).abs() { before } else { last };
         let change = swing(speed - from);
         let of_obstacle = change.max(swing(now.speed_with_inertia - self.speed_with_inertia));
@@ -95,7 +114,8 @@ impl Attribution {
             self.trigger = Trigger::new(kind, now.time);
         }
         self.speeds = match event {
-            Some(_) => [0.0; 2],
+            Some(_) if now.damping_ratio == 0.0 => [0.0; 2],
+            Some(_) => [speed; 2],
             // The change of the last interval is complete.
             None if self.has_changed => [speed; 2],
             None => [speed, last],
@@ -118,6 +138,7 @@ mod tests {
         distance: 0.0,
         speed_with_inertia: 0.0,
         rate: 10.0,
+        damping_ratio: 0.0,
     };
 
     /// Speeds of 0.1 m/s swing by 10 mm at 10 rad/s.
@@ -144,6 +165,16 @@ mod tests {
             let event = Some(Trigger { spring: Some(1), ..Trigger::new(TriggerKind::Release, 0.3) });
             load.meet(&Disturbance { time: 0.3, displacement, event, distance: 0.005, speed_with_inertia: 0.1, ..STILL });
             assert_eq!(kind(&load), expected, "{displacement}");
+        }
+        // It relaxes by 60 mm in 0.6 s: 10 mm beyond the load with inertia, of which a sixth of the
+        // time shows less.
+        let moved = -0.06 * (-0.1f64 / 0.6).exp_m1();
+        for (distance, expected) in [(0.01, TriggerKind::Release), (0.012, TriggerKind::SlipOnset)] {
+            let mut load = load;
+            let event = Some(Trigger { spring: Some(1), ..Trigger::new(TriggerKind::Release, 0.3) });
+            let relaxing = Disturbance { displacement: 0.01 + moved, event, damping_ratio: 3.0, ..STILL };
+            load.meet(&Disturbance { time: 0.3, distance, speed_with_inertia: 0.1, ..relaxing });
+            assert_eq!(kind(&load), expected, "{distance}");
         }
         // The load with inertia hits an obstacle.
         load.meet(&Disturbance { time: 0.3, obstacle: Some(2), displacement: 0.01, speed_with_inertia: 0.05, ..STILL });

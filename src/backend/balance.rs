@@ -51,9 +51,10 @@ impl Balance {
 /// energy, and their work is that of the trapezoid rule. A run of them has not converged if its
 /// moving load has gained more than 1 % of the largest entry. A run under error control has not
 /// converged if its ledger is open, outside of jumps, by more than [`CLOSED_LEDGER`] or the share
-/// `tolerance` of its size (1) that it may be wrong by.
-pub fn judge_exact(ledger: &EnergyLedger, tolerance: Option<f64>, report: &mut StepReport) {
-    let (gain, size) = (ledger.defect_parts().numerical_damping, ledger.largest_entry());
+/// `tolerance` of its size (1) that it may be wrong by. Energies below `least` (J) are rounding: a
+/// load that is held has dashpots whose shapes change by nothing else.
+pub fn judge_exact(ledger: &EnergyLedger, tolerance: Option<f64>, least: f64, report: &mut StepReport) {
+    let (gain, size) = (ledger.defect_parts().numerical_damping, ledger.largest_entry().max(least));
     let open = ledger.defect() + ledger.jumps;
     if tolerance.is_some_and(|tolerance| open.abs() > tolerance.max(CLOSED_LEDGER) * size) {
         fail(open / size, report);
@@ -102,7 +103,7 @@ mod tests {
         let report = |share: f64, tolerance: Option<f64>| {
             let ledger = EnergyLedger { initial: 1.0, kinetic: 1.0 + share, numerical_damping: -share, ..EnergyLedger::default() };
             let mut report = StepReport::default();
-            judge_exact(&ledger, tolerance, &mut report);
+            judge_exact(&ledger, tolerance, 0.0, &mut report);
             (report.status, (1e6 * report.gained_share).round())
         };
         let open = 2.0 * CLOSED_LEDGER;
@@ -111,6 +112,17 @@ mod tests {
         assert_eq!(report(0.5 * CLOSED_LEDGER, Some(1e-6)), (Status::Converged, 0.0));
         assert_eq!(report(-open, Some(2.5 * CLOSED_LEDGER)), (Status::Converged, 0.0));
         assert_eq!(report(2.0 * LARGEST_SHARE, None), (Status::NotConverged, 19_608.0));
+    }
+
+    #[test]
+    fn energies_of_rounding_are_none() {
+        let ledger = EnergyLedger { damping: 1e-30, ..EnergyLedger::default() };
+        let status = |least| {
+            let mut report = StepReport::default();
+            judge_exact(&ledger, Some(1e-6), least, &mut report);
+            report.status
+        };
+        assert_eq!([0.0, 1e-20].map(status), [Status::NotConverged, Status::Converged]);
     }
 
     #[test]

@@ -89,6 +89,7 @@ fn with_stepping(system: &System, start: Motion, options: &BackendOptions, stepp
     match options.kind {
         BackendKind::QuasiStatic => {
             let backend = Exact::quasi_static(system, start, stepping, options.skips);
+            let backend = if options.rate_independent { backend.rate_independent() } else { backend };
             Box::new(if is_fixed { backend.with_options(options.cone_solver, options.second_order) } else { backend })
         }
         BackendKind::Inertial => {

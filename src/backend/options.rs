@@ -29,6 +29,8 @@ pub enum Setting {
     SecondOrder,
     /// [`BackendOptions::adapts_step`].
     AdaptsStep,
+    /// [`BackendOptions::rate_independent`], which is read under error control as well.
+    RateIndependent,
     /// [`BackendOptions::rapier`].
     Engine,
 }
@@ -51,7 +53,8 @@ impl BackendKind {
     const fn properties(self) -> Properties {
         match self {
             BackendKind::QuasiStatic => {
-                Properties { name: "quasi-static", has_inertia: false, is_exact: true, reads: &[Setting::ConeSolver, Setting::SecondOrder] }
+                let reads = &[Setting::ConeSolver, Setting::SecondOrder, Setting::RateIndependent];
+                Properties { name: "quasi-static", has_inertia: false, is_exact: true, reads }
             }
             BackendKind::Inertial => {
                 Properties { name: "inertial", has_inertia: true, is_exact: true, reads: &[Setting::Integrator, Setting::AdaptsStep] }
@@ -132,6 +135,10 @@ pub struct BackendOptions {
     /// far that the load oscillates much faster than on springs at rest. The default step does so.
     #[serde(default, skip_serializing_if = "is_default")]
     pub adapts_step: bool,
+    /// Whether the quasi-static backend leaves the dashpots of the springs out, as the paper does:
+    /// then the path of the load does not depend on the speed of the tips.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub rate_independent: bool,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -159,6 +166,7 @@ impl BackendOptions {
             cone_solver: ConeSolver::Exact,
             second_order: false,
             adapts_step: false,
+            rate_independent: false,
         }
     }
 
@@ -169,7 +177,7 @@ impl BackendOptions {
 
     /// Whether a run with these options reads an option that not all backends read.
     pub fn reads(&self, setting: Setting) -> bool {
-        self.kind.reads(setting) && self.tolerance.is_none()
+        self.kind.reads(setting) && (self.tolerance.is_none() || setting == Setting::RateIndependent)
     }
 
     /// Whether the load is moved in single precision.

@@ -70,6 +70,9 @@ pub struct CompareArgs {
     /// Backend whose run is replayed on the others [default: quasi-static]
     #[arg(long, value_name = "BACKEND", value_parser = choice::<BackendKind>())]
     recorded_from: Option<BackendKind>,
+    /// Leave the dashpots out of the quasi-static model, which are then part of the inertia effect
+    #[arg(long)]
+    rate_independent: bool,
     /// Tolerance of the path: largest edge displacement, over the path length (1) [default: 0.01]
     #[arg(long, aliases = ["tolerance-share", "agreement"], value_name = "SHARE", value_parser = positive)]
     tolerance_path: Option<f64>,
@@ -221,6 +224,7 @@ fn settings(args: &CompareArgs) -> Settings {
         reference_tolerance_m: args.tolerance,
         rapier: args.engine.options(),
         recorded_from: args.recorded_from.unwrap_or(usual.recorded_from),
+        rate_independent: args.rate_independent,
         tolerance_share: args.tolerance_path.unwrap_or(usual.tolerance_share),
         tolerance_heading_rad: args.tolerance_heading,
         tolerance_pull_share: args.tolerance_pull.unwrap_or(usual.tolerance_pull_share),

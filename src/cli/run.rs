@@ -67,6 +67,10 @@ pub struct RunArgs {
     /// Use second-order steps while the load slips (quasi-static)
     #[arg(long, conflicts_with = "tolerance")]
     second_order: bool,
+    /// Leave out the dashpots of the springs (quasi-static): the rate-independent model of the
+    /// paper
+    #[arg(long)]
+    rate_independent: bool,
     /// Time integration of the inertial backend [default: midpoint]
     #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>())]
     integrator: Option<Integrator>,
@@ -210,23 +214,29 @@ fn print(args: &RunArgs, summary: &RunSummary) -> Result<(), CliError> {
 fn options(args: &RunArgs, scenario: &Scenario) -> Result<BackendOptions, CliError> {
     check_step(args.step_s, scenario)?;
     let skips = Skips::ALL.without_all(&args.no_skip);
-    if args.second_order && !args.backend.reads(Setting::SecondOrder) {
-        let names = BackendKind::names_of(|kind| kind.reads(Setting::SecondOrder));
-        return Err(CliError::Usage(format!("--second-order: applies to {names} only, found {}", args.backend.name())));
+    let of_others = [
+        ("--second-order", Setting::SecondOrder, args.second_order),
+        ("--rate-independent", Setting::RateIndependent, args.rate_independent),
+    ];
+    if let Some((name, setting, _)) = of_others.into_iter().find(|(_, setting, is_given)| *is_given && !args.backend.reads(*setting)) {
+        let names = BackendKind::names_of(|kind| kind.reads(setting));
+        return Err(CliError::Usage(format!("{name}: applies to {names} only, found {}", args.backend.name())));
     }
+    let rate_independent = args.rate_independent;
     let Some(position_m) = args.tolerance else {
         return Ok(BackendOptions {
             integrator: args.integrator.unwrap_or_default(),
             rapier: args.engine.options(),
             skips,
             second_order: args.second_order,
+            rate_independent,
             ..BackendOptions::at_step(args.step_s, args.backend, &scenario.system, scenario.control_period)
         });
     };
     check_error_control(&[args.backend])?;
     let tolerance = Tolerance::at_edge(position_m, &scenario.system.load);
     let heading_rad = args.tolerance_rad.unwrap_or(tolerance.heading_rad);
-    Ok(BackendOptions { skips, ..BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }) })
+    Ok(BackendOptions { skips, rate_independent, ..BackendOptions::within(args.backend, Tolerance { heading_rad, ..tolerance }) })
 }
 
 /// The saved run in the state file, if there is one.

@@ -66,6 +66,14 @@ impl System {
         (linear / self.load.mass).max(angular / self.load.inertia).sqrt()
     }
 
+    /// Multiplies mass and moment of inertia by a `factor` (1) and nothing else: normal loads and
+    /// dashpots stay. A damping ratio is one of the mass, and falls with its square root.
+    pub fn scale_inertia(&mut self, factor: f64) {
+        self.load.mass *= factor;
+        self.load.inertia *= factor;
+        self.springs.iter_mut().for_each(|spring| spring.damping_ratio /= factor.sqrt());
+    }
+
     /// Radial and torsional dashpot coefficient of a spring on this load: stiffness times 2 zeta /
     /// omega_n with omega_n = sqrt(radial stiffness / mass). The dashpot of an isotropic spring
     /// resists every direction alike (N s/m, N m s/rad).

@@ -7,8 +7,12 @@ use super::controllers::{Commands, Controller, View, controller_of};
 use super::resolution::Resolution;
 use super::trace::{Event, EventKind, Keep, MOST_CONTACT_TRANSITIONS, Outcome, Row, Totals, Trace};
 use crate::backend::{AttachedTip, AttachedTips, Backend, BackendOptions, Motion, Status, Transition, build, judge_exact};
+use crate::model::System;
 use crate::model::ant::Ant;
 use crate::scenario::Scenario;
+
+/// Displacement of a load over its radius that is rounding, whose energies are none (1).
+const ROUNDED_MOTION: f64 = 1e-12;
 
 /// One run of one scenario on one backend.
 pub struct Simulation<'a> {
@@ -254,7 +258,9 @@ impl<'a> Simulation<'a> {
         let mut steps = self.totals.steps;
         if self.options.kind.is_exact() {
             let share = self.options.tolerance.map(|tolerance| tolerance.position_m / self.scenario.system.load.radius);
-            judge_exact(&energy, share, &mut steps);
+            let System { load, .. } = &self.scenario.system;
+            let least = ROUNDED_MOTION * load.radius * self.scenario.system.total_slip_limit();
+            judge_exact(&energy, share, least, &mut steps);
         }
         let mut outcome = Outcome {
             time: self.clock.time,

@@ -141,7 +141,7 @@ fn friction_and_dashpots_never_give_energy_back() {
             // than a femtometre.
             assert!(least >= if kind == BackendKind::Rapier { -1e-17 } else { 0.0 }, "{kind:?}: {least:e}");
             assert!(last.friction > 1e-5 && last.released > 0.0, "{kind:?} {last:?}");
-            assert_eq!(last.damping > 0.0, damping_ratio > 0.0 && kind != BackendKind::QuasiStatic);
+            assert_eq!(last.damping > 0.0, damping_ratio > 0.0);
         }
     }
 }
@@ -178,7 +178,8 @@ fn check_sum(ledger: &EnergyLedger) {
 }
 
 /// Springs' energies depend on poses alone, so what the load's balance leaves is a trapezoid's
-/// error: second order beside a damping of first order. Jumps are of a load without inertia only.
+/// error: second order beside a damping of first order. Jumps are of a load without inertia and
+/// dashpots only.
 #[test]
 fn on_random_walks_the_parts_are_the_defect_and_quadrature_is_of_second_order() {
     for kind in BackendKind::ALL {
@@ -190,7 +191,11 @@ fn on_random_walks_the_parts_are_the_defect_and_quadrature_is_of_second_order() 
                 run.energy()
             });
             let [coarse, fine] = ledgers.map(|ledger| ledger.defect_parts());
-            if kind == BackendKind::QuasiStatic {
+            if kind == BackendKind::QuasiStatic && damping_ratio > 0.0 {
+                // The load relaxes, and a step of a relaxation loses energy in first order.
+                assert_eq!((fine.jumps, fine.numerical_damping), (0.0, 0.0));
+                assert!(fine.quadrature < 0.0 && coarse.quadrature < 2.0 * fine.quadrature, "{coarse:?} {fine:?}");
+            } else if kind == BackendKind::QuasiStatic {
                 assert!(fine.jumps < -1e-7 && fine.numerical_damping == 0.0);
             } else {
                 assert_eq!(fine.jumps, 0.0);

@@ -1,8 +1,9 @@
 //! An independent solution for a load on springs along one line: what a comparison must find.
 //!
 //! The equation of motion m x'' = sum of k (p_j - x) + c (p_j' - x') - f sign(x') is integrated by
-//! the classical Runge-Kutta method in steps of 1/500 rad; without inertia the load moves just so
-//! far that the springs pull with f at most. Neither shares code with the backends.
+//! the classical Runge-Kutta method in steps of 1/500 rad. Without inertia the load moves just so
+//! far that undamped springs pull with f at most, and on n damped ones their mean stretch w obeys n
+//! k w + n c w' = f sign(x'). Neither shares code with the backends.
 
 use cohaul::scenario::Scenario;
 use serde_json::json;
@@ -164,14 +165,34 @@ impl Line {
         if share > 0.0 { share } else { 1.0 }
     }
 
+    /// Place and speed after a step of a load without inertia on these damped springs, and what is
+    /// dissipated in it.
+    fn relaxed(&self, held: &[&Tip], place: f64, [before, now]: [f64; 2]) -> (f64, f64, f64) {
+        let (n, step, middle) = (held.len() as f64, now - before, 0.5 * (before + now));
+        let mean = |of: &dyn Fn(&Tip) -> f64| if n > 0.0 { held.iter().map(|tip| of(tip)).sum::<f64>() / n } else { 0.0 };
+        let velocity = mean(&|tip| tip.at(middle).1);
+        let (stretch, balance) = (mean(&|tip| tip.at(before).0) - place, self.friction / (n * self.stiffness));
+        let drive = n * (self.stiffness * stretch + self.damping() * velocity);
+        let aside = |tip: &&Tip| self.damping() * (tip.at(middle).1 - velocity).powi(2) * step;
+        let in_dashpots: f64 = held.iter().map(aside).sum();
+        if drive.abs() <= self.friction || n == 0.0 {
+            return (place, 0.0, in_dashpots + n * self.damping() * velocity * velocity * step);
+        }
+        let (away, time) = (stretch - drive.signum() * balance, self.damping() / self.stiffness);
+        let left = away * (-step / time).exp();
+        let moved = velocity * step + away - left;
+        let rates = 0.5 * (away * away - left * left) / time;
+        let speed = velocity + left / time;
+        (place + moved, speed, in_dashpots + self.friction * moved.abs() + n * self.damping() * rates)
+    }
+
     /// States without inertia every `every` seconds, jumps included in what is dissipated.
     pub fn without_inertia(&self, every: f64) -> Vec<Tick> {
-        let undamped = Line { damping_ratio: 0.0, ..self.clone() };
         let (n, n_all) = (200, (self.duration / every).round() as usize);
-        let (mut place, mut dissipated, mut ticks, mut last) = (0.0, 0.0, Vec::new(), 0.0);
+        let (mut place, mut dissipated, mut ticks, mut last, mut speed) = (0.0, 0.0, Vec::new(), 0.0, 0.0);
         for tick in 0..=n_all {
             let time = tick as f64 * every;
-            ticks.push(Tick { place, speed: (place - last) / every, pulls: undamped.pulls(time, place, 0.0), dissipated });
+            ticks.push(Tick { place, speed: (place - last) / every, pulls: self.pulls_at_tick(time, place, speed), dissipated });
             last = place;
             for i in 1..=n {
                 let (before, now) = (time + (i - 1) as f64 * every / n as f64, time + i as f64 * every / n as f64);
@@ -179,6 +200,12 @@ impl Line {
                 let held: Vec<&Tip> = self.tips.iter().filter(|tip| tip.is_held(before)).collect();
                 let (last_instant, at) = (before - every / n as f64, place);
                 let released: Vec<&Tip> = self.released_in(last_instant, before).collect();
+                if self.damping() > 0.0 {
+                    let lost;
+                    (place, speed, lost) = self.relaxed(&held, place, [before, now]);
+                    dissipated += lost + released.iter().map(|tip| self.elastic(tip, before, at)).sum::<f64>();
+                    continue;
+                }
                 let elastic = |place: f64| held.iter().map(|tip| self.elastic(tip, now, place)).sum::<f64>();
                 let drive: f64 = held.iter().map(|tip| self.stiffness * (tip.at(now).0 - place)).sum();
                 if drive.abs() > self.friction {

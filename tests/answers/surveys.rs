@@ -28,12 +28,12 @@ fn scenes(first: u64) -> impl Iterator<Item = (u64, Scenario)> {
     (first..).map(|seed| (seed, random_scenario(seed))).filter(|(_, scenario)| matches!(scenario.drive, Drive::Tips(_)))
 }
 
-/// Follows the suggestions of scenes from this seed on until `n` that differ by inertia were
-/// compared again. The result is what was said before: the number of scenes for which the changes
-/// were enough, were not, and were not tried.
-fn followed(first: u64, n: usize) -> [usize; 3] {
+/// Follows the suggestions of these scenes until `n` that differ by inertia were compared again.
+/// The result is what was said before: the number of scenes for which the changes were enough, were
+/// not, and were not tried.
+fn followed(scenes: impl Iterator<Item = (u64, Scenario)>, n: usize) -> [usize; 3] {
     let mut counts = [0; 3];
-    for (seed, mut scenario) in scenes(first) {
+    for (seed, mut scenario) in scenes {
         if counts.iter().sum::<usize>() == n {
             break;
         }
@@ -114,14 +114,16 @@ fn said_of(first: u64, n: usize) -> [usize; 3] {
 
 #[test]
 fn what_is_said_of_suggestions_is_what_happens_when_they_are_followed() {
-    let counts = followed(5000, 2);
+    // Inertia matters in few scenes with dashpots.
+    let is_undamped = |(_, scenario): &(u64, Scenario)| scenario.system.springs.iter().all(|spring| spring.damping_ratio == 0.0);
+    let counts = followed(scenes(5000).filter(is_undamped), 4);
     assert!(counts[0] >= 1, "{counts:?}");
 }
 
 #[test]
-#[ignore = "50 in place of the 2 of what_is_said_of_suggestions_is_what_happens_when_they_are_followed, which runs always"]
+#[ignore = "50 in place of the 4 of what_is_said_of_suggestions_is_what_happens_when_they_are_followed, which runs always"]
 fn survey_of_fifty_followed_suggestions() {
-    println!("enough, not enough, not checked: {:?}", followed(5000, 50));
+    println!("enough, not enough, not checked: {:?}", followed(scenes(5000), 50));
 }
 
 /// Neither `run` nor `compare` says of a scene by estimate what the measurement denies. In one of

@@ -140,12 +140,14 @@ fn forces_of_damped_springs_are_told_to_lack_their_dashpots() {
     let damped: String =
         fs::read_to_string(short_scenario(&room)).unwrap().replace("\"radial_stiffness", "\"damping_ratio\": 0.5, \"radial_stiffness");
     let damped = room.write("damped.json", &damped);
-    assert_eq!(call(&["run", &damped, "--backend", "inertial", "--tips", "--out", &run]).status.code(), Some(0));
-    let output = call(&["calibrate", "forces", &run]);
-    assert_eq!(output.status.code(), Some(0));
-    assert!(text(&output.stderr).contains("warning: the forces of the springs' dashpots are missing"), "{}", text(&output.stderr));
-    // Without inertia dashpots are left out of the run as well.
-    assert_eq!(call(&["run", &damped, "--tips", "--out", &run]).status.code(), Some(0));
+    for backend in ["inertial", "quasi-static"] {
+        assert_eq!(call(&["run", &damped, "--backend", backend, "--tips", "--out", &run]).status.code(), Some(0));
+        let output = call(&["calibrate", "forces", &run]);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(text(&output.stderr).contains("warning: the forces of the springs' dashpots are missing"), "{}", text(&output.stderr));
+    }
+    // The rate-independent run has left them out as well.
+    assert_eq!(call(&["run", &damped, "--rate-independent", "--tips", "--out", &run]).status.code(), Some(0));
     assert!(!text(&call(&["calibrate", "forces", &run]).stderr).contains("dashpots"));
 }
 

@@ -72,6 +72,16 @@ impl Outputs {
         self.path("ants.json")
     }
 
+    /// The release on damped springs.
+    fn damped(&self) -> String {
+        let mut scene: Value = serde_json::from_str(&fs::read_to_string(JUMP).unwrap()).unwrap();
+        for spring in scene["springs"].as_array_mut().unwrap() {
+            spring["damping_ratio"] = json!(0.5);
+        }
+        fs::write(self.path("damped.json"), scene.to_string()).unwrap();
+        self.path("damped.json")
+    }
+
     /// Standard output of the program, which ends with one of the codes 0 and 1, or 130 after an
     /// interruption.
     fn call(&self, arguments: &[&str]) -> Vec<u8> {
@@ -104,6 +114,7 @@ impl Outputs {
             self.take(&["run", &self.ants(), "--backend", backend]);
         }
         self.take(&["run", JUMP, "--backend", "inertial", "--tolerance", "1e-6"]);
+        self.take(&["run", JUMP, "--rate-independent"]);
         self.take(&["run", "scenarios/contact/rebound.json", "--backend", "inertial"]);
         // The account of these runs has findings.
         self.take(&["run", "tests/common/tip-past-root.json"]);
@@ -115,6 +126,8 @@ impl Outputs {
         self.call(&["run", JUMP, "--out", &recorded]);
         self.take(&["compare", JUMP, "--beside", &format!("{recorded}/trace.csv")]);
         self.take(&["compare", ROLL]);
+        self.take(&["compare", &self.damped()]);
+        self.take(&["compare", &self.damped(), "--rate-independent", "--no-check-suggestions"]);
         self.take(&["compare", &self.ants(), "--seeds", "2"]);
         self.take(&["compare", JUMP, "--vary", "load.mass_kg=log:1e-4:1:3"]);
     }

@@ -20,7 +20,8 @@ const LEAST_PULL: f64 = 1e-6;
 
 impl Attributed {
     /// Attribution of an inertial path beside the quasi-static one, outside of its jumps.
-    pub fn new(system: &System, inertial: &Solution, quasi_static: &Solution, jumps: &Jumps) -> Self {
+    /// A `rate_independent` quasi-static load has no dashpots.
+    pub fn new(system: &System, [inertial, quasi_static]: [&Solution; 2], jumps: &Jumps, rate_independent: bool) -> Self {
         let (with, without) = (&inertial.trace.rows, &quasi_static.trace.rows);
         let mut attribution = Attribution::new(starts_with_speed(inertial));
         let mut found = Self { triggers: vec![attribution.trigger], by_trigger: ByTrigger::default() };
@@ -38,6 +39,7 @@ impl Attributed {
                 distance: with[at - 1].motion.pose.edge_displacement(&before.motion.pose, radius),
                 speed_with_inertia: with[at - 1].motion.twist.edge_speed(radius),
                 rate: rate_on(system, after),
+                damping_ratio: if rate_independent { 0.0 } else { damping_on(system, after) },
             });
             if found.triggers.last() != Some(&attribution.trigger) {
                 found.triggers.push(attribution.trigger);
@@ -106,4 +108,10 @@ fn obstacle_in(solution: &Solution, span: [f64; 2]) -> Option<usize> {
 fn rate_on(system: &System, row: &Row) -> f64 {
     let stiffness: f64 = row.tips.iter().map(|tip| system.springs[tip.spring].radial_stiffness).sum();
     (stiffness / system.load.mass).sqrt()
+}
+
+/// Damping ratio of that oscillation (1).
+fn damping_on(system: &System, row: &Row) -> f64 {
+    let damping: f64 = row.tips.iter().map(|tip| system.dashpot(&system.springs[tip.spring]).0).sum();
+    if damping > 0.0 { 0.5 * damping / (system.load.mass * rate_on(system, row)) } else { 0.0 }
 }

@@ -10,7 +10,7 @@
 //!
 //! They are exact if d is a mode.
 
-use super::numbers::{Numbers, natural_rate};
+use super::numbers::Numbers;
 use super::solution::Solution;
 use crate::backend::TransitionKind;
 use crate::math::{Vec2, Vec3};
@@ -21,8 +21,6 @@ use crate::simulation::Row;
 /// The oscillation that a jump excites.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JumpMode {
-    /// Phase of the oscillation in a control period (rad).
-    pub tick_angle: f64,
     /// Damping ratio (1).
     pub zeta: f64,
     /// Damping ratio of the oscillation if each spring had the ratio 1 (1).
@@ -33,7 +31,7 @@ impl JumpMode {
     /// Mode of the largest displacement of the quasi-static load within a control period with a
     /// grasp, a release or a jump; that of a mean spring without one.
     pub fn of(scenario: &Scenario, quasi_static: &Solution, numbers: &Numbers) -> Self {
-        let mean = Self { tick_angle: scenario.control_period * natural_rate(scenario), zeta: numbers.zeta, zeta_of_unit: 1.0 };
+        let mean = Self { zeta: numbers.zeta, zeta_of_unit: 1.0 };
         let (trace, radius) = (&quasi_static.trace, scenario.system.load.radius);
         let events = trace.events.iter().map(|event| event.time);
         let jumps = trace.transitions.iter().filter(|transition| matches!(transition.kind, TransitionKind::Jump { .. }));
@@ -64,8 +62,8 @@ impl JumpMode {
         let mass = system.load.mass * shift.norm_squared() + system.load.inertia * step.z * step.z;
         let rate = (stiffness / mass).sqrt();
         let ratio = |damping: f64| damping / (2.0 * rate * mass);
-        let found = Self { tick_angle: scenario.control_period * rate, zeta: ratio(damping), zeta_of_unit: ratio(unit_damping) };
-        (rate > 0.0 && [found.tick_angle, found.zeta, found.zeta_of_unit].iter().all(|value| value.is_finite())).then_some(found)
+        let found = Self { zeta: ratio(damping), zeta_of_unit: ratio(unit_damping) };
+        (rate > 0.0 && [found.zeta, found.zeta_of_unit].iter().all(|value| value.is_finite())).then_some(found)
     }
 }
 
@@ -100,10 +98,7 @@ mod tests {
         scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = 0.3);
         let found = ThreeWay::new(&scenario, &Settings::default()).prescribed(|_| true).unwrap();
         let mode = JumpMode::of(&scenario, &found.solutions[0], &found.numbers);
-        let left = scenario.system.springs.iter().next_back().unwrap();
-        let rate = (left.radial_stiffness / scenario.system.load.mass).sqrt();
         // To the heading of the load, which does not turn.
-        assert!((mode.tick_angle / (scenario.control_period * rate) - 1.0).abs() < 1e-6, "{mode:?}");
         assert!((mode.zeta - 0.3).abs() < 1e-6 && (mode.zeta_of_unit - 1.0).abs() < 1e-6, "{mode:?}");
     }
 }

@@ -12,6 +12,7 @@
 //! doubt.rs       why the result of an exact run cannot be trusted, and from when on
 //! same_stop.rs   places that hold both exact loads and that the engine passes
 //! difference.rs  distance of two paths
+//! damping.rs     what the dashpots change without inertia
 //! course.rs      pulls, speed and energy of a run at its ticks
 //! divergence.rs  first divergence of two runs
 //! attributed.rs  attribution of the inertia effect to triggers
@@ -30,6 +31,7 @@
 
 mod attributed;
 mod course;
+mod damping;
 mod difference;
 mod divergence;
 mod doubt;
@@ -49,6 +51,7 @@ mod trial;
 mod verdict;
 mod verdicts;
 
+pub use damping::DampingEffect;
 pub use difference::Difference;
 pub use divergence::Divergence;
 pub use doubt::{Doubt, DoubtKind};

@@ -108,8 +108,14 @@ impl Predicted {
     /// This prediction with the estimate from the trace of the quasi-static run, unless the load
     /// touches an obstacle in that run or with inertia, and whether that is negligible within a
     /// tolerance (m).
-    pub fn with_estimate(self, scenario: &Scenario, [quasi_static, inertial]: [&Trace; 2], tolerance_m: f64) -> Self {
-        let estimate = InertiaEstimate::of(scenario, quasi_static);
+    pub fn with_estimate(
+        self,
+        scenario: &Scenario,
+        [quasi_static, inertial]: [&Trace; 2],
+        tolerance_m: f64,
+        is_rate_independent: bool,
+    ) -> Self {
+        let estimate = InertiaEstimate::beside(scenario, quasi_static, is_rate_independent);
         let touches = estimate.touches_obstacle || inertial.transitions.iter().any(|transition| transition.kind.obstacle().is_some());
         if touches {
             return self;

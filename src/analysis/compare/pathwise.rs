@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::attributed::Attributed;
+use super::damping::DampingEffect;
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
 use super::doubt::{self, Doubt};
@@ -29,6 +30,9 @@ pub struct Pathwise {
     pub inertia_effect: Difference,
     /// Rapier, at the step asked for, minus inertial.
     pub engine_error: Difference,
+    /// Quasi-static minus its rate-independent form; left out without damped springs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_effect: Option<DampingEffect>,
     /// Part of the engine error that vanishes with the step: rapier minus its own limit.
     pub time_step_error: Difference,
     /// Part of the engine error that does not vanish: the limit of rapier minus inertial.
@@ -168,6 +172,13 @@ fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result
 }
 
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+    let mut found = compare_models(question, &watch)?;
+    let error_m = LARGEST_REFERENCE_ERROR * found.tolerance_m;
+    found.damping_effect = DampingEffect::of(question, &found.solutions[0], error_m, |_| watch(1.0))?;
+    Some(found)
+}
+
+fn compare_models(question: &Question, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Pathwise> {
     let Question { tier, scenario, settings, engine, references: make, .. } = *question;
     let find = |at: f64, options: &BackendOptions, make: &MakeBackend| question.solution(options, make, |share| watch((at + share) / 3.0));
     let reference = |at, kind, settings: &Settings| {
@@ -225,7 +236,7 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
     let engine_error = Difference::between(&rapier.points, &inertial.points, radius);
     let path_length_m = quasi_static.path_length(radius).max(inertial.reach(radius));
     let tolerance_m = settings.tolerance_path(path_length_m, radius);
-    let attributed = Attributed::new(&scenario.system, inertial, quasi_static, &jumps);
+    let attributed = Attributed::new(&scenario.system, [inertial, quasi_static], &jumps, settings.rate_independent);
     let pair = |paths, jumps, attributed| PathPair::new(paths, scenario, tolerance_m, jumps, attributed);
     let by_inertia = pair([inertial, quasi_static], &jumps, Some(&attributed));
     let by_engine = pair([rapier, inertial], &no_jumps, None);
@@ -241,20 +252,20 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         poses: [&inertia_effect, &engine_error, &reference_error.all],
     };
     let (verdicts, largest_pull_over_slip_limit) = (runs.verdicts(tolerance_m), runs.largest_pull_share());
-    let doubts = doubts(scenario, &solutions, &verdicts);
-    let numbers = Numbers::of(scenario, &inertial.trace);
+    let (numbers, traces) = (Numbers::of(scenario, &inertial.trace), [&quasi_static.trace, &inertial.trace]);
     let mut found = Pathwise {
         tier,
         inertia_effect,
         engine_error,
+        damping_effect: None,
         time_step_error: Difference::between(&rapier.points, &rapier.limit, radius),
         model_error: Difference::between(&rapier.limit, &inertial.limit, radius),
         reference_error,
-        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, [&quasi_static.trace, &inertial.trace], tolerance_m),
+        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, traces, tolerance_m, settings.rate_independent),
         numbers,
         verdict: verdicts.path.verdict,
         largest_pull_over_slip_limit,
-        doubts,
+        doubts: doubts(scenario, &solutions, &verdicts),
         causes: Vec::new(),
         suggested_changes: Vec::new(),
         tried: None,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::analysis::estimate::TOLERANCE_SHARE;
-use crate::backend::{BackendKind, BackendOptions, RapierOptions, Skips, Tolerance, n_steps_in};
+use crate::backend::{BackendKind, BackendOptions, RapierOptions, Setting, Skips, Tolerance, n_steps_in};
 use crate::scenario::Scenario;
 use crate::simulation::Controller;
 
@@ -31,6 +31,10 @@ pub struct Settings {
     pub rapier: RapierOptions,
     /// Backend whose run is recorded for the replayed tier.
     pub recorded_from: BackendKind,
+    /// Whether the quasi-static model leaves the dashpots out, as the paper does. What they change
+    /// is then part of the inertia effect.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub rate_independent: bool,
     /// Largest edge displacement that counts as agreement, divided by the path length (1).
     pub tolerance_share: f64,
     /// Largest difference of headings that counts as agreement (rad). `None` is 0.01 rad, or 1 % of
@@ -79,6 +83,7 @@ impl Default for Settings {
             reference_tolerance_m: None,
             rapier,
             recorded_from,
+            rate_independent: false,
             tolerance_share: TOLERANCE_SHARE,
             tolerance_heading_rad: None,
             tolerance_pull_share: FORCES,
@@ -95,13 +100,17 @@ impl Settings {
     pub fn under_error_control(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let load = &scenario.system.load;
         let tolerance = Tolerance::at_edge(self.reference_tolerance_m.unwrap_or(FIRST_TOLERANCE * load.radius), load);
-        BackendOptions { skips: self.skips, ..BackendOptions::within(kind, tolerance) }
+        BackendOptions { skips: self.skips, rate_independent: self.is_rate_independent(kind), ..BackendOptions::within(kind, tolerance) }
     }
 
     /// Options of a run at a fixed step.
     pub fn at_fixed_step(&self, scenario: &Scenario, kind: BackendKind) -> BackendOptions {
         let options = BackendOptions::at_step(self.step_s, kind, &scenario.system, scenario.control_period);
-        BackendOptions { rapier: self.rapier, skips: self.skips, ..options }
+        BackendOptions { rapier: self.rapier, skips: self.skips, rate_independent: self.is_rate_independent(kind), ..options }
+    }
+
+    fn is_rate_independent(&self, kind: BackendKind) -> bool {
+        self.rate_independent && kind.reads(Setting::RateIndependent)
     }
 
     /// Tolerance of the path (m) for a path `length` (m) of a load of this `radius` (m). A

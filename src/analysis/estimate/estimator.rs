@@ -123,7 +123,13 @@ const MOST_LOOKS: f64 = 1000.0;
 impl InertiaEstimate {
     /// Estimate from the trace of a quasi-static run of `scenario`.
     pub fn of(scenario: &Scenario, trace: &Trace) -> Self {
-        let mut estimator = Estimator::new(&scenario.system, &scenario.start);
+        Self::beside(scenario, trace, false)
+    }
+
+    /// Estimate from the trace of a quasi-static run of `scenario`, without its dashpots if it
+    /// `is_rate_independent`.
+    pub fn beside(scenario: &Scenario, trace: &Trace, is_rate_independent: bool) -> Self {
+        let mut estimator = Estimator::new(&scenario.system, &scenario.start).beside_rate_independent(is_rate_independent);
         let mut targets = vec![Vec2::zeros(); scenario.system.springs.len()];
         let until = |row: &Row| trace.transitions.partition_point(|transition| transition.time <= row.time);
         for rows in trace.rows.windows(2) {
@@ -170,6 +176,12 @@ impl Estimator {
             touches_obstacle: false,
         };
         Self { workspace, shortest: f64::INFINITY, radian: f64::INFINITY, obstacles: Obstacles::of(system), state, system: system.clone() }
+    }
+
+    /// This estimator beside a quasi-static load without dashpots, or with them.
+    pub fn beside_rate_independent(mut self, is_rate_independent: bool) -> Self {
+        self.workspace.beside_rate_independent = is_rate_independent;
+        self
     }
 
     /// A spring was grasped at its `tip` (m, world), with the load at `pose`.
@@ -267,7 +279,7 @@ impl Estimator {
     /// Records an interval in which load or model moved, started or stopped, from the `last` state
     /// of the model.
     fn record(&mut self, last: &ReducedModel, ends: [&Pose; 2], distance: f64, duration: f64, step: &ModelStep) {
-        self.attribute(last, ends[0], distance, duration, step.frequency);
+        self.attribute(last, ends[0], distance, duration, step);
         let state = &mut self.state;
         state.time += duration;
         state.path_length += distance;
@@ -297,8 +309,8 @@ impl Estimator {
     }
 
     /// Adds an interval of this `duration` (s) to the attribution, in which the load moved by a
-    /// `displacement` (m) and the model oscillates at a `rate` (rad/s).
-    fn attribute(&mut self, last: &ReducedModel, before: &Pose, displacement: f64, duration: f64, rate: f64) {
+    /// `displacement` (m) and the model took a `step`.
+    fn attribute(&mut self, last: &ReducedModel, before: &Pose, displacement: f64, duration: f64, step: &ModelStep) {
         let state = &mut self.state;
         let of_event = |(kind, spring)| Trigger { spring: Some(spring), ..Trigger::new(kind, state.time) };
         let event = state.event.take().map(of_event);
@@ -310,7 +322,8 @@ impl Estimator {
             obstacle: None,
             distance: last.pose.edge_displacement(before, self.system.load.radius),
             speed_with_inertia: last.speed,
-            rate,
+            rate: step.frequency,
+            damping_ratio: if self.workspace.beside_rate_independent { 0.0 } else { step.damping_ratio },
         });
     }
 

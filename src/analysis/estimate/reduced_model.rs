@@ -19,9 +19,10 @@
 //! momentum of the swing that follows it, M w L, to h'' t.
 //!
 //! The offset r across the slip, `n'Hr = 0`, is constant while the model sticks. Over a path dx it
-//! drifts to where the springs balance the wrench d of the dashpots: `h'' dr = (d - H r) dx`,
-//! implicit. Where the model moves alone, springs and friction across its path turn it in the same
-//! way, with its mass.
+//! drifts to where the springs balance what the dashpots do to the model beyond what they do to the
+//! load without inertia, d = C (v - v_model): `h'' dr = (d - H r) dx`, implicit. Beside a load
+//! without dashpots d is their whole wrench. Where the model moves alone, springs and friction
+//! across its path turn it in the same way, with its mass.
 
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +56,8 @@ pub struct ModelStep {
     pub frequency: f64,
     /// Whether its heading differs too much from the quasi-static load for a balance beside it.
     pub is_invalid: bool,
+    /// Damping ratio of its oscillation (1).
+    pub damping_ratio: f64,
 }
 
 /// Solvers and caches of a model. Apart from warm starts, they do not change the result.
@@ -63,6 +66,8 @@ pub struct Workspace {
     pub solver: FrictionSolver,
     pub static_friction: StaticFriction,
     pub springs: ModelSprings,
+    /// Whether the quasi-static load has no dashpots.
+    pub beside_rate_independent: bool,
     /// Last rotation of the model, and of the quasi-static load.
     own: Turned,
     beside: Turned,
@@ -182,6 +187,7 @@ impl ReducedModel {
         let (begin, end) = (-n.dot(&before), -n.dot(&elastic.gradient));
         let drag = forces.dashpots.as_ref().map_or(0.0, |dashpots| n.dot(&dashpots.drag));
         let frequency = oscillator.frequency();
+        let damping_ratio = if frequency > 0.0 { 0.5 * oscillator.damping / (oscillator.mass * frequency) } else { 0.0 };
         let slide = oscillator.step(self.speed, begin + drag, (end - begin) / interval.duration, interval.duration);
         let at = at.moved_by(&(slide.shift * n));
         self.pose = at.pose;
@@ -189,7 +195,9 @@ impl ReducedModel {
         (self.speed, self.direction) = (slide.speed.abs(), if slide.speed < 0.0 { -n } else { n });
         let mut is_invalid = false;
         if slide.length > 0.0 {
-            let across = Across::new(system, forces, &n, slide.shift, interval.duration);
+            let of_load = (!workspace.beside_rate_independent && forces.dashpots.is_some())
+                .then(|| increment(&workspace.beside.place(interval.before), interval.after));
+            let across = Across::new(system, forces, [slide.shift * n, of_load.unwrap_or_default()], interval.duration, of_load.is_some());
             let moves_alone =
                 interval.before == interval.after && !interval.is_event && self.speed > 0.0 && slide.shift.abs() == slide.length;
             let resistance = workspace.resistance(system, &self.direction);
@@ -201,7 +209,7 @@ impl ReducedModel {
                 self.drift(system, &across, resistance, [&at, beside], oscillator.stiffness, slide.length);
             }
         }
-        ModelStep { moved: slide.length > 0.0, frequency, is_invalid }
+        ModelStep { moved: slide.length > 0.0, frequency, is_invalid, damping_ratio }
     }
 
     /// Drifts across the slip over a path of this `length` (m), to where springs balance dashpots.
@@ -210,7 +218,7 @@ impl ReducedModel {
         let offset = increment(beside, &at.pose);
         let pull = across.hessian * n;
         let offset = offset - n * (pull.dot(&offset) / stiffness);
-        let source = across.dashpots - pull * (n.dot(&across.dashpots) / stiffness);
+        let source = across.driving - pull * (n.dot(&across.driving) / stiffness);
         let push = length * (source - across.hessian * offset);
         let Some(change) = solve(&(against.turning + length * across.stiffness), &push) else { return };
         // The slip cannot turn by more than its own length.
@@ -260,7 +268,15 @@ impl Workspace {
     pub fn new(system: &System) -> Self {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
         let static_friction = StaticFriction::new(&system.ground);
-        Self { solver, static_friction, springs: ModelSprings::new(system), own: Turned::NONE, beside: Turned::NONE, slip: None }
+        Self {
+            solver,
+            static_friction,
+            springs: ModelSprings::new(system),
+            beside_rate_independent: false,
+            own: Turned::NONE,
+            beside: Turned::NONE,
+            slip: None,
+        }
     }
 
     fn resistance(&mut self, system: &System, n: &Vec3) -> &Resistance {
@@ -290,17 +306,22 @@ struct Across {
     stiffness: Mat3,
     /// Wrench of the dashpots at the mean speed (N, N, N m).
     dashpots: Vec3,
+    /// The same, beyond their wrench on the quasi-static load.
+    driving: Vec3,
 }
 
 impl Across {
-    /// Values for a slip over the `shift` (m) along `n` within `duration` (s).
-    fn new(system: &System, forces: &SpringForces, n: &Vec3, shift: f64, duration: f64) -> Self {
+    /// Values for an increment of the model, beside one of the quasi-static load, within `duration`
+    /// (s). That load may have the same dashpots.
+    fn new(system: &System, forces: &SpringForces, [of_model, of_load]: [Vec3; 2], duration: f64, is_load_damped: bool) -> Self {
         let hessian = forces.elastic.hessian;
         let stiffness = positive_definite(&hessian, system.load.radius);
         match &forces.dashpots {
-            None => Self { hessian, stiffness, dashpots: Vec3::zeros() },
+            None => Self { hessian, stiffness, dashpots: Vec3::zeros(), driving: Vec3::zeros() },
             Some(Dashpots { damping, drag }) => {
-                Self { hessian, stiffness: stiffness + damping / duration, dashpots: drag - damping * n * (shift / duration) }
+                let dashpots = drag - damping * of_model / duration;
+                let driving = if is_load_damped { damping * (of_load - of_model) / duration } else { dashpots };
+                Self { hessian, stiffness: stiffness + damping / duration, dashpots, driving }
             }
         }
     }

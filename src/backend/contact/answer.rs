@@ -60,7 +60,7 @@ impl Obstacles {
             self.stay_in_place(course, &candidates, &mut sides, &guess);
         }
         let mut contact = ContactStep { step: course, surroundings: &self.surroundings, candidates: &candidates, start_at: Vec3::zeros() };
-        let Newton { at, sides, are_forces_unique, report, .. } = contact.newton(&sides, guess).filter(|found| found.is_stable)?;
+        let Newton { at, sides, are_forces_unique, report, .. } = contact.newton(&sides, guess, None).filter(|found| found.is_stable)?;
         let increment = course.found(&at, ContactMode::Slip, report);
         if !course.goes_on(&at, &increment) {
             return None;

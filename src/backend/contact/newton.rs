@@ -24,6 +24,17 @@ pub struct Newton {
     pub report: StepReport,
 }
 
+/// Support about which the load turns.
+struct Pin {
+    /// (m, load axes)
+    offset: Vec2,
+    /// Its friction on the load (N, load axes).
+    force: Vec2,
+}
+
+/// Most forces of contacts on a load that turns about a support (1): a turn has one degree of
+/// freedom.
+const MOST_ABOUT_PIVOT: usize = 1;
 /// Iterations at most; a guess that needs more was not near.
 const MOST_ITERATIONS: usize = 12;
 /// Residual over the forces at which the method is done (1), a hundred roundings, and up to which
@@ -34,13 +45,16 @@ const STALLED: f64 = 1e-11;
 const PARALLEL: f64 = 1e-9;
 
 impl<C: Course> ContactStep<'_, C> {
-    /// Newton's method from a guess, for a load that slips on all supports in these contact modes.
-    /// `None` where it does not lead to an answer, or to another one.
-    pub fn newton(&mut self, sides: &Sides, guess: Vec3) -> Option<Newton> {
+    /// Newton's method from a guess, for a load that slips on all supports in these contact modes,
+    /// or on all but the one at `pivot` (m, load axes), about which it turns. `None` where it does
+    /// not lead to an answer, or to another one.
+    pub fn newton(&mut self, sides: &Sides, guess: Vec3, pivot: Option<Vec2>) -> Option<Newton> {
         let n_unknown: usize = sides.iter().map(|(mode, _)| n_forces(*mode)).sum();
-        if n_unknown > Rows::BITS as usize || guess == Vec3::zeros() {
+        let most = if pivot.is_some() { MOST_ABOUT_PIVOT } else { Rows::BITS as usize };
+        if n_unknown > most || guess == Vec3::zeros() {
             return None;
         }
+        let mut pin = pivot.map(|offset| Pin { offset, force: Vec2::zeros() });
         let (mut at, mut sides) = (guess, sides.clone());
         let mut last = f64::INFINITY;
         // Both are filled anew in each iteration, and are too large to be passed around.
@@ -53,7 +67,7 @@ impl<C: Course> ContactStep<'_, C> {
             system.hold(self.dependent(&sides, &locals));
         }
         for iteration in 0..MOST_ITERATIONS {
-            self.newton_system(&at, &sides, &mut system, &mut locals)?;
+            self.newton_system(&at, pin.as_ref(), &sides, &mut system, &mut locals)?;
             let residual = system.residual();
             let is_done = residual <= DONE || residual <= STALLED && residual >= 0.5 * last;
             if is_done {
@@ -72,6 +86,9 @@ impl<C: Course> ContactStep<'_, C> {
             }
             at += moved;
             let mut forces = change[3..].iter();
+            if let Some(Pin { force, .. }) = &mut pin {
+                force.iter_mut().for_each(|entry| *entry += forces.next().expect("a force for each row"));
+            }
             for ((mode, force), candidate) in sides.iter_mut().zip(self.candidates) {
                 match mode {
                     SideMode::Open => *force = SideForce::default(),
@@ -91,12 +108,20 @@ impl<C: Course> ContactStep<'_, C> {
     }
 
     /// Equations of the modes at an increment with these forces. `None` where a support stands
-    /// still.
-    fn newton_system(&mut self, at: &Vec3, sides: &Sides, system: &mut Linear, locals: &mut Locals) -> Option<()> {
+    /// still besides the pinned one.
+    fn newton_system(&mut self, at: &Vec3, pin: Option<&Pin>, sides: &Sides, system: &mut Linear, locals: &mut Locals) -> Option<()> {
         self.fill_locals(at, locals);
         let Reaction { mut gradient, mut hessian, .. } = self.step.at(at);
-        let force_scale = add_ground_friction(self.step.ground(), at, &mut gradient, &mut hessian)?;
+        let force_scale = add_ground_friction(self.step.ground(), at, pin, &mut gradient, &mut hessian)?;
         system.begin(force_scale + gradient.xy().norm(), self.step.size(at) * self.step.length());
+        if let Some(Pin { offset, force }) = pin {
+            gradient -= wrench_of(offset, force);
+            let slip = slip_velocity(offset, at);
+            for (along, slip) in [(Vec2::x(), slip.x), (Vec2::y(), slip.y)] {
+                let row = wrench_of(offset, &along);
+                system.push(row, row, slip);
+            }
+        }
         for (((mode, force), local), candidate) in sides.iter().zip(&*locals).zip(self.candidates) {
             if *mode == SideMode::Open {
                 continue;
@@ -189,12 +214,17 @@ impl<C: Course> ContactStep<'_, C> {
     }
 }
 
-/// Adds the friction of the ground of a load that slips on all supports, and its derivative.
-/// Returns the sum of the slip limits (N); `None` where a support stands still.
-fn add_ground_friction(ground: &Ground, at: &Vec3, gradient: &mut Vec3, hessian: &mut Mat3) -> Option<f64> {
+/// Adds the friction of the ground of a load that slips on all supports, or all but the pinned one,
+/// and its derivative. Returns the sum of the slip limits (N); `None` where another support stands
+/// still.
+fn add_ground_friction(ground: &Ground, at: &Vec3, pin: Option<&Pin>, gradient: &mut Vec3, hessian: &mut Mat3) -> Option<f64> {
     let mut total = 0.0;
     for (support, limit) in ground.supports.iter().zip(ground.slip_limits()) {
         if limit == 0.0 {
+            continue;
+        }
+        if pin.is_some_and(|pin| pin.offset == support.offset) {
+            total += limit;
             continue;
         }
         let slip = slip_velocity(&support.offset, at);

@@ -169,13 +169,35 @@ impl ContactStep<'_, Step<'_>> {
         Some(Found { increment: self.step.found(&Vec3::zeros(), ContactMode::Stick, report), sides, are_forces_unique, could_rest: false })
     }
 
-    /// The answer of [`Self::newton`], with which the friction solver goes on. It may be unstable
-    /// where the linear step has no other answer.
+    /// The answer of [`Self::newton`] in the last mode on the ground, with which the friction
+    /// solver goes on. It may be unstable where the linear step has no other answer.
     fn newton_corrector(&mut self, solver: &mut FrictionSolver, sides: &Sides, guess: Vec3, may_be_unstable: bool) -> Option<Found> {
-        let found = self.newton(sides, guess).filter(|found| found.is_stable || may_be_unstable)?;
-        let Newton { at, sides, are_forces_unique, report, .. } = found;
-        let mode = solver.keep_gliding(&at);
+        let pin = solver.unit_turn();
+        let (guess, pivot) = match pin {
+            Some((unit_turn, support)) => (guess.z * unit_turn, Some(self.step.ground.supports[support].offset)),
+            None => (guess, None),
+        };
+        let found = self.newton(sides, guess, pivot).filter(|found| found.is_stable || may_be_unstable)?;
+        let Newton { mut at, sides, are_forces_unique, report, .. } = found;
+        let mode = match pin {
+            Some((unit_turn, support)) => {
+                at = at.z * unit_turn;
+                let gradient = self.gradient_with(&at, &sides);
+                solver.keep_pivoting(at.z, &gradient).then_some(ContactMode::Pinned(support))?
+            }
+            None => solver.keep_gliding(&at),
+        };
         Some(Found { increment: self.step.found(&at, mode, report), sides, are_forces_unique, could_rest: false })
+    }
+
+    /// Gradient of all but the friction of the ground at an increment, under these contact forces.
+    fn gradient_with(&mut self, at: &Vec3, sides: &Sides) -> Vec3 {
+        let mut locals = Locals::new();
+        self.fill_locals(at, &mut locals);
+        let of_side = |((_, force), local): (&(SideMode, SideForce), &Local)| {
+            force.normal * local.gap.gradient + force.tangential * local.slip.gradient
+        };
+        self.step.gradient(at) - sides.iter().zip(&locals).map(of_side).sum::<Vec3>()
     }
 
     /// Linear steps from where the search begins.
@@ -219,7 +241,7 @@ impl ContactStep<'_, Step<'_>> {
             let change = shortened(next - at);
             let is_whole = change == next - at;
             if is_whole
-                && mode == ContactMode::Slip
+                && mode != ContactMode::Stick
                 && let Some(found) = self.newton_corrector(solver, &sides, next, may_be_unstable)
             {
                 let residual = found.increment.report.residual;

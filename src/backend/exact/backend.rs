@@ -60,6 +60,7 @@ impl<M: Method> Backend for Exact<M> {
                 report.swing_rad = self.springs.blocks().take_most_swung();
             }
             Stepping::Controlled(control) => {
+                M::begin_advance(self, &paths);
                 let longest = M::longest_macro_step(self, &paths);
                 report.add(&extrapolation::advance(self, &Task { paths, longest, control }));
             }
@@ -83,7 +84,9 @@ impl<M: Method> Backend for Exact<M> {
 
     fn read_tips(&self, tips: &mut [AttachedTip]) {
         self.springs.read_tips(&self.system.springs, &self.state.motion.pose, tips);
-        tips.iter_mut().for_each(|tip| tip.pull = M::pull_with_dashpot(&self.state, tip.spring, tip.pull));
+        if M::has_dashpots(&self.state) {
+            tips.iter_mut().for_each(|tip| tip.pull = M::pull_with_dashpot(&self.state, tip.spring, tip.pull));
+        }
     }
 
     fn friction_forces(&self) -> Vec<Vec2> {

@@ -52,13 +52,14 @@ pub fn weights(ratio: f64) -> Option<(f64, f64)> {
 }
 
 /// Step from `start` over `duration` (s), for a load that slips on all supports and did so in
-/// `past`. `None` where there is no such step near the `guess`, a body-twist increment (m, m, rad).
+/// `past`, on springs and on dashpots about the shapes that the past step carries on. `None` where
+/// there is no such step near the `guess`, a body-twist increment (m, m, rad).
 pub fn step(
     system: &System,
     (start, past): (&Place, &Past),
     duration: f64,
     guess: &Vec3,
-    springs: &mut SpringBlocks,
+    (springs, dashpots): (&mut SpringBlocks, Option<&mut SpringBlocks>),
     solver: &mut FrictionSolver,
 ) -> Option<Increment> {
     let (weight, _) = weights(duration / past.duration)?;
@@ -67,7 +68,7 @@ pub fn step(
     let axes = turn * Arc::of(guess.z).rotation();
     let near = axes.tr_mul(&(shift_of(&turn, guess) - shift)).push(guess.z - turned);
     let (ground, radius) = (&system.ground, system.load.radius);
-    let mut objective = Straight { springs, dashpots: None, inertia: None, ground, start, radius, carried, axes, expected_turn: guess.z };
+    let mut objective = Straight { springs, dashpots, inertia: None, ground, start, radius, carried, axes, expected_turn: guess.z };
     let Corrected { at, mode, report } = correct(&mut objective, solver, radius, near, None, Wanted::Nearest)?;
     let increment = objective.found(&at, mode, report);
     objective.goes_on(&at, &increment).then_some(increment)

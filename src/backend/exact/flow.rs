@@ -2,7 +2,8 @@
 //!
 //! Friction alone does not say where a jump leads: whatever else dissipates decides its path. Take
 //! the limit without mass of a load on damped springs whose dashpots are in proportion to the
-//! springs, radial and torsional: all springs relax in the same time. Its path obeys
+//! springs, radial and torsional: all springs relax in the same time. Springs that have dashpots
+//! keep their shapes in a jump instead. Its path obeys
 //!
 //! ```text
 //! M(q) v + sum_i B_i' f_i = w(q)        M: dashpots, w: wrench of the springs
@@ -18,7 +19,7 @@ use super::load::{Exact, SnapStart};
 use super::quasi_static::QuasiStatic;
 use crate::backend::springs::Place;
 use crate::backend::stepping::Stepping;
-use crate::math::{Arc, Pose, Vec2, Vec3, increment_of, rotation};
+use crate::math::{Arc, Mat3, Pose, PositiveDefinite, Vec2, Vec3, increment_of, rotation};
 use crate::model::support::{slip_velocity, wrench_of};
 use crate::model::{Ground, PolarSpring};
 
@@ -62,12 +63,17 @@ impl Exact<QuasiStatic> {
             let pull = -springs.reaction(&system.springs, &place.pose).gradient;
             let pull = rotation(place.pose.heading).tr_mul(&pull.xy()).push(pull.z);
             let mut dashpots = Dashpots::default();
-            dashpots.renew_as(system, springs, &place.pose, in_proportion, |_, last| last.shape(&system.springs, &place.pose));
+            let stiffness = |spring: &PolarSpring| self.stiffness_in_jump(spring);
+            dashpots.renew_as(system, springs, &place.pose, stiffness, |_, last| last.shape(&system.springs, &place.pose));
             let Some(blocks) = dashpots.blocks() else { return 0.0 };
             blocks.start(&place);
-            let drag = (blocks.reaction(&place).hessian * twist).component_mul(&units);
+            let hessian = blocks.reaction(&place).hessian;
+            let drag = (hessian * twist).component_mul(&units);
             let left = (pull - friction).component_mul(&units);
             let Some((offset, limit)) = pin else {
+                if self.is_damped() {
+                    return out_of_course(&hessian, &(pull - friction), &units, twist);
+                }
                 let across = left - left.dot(&drag) / drag.norm_squared() * drag;
                 return across.norm() / (left.norm() + system.total_slip_limit() * radius);
             };
@@ -81,9 +87,12 @@ impl Exact<QuasiStatic> {
     }
 }
 
-/// Stiffness of dashpots as springs in proportion to the springs (N/m, N m/rad).
-fn in_proportion(spring: &PolarSpring) -> (f64, f64) {
-    (spring.radial_stiffness, spring.torsional_stiffness)
+/// Share of the velocity of a flow that is out of line with a `twist` (1), where dashpots with this
+/// `hessian` resist a `wrench`. Those of damped springs bear forces without a motion to speak of.
+fn out_of_course(hessian: &Mat3, wrench: &Vec3, units: &Vec3, twist: &Vec3) -> f64 {
+    let Some(factor) = PositiveDefinite::new(hessian) else { return f64::INFINITY };
+    let [course, twist] = [factor.solve(wrench), *twist].map(|course| course.component_div(units));
+    (course - course.dot(&twist) / twist.norm_squared() * twist).norm() / course.norm()
 }
 
 /// Friction on all supports that slip with this twist, at its limits (N, N, N m; load axes), and

@@ -339,6 +339,10 @@ impl Method for Inertial {
         }
     }
 
+    fn has_dashpots(_state: &State<Memory>) -> bool {
+        true
+    }
+
     fn pull_with_dashpot(state: &State<Memory>, spring: usize, pull: Vec2) -> Vec2 {
         let on_tip = state.memory.dashpot_on_tip[spring] - pull;
         -on_tip

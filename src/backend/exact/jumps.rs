@@ -51,6 +51,7 @@ impl Exact<QuasiStatic> {
     pub(super) fn settle(&mut self) -> (StepReport, bool) {
         self.catch_up();
         self.springs.refresh(&self.system.springs, &self.state.motion.pose);
+        self.set_rigid_dashpots();
         let rounding = self.displacement_rounding();
         let (mut report, mut found, mut last) = (StepReport::default(), StepReport::default(), None);
         for _ in 0..MOST_ITERATIONS {
@@ -113,7 +114,12 @@ impl Exact<QuasiStatic> {
             report.work_error_j += allowed(self).min(-missing);
             return None;
         }
-        if missing <= rounding || self.state.motion.pose == start.pose || missing <= allowed(self) + rounding {
+        let lost = self.lost_without_jump();
+        if missing <= rounding || self.state.motion.pose == start.pose || missing <= allowed(self) + lost.unwrap_or(0.0) + rounding {
+            return None;
+        }
+        if lost.is_none() {
+            self.account_for_relaxation(missing);
             return None;
         }
         let contact = self.state.contact;

@@ -39,6 +39,9 @@ pub trait Method: Sized + Send {
         longest
     }
 
+    /// Takes note of the paths of an advance under error control that begins.
+    fn begin_advance(_load: &mut Exact<Self>, _paths: &TipPaths) {}
+
     /// Longest macro-step under error control (s).
     fn longest_macro_step(load: &Exact<Self>, paths: &TipPaths) -> f64;
 
@@ -79,6 +82,11 @@ pub trait Method: Sized + Send {
 
     /// Replaces these quantities.
     fn set_extra_flow(_state: &mut State<Self::Memory>, _system: &System, _flow: &[f64]) {}
+
+    /// Whether pulls contain forces of dashpots.
+    fn has_dashpots(_state: &State<Self::Memory>) -> bool {
+        false
+    }
 
     /// Pull on a tip with its dashpot, from the pull that the spring alone needs (N, world).
     fn pull_with_dashpot(_state: &State<Self::Memory>, _spring: usize, pull: Vec2) -> Vec2 {

@@ -3,6 +3,7 @@
 //! ```text
 //! backend        the calls of a backend;  load: what all methods share, and what a method may choose
 //! quasi_static   balance at every instant, after the paper;  jumps: where the balance is lost
+//! relaxation     what becomes of a jump on damped springs;  viscous: their dashpots
 //! flow           where a jump ends if its path bends
 //! bdf2           its step of second order
 //! inertial       the equation of motion, by  euler  or  midpoint, with dashpots
@@ -29,9 +30,11 @@ mod load;
 mod midpoint;
 mod one_step;
 mod quasi_static;
+mod relaxation;
 mod resolution;
 mod side;
 mod touching;
+mod viscous;
 mod waypoints;
 
 pub use control::{Column, Control};

@@ -1,26 +1,27 @@
 //! The method of the paper: springs and friction balance at every instant, and inertia is
 //! neglected.
 //!
-//! The path of the load does not depend on the speed of the tips: the method is rate-independent,
-//! and equal nodes give equal bits. It is of first order in the step, or of second order while the
-//! load goes on slipping (`bdf2`). Where an attached or released spring leaves the load out of
-//! balance, the load jumps to the nearest balance before the tips move on. Where moving tips remove
-//! the balance, a snap-through leads to another one within the step (`jumps`). Dashpots act through
-//! rates and do nothing here.
+//! Without dashpots the path of the load does not depend on the speed of the tips: the method is
+//! rate-independent, and equal nodes give equal bits. It is of first order in the step, or of
+//! second order while the load goes on slipping (`bdf2`). Where an attached or released spring
+//! leaves the load out of balance, the load jumps to the nearest balance before the tips move on.
+//! Where moving tips remove the balance, a snap-through leads to another one within the step
+//! (`jumps`). With dashpots the load relaxes there (`relaxation`).
 
 use serde::{Deserialize, Serialize};
 
 use super::bdf2::{self, Past};
 use super::contact::GroundContact;
 use super::load::{Exact, Method, SnapStart, State};
+use super::viscous::{Viscous, ViscousMemory};
 use crate::backend::contact::{Resistance, Scope, SideWork, Task};
 use crate::backend::friction::{ContactMode, FrictionSolver};
 use crate::backend::increment::{Increment, Potential, Step, minimise};
 use crate::backend::shortcuts::{Skip, Skips};
-use crate::backend::springs::TipPaths;
+use crate::backend::springs::{Place, TipPaths};
 use crate::backend::stepping::Stepping;
-use crate::backend::{ConeSolver, Motion, Status, StepReport, TransitionKind};
-use crate::math::{Pose, Twist};
+use crate::backend::{ConeSolver, Motion, RestoreError, Status, StepReport, TransitionKind};
+use crate::math::{Pose, Twist, Vec2, Vec3};
 use crate::model::System;
 use crate::stop;
 
@@ -46,6 +47,8 @@ const MOST_ITERATIONS: u64 = 1_000_000;
 pub struct QuasiStatic {
     /// Whether steps are of second order where they can be.
     second_order: bool,
+    /// The dashpots of the springs.
+    pub(super) viscous: Viscous,
 }
 
 /// What a quasi-static step leaves for the next one.
@@ -54,6 +57,8 @@ pub struct QuasiStatic {
 pub struct Memory {
     /// The last step, if all supports slipped in it and in the one before, for the second order.
     past: Option<Past>,
+    #[serde(default, skip_serializing_if = "ViscousMemory::is_empty")]
+    pub(super) viscous: ViscousMemory,
 }
 
 impl Exact<QuasiStatic> {
@@ -62,7 +67,16 @@ impl Exact<QuasiStatic> {
         let motion = Motion { twist: Twist::ZERO, ..start };
         // Macro-steps are long already, and their states are taken back.
         let skips = if matches!(stepping, Stepping::Fixed(_)) { skips } else { skips.without(Skip::StickCertificate) };
-        Self::with(QuasiStatic { second_order: false }, Memory::default(), (system.clone(), motion), stepping, skips)
+        let (viscous, memory) = Viscous::of(system);
+        let (method, memory) = (QuasiStatic { second_order: false, viscous }, Memory { past: None, viscous: memory });
+        Self::with(method, memory, (system.clone(), motion), stepping, skips)
+    }
+
+    /// This load without the dashpots of its springs: the rate-independent model of the paper.
+    pub fn rate_independent(mut self) -> Self {
+        self.method.viscous = Viscous::default();
+        self.state.memory.viscous = ViscousMemory::default();
+        self
     }
 
     /// This load with another solver of the friction problem and another order of the steps.
@@ -70,6 +84,36 @@ impl Exact<QuasiStatic> {
         self.solver = FrictionSolver::by(solver, &self.system.ground, self.system.load.radius);
         self.method.second_order = second_order;
         self
+    }
+
+    /// Step along the paths of the tips between two shares of them (1), to where the tips are.
+    #[inline(always)]
+    fn plain_step(&mut self, paths: &TipPaths, from: f64, to: f64) -> StepReport {
+        let before = self.state.motion.pose;
+        let step = (to - from) * paths.duration;
+        // Shares of the path keep the answer the same to the last bit at another speed of the tips.
+        // The second order and dashpots need the time.
+        let needs_time = self.method.second_order || self.method.viscous.acts;
+        let times = [from, to].map(|share| self.state.side.time + share * paths.duration);
+        let report = self.balance(Some(if needs_time { step } else { to - from }), times);
+        let state = &mut self.state;
+        let after = state.motion.pose;
+        state.motion.twist = Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
+        state.contact = GroundContact::Known(state.contact.last());
+        report
+    }
+
+    /// The same step with dashpots.
+    // A function of its own: most loads have none.
+    #[inline(never)]
+    fn damped_step(&mut self, paths: &TipPaths, from: f64, to: f64) -> StepReport {
+        let before = self.state.motion.pose;
+        let step = (to - from) * paths.duration;
+        self.set_dashpots(step);
+        let mut report = self.plain_step(paths, from, to);
+        report.add(&self.account_for_dashpots(step));
+        self.note_settled(&before, paths);
+        report
     }
 
     /// Moves the load to the balance for the tips as the springs have them, or leaves it where it
@@ -113,10 +157,11 @@ impl Exact<QuasiStatic> {
     fn leg(&mut self, step: Option<f64>, [from, to]: [f64; 2], resistance: Option<Resistance>) -> (StepReport, SideWork) {
         let start = *self.springs.place();
         let guess = step.and_then(|step| self.state.forecast.increment(step));
-        let Self { springs, system, solver, obstacles: Some(obstacles), state, .. } = self else {
+        let Self { method, springs, system, solver, obstacles: Some(obstacles), state, .. } = self else {
             unreachable!("there are obstacles");
         };
-        let mut problem = Step { potential: Potential::of(springs.blocks(), start), ground: &system.ground, length: system.load.radius };
+        let potential = Potential { dashpots: method.viscous.blocks(), ..Potential::of(springs.blocks(), start) };
+        let mut problem = Step { potential, ground: &system.ground, length: system.load.radius };
         let task = Task { from, to, step: to - from, guess, has_inertia: false, scope: Scope::Near, is_smooth: false, resistance };
         let (increment, work) = obstacles.find(system, &mut problem, solver, &mut state.side.touching, &task);
         let report = self.accept(increment, step);
@@ -156,6 +201,7 @@ impl Exact<QuasiStatic> {
         }
         if state.contact.last() == ContactMode::Stick
             && self.skips.stick_certificate
+            && !self.method.viscous.acts
             && pose == before
             && report.status == Status::Converged
             && state.side.touching.is_empty()
@@ -172,14 +218,32 @@ impl Exact<QuasiStatic> {
     fn increment(&mut self, step: Option<f64>) -> Increment {
         let start = *self.springs.place();
         let guess = step.and_then(|step| self.state.forecast.increment(step));
-        let Self { springs, system, solver, state, .. } = self;
-        if let (Some(past), Some(duration), Some(guess)) = (&state.memory.past, step, &guess) {
-            let found = bdf2::step(system, (&start, past), duration, guess, springs.blocks(), solver);
-            if let Some(found) = found {
-                return found;
-            }
+        if self.state.memory.past.is_some()
+            && let (Some(duration), Some(guess)) = (step, &guess)
+            && let Some(found) = self.increment_by_differences(&start, duration, guess)
+        {
+            return found;
         }
-        minimise(Potential::of(springs.blocks(), start), &system.ground, solver, system.load.radius, guess)
+        let Self { method, springs, system, solver, .. } = self;
+        let potential = Potential { dashpots: method.viscous.blocks(), ..Potential::of(springs.blocks(), start) };
+        minimise(potential, &system.ground, solver, system.load.radius, guess)
+    }
+
+    /// Increment of second order, if there is one near the guess.
+    // A function of its own, as are those of dashpots: most steps need the registers.
+    #[inline(never)]
+    fn increment_by_differences(&mut self, start: &Place, duration: f64, guess: &Vec3) -> Option<Increment> {
+        let past = self.state.memory.past?;
+        if !self.carry_dashpots_on(&past, duration) {
+            return None;
+        }
+        let Self { method, springs, system, solver, .. } = self;
+        let blocks = (springs.blocks(), method.viscous.blocks());
+        let found = bdf2::step(system, (start, &past), duration, guess, blocks, solver);
+        if found.is_none() {
+            self.set_dashpots(duration);
+        }
+        found
     }
 }
 
@@ -190,17 +254,11 @@ impl Method for QuasiStatic {
         load.catch_up();
         load.springs.refresh(&load.system.springs, &load.state.motion.pose);
         load.springs.place_tips(paths, to);
-        let before = load.state.motion.pose;
-        let step = (to - from) * paths.duration;
-        // Shares of the path keep the answer the same to the last bit at another speed of the tips.
-        // The second order needs the time.
-        let times = [from, to].map(|share| load.state.side.time + share * paths.duration);
-        let report = load.balance(Some(if load.method.second_order { step } else { to - from }), times);
-        let state = &mut load.state;
-        let after = state.motion.pose;
-        state.motion.twist = Twist { linear: (after.position - before.position) / step, angular: (after.heading - before.heading) / step };
-        state.contact = GroundContact::Known(state.contact.last());
-        report
+        if load.method.viscous.acts { load.damped_step(paths, from, to) } else { load.plain_step(paths, from, to) }
+    }
+
+    fn begin_advance(load: &mut Exact<Self>, paths: &TipPaths) {
+        load.pace_relaxation(paths);
     }
 
     /// Round obstacles that touch the load and move far in a step would pass to its other side.
@@ -216,6 +274,11 @@ impl Method for QuasiStatic {
 
     #[inline]
     fn rest(load: &mut Exact<Self>) -> bool {
+        // As a tip stops, its dashpot ceases to pull, and the load may start.
+        if load.method.viscous.acts && load.is_damped() {
+            load.springs.refresh(&load.system.springs, &load.state.motion.pose);
+            return matches!(load.state.contact, GroundContact::Settled(ContactMode::Stick));
+        }
         let last = load.state.contact.last();
         load.state.contact = GroundContact::Known(ContactMode::Stick);
         load.note_mode_change(last, 0.0);
@@ -239,13 +302,14 @@ impl Method for QuasiStatic {
         if load.state.contact.last() == ContactMode::Stick { paths.duration / n_longest } else { f64::INFINITY }
     }
 
-    fn disturb(state: &mut State<Memory>, _spring: usize) {
+    fn disturb(state: &mut State<Memory>, spring: usize) {
         state.forecast.forget();
         state.memory.past = None;
+        state.memory.viscous.disturb(spring);
     }
 
     fn restore_balance(load: &mut Exact<Self>, report: &mut StepReport) {
-        if load.state.contact.take_jump() {
+        if load.state.contact.take_jump() && load.can_jump() {
             report.add(&load.jump());
         }
     }
@@ -257,5 +321,25 @@ impl Method for QuasiStatic {
         report: &mut StepReport,
     ) -> Option<TransitionKind> {
         load.snap_through(start, allowed, report)
+    }
+
+    fn extra_flow(state: &State<Memory>) -> Vec<f64> {
+        state.memory.viscous.flow(&state.energy)
+    }
+
+    fn set_extra_flow(state: &mut State<Memory>, _system: &System, flow: &[f64]) {
+        state.memory.viscous.set_flow(&mut state.energy, flow);
+    }
+
+    fn has_dashpots(state: &State<Memory>) -> bool {
+        !state.memory.viscous.on_tip.is_empty()
+    }
+
+    fn pull_with_dashpot(state: &State<Memory>, spring: usize, pull: Vec2) -> Vec2 {
+        state.memory.viscous.on_tip(spring).map_or(pull, |on_tip| pull - on_tip)
+    }
+
+    fn check(memory: &Memory, system: &System) -> Result<(), RestoreError> {
+        memory.viscous.check(system)
     }
 }

@@ -215,10 +215,9 @@ impl SpringBlocks {
             work += of_tips;
             displacement += moved;
         }
-        let (last, now) = (self.accepted, self.evaluated);
-        let from = &last.at.pose;
+        let last = std::mem::replace(&mut self.accepted, self.evaluated);
+        let (from, now) = (&last.at.pose, &self.accepted);
         let moved = (pose.position - from.position).push(pose.heading - from.heading);
-        self.accepted = now;
         Accepted {
             elastic: now.energy,
             of_tips: if *pose == *from { now.energy - last.energy } else { 0.5 * work.reduce_add() },

@@ -7,11 +7,10 @@ use clap::Args;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::super::choice::{not_negative, parse, positive};
+use super::super::choice::{not_negative, positive};
 use super::super::error::CliError;
 use super::super::input::{name_of, read_json, read_scenario, read_text};
 use super::super::output::measured_manifest;
-use crate::backend::BackendKind;
 use crate::formats;
 use crate::model::paper;
 use crate::output::folder::MANIFEST;
@@ -51,7 +50,7 @@ pub struct SensorInput {
     pub recording: Recording,
     /// Rows of releases; `None` for a table without a column of events.
     pub releases: Option<Vec<Sample>>,
-    /// Whether dashpots contributed to the forces; a run without inertia leaves them out.
+    /// Whether dashpots contributed to the forces; a rate-independent run leaves them out.
     has_dashpots: bool,
     calibration: Option<PathBuf>,
 }
@@ -95,13 +94,13 @@ impl SensorArgs {
         Ok(Some(Scenario::parse(&ran.scenario.to_string(), &path.display().to_string())?))
     }
 
-    /// Whether dashpots contributed to the forces; a run without inertia leaves them out.
+    /// Whether dashpots contributed to the forces; a rate-independent run leaves them out.
     fn has_dashpots(&self) -> Result<bool, CliError> {
         if !self.recording.is_dir() {
             return Ok(true);
         }
         let (_, ran) = ran(&self.recording)?;
-        Ok(ran.options["kind"].as_str().and_then(parse::<BackendKind>).is_none_or(BackendKind::has_inertia))
+        Ok(!ran.options["rate_independent"].as_bool().unwrap_or(false))
     }
 
     /// The springs. Stiffnesses come from the options, else the calibration, else the scenario,

@@ -32,7 +32,7 @@ pub struct SpringEntry {
     /// Stiffness against a swing about the root (N m/rad).
     pub torsional_stiffness_nm_per_rad: f64,
     /// Damping over the critical damping of the load's mass on this spring (1). The default is 0:
-    /// no damping. The quasi-static method ignores it.
+    /// no damping.
     #[serde(default)]
     pub damping_ratio: f64,
 }
@@ -63,7 +63,7 @@ pub struct RingOfSprings {
     /// Stiffness against a swing about the root (N m/rad).
     pub torsional_stiffness_nm_per_rad: f64,
     /// Damping over the critical damping of the load's mass on one spring (1). The default is 0: no
-    /// damping. The quasi-static method ignores it.
+    /// damping.
     #[serde(default)]
     pub damping_ratio: f64,
 }

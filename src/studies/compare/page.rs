@@ -70,12 +70,17 @@ fn numbers(found: &Pathwise) -> Vec<Number> {
     let (numbers, predicted) = (&found.numbers, &found.predicted);
     let driven = predicted.while_driven_m.map(|driven| format!("predicts {} while the tips drive the load", short_quantity(driven, "m")));
     let release = predicted.release_factor.map(|factor| format!("predicts a release factor of {}", short(factor)));
-    vec![
+    let damping = found.damping_effect.as_ref().map(|effect| {
+        let path = short_quantity(effect.path.edge_displacement_max_m, "m");
+        Number::new("damping effect", path, "path of the quasi-static model less that without its dashpots")
+    });
+    let numbers = [
         Number::new("epsilon", or_none(numbers.epsilon, ""), driven.unwrap_or_default()),
         Number::new("Phi", or_none(numbers.phi, "rad"), release.unwrap_or_default()),
         Number::new("zeta", short(numbers.zeta), "damping ratio of the springs"),
         Number::new("estimate", or_none(predicted.estimated_m, "m"), ESTIMATED),
-    ]
+    ];
+    numbers.into_iter().chain(damping).collect()
 }
 
 fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {

@@ -1,6 +1,6 @@
 //! A comparison as text: the answer, the evidence, and all details on request.
 
-use crate::analysis::compare::{ClosedLoop, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
+use crate::analysis::compare::{ClosedLoop, DampingEffect, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
 use crate::analysis::compare::{LONGEST_TRIAL, Pathwise, Predicted, Solution, SuggestedChange, Tier, Tried};
 use crate::backend::{PoseError, Tolerance};
 use crate::output::account_words::{self, name};
@@ -9,7 +9,7 @@ use crate::output::quantity::short;
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::scenario::Scenario;
-use crate::studies::compare::answer::{name_and_unit, rounded_up, tolerance, verdict_text};
+use crate::studies::compare::answer::{self, name_and_unit, rounded_up, tolerance, verdict_text};
 use crate::studies::compare::comparison::Comparison;
 use crate::studies::compare::doubt;
 
@@ -129,8 +129,16 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     let [step, model] = [&found.time_step_error, &found.model_error].map(|error| metres(error.edge_displacement_max_m));
     rows.push(("engine error", format!("time step {step}, model {model}")));
     rows.push(("tolerance", tolerance(found)));
+    rows.extend(found.damping_effect.as_ref().map(|effect| ("damping effect", damping(effect))));
     rows.push(("estimate", estimate(&found.predicted)));
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+/// What the dashpots change in the quasi-static model.
+pub fn damping(effect: &DampingEffect) -> String {
+    let path = short_quantity(effect.path.edge_displacement_max_m, "m");
+    let pulls = answer::instead(effect.peak_net_pull_n, effect.peak_net_pull_without_n, "N");
+    format!("path {path}, net pull {pulls} at most; relaxes in {}", short_quantity(effect.relaxation_s, "s"))
 }
 
 /// What trials of the changes against inertia found; `None` where there is no such change.
@@ -238,12 +246,8 @@ pub fn suggested(change: &SuggestedChange) -> (String, &'static str) {
             (format!("start at {} % of the speed", short(100.0 * factor)), "the load coasts by the square of the start speed")
         }
         SuggestedChange::SpringDamping { damping_ratio } => {
-            (format!("add spring damping: damping_ratio >= {}", short(*damping_ratio)), "it suppresses the overshoot after a release")
+            (format!("add spring damping: damping_ratio >= {}", short(*damping_ratio)), "the load then relaxes after a release")
         }
-        SuggestedChange::ReducedInertia { factor } => (
-            format!("reduce the inertia to {} % (same normal loads)", short(100.0 * factor)),
-            "the load then settles within one control period after a release",
-        ),
         SuggestedChange::TighterTolerance { tolerance_m } => {
             (format!("use --tolerance {tolerance_m:.1e}"), "the reference error then becomes small enough")
         }

@@ -95,8 +95,10 @@ impl Scene {
 }
 
 impl Staged {
+    /// Options of a run. The laws compare with the rate-independent model.
     pub fn options(&self, kind: BackendKind) -> BackendOptions {
-        BackendOptions::within(kind, Tolerance::at_edge(self.tolerance_m, &self.scenario.system.load))
+        let options = BackendOptions::within(kind, Tolerance::at_edge(self.tolerance_m, &self.scenario.system.load));
+        BackendOptions { rate_independent: !kind.has_inertia(), ..options }
     }
 }
 

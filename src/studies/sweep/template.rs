@@ -168,13 +168,18 @@ fn expanded(scenario: &Scenario) -> Value {
     serde_json::to_value(scenario.expanded()).expect("a scenario is plain data")
 }
 
-/// Normal loads are written out in an expanded scenario, and stay.
+/// Normal loads are written out in an expanded scenario, and stay. So do the dashpots, whose
+/// damping ratios are those of the mass.
 fn scale_inertia(expanded: &mut Value, scale: &Value) -> Result<(), SweepError> {
     let refused = || SweepError::axis(INERTIA, "must be a positive number", scale);
     let scale = scale.as_f64().filter(|scale| *scale > 0.0).ok_or_else(refused)?;
     for key in ["mass_kg", "inertia_kg_m2"] {
         let value = &mut expanded["load"][key];
         *value = Value::from(scale * value.as_f64().expect("an expanded load has both"));
+    }
+    for spring in expanded["springs"].as_array_mut().into_iter().flatten() {
+        let ratio = spring["damping_ratio"].as_f64().filter(|ratio| *ratio > 0.0);
+        ratio.into_iter().for_each(|ratio| spring["damping_ratio"] = Value::from(ratio / scale.sqrt()));
     }
     Ok(())
 }

@@ -3,8 +3,9 @@
 //! Ramp: the tip of one spring goes ahead by twice the stretch f / k at which the load slips, at
 //! constant speed v. Without inertia the load then follows at f / k; with it, x = v t - (v / w) sin
 //! w t from the onset on. Release: the spring is grasped at a stretch of 2 f / k. Without inertia
-//! the load jumps by f / k; with it, x = (f / k) (1 - exp(-z w t) (cos + ...)), a damped oscillator
-//! up to its first stop, where friction keeps it.
+//! the load jumps by f / k, or relaxes, x = (f / k) (1 - exp(-w t / (2 z))). With it, x = (f / k)
+//! (1 - exp(-z w t) (cos + ...)): a damped oscillator up to its first stop, where friction keeps
+//! it.
 
 use super::super::map::{Asked, Axis, Cell, Map};
 use super::super::scene::{Scene, load, rest_tip, stiff_spring};
@@ -60,8 +61,10 @@ fn release(step: f64, mass: f64, damping_ratio: f64) -> Cell {
     let spring = SpringEntry { damping_ratio, ..stiff_spring(0.0, RADIAL) };
     let mut scene = Scene::paper(step, N_STEPS).pulled(spring, &[(0.0, tip)]);
     scene.load = load(mass);
-    let inertial = slip_stretch * released((RADIAL / mass).sqrt() * scene.duration(), damping_ratio);
-    scene.cell(Asked::shift(slip_stretch, inertial, inertial.min(slip_stretch)))
+    let angle = (RADIAL / mass).sqrt() * scene.duration();
+    let relaxed = slip_stretch * -(-angle / (2.0 * damping_ratio)).exp_m1();
+    let inertial = slip_stretch * released(angle, damping_ratio);
+    scene.cell(Asked::shift(relaxed, inertial, inertial.min(relaxed)))
 }
 
 /// Displacement at the angle w t of an oscillator that starts at rest at a distance of one, up to
