@@ -149,6 +149,8 @@ formats! {
     COMPARE = ("cohaul compare", 1, "`compare --json`, `summary.json`", None);
     /// Result of `compare --vary`.
     MAP = ("cohaul compare map", 1, "`compare --vary --json`, `summary.json`", None);
+    /// Result of `compare --threshold`.
+    THRESHOLD = ("cohaul threshold", 1, "`compare --threshold --json`, `summary.json`", None);
     /// Result of `sweep` and `merge`.
     SWEEP = ("cohaul sweep", 1, "`sweep --json`, `merge --json`, `summary.json`", Older);
     /// Result of `sweep --shard`.

@@ -73,8 +73,8 @@ def sweep(
     """Runs a scenario over parameters, backends and seeds, on all threads. Ctrl-C ends it.
 
     :param vary: values of each parameter by its path, as ``{"load.mass_kg": [0.001, 0.002]}``,
-        ``"log:1e-4:1e-2:7"`` or, with ``sample``, ``"1e-4..1e-2"``. ``inertia_scale`` multiplies
-        the inertia at the same normal loads
+        ``"log:1e-4:1e-2:7"`` or, with ``sample``, ``"1e-4..1e-2"``. ``speed``, ``size``
+        and ``inertia`` are factors on the whole scene
     :param seeds: number of seeds at each point (1)
     :param seed: first seed, in place of the scenario's
     :param backend: one backend, or several

@@ -16,6 +16,7 @@ use super::error::CliError;
 use super::input::{check_step, name_of, read_scenario, read_text};
 use super::output::{OutputArgs, StrictArgs, manifest_of};
 use super::resumable::{self, Finished};
+use super::threshold::threshold;
 use super::vary::{VaryArgs, vary};
 use super::watch::{watched_by, watched_to_end};
 use crate::analysis::compare::{ClosedLoop, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict};
@@ -42,11 +43,14 @@ Examples:
   cohaul compare scene.json --fail-on engine
   cohaul compare scene.json --beside camera.csv
   cohaul compare scene.json --vary load.mass_kg=log:0.1:10:12 --out out/map
+  cohaul compare scene.json --threshold speed
 
 Files in DIR: report.html, overview figures, summary.json and manifest.json,
 with --traces those of all runs; with --vary report.html, map.csv, map.svg,
-summary.json and manifest.json. The seeds of an interrupted closed loop and
-the points of an interrupted map are kept in DIR.journal.")]
+summary.json and manifest.json; with --threshold report.html, points.csv,
+threshold.svg, summary.json and manifest.json. The seeds of an interrupted
+closed loop and the points of an interrupted map or search are kept in
+DIR.journal.")]
 pub struct CompareArgs {
     /// Scenario file; - for standard input
     scenario: PathBuf,
@@ -123,8 +127,12 @@ pub struct CompareArgs {
 }
 
 pub fn compare(args: &CompareArgs) -> Result<ExitCode, CliError> {
+    if let Some(asked) = &args.vary.threshold {
+        check_threshold(args)?;
+        return threshold(asked, &args.vary, &args.scenario, args.seed, &settings(args), &args.output);
+    }
     if !args.vary.vary.is_empty() {
-        check_map(args)?;
+        check_map(args, "--vary")?;
         return vary(&args.vary, &args.scenario, args.seed, &settings(args), &args.output);
     }
     let scenario = read_scenario(&args.scenario, args.seed)?;
@@ -201,8 +209,8 @@ fn check_seeds(n: usize, first: u64) -> Result<(), CliError> {
 }
 
 /// # Errors
-/// When an option asks for what a map of comparisons has not.
-fn check_map(args: &CompareArgs) -> Result<(), CliError> {
+/// When an option asks for what a map of comparisons, of the option `by`, has not.
+fn check_map(args: &CompareArgs, by: &str) -> Result<(), CliError> {
     let options = [
         ("--tier", !args.tier.is_empty()),
         ("--seeds", args.seeds.is_some()),
@@ -210,9 +218,24 @@ fn check_map(args: &CompareArgs) -> Result<(), CliError> {
         ("--beside", args.beside.is_some()),
         ("--traces", args.traces.is_some()),
     ];
+    check_left_out(&options, by)?;
+    args.output.check()
+}
+
+/// # Errors
+/// When an option asks for what a search for thresholds has not, as an engine.
+fn check_threshold(args: &CompareArgs) -> Result<(), CliError> {
+    check_left_out(&[("--step-s", args.step_s.is_some()), ("--everywhere", args.vary.everywhere)], "--threshold")?;
+    check_left_out(&args.engine.given(), "--threshold")?;
+    check_map(args, "--threshold")
+}
+
+/// # Errors
+/// When one of these options is given beside the option `by`.
+fn check_left_out(options: &[(&str, bool)], by: &str) -> Result<(), CliError> {
     match options.iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => Err(CliError::Usage(format!("{option}: must be left out with --vary, found both"))),
-        None => args.output.check(),
+        Some((option, _)) => Err(CliError::Usage(format!("{option}: must be left out with {by}, found both"))),
+        None => Ok(()),
     }
 }
 
@@ -231,7 +254,7 @@ fn settings(args: &CompareArgs) -> Settings {
         tolerance_speed_share: args.tolerance_speed.unwrap_or(usual.tolerance_speed_share),
         tolerance_energy_share: args.tolerance_energy.unwrap_or(usual.tolerance_energy_share),
         skips: Skips::ALL.without_all(&args.no_skip),
-        check_suggestions: !args.no_check_suggestions && args.vary.vary.is_empty(),
+        check_suggestions: !args.no_check_suggestions && args.vary.is_one_scene(),
     }
 }
 

@@ -30,6 +30,16 @@ impl EngineArgs {
     pub fn options(&self) -> RapierOptions {
         RapierOptions::asked(self.settings, self.friction, self.springs, self.precision)
     }
+
+    /// All options, and whether they are given.
+    pub fn given(&self) -> [(&'static str, bool); 4] {
+        [
+            ("--friction", self.friction.is_some()),
+            ("--springs", self.springs.is_some()),
+            ("--precision", self.precision.is_some()),
+            ("--settings", self.settings.is_some()),
+        ]
+    }
 }
 
 /// Refuses a tolerance for a backend without error control.
@@ -45,15 +55,10 @@ pub fn check_error_control(backends: &[BackendKind]) -> Result<(), CliError> {
 
 /// Warns of options for a backend that does not run.
 pub fn warn_of_idle(backends: &[BackendKind], integrator: Option<Integrator>, engine: &EngineArgs) {
-    let options = [
-        ("--integrator", Setting::Integrator, integrator.is_some()),
-        ("--friction", Setting::Engine, engine.friction.is_some()),
-        ("--springs", Setting::Engine, engine.springs.is_some()),
-        ("--precision", Setting::Engine, engine.precision.is_some()),
-        ("--settings", Setting::Engine, engine.settings.is_some()),
-    ];
+    let of_engine = engine.given().map(|(name, is_given)| (name, Setting::Engine, is_given));
+    let options = std::iter::once(("--integrator", Setting::Integrator, integrator.is_some())).chain(of_engine);
     let is_idle = |setting: Setting| backends.iter().all(|backend| !backend.reads(setting));
-    for (name, setting, _) in options.into_iter().filter(|(_, setting, is_given)| *is_given && is_idle(*setting)) {
+    for (name, setting, _) in options.filter(|(_, setting, is_given)| *is_given && is_idle(*setting)) {
         warn_idle(name, &BackendKind::names_of(|kind| kind.reads(setting)), &names(backends));
     }
 }
@@ -63,13 +68,13 @@ fn names(backends: &[BackendKind]) -> String {
 }
 
 /// Warns of options of a sweep that its drive or backends do not have: only ants are random, and
-/// some backends have no inertia.
-pub fn warn_of_idle_points(scenario: &Scenario, backends: &[BackendKind], n_seeds: u64, scales_inertia: bool) {
+/// some backends have no inertia, which an option `scales`.
+pub fn warn_of_idle_points(scenario: &Scenario, backends: &[BackendKind], n_seeds: u64, scales: Option<&str>) {
     if n_seeds > 1 && matches!(scenario.drive, Drive::Tips(_)) {
         warn_idle("--seeds", "ants", "tips");
     }
-    if scales_inertia && !backends.iter().any(|backend| backend.has_inertia()) {
-        warn_idle("--scale-inertia", &BackendKind::names_of(BackendKind::has_inertia), &names(backends));
+    if let Some(option) = scales.filter(|_| !backends.iter().any(|backend| backend.has_inertia())) {
+        warn_idle(option, &BackendKind::names_of(BackendKind::has_inertia), &names(backends));
     }
 }
 

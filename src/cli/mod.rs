@@ -26,6 +26,7 @@ mod scenario;
 mod stress;
 mod sweep;
 mod threads;
+mod threshold;
 mod vary;
 mod verify;
 mod view;

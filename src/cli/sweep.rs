@@ -32,7 +32,8 @@ use crate::studies::journal::{Header, Journal, JournalError};
 use crate::studies::sweep::files::write_sweep;
 use crate::studies::sweep::report::{Cost, SweepSummary, sweep_text};
 use crate::studies::sweep::{
-    Ask, Axis, Design, INERTIA, Identity, Method, Part, Plan, Sample, Table, Variant, finish_shard, shard_files, validate, verified, work,
+    Ask, Axis, Design, Factor, INERTIA, Identity, Method, Part, Plan, Sample, Table, Variant, finish_shard, shard_files, validate,
+    verified, work,
 };
 
 #[derive(Args)]
@@ -58,11 +59,12 @@ pub struct SweepArgs {
     seed: Option<u64>,
     /// Parameter and its values; several make a grid
     ///
-    /// PATH is a key of the scenario, as load.mass_kg. VALUES are a,b,c or FIRST:LAST:N or
-    /// log:FIRST:LAST:N; with --sample, LOW..HIGH or log:LOW..HIGH.
+    /// PATH is a key of the scenario, as load.mass_kg, or a factor on the scene: speed, size or
+    /// inertia. VALUES are a,b,c or FIRST:LAST:N or log:FIRST:LAST:N; with --sample, LOW..HIGH or
+    /// log:LOW..HIGH.
     #[arg(long, value_name = "PATH=VALUES")]
     vary: Vec<Axis>,
-    /// Factors of the load's inertia at the same normal loads; values as in --vary
+    /// Factors of the load's inertia at the same normal loads, as --vary inertia=VALUES
     #[arg(long, value_name = "VALUES")]
     scale_inertia: Option<String>,
     /// Sample the ranges at N points; METHOD is latin-hypercube or sobol
@@ -110,11 +112,17 @@ pub fn sweep(args: &SweepArgs) -> Result<ExitCode, CliError> {
     check_variants(&plan)?;
     let pool = pool(args.threads, plan.identity.n_cells)?;
     warn_of_idle(&args.backend, args.integrator, &args.engine);
-    warn_of_idle_points(plan.base(), &args.backend, args.seeds, args.scale_inertia.is_some());
+    warn_of_idle_points(plan.base(), &args.backend, args.seeds, scales_inertia(args));
     match args.shard {
         Some(part) => one_shard(args, &plan, &pool, part),
         None => whole(args, &plan, &pool),
     }
+}
+
+/// The option that scales the inertia.
+fn scales_inertia(args: &SweepArgs) -> Option<&'static str> {
+    let varies = args.vary.iter().any(|axis| Factor::named(&axis.path) == Some(Factor::Inertia));
+    args.scale_inertia.as_ref().map(|_| "--scale-inertia").or(varies.then_some("--vary inertia"))
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, CliError> {

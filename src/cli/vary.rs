@@ -17,6 +17,7 @@ use crate::analysis::compare::Settings;
 use crate::backend::{BackendKind, Integrator};
 use crate::output::json;
 use crate::studies::sweep::{Ask, Axis, Design, Plan, Variant, validate};
+use crate::studies::threshold::Asked;
 use crate::studies::vary::files::write_map;
 use crate::studies::vary::report::Map;
 use crate::studies::vary::{Question, tasks};
@@ -25,26 +26,37 @@ use crate::studies::vary::{Question, tasks};
 pub struct VaryArgs {
     /// Parameter and its values: a map of verdicts; give it twice for two parameters
     ///
-    /// PATH is a key of the scenario, as load.mass_kg. VALUES are a,b,c or FIRST:LAST:N or
-    /// log:FIRST:LAST:N, as for `cohaul sweep`.
-    #[arg(long, value_name = "PATH=VALUES")]
+    /// PATH is a key of the scenario, as load.mass_kg, or a factor on the scene: speed, size or
+    /// inertia. VALUES are a,b,c or FIRST:LAST:N or log:FIRST:LAST:N, as for `cohaul sweep`.
+    #[arg(long, value_name = "PATH=VALUES", group = "over")]
     pub vary: Vec<Axis>,
+    /// Up to which value of a parameter quasi-static is valid, without rapier
+    ///
+    /// PARAM is a PATH as for --vary, with FROM:TO or FROM:TO:N behind it for the range and its
+    /// grid [default: from 1/32 to 32 times the present value, four points for each factor of 2].
+    #[arg(long, value_name = "PARAM[=FROM:TO]", group = "over")]
+    pub threshold: Option<Asked>,
     /// With --vary: compare all three backends at every point, whatever the estimate says
     #[arg(long, requires = "vary")]
     pub everywhere: bool,
-    /// With --vary: number of threads [default: one for each processor]
-    #[arg(long, value_name = "N", requires = "vary")]
+    /// With --vary or --threshold: number of threads [default: one for each processor]
+    #[arg(long, value_name = "N", requires = "over")]
     pub threads: Option<usize>,
 }
 
-pub fn vary(args: &VaryArgs, scenario: &Path, seed: Option<u64>, settings: &Settings, output: &OutputArgs) -> Result<ExitCode, CliError> {
-    if args.vary.len() > 2 {
-        return Err(CliError::Usage(format!("--vary: must be given once or twice, found {} times", args.vary.len())));
+impl VaryArgs {
+    /// Whether the scene is compared as it is.
+    pub fn is_one_scene(&self) -> bool {
+        self.vary.is_empty() && self.threshold.is_none()
     }
-    let plan = Plan::new(Ask {
+}
+
+/// Plan of the points of a scenario in `text` over these axes.
+pub fn plan_of(scenario: &Path, text: String, axes: Vec<Axis>, seed: Option<u64>, settings: &Settings) -> Result<Plan, CliError> {
+    Ok(Plan::new(Ask {
         file: name_of(scenario),
-        text: read_scenario_text(scenario)?,
-        design: Design::new(args.vary.clone(), None)?,
+        text,
+        design: Design::new(axes, None)?,
         variants: vec![Variant {
             backend: BackendKind::QuasiStatic,
             step_s: settings.step_s,
@@ -55,7 +67,14 @@ pub fn vary(args: &VaryArgs, scenario: &Path, seed: Option<u64>, settings: &Sett
         }],
         first_seed: seed,
         n_seeds: 1,
-    })?;
+    })?)
+}
+
+pub fn vary(args: &VaryArgs, scenario: &Path, seed: Option<u64>, settings: &Settings, output: &OutputArgs) -> Result<ExitCode, CliError> {
+    if args.vary.len() > 2 {
+        return Err(CliError::Usage(format!("--vary: must be given once or twice, found {} times", args.vary.len())));
+    }
+    let plan = plan_of(scenario, read_scenario_text(scenario)?, args.vary.clone(), seed, settings)?;
     check_step(settings.step_s, plan.base())?;
     let question = Question { settings: *settings, everywhere: args.everywhere };
     let pool = pool(args.threads, plan.identity.n_cells)?;

@@ -7,6 +7,7 @@ mod error;
 mod expand;
 pub(crate) mod json;
 mod read;
+mod scaled;
 mod structure;
 mod validate;
 mod warnings;

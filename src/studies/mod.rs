@@ -35,6 +35,7 @@ pub mod run;
 pub mod runner;
 pub mod stress;
 pub mod sweep;
+pub mod threshold;
 pub mod variants;
 pub mod vary;
 pub mod verify;

@@ -130,6 +130,8 @@ impl Outputs {
         self.take(&["compare", &self.damped(), "--rate-independent", "--no-check-suggestions"]);
         self.take(&["compare", &self.ants(), "--seeds", "2"]);
         self.take(&["compare", JUMP, "--vary", "load.mass_kg=log:1e-4:1:3"]);
+        self.take(&["compare", JUMP, "--threshold", "speed=0.5:2:3"]);
+        self.take(&["compare", "scenarios/contact/pusher.json", "--threshold", "inertia=0.5:2:3"]);
     }
 
     fn sweeps(&mut self) {

@@ -172,14 +172,22 @@ fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result
 }
 
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
-    let mut found = compare_models(question, &watch)?;
+    let options = question.settings.at_fixed_step(question.scenario, BackendKind::Rapier);
+    let engine = question.solution(&options, question.engine, |share| watch(share / 3.0))?;
+    let mut found = compare_models(question, Some(engine), &watch)?;
     let error_m = LARGEST_REFERENCE_ERROR * found.tolerance_m;
     found.damping_effect = DampingEffect::of(question, &found.solutions[0], error_m, |_| watch(1.0))?;
     Some(found)
 }
 
-fn compare_models(question: &Question, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Pathwise> {
-    let Question { tier, scenario, settings, engine, references: make, .. } = *question;
+/// Compares the quasi-static with the inertial path. The latter stands for that of an engine too,
+/// whose error is zero.
+pub(super) fn compare_without_engine(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+    compare_models(question, None, &watch)
+}
+
+fn compare_models(question: &Question, engine: Option<Solution>, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Pathwise> {
+    let Question { tier, scenario, settings, references: make, .. } = *question;
     let find = |at: f64, options: &BackendOptions, make: &MakeBackend| question.solution(options, make, |share| watch((at + share) / 3.0));
     let reference = |at, kind, settings: &Settings| {
         let options = settings.under_error_control(scenario, kind);
@@ -190,32 +198,34 @@ fn compare_models(question: &Question, watch: &(impl Fn(f64) -> bool + Sync)) ->
         }
         Some(found)
     };
-    let rapier = find(0.0, &settings.at_fixed_step(scenario, BackendKind::Rapier), engine)?;
-    let references = |settings: &Settings| {
+    let has_engine = engine.is_some();
+    let judged = |settings: &Settings, engine: Option<Solution>| {
         let stop = Stop::current();
         let find = |at, kind| stop.within(|| reference(at, kind, settings));
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
-        Some([quasi_static?, inertial?])
+        let (quasi_static, inertial) = (quasi_static?, inertial?);
+        let engine = engine.unwrap_or_else(|| inertial.clone());
+        Some(judge(question, [quasi_static, inertial, engine]))
     };
-    let [quasi_static, inertial] = references(settings)?;
-    let found = judge(question, [quasi_static, inertial, rapier]);
+    let found = judged(settings, engine)?;
     if settings.reference_tolerance_m.is_some() {
         return Some(found);
     }
     let again = |found: Pathwise, tolerance_m: f64| {
-        let [quasi_static, inertial] = references(&Settings { reference_tolerance_m: Some(tolerance_m), ..*settings })?;
-        let [_, _, rapier] = found.solutions;
-        Some(judge(question, [quasi_static, inertial, rapier]))
+        let [_, _, engine] = found.solutions;
+        judged(&Settings { reference_tolerance_m: Some(tolerance_m), ..*settings }, has_engine.then_some(engine))
     };
     // The tolerance of the verdict is known only now.
     let needed = LARGEST_REFERENCE_ERROR * found.tolerance_m;
     let found_tolerance = found.tolerance_m;
     let found =
         if found.edge_displacement.reference_error_m <= needed { found } else { again(found, needed_reference_error(found_tolerance))? };
-    // Another quantity may need a smaller error than the path.
+    // Another quantity may need a smaller error than the path. Without an engine a threshold is
+    // sought, at which the path needs one too.
     let error = found.edge_displacement.reference_error_m;
     let is_open = found.verdicts.named().iter().any(|(_, of)| of.verdict == Verdict::Inconclusive);
-    if !is_open || found.verdict == Verdict::Inconclusive || !found.doubts.is_empty() || error == 0.0 {
+    let is_path_open = has_engine && found.verdict == Verdict::Inconclusive;
+    if !is_open || is_path_open || !found.doubts.is_empty() || error == 0.0 {
         return Some(found);
     }
     let sharper = again(found.clone(), error / SHARPER)?;

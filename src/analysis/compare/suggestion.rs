@@ -6,7 +6,7 @@ use super::jump_mode::JumpMode;
 use super::numbers::Predicted;
 use crate::analysis::trigger::ByTrigger;
 use crate::model::System;
-use crate::scenario::{Drive, Scenario};
+use crate::scenario::Scenario;
 
 /// One change of the scene or the engine that reduces one cause, by the law of that cause.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -16,7 +16,8 @@ pub enum SuggestedChange {
     SmallerStep { step_s: f64 },
     /// Other friction or spring model in the engine: its model error does not depend on the step.
     OtherModel,
-    /// Tip speeds times this factor: the load lags by speed over omega_n.
+    /// Tip speeds times this factor: the load lags by speed over omega_n. Obstacles that move keep
+    /// pace with the tips.
     SlowerTips { factor: f64 },
     /// Speeds of the obstacles times this factor, where they alone drive the load: behind a push it
     /// coasts by the square of the speed.
@@ -65,24 +66,8 @@ impl SuggestedChange {
     /// later.
     pub fn apply(&self, scenario: &mut Scenario) {
         match *self {
-            SuggestedChange::SlowerTips { factor } => {
-                if let Drive::Tips(paths) = &mut scenario.drive {
-                    for path in paths {
-                        path.waypoints.iter_mut().for_each(|at| at.time /= factor);
-                        path.release = path.release.map(|time| time / factor);
-                    }
-                }
-                scenario.duration /= factor;
-            }
-            SuggestedChange::SlowerObstacles { factor } => {
-                let paths = scenario.system.world.obstacles.iter_mut().map(|obstacle| &mut obstacle.path);
-                paths.flat_map(|path| &mut path.waypoints).for_each(|(time, _)| *time /= factor);
-                scenario.duration /= factor;
-            }
-            SuggestedChange::SlowerStart { factor } => {
-                scenario.start.twist.linear *= factor;
-                scenario.start.twist.angular *= factor;
-            }
+            SuggestedChange::SlowerTips { factor } | SuggestedChange::SlowerObstacles { factor } => scenario.stretch_times(factor.recip()),
+            SuggestedChange::SlowerStart { factor } => scenario.scale_start_speed(factor),
             SuggestedChange::SpringDamping { damping_ratio } => {
                 scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = spring.damping_ratio.max(damping_ratio));
             }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::ensemble::{self, ClosedLoop};
-use super::pathwise::Pathwise;
+use super::pathwise::{self, Pathwise};
 use super::seed_runs::{self, SeedRuns};
 use super::settings::{MakeController, Settings, Tier};
 use super::solution::Question;
@@ -91,6 +91,24 @@ impl<'a> ThreeWay<'a> {
     /// Records a run of a backend of this library, replays its grasps, releases and tip motions on
     /// all backends, and compares paths.
     pub fn replayed(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+        self.on_record(&watch, |question, watch| trial::compare(question, watch))
+    }
+
+    /// Compares the quasi-static with the inertial path alone, under prescribed or recorded tip
+    /// motions. The inertial path stands for that of an engine too, whose error is zero.
+    pub fn without_engine(&self, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
+        match self.scenario.drive {
+            Drive::Tips(_) => pathwise::compare_without_engine(&self.question(Tier::Prescribed), watch),
+            Drive::Ants(_) => self.on_record(&watch, |question, watch| pathwise::compare_without_engine(question, watch)),
+        }
+    }
+
+    /// Compares paths under the recorded motions of one run.
+    fn on_record(
+        &self,
+        watch: &(dyn Fn(f64) -> bool + Sync),
+        compare: impl Fn(&Question, &(dyn Fn(f64) -> bool + Sync)) -> Option<Pathwise>,
+    ) -> Option<Pathwise> {
         let Self { scenario, settings, controller, .. } = *self;
         let options = settings.at_fixed_step(scenario, settings.recorded_from);
         let mut run = Simulation::from_parts(scenario, &options, Keep::Trace, controller(scenario), backend_of(scenario, &options));
@@ -103,7 +121,7 @@ impl<'a> ThreeWay<'a> {
         let replayed = Scenario { duration: outcome.time, ..scenario.clone() };
         let replay = |_: &Scenario| Box::new(Replay::new(Arc::clone(&recorded), n_springs)) as Box<dyn Controller>;
         let question = Question { scenario: &replayed, controller: &replay, ..self.question(Tier::Replayed) };
-        trial::compare(&question, |share| watch(RECORDING + (1.0 - RECORDING) * share))
+        compare(&question, &|share| watch(RECORDING + (1.0 - RECORDING) * share))
     }
 
     /// Compares paths under a controller that follows the load: each run has a controller of its

@@ -87,7 +87,10 @@ pub fn failed_runs(found: &Pathwise) -> String {
         let time = solution.failed_at.map(|time| format!(" at {}", short_quantity(time, "s")));
         format!("the {} run failed{}", solution.kind.name(), time.unwrap_or_default())
     };
-    format!("{}: a step had no finite solution", list(&failed.map(in_words).collect::<Vec<_>>()))
+    let mut failed: Vec<String> = failed.map(in_words).collect();
+    // Without an engine the inertial run stands for two.
+    failed.dedup();
+    format!("{}: a step had no finite solution", list(&failed))
 }
 
 fn nothing_moved(found: &Pathwise) -> String {

@@ -15,8 +15,7 @@ use serde_json::Value;
 
 use super::error::SweepError;
 
-/// Path of the axis that multiplies mass and moment of inertia at the same normal loads, and so at
-/// the same friction.
+/// Path of the axis that `--scale-inertia` makes, another name of the factor `inertia`.
 pub const INERTIA: &str = "inertia_scale";
 
 /// One parameter and its values.

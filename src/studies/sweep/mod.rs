@@ -7,6 +7,7 @@
 //!
 //! ```text
 //! axis.rs       values of one parameter: lists, grids, ranges
+//! factor.rs     parameters that are factors on a whole scene
 //! path.rs       place of a parameter in a scenario
 //! design.rs     points: the grid of all lists times the sample of all ranges
 //! hypercube.rs, sobol.rs   Latin hypercubes and Sobol's sequence, point by point
@@ -24,6 +25,7 @@ mod cell;
 mod column;
 mod design;
 mod error;
+mod factor;
 pub mod figure;
 pub mod files;
 mod group;
@@ -41,9 +43,11 @@ pub use axis::{Axis, INERTIA, Values};
 pub use column::{Column, Table, fields_of, head_of};
 pub use design::{Design, Method, Sample};
 pub use error::SweepError;
+pub use factor::Factor;
 pub use group::{Distribution, Group, Grouper, MEASURES};
 pub use hypercube::coordinate as hypercube_coordinate;
 pub use plan::{Ask, FORMAT, Identity, Plan, Variant};
 pub use shard::{Part, Shards, finish_shard, shard_files, verified};
 pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, coordinate as sobol_coordinate};
+pub use template::present_value;
 pub use work::{validate, work};

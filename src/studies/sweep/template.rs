@@ -2,17 +2,19 @@
 //!
 //! A parameter is set in the scenario as written where that has a place for it. Defaults then
 //! follow: normal loads and the moment of inertia follow the mass. Otherwise it is set in the
-//! expanded scenario, where nothing follows. Every scenario is validated as a whole.
+//! expanded scenario, where nothing follows. Factors come last. Every scenario is validated as a
+//! whole.
 
 use serde_json::Value;
 
-use super::axis::{Axis, INERTIA};
+use super::axis::Axis;
 use super::column::Column;
 use super::error::SweepError;
+use super::factor::Factor;
 use super::path::Path;
 use crate::output::table::Kind;
-use crate::scenario::Scenario;
 use crate::scenario::json::without_mark;
+use crate::scenario::{Scenario, ScenarioError};
 
 /// A scenario with places for parameters.
 #[derive(Clone, Debug)]
@@ -35,8 +37,8 @@ struct Place {
 enum Target {
     Written(Path),
     Expanded(Path),
-    /// Mass and moment of inertia at the same normal loads.
-    Inertia,
+    /// The whole scene.
+    Factor(Factor),
 }
 
 impl Template {
@@ -90,23 +92,38 @@ impl Template {
                 self.set(path, &mut written, place, value)?;
             }
         }
-        let scenario = self.parsed(&written, values)?;
-        if pairs().all(|(place, _)| matches!(place.target, Target::Written(_))) {
-            return Ok(scenario);
+        let mut scenario = self.parsed(&written, values)?;
+        if pairs().any(|(place, _)| matches!(place.target, Target::Expanded(_))) {
+            let mut expanded = expanded(&scenario);
+            for (place, value) in pairs() {
+                if let Target::Expanded(path) = &place.target {
+                    self.set(path, &mut expanded, place, value)?;
+                }
+            }
+            scenario = self.parsed(&expanded, values)?;
         }
-        let mut expanded = expanded(&scenario);
-        for (place, value) in pairs() {
-            match &place.target {
-                Target::Written(_) => {}
-                Target::Expanded(path) => self.set(path, &mut expanded, place, value)?,
-                Target::Inertia => scale_inertia(&mut expanded, value)?,
+        self.scaled(scenario, values)
+    }
+
+    /// The scene after all factors.
+    fn scaled(&self, mut scenario: Scenario, values: &[Value]) -> Result<Scenario, SweepError> {
+        let mut is_changed = false;
+        for (place, value) in self.places.iter().zip(values) {
+            if let Target::Factor(factor) = place.target {
+                factor.apply(&mut scenario, positive(&place.name, value)?);
+                is_changed = true;
             }
         }
-        self.parsed(&expanded, values)
+        if is_changed { self.checked(scenario.expanded().checked(&self.file), values) } else { Ok(scenario) }
     }
 
     fn parsed(&self, scene: &Value, values: &[Value]) -> Result<Scenario, SweepError> {
-        Scenario::parse(&scene.to_string(), &self.file).map_err(|source| SweepError::Point { values: self.described(values), source })
+        self.checked(Scenario::parse(&scene.to_string(), &self.file), values)
+    }
+
+    /// The scenario, or which values break a rule.
+    fn checked(&self, scenario: Result<Scenario, ScenarioError>, values: &[Value]) -> Result<Scenario, SweepError> {
+        scenario.map_err(|source| SweepError::Point { values: self.described(values), source })
     }
 
     fn set(&self, path: &Path, scene: &mut Value, place: &Place, value: &Value) -> Result<(), SweepError> {
@@ -126,8 +143,9 @@ impl Template {
 
     fn place(&self, axis: &Axis) -> Result<Place, SweepError> {
         let name = axis.path.clone();
-        if axis.path == INERTIA {
-            return Ok(Place { name, target: Target::Inertia, kind: Kind::Number });
+        if let Some(factor) = Factor::named(&axis.path) {
+            factor.check(&axis.path, &self.base)?;
+            return Ok(Place { name, target: Target::Factor(factor), kind: Kind::Number });
         }
         let path = Path::parse(&axis.path)?;
         if path.begins_with("seed") {
@@ -168,20 +186,23 @@ fn expanded(scenario: &Scenario) -> Value {
     serde_json::to_value(scenario.expanded()).expect("a scenario is plain data")
 }
 
-/// Normal loads are written out in an expanded scenario, and stay. So do the dashpots, whose
-/// damping ratios are those of the mass.
-fn scale_inertia(expanded: &mut Value, scale: &Value) -> Result<(), SweepError> {
-    let refused = || SweepError::axis(INERTIA, "must be a positive number", scale);
-    let scale = scale.as_f64().filter(|scale| *scale > 0.0).ok_or_else(refused)?;
-    for key in ["mass_kg", "inertia_kg_m2"] {
-        let value = &mut expanded["load"][key];
-        *value = Value::from(scale * value.as_f64().expect("an expanded load has both"));
+fn positive(path: &str, value: &Value) -> Result<f64, SweepError> {
+    value.as_f64().filter(|value| *value > 0.0).ok_or_else(|| SweepError::axis(path, "must be a positive number", value))
+}
+
+/// Value that a parameter has in the scenario in `text`, whose file errors call `file`; 1 for a
+/// factor.
+///
+/// # Errors
+/// When the scenario breaks a rule, or has no such parameter, or it is not a positive number.
+pub fn present_value(text: &str, file: &str, path: &str) -> Result<f64, SweepError> {
+    if Factor::named(path).is_some() {
+        return Ok(1.0);
     }
-    for spring in expanded["springs"].as_array_mut().into_iter().flatten() {
-        let ratio = spring["damping_ratio"].as_f64().filter(|ratio| *ratio > 0.0);
-        ratio.into_iter().for_each(|ratio| spring["damping_ratio"] = Value::from(ratio / scale.sqrt()));
-    }
-    Ok(())
+    let (template, place) = (Template::new(text, file, &[])?, Path::parse(path)?);
+    let expanded = expanded(&template.base);
+    let value = place.first(&template.written).or_else(|| place.first(&expanded)).ok_or_else(|| no_such(path))?;
+    positive(path, value)
 }
 
 #[cfg(test)]
@@ -209,6 +230,19 @@ mod tests {
         assert_eq!(inert.ground, base.ground);
     }
 
+    /// Other parameters come first: the size multiplies a mass that is varied too.
+    #[test]
+    fn factors_multiply_the_scene_that_the_other_values_make() {
+        let given = scenario(&[]).unwrap();
+        let faster = scenario(&["speed=2"]).unwrap();
+        assert_eq!((faster.duration, faster.drive_speed()), (given.duration / 2.0, 2.0 * given.drive_speed()));
+        assert_eq!(scenario(&["inertia=2"]).unwrap(), scenario(&["inertia_scale=2"]).unwrap());
+        let larger = scenario(&["size=2", "load.mass_kg=0.0032"]).unwrap();
+        assert_eq!(larger.system.total_slip_limit() / given.system.total_slip_limit(), 16.0);
+        assert_eq!(larger.drive_speed(), given.drive_speed());
+        assert_eq!(scenario(&["size=2", "speed=4", "inertia=0.5"]).unwrap(), scenario(&["inertia=0.5", "speed=4", "size=2"]).unwrap());
+    }
+
     #[test]
     fn defaults_short_forms_and_every_spring_can_be_varied() {
         let four = scenario(&["drive.pull_speed_m_per_s=0.05", "springs[0].ring.n=3", "ground.gravity_m_per_s2=1.62"]).unwrap();
@@ -230,6 +264,8 @@ mod tests {
             (&["load.mass_kg=-1"], "with load.mass_kg = -1: four.json: load.mass_kg: must be positive, found -1"),
             (&["drive.n_ants=2.5"], "drive.n_ants: must be a whole number"),
             (&["springs.*.damping_ratio=-1"], "damping_ratio: must not be negative, found -1"),
+            (&["speed=0"], "speed: must be a positive number, found 0"),
+            (&["size=1e-300"], "with size = 1e-300: four.json: "),
             (&["springs[0].ring.n=2", "springs[3].damping_ratio=0.1"], "springs[3].damping_ratio: must be a parameter"),
         ] {
             let error = scenario(specs).unwrap_err().to_string();
