@@ -142,11 +142,11 @@ formats! {
     /// Rows of a sweep.
     SHARD = ("cohaul sweep rows", 3, "key `identity.format` of the first line of each shard, and of the journal of a sweep", SameBuild);
     /// Messages between the live page and its server.
-    LIVE = ("cohaul live", 1, "messages of type `scene` of `view`, and each scene that the page saves", Older);
+    LIVE = ("cohaul live", 2, "messages of type `scene` of `view`, and each scene that the page saves", Older);
     /// Result of `run`.
     RUN = ("cohaul run", 1, "`run --json`, `summary.json`", None);
     /// Result of `compare`.
-    COMPARE = ("cohaul compare", 1, "`compare --json`, `summary.json`", None);
+    COMPARE = ("cohaul compare", 2, "`compare --json`, `summary.json`", None);
     /// Result of `compare --vary`.
     MAP = ("cohaul compare map", 1, "`compare --vary --json`, `summary.json`", None);
     /// Result of `compare --threshold`.

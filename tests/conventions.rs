@@ -1,4 +1,4 @@
-//! What every command has in common: help that fits a terminal, standard input, quiet and verbose
+//! What every command has in common: standard input, quiet and verbose
 //! output, colour, completions, man pages and explanations of terms.
 
 use std::fs;
@@ -8,6 +8,11 @@ use std::process::Output;
 use assert_cmd::Command;
 use cohaul::output::glossary::entries;
 use tempfile::tempdir;
+
+#[path = "common/help.rs"]
+mod help;
+
+use help::subcommands;
 
 const SCENE: &str = "scenarios/analytic/release-jump.json";
 
@@ -30,37 +35,6 @@ fn printed(args: &[&str]) -> String {
     let output = call(args);
     assert_eq!(output.status.code(), Some(0), "{args:?}: {}", text(&output.stderr));
     text(&output.stdout).to_owned()
-}
-
-/// The names in the list of subcommands of a help text.
-fn subcommands(help: &str) -> Vec<String> {
-    let list = help.split("\nCommands:\n").nth(1).unwrap_or_default().split("\n\n").next().unwrap_or_default();
-    let names = list.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next().filter(|name| !name.is_empty()));
-    names.filter(|name| *name != "help").map(str::to_owned).collect()
-}
-
-#[test]
-fn every_help_fits_80_columns_and_shows_an_example() {
-    let top = printed(&["--help"]);
-    let mut commands: Vec<Vec<String>> = subcommands(&top).into_iter().map(|name| vec![name]).collect();
-    assert!(commands.len() >= 15, "{commands:?}");
-    let mut at = 0;
-    while at < commands.len() {
-        let words: Vec<&str> = commands[at].iter().map(String::as_str).collect();
-        let help = printed(&[&words[..], &["--help"]].concat());
-        let inner = subcommands(&help);
-        assert!(!inner.is_empty() || help.contains("Example"), "{words:?} shows no example");
-        for flag in ["-h", "--help"] {
-            let help = printed(&[&words[..], &[flag]].concat());
-            assert!(help.starts_with(|first: char| first.is_uppercase()), "{words:?}: {help}");
-            let long = help.lines().find(|line| line.chars().count() > 80);
-            assert_eq!(long, None, "{words:?} {flag}");
-        }
-        let nested = inner.into_iter().map(|name| [&commands[at][..], &[name]].concat()).collect::<Vec<_>>();
-        commands.extend(nested);
-        at += 1;
-    }
-    assert!(commands.len() >= 20, "{commands:?}");
 }
 
 #[test]

@@ -92,7 +92,12 @@ fn findings() -> [(DoubtKind, StepReport); 4] {
 fn an_engine_is_not_charged_with_a_difference_from_a_doubtful_run() {
     let scenario = ramp();
     let certain = doubted(&scenario, BackendKind::Inertial, StepReport::default(), 0.0);
-    assert!(certain.causes.contains(&Cause::Engine) && certain.doubts.is_empty(), "{:?} {:?}", certain.causes, certain.doubts);
+    assert!(
+        certain.causes.iter().any(|cause| cause.is_of_engine()) && certain.doubts.is_empty(),
+        "{:?} {:?}",
+        certain.causes,
+        certain.doubts
+    );
     for kind in [BackendKind::QuasiStatic, BackendKind::Inertial] {
         for (doubt, finding) in findings() {
             let found = doubted(&scenario, kind, finding, 0.0);
@@ -102,13 +107,16 @@ fn an_engine_is_not_charged_with_a_difference_from_a_doubtful_run() {
                 let both = Open { inertia_effect: true, engine_error: true };
                 assert_eq!((of.verdict, of.open), (Verdict::Inconclusive, both), "{name} {doubt:?}");
             }
-            assert_eq!((found.causes.as_slice(), found.suggested_changes.as_slice()), ([].as_slice(), [].as_slice()));
+            let causes = if doubt == DoubtKind::NotUnique { vec![Cause::NotUnique] } else { Vec::new() };
+            assert_eq!((&found.causes, found.suggested_changes.as_slice()), (&causes, [].as_slice()));
             assert_eq!(of_paths(&found), Answer::Open);
             let sentence = sentence_of_paths(&found);
             assert!(sentence.contains("inconclusive, because") && sentence.contains(kind.name()), "{sentence}");
             assert!(!sentence.contains("exceeds") && !sentence.contains("valid for"), "{sentence}");
-            // The numbers stay as they were computed.
-            assert_eq!(found.edge_displacement.engine_error_m, certain.edge_displacement.engine_error_m);
+            // The numbers stay as they were computed. Without a doubt exact runs may be sharper.
+            let [kept, known] = [&found, &certain].map(|found| found.edge_displacement);
+            let error = kept.reference_error_m + known.reference_error_m;
+            assert!((kept.engine_error_m - known.engine_error_m).abs() <= error, "{kept:?} {known:?}");
         }
     }
 }
@@ -122,10 +130,10 @@ fn a_difference_of_paths_before_the_first_doubt_remains() {
     let first = certain.verdicts.path.first_divergence.engine_error.unwrap().time_s;
     let before = doubted(&scenario, BackendKind::Inertial, finding, first - 2.0 * scenario.control_period);
     assert!(!before.verdict.has_engine() && before.verdicts.path.open.engine_error, "{:?}", before.verdicts.path);
-    assert!(!before.causes.contains(&Cause::Engine));
+    assert!(!before.causes.iter().any(|cause| cause.is_of_engine()));
     let after = doubted(&scenario, BackendKind::Inertial, finding, first + 2.0 * scenario.control_period);
     assert!(after.verdict.has_engine() && !after.verdicts.path.open.engine_error, "{:?}", after.verdicts.path);
-    assert!(after.causes.contains(&Cause::Engine));
+    assert!(after.causes.iter().any(|cause| cause.is_of_engine()));
     // Numbers of the whole run are not known.
     assert_eq!(after.verdicts.energy.verdict, Verdict::Inconclusive);
     let sentence = sentence_of_paths(&after);

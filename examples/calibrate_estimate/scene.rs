@@ -121,7 +121,7 @@ pub fn table(found: &[Found]) -> Result<Vec<u8>, csv::Error> {
             format!("{:.4e}", scene.mass),
             optional(scene.numbers.epsilon),
             optional(scene.numbers.phi),
-            format!("{:.4}", scene.numbers.zeta),
+            format!("{:.4}", scene.numbers.zeta.unwrap_or_default()),
             format!("{:.5e}", scene.measured),
             format!("{:.2e}", scene.reference_error),
             format!("{:.5e}", scene.path_length),

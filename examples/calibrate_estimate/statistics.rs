@@ -19,8 +19,8 @@ pub fn report(found: &[Found]) -> String {
     for kind in ["driving", "jump", "start"] {
         row(&mut text, &format!("random, largest after: {kind}"), &of(&|scene| random(scene) && scene.kind() == kind));
     }
-    row(&mut text, "random, undamped", &of(&|scene| random(scene) && scene.numbers.zeta == 0.0));
-    row(&mut text, "random, damped", &of(&|scene| random(scene) && scene.numbers.zeta > 0.0));
+    row(&mut text, "random, undamped", &of(&|scene| random(scene) && scene.numbers.zeta == Some(0.0)));
+    row(&mut text, "random, damped", &of(&|scene| random(scene) && scene.numbers.zeta > Some(0.0)));
     row(&mut text, "stored", &of(&|scene| !random(scene)));
     let still = found.iter().filter(|scene| scene.measured == 0.0);
     let n_zero = still.clone().filter(|scene| scene.estimate.edge_displacement_max_m == 0.0).count();
@@ -52,7 +52,11 @@ pub fn report(found: &[Found]) -> String {
     worst.sort_by(|a, b| b.ratio().ln().abs().total_cmp(&a.ratio().ln().abs()));
     for scene in worst.iter().take(12) {
         let (epsilon, phi) = (scene.numbers.epsilon.unwrap_or(0.0), scene.numbers.phi.unwrap_or(0.0));
-        let what = format!("epsilon {epsilon:.3}, Phi {phi:.1}, zeta {:.2}, {} releases", scene.numbers.zeta, scene.n_releases);
+        let what = format!(
+            "epsilon {epsilon:.3}, Phi {phi:.1}, zeta {:.2}, {} releases",
+            scene.numbers.zeta.unwrap_or_default(),
+            scene.n_releases
+        );
         line(
             &mut text,
             &format!(

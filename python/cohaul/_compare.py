@@ -39,10 +39,13 @@ class Comparison(Results):
 
     @property
     def verdicts(self) -> dict[str, Any]:
-        """Verdict on each quantity, of the first tier: path, heading, pulls, speed and energy.
+        """Verdict on each quantity, of the first tier: path, heading, pulls, contacts, speed, energy.
 
-        Each has ``verdict``, ``inertia_effect``, ``engine_error``, ``reference_error``,
-        ``tolerance`` and ``unit``.
+        Each has two answers, ``inertia`` (``negligible``, ``not negligible``, ``open`` or
+        ``nothing moved``) and ``engine`` (``within``, ``not within`` or ``open``), the ``verdict``
+        that follows from them, and the ``causes`` of what exceeds the tolerance; the numbers
+        ``inertia_effect``, ``engine_error``, ``reference_error`` and ``tolerance`` in the ``unit``,
+        and ``parts``, what these consist of.
         """
         return next(iter(self.tiers.values()))["verdicts"]
 
@@ -85,7 +88,8 @@ class Comparison(Results):
 
 def _row(quantity: str, verdict: dict[str, Any], names: Sequence[str]) -> str:
     cells = [_quantity(verdict.get(name), verdict.get("unit", "")) for name in names]
-    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in [quantity, *cells, verdict["verdict"]]) + "</tr>"
+    words = ", ".join(verdict.get("causes", [])) or verdict["verdict"]
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in [quantity, *cells, words]) + "</tr>"
 
 
 def _quantity(value: float | None, unit: str) -> str:
@@ -131,7 +135,7 @@ def compare(
     >>> found.verdict
     'inertia and engine'
     >>> sorted(found.verdicts)
-    ['energy', 'heading', 'path', 'pulls', 'speed']
+    ['contacts', 'energy', 'heading', 'path', 'pulls', 'speed']
     """
     settings = {
         "step_s": number("step_s", step_s),

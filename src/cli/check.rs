@@ -84,19 +84,19 @@ struct StoreArgs {
     #[arg(long, default_value = "quasi-static", value_parser = choice::<BackendKind>())]
     backend: Vec<BackendKind>,
     /// Longest time step of the backend (s) [default: as in `cohaul run`]
-    #[arg(long, value_name = "H", value_parser = seconds)]
+    #[arg(long, value_name = "H", value_parser = seconds, hide_short_help = true)]
     step_s: Option<f64>,
     /// Time integration of the inertial backend [default: midpoint]
-    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>())]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>(), hide_short_help = true)]
     integrator: Option<Integrator>,
-    /// Seed of all random streams, in place of the scenario's
+    /// Seed of all random streams [default: the scenario's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Name of the only baseline [default: names of scenario, backend and options]
     #[arg(long)]
     name: Option<String>,
     /// Largest number of stored rows of the path
-    #[arg(long, value_name = "N", default_value_t = 200)]
+    #[arg(long, value_name = "N", default_value_t = 200, hide_short_help = true)]
     rows: usize,
     /// Replace existing baselines
     #[arg(long)]

@@ -5,18 +5,27 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::output::glossary;
+use crate::output::glossary::{self, Entry};
+use crate::scenario::nearest;
 use crate::studies::variants::names;
 
 /// Parser of a plain enum by its serialized names. The help lists them with the first sentence of
 /// the glossary on each.
 pub fn choice<T: Serialize + DeserializeOwned + Clone + Send + Sync + 'static>() -> impl TypedValueParser<Value = T> {
+    choice_of("")
+}
+
+/// The same for names that mean something else elsewhere: the glossary explains them as
+/// `NAME KIND`, as in `aged preset`.
+pub fn choice_of<T: Serialize + DeserializeOwned + Clone + Send + Sync + 'static>(kind: &str) -> impl TypedValueParser<Value = T> {
     let names = names::<T>();
+    let explained = |name: &str| glossary::entry(&format!("{name} {kind}")).or_else(|| glossary::entry(name));
     let possible = names.iter().map(|name| {
         // The help wants static names: a few bytes for each option that is built.
         let plain: &'static str = name.replace('_', "-").leak();
-        let about = glossary::entry(plain)
-            .filter(|entry| !names.iter().any(|other| other != name && !is_alias::<T>(other) && glossary::entry(other) == Some(entry)));
+        let is_shared =
+            |entry: &&Entry| names.iter().any(|other| other != name && !is_alias::<T>(other) && explained(other) == Some(*entry));
+        let about = explained(plain).filter(|entry| !is_shared(entry));
         let value = PossibleValue::new(plain).hide(is_alias::<T>(name));
         about.map_or(value.clone(), |entry| value.help(entry.summary().to_owned()))
     });
@@ -27,6 +36,11 @@ pub fn choice<T: Serialize + DeserializeOwned + Clone + Send + Sync + 'static>()
 pub fn parse<T: DeserializeOwned>(name: &str) -> Option<T> {
     let of = |name: String| serde_json::from_value(Value::String(name)).ok();
     of(name.to_owned()).or_else(|| of(name.replace('-', "_")))
+}
+
+/// Hint at the known word that is most like a wrong one; empty if none is near.
+pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(word, known).map_or_else(String::new, |near| format!("; did you mean {near}?"))
 }
 
 /// Whether the type reads this name and writes another.

@@ -19,14 +19,14 @@ use super::resumable::{self, Finished};
 use super::threshold::threshold;
 use super::vary::{VaryArgs, vary};
 use super::watch::{watched_by, watched_to_end};
-use crate::analysis::compare::{ClosedLoop, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict};
+use crate::analysis::compare::{ClosedLoop, InertiaAnswer, MeasureVerdict, QuantityVerdict, SeedRuns, Settings, ThreeWay, Tier, Verdict};
 use crate::analysis::{DEFAULT_SEEDS, ExpectedCost};
 use crate::backend::{BackendKind, Skip, Skips};
 use crate::output::json;
 use crate::output::progress::Progress;
 use crate::output::traces::TraceFormat;
 use crate::scenario::{Drive, Scenario};
-use crate::studies::compare::answer::{self, verdict_text};
+use crate::studies::compare::answer::verdict_text;
 use crate::studies::compare::beside::recorded_path;
 use crate::studies::compare::closed_loop::{First, judged, tasks};
 use crate::studies::compare::comparison::{Comparison, Tiers};
@@ -54,45 +54,53 @@ DIR.journal.")]
 pub struct CompareArgs {
     /// Scenario file; - for standard input
     scenario: PathBuf,
-    /// Level of comparison, may be repeated [default: all of the scenario]
+    /// Level of comparison; may be repeated
     ///
+    /// By default all levels of the scenario are compared.
     /// Scenarios of tips have prescribed; scenarios of ants have replayed and closed-loop.
     #[arg(long, value_parser = choice::<Tier>())]
     tier: Vec<Tier>,
     /// First time step of rapier, which is halved; closed loop: longest step of all (s)
-    #[arg(long, value_name = "H", value_parser = seconds)]
+    #[arg(long, value_name = "H", value_parser = seconds, hide_short_help = true)]
     step_s: Option<f64>,
     /// Largest error of the quasi-static and inertial paths (m) [default: as the verdict needs]
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", value_parser = positive, hide_short_help = true)]
     tolerance: Option<f64>,
-    /// Seed of all random streams, in place of the scenario's; closed loop: the first seed
+    /// First seed [default: the scenario's]
+    ///
+    /// Seed of all random streams; the closed loop counts on from it.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Number of seeds of the closed loop [default: 8]
     #[arg(long, value_name = "N")]
     seeds: Option<usize>,
     /// Backend whose run is replayed on the others [default: quasi-static]
-    #[arg(long, value_name = "BACKEND", value_parser = choice::<BackendKind>())]
+    #[arg(long, value_name = "BACKEND", value_parser = choice::<BackendKind>(), hide_short_help = true)]
     recorded_from: Option<BackendKind>,
     /// Leave the dashpots out of the quasi-static model, which are then part of the inertia effect
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     rate_independent: bool,
-    /// Tolerance of the path: largest edge displacement, over the path length (1) [default: 0.01]
+    /// Tolerance of the path (1) [default: 0.01]
+    ///
+    /// Largest edge displacement that counts as agreement, over the path length.
     #[arg(long, aliases = ["tolerance-share", "agreement"], value_name = "SHARE", value_parser = positive)]
     tolerance_path: Option<f64>,
     /// Tolerance of the heading (rad) [default: 0.01, or 1 % of the turn if that is more]
-    #[arg(long, value_name = "RAD", value_parser = positive)]
+    #[arg(long, value_name = "RAD", value_parser = positive, hide_short_help = true)]
     tolerance_heading: Option<f64>,
     /// Tolerance of peak and mean pulls, over the largest of them (1) [default: 0.05]
-    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    #[arg(long, value_name = "SHARE", value_parser = positive, hide_short_help = true)]
     tolerance_pull: Option<f64>,
     /// Tolerance of peak and mean speed, over the larger value (1) [default: 0.05]
-    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    #[arg(long, value_name = "SHARE", value_parser = positive, hide_short_help = true)]
     tolerance_speed: Option<f64>,
     /// Tolerance of the energy dissipated, over the larger value (1) [default: 0.05]
-    #[arg(long, value_name = "SHARE", value_parser = positive)]
+    #[arg(long, value_name = "SHARE", value_parser = positive, hide_short_help = true)]
     tolerance_energy: Option<f64>,
-    /// Exit with code 1 if a verdict on any quantity or measure is of this kind; may be repeated
+    /// Exit with code 1 on this verdict; may be repeated
+    ///
+    /// It counts whether it is the verdict on a quantity of the paths or on a measure of the closed
+    /// loop.
     ///
     /// The kind inconclusive stands for all that is left open: the verdicts inconclusive,
     /// decorrelated and nothing moved, and an open inertia effect or engine error beside another
@@ -103,13 +111,14 @@ pub struct CompareArgs {
     ///
     /// By default up to three trials run quasi-static and inertial again on the changed scene, for
     /// at most 50 times its duration.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     no_check_suggestions: bool,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
-    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
+    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>(), hide_short_help = true)]
     no_skip: Vec<Skip>,
-    /// Path recorded elsewhere, a table with time_s, x_m, y_m and heading_rad
+    /// Path recorded elsewhere, to be compared too (CSV)
     ///
+    /// Columns of the table: time_s, x_m, y_m and heading_rad.
     /// The path is compared with those of the first tier of paths.
     #[arg(long, value_name = "FILE")]
     beside: Option<PathBuf>,
@@ -122,7 +131,7 @@ pub struct CompareArgs {
     #[command(flatten)]
     output: OutputArgs,
     /// Write the traces and events of all runs too, trace-TIER-BACKEND and events-TIER-BACKEND.csv
-    #[arg(long, value_name = "FORMAT", value_parser = choice::<TraceFormat>(), requires = "out", help_heading = "Output")]
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<TraceFormat>(), requires = "out", help_heading = "Output", hide_short_help = true)]
     traces: Option<TraceFormat>,
 }
 
@@ -288,20 +297,21 @@ struct Judged {
 
 /// The verdict on each quantity of the paths, then on each measure of the closed loop.
 fn verdicts_of(tiers: &Tiers) -> impl Iterator<Item = Judged> {
-    let is_open = |verdict: Verdict| matches!(verdict, Verdict::Inconclusive | Verdict::Decorrelated | Verdict::NothingMoved);
-    let of_quantity = move |(name, of): (&str, &QuantityVerdict)| {
-        let is_open = is_open(of.verdict) || answer::is_open(of);
-        Judged { name: name.to_owned(), verdict: of.verdict, text: verdict_text(of), is_open }
-    };
-    let of_measure = move |(name, verdict): (&str, Verdict)| Judged {
+    let of_quantity = |(name, of): (&str, &QuantityVerdict)| Judged {
         name: name.to_owned(),
-        verdict,
-        text: verdict.text().to_owned(),
-        is_open: is_open(verdict),
+        verdict: of.verdict,
+        text: verdict_text(of),
+        is_open: of.answers().is_open() || of.inertia == InertiaAnswer::NothingMoved,
+    };
+    let of_measure = |(name, of): (&str, &MeasureVerdict)| Judged {
+        name: name.to_owned(),
+        verdict: of.verdict,
+        text: of.verdict.text().to_owned(),
+        is_open: of.answers.is_open() && of.verdict != Verdict::NotComputed,
     };
     let quantities = tiers.pathwise().flat_map(|found| found.verdicts.named()).map(of_quantity);
     let measures = tiers.closed_loop.iter().flat_map(|found| found.measures.iter().zip(&found.verdicts));
-    quantities.chain(measures.map(|(measure, of)| (measure.name, of.verdict)).map(of_measure))
+    quantities.chain(measures.map(|(measure, of)| (measure.name, of)).map(of_measure))
 }
 
 fn tone(tiers: &Tiers) -> Tone {

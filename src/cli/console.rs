@@ -19,8 +19,10 @@ use crate::simulation::Health;
 #[derive(Args)]
 #[command(next_help_heading = "Global options")]
 pub struct ConsoleArgs {
-    /// Colour of the output; auto: on a terminal, unless NO_COLOR is set
-    #[arg(long, global = true, value_name = "WHEN", value_parser = ["auto", "always", "never"])]
+    /// Colour of the output: auto, always or never
+    ///
+    /// With auto, output to a terminal is coloured unless NO_COLOR is set.
+    #[arg(long, global = true, value_name = "WHEN", value_parser = ["auto", "always", "never"], hide_possible_values = true)]
     color: Option<String>,
     /// Print errors only: no warnings, no progress
     #[arg(short, long, global = true, conflicts_with = "verbose")]

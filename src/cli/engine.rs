@@ -13,16 +13,16 @@ use crate::scenario::{Drive, Scenario};
 #[command(next_help_heading = "Options of rapier")]
 pub struct EngineArgs {
     /// Friction model [default: aligned; box with the engine defaults]
-    #[arg(long, value_name = "MODEL", value_parser = choice::<FrictionModel>())]
+    #[arg(long, value_name = "MODEL", value_parser = choice::<FrictionModel>(), hide_short_help = true)]
     friction: Option<FrictionModel>,
     /// Spring model [default: joint]
-    #[arg(long, value_name = "MODEL", value_parser = choice::<SpringModel>())]
+    #[arg(long, value_name = "MODEL", value_parser = choice::<SpringModel>(), hide_short_help = true)]
     springs: Option<SpringModel>,
     /// Floating-point width [default: f64]
-    #[arg(long, value_name = "WIDTH", value_parser = choice::<Precision>())]
+    #[arg(long, value_name = "WIDTH", value_parser = choice::<Precision>(), hide_short_help = true)]
     precision: Option<Precision>,
     /// Solver iterations and substeps [default: recommended]
-    #[arg(long, value_name = "SET", value_parser = choice::<EngineSettings>())]
+    #[arg(long, value_name = "SET", value_parser = choice::<EngineSettings>(), hide_short_help = true)]
     settings: Option<EngineSettings>,
 }
 

@@ -12,6 +12,7 @@ mod error;
 mod exit;
 mod explain;
 mod generate;
+mod help;
 mod input;
 mod internal;
 mod merge;
@@ -42,7 +43,7 @@ pub use exit::EXIT_CODES;
 use exit::Exit;
 
 #[derive(Parser)]
-#[command(name = "cohaul", version, about, long_about = LONG_ABOUT, after_help = after_help(), max_term_width = 100)]
+#[command(name = "cohaul", version, about, long_about = LONG_ABOUT, after_help = after_help(), max_term_width = 80)]
 struct Cli {
     #[command(flatten)]
     console: console::ConsoleArgs,
@@ -169,7 +170,7 @@ fn ended(error: &CliError) -> ExitCode {
 
 /// The whole command line, for parsing, completions and man pages.
 fn command() -> clap::Command {
-    with_negative_numbers(Cli::command())
+    help::arranged(with_negative_numbers(Cli::command()))
 }
 
 /// Lets every option with a value take a negative number, so that its own check can refuse it.

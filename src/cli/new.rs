@@ -12,7 +12,7 @@ use super::error::{CliError, at_output};
 use super::input::warn_of_scenario;
 use crate::output::json;
 use crate::output::sibling::write_whole;
-use crate::scenario::format;
+use crate::scenario::format::{self, ScenarioFile};
 use crate::studies::first_scene::{FirstScene, MOST_ROBOTS, Shape, Size, text_of};
 
 #[derive(Args)]
@@ -21,7 +21,7 @@ Examples:
   cohaul scenario new first.json
   cohaul scenario new tow.json --robots 3 --outline box --size 0.4x0.3 --mass 2")]
 pub struct NewArgs {
-    /// File to write
+    /// File to write; - for standard output
     file: PathBuf,
     /// Number of robots, each on a spring of its own [default: 3]
     #[arg(long, value_name = "N", value_parser = robots)]
@@ -60,13 +60,28 @@ enum OutlineKind {
 /// Name of the schema beside a new scene.
 const SCHEMA: &str = "scenario.schema.json";
 
+/// Length (m) and mass (kg) of a load above which a warning asks about units.
+const LONGEST: f64 = 20.0;
+const HEAVIEST: f64 = 1000.0;
+
 pub fn new(args: &NewArgs) -> Result<ExitCode, CliError> {
-    check_file(&args.file, args.force)?;
+    let is_printed = args.file.as_os_str() == "-";
+    if !is_printed {
+        check_file(&args.file, args.force)?;
+    }
     let scene = if io::stdin().is_terminal() && io::stderr().is_terminal() {
         asked(args, &mut Questions { answers: io::stdin().lock(), questions: io::stderr().lock(), asks: true })?
     } else {
         asked(args, &mut Questions { answers: io::empty(), questions: io::sink(), asks: false })?
     };
+    warn_of_units(&scene);
+    if is_printed {
+        let file = ScenarioFile { schema: None, ..scene.file(SCHEMA) };
+        let scenario = file.clone().checked("standard output")?;
+        print(&text_of(&file)?)?;
+        warn_of_scenario(&args.file, &scenario);
+        return Ok(ExitCode::SUCCESS);
+    }
     let file = scene.file(SCHEMA);
     let name = args.file.display().to_string();
     let scenario = file.clone().checked(&name)?;
@@ -75,9 +90,36 @@ pub fn new(args: &NewArgs) -> Result<ExitCode, CliError> {
     if !schema.exists() {
         write(&schema, &json::pretty(format::schema())?, false)?;
     }
-    print(&format!("{name}: \"{}\"\nnext: cohaul scenario check {name}, cohaul compare {name}\n", scenario.name))?;
+    let (load, next) = (in_words(&scene), format!("next: cohaul scenario check {name}, cohaul compare {name}"));
+    print(&format!("{name}: \"{}\"\n{load}\n{next}\n", scenario.name))?;
     warn_of_scenario(&args.file, &scenario);
     Ok(ExitCode::SUCCESS)
+}
+
+/// The load with its units.
+fn in_words(scene: &FirstScene) -> String {
+    let outline = match scene.shape {
+        Shape::Box([length, width]) => format!("a box of {length} m x {width} m"),
+        Shape::Disc(diameter) => format!("a disc of {diameter} m diameter"),
+    };
+    let (mass, speed) = (scene.mass, scene.speed);
+    format!("load: {outline} and {mass} kg, friction {}; robots at {speed} m/s", scene.friction)
+}
+
+/// Warns of a load so large that its size may be in millimetres, or its mass in grams.
+fn warn_of_units(scene: &FirstScene) {
+    let longest = match scene.shape {
+        Shape::Box([length, width]) => length.max(width),
+        Shape::Disc(diameter) => diameter,
+    };
+    if longest > LONGEST {
+        let milli = longest / 1000.0;
+        console::warn(format_args!("--size: is in metres, found {longest} m; {longest} mm are {milli} m"));
+    }
+    if scene.mass > HEAVIEST {
+        let (mass, milli) = (scene.mass, scene.mass / 1000.0);
+        console::warn(format_args!("--mass: is in kilograms, found {mass} kg; {mass} g are {milli} kg"));
+    }
 }
 
 fn check_file(path: &Path, force: bool) -> Result<(), CliError> {

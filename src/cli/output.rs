@@ -25,7 +25,7 @@ use crate::simulation::Health;
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub struct OutputArgs {
-    /// Folder for the output files; an earlier output in it is replaced
+    /// Folder for the output files, in place of an earlier output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print one JSON object instead of text
@@ -56,8 +56,10 @@ impl OutputArgs {
 /// Option of the commands whose runs give an account of themselves.
 #[derive(Args)]
 pub struct StrictArgs {
-    /// Exit with code 1 if a run is doubtful, too; see `cohaul explain account`
-    #[arg(long)]
+    /// Exit with code 1 if a run is doubtful, too
+    ///
+    /// `cohaul explain account` says when a run is doubtful.
+    #[arg(long, help_heading = "Output")]
     strict: bool,
 }
 

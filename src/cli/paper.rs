@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use clap::{Args, Subcommand};
 use serde_json::json;
 
-use super::choice::choice;
+use super::choice::{choice, choice_of};
 use super::console::{Tone, detail};
 use super::error::CliError;
 use super::output::{OutputArgs, study_manifest};
@@ -54,7 +54,7 @@ pub struct PaperArgs {
     #[arg(long, num_args = 1.., value_parser = choice::<BackendKind>())]
     backend: Vec<BackendKind>,
     /// Parameters of the ants
-    #[arg(long, value_name = "NAME", default_value = Preset::default().name(), value_parser = choice::<Preset>())]
+    #[arg(long, value_name = "NAME", default_value = Preset::default().name(), value_parser = choice_of::<Preset>("preset"))]
     preset: Preset,
     /// A few seeds, one other mass, and no replays: half a minute instead of five
     #[arg(long)]
@@ -158,7 +158,7 @@ pub fn paper(args: &PaperArgs) -> Result<ExitCode, CliError> {
     }
     finished.remove_journal()?;
     let has_failed = found.status == Status::Failed;
-    args.output.print(&found, || paper_text(&found), if has_failed { Tone::Bad } else { Tone::Good })?;
+    args.output.print(&found, || paper_text(&found, detail()), if has_failed { Tone::Bad } else { Tone::Good })?;
     Ok(if has_failed { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 

@@ -39,10 +39,10 @@ pub struct RenderArgs {
     #[arg(long, value_parser = backends())]
     backend: Vec<String>,
     /// Longest time step of the backends (s) [default: see cohaul run --help]
-    #[arg(long, value_name = "H", value_parser = seconds)]
+    #[arg(long, value_name = "H", value_parser = seconds, hide_short_help = true)]
     step_s: Option<f64>,
-    /// Seed of all random streams, in place of the scenario's
-    #[arg(long, value_name = "N")]
+    /// Seed of all random streams [default: the scenario's]
+    #[arg(long, value_name = "N", hide_short_help = true)]
     seed: Option<u64>,
     /// Time that a picture shows (s) [default: the end]
     #[arg(long, value_name = "T", value_parser = not_negative, conflicts_with_all = ["from_s", "to_s", "pace", "rate"])]
@@ -53,13 +53,17 @@ pub struct RenderArgs {
     /// Last time of a film (s) [default: the end]
     #[arg(long, value_name = "T", value_parser = not_negative)]
     to_s: Option<f64>,
-    /// Simulated time over the time of the film (1) [default: 1, or so that it lasts 3 to 20 s]
+    /// Simulated time over the time of the film (1)
+    ///
+    /// By default it is 1, or such that the film lasts 3 to 20 s.
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
     pace: Option<f64>,
     /// Pictures a second [default: 20]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100), hide_short_help = true)]
     rate: Option<u32>,
-    /// Width and height (px), such as 800x450 [default: 640 wide, 480 for each of several backends]
+    /// Width and height (px), such as 800x450
+    ///
+    /// By default a picture is 640 px wide, or 480 px for each of several backends.
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
     /// Go along with the load, in place of the whole path

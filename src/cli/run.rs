@@ -49,45 +49,45 @@ pub struct RunArgs {
     /// Backend that moves the load
     #[arg(long, default_value = "quasi-static", value_parser = choice::<BackendKind>())]
     backend: BackendKind,
-    /// Longest time step of the backend (s) [default: see --help]
+    /// Longest time step (s) [default: see --help]
     ///
     /// Default of quasi-static: the control period, at most 2.5 ms. Default of the others: a tenth
     /// of a radian of the fastest oscillation, from 10 us to 1 ms, at most the control period.
     #[arg(long, value_name = "H", value_parser = seconds)]
     step_s: Option<f64>,
-    /// Error control instead of a fixed step: largest error of the load's position (m)
+    /// Largest error of the position (m): error control
     ///
-    /// Steps are then chosen so that the error stays below this at every instant. Only
+    /// The steps are then chosen so that the error stays below this at every instant. Only
     /// quasi-static and inertial have error control.
     #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"])]
     tolerance: Option<f64>,
     /// Largest error of the heading (rad) [default: --tolerance over the load's radius]
-    #[arg(long, value_name = "RAD", value_parser = positive, requires = "tolerance")]
+    #[arg(long, value_name = "RAD", value_parser = positive, requires = "tolerance", hide_short_help = true)]
     tolerance_rad: Option<f64>,
     /// Use second-order steps while the load slips (quasi-static)
-    #[arg(long, conflicts_with = "tolerance")]
+    #[arg(long, conflicts_with = "tolerance", hide_short_help = true)]
     second_order: bool,
     /// Leave out the dashpots of the springs (quasi-static): the rate-independent model of the
     /// paper
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     rate_independent: bool,
     /// Time integration of the inertial backend [default: midpoint]
-    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>())]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>(), hide_short_help = true)]
     integrator: Option<Integrator>,
-    /// Seed of all random streams, in place of the scenario's
+    /// Seed of all random streams [default: the scenario's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
-    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
+    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>(), hide_short_help = true)]
     no_skip: Vec<Skip>,
     /// Leave out the estimate of the inertia effect of a quasi-static run
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     no_estimate: bool,
     /// State file: read if it exists, written on an interrupt, removed at the end
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     state: Option<PathBuf>,
     /// Interrupt the run at this simulated time (s)
-    #[arg(long, value_name = "T", requires = "state", value_parser = seconds)]
+    #[arg(long, value_name = "T", requires = "state", value_parser = seconds, hide_short_help = true)]
     stop_s: Option<f64>,
     #[command(flatten)]
     engine: EngineArgs,
@@ -99,12 +99,14 @@ pub struct RunArgs {
     #[arg(long, requires = "out", help_heading = "Output")]
     report: bool,
     /// Format of the trace [default: csv]
-    #[arg(long, value_name = "FORMAT", value_parser = choice::<TraceFormat>(), requires = "out", help_heading = "Output")]
+    #[arg(long, value_name = "FORMAT", value_parser = choice::<TraceFormat>(), requires = "out", help_heading = "Output", hide_short_help = true)]
     traces: Option<TraceFormat>,
     /// Write the energies, the interaction force and the pull on each spring to the trace too
-    #[arg(long, requires = "out", help_heading = "Output")]
+    #[arg(long, requires = "out", help_heading = "Output", hide_short_help = true)]
     full_trace: bool,
-    /// Write the attached tips too, tips.csv, as `cohaul calibrate forces` reads them
+    /// Write the attached tips too, as `calibrate forces` reads them
+    ///
+    /// They are in tips.csv.
     #[arg(long, requires = "out", help_heading = "Output")]
     tips: bool,
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::calibrate::table_of;
 use super::choice::seconds;
-use super::console::{self, print};
+use super::console::{self, detail, print};
 use super::cost::long_run;
 use super::error::CliError;
 use super::input::{name_of, read_scenario, read_text, warn_of_scenario};
@@ -16,6 +16,7 @@ use super::new::{NewArgs, new};
 use crate::analysis::{Advice, ExpectedCost};
 use crate::formats::{self, Format, Versioned, stamped};
 use crate::output::json;
+use crate::output::text::{Detail, Lines};
 use crate::scenario::format::ScenarioFile;
 use crate::scenario::{Finding, Scenario, format};
 use crate::studies::advice::advice_text;
@@ -133,6 +134,17 @@ impl Versioned for AllChecked {
     const FORMAT: Format = formats::SCENARIO_CHECK;
 }
 
+/// The name of a valid scenario, and what is known before a run; with `--verbose` also its hash.
+fn checked_text(file: &str, scenario: &Scenario, advice: &Advice) -> String {
+    let mut lines = Lines::default();
+    lines.section(&format!("{file}: ok"));
+    lines.row("scene", &scenario.name);
+    if detail() == Detail::Full {
+        lines.text += &format!("  hash {}\n", scenario.hash());
+    }
+    lines.text + &advice_text(scenario, advice)
+}
+
 fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
     let (mut code, mut all) = (ExitCode::SUCCESS, Vec::new());
     for path in paths {
@@ -146,7 +158,7 @@ fn check(paths: &[PathBuf], as_json: bool) -> Result<ExitCode, CliError> {
                 }
                 let (hash, advice) = (scenario.hash(), Advice::of(&scenario));
                 if !as_json {
-                    print(&format!("{file}: ok, \"{}\", hash {hash}\n{}", scenario.name, advice_text(&scenario, &advice)))?;
+                    print(&checked_text(&file, &scenario, &advice))?;
                 }
                 let warnings = long_run("compare", &scenario, &cost).into_iter().chain(scenario.warnings()).collect();
                 let (name, hash, advice) = (Some(scenario.name), Some(hash), Some(advice));

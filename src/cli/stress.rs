@@ -7,6 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
+use super::choice::did_you_mean;
 use super::console::{Tone, print};
 use super::error::CliError;
 use super::output::{OutputArgs, study_manifest};
@@ -75,7 +76,8 @@ pub fn stress(args: &StressArgs) -> Result<ExitCode, CliError> {
 fn chosen(names: &[String]) -> Result<Vec<Map>, CliError> {
     let all = stress::all();
     if let Some(name) = names.iter().find(|name| !all.iter().any(|map| map.name == **name)) {
-        return Err(CliError::Usage(format!("--map: must be a map that `cohaul stress --list` names, found {name}")));
+        let hint = did_you_mean(name, all.iter().map(|map| map.name));
+        return Err(CliError::Usage(format!("--map: must be a map that `cohaul stress --list` names, found {name}{hint}")));
     }
     Ok(all.into_iter().filter(|map| names.is_empty() || names.iter().any(|name| name == map.name)).collect())
 }

@@ -65,33 +65,35 @@ pub struct SweepArgs {
     #[arg(long, value_name = "PATH=VALUES")]
     vary: Vec<Axis>,
     /// Factors of the load's inertia at the same normal loads, as --vary inertia=VALUES
-    #[arg(long, value_name = "VALUES")]
+    #[arg(long, value_name = "VALUES", hide_short_help = true)]
     scale_inertia: Option<String>,
-    /// Sample the ranges at N points; METHOD is latin-hypercube or sobol
+    /// Sample ranges at N points: latin-hypercube or sobol
     #[arg(long, num_args = 2, value_names = ["METHOD", "N"])]
     sample: Option<Vec<String>>,
     /// Seed of the sample [default: 1 for latin-hypercube; sobol is not shifted]
-    #[arg(long, value_name = "N", requires = "sample")]
+    #[arg(long, value_name = "N", requires = "sample", hide_short_help = true)]
     sample_seed: Option<u64>,
     /// Backend that moves the load; may be repeated
     #[arg(long, default_value = "quasi-static", value_parser = choice::<BackendKind>())]
     backend: Vec<BackendKind>,
-    /// Longest time step of the backend (s); may be repeated
+    /// Longest time step (s); may be repeated
     #[arg(long, value_name = "H", value_parser = seconds)]
     step_s: Vec<f64>,
     /// Error control instead of a fixed step: largest error of the load's position (m)
-    #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"])]
+    #[arg(long, value_name = "M", value_parser = positive, conflicts_with_all = ["step_s", "integrator"], hide_short_help = true)]
     tolerance: Option<f64>,
     /// Time integration of the inertial backend [default: midpoint]
-    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>())]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Integrator>(), hide_short_help = true)]
     integrator: Option<Integrator>,
     /// Do work whose result is already known; see `cohaul explain skipped`. May be repeated
-    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>())]
+    #[arg(long, value_name = "KIND", value_parser = choice::<Skip>(), hide_short_help = true)]
     no_skip: Vec<Skip>,
-    /// Number of threads [default: one for each processor]
+    /// Number of threads [default: number of processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
-    /// Compute only part I of N, into DIR/shards; `cohaul merge` joins all parts
+    /// Compute only part I of N, for `cohaul merge`
+    ///
+    /// The part is written to DIR/shards; `cohaul merge` joins all parts.
     #[arg(long, value_name = "I/N")]
     shard: Option<Part>,
     #[command(flatten)]
@@ -345,7 +347,7 @@ pub fn print_summary(summary: &SweepSummary, json: bool, strict: &StrictArgs) ->
     let worst = summary.worst();
     match json {
         true => print(&json::pretty(&stamped(summary))?)?,
-        false => print_answer(&sweep_text(summary), Tone::of(worst))?,
+        false => print_answer(&sweep_text(summary, console::detail()), Tone::of(worst))?,
     }
     console::warn_all(&summary.warnings());
     Ok(strict.code(worst))

@@ -24,10 +24,11 @@ use crate::studies::vary::{Question, tasks};
 
 #[derive(Args)]
 pub struct VaryArgs {
-    /// Parameter and its values: a map of verdicts; give it twice for two parameters
+    /// Map of verdicts over values of a parameter
     ///
-    /// PATH is a key of the scenario, as load.mass_kg, or a factor on the scene: speed, size or
-    /// inertia. VALUES are a,b,c or FIRST:LAST:N or log:FIRST:LAST:N, as for `cohaul sweep`.
+    /// Give the option twice for a map over two parameters. PATH is a key of the scenario, as
+    /// load.mass_kg, or a factor on the scene: speed, size or inertia. VALUES are a,b,c or
+    /// FIRST:LAST:N or log:FIRST:LAST:N, as for `cohaul sweep`.
     #[arg(long, value_name = "PATH=VALUES", group = "over")]
     pub vary: Vec<Axis>,
     /// Up to which value of a parameter quasi-static is valid, without rapier
@@ -37,10 +38,10 @@ pub struct VaryArgs {
     #[arg(long, value_name = "PARAM[=FROM:TO]", group = "over")]
     pub threshold: Option<Asked>,
     /// With --vary: compare all three backends at every point, whatever the estimate says
-    #[arg(long, requires = "vary")]
+    #[arg(long, requires = "vary", hide_short_help = true)]
     pub everywhere: bool,
     /// With --vary or --threshold: number of threads [default: one for each processor]
-    #[arg(long, value_name = "N", requires = "over")]
+    #[arg(long, value_name = "N", requires = "over", hide_short_help = true)]
     pub threads: Option<usize>,
 }
 

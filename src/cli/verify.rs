@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use clap::Args;
 use serde_json::json;
 
-use super::choice::choice;
+use super::choice::{choice, did_you_mean};
 use super::console::{Tone, detail, print};
 use super::error::CliError;
 use super::output::{JunitArgs, OutputArgs, study_manifest};
@@ -80,7 +80,9 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, CliError> {
     let all = verify::all();
     let is_named = |case: &Case, name: &String| case.name == *name || case.family.name() == name;
     if let Some(name) = names.iter().find(|name| !all.iter().any(|case| is_named(case, name))) {
-        return Err(CliError::Usage(format!("CASE: must be a case or a family that `cohaul verify --list` names, found {name}")));
+        let known = all.iter().flat_map(|case| [case.family.name(), case.name.as_str()]);
+        let rule = "must be a case or a family that `cohaul verify --list` names";
+        return Err(CliError::Usage(format!("CASE: {rule}, found {name}{}", did_you_mean(name, known))));
     }
     Ok(all.into_iter().filter(|case| names.is_empty() || names.iter().any(|name| is_named(case, name))).collect())
 }

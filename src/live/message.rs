@@ -175,7 +175,7 @@ pub struct Judged {
     pub valid: &'static str,
     pub answer: String,
     /// Name, inertia effect and engine error over the tolerance, and verdict in words.
-    pub quantities: Vec<(&'static str, Option<f64>, Option<f64>, &'static str)>,
+    pub quantities: Vec<(&'static str, Option<f64>, Option<f64>, String)>,
     /// Numbers of the run; none where there was no comparison.
     pub numbers: Option<Numbers>,
 }

@@ -13,6 +13,7 @@ use crate::output::page::Answer;
 use crate::output::quantity::short_quantity;
 use crate::scenario::{Drive, Scenario};
 use crate::stop::Stop;
+use crate::studies::compare::answer::verdict_text;
 use crate::studies::compare::comparison::{Comparison, Tiers};
 
 /// A slider that moves asks many times; only a scene that has stood for this long is compared.
@@ -85,7 +86,7 @@ fn judged(scenario: &Scenario, settings: &Settings, is_wanted: impl Fn() -> bool
         let (effect, error) = of.deciding().map_or((of.inertia_effect / of.tolerance, of.engine_error / of.tolerance), |measure| {
             (measure.inertia_effect / measure.tolerance, measure.engine_error / measure.tolerance)
         });
-        (name, share(effect, 1.0), share(error, 1.0), of.verdict.text())
+        (name, share(effect, 1.0), share(error, 1.0), verdict_text(of))
     });
     let valid = match compared.is_valid() {
         Answer::Yes => "yes",
@@ -93,5 +94,10 @@ fn judged(scenario: &Scenario, settings: &Settings, is_wanted: impl Fn() -> bool
         Answer::Partly => "partly",
         Answer::Open | Answer::None => "open",
     };
-    Some(Judged { valid, answer: compared.answer.clone(), quantities: quantities.to_vec(), numbers: Some(found.numbers) })
+    Some(Judged {
+        valid,
+        answer: compared.answer.clone(),
+        quantities: quantities.to_vec(),
+        numbers: Some(found.numbers).filter(|numbers| numbers.zeta.is_some()),
+    })
 }

@@ -90,6 +90,12 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// Whether a word is a unit as [`quantity`] writes it, with a prefix or without one.
+pub fn is_unit(word: &str) -> bool {
+    const UNITS: [&str; 16] = ["%", "s", "m", "g", "N", "J", "W", "Pa", "Hz", "rad", "1/s", "m/s", "rad/s", "N/m", "m/rad", "m/s^2"];
+    UNITS.contains(&word) || word.strip_prefix(['p', 'n', 'µ', 'm', 'k', 'M']).is_some_and(|unit| UNITS[1..].contains(&unit))
+}
+
 /// A number rounded to some significant digits: `significand` in [1, 10) times a power of ten.
 /// Rounding comes first, so that 0.99996 mm is 1.000 mm and not 1000.0 µm.
 struct Digits {

@@ -1,6 +1,6 @@
 //! Text for terminals: labelled rows in sections, wrapped at 80 columns.
 
-use crate::output::table::wrapped;
+use crate::output::table::{Layout, wrapped};
 
 /// How much a command prints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,16 +44,21 @@ impl Lines {
     }
 }
 
-/// Rows of cells in columns two spaces apart, each line after `indent`.
-pub fn aligned(rows: &[Vec<String>], indent: &str) -> String {
-    let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |at: usize| rows.iter().filter_map(|row| row.get(at)).map(|cell| cell.chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..n_columns).map(width).collect();
-    let line = |row: &Vec<String>| {
-        let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        format!("{indent}{}\n", cells.join("  ").trim_end())
+/// Rows of cells, indented by two spaces: in columns where these fit, and else a paragraph for each
+/// row, its first cell on lines of its own.
+pub fn listed(rows: &[Vec<String>]) -> String {
+    const INDENT: usize = 2;
+    let layout = Layout { rows: rows.to_vec(), indent: INDENT, ..Layout::default() };
+    if layout.fits() {
+        return layout.text();
+    }
+    let lines = |text: &str, indent: usize| format!("{}{}\n", " ".repeat(indent), wrapped(text, indent, WIDTH - indent));
+    let row = |row: &Vec<String>| {
+        let (first, others) = row.split_first().expect("a row has cells");
+        let others: Vec<&str> = others.iter().map(String::as_str).filter(|cell| !cell.is_empty()).collect();
+        lines(first, INDENT) + &if others.is_empty() { String::new() } else { lines(&others.join("; "), INDENT + 2) }
     };
-    rows.iter().map(line).collect()
+    rows.iter().map(row).collect()
 }
 
 /// Markdown whose paragraphs and list items, a line each in `page`, continue below themselves at

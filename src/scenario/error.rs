@@ -44,7 +44,9 @@ impl ScenarioError {
 impl Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let separator = if self.path.is_empty() { "" } else { ": " };
-        write!(f, "{}{separator}{}, found {}", self.path, self.rule, self.found)
+        write!(f, "{}{separator}{}", self.path, self.rule)?;
+        // A question ends its sentence.
+        if self.rule.ends_with('?') { write!(f, " (found {})", self.found) } else { write!(f, ", found {}", self.found) }
     }
 }
 

@@ -6,6 +6,7 @@ mod data;
 mod error;
 mod expand;
 pub(crate) mod json;
+mod nearest;
 mod read;
 mod scaled;
 mod structure;
@@ -23,3 +24,5 @@ pub(crate) use error::is_in_range;
 pub use error::{Finding, Findings, ScenarioError, lines};
 #[cfg(any(feature = "program", all(test, feature = "output")))]
 pub(crate) use expand::sha256_hex;
+#[cfg(feature = "reports")]
+pub(crate) use nearest::nearest;

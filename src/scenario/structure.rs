@@ -4,11 +4,11 @@
 //! 1621). The comparison supports those parts of JSON Schema that the schema of the format uses.
 
 use serde_json::{Map, Value};
-use strsim::levenshtein;
 
 use super::error::{Findings, cut};
 use super::format;
 use super::json::join;
+use super::nearest::nearest;
 
 /// Adds a finding for every difference in shape, and removes unknown keys from `value`, so that the
 /// rest can still be read. Returns the paths whose value cannot be read.
@@ -30,7 +30,7 @@ impl<'a> Comparison<'a> {
         let schema = self.resolved(schema);
         if let Some(words) = words(schema) {
             if !value.as_str().is_some_and(|word| words.contains(&word)) {
-                self.misfit(path, &one_of(&words), &said(value));
+                self.misfit(path, &one_of_near(&words, value), &said(value));
             }
         } else if let Some(branches) = schema["oneOf"].as_array() {
             self.visit_alternative(branches, value, path);
@@ -100,7 +100,7 @@ impl<'a> Comparison<'a> {
             None => self.misfit(path, "must be an object", &said(value)),
             Some(kind) => match kinds.iter().position(|word| kind == word) {
                 Some(index) => self.visit(branches[index], value, path),
-                None => self.misfit(&join(path, key), &one_of(&kinds), &said(kind)),
+                None => self.misfit(&join(path, key), &one_of_near(&kinds, kind), &said(kind)),
             },
         }
     }
@@ -192,6 +192,12 @@ fn one_of(words: &[&str]) -> String {
     }
 }
 
+/// The same, with the word that may be meant.
+fn one_of_near(words: &[&str], found: &Value) -> String {
+    let near = found.as_str().and_then(|found| nearest(found, words.iter().copied()));
+    near.map_or_else(|| one_of(words), |near| format!("{}; did you mean \"{near}\"?", one_of(words)))
+}
+
 /// Description of a value, short enough for one line.
 fn said(value: &Value) -> String {
     const LONGEST: usize = 60;
@@ -207,20 +213,8 @@ fn said_list(list: &[Value]) -> String {
 }
 
 fn unknown_key(key: &str, known: &Map<String, Value>) -> String {
-    let near = known.keys().filter(|other| is_near(key, other)).min_by_key(|other| levenshtein(key, other));
-    match near {
+    match nearest(key, known.keys().map(String::as_str)) {
         Some(other) => format!("is an unknown key; did you mean `{other}`?"),
         None => format!("is an unknown key; known keys are {}", known.keys().map(String::as_str).collect::<Vec<_>>().join(", ")),
     }
-}
-
-/// Whether `key` looks like a misspelt `other`: the unit is missing, or up to a third of it is
-/// wrong.
-fn is_near(key: &str, other: &str) -> bool {
-    /// Longest key that is compared (characters): a longer one is none that is misspelt.
-    const LONGEST: usize = 100;
-    if key.chars().nth(LONGEST).is_some() {
-        return false;
-    }
-    other.starts_with(key) || levenshtein(key, other) <= (key.chars().count() / 3).max(2)
 }

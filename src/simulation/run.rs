@@ -358,7 +358,7 @@ impl<'a> Simulation<'a> {
                 motion: backend.motion(),
                 energy: backend.energy(),
                 tips: attached_tips(self.scenario, backend),
-                contacts: Vec::new(),
+                contacts: backend.side_contacts(),
                 error: None,
             };
             self.trace.companion.extend(self.backend.companion().map(row));

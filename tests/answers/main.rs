@@ -1,6 +1,7 @@
 //! Answers of comparisons on scenes whose truth is known or that are hard to compute.
 
 mod attribution;
+mod causes;
 mod finite;
 mod oracle;
 mod quantities;

@@ -215,7 +215,7 @@ fn bad_measurements_are_named_line_by_line() {
     fit("both.csv", &rows("radial,1,0.001,0.1,1e-3,1e-4\n"), &["line 2, swing_rad: must be empty in a row of case radial"]);
     fit("few.csv", &rows("radial,1,0.001,,1e-3,1e-4\nradial,1,0,,0,1e-4\n"), &["case radial: must have two points or more", "found 1"]);
     fit("none.csv", head, &["must hold measurements, found none"]);
-    fit("short.csv", &rows("radial,1,0.001\n"), &["must be CSV with as many fields"]);
+    fit("short.csv", &rows("radial,1,0.001\n"), &["line 2: must have 6 fields, as the header, found 3"]);
     fit("trial.csv", &rows("radial,,0.001,,1e-3,1e-4\n"), &["line 2, trial: must have a name"]);
     fit("column.csv", "case,trial,displacement_mm,force_n\n", &["found displacement_mm"]);
     fit("missing.csv", "case,trial,displacement_m\n", &["must have columns force_n"]);

@@ -9,6 +9,7 @@
 //! reports.rs  known answers of scenes from reports
 //! tilings.rs  walls of flush blocks against the wall in one piece
 //! pairs.rs    random scenes against themselves posed differently
+//! estimate.rs            the inertia estimate of random scenes against their inertia effect
 //! integrator.rs          an independent solution with inertia
 //! against_integrator.rs  random scenes against that solution
 //! ```
@@ -18,6 +19,7 @@
 
 mod against_integrator;
 mod draws;
+mod estimate;
 mod integrator;
 mod known;
 mod pairs;

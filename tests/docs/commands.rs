@@ -1,5 +1,6 @@
 //! The page of commands, from the program's help.
 
+use crate::help::subcommands;
 use crate::printed;
 
 const TITLE: &str = "# Commands
@@ -22,11 +23,4 @@ pub fn page() -> String {
         open.extend(below.map(|below| command.iter().cloned().chain([below]).collect()));
     }
     page
-}
-
-/// Names below `Commands:` in a help text.
-fn subcommands(help: &str) -> Vec<String> {
-    let below = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    let names = below.filter(|line| line.starts_with("  ") && !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
-    names.filter(|name| *name != "help").map(str::to_owned).collect()
 }

@@ -17,6 +17,8 @@
 mod commands;
 mod console;
 mod gallery;
+#[path = "../common/help.rs"]
+mod help;
 mod links;
 mod numbers;
 mod scenario;

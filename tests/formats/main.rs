@@ -122,7 +122,7 @@ fn a_scene_that_a_newer_page_saved_is_refused() {
         saved.format = format;
         assert!(scene.apply(&Edit::Open(Box::new(saved.clone())), 0.0).is_ok());
     }
-    saved.format = Some(Found { version: 2, ..formats::LIVE.found() });
+    saved.format = Some(Found { version: 3, ..formats::LIVE.found() });
     let error = scene.apply(&Edit::Open(Box::new(saved)), 0.0).unwrap_err();
-    assert!(error.contains("must be 1, which this program reads of \"cohaul live\", found 2"), "{error}");
+    assert!(error.contains("which this program reads of \"cohaul live\", found 3"), "{error}");
 }

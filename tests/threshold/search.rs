@@ -33,7 +33,7 @@ fn points(shares: &[Option<f64>]) -> Vec<Point> {
         let effect = share.map(|share| Effect { class: class(share), inertia_effect: share, reference_error: 0.1, tolerance: 1.0 });
         let failure = share.is_none().then(|| "the inertial run failed at 2 s: a step had no finite solution".to_owned());
         let doubt = share.filter(|share| *share == 1.0).map(|_| "from 3 s on the motion is not unique".to_owned());
-        Point { value: f64::from(1 << at), effects: [effect, None, None, None, None], doubt, failure }
+        Point { value: f64::from(1 << at), effects: [effect, None, None, None, None, None], doubt, failure }
     };
     shares.iter().enumerate().map(of).collect()
 }

@@ -7,10 +7,9 @@
 use serde::Serialize;
 
 use super::difference::Difference;
-use super::settings::Settings;
-use super::solution::{Question, Solution};
-use crate::backend::{BackendKind, Status};
+use super::solution::Solution;
 use crate::math::Vec2;
+use crate::scenario::Scenario;
 use crate::simulation::Row;
 
 /// Quasi-static minus rate-independent quasi-static.
@@ -28,28 +27,24 @@ pub struct DampingEffect {
     pub relaxation_s: f64,
 }
 
+/// Whether a spring has a dashpot.
+pub(super) fn is_damped(scenario: &Scenario) -> bool {
+    relaxation(scenario) > 0.0
+}
+
+/// Longest time in which a damped spring relaxes, c / k (s); zero without damped springs.
+fn relaxation(scenario: &Scenario) -> f64 {
+    let system = &scenario.system;
+    let damped = system.springs.iter().filter(|spring| system.dashpot(spring).0 > 0.0);
+    damped.map(|spring| system.dashpot(spring).0 / spring.radial_stiffness).fold(0.0, f64::max)
+}
+
 impl DampingEffect {
-    /// The effect in a scene with damped springs, from the quasi-static run `with` them and one of
-    /// this error (m), unless the settings ask for another one. `Some(None)` without such springs,
-    /// or if a run has no answer; `None` if `watch` says no.
-    pub(super) fn of(question: &Question, with: &Solution, error_m: f64, watch: impl Fn(f64) -> bool + Sync) -> Option<Option<Self>> {
-        let Question { scenario, settings, references, .. } = *question;
-        let system = &scenario.system;
-        let damped = system.springs.iter().filter(|spring| system.dashpot(spring).0 > 0.0);
-        let relaxation_s = damped.map(|spring| system.dashpot(spring).0 / spring.radial_stiffness).fold(0.0, f64::max);
-        if relaxation_s == 0.0 || settings.rate_independent {
-            return Some(None);
-        }
-        let reference_tolerance_m = settings.reference_tolerance_m.or(Some(error_m));
-        let settings = Settings { rate_independent: true, reference_tolerance_m, ..*settings };
-        let options = settings.under_error_control(scenario, BackendKind::QuasiStatic);
-        let without = question.solution(&options, references, watch)?;
-        if [with, &without].iter().any(|solution| solution.steps.status == Status::Failed) {
-            return Some(None);
-        }
-        let path = Difference::between(&with.points, &without.points, system.load.radius);
-        let [peak_net_pull_n, peak_net_pull_without_n] = [with, &without].map(peak_net_pull);
-        Some(Some(Self { path, peak_net_pull_n, peak_net_pull_without_n, relaxation_s }))
+    /// The effect from the quasi-static runs `with` and `without` dashpots.
+    pub(super) fn between(scenario: &Scenario, with: &Solution, without: &Solution) -> Self {
+        let path = Difference::between(&with.points, &without.points, scenario.system.load.radius);
+        let [peak_net_pull_n, peak_net_pull_without_n] = [with, without].map(peak_net_pull);
+        Self { path, peak_net_pull_n, peak_net_pull_without_n, relaxation_s: relaxation(scenario) }
     }
 }
 

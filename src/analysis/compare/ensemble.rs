@@ -6,7 +6,7 @@ use super::doubt::Doubt;
 use super::seed_runs::{EQUAL, MEASURES, Quantity, SeedRuns};
 use super::seeds::{pairs_needed, pairs_needed_of_fractions};
 use super::settings::Tier;
-use super::verdict::Verdict;
+use super::verdict::{Answers, Verdict};
 use crate::backend::Status;
 use crate::math::{Interval, Summary, proportion_interval, share_difference_interval};
 use crate::scenario::{Drive, Scenario};
@@ -21,7 +21,10 @@ pub struct ClosedLoop {
     pub first_seed: u64,
     pub measures: Vec<Measure>,
     pub first_different_decision: FirstDifferentDecision,
+    /// The word that follows from the two answers on all measures.
     pub verdict: Verdict,
+    #[serde(flatten)]
+    pub answers: Answers,
     /// Verdict on each measure, in their order; JSON has them by name.
     #[serde(serialize_with = "by_name")]
     pub verdicts: Vec<MeasureVerdict>,
@@ -70,7 +73,10 @@ pub struct Measure {
 pub struct MeasureVerdict {
     #[serde(skip)]
     pub name: &'static str,
+    /// The word that follows from the two answers.
     pub verdict: Verdict,
+    #[serde(flatten)]
+    pub answers: Answers,
     /// Mean of inertial minus quasi-static, in the unit.
     pub inertia_effect: f64,
     /// Mean of rapier minus inertial, in the unit.
@@ -134,13 +140,14 @@ pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) 
     let first_different_decision = FirstDifferentDecision { quasi_static_s: earliest(0), rapier_s: earliest(1) };
     let status = runs.iter().flat_map(|run| run.statuses).max().unwrap_or_default();
     let doubts = doubts(scenario, runs);
-    let verdict = match status {
-        Status::Failed => Verdict::NotComputed,
+    let (verdict, answers) = match status {
+        Status::Failed => (Verdict::NotComputed, Answers::OPEN),
         _ => doubted(verdict(&measures, runs.len()), &doubts),
     };
     let of_measure = |measure: &Measure| {
         let found = measure.verdict(runs.len());
-        MeasureVerdict { verdict: doubted(found.verdict, &doubts), ..found }
+        let (verdict, answers) = doubted((found.verdict, found.answers), &doubts);
+        MeasureVerdict { verdict, answers, ..found }
     };
     let verdicts = measures.iter().map(of_measure).collect();
     // More seeds do not end a doubt.
@@ -154,6 +161,7 @@ pub(super) fn judge(scenario: &Scenario, runs: &[SeedRuns], traces: [Trace; 3]) 
         measures,
         first_different_decision,
         verdict,
+        answers,
         verdicts,
         n_seeds_needed,
         doubts,
@@ -170,11 +178,11 @@ fn doubts(scenario: &Scenario, runs: &[SeedRuns]) -> Vec<SeedDoubt> {
 
 /// Verdict on means over seeds, of which some are doubtful. Leaving these out would choose among
 /// the seeds by what happens in them.
-fn doubted(verdict: Verdict, doubts: &[SeedDoubt]) -> Verdict {
-    match verdict {
-        Verdict::NotComputed => verdict,
-        _ if doubts.is_empty() => verdict,
-        _ => Verdict::Inconclusive,
+fn doubted(found: (Verdict, Answers), doubts: &[SeedDoubt]) -> (Verdict, Answers) {
+    match found.0 {
+        Verdict::NotComputed => found,
+        _ if doubts.is_empty() => found,
+        _ => (Verdict::Inconclusive, Answers::OPEN),
     }
 }
 
@@ -211,18 +219,16 @@ impl Measure {
     fn verdict(&self, n_seeds: usize) -> MeasureVerdict {
         let Self { name, inertia_effect: inertia, engine_error: engine, .. } = self;
         let half = |of: &PairedDifference| of.interval.map(|interval| 0.5 * (interval.high - interval.low));
-        let verdict = match (inertia.differs(), engine.differs()) {
-            _ if !self.exists() => Verdict::NotComputed,
-            _ if n_seeds < 2 => Verdict::Decorrelated,
-            (true, true) => Verdict::InertiaAndEngine,
-            (true, false) => Verdict::Inertia,
-            (false, true) => Verdict::Engine,
-            _ if inertia.is_equal && engine.is_equal => Verdict::Agree,
-            _ => Verdict::Inconclusive,
+        let answers = answers([inertia.differs(), engine.differs()], [inertia.is_equal, engine.is_equal]);
+        let verdict = match () {
+            () if !self.exists() => Verdict::NotComputed,
+            () if n_seeds < 2 => Verdict::Decorrelated,
+            () => answers.verdict(),
         };
         MeasureVerdict {
             name,
             verdict,
+            answers,
             inertia_effect: inertia.mean,
             engine_error: engine.mean,
             reference_error: half(inertia).zip(half(engine)).map(|(a, b)| a.max(b)),
@@ -301,19 +307,23 @@ impl PairedDifference {
 }
 
 /// Verdict on the differences of means. Too few seeds are inconclusive.
-fn verdict(measures: &[Measure], n_seeds: usize) -> Verdict {
-    let any = |is: fn(&Measure) -> bool| measures.iter().filter(|measure| measure.exists()).any(is);
-    if n_seeds < 2 {
-        Verdict::Decorrelated
-    } else if any(|measure| measure.inertia_effect.differs()) {
-        Verdict::Inertia
-    } else if any(|measure| measure.engine_error.differs()) {
-        Verdict::Engine
-    } else if any(|measure| !(measure.inertia_effect.is_equal && measure.engine_error.is_equal)) {
-        Verdict::Inconclusive
-    } else {
-        Verdict::Agree
-    }
+fn verdict(measures: &[Measure], n_seeds: usize) -> (Verdict, Answers) {
+    let measures = || measures.iter().filter(|measure| measure.exists());
+    let differ = [measures().any(|of| of.inertia_effect.differs()), measures().any(|of| of.engine_error.differs())];
+    let equal = [measures().all(|of| of.inertia_effect.is_equal), measures().all(|of| of.engine_error.is_equal)];
+    let answers = answers(differ, equal);
+    (if n_seeds < 2 { Verdict::Decorrelated } else { answers.verdict() }, answers)
+}
+
+/// Answers on an inertia effect and an engine error that `differ` from zero or are `equal` to it.
+fn answers(differ: [bool; 2], equal: [bool; 2]) -> Answers {
+    // As a share of a tolerance: nothing, twice as much, or anything.
+    let range = |at: usize| match (differ[at], equal[at]) {
+        (true, _) => [2.0, 2.0],
+        (false, true) => [0.0, 0.0],
+        (false, false) => [0.0, 2.0],
+    };
+    Answers::of([range(0), range(1)])
 }
 
 #[cfg(test)]

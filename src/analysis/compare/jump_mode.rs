@@ -10,7 +10,7 @@
 //!
 //! They are exact if d is a mode.
 
-use super::numbers::Numbers;
+use super::numbers::mean_spring;
 use super::solution::Solution;
 use crate::backend::TransitionKind;
 use crate::math::{Vec2, Vec3};
@@ -30,8 +30,8 @@ pub(super) struct JumpMode {
 impl JumpMode {
     /// Mode of the largest displacement of the quasi-static load within a control period with a
     /// grasp, a release or a jump; that of a mean spring without one.
-    pub fn of(scenario: &Scenario, quasi_static: &Solution, numbers: &Numbers) -> Self {
-        let mean = Self { zeta: numbers.zeta, zeta_of_unit: 1.0 };
+    pub fn of(scenario: &Scenario, quasi_static: &Solution) -> Self {
+        let mean = Self { zeta: mean_spring(scenario).1, zeta_of_unit: 1.0 };
         let (trace, radius) = (&quasi_static.trace, scenario.system.load.radius);
         let events = trace.events.iter().map(|event| event.time);
         let jumps = trace.transitions.iter().filter(|transition| matches!(transition.kind, TransitionKind::Jump { .. }));
@@ -97,7 +97,7 @@ mod tests {
         let mut scenario = Scenario::parse(include_str!("../../../scenarios/analytic/release-jump.json"), "a scene").unwrap();
         scenario.system.springs.iter_mut().for_each(|spring| spring.damping_ratio = 0.3);
         let found = ThreeWay::new(&scenario, &Settings::default()).prescribed(|_| true).unwrap();
-        let mode = JumpMode::of(&scenario, &found.solutions[0], &found.numbers);
+        let mode = JumpMode::of(&scenario, &found.solutions[0]);
         // To the heading of the load, which does not turn.
         assert!((mode.zeta - 0.3).abs() < 1e-6 && (mode.zeta_of_unit - 1.0).abs() < 1e-6, "{mode:?}");
     }

@@ -17,11 +17,12 @@
 //! divergence.rs  first divergence of two runs
 //! attributed.rs  attribution of the inertia effect to triggers
 //! numbers.rs     epsilon, Phi and zeta of a run, and what theory predicts from them
+//! parts.rs       what the differences consist of
 //! pathwise.rs    comparison of paths
 //! seed_runs.rs   runs of one seed on the three backends
 //! ensemble.rs    comparison of distributions
 //! seeds.rs       number of seeds that would decide
-//! verdict.rs     the result in one word
+//! verdict.rs     two answers, the word that follows from them, and causes
 //! quantity.rs    the result for one quantity: path, heading, pulls, speed or energy
 //! verdicts.rs    the results for all quantities of a comparison of paths
 //! jump_mode.rs   oscillation of the load on its springs at the largest jump
@@ -38,6 +39,7 @@ mod doubt;
 mod ensemble;
 mod jump_mode;
 mod numbers;
+mod parts;
 mod pathwise;
 mod quantity;
 mod same_stop;
@@ -57,6 +59,7 @@ pub use divergence::Divergence;
 pub use doubt::{Doubt, DoubtKind};
 pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, MeasureVerdict, PairedDifference, SeedDoubt};
 pub use numbers::{Numbers, Predicted};
+pub use parts::Parts;
 pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
 pub use quantity::{FirstDivergence, Open, QuantityVerdict, RunMeasure, Verdicts};
 pub use seed_runs::SeedRuns;
@@ -65,4 +68,4 @@ pub use solution::{Point, Solution};
 pub use suggestion::{SuggestedChange, Tried};
 pub use three_way::ThreeWay;
 pub use trial::LONGEST as LONGEST_TRIAL;
-pub use verdict::{Cause, Verdict};
+pub use verdict::{Answers, Cause, EngineAnswer, InertiaAnswer, Verdict};

@@ -19,14 +19,16 @@ use crate::math::{Summary, damped_rotation};
 use crate::scenario::{Drive, Scenario, TipPath};
 use crate::simulation::{EventKind, Trace};
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// Numbers of a load on springs. All are `null` without springs, and in a run in which the load
+/// touches an obstacle: an obstacle drives and holds it as no spring does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Numbers {
-    /// Inertia of the driven load compared with friction (1); `null` without friction.
+    /// Inertia of the driven load compared with friction (1); `null` also without friction.
     pub epsilon: Option<f64>,
-    /// Time between events in radians of the load's oscillation (rad); `null` without events.
+    /// Time between events in radians of the load's oscillation (rad); `null` also without events.
     pub phi: Option<f64>,
     /// Mean damping ratio of the springs (1).
-    pub zeta: f64,
+    pub zeta: Option<f64>,
 }
 
 /// Theoretical prediction of the inertia effect.
@@ -39,27 +41,32 @@ pub struct Predicted {
     /// Distance over which friction dissipates the initial kinetic energy (m); `null` without
     /// friction.
     pub coasting_m: Option<f64>,
-    /// Inertia effect estimated from the quasi-static run alone (m); `null` if not estimated, or if
-    /// the load touches an obstacle.
+    /// Inertia effect estimated beside the quasi-static run (m); `null` if not estimated.
     pub estimated_m: Option<f64>,
     /// Whether the estimate calls inertia negligible; `null` also if it is too near to the
     /// tolerance to decide. See [`InertiaEstimate::is_negligible_within`].
     pub estimated_is_negligible: Option<bool>,
+    /// Whether it is that of a load with inertia beside the quasi-static one, as among obstacles,
+    /// and not of a reduced model.
+    pub estimated_among_obstacles: bool,
     /// Displacement after a release divided by that without inertia (1); `null` without releases.
     pub release_factor: Option<f64>,
 }
 
 impl Numbers {
     pub fn of(scenario: &Scenario, trace: &Trace) -> Self {
-        Self::new(scenario, tip_speed(trace), time_between_events(trace))
+        if touches_obstacle(trace) { Self::default() } else { Self::new(scenario, tip_speed(trace), time_between_events(trace)) }
     }
 
     /// Numbers of tips at a root mean square `speed` (m/s) with a mean time between events (s).
     fn new(scenario: &Scenario, speed: f64, between_events: Option<f64>) -> Self {
         let (stiffness, zeta) = mean_spring(scenario);
+        if stiffness == 0.0 {
+            return Self::default();
+        }
         let mass = scenario.system.load.mass;
         let epsilon = finite(speed * (stiffness * mass).sqrt() / scenario.system.total_slip_limit());
-        Self { epsilon, phi: between_events.and_then(|time| finite((stiffness / mass).sqrt() * time)), zeta }
+        Self { epsilon, phi: between_events.and_then(|time| finite((stiffness / mass).sqrt() * time)), zeta: Some(zeta) }
     }
 
     /// Numbers that are known before a run: those of prescribed tips, or with ants those of tips
@@ -74,8 +81,19 @@ impl Numbers {
         }
     }
 
+    /// Prediction for the inertial run, with the estimate beside the quasi-static one.
+    pub fn predicted(
+        &self,
+        scenario: &Scenario,
+        [quasi_static, inertial]: [&Trace; 2],
+        tolerance_m: f64,
+        is_rate_independent: bool,
+    ) -> Predicted {
+        self.predict(scenario, inertial).with_estimate(scenario, quasi_static, tolerance_m, is_rate_independent)
+    }
+
     /// Prediction for the inertial run in `trace`.
-    pub fn predict(&self, scenario: &Scenario, trace: &Trace) -> Predicted {
+    fn predict(&self, scenario: &Scenario, trace: &Trace) -> Predicted {
         let (stiffness, _) = mean_spring(scenario);
         let limit = scenario.system.total_slip_limit();
         let length = if stiffness > 0.0 { limit / stiffness } else { 0.0 };
@@ -94,35 +112,31 @@ impl Numbers {
     /// Displacement after a step of the force, divided by that without inertia (1): the first
     /// swing, or the part of it until the next event. Friction then stops the load.
     fn release_factor(&self) -> Option<f64> {
-        let half_swing = if self.zeta < 1.0 { PI / (1.0 - self.zeta * self.zeta).sqrt() } else { f64::INFINITY };
+        let zeta = self.zeta?;
+        let half_swing = if zeta < 1.0 { PI / (1.0 - zeta * zeta).sqrt() } else { f64::INFINITY };
         let phi = self.phi.unwrap_or(f64::INFINITY).min(half_swing);
         if phi.is_infinite() {
             return Some(1.0);
         }
-        let (cos, sin) = damped_rotation(self.zeta, 1.0, phi);
-        finite(1.0 - (cos + self.zeta * sin))
+        let (cos, sin) = damped_rotation(zeta, 1.0, phi);
+        finite(1.0 - (cos + zeta * sin))
     }
 }
 
 impl Predicted {
-    /// This prediction with the estimate from the trace of the quasi-static run, unless the load
-    /// touches an obstacle in that run or with inertia, and whether that is negligible within a
-    /// tolerance (m).
-    pub fn with_estimate(
-        self,
-        scenario: &Scenario,
-        [quasi_static, inertial]: [&Trace; 2],
-        tolerance_m: f64,
-        is_rate_independent: bool,
-    ) -> Self {
+    /// This prediction with the estimate from the trace of the quasi-static run, and whether that
+    /// is negligible within a tolerance (m).
+    fn with_estimate(self, scenario: &Scenario, quasi_static: &Trace, tolerance_m: f64, is_rate_independent: bool) -> Self {
         let estimate = InertiaEstimate::beside(scenario, quasi_static, is_rate_independent);
-        let touches = estimate.touches_obstacle || inertial.transitions.iter().any(|transition| transition.kind.obstacle().is_some());
-        if touches {
-            return self;
-        }
         let estimated_is_negligible = estimate.is_negligible_within(tolerance_m);
-        Self { estimated_m: Some(estimate.edge_displacement_max_m), estimated_is_negligible, ..self }
+        let estimated_among_obstacles = !scenario.system.world.obstacles.is_empty();
+        Self { estimated_m: Some(estimate.edge_displacement_max_m), estimated_is_negligible, estimated_among_obstacles, ..self }
     }
+}
+
+/// Whether the load touches an obstacle in a run.
+fn touches_obstacle(trace: &Trace) -> bool {
+    trace.transitions.iter().any(|transition| transition.kind.obstacle().is_some())
 }
 
 /// A number that can be predicted; `None` where the formula has no finite value.
@@ -136,7 +150,7 @@ pub(super) fn natural_rate(scenario: &Scenario) -> f64 {
 }
 
 /// Mean radial stiffness (N/m) and damping ratio of the springs.
-fn mean_spring(scenario: &Scenario) -> (f64, f64) {
+pub(super) fn mean_spring(scenario: &Scenario) -> (f64, f64) {
     let springs = &scenario.system.springs;
     let n = springs.len().max(1) as f64;
     let sum = |part: fn(&crate::model::PolarSpring) -> f64| springs.iter().map(part).sum::<f64>();
@@ -220,7 +234,7 @@ mod tests {
     }
 
     fn factor(phi: f64, zeta: f64) -> f64 {
-        Numbers { epsilon: Some(0.1), phi: Some(phi), zeta }.release_factor().unwrap()
+        Numbers { epsilon: Some(0.1), phi: Some(phi), zeta: Some(zeta) }.release_factor().unwrap()
     }
 
     /// Closed forms of the step response: 1 + exp(-pi zeta / sqrt(1 - zeta^2)) for a whole swing,

@@ -3,10 +3,10 @@
 use serde::{Serialize, Serializer};
 
 use super::attributed::Attributed;
-use super::damping::DampingEffect;
+use super::damping::{DampingEffect, is_damped};
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
-use super::doubt::{self, Doubt};
+use super::doubt::{self, Doubt, DoubtKind};
 use super::jump_mode::JumpMode;
 use super::numbers::{Numbers, Predicted};
 use super::quantity::{FirstDivergence, Verdicts};
@@ -14,10 +14,10 @@ use super::same_stop::same_stop;
 use super::settings::{Settings, Tier};
 use super::solution::{Question, Solution};
 use super::suggestion::{Differences, Driver, SuggestedChange, Tried};
-use super::verdict::{Cause, Verdict};
-use super::verdicts::Runs;
+use super::verdict::{Cause, InertiaAnswer, Verdict};
+use super::verdicts::{Extras, Runs};
 use crate::analysis::trigger::ByTrigger;
-use crate::backend::{BackendKind, BackendOptions, Status, Tolerance};
+use crate::backend::{BackendKind, BackendOptions, Status, Tolerance, TransitionKind};
 use crate::scenario::Scenario;
 use crate::simulation::MakeBackend;
 use crate::stop::Stop;
@@ -49,7 +49,7 @@ pub struct Pathwise {
     /// Largest net pull at a control tick, with inertia or without, over the sum of all slip limits
     /// (1); `null` without friction. Below 1 a pull through the centre moves nothing.
     pub largest_pull_over_slip_limit: Option<f64>,
-    /// All causes that exceed the tolerance of the path by more than the reference error.
+    /// Causes of what exceeds the tolerance of the path: those of its verdict.
     pub causes: Vec<Cause>,
     /// Changes that make the differences smaller than the tolerance, all of them together.
     pub suggested_changes: Vec<SuggestedChange>,
@@ -129,14 +129,23 @@ impl Pathwise {
         self.solutions[..2].iter().all(|solution| solution.steps.status == Status::Converged)
     }
 
+    /// Whether the load with inertia hits an obstacle from which it rebounds.
+    fn has_rebounds(&self, scenario: &Scenario) -> bool {
+        let rebounds = |obstacle: usize| scenario.system.world.obstacles.get(obstacle).is_some_and(|it| it.restitution > 0.0);
+        let is_rebound = |kind: &TransitionKind| matches!(kind, TransitionKind::Impact { obstacle, .. } if rebounds(*obstacle));
+        self.solutions[1].trace.transitions.iter().any(|transition| is_rebound(&transition.kind))
+    }
+
     /// Makes no claim where the runs do not allow one.
     fn withdraw(&mut self) {
         if self.solutions.iter().any(|solution| solution.steps.status == Status::Failed) {
-            self.verdicts.set_all(Verdict::NotComputed);
+            self.verdicts.withdraw();
         } else if let Some(first) = self.doubts.first() {
-            self.verdicts.doubt(first.time_s);
+            let is_not_unique = self.doubts.iter().any(|doubt| doubt.kind == DoubtKind::NotUnique);
+            self.verdicts.doubt(first.time_s, is_not_unique);
         }
         self.verdict = self.verdicts.path.verdict;
+        self.causes.clone_from(&self.verdicts.path.causes);
     }
 
     /// Changes against the causes, which leave this part, `aim`, of what the first ones leave (1).
@@ -152,12 +161,13 @@ impl Pathwise {
         let tolerance_without_inertia = aim * settings.tolerance_path(self.solutions[0].path_length(radius), radius);
         let driver = Driver::of(&scenario.system);
         let differences = Differences { engine: largest.engine_error_m, model, tolerance, tolerance_without_inertia, driver };
-        let mode = JumpMode::of(scenario, &self.solutions[0], &self.numbers);
-        let against = |cause: &Cause| match cause {
-            Cause::Inertia => differences.against_inertia(&largest.by_trigger, &self.predicted, &mode),
-            Cause::Engine => vec![differences.against_engine(self.solutions[2].step_s.unwrap_or_default())],
-        };
-        self.causes.iter().flat_map(against).collect()
+        let mode = JumpMode::of(scenario, &self.solutions[0]);
+        let by_inertia = self.causes.contains(&Cause::Inertia);
+        let mut changes = if by_inertia { differences.against_inertia(&largest.by_trigger, &self.predicted, &mode) } else { Vec::new() };
+        if self.causes.iter().any(|cause| cause.is_of_engine()) {
+            changes.push(differences.against_engine(self.solutions[2].step_s.unwrap_or_default()));
+        }
+        changes
     }
 }
 
@@ -174,10 +184,37 @@ fn by_backend<S: Serializer>(solutions: &[Solution; 3], serializer: S) -> Result
 pub(super) fn compare(question: &Question, watch: impl Fn(f64) -> bool + Sync) -> Option<Pathwise> {
     let options = question.settings.at_fixed_step(question.scenario, BackendKind::Rapier);
     let engine = question.solution(&options, question.engine, |share| watch(share / 3.0))?;
-    let mut found = compare_models(question, Some(engine), &watch)?;
-    let error_m = LARGEST_REFERENCE_ERROR * found.tolerance_m;
-    found.damping_effect = DampingEffect::of(question, &found.solutions[0], error_m, |_| watch(1.0))?;
-    Some(found)
+    let found = compare_models(question, Some(engine), &watch)?;
+    let extras = extras(question, &found, &watch)?;
+    if extras.without_restitution.is_none() && extras.rate_independent.is_none() {
+        return Some(found);
+    }
+    Some(judge(question, found.solutions, &extras))
+}
+
+/// The runs that tell parts of the inertia effect, each to the error that the verdict needs. A
+/// failed run tells nothing. `None` if `watch` says no.
+fn extras(question: &Question, found: &Pathwise, watch: &(impl Fn(f64) -> bool + Sync)) -> Option<Extras> {
+    let Question { scenario, settings, references, .. } = *question;
+    let reference_tolerance_m = settings.reference_tolerance_m.or(Some(LARGEST_REFERENCE_ERROR * found.tolerance_m));
+    let settings = Settings { reference_tolerance_m, ..*settings };
+    let run = |question: &Question, settings: &Settings, kind| {
+        let options = settings.under_error_control(question.scenario, kind);
+        let mut solution = question.solution(&options, references, |_| watch(1.0))?;
+        solution.shorten_to(found.solutions[0].points.len());
+        Some(Some(solution).filter(|solution| solution.steps.status != Status::Failed))
+    };
+    let mut extras = Extras::default();
+    if is_damped(scenario) && !settings.rate_independent {
+        let settings = Settings { rate_independent: true, ..settings };
+        extras.rate_independent = run(question, &settings, BackendKind::QuasiStatic)?;
+    }
+    if found.has_rebounds(scenario) && found.verdicts.named().iter().any(|(_, of)| of.inertia == InertiaAnswer::NotNegligible) {
+        let mut scenario = scenario.clone();
+        scenario.system.world.obstacles.iter_mut().for_each(|obstacle| obstacle.restitution = 0.0);
+        extras.without_restitution = run(&Question { scenario: &scenario, ..*question }, &settings, BackendKind::Inertial)?;
+    }
+    Some(extras)
 }
 
 /// Compares the quasi-static with the inertial path. The latter stands for that of an engine too,
@@ -205,7 +242,7 @@ fn compare_models(question: &Question, engine: Option<Solution>, watch: &(impl F
         let (quasi_static, inertial) = rayon::join(|| find(1.0, BackendKind::QuasiStatic), || find(2.0, BackendKind::Inertial));
         let (quasi_static, inertial) = (quasi_static?, inertial?);
         let engine = engine.unwrap_or_else(|| inertial.clone());
-        Some(judge(question, [quasi_static, inertial, engine]))
+        Some(judge(question, [quasi_static, inertial, engine], &Extras::default()))
     };
     let found = judged(settings, engine)?;
     if settings.reference_tolerance_m.is_some() {
@@ -220,19 +257,17 @@ fn compare_models(question: &Question, engine: Option<Solution>, watch: &(impl F
     let found_tolerance = found.tolerance_m;
     let found =
         if found.edge_displacement.reference_error_m <= needed { found } else { again(found, needed_reference_error(found_tolerance))? };
-    // Another quantity may need a smaller error than the path. Without an engine a threshold is
-    // sought, at which the path needs one too.
+    // A difference may be close to its tolerance, and another quantity may need a smaller error
+    // than the path.
     let error = found.edge_displacement.reference_error_m;
-    let is_open = found.verdicts.named().iter().any(|(_, of)| of.verdict == Verdict::Inconclusive);
-    let is_path_open = has_engine && found.verdict == Verdict::Inconclusive;
-    if !is_open || is_path_open || !found.doubts.is_empty() || error == 0.0 {
+    if !found.verdicts.are_open() || !found.doubts.is_empty() || error == 0.0 {
         return Some(found);
     }
     let sharper = again(found.clone(), error / SHARPER)?;
     Some(if sharper.references_converged() { sharper } else { found })
 }
 
-fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
+fn judge(question: &Question, mut solutions: [Solution; 3], extras: &Extras) -> Pathwise {
     let Question { tier, scenario, settings, .. } = *question;
     let n_instants = solutions.iter().map(|solution| solution.points.len()).min().unwrap_or_default();
     solutions.iter_mut().for_each(|solution| solution.shorten_to(n_instants));
@@ -257,21 +292,22 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         scenario,
         settings,
         solutions: &solutions,
+        extras,
         jumps: &jumps,
         pairs: [&by_inertia, &by_engine],
         poses: [&inertia_effect, &engine_error, &reference_error.all],
     };
     let (verdicts, largest_pull_over_slip_limit) = (runs.verdicts(tolerance_m), runs.largest_pull_share());
-    let (numbers, traces) = (Numbers::of(scenario, &inertial.trace), [&quasi_static.trace, &inertial.trace]);
+    let numbers = Numbers::of(scenario, &inertial.trace);
     let mut found = Pathwise {
         tier,
         inertia_effect,
         engine_error,
-        damping_effect: None,
+        damping_effect: extras.rate_independent.as_ref().map(|without| DampingEffect::between(scenario, quasi_static, without)),
         time_step_error: Difference::between(&rapier.points, &rapier.limit, radius),
         model_error: Difference::between(&rapier.limit, &inertial.limit, radius),
         reference_error,
-        predicted: numbers.predict(scenario, &inertial.trace).with_estimate(scenario, traces, tolerance_m, settings.rate_independent),
+        predicted: numbers.predicted(scenario, [quasi_static, inertial].map(|run| &run.trace), tolerance_m, settings.rate_independent),
         numbers,
         verdict: verdicts.path.verdict,
         largest_pull_over_slip_limit,
@@ -288,15 +324,8 @@ fn judge(question: &Question, mut solutions: [Solution; 3]) -> Pathwise {
         solutions,
     };
     found.withdraw();
-    found.causes = causes_of(&found.verdict);
     found.suggested_changes = found.suggestions(scenario, settings, 1.0);
     found
-}
-
-/// What a verdict names as the cause of a difference.
-fn causes_of(verdict: &Verdict) -> Vec<Cause> {
-    let causes = [(Cause::Inertia, verdict.has_inertia()), (Cause::Engine, verdict.has_engine())];
-    causes.into_iter().filter(|(_, is_cause)| *is_cause).map(|(cause, _)| cause).collect()
 }
 
 /// Reasons to doubt the exact runs, in the order of time.

@@ -1,6 +1,6 @@
-//! A verdict for each quantity: path, heading, pulls, speed and energy dissipated.
+//! A verdict for each quantity: path, heading, pulls, contact forces, speed and energy dissipated.
 //!
-//! Path and heading are compared instant by instant. Of pulls and speed, the peaks and the means
+//! Path and heading are compared instant by instant. Of forces and speed, the peaks and the means
 //! over the control ticks are compared, and of the energy its value at the end: a difference in
 //! time alone is none of these. The reference error of each number is its distance from that of
 //! the less exact run beside the reference run, as for the path.
@@ -11,7 +11,8 @@ use serde::Serialize;
 
 use super::course::Course;
 use super::divergence::Divergence;
-use super::verdict::Verdict;
+use super::parts::{Others, Parts};
+use super::verdict::{Answers, Cause, EngineAnswer, InertiaAnswer, Verdict};
 
 /// Verdicts on the quantities of a run, each with its own tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,7 +23,9 @@ pub struct Verdicts {
     pub heading: QuantityVerdict,
     /// Peak and mean pull of each spring, and of the vector sum of all pulls (N).
     pub pulls: QuantityVerdict,
-    /// Peak and mean edge speed of the load (m/s).
+    /// Peak and mean force of each obstacle on the load, outside of impacts (N).
+    pub contacts: QuantityVerdict,
+    /// Peak and mean speed of the load's centre and of its edge, |v| and |v| + R |omega| (m/s).
     pub speed: QuantityVerdict,
     /// Energy dissipated in the whole run (J).
     pub energy: QuantityVerdict,
@@ -32,7 +35,15 @@ pub struct Verdicts {
 /// number that decides.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct QuantityVerdict {
+    /// The word that follows from the two answers.
     pub verdict: Verdict,
+    pub inertia: InertiaAnswer,
+    pub engine: EngineAnswer,
+    /// Causes of what exceeds the tolerance, and of what a motion that is not unique leaves open.
+    pub causes: Vec<Cause>,
+    /// Name of the number whose differences these are; left out for path and heading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decided_by: Option<String>,
     /// Inertial minus quasi-static, in the unit.
     pub inertia_effect: f64,
     /// Rapier minus inertial, in the unit.
@@ -42,6 +53,8 @@ pub struct QuantityVerdict {
     /// Largest difference that counts as agreement, in the unit.
     pub tolerance: f64,
     pub unit: &'static str,
+    /// What the differences consist of, in the unit.
+    pub parts: Parts,
     pub first_divergence: FirstDivergence,
     /// Differences that a doubt leaves open; left out if there are none.
     #[serde(skip_serializing_if = "Open::is_empty")]
@@ -79,6 +92,9 @@ pub struct RunMeasure {
     /// Spring that it belongs to; left out for numbers of the load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spring: Option<usize>,
+    /// Obstacle whose force it is; left out for other numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub obstacle: Option<usize>,
     pub quasi_static: f64,
     pub inertial: f64,
     pub rapier: f64,
@@ -86,6 +102,7 @@ pub struct RunMeasure {
     pub engine_error: f64,
     pub reference_error: f64,
     pub tolerance: f64,
+    pub parts: Parts,
 }
 
 /// Range of a share of which nothing is claimed (1).
@@ -108,44 +125,71 @@ type Signal = Vec<Option<f64>>;
 pub(super) struct Reduced<'a> {
     kind: Kind,
     name: &'static str,
+    /// Name of the numbers of which the tolerance is a share.
+    scale: &'static str,
     spring: Option<usize>,
+    obstacle: Option<usize>,
     /// Quasi-static, inertial and rapier.
     signals: [&'a Signal; 3],
     /// The less exact runs beside the first two.
     companions: [Option<&'a Signal>; 2],
+    others: Others<&'a Signal>,
 }
 
-/// Courses of the three runs, and of the less exact runs beside the first two.
+/// Courses of the three runs, of the less exact runs beside the first two, and of the runs that
+/// tell parts of the differences.
 pub(super) struct Courses {
     pub runs: [Course; 3],
     pub companions: [Option<Course>; 2],
+    pub others: Others<Course>,
 }
 
 impl Verdicts {
-    pub fn named(&self) -> [(&'static str, &QuantityVerdict); 5] {
-        [("path", &self.path), ("heading", &self.heading), ("pulls", &self.pulls), ("speed", &self.speed), ("energy", &self.energy)]
+    pub fn named(&self) -> [(&'static str, &QuantityVerdict); 6] {
+        let Self { path, heading, pulls, contacts, speed, energy } = self;
+        [("path", path), ("heading", heading), ("pulls", pulls), ("contacts", contacts), ("speed", speed), ("energy", energy)]
     }
 
-    /// Those that say something: without a spring that is ever attached there are no pulls.
+    fn all_mut(&mut self) -> [&mut QuantityVerdict; 6] {
+        let Self { path, heading, pulls, contacts, speed, energy } = self;
+        [path, heading, pulls, contacts, speed, energy]
+    }
+
+    /// Those that say something: without a spring that is ever attached there are no pulls, and
+    /// without an obstacle that is ever touched no contact forces.
     pub fn shown(&self) -> impl Iterator<Item = (&'static str, &QuantityVerdict)> {
         let has_pulls = self.pulls.measures.iter().any(|measure| measure.spring.is_some());
-        self.named().into_iter().filter(move |(name, _)| has_pulls || *name != "pulls")
+        let has_contacts = !self.contacts.measures.is_empty();
+        self.named().into_iter().filter(move |(name, _)| match *name {
+            "pulls" => has_pulls,
+            "contacts" => has_contacts,
+            _ => true,
+        })
     }
 
     /// Leaves open what an exact run that is doubtful from a time on (s) does not show.
     ///
     /// Path and heading differ as much as they ever do: a difference beyond the tolerance before
     /// that time remains. The other quantities are numbers of the whole run, and remain open.
-    pub(super) fn doubt(&mut self, since: f64) {
-        let Self { path, heading, pulls, speed, energy } = self;
-        [path, heading].into_iter().for_each(|of| of.doubt(since));
-        [pulls, speed, energy].into_iter().for_each(|of| of.doubt(f64::NEG_INFINITY));
+    /// What is left open has a motion that `is_not_unique` as a cause.
+    pub(super) fn doubt(&mut self, since: f64, is_not_unique: bool) {
+        let [path, heading, of_whole_run @ ..] = self.all_mut();
+        [path, heading].into_iter().for_each(|of| of.doubt(since, is_not_unique));
+        of_whole_run.into_iter().for_each(|of| of.doubt(f64::NEG_INFINITY, is_not_unique));
     }
 
-    pub(super) fn set_all(&mut self, verdict: Verdict) {
-        for of in [&mut self.path, &mut self.heading, &mut self.pulls, &mut self.speed, &mut self.energy] {
-            of.verdict = verdict;
+    /// Makes no claim on anything, because a run failed.
+    pub(super) fn withdraw(&mut self) {
+        for of in self.all_mut() {
+            of.answer(Answers::OPEN);
+            of.verdict = Verdict::NotComputed;
+            of.causes.clear();
         }
+    }
+
+    /// Whether the reference error leaves an answer open.
+    pub(super) fn are_open(&self) -> bool {
+        self.named().iter().any(|(_, of)| of.answers().is_open() && !of.causes.contains(&Cause::NotUnique))
     }
 }
 
@@ -154,8 +198,50 @@ impl QuantityVerdict {
     /// a cause, else that of the largest engine error, else that of the largest difference.
     pub fn deciding(&self) -> Option<&RunMeasure> {
         // A verdict may be withdrawn, and the number stays.
-        let verdict = verdict_of(&self.measures);
+        let verdict = Answers::of([0, 1].map(|which| self.share_range(which))).verdict();
         self.first_of_largest(|measure| measure.weight(verdict))
+    }
+
+    /// The two answers, from which the verdict follows.
+    pub fn answers(&self) -> Answers {
+        Answers { inertia: self.inertia, engine: self.engine }
+    }
+
+    /// Sets both answers, and the verdict.
+    pub(super) fn answer(&mut self, answers: Answers) {
+        (self.inertia, self.engine, self.verdict) = (answers.inertia, answers.engine, answers.verdict());
+    }
+
+    /// Leaves open what the runs do not determine.
+    pub(super) fn leave_open(&mut self) {
+        self.open = Open { inertia_effect: true, engine_error: true };
+        self.answer(Answers::OPEN);
+        self.causes = vec![Cause::NotUnique];
+    }
+
+    /// Answers from the differences, and their causes.
+    pub(super) fn judge(&mut self) {
+        self.answer(Answers::of([self.inertia_share_range(), self.engine_share_range()]));
+        self.causes = self.found_causes();
+    }
+
+    /// Causes of the differences that exceed their tolerance for sure, each once.
+    fn found_causes(&self) -> Vec<Cause> {
+        let own = [(self.differences(), self.reference_error, self.tolerance, self.parts)];
+        let of_measure = |of: &RunMeasure| (of.differences(), of.reference_error, of.tolerance, of.parts);
+        let numbers: Vec<_> = if self.measures.is_empty() { own.to_vec() } else { self.measures.iter().map(of_measure).collect() };
+        let causes = numbers.into_iter().flat_map(|(differences, error, tolerance, parts)| {
+            let exceeds = differences.map(|difference| difference - error > tolerance);
+            parts.causes(exceeds, error, tolerance)
+        });
+        let mut causes: Vec<Cause> = causes.collect();
+        causes.sort_unstable();
+        causes.dedup();
+        causes
+    }
+
+    fn differences(&self) -> [f64; 2] {
+        [self.inertia_effect, self.engine_error]
     }
 
     /// The number with the largest engine error over its tolerance.
@@ -168,31 +254,36 @@ impl QuantityVerdict {
     }
 
     /// Leaves open what did not exceed the tolerance by the time `since` (s).
-    fn doubt(&mut self, since: f64) {
+    fn doubt(&mut self, since: f64, is_not_unique: bool) {
         let stays = |is_cause: bool, first: Option<Divergence>| is_cause && first.is_some_and(|first| first.time_s <= since);
         let FirstDivergence { inertia_effect, engine_error } = self.first_divergence;
         let causes = [stays(self.verdict.has_inertia(), inertia_effect), stays(self.verdict.has_engine(), engine_error)];
         self.open = Open { inertia_effect: !causes[0], engine_error: !causes[1] };
-        self.verdict = Verdict::of_causes(causes).unwrap_or(Verdict::Inconclusive);
+        self.answer(Answers::of([self.inertia_share_range(), self.engine_share_range()]));
+        self.causes.retain(|cause| causes[usize::from(cause.is_of_engine())]);
+        if is_not_unique && self.answers().is_open() {
+            self.causes.push(Cause::NotUnique);
+        }
     }
 
     /// Largest inertia effect less and plus reference error over the tolerance (1): at most one
     /// where quasi-static is valid. It may be anything where a doubt leaves it open.
     pub fn inertia_share_range(&self) -> [f64; 2] {
-        if self.open.inertia_effect { ANYTHING } else { self.share_range(self.inertia_effect, |measure| measure.inertia_effect) }
+        if self.open.inertia_effect { ANYTHING } else { self.share_range(0) }
     }
 
     /// As [`QuantityVerdict::inertia_share_range`], for the engine error.
     pub fn engine_share_range(&self) -> [f64; 2] {
-        if self.open.engine_error { ANYTHING } else { self.share_range(self.engine_error, |measure| measure.engine_error) }
+        if self.open.engine_error { ANYTHING } else { self.share_range(1) }
     }
 
-    /// Range of a difference over its tolerance (1): the largest of all numbers, if there are any.
-    fn share_range(&self, own: f64, difference: fn(&RunMeasure) -> f64) -> [f64; 2] {
+    /// Range of the inertia effect (0) or the engine error (1) over its tolerance (1): the largest
+    /// of all numbers, if there are any.
+    fn share_range(&self, which: usize) -> [f64; 2] {
         let range = |effect: f64, error: f64, tolerance: f64| [(effect - error) / tolerance, (effect + error) / tolerance];
-        let of = |measure: &RunMeasure| range(difference(measure), measure.reference_error, measure.tolerance);
+        let of = |measure: &RunMeasure| range(measure.differences()[which], measure.reference_error, measure.tolerance);
         let largest = self.measures.iter().map(of).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        largest.unwrap_or(range(own, self.reference_error, self.tolerance))
+        largest.unwrap_or(range(self.differences()[which], self.reference_error, self.tolerance))
     }
 
     /// Verdict on several numbers in one `unit`. The tolerance of each is this `share` (1) of the
@@ -207,43 +298,57 @@ impl QuantityVerdict {
     ) -> Self {
         let mut largest: HashMap<&str, f64> = HashMap::new();
         for one in reduced {
-            let largest = largest.entry(one.name).or_insert(least);
+            let largest = largest.entry(one.scale).or_insert(least);
             *largest = largest.max(one.size());
         }
-        let measures: Vec<RunMeasure> = reduced.iter().map(|one| one.measure(share * largest[one.name])).collect();
-        let verdict = verdict_of(&measures);
+        let measures: Vec<RunMeasure> = reduced.iter().map(|one| one.measure(share * largest[one.scale])).collect();
         let first = |which: usize| {
             let times = reduced.iter().zip(&measures).filter_map(|(one, measure)| one.first_divergence(which, measure, times));
             times.min_by(f64::total_cmp).map(|time| diverges(which, time))
         };
         let first_divergence = FirstDivergence { inertia_effect: first(0), engine_error: first(1) };
-        let mut found = Self {
-            verdict,
+        let mut found = Self { first_divergence, measures, ..Self::of_nothing(unit) };
+        // Without a number there is nothing to differ.
+        let Some(deciding) = found.deciding().copied() else { return found };
+        let RunMeasure { inertia_effect, engine_error, reference_error, tolerance, parts, .. } = deciding;
+        found = Self { inertia_effect, engine_error, reference_error, tolerance, parts, decided_by: Some(deciding.label()), ..found };
+        found.judge();
+        found
+    }
+
+    /// Verdict on a quantity that is zero everywhere.
+    pub(super) fn of_nothing(unit: &'static str) -> Self {
+        Self {
+            verdict: Verdict::Agree,
+            inertia: InertiaAnswer::Negligible,
+            engine: EngineAnswer::Within,
+            causes: Vec::new(),
+            decided_by: None,
             inertia_effect: 0.0,
             engine_error: 0.0,
             reference_error: 0.0,
             tolerance: 0.0,
             unit,
-            first_divergence,
+            parts: Parts::default(),
+            first_divergence: FirstDivergence::default(),
             open: Open::default(),
-            measures,
-        };
-        if let Some(deciding) = found.deciding().copied() {
-            let RunMeasure { inertia_effect, engine_error, reference_error, tolerance, .. } = deciding;
-            found = Self { inertia_effect, engine_error, reference_error, tolerance, ..found };
+            measures: Vec::new(),
         }
-        found
     }
 }
 
 impl RunMeasure {
-    /// Name with the spring, such as `peak pull of spring 2`.
+    /// Name with the spring or the obstacle, such as `peak pull of spring 2`.
     pub fn label(&self) -> String {
-        self.spring.map_or(self.name.to_owned(), |spring| format!("{} of spring {spring}", self.name))
+        match (self.spring, self.obstacle) {
+            (Some(spring), _) => format!("{} of spring {spring}", self.name),
+            (_, Some(obstacle)) => format!("{} of obstacle {obstacle}", self.name),
+            (None, None) => self.name.to_owned(),
+        }
     }
 
-    fn verdict(&self) -> Verdict {
-        Verdict::of(self.inertia_effect, self.engine_error, self.reference_error, self.tolerance)
+    fn differences(&self) -> [f64; 2] {
+        [self.inertia_effect, self.engine_error]
     }
 
     /// Difference over the tolerance (1) that counts under a verdict on all numbers.
@@ -254,11 +359,6 @@ impl RunMeasure {
             _ => self.inertia_effect.max(self.engine_error) / self.tolerance,
         }
     }
-}
-
-/// Verdict on several numbers together.
-fn verdict_of(measures: &[RunMeasure]) -> Verdict {
-    measures.iter().map(RunMeasure::verdict).fold(Verdict::Agree, Verdict::and)
 }
 
 impl Courses {
@@ -274,10 +374,30 @@ impl Courses {
         of_springs.chain(net.map(|(name, kind)| self.reduced(name, kind, |course| &course.net_pull))).collect()
     }
 
+    /// Peak and mean force of each obstacle that a load ever touches.
+    pub fn contacts(&self) -> Vec<Reduced<'_>> {
+        let is_touched = |obstacle: &usize| {
+            let forces = self.runs.iter().flat_map(|course| &course.contact_forces[*obstacle]);
+            forces.flatten().any(|force| *force > 0.0)
+        };
+        let of_obstacle = |obstacle: usize| {
+            [("peak contact force", Kind::Peak), ("mean contact force", Kind::Mean)].map(|(name, kind)| Reduced {
+                obstacle: Some(obstacle),
+                ..self.reduced(name, kind, move |course| &course.contact_forces[obstacle])
+            })
+        };
+        (0..self.runs[0].contact_forces.len()).filter(is_touched).flat_map(of_obstacle).collect()
+    }
+
+    /// Speeds of the centre and of the edge. The tolerance of both is a share of the latter: a load
+    /// that turns about its centre has no speed to be compared with.
     pub fn speeds(&self) -> Vec<Reduced<'_>> {
+        let (peak, mean) = ("peak edge speed", "mean edge speed");
         vec![
-            self.reduced("peak speed", Kind::Peak, |course| &course.speed_between_jumps),
-            self.reduced("mean speed", Kind::Mean, |course| &course.speed),
+            Reduced { scale: peak, ..self.reduced("peak speed", Kind::Peak, |course| &course.speed.between_jumps) },
+            Reduced { scale: mean, ..self.reduced("mean speed", Kind::Mean, |course| &course.speed.at_ticks) },
+            self.reduced(peak, Kind::Peak, |course| &course.edge_speed.between_jumps),
+            self.reduced(mean, Kind::Mean, |course| &course.edge_speed.at_ticks),
         ]
     }
 
@@ -286,8 +406,9 @@ impl Courses {
     }
 
     fn reduced<'a>(&'a self, name: &'static str, kind: Kind, of: impl Fn(&'a Course) -> &'a Signal) -> Reduced<'a> {
-        let signals = self.runs.each_ref().map(&of);
-        Reduced { kind, name, spring: None, signals, companions: self.companions.each_ref().map(|course| course.as_ref().map(&of)) }
+        let companions = self.companions.each_ref().map(|course| course.as_ref().map(&of));
+        let (signals, others) = (self.runs.each_ref().map(&of), self.others.map(&of));
+        Reduced { kind, name, scale: name, spring: None, obstacle: None, signals, companions, others }
     }
 }
 
@@ -300,9 +421,11 @@ impl Reduced<'_> {
     fn measure(&self, tolerance: f64) -> RunMeasure {
         let [quasi_static, inertial, rapier] = self.signals.map(|signal| self.kind.value(signal));
         let error = |at: usize, value: f64| self.companions[at].map_or(0.0, |companion| (self.kind.value(companion) - value).abs());
+        let others = self.others.map(|signal| self.kind.value(signal));
         RunMeasure {
             name: self.name,
             spring: self.spring,
+            obstacle: self.obstacle,
             quasi_static,
             inertial,
             rapier,
@@ -310,6 +433,7 @@ impl Reduced<'_> {
             engine_error: (rapier - inertial).abs(),
             reference_error: error(0, quasi_static).max(error(1, inertial)),
             tolerance,
+            parts: Parts::of_numbers([quasi_static, inertial, rapier], &others),
         }
     }
 
@@ -360,6 +484,7 @@ mod tests {
         let measure = |name, inertia_effect, engine_error| RunMeasure {
             name,
             spring: None,
+            obstacle: None,
             quasi_static: 0.0,
             inertial: 0.0,
             rapier: 0.0,
@@ -367,23 +492,14 @@ mod tests {
             engine_error,
             reference_error: 0.0,
             tolerance: 1.0,
+            parts: Parts::default(),
         };
         let measures = vec![measure("mean speed", 1.5, 9.0), measure("peak speed", 2.0, 0.0)];
-        let (inertia_effect, engine_error, reference_error, tolerance) = (2.0, 0.0, 0.0, 1.0);
-        let first_divergence = FirstDivergence::default();
+        let mut of = QuantityVerdict { measures, ..QuantityVerdict::of_nothing("m/s") };
+        of.judge();
+        assert_eq!(of.verdict, Verdict::InertiaAndEngine);
         for verdict in [Verdict::InertiaAndEngine, Verdict::NotComputed, Verdict::Inconclusive] {
-            let measures = measures.clone();
-            let of = QuantityVerdict {
-                verdict,
-                inertia_effect,
-                engine_error,
-                reference_error,
-                tolerance,
-                unit: "m/s",
-                first_divergence,
-                open: Open::default(),
-                measures,
-            };
+            let of = QuantityVerdict { verdict, ..of.clone() };
             assert_eq!(of.deciding().map(|measure| measure.name), Some("peak speed"), "{verdict:?}");
         }
     }

@@ -3,10 +3,12 @@
 use super::course::Course;
 use super::difference::{Difference, Jumps};
 use super::divergence::{Divergence, PathPair};
-use super::quantity::{Courses, FirstDivergence, Open, QuantityVerdict, Verdicts};
+use super::parts::{Others, Parts};
+use super::quantity::{Courses, FirstDivergence, QuantityVerdict, Verdicts};
 use super::settings::{LEAST_MOTION, Settings};
-use super::solution::Solution;
-use super::verdict::Verdict;
+use super::solution::{Point, Solution};
+use super::verdict::{Answers, InertiaAnswer, Verdict};
+use crate::backend::TransitionKind;
 use crate::math::Vec2;
 use crate::scenario::Scenario;
 use crate::simulation::Row;
@@ -19,11 +21,21 @@ pub(super) struct Runs<'a> {
     pub settings: &'a Settings,
     /// Quasi-static, inertial and rapier.
     pub solutions: &'a [Solution; 3],
+    pub extras: &'a Extras,
     /// Jumps of the quasi-static load.
     pub jumps: &'a Jumps,
     /// Inertial beside quasi-static, and rapier beside inertial.
     pub pairs: [&'a PathPair<'a>; 2],
     pub poses: Poses<'a>,
+}
+
+/// Runs that tell parts of the inertia effect; `None` where there is nothing to tell.
+#[derive(Default)]
+pub(super) struct Extras {
+    /// Inertial, with impacts that do not rebound.
+    pub without_restitution: Option<Solution>,
+    /// Quasi-static without dashpots.
+    pub rate_independent: Option<Solution>,
 }
 
 impl Runs<'_> {
@@ -35,7 +47,7 @@ impl Runs<'_> {
         let diverges = |which: usize, time: f64| pairs[which].divergence_at(time);
         let [pull, speed, energy] = least_sizes(scenario);
         let of = |reduced: &[_], share: f64, least: f64, unit| QuantityVerdict::on(reduced, (share, least), times, unit, diverges);
-        let (pulls, speeds) = (courses.pulls(), courses.speeds());
+        let (pulls, contacts, speeds) = (courses.pulls(), courses.contacts(), courses.speeds());
         let mut verdicts = Verdicts {
             path: self.of_poses("m", tolerance, |difference| difference.edge_displacement_max_m, |pair| pair.first_divergence()),
             heading: self.of_poses(
@@ -45,15 +57,19 @@ impl Runs<'_> {
                 |pair| pair.first_divergence_of_heading(self.heading_tolerance()),
             ),
             pulls: of(&pulls, settings.tolerance_pull_share, pull, "N"),
+            contacts: of(&contacts, settings.tolerance_pull_share, pull, "N"),
             speed: of(&speeds, settings.tolerance_speed_share, speed, "m/s"),
             energy: of(&courses.energy(), settings.tolerance_energy_share, energy, "J"),
         };
+        if self.solutions[..2].iter().any(|solution| solution.steps.is_indeterminate && touches_two(solution)) {
+            verdicts.contacts.leave_open();
+        }
         let reaches = |solution: &Solution| solution.reach(scenario.system.load.radius) > self.least_motion();
         let moves = verdicts.path.verdict.has_inertia() || self.solutions[..2].iter().any(reaches);
         let loses_energy = verdicts.energy.measures.iter().any(|measure| measure.quasi_static.max(measure.inertial) > energy);
         for of_load in [&mut verdicts.path, &mut verdicts.heading, &mut verdicts.speed, &mut verdicts.energy] {
             if !moves && of_load.verdict == Verdict::Agree && (of_load.unit != "J" || !loses_energy) {
-                of_load.verdict = Verdict::NothingMoved;
+                of_load.answer(Answers { inertia: InertiaAnswer::NothingMoved, ..of_load.answers() });
             }
         }
         verdicts
@@ -77,21 +93,38 @@ impl Runs<'_> {
         &self,
         unit: &'static str,
         tolerance: f64,
-        largest: impl Fn(&Difference) -> f64,
+        largest: impl Fn(&Difference) -> f64 + Copy,
         first: impl Fn(&PathPair) -> Option<Divergence>,
     ) -> QuantityVerdict {
         let [inertia_effect, engine_error, reference_error] = self.poses.map(largest);
         let [by_inertia, by_engine] = self.pairs;
-        QuantityVerdict {
-            verdict: Verdict::of(inertia_effect, engine_error, reference_error, tolerance),
+        let mut found = QuantityVerdict {
             inertia_effect,
             engine_error,
             reference_error,
             tolerance,
-            unit,
+            parts: self.parts_of_poses(largest),
             first_divergence: FirstDivergence { inertia_effect: first(by_inertia), engine_error: first(by_engine) },
-            open: Open::default(),
-            measures: Vec::new(),
+            ..QuantityVerdict::of_nothing(unit)
+        };
+        found.judge();
+        found
+    }
+
+    /// Parts of the differences between paths, of which `largest` gives a number.
+    fn parts_of_poses(&self, largest: impl Fn(&Difference) -> f64) -> Parts {
+        let Extras { without_restitution, rate_independent } = self.extras;
+        let [quasi_static, inertial, engine] = self.solutions;
+        let radius = self.scenario.system.load.radius;
+        let between = |a: &[Point], b: &[Point]| largest(&Difference::between(a, b, radius));
+        let from_quasi_static = |a: &Solution| largest(&Difference::outside_jumps(&a.points, &quasi_static.points, radius, self.jumps));
+        Parts {
+            inertia: from_quasi_static(without_restitution.as_ref().unwrap_or(inertial)),
+            impact: without_restitution.as_ref().map_or(0.0, |without| between(&inertial.points, &without.points)),
+            time_step: between(&engine.points, &engine.limit),
+            engine_model: between(&engine.limit, &inertial.points),
+            limit_error: largest(&Difference::error_of(&engine.limit, radius)),
+            dashpots: rate_independent.as_ref().map_or(0.0, |without| between(&quasi_static.points, &without.points)),
         }
     }
 
@@ -110,16 +143,29 @@ impl Runs<'_> {
 
     fn courses(&self) -> Courses {
         let Self { scenario, solutions, jumps, .. } = self;
-        let course = |solution: &Solution, rows: &[Row]| Course::of(solution.kind, rows, &scenario.system, jumps, scenario.control_period);
+        let is_impact = |kind: &TransitionKind| matches!(kind, TransitionKind::Impact { .. });
+        let transitions = solutions.iter().flat_map(|solution| &solution.trace.transitions);
+        let impacts: Vec<f64> = transitions.filter(|transition| is_impact(&transition.kind)).map(|impact| impact.time).collect();
+        let course = |solution: &Solution, rows: &[Row]| Course::of(solution.kind, rows, &impacts, scenario, jumps);
         let companion = |solution: &Solution| {
             let rows = &solution.trace.companion;
             (!rows.is_empty()).then(|| course(solution, rows))
         };
-        Courses {
-            runs: solutions.each_ref().map(|solution| course(solution, &solution.trace.rows)),
-            companions: [companion(&solutions[0]), companion(&solutions[1])],
-        }
+        let of = |solution: &Solution| course(solution, &solution.trace.rows);
+        let engine = &solutions[2];
+        let others = Others {
+            finer: engine.finer.as_ref().map(|finer| finer.each_ref().map(|rows| course(engine, rows))),
+            without_restitution: self.extras.without_restitution.as_ref().map(of),
+            rate_independent: self.extras.rate_independent.as_ref().map(of),
+        };
+        Courses { runs: solutions.each_ref().map(of), companions: [companion(&solutions[0]), companion(&solutions[1])], others }
     }
+}
+
+/// Whether a load ever touches two obstacles at once, which may bear it in more than one way.
+fn touches_two(solution: &Solution) -> bool {
+    let differs = |row: &Row| row.contacts.windows(2).any(|pair| pair[0].obstacle != pair[1].obstacle);
+    solution.trace.rows.iter().any(differs)
 }
 
 /// Length below which the load counts as resting (m).

@@ -19,7 +19,7 @@ struct Follow(Shared<Estimator>);
 /// If the options are those of a backend with inertia.
 pub fn with_estimate(system: &System, start: Motion, options: &BackendOptions) -> (Box<dyn Backend>, Shared<Estimator>) {
     assert!(!options.kind.has_inertia(), "{} has inertia: there is nothing to estimate", options.kind.name());
-    let estimator = Shared::new(Estimator::new(system, &start).beside_rate_independent(options.rate_independent));
+    let estimator = Shared::new(Estimator::new(system, &start, options.rate_independent));
     let (inside, hook) = (build(system, start, options), Follow(estimator.clone()));
     (Box::new(Wrapped { inside, hook }), estimator)
 }

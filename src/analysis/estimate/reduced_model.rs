@@ -265,14 +265,14 @@ impl Turned {
 }
 
 impl Workspace {
-    pub fn new(system: &System) -> Self {
+    pub fn new(system: &System, beside_rate_independent: bool) -> Self {
         let solver = FrictionSolver::new(&system.ground, system.load.radius);
         let static_friction = StaticFriction::new(&system.ground);
         Self {
             solver,
             static_friction,
             springs: ModelSprings::new(system),
-            beside_rate_independent: false,
+            beside_rate_independent,
             own: Turned::NONE,
             beside: Turned::NONE,
             slip: None,

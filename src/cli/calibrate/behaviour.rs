@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use clap::Args;
 use serde_json::json;
 
-use super::super::choice::{choice, positive};
+use super::super::choice::{choice_of, positive};
 use super::super::console::{self, Tone};
 use super::super::error::CliError;
 use super::super::output::OutputArgs;
@@ -38,7 +38,7 @@ pub struct BehaviourArgs {
     #[arg(long, num_args = 2, value_names = ["X", "Y"], allow_negative_numbers = true)]
     nest_m: Option<Vec<f64>>,
     /// When ants decide to release
-    #[arg(long, default_value = "hazard", value_parser = choice::<ReleasePace>())]
+    #[arg(long, default_value = "hazard", value_parser = choice_of::<ReleasePace>("pace"))]
     pace: ReleasePace,
     /// Time between two release decisions, in place of a fitted one; needed unless the pace is
     /// hazard (s)

@@ -21,6 +21,7 @@
 //! s"])`. Without names of columns it is a list: `Table::list().row(["seed", "7"])`.
 
 mod field;
+mod layout;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod text;
@@ -33,6 +34,9 @@ use crate::output::json::{self, NotFinite};
 use crate::output::lines::TableError;
 
 pub use field::{Field, Kind};
+pub(crate) use layout::Layout;
+#[cfg(feature = "reports")]
+pub(crate) use layout::folded;
 #[cfg(feature = "parquet")]
 pub use parquet::ParquetWriter;
 pub(crate) use text::wrapped;

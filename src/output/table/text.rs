@@ -1,39 +1,37 @@
 //! Tables as text for people: aligned, or as Markdown.
 
+use super::layout::Layout;
 use crate::output::table::{Field, Table};
 
-/// Width of a terminal, which a table keeps to where its last column can wrap (letters).
-const TERMINAL: usize = 80;
-/// Narrowest last column that is wrapped (letters).
-const NARROWEST: usize = 20;
-
 impl Table {
-    /// Aligned text, indented by two spaces, at most 80 letters wide where the last column can
-    /// wrap. Numbers stand to the right. Names of columns stand above where there are any.
+    /// Aligned text, indented by two spaces, at most 80 letters wide where words allow. Numbers
+    /// stand to the right. Names of columns stand above where there are any.
     pub fn text(&self) -> String {
+        self.layout().text()
+    }
+
+    /// The same, where the first `n_keys` columns say what a row is of: a table that is too wide
+    /// for one block repeats them in each.
+    pub fn text_by(&self, n_keys: usize) -> String {
+        Layout { n_keys, ..self.layout() }.text()
+    }
+
+    /// A block for each group of rows whose first `n` fields are equal; these stand above it.
+    pub fn text_in_groups(&self, n: usize) -> String {
+        let block = |rows: &[Vec<Field>]| {
+            let title: Vec<String> = rows[0][..n].iter().map(|field| field.text("")).collect();
+            let rows = rows.iter().map(|row| row[n..].to_vec()).collect();
+            let part = Self { caption: String::new(), columns: self.columns[n..].to_vec(), rows };
+            format!("  {}\n{}", title.join(", "), Layout { indent: 4, ..part.layout() }.text())
+        };
+        self.rows.chunk_by(|one, other| one[..n] == other[..n]).map(block).collect()
+    }
+
+    fn layout(&self) -> Layout {
         let rows = self.lines();
         let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-        let width = |at: usize| rows.iter().filter_map(|row| row.get(at)).map(|cell| cell.chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..n_columns).map(width).collect();
-        let start = widths.iter().take(n_columns.saturating_sub(1)).map(|width| width + 2).sum::<usize>() + 2;
-        let is_numbers: Vec<bool> = (0..n_columns).map(|at| self.is_numbers(at)).collect();
-        let mut text = String::new();
-        for row in &rows {
-            let mut line = String::from(" ");
-            for (at, cell) in row.iter().enumerate() {
-                let width = widths[at];
-                match cell {
-                    _ if is_numbers[at] => line.push_str(&format!(" {cell:>width$} ")),
-                    _ if at + 1 == n_columns && start + NARROWEST <= TERMINAL => {
-                        line.push_str(&format!(" {}", wrapped(cell, start, TERMINAL - start)));
-                    }
-                    _ => line.push_str(&format!(" {cell:<width$} ")),
-                }
-            }
-            text.push_str(line.trim_end());
-            text.push('\n');
-        }
-        text
+        let are_numbers = (0..n_columns).map(|at| self.is_numbers(at)).collect();
+        Layout { has_head: rows.len() > self.rows.len(), rows, are_numbers, indent: 2, n_keys: 1 }
     }
 
     /// A Markdown table; numbers stand to the right.

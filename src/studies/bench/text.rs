@@ -4,7 +4,8 @@
 use std::fmt::Write;
 
 use crate::output::quantity::{number, quantity};
-use crate::output::table::Table;
+use crate::output::table::{Table, wrapped};
+use crate::output::text::WIDTH;
 use crate::studies::bench::report::Benchmark;
 use crate::studies::bench::{Ending, EqualError, Fit, SceneFacts, SolverRow, fits};
 use crate::studies::methods::METHODS;
@@ -26,8 +27,10 @@ pub fn bench_text(found: &Benchmark) -> String {
 
 /// Settings behind the names of the engine's variants.
 const ENGINE_SETTINGS: &str = "\
-rapier engine defaults: four substeps with one sweep each, friction in boxes, contacts as springs of 60 Hz
-all other variants of rapier: one substep with 24 or 48 sweeps, contacts rigid and found in every step
+rapier engine defaults: four substeps with one sweep each, friction in boxes,
+  contacts as springs of 60 Hz
+all other variants of rapier: one substep with 24 or 48 sweeps, contacts rigid
+  and found in every step
 ";
 
 fn scene_text(facts: &SceneFacts, found: &Benchmark) -> String {
@@ -113,12 +116,14 @@ fn trust_text(found: &Benchmark) -> String {
     let cpu = host.cpu.as_deref().unwrap_or("unknown processor");
     let cpus = host.n_cpus.map_or(String::new(), |n| format!(", {n} processors"));
     let load = host.load_average.map_or(String::new(), |load| format!(", load {load:.2} at the start"));
-    let mut text = format!("CPU times of one thread, the least of up to {} rounds, on {cpu}{cpus}{load}\n", found.effort.repeats);
     let compiler = host.rustc.unwrap_or("unknown compiler");
     let commit = host.commit.map_or(String::new(), |commit| format!(", commit {}", commit.chars().take(12).collect::<String>()));
-    writeln!(text, "cohaul {}{commit}, {compiler}", host.version).expect("a string takes all");
-    let (n, all, limit) = (noise.n_spread, noise.n_timings, noise.most_spread);
-    writeln!(text, "{n} of {all} median times exceed {limit} times the least; the benchmark took {}", quantity(found.wall_s, "s"))
-        .expect("a string takes all");
-    text
+    let (n, all, limit, took) = (noise.n_spread, noise.n_timings, noise.most_spread, quantity(found.wall_s, "s"));
+    [
+        format!("CPU times of one thread, the least of up to {} rounds, on {cpu}{cpus}{load}", found.effort.repeats),
+        format!("cohaul {}{commit}, {compiler}", host.version),
+        format!("{n} of {all} median times exceed {limit} times the least; the benchmark took {took}"),
+    ]
+    .map(|line| format!("{}\n", wrapped(&line, 2, WIDTH - 2)))
+    .concat()
 }

@@ -11,6 +11,8 @@ pub struct Table {
     file: String,
     columns: Vec<String>,
     rows: Vec<StringRecord>,
+    /// Line of the file on which each row begins, counted from 1 as editors do.
+    lines: Vec<u64>,
     findings: Findings,
 }
 
@@ -24,7 +26,8 @@ impl Table {
         // Spreadsheets put a byte-order mark before the first name.
         let text = text.trim_start_matches('\u{feff}');
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
-        let mut table = Self { file: file.to_owned(), columns: Vec::new(), rows: Vec::new(), findings: Findings::default() };
+        let mut table =
+            Self { file: file.to_owned(), columns: Vec::new(), rows: Vec::new(), lines: Vec::new(), findings: Findings::default() };
         match reader.headers() {
             Ok(names) => table.columns = names.iter().map(str::to_owned).collect(),
             Err(error) => table.report("header", "must be CSV", error),
@@ -38,11 +41,25 @@ impl Table {
         }
         for row in reader.records() {
             match row {
-                Ok(row) => table.rows.push(row),
-                Err(error) => table.report("rows", "must be CSV with as many fields as the header", error),
+                Ok(row) => {
+                    table.lines.push(row.position().map_or(0, |at| line_of(text, at)));
+                    table.rows.push(row);
+                }
+                Err(error) => table.report_row(text, &error),
             }
         }
         table.whole()
+    }
+
+    /// Reports a row that could not be read.
+    fn report_row(&mut self, text: &str, error: &csv::Error) {
+        let place = error.position().map_or("rows".to_owned(), |at| format!("line {}", line_of(text, at)));
+        match error.kind() {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                self.report(place, &format!("must have {expected_len} fields, as the header"), len);
+            }
+            _ => self.report(place, "must be CSV with as many fields as the header", error),
+        }
     }
 
     /// The table, if no fault was reported.
@@ -95,12 +112,49 @@ impl Table {
 
     /// Reports a broken rule at a field.
     pub fn at(&mut self, row: usize, column: &str, rule: &str, found: impl Display) {
-        let line = self.rows[row].position().map_or(0, csv::Position::line);
+        let line = self.lines[row];
         self.report(format_args!("line {line}, {column}"), rule, found);
     }
 
     /// Reports a broken rule of the whole file.
     pub fn report(&mut self, path: impl Display, rule: &str, found: impl Display) {
         self.findings.report(path, rule, found);
+    }
+}
+
+/// Line on which a row begins. The reader places a row where the one before it ends, before empty
+/// lines and comments.
+fn line_of(text: &str, at: &csv::Position) -> u64 {
+    let rest = text.get(at.byte() as usize..).unwrap_or_default();
+    let skipped = rest.split_inclusive('\n').take_while(|line| line.starts_with('#') || line.trim_end_matches(['\r', '\n']).is_empty());
+    at.line() + skipped.count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Faults of a table of one number column.
+    fn faults(text: &str) -> String {
+        let numbers = Table::parse(text, "a.csv", &[]).and_then(|mut table| {
+            let _: Vec<_> = (0..table.n_rows()).map(|row| table.number(row, "x")).collect();
+            table.whole()
+        });
+        numbers.err().map_or(String::new(), |error| error.to_string())
+    }
+
+    #[test]
+    fn lines_are_those_of_the_file() {
+        for (text, line) in [
+            ("x,y\n1,2\nbad,2\n", 3),
+            ("# camera 1\n# 2026\nx,y\n1,2\n\n# lost\nbad,2\n", 7),
+            ("x,y\r\n1,2\r\n\r\nbad,2\r\n", 4),
+            ("x,y\n1,\"two\nlines\"\nbad,2\n", 4),
+            ("\u{feff}x,y\nbad,2\n", 2),
+        ] {
+            assert_eq!(faults(text), format!("a.csv: line {line}, x: must be a finite number, found bad"), "{text}");
+        }
+        let short = faults("x,y\n# a comment\n1,2\n\n1\n");
+        assert_eq!(short, "a.csv: line 5: must have 2 fields, as the header, found 1");
     }
 }

@@ -4,13 +4,15 @@ use std::fmt::Write;
 
 use super::design::{DesignReport, Made};
 use super::fit::{Calibration, LinearFit};
-use super::forces::ForcesReport;
+use super::forces::{ForceSummary, ForcesReport};
 use super::pulls::PullComparison;
 use super::quality::Goodness;
 use super::trials::Estimate;
 use crate::math::Interval;
 use crate::model::paper::CASE_3_FACTOR;
 use crate::output::quantity::{number, quantity};
+use crate::output::table::{Field, Table, folded};
+use crate::output::text::WIDTH;
 
 /// A share in percent, without the digits that a binary share adds.
 pub fn percent(share: f64) -> f64 {
@@ -22,7 +24,7 @@ const INDENT: usize = 18;
 
 /// A line of a table: a name, and what it is.
 fn line(text: &mut String, name: &str, value: &str) {
-    writeln!(text, "{name:<INDENT$}{value}").expect("a string takes all");
+    writeln!(text, "{name:<INDENT$}{}", folded(value, INDENT, WIDTH - INDENT)).expect("a string takes all");
 }
 
 /// E, stiffnesses, what each law leaves, what a linear stiffness stands for, then warnings.
@@ -153,20 +155,27 @@ fn made_text(made: &Made) -> String {
     text
 }
 
+/// A row for each spring.
 pub fn forces_text(found: &ForcesReport) -> String {
-    let mut text = format!("{:<8}{:>9}  {:<26}{:<12}{:<38}{}\n", "spring", "tips", "mean", "sd", "largest", "linear law less Eq. (1)");
-    for summary in &found.springs {
-        let name = summary.spring.map_or("all".to_owned(), |spring| spring.to_string());
-        let with_error = |value: f64, error: f64| {
-            let error = if error > 0.0 { format!(" +- {}", quantity(error, "N")) } else { String::new() };
-            format!("{}{error}", quantity(value, "N"))
-        };
-        let apart = summary.linear_less_model_n.map_or(String::new(), |apart| quantity(apart, "N"));
-        let (mean, sd) = (with_error(summary.mean_n, summary.mean_error_n), quantity(summary.sd_n, "N"));
-        let largest = format!("{} at {}", with_error(summary.max_n, summary.max_sd_n), quantity(summary.time_of_max_s, "s"));
-        writeln!(text, "{name:<8}{:>9}  {mean:<26}{sd:<12}{largest:<38}{apart}", summary.n).expect("a string takes all");
-    }
-    text
+    let has_model = found.springs.iter().any(|summary| summary.linear_less_model_n.is_some());
+    let columns = ["spring", "tips", "mean", "sd", "largest", "linear law less Eq. (1)"];
+    let with_error = |value: f64, error: f64| {
+        let error = if error > 0.0 { format!(" +- {}", quantity(error, "N")) } else { String::new() };
+        format!("{}{error}", quantity(value, "N"))
+    };
+    let row = |summary: &ForceSummary| {
+        let fields = [
+            summary.spring.map_or("all".to_owned(), |spring| spring.to_string()).into(),
+            Field::from(summary.n),
+            with_error(summary.mean_n, summary.mean_error_n).into(),
+            quantity(summary.sd_n, "N").into(),
+            format!("{} at {}", with_error(summary.max_n, summary.max_sd_n), quantity(summary.time_of_max_s, "s")).into(),
+        ];
+        let apart = has_model.then(|| summary.linear_less_model_n.map(|apart| quantity(apart, "N")).into());
+        fields.into_iter().chain(apart).collect::<Vec<_>>()
+    };
+    let n_columns = if has_model { 6 } else { 5 };
+    Table::new("", columns.into_iter().take(n_columns)).with_rows(found.springs.iter().map(row)).text()
 }
 
 pub fn pulls_text(found: &PullComparison) -> String {

@@ -1,7 +1,8 @@
 //! The answer of a comparison: for which quantities the quasi-static backend is valid, and where
 //! the engine error exceeds a tolerance.
 
-use crate::analysis::compare::{ClosedLoop, Measure, Pathwise, QuantityVerdict, RunMeasure, Solution, Verdict};
+use crate::analysis::compare::{Cause, ClosedLoop, EngineAnswer, InertiaAnswer, Measure, Pathwise};
+use crate::analysis::compare::{QuantityVerdict, RunMeasure, Solution, Verdict};
 use crate::backend::Status;
 use crate::output::page::Answer;
 use crate::output::quantity::of_run::short_quantity;
@@ -19,38 +20,40 @@ pub fn of_paths(found: &Pathwise) -> Answer {
     }
 }
 
-/// Whether the inertia effect on a quantity is within its tolerance, whatever the reference error
-/// hides.
+/// Whether the inertia effect on a quantity is within its tolerance. A load that never moves has
+/// none.
 pub fn is_valid(of: &QuantityVerdict) -> Answer {
-    within(of, of.inertia_share_range())
+    match of.inertia {
+        InertiaAnswer::Negligible | InertiaAnswer::NothingMoved => Answer::Yes,
+        InertiaAnswer::NotNegligible => Answer::No,
+        InertiaAnswer::Open => Answer::Open,
+    }
 }
 
-/// The verdict on a quantity in words. A verdict that names one cause and leaves the other one open
-/// says both.
+/// The verdict on a quantity in words: the causes of what exceeds a tolerance, or that nothing
+/// does. What is left open beside a cause is said.
 pub fn verdict_text(of: &QuantityVerdict) -> String {
-    let open = match of.verdict {
-        Verdict::Engine if is_valid(of) == Answer::Open => ", inertia open",
-        Verdict::Inertia if engine_is_within(of) == Answer::Open => ", engine open",
-        _ => "",
-    };
-    format!("{}{open}", of.verdict.text())
+    words_of(of, [true; 2])
 }
 
-/// Whether the verdict on a quantity leaves the inertia effect or the engine error open.
-pub fn is_open(of: &QuantityVerdict) -> bool {
-    [is_valid(of), engine_is_within(of)].contains(&Answer::Open)
+/// The verdict in words, of the inertia effect, of the engine error, or of both.
+pub fn words_of(of: &QuantityVerdict, [inertia, engine]: [bool; 2]) -> String {
+    let is_of = |cause: &&Cause| if cause.is_of_engine() { engine } else { inertia };
+    let mut words: Vec<&str> = of.causes.iter().filter(is_of).map(|cause| cause.text()).collect();
+    if inertia && engine && (words.is_empty() || of.verdict == Verdict::Inconclusive) {
+        words.insert(0, of.verdict.text());
+        return words.join(", ");
+    }
+    words.extend((inertia && of.inertia == InertiaAnswer::Open).then_some("inertia open"));
+    words.extend((engine && of.engine == EngineAnswer::Open).then_some("engine open"));
+    words.join(", ")
 }
 
 fn engine_is_within(of: &QuantityVerdict) -> Answer {
-    within(of, of.engine_share_range())
-}
-
-fn within(of: &QuantityVerdict, [least, most]: [f64; 2]) -> Answer {
-    match of.verdict {
-        Verdict::NotComputed => Answer::Open,
-        _ if least > 1.0 => Answer::No,
-        _ if most <= 1.0 => Answer::Yes,
-        _ => Answer::Open,
+    match of.engine {
+        EngineAnswer::Within => Answer::Yes,
+        EngineAnswer::NotWithin => Answer::No,
+        EngineAnswer::Open => Answer::Open,
     }
 }
 
@@ -112,10 +115,29 @@ fn inertia_sentence(found: &Pathwise) -> String {
         (_, false, true) => format!("Quasi-static is valid for {valid}"),
         (_, false, false) => format!("Quasi-static is not valid for {not_valid}; it is valid for {valid}"),
     };
+    let causes = causes_beside_inertia(found);
     match open.is_empty() {
-        true => format!("{sentence}."),
-        false => format!("{sentence}. Too close to the tolerance for the reference error: {open}."),
+        true => format!("{sentence}.{causes}"),
+        false => format!("{sentence}.{causes} Too close to the tolerance for the reference error: {open}."),
     }
+}
+
+/// What causes the inertia effect where it is not inertia alone, as a sentence.
+fn causes_beside_inertia(found: &Pathwise) -> String {
+    let causes = causes(found, |cause| matches!(cause, Cause::Inertia | Cause::Impact));
+    match &causes[..] {
+        [only] if *only == Cause::Impact.text() => " The cause is impact.".to_owned(),
+        [_, _] => format!(" The causes are {}.", list(&causes)),
+        _ => String::new(),
+    }
+}
+
+/// The causes of this kind in all quantities, each once.
+fn causes(found: &Pathwise, is_of_kind: fn(Cause) -> bool) -> Vec<String> {
+    let mut causes: Vec<Cause> = found.verdicts.shown().flat_map(|(_, of)| of.causes.clone()).filter(|cause| is_of_kind(*cause)).collect();
+    causes.sort_unstable();
+    causes.dedup();
+    causes.into_iter().map(|cause| cause.text().to_owned()).collect()
 }
 
 /// The quantities with this answer, in words.
@@ -138,6 +160,7 @@ fn quantity_in_words(name: &str, of: &QuantityVerdict, found: &Pathwise, answer:
 fn in_general(name: &str) -> &str {
     match name {
         "energy" => "the energy dissipated",
+        "contacts" => "the contact forces",
         "heading" => "the heading",
         "path" => "the path",
         other => other,
@@ -146,7 +169,7 @@ fn in_general(name: &str) -> &str {
 
 /// Name of a number in a sentence.
 fn plural(measure: &RunMeasure) -> String {
-    if measure.spring.is_some() { format!("{}s", measure.name) } else { format!("the {}", measure.name) }
+    if measure.spring.or(measure.obstacle).is_some() { format!("{}s", measure.name) } else { format!("the {}", measure.name) }
 }
 
 /// Two values that differ, with as many digits as show it.
@@ -171,10 +194,22 @@ fn engine_sentence(found: &Pathwise) -> String {
     let sentence = match (exceeds.is_empty(), open.is_empty()) {
         (true, true) => format!("The engine error of rapier is within all tolerances ({on_path} on the path)"),
         (true, false) => format!("The engine error of rapier is too close to the tolerance to decide for {open}"),
-        (false, true) => format!("The engine error of rapier exceeds the tolerance for {exceeds}"),
-        (false, false) => format!("The engine error of rapier exceeds the tolerance for {exceeds}, and is too close to decide for {open}"),
+        (false, true) => format!("The engine error of rapier exceeds the tolerance for {exceeds}{}", by_engine(found)),
+        (false, false) => {
+            let by = by_engine(found);
+            format!("The engine error of rapier exceeds the tolerance for {exceeds}{by}, and is too close to decide for {open}")
+        }
     };
     format!("{sentence}.")
+}
+
+/// What causes the engine error, in words.
+fn by_engine(found: &Pathwise) -> String {
+    match &causes(found, Cause::is_of_engine)[..] {
+        [only] if *only == Cause::Engine.text() => ", whose parts cannot be told apart at this step".to_owned(),
+        [] => String::new(),
+        causes => format!(" (cause: {})", list(causes)),
+    }
 }
 
 /// The quantities for which the engine error exceeds the tolerance, as a list.
@@ -261,7 +296,7 @@ pub fn name_and_unit(name: &str) -> (String, &'static str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::compare::{Settings, ThreeWay};
+    use crate::analysis::compare::{Answers, Settings, ThreeWay};
     use crate::scenario::Scenario;
 
     fn compared(text: &str) -> Pathwise {
@@ -305,13 +340,15 @@ mod tests {
             (tolerance, Answer::Open, "Quasi-static is not valid for "),
             (1.1 * tolerance, Answer::No, "Quasi-static is not valid for the path ("),
         ] {
-            (found.verdicts.path.inertia_effect, found.verdicts.path.reference_error) = (effect, 1e-3 * tolerance);
+            let path = &mut found.verdicts.path;
+            (path.inertia_effect, path.reference_error) = (effect, 1e-3 * tolerance);
+            path.inertia = Answers::of([path.inertia_share_range(), path.engine_share_range()]).inertia;
             assert_eq!(of_paths(&found), answer);
             let sentence = sentence_of_paths(&found);
             assert!(sentence.starts_with(says), "{sentence}");
             assert_eq!(sentence.contains("Too close to the tolerance"), answer == Answer::Open, "{sentence}");
         }
-        found.verdicts.path.verdict = Verdict::NotComputed;
+        found.verdicts.path.inertia = InertiaAnswer::Open;
         found.verdict = Verdict::NotComputed;
         (found.solutions[2].steps.status, found.solutions[2].failed_at) = (Status::Failed, Some(0.25));
         assert_eq!(of_paths(&found), Answer::Open);
@@ -325,7 +362,7 @@ mod tests {
     #[test]
     fn a_load_without_springs_has_no_verdict_on_pulls() {
         let found = compared(include_str!("../../../scenarios/contact/pusher.json"));
-        assert_eq!(found.verdicts.shown().map(|(name, _)| name).collect::<Vec<_>>(), ["path", "heading", "speed", "energy"]);
+        assert_eq!(found.verdicts.shown().map(|(name, _)| name).collect::<Vec<_>>(), ["path", "heading", "contacts", "speed", "energy"]);
         let sentence = sentence_of_paths(&found);
         assert!(sentence.contains("valid for") && !sentence.contains("pulls"), "{sentence}");
     }

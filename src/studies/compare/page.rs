@@ -13,7 +13,7 @@ use crate::output::table::Table;
 use crate::scenario::Scenario;
 use crate::studies::compare::answer::{name_and_unit, sentence_of_ensemble, tolerance, verdict_text};
 use crate::studies::compare::comparison::Comparison;
-use crate::studies::compare::text::{ESTIMATED, details, divergence, or_none, paired, suggested, tier_name, tried};
+use crate::studies::compare::text::{details, divergence, estimated, paired, suggested, tier_name, tried};
 
 pub fn comparison_page(comparison: &Comparison, scenario: &Scenario, manifest: &Manifest) -> Page {
     let mut headline = Headline::new(comparison.is_valid(), comparison.answer.clone());
@@ -74,13 +74,14 @@ fn numbers(found: &Pathwise) -> Vec<Number> {
         let path = short_quantity(effect.path.edge_displacement_max_m, "m");
         Number::new("damping effect", path, "path of the quasi-static model less that without its dashpots")
     });
+    let some = |name, value: Option<f64>, unit: &str, what: String| value.map(|value| Number::new(name, short_quantity(value, unit), what));
     let numbers = [
-        Number::new("epsilon", or_none(numbers.epsilon, ""), driven.unwrap_or_default()),
-        Number::new("Phi", or_none(numbers.phi, "rad"), release.unwrap_or_default()),
-        Number::new("zeta", short(numbers.zeta), "damping ratio of the springs"),
-        Number::new("estimate", or_none(predicted.estimated_m, "m"), ESTIMATED),
+        some("epsilon", numbers.epsilon, "", driven.unwrap_or_default()),
+        some("Phi", numbers.phi, "rad", release.unwrap_or_default()),
+        some("zeta", numbers.zeta, "", "damping ratio of the springs".to_owned()),
+        some("estimate", predicted.estimated_m, "m", estimated(predicted).to_owned()),
     ];
-    numbers.into_iter().chain(damping).collect()
+    numbers.into_iter().flatten().chain(damping).collect()
 }
 
 fn pathwise(page: Page, found: &Pathwise, scenario: &Scenario) -> Page {

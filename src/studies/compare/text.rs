@@ -1,7 +1,8 @@
 //! A comparison as text: the answer, the evidence, and all details on request.
 
-use crate::analysis::compare::{ClosedLoop, DampingEffect, Difference, Distribution, Divergence, Measure, PairedDifference, RunMeasure};
-use crate::analysis::compare::{LONGEST_TRIAL, Pathwise, Predicted, Solution, SuggestedChange, Tier, Tried};
+use crate::analysis::compare::{ClosedLoop, DampingEffect, Difference, Distribution, Divergence, EngineAnswer, InertiaAnswer};
+use crate::analysis::compare::{LONGEST_TRIAL, Measure, PairedDifference, Pathwise, Predicted, QuantityVerdict, RunMeasure};
+use crate::analysis::compare::{Solution, SuggestedChange, Tier, Tried};
 use crate::backend::{PoseError, Tolerance};
 use crate::output::account_words::{self, name};
 use crate::output::quantity::of_run::{quantity, short_quantity};
@@ -9,14 +10,12 @@ use crate::output::quantity::short;
 use crate::output::text::{Detail, Lines};
 use crate::output::transition_words::{ATTRIBUTION, by_trigger};
 use crate::scenario::Scenario;
-use crate::studies::compare::answer::{self, name_and_unit, rounded_up, tolerance, verdict_text};
+use crate::studies::compare::answer::{self, name_and_unit, rounded_up, tolerance, verdict_text, words_of};
 use crate::studies::compare::comparison::Comparison;
 use crate::studies::compare::doubt;
 
 /// Most lines of brief text below the answer.
-const MOST_LINES: usize = 15;
-/// Most lines of suggested changes in brief text; one is said to be left out.
-const MOST_CHANGES: usize = 2;
+const MOST_LINES: usize = 18;
 
 /// The answer, then the evidence, in lines of at most 80 columns.
 pub fn text(comparison: &Comparison, detail: Detail) -> String {
@@ -28,9 +27,13 @@ pub fn text(comparison: &Comparison, detail: Detail) -> String {
     }
     let of_ensemble = comparison.tiers.closed_loop.as_ref().map_or(0, |found| measures(found).lines().count());
     for found in comparison.tiers.pathwise() {
-        lines.text += &verdicts(found);
+        let verdicts = verdicts(found);
+        lines.text += &verdicts;
         match detail {
-            Detail::Brief => lines.text += &brief_evidence(found, MOST_LINES - VERDICT_LINES - of_ensemble),
+            Detail::Brief => {
+                let n_left = MOST_LINES.saturating_sub(verdicts.lines().count() + of_ensemble);
+                lines.text += &brief_evidence(found, n_left);
+            }
             Detail::Full => {
                 evidence(found, detail).into_iter().chain(details(found)).for_each(|(label, value)| lines.row(&label, &value));
             }
@@ -67,31 +70,65 @@ pub fn tolerance_warning(comparison: &Comparison, scenario: &Scenario) -> Option
     Some(format!("the reference error, {error}, exceeds the tolerance, {tolerance}"))
 }
 
-/// Lines of [`verdicts`].
-const VERDICT_LINES: usize = 6;
-
-/// The table of the differences in each quantity, and the verdicts.
+/// The table of the differences in each quantity, and the verdicts. A number that decides one of
+/// both answers alone has a line of its own.
 fn verdicts(found: &Pathwise) -> String {
     let row = |[name, inertia, engine, reference, tolerance, verdict]: [&str; 6]| {
-        format!("{}\n", format!("{name:<17} {inertia:<10} {engine:<10} {reference:<10} {tolerance:<10} {verdict}").trim_end())
+        format!("{}\n", format!("{name:<20} {inertia:<9} {engine:<9} {reference:<9} {tolerance:<9} {verdict}").trim_end())
     };
     let mut text = row([tier_name(found.tier), "inertia", "engine", "reference", "tolerance", "verdict"]);
     for (name, of) in found.verdicts.shown() {
-        let name = of.deciding().map_or(name, |measure| measure.name);
-        let name = if name == "energy dissipated" { "energy" } else { name };
-        let cell = |value: f64| short_quantity(value, of.unit);
-        let [inertia, engine, reference, tolerance] = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance].map(cell);
-        text += &row([&format!("  {name}"), &inertia, &engine, &reference, &tolerance, &verdict_text(of)]);
+        for (measure, words) in deciding(of) {
+            let name = measure.map_or(name, |measure| if measure.name == "energy dissipated" { "energy" } else { measure.name });
+            let own = [of.inertia_effect, of.engine_error, of.reference_error, of.tolerance];
+            let numbers = measure.map_or(own, |it| [it.inertia_effect, it.engine_error, it.reference_error, it.tolerance]);
+            let [inertia, engine, reference, tolerance] = numbers.map(|value| short_quantity(value, of.unit));
+            let mut words = wrapped(&words, WORDS).into_iter();
+            text += &row([&format!("  {name}"), &inertia, &engine, &reference, &tolerance, &words.next().unwrap_or_default()]);
+            words.for_each(|rest| text += &row(["", "", "", "", "", &rest]));
+        }
     }
     text
 }
 
-/// As many lines of the evidence as there is room for, the most useful first.
+/// Columns for the words of a verdict, of 80.
+const WORDS: usize = 18;
+
+/// The numbers that decide the answers on a quantity, each with what it decides in words. There is
+/// none for path and heading.
+fn deciding(of: &QuantityVerdict) -> Vec<(Option<&RunMeasure>, String)> {
+    let (first, of_engine) = (of.deciding(), of.worst_of_engine());
+    let is_other = first.zip(of_engine).is_some_and(|(a, b)| !std::ptr::eq(a, b));
+    if is_other && of.inertia != InertiaAnswer::Negligible && of.engine != EngineAnswer::Within {
+        return vec![(first, words_of(of, [true, false])), (of_engine, words_of(of, [false, true]))];
+    }
+    vec![(first, verdict_text(of))]
+}
+
+/// Words that are separated by commas, in lines of at most `width` columns.
+fn wrapped(words: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in words.split(", ") {
+        match lines.last_mut() {
+            Some(line) if line.len() + 2 + word.len() <= width => *line = format!("{line}, {word}"),
+            Some(line) => {
+                line.push(',');
+                lines.push(word.to_owned());
+            }
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// As many lines of the evidence as there is room for, the most useful first. What belongs together
+/// is printed as a whole or not at all.
 fn brief_evidence(found: &Pathwise, most_lines: usize) -> String {
+    let rows = evidence(found, Detail::Brief);
     let mut text = String::new();
-    for (label, value) in evidence(found, Detail::Brief) {
+    for whole in rows.chunk_by(|_, (label, _)| label.starts_with("  ")) {
         let mut lines = Lines::default();
-        lines.row(&label, &value);
+        whole.iter().for_each(|(label, value)| lines.row(label, value));
         if text.lines().count() + lines.text.lines().count() <= most_lines {
             text += &lines.text;
         }
@@ -111,15 +148,9 @@ pub fn tier_name(tier: Tier) -> &'static str {
 /// What the verdict on the path rests on, and what would change it.
 fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     let mut rows = Vec::new();
-    let n_shown = if detail == Detail::Full { usize::MAX } else { MOST_CHANGES };
-    for (at, change) in found.suggested_changes.iter().take(n_shown).enumerate() {
+    for (at, change) in found.suggested_changes.iter().enumerate() {
         let (what, why) = suggested(change);
-        let n_left = found.suggested_changes.len().saturating_sub(n_shown);
-        let text = match detail {
-            Detail::Full => format!("{what}: {why}"),
-            Detail::Brief if at + 1 == n_shown && n_left > 0 => format!("{what}; {n_left} more with --verbose"),
-            Detail::Brief => what,
-        };
+        let text = if detail == Detail::Full { format!("{what}: {why}") } else { what };
         rows.push((if at == 0 { "suggested change" } else { "  and" }, text));
     }
     rows.extend(tried(found).map(|text| ("  together", text)));
@@ -130,7 +161,7 @@ fn evidence(found: &Pathwise, detail: Detail) -> Vec<(String, String)> {
     rows.push(("engine error", format!("time step {step}, model {model}")));
     rows.push(("tolerance", tolerance(found)));
     rows.extend(found.damping_effect.as_ref().map(|effect| ("damping effect", damping(effect))));
-    rows.push(("estimate", estimate(&found.predicted)));
+    rows.extend(estimate(&found.predicted).map(|text| ("estimate", text)));
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
@@ -146,8 +177,11 @@ pub fn tried(found: &Pathwise) -> Option<String> {
     let has_change = found.suggested_changes.iter().any(SuggestedChange::is_of_scene);
     let metres = |value: f64| short_quantity(value, "m");
     let outcome = |tried: &Tried| {
-        let word = if tried.is_enough { "checked" } else { "not enough" };
-        format!("{word}: inertia effect {}, tolerance {}", metres(tried.inertia_effect_m), metres(tried.tolerance_m))
+        let left = format!("inertia effect {}, tolerance {}", metres(tried.inertia_effect_m), metres(tried.tolerance_m));
+        match tried.is_enough {
+            true => format!("checked: {left}"),
+            false => format!("not enough: {left}; `--threshold speed` finds what is"),
+        }
     };
     has_change.then(|| found.tried.as_ref().map_or_else(|| why_not_tried(found), outcome))
 }
@@ -194,12 +228,19 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
     row("model error", difference(&found.model_error));
     row("  its error", difference(&found.reference_error.rapier));
     row("reference error", difference(&found.reference_error.all));
-    let (epsilon, phi) = (or_none(found.numbers.epsilon, ""), or_none(found.numbers.phi, "rad"));
-    row("numbers", format!("epsilon {epsilon}, Phi {phi}, zeta {}", short(found.numbers.zeta)));
-    let (driven, stop) = (or_none(predicted.while_driven_m, "m"), or_none(predicted.where_tips_stop_m, "m"));
-    row("predicted", format!("{driven} while driven, {stop} where the tips stop"));
-    row("", format!("{} of coasting from the start", or_none(predicted.coasting_m, "m")));
-    row("", format!("release factor {}", or_none(predicted.release_factor, "")));
+    if let Some(zeta) = found.numbers.zeta {
+        let (epsilon, phi) = (or_none(found.numbers.epsilon, ""), or_none(found.numbers.phi, "rad"));
+        row("numbers", format!("epsilon {epsilon}, Phi {phi}, zeta {}", short(zeta)));
+    }
+    let predictions = [
+        (predicted.while_driven_m, "m", "while the tips drive the load"),
+        (predicted.where_tips_stop_m, "m", "where the tips stop"),
+        (predicted.coasting_m, "m", "of coasting from the start"),
+        (predicted.release_factor, "", "times the displacement after a release"),
+    ];
+    for (value, unit, what) in predictions {
+        value.into_iter().for_each(|value| row("predicted", format!("{} {what}", short_quantity(value, unit))));
+    }
     for solution in &found.solutions {
         let steps = solution.step_s.map_or("error control".to_owned(), |step| format!("steps of {}", quantity(step, "s")));
         let counts = format!(
@@ -214,17 +255,25 @@ pub fn details(found: &Pathwise) -> Vec<(String, String)> {
 }
 
 /// What an estimate is, and how good it is. Source: `results/2026-11-21-inertia-estimate`.
-pub const ESTIMATED: &str = "from the quasi-static run alone; 98 % of random scenes are within a factor of 2";
+const ESTIMATED: &str = "from the quasi-static run alone; 98 % of random scenes are within a factor of 2";
 
-/// The inertia effect that the quasi-static run alone lets expect.
-pub fn estimate(predicted: &Predicted) -> String {
-    match predicted.estimated_m {
-        Some(effect) if predicted.estimated_is_negligible.is_none() => {
-            format!("{}, too near to the tolerance to decide, {ESTIMATED}", short_quantity(effect, "m"))
-        }
-        Some(effect) => format!("{} {ESTIMATED}", short_quantity(effect, "m")),
-        None => "none: the load touches an obstacle".to_owned(),
-    }
+/// The same where a load with inertia runs beside the quasi-static one. Source:
+/// `tests/differential/estimate.rs`.
+const ESTIMATED_AMONG_OBSTACLES: &str = "from a load with inertia at long steps beside the quasi-static one; of 567 random scenes all \
+                                         are within a factor of 2";
+
+/// What the estimate is, and how good it is.
+pub fn estimated(predicted: &Predicted) -> &'static str {
+    if predicted.estimated_among_obstacles { ESTIMATED_AMONG_OBSTACLES } else { ESTIMATED }
+}
+
+/// The inertia effect that the quasi-static run lets expect; `None` without an estimate.
+fn estimate(predicted: &Predicted) -> Option<String> {
+    let (effect, what) = (short_quantity(predicted.estimated_m?, "m"), estimated(predicted));
+    Some(match predicted.estimated_is_negligible {
+        None => format!("{effect}, too near to the tolerance to decide, {what}"),
+        Some(_) => format!("{effect} {what}"),
+    })
 }
 
 /// A change, and what it does.

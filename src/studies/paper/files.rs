@@ -7,6 +7,7 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::table::{Field, Table, write_rows};
+use crate::output::text::Detail;
 use crate::studies::paper::figure::Figures;
 use crate::studies::paper::readme::{paper_page, paper_readme};
 use crate::studies::paper::report::{Paper, Runs};
@@ -46,7 +47,7 @@ pub fn write_paper(target: &Path, found: &Paper, runs: &[Runs], figures: &Figure
     }
     folder.write("README.md", |out| out.write_all(paper_readme(found).as_bytes()))?;
     folder.write(REPORT, |out| out.write_all(paper_page(found, figures, manifest).to_html().as_bytes()))?;
-    folder.write("table.txt", |out| out.write_all(paper_text(found).as_bytes()))?;
+    folder.write("table.txt", |out| out.write_all(paper_text(found, Detail::Full).as_bytes()))?;
     folder.write_json("summary.json", found)?;
     folder.finish(manifest)
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::trial::{Case, Trial};
 use super::{RunFacts, facts};
-use crate::analysis::compare::{Cause, Settings, ThreeWay};
+use crate::analysis::compare::{Settings, ThreeWay};
 use crate::backend::BackendKind;
 use crate::scenario::presets::Preset;
 use crate::studies::runner::Tasks;
@@ -116,7 +116,6 @@ impl Plan {
         let mut scenario = trial.scenario(&Case::new(self.preset, BackendKind::QuasiStatic), self.first_seed);
         scenario.duration = scenario.duration.min(self.replayed_s);
         let found = ThreeWay::new(&scenario, &Settings::default()).replayed(|_| watch())?;
-        let name = |cause: &Cause| if *cause == Cause::Inertia { "inertia" } else { "engine" }.to_owned();
         Some(Replayed {
             trial,
             seed: self.first_seed,
@@ -127,7 +126,7 @@ impl Plan {
             reference_error_m: found.edge_displacement.reference_error_m,
             path_length_m: found.path_length_m,
             tolerance_m: found.tolerance_m,
-            causes: found.causes.iter().map(name).collect(),
+            causes: found.causes.iter().map(|cause| cause.text().to_owned()).collect(),
             first_divergence_s: found.first_divergence.inertia_effect.map(|divergence| divergence.time_s),
         })
     }

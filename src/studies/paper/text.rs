@@ -3,23 +3,29 @@
 use super::{Claim, Conclusion, Grade, with_interval};
 use crate::model::paper::SIMULATED_SAMPLES;
 use crate::output::quantity::{number, quantity};
-use crate::output::text::aligned;
+use crate::output::table::wrapped;
+use crate::output::text::{Detail, WIDTH, listed};
 use crate::studies::paper::report::Paper;
 
-/// Tables of the results: quantities beside printed ones, claims, speed by group size, transitions,
-/// backends, conclusions that change, and replayed runs.
-pub fn paper_text(found: &Paper) -> String {
-    let head = format!("{}\n\npreset {}, seeds from {}\n", found.answer, found.preset, found.first_seed);
+/// The answer, what is not reproduced, and conclusions that change; in full, also quantities beside
+/// printed ones, claims, speed by group size, transitions, backends and replayed runs.
+pub fn paper_text(found: &Paper, detail: Detail) -> String {
+    let head = format!("{}\n\npreset {}, seeds from {}\n", wrapped(&found.answer, 0, WIDTH), found.preset, found.first_seed);
     let sets = section("sets of runs", &found.sets, |set| {
         vec![set.name.clone(), format!("{} seeds", set.n_seeds), format!("{} of {} runs arrived", set.n_arrived, set.n_runs)]
     });
     let missed = section("not reproduced", &found.not_reproduced, |missed| {
-        let certain = if missed.is_certain { "" } else { "(these seeds do not tell)" };
+        let certain = if missed.is_certain { "" } else { "these seeds do not tell" };
         vec![missed.what.clone(), format!("paper {}", missed.paper), format!("here {}", missed.here), certain.to_owned()]
     });
+    if detail == Detail::Brief {
+        let more = "--verbose prints all numbers beside the paper's, claims and differences\n";
+        return [head, sets, missed, changed(found), more.to_owned()].concat();
+    }
     let table = section("beside the paper", &found.table, |row| {
-        let printed = row.printed.map_or_else(|| "not printed".to_owned(), |printed| quantity(printed, row.unit));
-        vec![row.quantity.clone(), printed, with_interval(&row.ours, row.unit), row.grade.map_or("", Grade::name).to_owned()]
+        let printed = row.printed.map_or_else(|| "not printed".to_owned(), |printed| format!("paper {}", quantity(printed, row.unit)));
+        let here = format!("here {}", with_interval(&row.ours, row.unit));
+        vec![row.quantity.clone(), printed, here, row.grade.map_or("", Grade::name).to_owned()]
     });
     let claims = section("claims", &found.claims, claim);
     let sets_and_claims = [head, sets, missed, table, claims].concat();
@@ -60,13 +66,9 @@ fn of_sets(found: &Paper) -> String {
     let on_others = same_preset.flat_map(|(_, at)| found.table.iter().filter_map(move |row| Some((row, row.on_others.get(at)?))));
     let shifted: Vec<_> = on_others.filter(|(_, other)| other.is_shifted).collect();
     let others = section("other sets, paired differences", &shifted, |(row, other)| {
-        vec![other.set.clone(), row.quantity.clone(), with_interval(&other.value, row.unit), with_interval(&other.minus_first, row.unit)]
+        let difference = format!("difference {}", with_interval(&other.minus_first, row.unit));
+        vec![other.set.clone(), row.quantity.clone(), with_interval(&other.value, row.unit), difference]
     });
-    let mut changed: Vec<_> = found.conclusions.iter().filter(|conclusion| !conclusion.changed_on.is_empty()).map(conclusion).collect();
-    if changed.is_empty() && found.conclusions.first().is_some_and(|conclusion| conclusion.on.len() > 1) {
-        changed = vec![vec!["none".to_owned()]];
-    }
-    let changed = section("conclusions that change", &changed, Vec::clone);
     let replayed = section("replayed: largest edge displacements", &found.replayed, |one| {
         let [inertia, engine, reference, path] =
             [one.inertia_effect_m, one.engine_error_m, one.reference_error_m, one.path_length_m].map(|length| quantity(length, "m"));
@@ -74,15 +76,24 @@ fn of_sets(found: &Paper) -> String {
         let path = format!("path length {path} in {}", quantity(one.duration_s, "s"));
         [vec![one.trial.name(), one.verdict.clone()], lengths.to_vec(), vec![path]].concat()
     });
-    [others, changed, replayed].concat()
+    [others, changed(found), replayed].concat()
 }
 
-/// A title and a line of cells a row; nothing of no rows.
+/// Conclusions that differ between the first set and others; "none" where several sets agree.
+fn changed(found: &Paper) -> String {
+    let mut changed: Vec<_> = found.conclusions.iter().filter(|conclusion| !conclusion.changed_on.is_empty()).map(conclusion).collect();
+    if changed.is_empty() && found.conclusions.first().is_some_and(|conclusion| conclusion.on.len() > 1) {
+        changed = vec![vec!["none".to_owned()]];
+    }
+    section("conclusions that change", &changed, Vec::clone)
+}
+
+/// A title and the cells of each row; nothing of no rows.
 fn section<T>(title: &str, rows: &[T], cells: impl Fn(&T) -> Vec<String>) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    format!("{title}\n{}", aligned(&rows.iter().map(cells).collect::<Vec<_>>(), "  "))
+    format!("{title}\n{}", listed(&rows.iter().map(cells).collect::<Vec<_>>()))
 }
 
 fn claim(claim: &Claim) -> Vec<String> {

@@ -6,6 +6,8 @@ use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::REPORT;
 use crate::output::quantity::quantity;
+use crate::output::table::wrapped;
+use crate::output::text::WIDTH;
 use crate::studies::regime::figure::{disagreement, scene_map};
 use crate::studies::regime::page::regime_page;
 use crate::studies::regime::readme::readme;
@@ -14,12 +16,13 @@ use crate::studies::regime::tables;
 
 /// Text of the tables: panels, measurement over theory, and the rule of thumb.
 pub fn regime_text(found: &Regime) -> String {
+    let rule = "rule of thumb: quasi-static is valid for epsilon <= 0.05, Phi >= 2 pi, zeta >= 0.5";
     format!(
-        "paths agree up to {} % of the path length\n{}measured / theory\n{}rule of thumb: quasi-static is valid for epsilon <= 0.05, Phi >= 2 pi, \
-         zeta >= 0.5\n{}{} cells in {}\n",
+        "paths agree up to {} % of the path length\n{}measured / theory\n{}{}\n{}{} cells in {}\n",
         100.0 * found.relative_tolerance,
-        tables::panels(found).text(),
-        tables::laws(found).text(),
+        tables::panels(found).text_by(2),
+        tables::laws(found).text_in_groups(2),
+        wrapped(rule, 2, WIDTH - 2),
         tables::rule(found).text(),
         found.n_cells,
         quantity(found.wall_s, "s")

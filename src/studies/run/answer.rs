@@ -57,10 +57,6 @@ fn nothing_moved(run: &Run, estimate: &InertiaEstimate) -> bool {
 
 fn inertia_sentence(run: &Run, estimate: &InertiaEstimate) -> String {
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
-    if estimate.touches_obstacle {
-        let why = "with or without inertia the load touches an obstacle, and the inertia estimate has none";
-        return format!("Whether inertia is negligible is not known: {why}.");
-    }
     if estimate.is_invalid {
         return "Inertia is not negligible: with it the load turns further than the inertia estimate can follow.".to_owned();
     }

@@ -17,8 +17,7 @@ pub fn run_page(summary: &RunSummary, trace: &Trace, scenario: &Scenario, manife
     let (run, estimate) = (&summary.run, summary.inertia_estimate.as_ref());
     let label = run.options.kind.name();
     let end = trace.rows.last().map_or(0.0, |row| row.time);
-    let holds = estimate.filter(|estimate| !estimate.touches_obstacle);
-    let opens_at = holds.and_then(|estimate| estimate.largest).map_or(0.4 * end, |largest| largest.time_s);
+    let opens_at = estimate.and_then(|estimate| estimate.largest).map_or(0.4 * end, |largest| largest.time_s);
     let (runs, scene) = ([Labelled { label, trace }], Scene::of(scenario));
     let replay = Replay::new(format!("The run on {label}"), scenario, &runs, opens_at);
     let curves = Curves::over_time(&runs, &scene, "Energy, pulls, speed, heading and attached springs over time.");

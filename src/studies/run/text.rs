@@ -21,7 +21,7 @@ pub fn run_text(summary: &RunSummary, detail: Detail) -> String {
     lines.row("scenario", &format!("{} (seed {})", run.scenario.name, run.scenario.seed));
     lines.row("backend", &format!("{}, {}", run.options.kind.name(), steps(run)));
     end(run, &mut lines);
-    if let Some(estimate) = estimate.filter(|estimate| !estimate.touches_obstacle) {
+    if let Some(estimate) = estimate {
         inertia(estimate, detail, &mut lines);
     }
     if let Some(largest) = run.outcome.transitions.largest_jump {
@@ -122,10 +122,6 @@ fn full(run: &Run, lines: &mut Lines) {
 
 /// Warning about neglected inertia that is not known to be negligible.
 pub fn inertia_warning(estimate: &InertiaEstimate) -> Option<String> {
-    if estimate.touches_obstacle {
-        let what = "the inertia estimate is not valid here, because the load touches an obstacle, with or without inertia";
-        return Some(format!("{what}; `cohaul compare` measures the inertia effect"));
-    }
     let effect = short_quantity(estimate.edge_displacement_max_m, "m");
     let may_be = match estimate.is_negligible {
         Some(true) => return None,
@@ -142,7 +138,6 @@ mod tests {
     use crate::backend::BackendKind;
     use crate::output::synthetic;
     use crate::scenario::Scenario;
-    use crate::simulation::Trace;
 
     fn text(arrived: Option<bool>, detail: Detail) -> String {
         let outcome = synthetic::outcome(arrived);
@@ -159,21 +154,6 @@ mod tests {
         assert!(text.contains("\n  position          (252.5 mm, -3.100 mm), heading "), "{text}");
         assert!(text.contains("\nenergy\n  elastic_j         ") && text.contains("\n  skipped.distant_ants  1234\n"), "{text}");
         assert!(text.contains("\n  jumps             1, the largest 4 mm\n"), "{text}");
-    }
-
-    /// The reduced inertial model has no obstacles.
-    #[test]
-    fn an_estimate_that_does_not_hold_has_no_numbers_in_the_text() {
-        let scenario = Scenario::parse(include_str!("../../../scenarios/analytic/release-jump.json"), "released").unwrap();
-        let (options, outcome) = (synthetic::options(BackendKind::QuasiStatic), synthetic::outcome(None));
-        let run = Run { scenario: &scenario, options: &options, outcome: &outcome, path_length: None, wall_time: None };
-        let trace = Trace::default();
-        for touches_obstacle in [false, true] {
-            let estimate = InertiaEstimate { touches_obstacle, ..InertiaEstimate::of(&scenario, &trace) };
-            let text = run_text(&RunSummary { run, inertia_estimate: Some(estimate) }, Detail::Full);
-            assert_eq!(text.contains("\n  inertia effect "), !touches_obstacle, "{text}");
-            assert_eq!(text.contains("\n  tolerance "), !touches_obstacle, "{text}");
-        }
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! Results of a stress test as data and as text.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use serde::Serialize;
 
 use crate::formats::{self, Format, Versioned};
 use crate::output::quantity::quantity;
-use crate::output::table::{Field, Table};
+use crate::output::table::{Field, Table, wrapped};
+use crate::output::text::WIDTH;
 use crate::simulation::Health;
 use crate::studies::methods::Method;
 use crate::studies::stress::{Judged, Map, Outcome, Row};
@@ -148,24 +148,25 @@ fn counts<'a>(rows: impl Iterator<Item = &'a Row>) -> Counts {
 /// holds.
 pub fn stress_text(found: &Stress) -> String {
     let mut text = String::new();
+    let line = |text: &str| format!("{}\n", wrapped(text, 2, WIDTH - 2));
     for map in &found.maps {
-        writeln!(text, "{} ({} cells, {} x {}): {}", map.name, map.n_cells, map.x, map.y, map.what).expect("a string takes all");
+        text += &line(&format!("{} ({} cells, {} x {}): {}", map.name, map.n_cells, map.x, map.y, map.what));
         text.push_str(&table(&map.outcomes));
     }
     if found.maps.len() > 1 {
-        writeln!(text, "all maps").expect("a string takes all");
+        text += "all maps\n";
         text.push_str(&table(&found.outcomes));
     }
     text.push_str("what runs with a known answer said of themselves\n");
     text.push_str(&account_table(&found.accounts).text());
     for Defect { map, x, y, backend, outcome, cause } in &found.defects {
-        writeln!(text, "{outcome}: {map} at {x:e}, {y:e} by {backend}: {cause}").expect("a string takes all");
+        text += &line(&format!("{outcome}: {map} at {x:e}, {y:e} by {backend}: {cause}"));
     }
     let (cells, runs, wall) = (found.n_cells, found.n_runs, quantity(found.wall_s, "s"));
     let Stress { n_panicked, n_not_finite, n_unexplained, .. } = found;
-    writeln!(text, "{cells} cells, {runs} runs: {n_panicked} panics, {n_not_finite} not finite, {n_unexplained} unexplained; {wall}")
-        .expect("a string takes all");
-    text
+    text + &line(&format!(
+        "{cells} cells, {runs} runs: {n_panicked} panics, {n_not_finite} not finite, {n_unexplained} unexplained; {wall}"
+    ))
 }
 
 /// A line a backend, a column an outcome that occurs.
@@ -194,8 +195,8 @@ pub fn account_table(accounts: &BTreeMap<&'static str, Accounts>) -> Table {
 /// Names of the maps, their parameters and what they do.
 pub fn stress_list(maps: &[Map]) -> String {
     let cells = |map: &Map| {
-        let size = format!("{} x {}", map.x.values.len(), map.y.values.len());
-        [map.name.to_owned(), size, format!("{}, {}", map.x.name, map.y.name), map.what.to_owned()]
+        let [n_x, n_y] = [&map.x, &map.y].map(|axis| axis.values.len());
+        [map.name.to_owned(), format!("{}; {n_x} x {n_y} cells over {} and {}", map.what, map.x.name, map.y.name)]
     };
     maps.iter().fold(Table::list(), |table, map| table.row(cells(map))).text()
 }

@@ -125,11 +125,8 @@ fn tightened(options: &BackendOptions, outcome: &Outcome) -> Option<BackendOptio
 fn measured(run: &Run, totals: &Totals) -> Result<(&'static str, String, Vec<Field>), String> {
     let end = run.outcome.time;
     let of = totals.estimate;
-    let estimate: [Field; ESTIMATE.len()] = [
-        of.map(|of| of.edge_displacement_max_m).into(),
-        of.map(|of| of.share).into(),
-        of.map(|of| !of.is_invalid && !of.touches_obstacle).into(),
-    ];
+    let estimate: [Field; ESTIMATE.len()] =
+        [of.map(|of| of.edge_displacement_max_m).into(), of.map(|of| of.share).into(), of.map(|of| !of.is_invalid).into()];
     let estimate = ESTIMATE.map(|(name, _)| name).into_iter().zip(estimate);
     let shares = totals.time_attached.iter().map(|time| ("time_share", (end > 0.0).then_some(time / end).into()));
     let named: Vec<(&str, Field)> = facts().map(|fact| (fact.column, field_of(fact.in_table(run)))).chain(estimate).chain(shares).collect();

@@ -1,14 +1,14 @@
 //! Summary of a sweep: the object that `sweep --json` and `merge --json` print, and its text.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
 use crate::formats::{self, Format, Versioned};
 use crate::math::Interval;
 use crate::output::quantity::quantity;
-use crate::output::text::aligned;
+use crate::output::table::{Layout, wrapped};
+use crate::output::text::{Detail, WIDTH};
 use crate::simulation::Health;
 use crate::studies::sweep::{Distribution, Group, Identity};
 
@@ -125,29 +125,69 @@ impl SweepSummary {
     }
 }
 
-/// A line a group, then how runs ended.
-pub fn sweep_text(found: &SweepSummary) -> String {
+/// A row for each group, then how runs ended.
+pub fn sweep_text(found: &SweepSummary, detail: Detail) -> String {
     let mut text = String::new();
+    let mut say = |line: &str| text += &format!("{}\n", wrapped(line, 2, WIDTH - 2));
     let groups = found.groups.as_deref().unwrap_or_default();
-    text.push_str(&aligned(&group_rows(found, &groups[..groups.len().min(MOST_SHOWN)]), ""));
-    writeln!(text, "(in brackets and after +-: intervals at 95 %)").expect("a string takes all");
+    let table = group_table(found, &groups[..groups.len().min(MOST_SHOWN)], detail);
+    if ["+-", " ("].iter().any(|mark| table.contains(mark)) {
+        say("(in brackets and after +-: intervals at 95 %)");
+    }
     if groups.len() > MOST_SHOWN || found.groups.is_none() {
-        writeln!(text, "... {} groups in all: see groups.csv", found.n_groups).expect("a string takes all");
+        say(&format!("... {} groups in all: see groups.csv", found.n_groups));
     }
     for Failure { cell, cause } in &found.failures {
-        writeln!(text, "failed: cell {cell}: {cause}").expect("a string takes all");
+        say(&format!("failed: cell {cell}: {cause}"));
     }
     let statuses: Vec<String> = found.statuses.iter().map(|(status, n)| format!("{n} {status}")).collect();
     let took = found.took().map_or_else(String::new, |took| format!("; {took}"));
-    writeln!(text, "{} runs of {}: {}{took}", found.n_runs, found.scenario, statuses.join(", ")).expect("a string takes all");
-    text
+    say(&format!("{} runs of {}: {}{took}", found.n_runs, found.scenario, statuses.join(", ")));
+    table + &text
 }
+
+/// Most parameters that have a column of their own.
+const MOST_KEYS: usize = 3;
+/// Columns that are printed with `--verbose` only.
+const RARE: [&str; 1] = ["pull, sd"];
+
+/// The groups as a table that fits a terminal. Quantities that no group has are left out.
+fn group_table(found: &SweepSummary, groups: &[Group], detail: Detail) -> String {
+    let mut rows = group_rows(found, groups);
+    let n_keys = rows[0].iter().position(|name| name == RUNS).expect("there is such a column");
+    let is_empty = |at: usize| rows[1..].iter().all(|row| row[at] == NONE);
+    let is_rare = |at: usize| detail == Detail::Brief && RARE.contains(&rows[0][at].as_str());
+    let is_shown: Vec<bool> = (0..rows[0].len()).map(|at| at < n_keys || !(is_empty(at) || is_rare(at))).collect();
+    for row in &mut rows {
+        let mut at = is_shown.iter();
+        row.retain(|_| at.next().is_some_and(|is_shown| *is_shown));
+    }
+    let n_parameters = found.parameters.len();
+    if n_parameters <= MOST_KEYS {
+        return Layout { rows, has_head: true, n_keys, ..Layout::default() }.text();
+    }
+    let rows = with_one_key(&rows, n_parameters);
+    Layout { rows, has_head: true, n_keys: n_keys + 1 - n_parameters, ..Layout::default() }.text()
+}
+
+/// The rows with their first `n` columns in one, which names each value.
+fn with_one_key(rows: &[Vec<String>], n: usize) -> Vec<Vec<String>> {
+    let key =
+        |row: &Vec<String>| rows[0][..n].iter().zip(row).map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ");
+    let keys = std::iter::once("point".to_owned()).chain(rows[1..].iter().map(key));
+    keys.zip(rows).map(|(key, row)| std::iter::once(key).chain(row[n..].iter().cloned()).collect()).collect()
+}
+
+/// Name of the column of numbers of runs, the first after those that say what a group is of.
+const RUNS: &str = "runs";
+/// Field of a quantity that a group has not.
+const NONE: &str = "-";
 
 /// Names of the columns, then a row a group. Steps have a column where a backend has several.
 pub(crate) fn group_rows(found: &SweepSummary, groups: &[Group]) -> Vec<Vec<String>> {
     let n_different = groups.iter().map(|group| (group.point, &group.backend)).collect::<BTreeSet<_>>().len();
     let steps = (n_different < groups.len()).then_some("step");
-    let measured = ["runs", "arrived", "their time to nest", "pull, mean", "pull, sd", "speed"];
+    let measured = [RUNS, "arrived", "their time to nest", "pull, mean", "pull, sd", "speed"];
     let head: Vec<&str> = found.parameters.iter().map(String::as_str).chain(["backend"]).chain(steps).chain(measured).collect();
     let head = head.into_iter().map(str::to_owned).collect();
     let mut rows: Vec<Vec<String>> = std::iter::once(head).chain(groups.iter().map(|group| line(group, steps.is_some()))).collect();
@@ -176,7 +216,7 @@ fn shortened(values: &[String]) -> Vec<String> {
 fn line(group: &Group, with_step: bool) -> Vec<String> {
     let arrived = match (group.arrival_share, group.arrival_interval_95) {
         (Some(share), Some(Interval { low, high })) => format!("{:.1} % ({:.1} to {:.1})", 100.0 * share, 100.0 * low, 100.0 * high),
-        _ => "-".to_owned(),
+        _ => NONE.to_owned(),
     };
     let mean = |name: &str, unit: &str| mean_text(group.measure(name), unit);
     let measures = [mean("time_to_nest_s", "s"), mean("pull_mean_n", "N"), mean("pull_sd_n", "N"), mean("mean_speed_m_per_s", "m/s")];
@@ -190,7 +230,7 @@ fn mean_text(distribution: &Distribution, unit: &str) -> String {
     match (distribution.mean, distribution.mean_interval_95) {
         (Some(mean), Some(Interval { low, high })) => format!("{} +- {}", quantity(mean, unit), quantity(0.5 * (high - low), unit)),
         (Some(mean), None) => quantity(mean, unit),
-        _ => "-".to_owned(),
+        _ => NONE.to_owned(),
     }
 }
 

@@ -13,8 +13,8 @@ use super::error::SweepError;
 use super::factor::Factor;
 use super::path::Path;
 use crate::output::table::Kind;
-use crate::scenario::json::without_mark;
-use crate::scenario::{Scenario, ScenarioError};
+use crate::scenario::json::{join, without_mark};
+use crate::scenario::{Scenario, ScenarioError, nearest};
 
 /// A scenario with places for parameters.
 #[derive(Clone, Debug)]
@@ -128,7 +128,7 @@ impl Template {
 
     fn set(&self, path: &Path, scene: &mut Value, place: &Place, value: &Value) -> Result<(), SweepError> {
         // Another parameter may have removed the place, as fewer springs do.
-        if path.set(scene, value) { Ok(()) } else { Err(no_such(&place.name)) }
+        if path.set(scene, value) { Ok(()) } else { Err(no_such(&place.name, scene)) }
     }
 
     /// Values for people, such as `a = 1, b = 2`.
@@ -161,7 +161,7 @@ impl Template {
             _ if path.first(&self.written).is_some() => true,
             Some(value) => takes(value),
             None if takes(&axis.value(0)) => true,
-            None => return Err(no_such(&axis.path)),
+            None => return Err(no_such(&axis.path, &expanded)),
         };
         Ok(Place { name, target: if is_written { Target::Written(path) } else { Target::Expanded(path) }, kind })
     }
@@ -178,8 +178,20 @@ fn kind(axis: &Axis, in_expanded: Option<&Value>, in_written: Option<&Value>) ->
     }
 }
 
-fn no_such(path: &str) -> SweepError {
-    SweepError::axis(path, "must be a parameter of the scenario as written or as `cohaul scenario show` expands it", "no such place")
+fn no_such(path: &str, scene: &Value) -> SweepError {
+    let known = places(scene, "");
+    let hint = nearest(path, known.iter().map(String::as_str)).map_or_else(String::new, |near| format!("; did you mean {near}?"));
+    let rule = "must be a parameter of the scenario as written or as `cohaul scenario show` expands it";
+    SweepError::axis(path, rule, format!("no such place{hint}"))
+}
+
+/// Paths of all values inside of the value at `path` that are no objects or lists.
+fn places(value: &Value, path: &str) -> Vec<String> {
+    match value {
+        Value::Object(map) => map.iter().flat_map(|(key, inner)| places(inner, &join(path, key))).collect(),
+        Value::Array(list) => list.iter().enumerate().flat_map(|(at, inner)| places(inner, &format!("{path}[{at}]"))).collect(),
+        _ => vec![path.to_owned()],
+    }
 }
 
 fn expanded(scenario: &Scenario) -> Value {
@@ -201,7 +213,7 @@ pub fn present_value(text: &str, file: &str, path: &str) -> Result<f64, SweepErr
     }
     let (template, place) = (Template::new(text, file, &[])?, Path::parse(path)?);
     let expanded = expanded(&template.base);
-    let value = place.first(&template.written).or_else(|| place.first(&expanded)).ok_or_else(|| no_such(path))?;
+    let value = place.first(&template.written).or_else(|| place.first(&expanded)).ok_or_else(|| no_such(path, &expanded))?;
     positive(path, value)
 }
 

@@ -15,9 +15,10 @@ use crate::studies::sweep::Plan;
 pub struct Point {
     /// Value of the parameter, in its unit.
     pub value: f64,
-    /// Path, heading, pulls, speed and energy; `null` for pulls without a spring that is ever
-    /// attached, and for all if there is no result.
-    pub effects: [Option<Effect>; 5],
+    /// Path, heading, pulls, contact forces, speed and energy; `null` for pulls without a spring
+    /// that is ever attached, for contact forces without an obstacle that is ever touched, and for
+    /// all if there is no result.
+    pub effects: [Option<Effect>; 6],
     /// Why nothing is claimed from some time on.
     pub doubt: Option<String>,
     /// Why there is no result.
@@ -52,7 +53,7 @@ pub enum Class {
 impl Point {
     /// Compares the models at a `value`; `None` when `go_on` ended it.
     pub fn of(plan: &Plan, settings: &Settings, value: f64, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
-        let failed = |why: String| Self { value, effects: [None; 5], doubt: None, failure: Some(why) };
+        let failed = |why: String| Self { value, effects: [None; 6], doubt: None, failure: Some(why) };
         let found = guarded(|| match plan.scenario(&[Value::from(value)]) {
             Ok(scenario) => {
                 let scenario = Scenario { seed: plan.identity.first_seed, ..scenario };

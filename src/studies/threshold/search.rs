@@ -132,7 +132,7 @@ mod tests {
             _ => Class::Open,
         };
         let effect = Effect { class, inertia_effect: share, reference_error: 1e-3, tolerance: 1.0 };
-        Point { value, effects: [Some(effect), None, None, None, None], doubt: None, failure: None }
+        Point { value, effects: [Some(effect), None, None, None, None, None], doubt: None, failure: None }
     }
 
     /// Boundaries with their ranges, and the number of points after a grid from 1/32 to 32 with two

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::figure::{LEAST, figure};
-use super::report::{Map, legend, rule};
+use super::report::{Map, NUMBERS, rule};
 use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::manifest::Manifest;
 use crate::output::page::{Answer, Block, Headline, Number, Page, REPORT};
@@ -45,7 +45,7 @@ fn page(map: &Map, svg: String, manifest: &Manifest) -> Page {
             "Inertia effect and engine error over the tolerance of each quantity: above the dashed line they count as a difference. Values \
              below {LEAST} stand at {LEAST}."
         ),
-        _ => format!("Verdict on each quantity. Letters: {}.", legend()),
+        _ => "Inertia effect over the tolerance of each quantity. Up to the line at 1 quasi-static is valid.".to_owned(),
     };
     let paths: Vec<&str> = map.axes.iter().map(|axis| axis.path.as_str()).collect();
     Page::new(
@@ -54,5 +54,5 @@ fn page(map: &Map, svg: String, manifest: &Manifest) -> Page {
     )
     .from(manifest)
     .section("Map", vec![Block::figure(svg, caption), Block::Text(format!("Decided by: {}.", rule(&map.question)))])
-    .section("Points", vec![Block::Text(format!("Letters: {}.", legend())), Block::Table(map.letters())])
+    .section("Points", vec![Block::Text(format!("The table has {NUMBERS}.")), Block::Table(map.shares())])
 }

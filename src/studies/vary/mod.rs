@@ -19,7 +19,7 @@ pub mod report;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::analysis::compare::{Pathwise, QuantityVerdict, Settings, ThreeWay, Verdict};
+use crate::analysis::compare::{EngineAnswer, InertiaAnswer, Pathwise, QuantityVerdict, Settings, ThreeWay, Verdict};
 use crate::analysis::estimate::{CLEAR, with_estimate};
 use crate::backend::{BackendKind, closed_share};
 use crate::output::page::Answer;
@@ -45,8 +45,9 @@ pub struct Cell {
     pub values: Vec<Value>,
     /// `null` if there is no valid estimate.
     pub estimate: Option<Estimated>,
-    /// Path, heading, pulls, speed and energy on all backends; `null` where the estimate decided.
-    pub compared: Option<[Compared; 5]>,
+    /// Path, heading, pulls, contact forces, speed and energy on all backends; `null` where the
+    /// estimate decided.
+    pub compared: Option<[Compared; 6]>,
     /// Why there is no result.
     pub failure: Option<String>,
 }
@@ -61,9 +62,13 @@ pub struct Estimated {
 }
 
 /// Verdict on one quantity, in its unit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
     pub verdict: Verdict,
+    pub inertia: InertiaAnswer,
+    pub engine: EngineAnswer,
+    /// The verdict in words: the causes of what exceeds a tolerance.
+    pub words: String,
     /// Whether quasi-static is valid; `null` if the reference error or a doubtful run leaves it
     /// open, or if nothing moved.
     pub is_valid: Option<bool>,
@@ -122,7 +127,7 @@ impl Cell {
 
     /// Whether all backends were compared, and the load moved on none.
     pub fn nothing_moved(&self) -> bool {
-        self.compared.is_some_and(|compared| compared[0].verdict == Verdict::NothingMoved)
+        self.compared.as_ref().is_some_and(|compared| compared[0].verdict == Verdict::NothingMoved)
     }
 
     /// The estimate, if it alone decided.
@@ -156,7 +161,7 @@ impl Estimated {
         let share = closed_share(options.tolerance.is_some(), settings.tolerance_energy_share);
         let is_closed = outcome.energy.is_closed(share, outcome.energy.largest_entry());
         let is_trusted = outcome.account.health == Health::Ok && outcome.doubtful.is_empty() && is_closed;
-        let is_valid = is_trusted && !estimate.is_invalid && !estimate.touches_obstacle;
+        let is_valid = is_trusted && !estimate.is_invalid;
         // A load that hardly moves has no margin.
         Some(Some(found).filter(|found| is_valid && found.margin().is_finite()))
     }
@@ -172,7 +177,7 @@ impl Estimated {
 }
 
 /// Verdicts of a comparison of paths, or why there are none; the outer `None` if `go_on` ended it.
-fn compared(scenario: &Scenario, settings: &Settings, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Result<[Compared; 5], String>> {
+fn compared(scenario: &Scenario, settings: &Settings, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Result<[Compared; 6], String>> {
     let runs = ThreeWay::new(scenario, settings);
     let found = match scenario.drive {
         Drive::Tips(_) => runs.prescribed(|_| go_on())?,
@@ -187,9 +192,12 @@ fn compared(scenario: &Scenario, settings: &Settings, go_on: &(dyn Fn() -> bool 
     })
 }
 
-fn of_quantities(found: &Pathwise) -> [Compared; 5] {
+fn of_quantities(found: &Pathwise) -> [Compared; 6] {
     let of = |(_, of): (&str, &QuantityVerdict)| Compared {
         verdict: of.verdict,
+        inertia: of.inertia,
+        engine: of.engine,
+        words: answer::verdict_text(of),
         is_valid: match answer::is_valid(of) {
             Answer::Yes if of.verdict != Verdict::NothingMoved => Some(true),
             Answer::No => Some(false),

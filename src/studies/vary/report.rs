@@ -4,17 +4,18 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::{Cell, Question};
-use crate::analysis::compare::Verdict;
+use crate::analysis::compare::{EngineAnswer, InertiaAnswer};
 use crate::analysis::estimate::CLEAR;
 use crate::formats::{self, Format, Versioned};
-use crate::output::quantity::of_run::{quantity, short_quantity};
+use crate::output::quantity::of_run::quantity;
 use crate::output::quantity::short;
 use crate::output::table::{Column, Field, Table};
 use crate::output::text::Lines;
 use crate::studies::sweep::{Axis, Plan};
 
 /// Quantities in the order of [`Cell::compared`], with their units.
-pub const QUANTITIES: [(&str, &str); 5] = [("path", "m"), ("heading", "rad"), ("pulls", "N"), ("speed", "m/s"), ("energy", "J")];
+pub const QUANTITIES: [(&str, &str); 6] =
+    [("path", "m"), ("heading", "rad"), ("pulls", "N"), ("contacts", "N"), ("speed", "m/s"), ("energy", "J")];
 
 /// Result of `cohaul compare --vary`, as `--json` prints it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,8 +72,8 @@ impl Map {
             ("not computed", self.n_failed),
         ];
         let open: String = open.iter().filter(|(_, n)| *n > 0).map(|(what, n)| format!(", {what} at {n}")).collect();
-        let all = |cell: &&Cell| cell.compared.is_some_and(|of| of.iter().all(|of| of.is_valid == Some(true)));
-        let engine = |cell: &&Cell| cell.compared.is_some_and(|of| of.iter().any(|of| of.verdict.has_engine()));
+        let all = |cell: &&Cell| cell.compared.as_ref().is_some_and(|of| of.iter().all(|of| of.is_valid == Some(true)));
+        let engine = |cell: &&Cell| cell.compared.as_ref().is_some_and(|of| of.iter().any(|of| of.verdict.has_engine()));
         let [n_all, n_engine] = [self.cells.iter().filter(all).count(), self.cells.iter().filter(engine).count()];
         format!(
             "Quasi-static is valid for the path at {} of {} points{}{open}. Of {} points that were compared in full, it is valid for all \
@@ -117,43 +118,37 @@ impl Map {
         Table { caption: String::new(), columns: columns.collect(), rows: self.cells.iter().map(record).collect() }
     }
 
-    /// The verdicts of all points in letters; `legend` explains them.
-    pub fn letters(&self) -> Table {
+    /// Inertia effects over their tolerances at all points, and the largest engine error over its
+    /// tolerance; [`NUMBERS`] explains them.
+    pub fn shares(&self) -> Table {
         let name = |axis: &Axis| axis.path.rsplit_once('.').map_or(axis.path.as_str(), |(_, last)| last).to_owned();
-        let head = ["inertia", "tolerance", "engine", "path", "heading", "pulls", "speed", "energy", "decided by"].map(str::to_owned);
+        let quantities = self.quantities();
+        let head = quantities.iter().map(|at| QUANTITIES[*at].0).chain(["engine"]).map(str::to_owned);
         let row = |cell: &Cell| {
-            let metres = |value: Option<f64>| value.map_or("-".to_owned(), |value| short_quantity(value, "m"));
-            let path = cell.compared.map(|of| of[0]);
-            let inertia = path.map(|of| of.inertia_effect).or(cell.estimate.map(|of| of.inertia_effect_m));
-            let tolerance = path.map(|of| of.tolerance).or(cell.estimate.map(|of| of.tolerance_m));
-            let numbers = [metres(inertia), metres(tolerance), metres(path.map(|of| of.engine_error))];
-            let letters = [0, 1, 2, 3, 4].map(|at| letter(cell, at).to_string());
-            cell.values.iter().map(value_text).chain(numbers).chain(letters).chain([decided_by(cell)]).collect::<Vec<_>>()
+            let shares = quantities.iter().map(|at| share_text(cell, *at)).chain([engine_text(cell)]);
+            cell.values.iter().map(value_text).chain(shares).collect::<Vec<_>>()
         };
-        Table::new("Verdicts by point", self.axes.iter().map(name).chain(head)).with_rows(self.cells.iter().map(row))
+        Table::new("Difference over tolerance by point", self.axes.iter().map(name).chain(head)).with_rows(self.cells.iter().map(row))
+    }
+
+    /// Places in [`QUANTITIES`] of those that exist at some point: the path, and what was compared.
+    pub fn quantities(&self) -> Vec<usize> {
+        let exists = |at: &usize| self.cells.iter().any(|cell| cell.compared.as_ref().is_some_and(|of| of[*at].tolerance > 0.0));
+        (0..QUANTITIES.len()).filter(|at| *at == 0 || exists(at)).collect()
     }
 
     /// The answer, the table and what it means.
     pub fn text(&self) -> String {
         let mut lines = Lines::default();
         lines.answer(&self.answer);
-        lines.text += &self.letters().text();
-        lines.row("letters", &legend());
+        lines.text += &self.shares().text();
+        lines.row("numbers", NUMBERS);
         lines.row("decided by", &rule(&self.question));
         if let Some(why) = self.cells.iter().find_map(|cell| cell.failure.as_ref()) {
             lines.row("first failure", why);
         }
         lines.row("wall time", &quantity(self.wall_s, "s"));
         lines.text
-    }
-}
-
-/// What decided a point, with the margin of the estimate.
-fn decided_by(cell: &Cell) -> String {
-    match (cell.decided_by_estimate(), &cell.failure) {
-        (_, Some(_)) => "failed".to_owned(),
-        (Some(estimate), _) => format!("estimate, {} x tolerance", short(estimate.margin())),
-        (None, _) => "comparison".to_owned(),
     }
 }
 
@@ -168,41 +163,36 @@ pub fn rule(question: &Question) -> String {
     )
 }
 
-/// Every letter that a verdict may have, with its colour and its meaning.
-pub const LETTERS: [(char, &str, &str); 10] = [
-    ('a', "#dcebf5", "agree"),
-    ('I', "#e69f00", "inertia"),
-    ('E', "#cc79a7", "engine"),
-    ('B', "#d55e00", "inertia and engine"),
-    ('?', "#f0e442", "inconclusive"),
-    ('0', "#c8c8c8", "nothing moved"),
-    ('v', "#eef5fa", "valid by the estimate alone"),
-    ('n', "#f7d794", "not valid by the estimate alone"),
-    ('x', "#000000", "not computed"),
-    ('-', "#ffffff", "not compared"),
-];
+/// What the numbers of a point are.
+pub const NUMBERS: &str = "inertia effects over their tolerances, and the largest engine error over its tolerance: up to 1 quasi-static is \
+                           valid, and the engine within. ~ by estimate alone, ? open";
 
-pub fn legend() -> String {
-    LETTERS.map(|(letter, _, meaning)| format!("{letter} {meaning}")).join(", ")
+/// Inertia effect over the tolerance (1) in a quantity, by its place in [`QUANTITIES`]: measured,
+/// or for the path by estimate. `None` where there is neither.
+pub fn share(cell: &Cell, quantity: usize) -> Option<f64> {
+    let measured = cell.compared.as_ref().map(|of| of[quantity].inertia_effect / of[quantity].tolerance);
+    let estimated = cell.decided_by_estimate().filter(|_| quantity == 0).map(|estimate| estimate.margin());
+    measured.or(estimated).filter(|share| share.is_finite())
 }
 
-/// Letter of a quantity, by its place in [`QUANTITIES`], at a point.
-pub fn letter(cell: &Cell, quantity: usize) -> char {
-    match (&cell.compared, cell.decided_by_estimate()) {
-        _ if cell.failure.is_some() => 'x',
-        (Some(of), _) => match of[quantity].verdict {
-            Verdict::Agree => 'a',
-            Verdict::Inertia => 'I',
-            Verdict::Engine => 'E',
-            Verdict::InertiaAndEngine => 'B',
-            Verdict::NothingMoved => '0',
-            Verdict::NotComputed => 'x',
-            Verdict::Inconclusive | Verdict::Decorrelated => '?',
-        },
-        (None, Some(estimate)) if quantity == 0 && estimate.margin() <= 1.0 => 'v',
-        (None, Some(_)) if quantity == 0 => 'n',
-        _ => '-',
+fn share_text(cell: &Cell, quantity: usize) -> String {
+    let answer = cell.compared.as_ref().map(|of| of[quantity].inertia);
+    match (share(cell, quantity), answer) {
+        _ if cell.failure.is_some() => "failed".to_owned(),
+        (_, Some(InertiaAnswer::NothingMoved)) => "at rest".to_owned(),
+        (Some(share), Some(InertiaAnswer::Open)) => format!("{}?", short(share)),
+        (Some(share), Some(_)) => short(share),
+        (Some(share), None) => format!("~{}", short(share)),
+        (None, _) => "-".to_owned(),
     }
+}
+
+/// Largest engine error over its tolerance (1).
+fn engine_text(cell: &Cell) -> String {
+    let Some(compared) = &cell.compared else { return "-".to_owned() };
+    let shares = compared.iter().filter(|of| of.tolerance > 0.0).map(|of| of.engine_error / of.tolerance);
+    let is_open = compared.iter().any(|of| of.engine == EngineAnswer::Open);
+    format!("{}{}", short(shares.fold(0.0, f64::max)), if is_open { "?" } else { "" })
 }
 
 /// A value of a parameter for people.
@@ -221,8 +211,8 @@ fn record(cell: &Cell) -> Vec<Field> {
         (None, None) => "estimate".to_owned(),
     };
     let of_quantity = |at: usize| {
-        let of = cell.compared.map(|of| of[at]);
-        let verdict = of.map(|of| of.verdict.text()).into();
+        let of = cell.compared.as_ref().map(|of| &of[at]);
+        let verdict = of.map_or(Field::Empty, |of| Field::Word(of.words.clone()));
         let numbers =
             [of.map(|of| of.inertia_effect), of.map(|of| of.engine_error), of.map(|of| of.reference_error), of.map(|of| of.tolerance)];
         std::iter::once(verdict).chain(numbers.map(Field::from)).collect::<Vec<_>>()
