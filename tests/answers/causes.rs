@@ -27,7 +27,7 @@ const STRETCH: f64 = LIMIT / STIFFNESS;
 /// Inertia of a load without inertia to speak of, over that of the paper's (1).
 const LIGHT: f64 = 1e-6;
 /// Steps of a right engine and of one whose step is too long (s).
-const FINE: f64 = 2e-5;
+const FINE: f64 = 1e-4;
 const COARSE: f64 = 5e-3;
 
 /// What is wrong with the engine.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{Cell, Question};
+use super::{Cell, Compared, Question};
 use crate::analysis::compare::{EngineAnswer, InertiaAnswer};
 use crate::analysis::estimate::CLEAR;
 use crate::formats::{self, Format, Versioned};
@@ -131,9 +131,11 @@ impl Map {
         Table::new("Difference over tolerance by point", self.axes.iter().map(name).chain(head)).with_rows(self.cells.iter().map(row))
     }
 
-    /// Places in [`QUANTITIES`] of those that exist at some point: the path, and what was compared.
+    /// Places in [`QUANTITIES`] of the path and of those that differ at some point: without springs
+    /// there are no pulls, and without a touch no contact forces.
     pub fn quantities(&self) -> Vec<usize> {
-        let exists = |at: &usize| self.cells.iter().any(|cell| cell.compared.as_ref().is_some_and(|of| of[*at].tolerance > 0.0));
+        let differs = |of: &Compared| of.inertia_effect + of.engine_error > 0.0;
+        let exists = |at: &usize| self.cells.iter().any(|cell| cell.compared.as_ref().is_some_and(|of| differs(&of[*at])));
         (0..QUANTITIES.len()).filter(|at| *at == 0 || exists(at)).collect()
     }
 
@@ -180,9 +182,9 @@ fn share_text(cell: &Cell, quantity: usize) -> String {
     match (share(cell, quantity), answer) {
         _ if cell.failure.is_some() => "failed".to_owned(),
         (_, Some(InertiaAnswer::NothingMoved)) => "at rest".to_owned(),
-        (Some(share), Some(InertiaAnswer::Open)) => format!("{}?", short(share)),
-        (Some(share), Some(_)) => short(share),
-        (Some(share), None) => format!("~{}", short(share)),
+        (Some(share), Some(InertiaAnswer::Open)) => format!("{}?", rounded(share)),
+        (Some(share), Some(_)) => rounded(share),
+        (Some(share), None) => format!("~{}", rounded(share)),
         (None, _) => "-".to_owned(),
     }
 }
@@ -192,7 +194,13 @@ fn engine_text(cell: &Cell) -> String {
     let Some(compared) = &cell.compared else { return "-".to_owned() };
     let shares = compared.iter().filter(|of| of.tolerance > 0.0).map(|of| of.engine_error / of.tolerance);
     let is_open = compared.iter().any(|of| of.engine == EngineAnswer::Open);
-    format!("{}{}", short(shares.fold(0.0, f64::max)), if is_open { "?" } else { "" })
+    format!("{}{}", rounded(shares.fold(0.0, f64::max)), if is_open { "?" } else { "" })
+}
+
+/// A difference over its tolerance (1) for people: what is far below one is noise.
+fn rounded(share: f64) -> String {
+    const NOISE: f64 = 1e-3;
+    if share < NOISE { format!("<{NOISE}") } else { short(share) }
 }
 
 /// A value of a parameter for people.
