@@ -23,7 +23,7 @@
 //! ensemble.rs    comparison of distributions
 //! seeds.rs       number of seeds that would decide
 //! verdict.rs     two answers, the word that follows from them, and causes
-//! quantity.rs    the result for one quantity: path, heading, pulls, speed or energy
+//! quantity.rs    the result for one quantity: path, heading, a force, speed or energy
 //! verdicts.rs    the results for all quantities of a comparison of paths
 //! jump_mode.rs   oscillation of the load on its springs at the largest jump
 //! suggestion.rs  changes that make a difference smaller than the tolerance

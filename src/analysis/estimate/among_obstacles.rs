@@ -52,7 +52,7 @@ struct State {
 }
 
 /// Longest step (rad of the fastest oscillation, and s). Euler's method then damps that oscillation
-/// by a ratio of an eighth.
+/// by a ratio of an eighth, and a step is no longer than one of the quasi-static run by default.
 const LONGEST_PHASE: f64 = 0.25;
 const LONGEST_STEP: f64 = 2.5e-3;
 /// Shortest step (s): a stiffer spring is followed as far as that.

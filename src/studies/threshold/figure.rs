@@ -33,6 +33,6 @@ pub fn figure(found: &Thresholds) -> String {
 fn style(quantity: usize) -> Style {
     match quantity {
         0..=3 => Style::of_trace(quantity),
-        _ => Style::of_pair(0),
+        _ => Style::of_pair(quantity - 4),
     }
 }

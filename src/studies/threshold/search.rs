@@ -10,6 +10,7 @@ use crate::analysis::compare::Settings;
 use crate::studies::journal::JournalError;
 use crate::studies::runner::{Records, Tasks, Watch};
 use crate::studies::sweep::Plan;
+use crate::studies::vary::report::QUANTITIES;
 
 /// Largest ratio of the values on both sides of a boundary, less one (1).
 pub const PRECISION: f64 = 0.01;
@@ -60,7 +61,7 @@ pub fn sorted<'a>(points: impl IntoIterator<Item = &'a Point>) -> Vec<&'a Point>
 
 /// Values at boundaries that are not yet known well enough, and about extrema.
 fn next_values(points: &[&Point], halves: bool) -> Vec<f64> {
-    let quantities = |between: &dyn Fn(usize) -> Vec<f64>| (0..5).flat_map(between).collect::<Vec<f64>>();
+    let quantities = |between: &dyn Fn(usize) -> Vec<f64>| (0..QUANTITIES.len()).flat_map(between).collect::<Vec<f64>>();
     let pairs = points.windows(2).flat_map(|pair| quantities(&|at| at_boundary([pair[0], pair[1]], at, halves)));
     let triples = points.windows(3).flat_map(|near| quantities(&|at| about_extremum([near[0], near[1], near[2]], at)));
     let mut values: Vec<f64> = pairs.chain(triples).collect();
@@ -124,27 +125,29 @@ mod tests {
     use crate::studies::threshold::bands::bands;
     use crate::studies::threshold::point::Effect;
 
-    /// A point at which the effect over the tolerance is `share`, to a thousandth.
-    fn point(value: f64, share: f64) -> Point {
+    /// A point at which the effect on a quantity over the tolerance is `share`, to a thousandth.
+    fn point(value: f64, share: f64, quantity: usize) -> Point {
         let class = match share {
             _ if share < 0.999 => Class::Valid,
             _ if share > 1.001 => Class::NotValid,
             _ => Class::Open,
         };
         let effect = Effect { class, inertia_effect: share, reference_error: 1e-3, tolerance: 1.0 };
-        Point { value, effects: [Some(effect), None, None, None, None, None], doubt: None, failure: None }
+        let mut effects = [None; QUANTITIES.len()];
+        effects[quantity] = Some(effect);
+        Point { value, effects, doubt: None, failure: None }
     }
 
     /// Boundaries with their ranges, and the number of points after a grid from 1/32 to 32 with two
     /// points for each factor of 2.
-    fn found(law: impl Fn(f64) -> f64) -> (Vec<(f64, [f64; 2])>, usize) {
-        let of = |value: f64| point(value, law(value));
+    fn found(law: impl Fn(f64) -> f64, quantity: usize) -> (Vec<(f64, [f64; 2])>, usize) {
+        let of = |value: f64| point(value, law(value), quantity);
         let mut points: Vec<Point> = (0..=20).map(|at| of(2f64.powf(0.5 * f64::from(at) - 5.0))).collect();
         for round in 0..MOST_ROUNDS {
             let next = next_values(&sorted(&points), round % HALVING == HALVING - 1);
             points.extend(next.into_iter().map(of));
         }
-        let bounds = bands(&sorted(&points), 0)[1..].iter().map(|band| (band.from.value, band.from.range)).collect();
+        let bounds = bands(&sorted(&points), quantity)[1..].iter().map(|band| (band.from.value, band.from.range)).collect();
         (bounds, points.len() - 21)
     }
 
@@ -169,7 +172,7 @@ mod tests {
             (&|_| 0.3, &[], 0),
         ];
         for (law, expected, most) in laws {
-            let (bounds, n) = found(law);
+            let (bounds, n) = found(law, 0);
             assert_eq!(bounds.len(), expected.len(), "{bounds:?} {expected:?}");
             assert!(n <= most, "{n} points for {expected:?}");
             for ((value, [from, to]), expected) in bounds.iter().zip(expected) {
@@ -177,10 +180,18 @@ mod tests {
                 assert!((value / expected - 1.0).abs() < PRECISION, "{value} {expected}");
             }
         }
-        let (bounds, _) = found(wave);
+        let (bounds, _) = found(wave, 0);
         assert!(bounds.len() >= waves.len() - 2 && waves.len() > 5, "{bounds:?} {waves:?}");
         for (value, _) in bounds {
             assert!(waves.iter().any(|expected| (value / expected - 1.0).abs() < PRECISION), "{value} {waves:?}");
+        }
+    }
+
+    #[test]
+    fn boundaries_of_every_quantity_are_found() {
+        for (quantity, (name, _)) in QUANTITIES.iter().enumerate() {
+            let (bounds, _) = found(|x| x / 3.0, quantity);
+            assert!(bounds.len() == 1 && (bounds[0].0 / 3.0 - 1.0).abs() < PRECISION, "{name}: {bounds:?}");
         }
     }
 }
