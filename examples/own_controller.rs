@@ -4,7 +4,6 @@ use cohaul::analysis::compare::{Settings, ThreeWay};
 use cohaul::math::Vec2;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Commands, Controller, Event, EventKind, View};
-use cohaul::studies::compare::answer::sentence_of_paths;
 
 /// The tip moves along x, the slower the nearer the load is to 20 mm.
 struct Approach(Vec2);
@@ -28,7 +27,7 @@ fn main() -> Result<(), cohaul::scenario::ScenarioError> {
     let settings = Settings::default();
     let each_run = |_: &Scenario| -> Box<dyn Controller> { Box::new(Approach(Vec2::zeros())) };
     let found = ThreeWay::new(&scenario, &settings).controller(&each_run).controlled(|_share| true).expect("it is not stopped");
-    println!("{}", sentence_of_paths(&found));
+    println!("{}", found.verdict.text());
     for (name, of) in found.verdicts.named() {
         println!("{name:8} {:.3e} {}: {}", of.inertia_effect, of.unit, of.verdict.text());
     }

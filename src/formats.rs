@@ -1,8 +1,8 @@
 //! Names and versions of all formats that users keep or that other programs read.
 //!
 //! A version stays as long as keys are only added. It changes when a key is renamed or removed, or
-//! when its type, unit or meaning changes. `tests/formats.rs` compares the keys of real outputs
-//! with stored lists.
+//! when its type, unit or meaning changes. `tests/program/formats` compares the keys of real
+//! outputs with stored lists.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

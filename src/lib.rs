@@ -27,58 +27,16 @@
 //! A model of your own implements [`Backend`], and a controller of your own implements
 //! [`Controller`]. Units are SI; angles are in radians, counter-clockwise.
 //!
-//! Features: `program` (default) builds the command line on the studies of `reports` and the
-//! figures, tables and pages of `output`, and `parquet` (default) writes tables as Parquet.
-//! `rapier-f32` (default) adds rapier in single precision. `internals` shows the modules of the
-//! tree to the project's own tests and Python package; what they hold may change at any time.
+//! The feature `rapier-f32` (default) adds rapier in single precision.
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(feature = "internals"),
-    allow(dead_code, unused_imports, reason = "the project's tests use more of the tree than the library shows")
-)]
 
-#[cfg(not(feature = "internals"))]
-mod analysis;
-#[cfg(not(feature = "internals"))]
-mod backend;
-#[cfg(feature = "program")]
-#[doc(hidden)]
-pub mod cli;
-#[cfg(all(feature = "program", not(feature = "internals")))]
-mod live;
-#[cfg(not(feature = "internals"))]
-mod math;
-#[cfg(not(feature = "internals"))]
-mod model;
-#[cfg(all(feature = "output", not(feature = "internals")))]
-mod output;
-#[cfg(not(feature = "internals"))]
-mod scenario;
-#[cfg(not(feature = "internals"))]
-mod simulation;
-#[cfg(all(feature = "reports", not(feature = "internals")))]
-mod studies;
-
-#[cfg(feature = "internals")]
 pub mod analysis;
-#[cfg(feature = "internals")]
 pub mod backend;
-#[cfg(all(feature = "program", feature = "internals"))]
-pub mod live;
-#[cfg(feature = "internals")]
-pub mod math;
-#[cfg(feature = "internals")]
-pub mod model;
-#[cfg(all(feature = "output", feature = "internals"))]
-pub mod output;
-#[cfg(feature = "internals")]
-pub mod scenario;
-#[cfg(feature = "internals")]
-pub mod simulation;
-#[cfg(all(feature = "reports", feature = "internals"))]
-pub mod studies;
-
 pub mod formats;
+pub mod math;
+pub mod model;
+pub mod scenario;
+pub mod simulation;
 pub mod stop;
 
 pub use analysis::compare::{

@@ -7,8 +7,8 @@ mod changes;
 use std::path::Path;
 
 use cohaul::analysis::Advice;
-use cohaul::output::json;
 use cohaul::scenario::{Scenario, ScenarioError, format};
+use cohaul_report::json;
 use serde_json::{Value, json};
 
 use changes::changed;

@@ -9,13 +9,11 @@ use std::path::{Path, PathBuf};
 
 use cohaul::backend::rapier::{EngineSettings, FrictionModel, Precision};
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, default_step};
-use cohaul::output::manifest::Libraries;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, Trace};
-use cohaul::studies::check::report::{CheckReport, check_text, this_build};
-use cohaul::studies::check::{
-    self, Baseline, Build, Check, Quantity, Record, Settings, Side, Tolerances, Verdict, read_folder, usual_name,
-};
+use cohaul_report::manifest::Libraries;
+use cohaul_studies::check::report::{CheckReport, check_text, this_build};
+use cohaul_studies::check::{self, Baseline, Build, Check, Quantity, Record, Settings, Side, Tolerances, Verdict, read_folder, usual_name};
 use serde_json::{Value, json};
 
 fn folder() -> PathBuf {

@@ -13,10 +13,10 @@ use cohaul::backend::{
 };
 use cohaul::math::Vec2;
 use cohaul::model::{Outline, OutlinePart};
-use cohaul::output::page::Answer;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::backend_of;
-use cohaul::studies::compare::answer::{of_ensemble, of_paths, sentence_of_ensemble, sentence_of_paths};
+use cohaul_report::page::Answer;
+use cohaul_studies::compare::answer::{of_ensemble, of_paths, sentence_of_ensemble, sentence_of_paths};
 
 /// A backend that adds its own finding to the report of every advance from `since` (s) on.
 struct Doubtful {

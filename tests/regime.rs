@@ -4,11 +4,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use cohaul::output::manifest::Manifest;
-use cohaul::studies::regime::files::write_regime;
-use cohaul::studies::regime::report::Regime;
-use cohaul::studies::regime::{Cause, Cell, Effort, Grid, Law, LawOutcome, RELATIVE_TOLERANCE, Scene, Setting, cells, tasks, theory};
-use cohaul::studies::runner::Records;
+use cohaul_report::manifest::Manifest;
+use cohaul_studies::regime::files::write_regime;
+use cohaul_studies::regime::report::Regime;
+use cohaul_studies::regime::{Cause, Cell, Effort, Grid, Law, LawOutcome, RELATIVE_TOLERANCE, Scene, Setting, cells, tasks, theory};
+use cohaul_studies::runner::Records;
 use serde_json::{Value, from_value};
 use tempfile::tempdir;
 

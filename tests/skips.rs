@@ -9,7 +9,7 @@ use cohaul::math::{Pose, Twist, Vec2, direction};
 use cohaul::model::System;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Outcome, Simulation, Trace};
-use cohaul::studies::verify::scenes::{paper_springs, paper_system};
+use cohaul_studies::verify::scenes::{paper_springs, paper_system};
 use serde_json::json;
 
 use random_scenes::random_scenario;

@@ -17,9 +17,9 @@ use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::{Load, PolarSpring};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Controller, Keep, Replay, Simulation, Trace, controller_of};
-use cohaul::studies::methods::Method;
-use cohaul::studies::verify::tripod::STARTS;
-use cohaul::studies::verify::{Case, Family, all};
+use cohaul_studies::methods::Method;
+use cohaul_studies::verify::tripod::STARTS;
+use cohaul_studies::verify::{Case, Family, all};
 use rayon::prelude::*;
 
 use crate::common::*;

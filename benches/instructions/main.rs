@@ -26,7 +26,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use clap::Parser;
-use cohaul::output::progress::Progress;
+use cohaul_report::progress::Progress;
 use rayon::prelude::*;
 
 use ceilings::{Ceilings, CeilingsError, USUAL_MARGIN};
@@ -59,7 +59,7 @@ struct Options {
 
 const EXIT_CODES: &str =
     "Exit codes: 0 all within their ceilings; 1 some above or without one; 2 usage or input; 3 internal; 4 not counted or not compared.";
-const CEILINGS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/instructions/ceilings.json");
+const CEILINGS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/ceilings.json");
 
 /// Why the program ended without an answer.
 #[derive(Debug, thiserror::Error)]

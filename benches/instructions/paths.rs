@@ -8,9 +8,9 @@ use cohaul::backend::{Backend, BackendKind, BackendOptions, Motion, Status, buil
 use cohaul::math::{Mat3, Pose, Vec2, Vec3, direction};
 use cohaul::model::paper::LOAD_RADIUS_M;
 use cohaul::model::{Obstacle, ObstaclePath, Outline, OutlinePart, System, World};
-use cohaul::output::trace_csv::{TraceColumns, write_trace};
 use cohaul::scenario::{Drive, Scenario, TipPath, Waypoint};
 use cohaul::simulation::{Keep, Simulation};
+use cohaul_report::trace_csv::{TraceColumns, write_trace};
 
 /// One hot path.
 pub struct HotPath {

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use cohaul::analysis::compare::Settings;
 use cohaul::backend::{BackendKind, BackendOptions, Integrator, RapierOptions, Setting, Skip, Skips, Tolerance};
 use cohaul::scenario::Scenario;
-use cohaul::studies::sweep::Variant;
+use cohaul_studies::sweep::Variant;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Deserialize;

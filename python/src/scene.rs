@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use cohaul::output::json;
 use cohaul::scenario::{Drive, Scenario, ScenarioError};
+use cohaul_report::json;
 use pyo3::prelude::*;
 
 use crate::work::{guarded, internal, raised};

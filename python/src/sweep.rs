@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use cohaul::backend::BackendOptions;
-use cohaul::studies::sweep::{Ask, Axis, Design, Plan, Sample, SweepError, Values, Variant, head_of, validate, work};
+use cohaul_studies::sweep::{Ask, Axis, Design, Plan, Sample, SweepError, Values, Variant, head_of, validate, work};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use serde::Deserialize;

@@ -95,7 +95,7 @@ impl Trigger {
 
 impl ByTrigger {
     /// Adds an inertia effect (m) after a trigger of this kind.
-    pub(crate) fn add(&mut self, kind: TriggerKind, effect: f64) {
+    pub fn add(&mut self, kind: TriggerKind, effect: f64) {
         let Self { start_m, jumps_m, release_m, grasp_m, driving_m, slip_onset_m, contact_m } = self;
         let parts = match kind {
             TriggerKind::Start => [Some(start_m), None],
@@ -110,7 +110,7 @@ impl ByTrigger {
     }
 
     /// Largest effect after triggers of this kind, or of those that are counted with it (m).
-    pub(crate) fn of(&self, kind: TriggerKind) -> f64 {
+    pub fn of(&self, kind: TriggerKind) -> f64 {
         match kind {
             TriggerKind::Start => self.start_m,
             TriggerKind::Release => self.release_m,

@@ -6,7 +6,6 @@ use std::io::{self, Read};
 pub const MOST_BYTES: u64 = 64 << 20;
 /// Largest size of a table or another file that is read as a whole (bytes): a day of one tip at 100
 /// frames a second takes half of it.
-#[cfg(feature = "reports")]
 pub const MOST_BYTES_OF_TABLE: u64 = 1 << 30;
 
 /// The whole text of `source`, which may have `most` bytes.

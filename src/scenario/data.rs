@@ -6,7 +6,7 @@ use crate::model::behaviour::{GraspPace, ReleaseLaw, ReleasePace};
 use crate::model::{Motion, System};
 
 /// Two instants are one when they are nearer than this share of a control period (1).
-pub(crate) const SAME_INSTANT: f64 = 1e-9;
+pub const SAME_INSTANT: f64 = 1e-9;
 
 /// One run, checked against all rules when it was read. After a change in code,
 /// `scenario.expanded().checked(name)` checks it again. Nothing in it changes during a run.

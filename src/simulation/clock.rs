@@ -1,7 +1,7 @@
 //! Time of a run: control ticks, the parts of a control period at whose ends rows are recorded, and
 //! the end.
 
-pub(crate) use crate::scenario::SAME_INSTANT;
+pub use crate::scenario::SAME_INSTANT;
 
 /// Position of a run in time.
 pub(super) struct Clock {

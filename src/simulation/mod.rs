@@ -30,7 +30,7 @@ mod trace;
 
 pub use crate::backend::{AttachedTip, AttachedTips};
 pub use account::{Account, Cause, Finding, Health};
-pub(crate) use clock::SAME_INSTANT;
+pub use clock::SAME_INSTANT;
 pub use controllers::{Ants, Commands, Controller, Replay, Tips, View, controller_of, follow_ants};
 pub use doubt_times::DoubtTimes;
 pub use resolution::Resolution;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cohaul::backend::{BackendKind, Motion, Status};
 use cohaul::math::Vec2;
 use cohaul::model::System;
-use cohaul::studies::verify::pull::PULLS;
+use cohaul_studies::verify::pull::PULLS;
 
 use crate::common::*;
 

@@ -4,7 +4,7 @@
 use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Motion, Status, build};
 use cohaul::math::Vec2;
 use cohaul::model::System;
-use cohaul::studies::verify::tripod::STARTS;
+use cohaul_studies::verify::tripod::STARTS;
 
 use crate::common::*;
 

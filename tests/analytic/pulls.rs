@@ -10,7 +10,7 @@ use cohaul::backend::{BackendKind, BackendOptions, Integrator, Status, StepRepor
 use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation};
-use cohaul::studies::verify::scenes::{SLIP_STRETCH, at_rest, isotropic, paper_system};
+use cohaul_studies::verify::scenes::{SLIP_STRETCH, at_rest, isotropic, paper_system};
 use random_pulls::{PERIOD, Pull};
 
 /// Shortest spring over its rest length below which a load is near a root (1).

@@ -6,7 +6,7 @@
 
 use cohaul::backend::{BackendKind, Status};
 use cohaul::math::{Pose, Vec3};
-use cohaul::studies::verify::reference::{INERTIAL, LOSS, QUASI_STATIC};
+use cohaul_studies::verify::reference::{INERTIAL, LOSS, QUASI_STATIC};
 
 use crate::common::*;
 

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use cohaul::backend::{Backend, BackendKind, EnergyLedger, Status, TransitionKind};
 use cohaul::math::{Vec2, direction};
-use cohaul::studies::verify::release::JUMPS;
+use cohaul_studies::verify::release::JUMPS;
 
 use crate::common::*;
 

@@ -5,7 +5,7 @@ use cohaul::math::{Pose, Twist, Vec2, Vec3, rotation};
 use cohaul::model::System;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation};
-use cohaul::studies::verify::reference::QUASI_STATIC;
+use cohaul_studies::verify::reference::QUASI_STATIC;
 
 use crate::common::*;
 

@@ -2,7 +2,7 @@
 //! in closed form.
 
 use cohaul::backend::{BackendKind, Motion, Status};
-use cohaul::studies::verify::slide::{PRINTED, SLIDES, SPIN_DECELERATION, SPINS};
+use cohaul_studies::verify::slide::{PRINTED, SLIDES, SPIN_DECELERATION, SPINS};
 
 use crate::common::*;
 

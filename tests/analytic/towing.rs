@@ -3,7 +3,7 @@
 use cohaul::backend::{BackendKind, Motion};
 use cohaul::math::{Pose, Twist, Vec2};
 use cohaul::model::PolarSpring;
-use cohaul::studies::verify::towing::ARMS;
+use cohaul_studies::verify::towing::ARMS;
 
 use crate::common::*;
 

@@ -4,7 +4,7 @@
 use cohaul::backend::BackendKind;
 use cohaul::math::{Pose, Vec2, Vec3};
 use cohaul::model::{Ground, Load, System, World};
-use cohaul::studies::verify::tripod::{Pinning, STARTS, Start};
+use cohaul_studies::verify::tripod::{Pinning, STARTS, Start};
 
 use crate::common::*;
 

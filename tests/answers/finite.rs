@@ -3,12 +3,12 @@
 use cohaul::analysis::compare::{Settings, ThreeWay};
 use cohaul::backend::{BackendKind, BackendOptions};
 use cohaul::math::{RandomStreams, Stream};
-use cohaul::output::json;
-use cohaul::output::text::Detail;
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation, backend_of};
-use cohaul::studies::compare::comparison::{Comparison, Tiers};
-use cohaul::studies::compare::text::text;
+use cohaul_report::json;
+use cohaul_report::text::Detail;
+use cohaul_studies::compare::comparison::{Comparison, Tiers};
+use cohaul_studies::compare::text::text;
 use rayon::prelude::*;
 use serde_json::json;
 

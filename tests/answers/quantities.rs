@@ -5,7 +5,7 @@ use cohaul::analysis::compare::{Pathwise, QuantityVerdict, Settings, ThreeWay, V
 use cohaul::backend::{BackendKind, BackendOptions, default_step};
 use cohaul::scenario::Scenario;
 use cohaul::simulation::{Keep, Simulation};
-use cohaul::studies::compare::answer::sentence_of_paths;
+use cohaul_studies::compare::answer::sentence_of_paths;
 use rayon::prelude::*;
 
 use crate::oracle::{Line, RADIUS, Tick, Tip};

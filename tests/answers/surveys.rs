@@ -9,11 +9,11 @@ use std::path::PathBuf;
 use cohaul::analysis::compare::{Pathwise, Settings, SuggestedChange, ThreeWay};
 use cohaul::analysis::estimate::InertiaEstimate;
 use cohaul::backend::BackendKind;
-use cohaul::output::page::Answer;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation};
-use cohaul::studies::compare::answer::is_valid;
-use cohaul::studies::compare::text::tried;
+use cohaul_report::page::Answer;
+use cohaul_studies::compare::answer::is_valid;
+use cohaul_studies::compare::text::tried;
 use rayon::prelude::*;
 
 use crate::random_scenes::random_scenario;

@@ -4,10 +4,10 @@
 use cohaul::analysis::compare::{Settings, ThreeWay};
 use cohaul::backend::{BackendKind, BackendOptions};
 use cohaul::math::Vec2;
-use cohaul::output::tips_csv::write_tips;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Commands, Controller, Event, EventKind, Keep, Simulation, Trace, View, controller_of};
-use cohaul::studies::from_tips::scenario_from_tips;
+use cohaul_paper::from_tips::scenario_from_tips;
+use cohaul_report::tips_csv::write_tips;
 
 fn shipped(name: &str) -> String {
     std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name)).unwrap()

@@ -2,10 +2,10 @@
 
 use cohaul::analysis::compare::{Settings, ThreeWay};
 use cohaul::backend::{BackendKind, Integrator};
-use cohaul::studies::runner::Records;
-use cohaul::studies::sweep::{Ask, Design, Plan, Variant};
-use cohaul::studies::vary::report::{Map, share};
-use cohaul::studies::vary::{Cell, Question, tasks};
+use cohaul_studies::runner::Records;
+use cohaul_studies::sweep::{Ask, Design, Plan, Variant};
+use cohaul_studies::vary::report::{Map, share};
+use cohaul_studies::vary::{Cell, Question, tasks};
 
 const SCENE: &str = include_str!("../../scenarios/analytic/ramp-and-hold.json");
 

@@ -5,8 +5,8 @@ use cohaul::backend::{Backend, BackendKind, BackendOptions, Integrator, Motion, 
 use cohaul::math::{Pose, Vec3};
 use cohaul::model::System;
 
-pub use cohaul::studies::verify::extrapolated;
-pub use cohaul::studies::verify::scenes::*;
+pub use cohaul_studies::verify::extrapolated;
+pub use cohaul_studies::verify::scenes::*;
 
 pub const WITH_INERTIA: [BackendKind; 2] = [BackendKind::Inertial, BackendKind::Rapier];
 

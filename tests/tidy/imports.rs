@@ -19,10 +19,10 @@ struct Module<'a> {
     paths: Vec<PathName>,
 }
 
-/// A finding for each set of files that use each other.
-pub fn circles(files: &[Source]) -> Vec<Finding> {
-    let is_module = |file: &&Source| !["src/lib.rs", "src/main.rs"].contains(&file.path.as_str()) && !file.is_test();
-    let tree = Tree { files: files.iter().filter(is_module).map(|file| (module_of(&file.path), Module::new(file))).collect() };
+/// A finding for each set of files of the crate in this folder that use each other.
+pub fn circles(folder: &str, files: &[&Source]) -> Vec<Finding> {
+    let files = files.iter().copied().filter(|file| !file.is_test()).map(|file| (module_of(folder, &file.path), Module::new(file)));
+    let tree = Tree { files: files.filter(|(at, _)| !["lib", "main"].contains(&at[0].as_str())).collect() };
     let uses: BTreeMap<&str, BTreeMap<&str, String>> =
         tree.files.iter().map(|(at, module)| (module.file.path.as_str(), tree.uses(at, module))).collect();
     let reached: BTreeMap<&str, BTreeSet<&str>> = uses.keys().map(|path| (*path, reachable(&uses, path))).collect();
@@ -56,8 +56,8 @@ fn reachable<'a>(uses: &BTreeMap<&'a str, BTreeMap<&'a str, String>>, from: &str
     reached
 }
 
-fn module_of(path: &str) -> Vec<String> {
-    let inside = path.trim_start_matches("src/").trim_end_matches(".rs").trim_end_matches("/mod");
+fn module_of(folder: &str, path: &str) -> Vec<String> {
+    let inside = path.trim_start_matches(folder).trim_start_matches('/').trim_end_matches(".rs").trim_end_matches("/mod");
     inside.split('/').map(str::to_owned).collect()
 }
 

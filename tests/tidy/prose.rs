@@ -74,7 +74,7 @@ pub fn sentences_of_markdown(path: &str, text: &str) -> Vec<Sentence> {
 /// Sentences among the strings of a file and, of the command line, among its doc comments, which
 /// are its help.
 pub fn printed_sentences(file: &Source) -> Vec<Sentence> {
-    let is_help = file.path.starts_with("src/cli/");
+    let is_help = file.path.starts_with("crates/app/src/cli/");
     let is_printed = |text: &&crate::source::Text| if text.is_doc { is_help } else { text.text.split_whitespace().count() > 4 };
     file.texts().iter().filter(is_printed).flat_map(|text| sentences_of_page_or_line(file, text.line, &text.text)).collect()
 }

@@ -1,0 +1,44 @@
+//! `cohaul calibrate fit|design|forces|behaviour|pulls`.
+
+mod behaviour;
+mod design;
+mod dimensions;
+mod fit;
+mod forces;
+mod pulls;
+mod sensor;
+
+use std::process::ExitCode;
+
+use clap::Subcommand;
+
+use super::error::CliError;
+use super::watch::{catch_interrupts, watched_by};
+use cohaul_report::progress::Progress;
+pub use sensor::table_of;
+
+#[derive(Subcommand)]
+pub enum CalibrateCommand {
+    /// Fit Young's modulus and linear stiffnesses to measured forces
+    Fit(fit::FitArgs),
+    /// Find the dimensions of a spring for wanted stiffnesses
+    Design(design::DesignArgs),
+    /// Turn recorded tip positions into forces
+    Forces(forces::ForcesArgs),
+    /// Fit release law, steering and speed of ants to recorded tips
+    Behaviour(behaviour::BehaviourArgs),
+    /// Compare two samples of pulls by a test that knows runs
+    Pulls(pulls::PullsArgs),
+}
+
+pub fn calibrate(command: &CalibrateCommand) -> Result<ExitCode, CliError> {
+    // An interrupt leaves no file half written.
+    catch_interrupts();
+    watched_by(Progress::of_unknown("calibrate"), |_| match command {
+        CalibrateCommand::Fit(args) => fit::fit(args),
+        CalibrateCommand::Design(args) => design::design(args),
+        CalibrateCommand::Forces(args) => forces::forces(args),
+        CalibrateCommand::Behaviour(args) => behaviour::behaviour(args),
+        CalibrateCommand::Pulls(args) => pulls::pulls(args),
+    })
+}

@@ -1,0 +1,45 @@
+//! `cohaul view`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::console::{note, print};
+use super::error::CliError;
+use super::input::{read_scenario, warn_of_scenario};
+use super::watch::is_interrupted;
+use crate::live::{LiveScene, Server, shipped};
+use cohaul::scenario::Scenario;
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  cohaul view
+  cohaul view scenarios/robots/two-fingers.json
+
+The page is served on 127.0.0.1 only, to whoever has the printed link, until
+Ctrl-C. Nothing is written; the page saves scenarios through the browser.")]
+pub struct ViewArgs {
+    /// Scenario file; - for standard input [default: four ants of the paper]
+    scenario: Option<PathBuf>,
+    /// Port of the page [default: any free port]
+    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+    port: u16,
+}
+
+pub fn view(args: &ViewArgs) -> Result<ExitCode, CliError> {
+    let scenario = match &args.scenario {
+        Some(path) => {
+            let scenario = read_scenario(path, None)?;
+            warn_of_scenario(path, &scenario);
+            scenario
+        }
+        None => Scenario::parse(shipped(None).expect("there are scenes"), "four ants")?,
+    };
+    let server = Server::bind(args.port, LiveScene::new(scenario))?;
+    print(&format!("{}\n", server.link()))?;
+    note("Open this link in a browser; Ctrl-C ends.");
+    server.serve(|| !is_interrupted())?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,5 @@
+//! The program `cohaul`: its command line and its live page.
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod live;

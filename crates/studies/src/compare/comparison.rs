@@ -1,0 +1,93 @@
+//! A comparison as data: the answer, and the results by tier.
+
+use serde::Serialize;
+
+use crate::compare::answer;
+use crate::compare::beside::Beside;
+use cohaul::analysis::compare::{ClosedLoop, Pathwise, Settings, Verdict};
+use cohaul::formats::{self, Format, Versioned};
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Health, Trace};
+use cohaul_report::page::Answer;
+
+/// Result of `cohaul compare`, as `--json` prints it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Whether the quasi-static backend is valid, and the engine error, in words.
+    pub answer: String,
+    pub scenario: String,
+    pub seed: u64,
+    pub settings: Settings,
+    pub tiers: Tiers,
+    /// A path recorded elsewhere, beside those of the first tier of paths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside: Option<Beside>,
+    /// Real time that the comparison took (s).
+    pub wall_s: f64,
+}
+
+impl Versioned for Comparison {
+    const FORMAT: Format = formats::COMPARE;
+}
+
+/// Results by tier; a tier that was not asked for is left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Tiers {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prescribed: Option<Pathwise>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replayed: Option<Pathwise>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closed_loop: Option<ClosedLoop>,
+}
+
+impl Comparison {
+    /// `tiers` after `wall_s` (s) of real time. The answer is that of paths, if there are any.
+    pub fn new(scenario: &Scenario, settings: &Settings, tiers: Tiers, wall_s: f64) -> Self {
+        let paths = tiers.pathwise().next().map(answer::sentence_of_paths);
+        let answer = paths.or(tiers.closed_loop.as_ref().map(answer::sentence_of_ensemble)).unwrap_or_default();
+        Self { answer, scenario: scenario.name.clone(), seed: scenario.seed, settings: *settings, tiers, beside: None, wall_s }
+    }
+
+    /// Lays a recorded path beside those of the first tier of paths.
+    ///
+    /// # Errors
+    /// When there is no instant at which both exist.
+    pub fn lay_beside(&mut self, file: &str, recorded: Trace) -> Result<(), String> {
+        let Some(found) = self.tiers.pathwise().next() else { return Ok(()) };
+        self.beside = Some(Beside::new(file, recorded, found)?);
+        Ok(())
+    }
+
+    /// Whether the answer is that quasi-static is valid.
+    pub fn is_valid(&self) -> Answer {
+        let paths = self.tiers.pathwise().next().map(answer::of_paths);
+        paths.or(self.tiers.closed_loop.as_ref().map(answer::of_ensemble)).unwrap_or(Answer::Open)
+    }
+}
+
+impl Tiers {
+    /// Comparisons of paths: prescribed, then replayed.
+    pub fn pathwise(&self) -> impl Iterator<Item = &Pathwise> {
+        [&self.prescribed, &self.replayed].into_iter().flatten()
+    }
+
+    /// The worst account: a comparison that could not be computed has failed, and one with doubts
+    /// or with a run that is not ok is doubtful.
+    pub fn worst(&self) -> Health {
+        let accounts = self.pathwise().flat_map(|found| &found.solutions).map(|solution| solution.account.health);
+        let is_doubted =
+            self.pathwise().any(|found| !found.doubts.is_empty()) || self.closed_loop.iter().any(|found| !found.doubts.is_empty());
+        match () {
+            () if !self.are_computed() => Health::Failed,
+            () if is_doubted || accounts.max() > Some(Health::Ok) => Health::Doubtful,
+            () => Health::Ok,
+        }
+    }
+
+    /// Whether all runs succeeded.
+    pub fn are_computed(&self) -> bool {
+        let verdicts = self.pathwise().map(|found| found.verdict);
+        verdicts.chain(self.closed_loop.iter().map(|found| found.verdict)).all(|verdict| verdict != Verdict::NotComputed)
+    }
+}

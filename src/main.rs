@@ -1,7 +1,0 @@
-//! The program: parse, dispatch, exit code.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    cohaul::cli::main()
-}

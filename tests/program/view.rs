@@ -1,0 +1,420 @@
+//! The live testbed: what is dragged is the scenario that is saved, to the bit, and only the page
+//! of the link gets in.
+
+#[path = "../common/root.rs"]
+mod root;
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use cohaul::backend::BackendKind;
+use cohaul::math::Vec2;
+use cohaul::scenario::Scenario;
+use cohaul::simulation::{Keep, Simulation};
+use cohaul_app::live::{Edit, Handle, Lanes, LiveScene, Reach, Span};
+use serde_json::{Value, json};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::{Message, WebSocket};
+
+fn scene(name: &str) -> LiveScene {
+    let scenario = Scenario::read(&root::root().join("scenarios").join(format!("{name}.json"))).unwrap();
+    LiveScene::new(scenario)
+}
+
+/// Poses of all backends at the end of `scene`, by its own saved scenario, read anew.
+fn poses_of_saved(scene: &LiveScene, until: f64) -> Vec<[f64; 3]> {
+    let text = serde_json::to_value(scene.scenario.expanded()).unwrap().to_string();
+    let scenario = Scenario { duration: until, ..Scenario::parse(&text, "saved").unwrap() };
+    let pose = |kind: BackendKind| {
+        let mut run = Simulation::new(&scenario, &scene.settings.options(kind, &scenario), Keep::Outcome);
+        run.run(|_| true);
+        let pose = run.motion().pose;
+        [pose.position.x, pose.position.y, pose.heading]
+    };
+    BackendKind::ALL.map(pose).to_vec()
+}
+
+fn poses(lanes: &Lanes) -> Vec<[f64; 3]> {
+    lanes.motions().map(|motion| [motion.pose.position.x, motion.pose.position.y, motion.pose.heading]).collect()
+}
+
+/// Drags a handle along a circle from the time `from` (s) on, as a page does: runs of some ticks,
+/// with a new aim before each. Returns the scene and the poses that were shown last.
+fn dragged(mut scene: LiveScene, handle: Handle, from: f64, centre: Vec2, radius: f64) -> (LiveScene, Vec<[f64; 3]>, f64) {
+    let period = scene.scenario.control_period;
+    let rest_tip = |lanes: &Lanes| match handle {
+        Handle::Spring(spring) => lanes.rest_tip(spring).unwrap(),
+        Handle::Pusher(_) => Vec2::zeros(),
+    };
+    let mut lanes = Lanes::new(&scene);
+    while lanes.time() < from - 0.5 * period {
+        lanes.advance();
+    }
+    let (mut saved, mut tip, mut tick) = (lanes.save().unwrap(), rest_tip(&lanes), lanes.tick());
+    let mut last = (Vec::new(), 0.0);
+    for step in 0..480 {
+        // Now one tick, now three, as frames come.
+        let n = 1 + 2 * u64::from(step % 3 == 0);
+        let span = Span { from: tick as f64 * period, to: (tick + n) as f64 * period };
+        let angle = 0.01 * f64::from(step);
+        let to = centre + radius * Vec2::new(angle.cos(), angle.sin());
+        let now = span.from;
+        let reach = scene.apply(&Edit::Drag { handle, to, span, rest_tip: tip }, now).unwrap();
+        let mut lanes = match reach {
+            Reach::Future => Lanes::resume(&scene, &saved).unwrap(),
+            Reach::Whole => Lanes::new(&scene),
+        };
+        while lanes.time() < span.to - 0.5 * period {
+            lanes.advance();
+        }
+        (saved, tip, tick) = (lanes.save().unwrap(), rest_tip(&lanes), tick + n);
+        last = (poses(&lanes), lanes.time());
+    }
+    (scene, last.0, last.1)
+}
+
+/// A tip in the middle of a prescribed way, one that rests, and pushers: the load moves on all
+/// backends, and the saved scenario leads each of them to the same place. With tips it does so to
+/// the bit.
+#[test]
+fn the_saved_scenario_of_a_drag_gives_the_same_path() {
+    let free = scene("paper/four-tips-held");
+    let centre = Vec2::new(0.08, 0.03);
+    let cases = [
+        ("a tip on its way", dragged(scene("analytic/ramp-and-hold"), Handle::Spring(0), 0.2505, Vec2::new(0.03, 0.02), 0.03)),
+        ("a held tip", dragged(free, Handle::Spring(1), 0.1, centre, 0.04)),
+        ("a pusher", dragged(scene("contact/pusher"), Handle::Pusher(0), 0.3, Vec2::new(0.02, 0.004), 0.01)),
+        ("two fingers", dragged(scene("robots/two-fingers"), Handle::Pusher(0), 1.0, Vec2::new(0.4, 0.05), 0.05)),
+    ];
+    for (what, (scene, shown, until)) in cases {
+        let again = poses_of_saved(&scene, until);
+        // The time in an inertial step is a sum, by whose rounding it may lie behind a turn of the
+        // pusher that a page does not know yet: a last digit of a place of 0.4 m at each of 480
+        // turns.
+        let rounding = if scene.pushers().is_empty() { 0.0 } else { 480.0 * 1e-16 };
+        for (again, shown) in again.iter().flatten().zip(shown.iter().flatten()) {
+            assert!((again - shown).abs() <= rounding, "{what}: {again} {shown}");
+        }
+        let start = scene.scenario.start.pose.position;
+        for [x, y, _] in shown {
+            assert!((Vec2::new(x, y) - start).norm() > 1e-4, "{what}: the load moves");
+        }
+    }
+}
+
+/// Ants that are switched off leave their tips as they were: the quasi-static load is where it was.
+#[test]
+fn ants_that_are_switched_off_become_prescribed_tips() {
+    let mut scene = scene("paper/four-ants-four-springs");
+    let until = 4.0;
+    let mut with_ants = Lanes::new(&scene);
+    while with_ants.time() < until - 1e-6 {
+        with_ants.advance();
+    }
+    let (shown, now) = (poses(&with_ants)[0], with_ants.time());
+    drop(with_ants);
+    assert_eq!(scene.apply(&Edit::Ants { on: false }, now), Ok(Reach::Whole));
+    let mut prescribed = Lanes::new(&scene);
+    while prescribed.time() < until - 1e-6 {
+        prescribed.advance();
+    }
+    let place = poses(&prescribed)[0];
+    // Tips go straight from tick to tick either way; positions of 0.1 m are rounded.
+    assert!(shown.iter().zip(place).all(|(a, b)| (a - b).abs() < 1e-12), "{shown:?} {place:?}");
+    drop(prescribed);
+    assert!(scene.apply(&Edit::Release { spring: 0 }, now).is_err(), "all were let go");
+    assert_eq!(scene.apply(&Edit::Ants { on: true }, now), Ok(Reach::Whole));
+    assert_eq!(scene.scenario, self::scene("paper/four-ants-four-springs").scenario);
+}
+
+/// What is refused leaves the scene as it is, and says why.
+#[test]
+fn changes_that_break_a_rule_change_nothing() {
+    let mut scene = scene("analytic/release-jump");
+    let before = scene.clone();
+    let span = Span { from: 0.0, to: 0.01 };
+    let edits = [
+        (Edit::Set { what: "mass".into(), value: f64::NAN }, "mass: must be from"),
+        (Edit::Set { what: "mass".into(), value: 1e9 }, "mass: must be from"),
+        (Edit::Set { what: "colour".into(), value: 1.0 }, "no parameter \"colour\""),
+        (Edit::Drag { handle: Handle::Spring(9), to: Vec2::zeros(), span, rest_tip: Vec2::zeros() }, "spring: must be below 2, found 9"),
+        (Edit::Drag { handle: Handle::Pusher(0), to: Vec2::zeros(), span, rest_tip: Vec2::zeros() }, "must be an obstacle that moves"),
+        (Edit::Drag { handle: Handle::Spring(0), to: Vec2::new(f64::INFINITY, 0.0), span, rest_tip: Vec2::zeros() }, "a finite place"),
+        (Edit::Shipped { name: "../secret".into() }, "no scene"),
+        (Edit::Ants { on: true }, "this scene has none"),
+    ];
+    for (edit, why) in edits {
+        let refused = scene.apply(&edit, 0.0).unwrap_err();
+        assert!(refused.contains(why), "{edit:?}: {refused}");
+        assert_eq!(scene, before);
+    }
+}
+
+/// Sliders do what they say, within rounding of products: the weight goes with the mass and not
+/// with the inertia.
+#[test]
+fn sliders_change_what_they_name() {
+    let mut scene = scene("analytic/release-jump");
+    let limit = scene.scenario.system.total_slip_limit();
+    let mut set = |what: &str, value: f64| {
+        scene.apply(&Edit::Set { what: what.to_owned(), value }, 0.0).unwrap();
+        let system = scene.scenario.system.clone();
+        (system.load.mass, system.total_slip_limit() / limit, system.springs[0].radial_stiffness, scene.scenario.duration)
+    };
+    let is = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-12;
+    let (mass, slip, ..) = set("mass", 0.0032);
+    assert!(is(mass, 0.0032) && is(slip, 2.0));
+    let (mass, slip, ..) = set("inertia", 10.0);
+    assert!(is(mass, 0.032) && is(slip, 2.0));
+    assert!(is(set("friction", 0.7).1, 1.0));
+    assert!(is(set("stiffness", 6.64).2, 6.64));
+    assert!(is(set("speed", 2.0).3, 1.25));
+    assert!(is(set("speed", 1.0).3, 2.5));
+}
+
+/// `cohaul view` as a child; it ends with this.
+struct Served {
+    child: Child,
+    host: String,
+    token: String,
+}
+
+impl Served {
+    fn start(scenario: &str) -> Self {
+        let mut command = root::cohaul();
+        let mut child = command.args(["view", scenario]).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut link = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut link).unwrap();
+        let (host, token) = link.trim().strip_prefix("http://").unwrap().split_once("/?token=").unwrap();
+        Self { host: host.to_owned(), token: token.to_owned(), child }
+    }
+
+    /// Status, head and body of the reply to a request for this host.
+    fn get(&self, path: &str, host: &str) -> (u16, String, String) {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+        let mut reply = String::new();
+        stream.read_to_string(&mut reply).unwrap();
+        let (head, body) = reply.split_once("\r\n\r\n").unwrap();
+        (head.split(' ').nth(1).unwrap().parse().unwrap(), head.to_lowercase(), body.to_owned())
+    }
+
+    /// A page, or the status with which it is refused.
+    fn socket(&self, origin: Option<&str>, token: &str) -> Result<WebSocket<TcpStream>, u16> {
+        let mut request = format!("ws://{}/socket?token={token}", self.host).into_client_request().unwrap();
+        if let Some(origin) = origin {
+            request.headers_mut().insert("Origin", origin.parse().unwrap());
+        }
+        let stream = TcpStream::connect(&self.host).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        match tungstenite::client(request, stream) {
+            Ok((socket, _)) => Ok(socket),
+            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(reply))) => Err(reply.status().as_u16()),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    fn page(&self) -> WebSocket<TcpStream> {
+        self.socket(Some(&format!("http://{}", self.host)), &self.token).expect("this is the page of the link")
+    }
+
+    /// Processor time of the server so far (s).
+    #[cfg(target_os = "linux")]
+    fn processor_s(&self) -> f64 {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
+        let fields: Vec<&str> = stat.rsplit_once(") ").unwrap().1.split(' ').collect();
+        // User and system time, in the hundredths of a second that every Linux counts in.
+        (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn ask(page: &mut WebSocket<TcpStream>, what: &Value) {
+    page.send(Message::text(what.to_string())).unwrap();
+}
+
+/// The next message of a kind; others are passed over, and each frame is said to be drawn.
+fn told(page: &mut WebSocket<TcpStream>, kind: &str) -> Value {
+    let end = Instant::now() + Duration::from_secs(60);
+    while Instant::now() < end {
+        let Message::Text(text) = page.read().unwrap() else { continue };
+        let message: Value = serde_json::from_str(&text).unwrap();
+        if message["tell"] == "frame" {
+            ask(page, &json!({ "do": "drawn", "frame": message["frame"] }));
+        }
+        if message["tell"] == kind {
+            return message;
+        }
+    }
+    panic!("never told {kind}");
+}
+
+#[test]
+fn only_the_page_of_the_link_gets_in() {
+    let served = Served::start("scenarios/analytic/release-jump.json");
+    let (status, head, body) = served.get(&format!("/?token={}", served.token), &served.host);
+    assert_eq!(status, 200);
+    assert!(head.contains("content-security-policy: default-src 'none'") && head.contains("referrer-policy: no-referrer"), "{head}");
+    assert!(!body.contains(&served.token), "the page knows the token from its own address only");
+    for path in ["/", "/?token=", "/?token=0123456789abcdef0123456789abcdef", &format!("/?token={}0", served.token)] {
+        assert_eq!(served.get(path, &served.host).0, 403, "{path}");
+    }
+    // Another name for this machine, as a page that rebinds its name would use.
+    for host in ["evil.example", "evil.example:80", "127.0.0.1", "localhost:1"] {
+        assert_eq!(served.get(&format!("/?token={}", served.token), host).0, 403, "{host}");
+    }
+    assert_eq!(served.get(&format!("/other?token={}", served.token), &served.host).0, 404);
+
+    for origin in [None, Some("null"), Some("http://evil.example"), Some("https://127.0.0.1"), Some("http://127.0.0.1")] {
+        assert_eq!(served.socket(origin, &served.token).err(), Some(403), "{origin:?}");
+    }
+    let own = format!("http://{}", served.host);
+    assert_eq!(served.socket(Some(&own), "0123456789abcdef0123456789abcdef").err(), Some(403));
+    assert!(served.socket(Some(&own), &served.token).is_ok());
+    let local = own.replace("127.0.0.1", "localhost");
+    assert!(served.socket(Some(&local), &served.token).is_ok());
+}
+
+/// Pages that talk nonsense are sent away, those beside them notice nothing.
+#[test]
+fn ten_thousand_malformed_messages_are_refused() {
+    let served = Served::start("scenarios/analytic/release-jump.json");
+    let mut good = served.page();
+    assert_eq!(told(&mut good, "scene")["name"].as_str().unwrap().split(' ').next(), Some("two"));
+    let nonsense = [
+        "",
+        "{",
+        "null",
+        "[]",
+        "{\"do\":\"fly\"}",
+        "{\"do\":\"set\"}",
+        "{\"do\":\"set\",\"what\":1,\"value\":2}",
+        "{\"do\":\"go-to\",\"time_s\":\"now\"}",
+        "{\"do\":\"drag\",\"handle\":{\"spring\":-1},\"to\":[0,0]}",
+        "{\"do\":\"drag\",\"handle\":{\"spring\":0},\"to\":[0]}",
+        "{\"do\":\"settings\",\"settings\":{\"backends\":[\"bullet\"]}}",
+        "\u{0}\u{1}",
+        "{\"do\":\"pace\",\"factor\":1e999}",
+    ];
+    let (mut n_sent, mut n_pages, mut n_told) = (0, 0, 0);
+    while n_sent < 10_000 {
+        let mut page = served.page();
+        n_pages += 1;
+        let is_sent = |page: &mut WebSocket<TcpStream>, at: usize| match at % 17 {
+            16 => page.send(Message::binary(vec![0xff; 100])),
+            at => page.send(Message::text(nonsense[at % nonsense.len()])),
+        };
+        // More than a page may send; what comes after its end counts too.
+        n_sent += (0..150).take_while(|at| is_sent(&mut page, n_sent + at).is_ok()).count();
+        // What it is told before it is sent away.
+        loop {
+            match page.read() {
+                Ok(Message::Text(text)) => n_told += usize::from(text.contains("\"refused\"")),
+                Ok(Message::Close(why)) => {
+                    assert!(why.is_none_or(|why| u16::from(why.code) == 1008));
+                }
+                Ok(_) => {}
+                Err(_) => break,
+            }
+        }
+    }
+    assert!(n_pages >= 10_000 / 150 && n_told > n_pages, "{n_pages} pages were sent away, told {n_told} times");
+    // What makes sense and breaks a rule is refused too, and the page stays.
+    for (what, why) in [
+        (json!({ "do": "set", "what": "mass", "value": -1 }), "mass: must be from"),
+        (json!({ "do": "pace", "factor": 0 }), "pace: must be from"),
+        (json!({ "do": "settings", "settings": { "backends": [] } }), "settings.backends: must be"),
+        (json!({ "do": "open", "saved": { "scenario": { "name": "x" } } }), "scenario"),
+        (json!({ "do": "shipped", "name": "nothing" }), "no scene"),
+    ] {
+        ask(&mut good, &what);
+        let refused = told(&mut good, "refused");
+        assert!(refused["why"].as_str().unwrap().contains(why), "{what}: {refused}");
+    }
+    ask(&mut good, &json!({ "do": "step" }));
+    while told(&mut good, "frame")["time_s"] != json!(0.001) {}
+    // Longer than any message may be.
+    let long = "x".repeat(5 << 20);
+    let _ = good.send(Message::text(long));
+    assert!((0..200).any(|_| good.read().is_err()), "too long");
+    told(&mut served.page(), "scene");
+}
+
+/// Pages that say goodbye and pages that are torn away while they play: nothing goes on computing.
+#[cfg(target_os = "linux")]
+#[test]
+fn pages_that_are_gone_leave_no_running_computation() {
+    let served = Served::start("scenarios/paper/ten-ants-ten-springs.json");
+    let mut pages: Vec<WebSocket<TcpStream>> = (0..3).map(|_| served.page()).collect();
+    for page in &mut pages {
+        ask(page, &json!({ "do": "pace", "factor": 50 }));
+        ask(page, &json!({ "do": "play" }));
+        while told(page, "frame")["time_s"].as_f64().unwrap() < 1.0 {}
+    }
+    assert!(served.processor_s() > 0.02);
+    let _ = pages[0].close(None);
+    drop(pages);
+    let is_quiet = || {
+        let before = served.processor_s();
+        std::thread::sleep(Duration::from_millis(500));
+        served.processor_s() - before < 0.05
+    };
+    assert!((0..60).any(|_| is_quiet()), "computing goes on");
+}
+
+/// A period of a day is half a minute's work and more: it ends with the page, and its messages do
+/// not keep it from being heard.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_that_is_closed_in_the_midst_of_a_control_period_ends_it() {
+    let room = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(root::root().join("scenarios/analytic/centre-pull.json")).unwrap();
+    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    (scene["duration_s"], scene["control_period_s"]) = (json!(864_000.0), json!(86_400.0));
+    scene["drive"]["paths"][0]["waypoints"] = json!([[0.0, 0.0, 0.0], [864_000.0, 50.0, 3.0]]);
+    let path = room.path().join("slow.json");
+    std::fs::write(&path, scene.to_string()).unwrap();
+    let served = Served::start(path.to_str().unwrap());
+    let mut page = served.page();
+    told(&mut page, "scene");
+    ask(&mut page, &json!({ "do": "go-to", "time_s": 86_400.0 }));
+    // More than the runs are handed at once.
+    (0..200).for_each(|_| ask(&mut page, &json!({ "do": "pace", "factor": 2.0 })));
+    let used = |time: Duration| {
+        let before = served.processor_s();
+        std::thread::sleep(time);
+        served.processor_s() - before
+    };
+    assert!((0..60).any(|_| used(Duration::from_millis(200)) > 0.05), "it computes");
+    let _ = page.close(None);
+    drop(page);
+    std::thread::sleep(Duration::from_millis(200));
+    assert!((0..10).any(|_| used(Duration::from_millis(500)) < 0.05), "computing goes on");
+}
+
+/// A page that draws no more, as one that is hidden, is sent a few frames and no others.
+#[test]
+fn a_page_that_draws_no_more_stops_its_runs() {
+    let served = Served::start("scenarios/paper/four-ants-four-springs.json");
+    let mut page = served.page();
+    ask(&mut page, &json!({ "do": "play" }));
+    page.get_ref().set_read_timeout(Some(Duration::from_secs(2))).unwrap();
+    let (mut n_frames, mut last) = (0, Value::Null);
+    // The message before two seconds of silence is the last.
+    while let Ok(Message::Text(text)) = page.read() {
+        let message: Value = serde_json::from_str(&text).unwrap();
+        if message["tell"] == "frame" {
+            (n_frames, last) = (n_frames + 1, message);
+        }
+        assert!(n_frames < 30, "frames go on");
+    }
+    assert!(n_frames > 5 && last["time_s"].as_f64().unwrap() < 0.3, "{n_frames} frames, {last}");
+}
