@@ -10,6 +10,11 @@ use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, Trace, backend_of, controller_of};
 use rayon::prelude::*;
 
+#[path = "common/causes.rs"]
+mod causes;
+
+use causes::sides;
+
 /// Tolerance of the verdict over the path length (1).
 const SHARE: f64 = 0.05;
 /// Tolerance of the tight runs over that of the verdict (1). Those of a comparison have 0.025.
@@ -72,13 +77,6 @@ fn truth(scenario: &Scenario, found: &Pathwise, rapier: RapierOptions) -> [f64; 
         .collect();
     let follows_a_jump = |time: f64| jumps.iter().any(|jump| (0.0..0.999 * scenario.control_period).contains(&(time - jump)));
     [apart(&inertial, &quasi_static, radius, follows_a_jump), apart(&engine, &inertial, radius, |_| false)]
-}
-
-/// The causes without their parts: inertia with impacts, and the engine.
-fn sides(causes: &[Cause]) -> Vec<Cause> {
-    let mut sides: Vec<Cause> = causes.iter().map(|cause| if cause.is_of_engine() { Cause::Engine } else { Cause::Inertia }).collect();
-    sides.dedup();
-    sides
 }
 
 fn expected([inertia, engine]: [f64; 2], tolerance: f64) -> (Verdict, Vec<Cause>) {

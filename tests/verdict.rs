@@ -16,6 +16,11 @@ use cohaul::math::Vec2;
 use cohaul::scenario::{Drive, Scenario};
 use cohaul::simulation::{Keep, Simulation, backend_of};
 
+#[path = "common/causes.rs"]
+mod causes;
+
+use causes::sides;
+
 /// Speed of the tip (m/s), and the time at which it stops (s).
 const SPEED: f64 = 0.08;
 const HOLD: f64 = 0.5;
@@ -68,13 +73,6 @@ fn settings(rapier: RapierOptions) -> Settings {
 
 fn compared(scenario: &Scenario, settings: &Settings) -> Pathwise {
     ThreeWay::new(scenario, settings).prescribed(|_| true).unwrap()
-}
-
-/// The causes without their parts: inertia, and the engine.
-fn sides(causes: &[Cause]) -> Vec<Cause> {
-    let mut sides: Vec<Cause> = causes.iter().map(|cause| if cause.is_of_engine() { Cause::Engine } else { Cause::Inertia }).collect();
-    sides.dedup();
-    sides
 }
 
 #[test]

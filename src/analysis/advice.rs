@@ -90,7 +90,7 @@ impl ExpectedTimes {
     fn of(scenario: &Scenario) -> Self {
         let run = |kind| {
             let options = BackendOptions::at_step(None, kind, &scenario.system, scenario.control_period);
-            finite(ExpectedCost::of_run(scenario, &options).time_s)
+            finite(ExpectedCost::of_estimated_run(scenario, &options).time_s)
         };
         Self {
             quasi_static: run(BackendKind::QuasiStatic),

@@ -11,7 +11,8 @@
 //! factors of obstacles are means. A run itself tells its time better as soon as a percent of it is
 //! done.
 
-use super::compare::Settings;
+use super::compare::{Settings, is_damped};
+use super::estimate::step_among_obstacles;
 use crate::backend::{BackendKind, BackendOptions, LONGEST_MACRO_STEP};
 use crate::model::{Outline, OutlinePart};
 use crate::scenario::{Drive, Scenario};
@@ -77,6 +78,10 @@ const STEPS_AN_OSCILLATION: f64 = 40.0;
 /// macro-steps are cut and their steps are searched for. This is the mean of scenes. Where impacts
 /// follow each other or a load jams, macro-steps cost up to a hundred times as much.
 const CONTROL_AMONG_OBSTACLES: f64 = 1.25;
+
+/// Time of the inertia estimate in the open over that of the run beside it (1). Among obstacles it
+/// is a load with inertia, which costs a run of its own.
+const ESTIMATE: f64 = 0.25;
 
 /// Time for each spring and each support to begin a run (s).
 const START_A_PART: f64 = 1e-6;
@@ -193,16 +198,37 @@ impl ExpectedCost {
         Self { n_steps, time_s: of_steps + of_ants + of_start, limit }
     }
 
-    /// Cost of a comparison of paths: the references twice, rapier at its step, a half and a
-    /// quarter of it. Ants decide in one run, which the others replay.
+    /// As [`ExpectedCost::of_run`], with the inertia estimate if the backend has one.
+    pub fn of_estimated_run(scenario: &Scenario, options: &BackendOptions) -> Self {
+        let run = Self::of_run(scenario, options);
+        if options.kind.has_inertia_estimate() { run.and(Self::of_estimate(scenario)) } else { run }
+    }
+
+    /// Cost of the inertia estimate beside a quasi-static run.
+    fn of_estimate(scenario: &Scenario) -> Self {
+        let extent = Extent { n_ants: 0.0, ..Extent::of(scenario) };
+        if extent.n_obstacles > 0.0 {
+            let step = step_among_obstacles(&scenario.system);
+            return Self::of_extent(&extent, scenario, &BackendOptions::new(BackendKind::Inertial, step));
+        }
+        let options = BackendOptions::at_step(None, BackendKind::QuasiStatic, &scenario.system, scenario.control_period);
+        Self::of_extent(&extent, scenario, &options).times(ESTIMATE)
+    }
+
+    /// Cost of a comparison of paths: the references and the estimate twice, the runs that tell
+    /// parts of the inertia effect once, and rapier at its step, a half and a quarter of it. Ants
+    /// decide in one run, which the others replay.
     pub fn of_comparison(scenario: &Scenario, settings: &Settings) -> Self {
         let replayed = Extent { n_ants: 0.0, ..Extent::of(scenario) };
-        let references = [BackendKind::QuasiStatic, BackendKind::Inertial].map(|kind| (2.0, settings.under_error_control(scenario, kind)));
-        let engine = (7.0, settings.at_fixed_step(scenario, BackendKind::Rapier));
-        let costs = references.into_iter().chain([engine]).map(|(times, options)| {
-            let cost = Self::of_extent(&replayed, scenario, &options);
-            Self { n_steps: times * cost.n_steps, time_s: times * cost.time_s, ..cost }
-        });
+        let reference = |kind| Self::of_extent(&replayed, scenario, &settings.under_error_control(scenario, kind));
+        let [quasi_static, inertial] = [BackendKind::QuasiStatic, BackendKind::Inertial].map(reference);
+        let engine = Self::of_extent(&replayed, scenario, &settings.at_fixed_step(scenario, BackendKind::Rapier));
+        let rate_independent = (is_damped(scenario) && !settings.rate_independent).then_some(quasi_static);
+        // It is left out where the load hits nothing, which is not known beforehand.
+        let may_rebound = scenario.system.world.obstacles.iter().any(|obstacle| obstacle.restitution > 0.0);
+        let without_restitution = may_rebound.then_some(inertial);
+        let costs = [quasi_static.times(2.0), inertial.times(2.0), engine.times(7.0), Self::of_estimate(scenario).times(2.0)];
+        let costs = costs.into_iter().chain(rate_independent).chain(without_restitution);
         let recorded = matches!(scenario.drive, Drive::Ants(_))
             .then(|| Self::of_run(scenario, &settings.at_fixed_step(scenario, settings.recorded_from)));
         costs.chain(recorded).reduce(Self::and).expect("there are three backends")
@@ -212,7 +238,7 @@ impl ExpectedCost {
     pub fn of_closed_loop(scenario: &Scenario, settings: &Settings, n_seeds: usize) -> Self {
         let costs = BackendKind::COMPARED.map(|kind| Self::of_run(scenario, &settings.at_fixed_step(scenario, kind)));
         let one = costs.into_iter().reduce(Self::and).expect("there are three backends");
-        Self { n_steps: n_seeds as f64 * one.n_steps, time_s: n_seeds as f64 * one.time_s, ..one }
+        one.times(n_seeds as f64)
     }
 
     /// Cost of `cohaul compare` without options: of paths and, with ants, over [`DEFAULT_SEEDS`].
@@ -222,6 +248,10 @@ impl ExpectedCost {
             Drive::Tips(_) => paths,
             Drive::Ants(_) => paths.and(Self::of_closed_loop(scenario, &settings, DEFAULT_SEEDS)),
         }
+    }
+
+    fn times(self, n: f64) -> Self {
+        Self { n_steps: n * self.n_steps, time_s: n * self.time_s, ..self }
     }
 
     /// Cost of both, with the limit of the longer one.
@@ -286,6 +316,46 @@ mod tests {
         let (ants, settings) = (scene("paper/four-ants-four-springs"), Settings::default());
         let seeds = |n| ExpectedCost::of_closed_loop(&ants, &settings, n).time_s;
         assert!((seeds(32) / seeds(8) - 4.0).abs() < 1e-12);
+    }
+
+    /// Each run that a comparison or an estimate adds costs its time.
+    #[test]
+    fn runs_that_tell_a_part_of_the_effect_cost_time() {
+        let cost = |scenario: &Scenario| ExpectedCost::of_comparison(scenario, &Settings::default());
+        let controlled =
+            |scenario: &Scenario, kind| ExpectedCost::of_run(scenario, &Settings::default().under_error_control(scenario, kind));
+        let with_dashpots = |damping_ratio: f64| {
+            let mut scene = scene("analytic/ramp-and-hold");
+            scene.system.springs[0].damping_ratio = damping_ratio;
+            scene
+        };
+        let rebounding = |restitution: f64| {
+            let mut scene = scene("contact/rebound");
+            scene.system.world.obstacles.iter_mut().for_each(|obstacle| obstacle.restitution = restitution);
+            scene
+        };
+        let added = [
+            (cost(&with_dashpots(0.3)), cost(&with_dashpots(0.0)), controlled(&with_dashpots(0.3), BackendKind::QuasiStatic)),
+            (cost(&rebounding(0.5)), cost(&rebounding(0.0)), controlled(&rebounding(0.5), BackendKind::Inertial)),
+        ];
+        for (with, without, run) in added {
+            let [time, steps] = [with.time_s - without.time_s, with.n_steps - without.n_steps];
+            assert!((time / run.time_s - 1.0).abs() < 1e-9 && (steps / run.n_steps - 1.0).abs() < 1e-9, "{time:e} {steps:e} {run:?}");
+        }
+        let settings = Settings { rate_independent: true, ..Settings::default() };
+        let damped = with_dashpots(0.3);
+        assert!(ExpectedCost::of_comparison(&damped, &settings).time_s < cost(&damped).time_s, "the model without dashpots runs once");
+    }
+
+    #[test]
+    fn an_estimate_costs_a_run_with_inertia_among_obstacles_alone() {
+        let share = |scene: &Scenario, kind| {
+            let options = BackendOptions::at_step(None, kind, &scene.system, scene.control_period);
+            ExpectedCost::of_estimated_run(scene, &options).time_s / ExpectedCost::of_run(scene, &options).time_s
+        };
+        let (tow, open) = (scene("robots/tow-past-corner"), scene("analytic/ramp-and-hold"));
+        assert!(share(&tow, BackendKind::QuasiStatic) > 1.9 && (1.2..1.3).contains(&share(&open, BackendKind::QuasiStatic)));
+        assert_eq!((share(&tow, BackendKind::Inertial), share(&open, BackendKind::Inertial)), (1.0, 1.0));
     }
 
     /// A load that ants bring to the nest ends its run: a longer duration costs nothing more.

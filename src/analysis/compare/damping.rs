@@ -28,7 +28,7 @@ pub struct DampingEffect {
 }
 
 /// Whether a spring has a dashpot.
-pub(super) fn is_damped(scenario: &Scenario) -> bool {
+pub(in crate::analysis) fn is_damped(scenario: &Scenario) -> bool {
     relaxation(scenario) > 0.0
 }
 

@@ -23,6 +23,7 @@
 //! ensemble.rs    comparison of distributions
 //! seeds.rs       number of seeds that would decide
 //! verdict.rs     two answers, the word that follows from them, and causes
+//! reduced.rs     numbers of the three runs, from their courses
 //! quantity.rs    the result for one quantity: path, heading, a force, speed or energy
 //! verdicts.rs    the results for all quantities of a comparison of paths
 //! jump_mode.rs   oscillation of the load on its springs at the largest jump
@@ -42,6 +43,7 @@ mod numbers;
 mod parts;
 mod pathwise;
 mod quantity;
+mod reduced;
 mod same_stop;
 mod seed_runs;
 mod seeds;
@@ -54,6 +56,7 @@ mod verdict;
 mod verdicts;
 
 pub use damping::DampingEffect;
+pub(super) use damping::is_damped;
 pub use difference::Difference;
 pub use divergence::Divergence;
 pub use doubt::{Doubt, DoubtKind};
@@ -61,7 +64,8 @@ pub use ensemble::{ClosedLoop, Distribution, FirstDifferentDecision, Measure, Me
 pub use numbers::{Numbers, Predicted};
 pub use parts::Parts;
 pub use pathwise::{EdgeDisplacement, Pathwise, ReferenceError};
-pub use quantity::{FirstDivergence, Open, QuantityVerdict, RunMeasure, Verdicts};
+pub use quantity::{FirstDivergence, Open, QuantityVerdict, Verdicts};
+pub use reduced::RunMeasure;
 pub use seed_runs::SeedRuns;
 pub use settings::{LEAST_MOTION, MakeController, Settings, Tier};
 pub use solution::{Point, Solution};

@@ -7,11 +7,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::displacement::Largest;
-use super::follower::{Follower, InertiaEstimate, jump_share};
+use super::follower::{Follower, InertiaEstimate, jump_lengths, jump_share};
 use crate::analysis::attribution::{Attribution, Disturbance};
 use crate::analysis::trigger::{ByTrigger, Trigger, TriggerKind};
 use crate::backend::springs::{Attachments, pulls_with};
-use crate::backend::{Backend, BackendKind, BackendOptions, Motion, RestoreError, SavedState, Status, Transition, TransitionKind, build};
+use crate::backend::{Backend, BackendKind, BackendOptions, Motion, RestoreError, SavedState, Status, Transition, build};
 use crate::math::{Pose, Vec2};
 use crate::model::System;
 
@@ -58,10 +58,14 @@ const LONGEST_STEP: f64 = 2.5e-3;
 /// Shortest step (s): a stiffer spring is followed as far as that.
 const SHORTEST_STEP: f64 = 1e-5;
 
+/// Step of the load with inertia (s).
+pub fn step_among_obstacles(system: &System) -> f64 {
+    (LONGEST_PHASE / system.fastest_rate()).clamp(SHORTEST_STEP, LONGEST_STEP)
+}
+
 impl AmongObstacles {
     pub fn new(system: &System, start: &Motion, is_rate_independent: bool) -> Self {
-        let step = (LONGEST_PHASE / system.fastest_rate()).clamp(SHORTEST_STEP, LONGEST_STEP);
-        let load = build(system, *start, &BackendOptions::new(BackendKind::Inertial, step));
+        let load = build(system, *start, &BackendOptions::new(BackendKind::Inertial, step_among_obstacles(system)));
         let state = State {
             load: None,
             time: 0.0,
@@ -118,11 +122,9 @@ impl Follower for AmongObstacles {
 
     fn note(&mut self, transitions: &[Transition]) {
         self.meet(transitions);
-        for transition in transitions {
-            if let TransitionKind::Jump { shift, turn, .. } = transition.kind {
-                self.state.jump = Some(self.state.time);
-                self.state.jumps_length += shift + self.system.load.radius * turn.abs();
-            }
+        for length in jump_lengths(transitions, self.system.load.radius) {
+            self.state.jump = Some(self.state.time);
+            self.state.jumps_length += length;
         }
     }
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::displacement::Largest;
 use crate::analysis::trigger::ByTrigger;
-use crate::backend::{RestoreError, Transition};
+use crate::backend::{RestoreError, Transition, TransitionKind};
 use crate::math::{Pose, Vec2};
 
 /// Largest edge displacement that counts as agreement, divided by the path length (1).
@@ -87,6 +87,15 @@ pub(super) trait Follower: Send {
     fn save(&self) -> serde_json::Value;
     /// As [`super::Estimator::restore`].
     fn restore(&mut self, state: &serde_json::Value) -> Result<(), RestoreError>;
+}
+
+/// Edge displacement (m) of each quasi-static jump among the transitions of a load of this radius
+/// (m).
+pub(super) fn jump_lengths(transitions: &[Transition], radius: f64) -> impl Iterator<Item = f64> {
+    transitions.iter().filter_map(move |transition| match transition.kind {
+        TransitionKind::Jump { shift, turn, .. } => Some(shift + radius * turn.abs()),
+        _ => None,
+    })
 }
 
 /// Share of a path length (m) that lies in jumps of this length (m). A jump and the slide after it

@@ -34,6 +34,7 @@ mod slip;
 mod springs;
 mod static_friction;
 
+pub(super) use among_obstacles::step_among_obstacles;
 pub use displacement::Largest;
 pub use estimator::Estimator;
 pub use follower::{CLEAR, InertiaEstimate, TOLERANCE_SHARE};

@@ -4,14 +4,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::displacement::{Displacements, Ends};
-use super::follower::{Follower, InertiaEstimate, jump_share};
+use super::follower::{Follower, InertiaEstimate, jump_lengths, jump_share};
 use super::interval::{Interval, MergedTicks};
 use super::reduced_model::{ModelStep, ReducedModel, Workspace};
 use crate::analysis::attribution::{Attribution, Disturbance};
 use crate::analysis::trigger::{Trigger, TriggerKind};
 use crate::backend::friction::WarmStart;
 use crate::backend::springs::{Attachments, pulls_with};
-use crate::backend::{Motion, RestoreError, Transition, TransitionKind};
+use crate::backend::{Motion, RestoreError, Transition};
 use crate::math::{Pose, Vec2};
 use crate::model::System;
 
@@ -184,11 +184,9 @@ impl Follower for OpenPlane {
     }
 
     fn note(&mut self, transitions: &[Transition]) {
-        for transition in transitions {
-            if let TransitionKind::Jump { shift, turn, .. } = transition.kind {
-                self.state.jump = Some(self.state.time);
-                self.state.jumps_length += shift + self.system.load.radius * turn.abs();
-            }
+        for length in jump_lengths(transitions, self.system.load.radius) {
+            self.state.jump = Some(self.state.time);
+            self.state.jumps_length += length;
         }
     }
 

@@ -114,7 +114,7 @@ pub struct RunArgs {
 pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     let scenario = read_scenario(&args.scenario, args.seed)?;
     let options = options(args, &scenario)?;
-    warn_of_cost("run", &scenario, &ExpectedCost::of_run(&scenario, &options));
+    warn_of_cost("run", &scenario, &expected(args, &scenario, &options));
     warn_of_scenario(&args.scenario, &scenario);
     warn_of_idle(&[args.backend], args.integrator, &args.engine);
     if args.no_estimate && !options.kind.has_inertia_estimate() {
@@ -152,6 +152,10 @@ pub fn run(args: &RunArgs) -> Result<ExitCode, CliError> {
     Ok(args.strict.code(outcome.account.health))
 }
 
+fn expected(args: &RunArgs, scenario: &Scenario, options: &BackendOptions) -> ExpectedCost {
+    if args.no_estimate { ExpectedCost::of_run(scenario, options) } else { ExpectedCost::of_estimated_run(scenario, options) }
+}
+
 /// The run, as far as it got, and what follows it to estimate the inertia effect.
 fn computed<'a>(
     args: &RunArgs,
@@ -175,7 +179,7 @@ fn computed<'a>(
     // Rows that nothing needs again are written as they come.
     let streams = writer.as_ref().is_some_and(RunWriter::streams);
     let passes_on = streams && args.state.is_none() && args.tolerance.is_none() && !args.tips && !args.report;
-    let progress = Progress::start(scenario.duration, args.backend.name()).expecting(ExpectedCost::of_run(scenario, options).time_s);
+    let progress = Progress::start(scenario.duration, args.backend.name()).expecting(expected(args, scenario, options).time_s);
     let computing = || {
         watched_by(progress, |watch| {
             let watch = |time| watch(time) && args.stop_s.is_none_or(|stop| time < stop);
