@@ -48,7 +48,8 @@ Examples:
 Files in DIR: report.html, overview figures, summary.json and manifest.json,
 with --traces those of all runs; with --vary report.html, map.csv, map.svg,
 summary.json and manifest.json; with --threshold report.html, points.csv,
-threshold.svg, summary.json and manifest.json. The seeds of an interrupted
+threshold.svg, summary.json and manifest.json. Maps and thresholds have figures
+for print too, of 88 and 180 mm, as SVG and PDF. The seeds of an interrupted
 closed loop and the points of an interrupted map or search are kept in
 DIR.journal.")]
 pub struct CompareArgs {

@@ -65,9 +65,13 @@ impl Sheet {
     }
 
     /// The SVG with the groups of the `legend` below the panels, each from a new line.
-    pub fn into_svg(mut self, legend: &[Vec<Entry>]) -> String {
+    pub fn into_svg(self, legend: &[Vec<Entry>]) -> String {
+        svg(&self.into_scene(legend))
+    }
+
+    pub(super) fn into_scene(mut self, legend: &[Vec<Entry>]) -> Scene {
         self.scene.height = add_legend(&mut self.scene, legend);
-        svg(&self.scene)
+        self.scene
     }
 }
 

@@ -7,10 +7,11 @@
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use crate::chart::canvas::{empty, plain, svg};
+use crate::chart::canvas::{empty, plain};
 pub use crate::chart::cell_axis::{CellAxis, place};
 pub use crate::chart::level::Level;
 use crate::chart::panel::Style;
+use crate::chart::print::Drawing;
 
 #[derive(Clone, Debug, Default)]
 pub struct CellMap {
@@ -58,13 +59,15 @@ pub const HATCHED: &str = "url(#hatched)";
 pub const CROSSED: &str = "url(#crossed)";
 
 /// Space between panels, above and below them, and above all (px).
-const GAP: f64 = 20.0;
+pub const GAP: f64 = 20.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 48.0;
 const HEAD: f64 = 28.0;
 const LEGEND_LINE: f64 = 23.0;
 /// Mean advance of a letter of the legend (px).
 const LETTER: f64 = 6.6;
+/// The same of the labels of ticks.
+const TICK_LETTER: f64 = 6.2;
 
 const PATTERNS: [&str; 3] = [
     "<pattern id=\"dotted\" width=\"7\" height=\"7\" patternUnits=\"userSpaceOnUse\"><rect width=\"7\" height=\"7\" fill=\"#f2f2f2\"/>\
@@ -77,26 +80,32 @@ const PATTERNS: [&str; 3] = [
 
 /// A page of panels, row by row, with `legend` below, as SVG.
 pub fn cell_maps(title: &str, rows: &[Vec<CellMap>], legend: &[Vec<Key>], size: Size) -> String {
+    cell_drawing(title, rows, legend, size).svg()
+}
+
+/// The same, to be written on a screen or on paper.
+pub fn cell_drawing(title: &str, rows: &[Vec<CellMap>], legend: &[Vec<Key>], size: Size) -> Drawing {
     let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let inner = n_columns.max(size.least_columns) as f64 * (size.width + GAP);
     let width = (inner / n_columns.max(1) as f64 - GAP).min(2.0 * size.width);
     let mut scene = empty(size.left + inner, 0.0);
     scene.defs.extend(PATTERNS.map(str::to_owned));
     text(&mut scene, [8.0, 18.0], TextAnchor::Start, 13, title);
+    let head = if title.is_empty() { 0.0 } else { HEAD };
     let row_height = TOP + size.height + BOTTOM;
     for (row, maps) in rows.iter().enumerate() {
         for (column, map) in maps.iter().enumerate() {
             let left = size.left + column as f64 * (width + GAP);
-            let top = HEAD + row as f64 * row_height + TOP;
+            let top = head + row as f64 * row_height + TOP;
             Area { left, top, width, height: size.height, words: Vec::new() }.draw(&mut scene, map, column == 0);
         }
     }
-    let mut y = HEAD + rows.len() as f64 * row_height + LEGEND_LINE;
+    let mut y = head + rows.len() as f64 * row_height + LEGEND_LINE;
     for keys in legend {
         y = draw_keys(&mut scene, keys, y) + LEGEND_LINE;
     }
     scene.height = y;
-    svg(&scene)
+    Drawing(scene)
 }
 
 /// The cells of a panel on the page (px), and the words on them: middles and half widths.
@@ -198,7 +207,9 @@ impl Area {
             }
         }
         if is_first {
-            let (x, y) = (self.left - 46.0, self.top + 0.5 * self.height);
+            let letters = map.y.ticks.iter().map(|(_, label)| label.chars().count()).max().unwrap_or(0);
+            // Beside the longest label.
+            let (x, y) = (self.left - (14.0 + TICK_LETTER * letters as f64).max(46.0), self.top + 0.5 * self.height);
             turned_text(scene, [x, y], TextAnchor::Middle, 11, &map.y.name, Some(-90.0));
         }
     }
@@ -206,7 +217,7 @@ impl Area {
 
 /// Draws keys from the left, on as many lines as they need; gives the last of these (px).
 fn draw_keys(scene: &mut Scene, keys: &[Key], y: f64) -> f64 {
-    let (first, last) = (60.0, scene.width - 10.0);
+    let (first, last) = ((0.06 * scene.width).min(60.0), scene.width - 10.0);
     let (mut x, mut y, mut lowest) = (first, y, y);
     for key in keys {
         let letters = |name: &String| LETTER * name.chars().count() as f64;

@@ -21,6 +21,7 @@
 //! cells.rs       maps of cells -> SVG
 //! cell_axis.rs   axis of a map of cells: ticks and their labels
 //! level.rs       lines of equal value over a map of cells
+//! print.rs       drawings of one or two columns -> SVG and PDF
 //! ```
 
 pub mod axis;
@@ -33,6 +34,7 @@ mod level;
 pub mod outline;
 pub mod panel;
 pub mod panels;
+pub mod print;
 mod scene;
 pub mod shown;
 pub mod thin;
@@ -40,6 +42,7 @@ mod unit;
 
 use canvas::{Cell, Sheet};
 use panel::{Entry, Panel, Scale, Style};
+use print::Drawing;
 pub use scene::{Labelled, MILLI, Nest, Scene};
 use shown::Seen;
 pub use shown::SeenRows;
@@ -127,12 +130,19 @@ pub fn expected_and_found(traces: &[Labelled; 2], scene: &Scene) -> String {
 /// Panels in rows of `n_columns`, each `width` by `height` (px), with the groups of their legend
 /// below.
 pub fn grid(panels: &[Panel], legend: &[Vec<Entry>], n_columns: usize, width: f64, height: f64) -> String {
-    let mut sheet = Sheet::lettered(n_columns as f64 * width, panels.len().div_ceil(n_columns) as f64 * height);
+    drawing(panels, legend, n_columns, [width, height]).svg()
+}
+
+/// Panels in rows of `n_columns`, each of a size (px), to be written on a screen or on paper. One
+/// panel alone has no letter.
+pub fn drawing(panels: &[Panel], legend: &[Vec<Entry>], n_columns: usize, [width, height]: [f64; 2]) -> Drawing {
+    let size = [n_columns as f64 * width, panels.len().div_ceil(n_columns) as f64 * height];
+    let mut sheet = if panels.len() > 1 { Sheet::lettered(size[0], size[1]) } else { Sheet::new(size[0], size[1]) };
     for (i, panel) in panels.iter().enumerate() {
         let (left, top) = ((i % n_columns) as f64 * width, (i / n_columns) as f64 * height);
         sheet.add(&Cell { panel, left, top, width, height });
     }
-    sheet.into_svg(legend)
+    Drawing(sheet.into_scene(legend))
 }
 
 pub const WORK_HEIGHT: f64 = 420.0;

@@ -2,15 +2,29 @@
 
 use super::point::Point;
 use super::report::Thresholds;
-use crate::vary::report::QUANTITIES;
 use cohaul_report::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use cohaul_report::chart::{TIME_HEIGHT, alone};
+use cohaul_report::chart::print::{Drawing, Width};
+use cohaul_report::chart::{TIME_HEIGHT, alone, drawing};
+use crate::vary::report::QUANTITIES;
 
 /// Smallest share of the tolerance that has a place of its own (1).
 pub const LEAST: f64 = 1e-3;
 
 /// The curves as SVG.
 pub fn figure(found: &Thresholds) -> String {
+    let (panel, legend) = panel(found);
+    alone(&panel, vec![legend], TIME_HEIGHT)
+}
+
+/// The curves for print.
+pub fn figure_for_print(found: &Thresholds, width: Width) -> Drawing {
+    let (panel, legend) = panel(found);
+    let height = if width == Width::OneColumn { 280.0 } else { 400.0 };
+    drawing(&[panel], &[legend], 1, [width.px(), height])
+}
+
+/// The panel and its legend.
+fn panel(found: &Thresholds) -> (Panel, Vec<Entry>) {
     let parameter = &found.parameter;
     let mut panel = Panel::new(&parameter.label(), "inertia effect / tolerance (1)", Scale::LogLog);
     // A logarithmic axis has marks at logarithms.
@@ -26,7 +40,7 @@ pub fn figure(found: &Thresholds) -> String {
     }
     let mut legend: Vec<Entry> = shown.iter().map(|at| Entry::line(QUANTITIES[*at].0, style(*at))).collect();
     legend.push(Entry::line("tolerance", Style::SLIP_LIMIT));
-    alone(&panel, vec![legend], TIME_HEIGHT)
+    (panel, legend)
 }
 
 /// The look of a quantity.

@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
-use super::figure::{LEAST, figure};
+use super::figure::{LEAST, figure, figure_for_print};
 use super::point::Class;
 use super::report::Thresholds;
+use cohaul_report::chart::print::write_for_print;
 use cohaul_report::folder::{FolderError, OutputFolder};
 use cohaul_report::manifest::Manifest;
 use cohaul_report::page::{Answer, Block, Headline, Number, Page, REPORT};
 use cohaul_report::quantity::quantity;
 
-/// Writes `report.html`, `points.csv`, `threshold.svg`, `summary.json` and `manifest.json` to the
-/// folder `target`, or nothing.
+/// Writes `report.html`, `points.csv`, `threshold.svg`, figures for print, `summary.json` and
+/// `manifest.json` to the folder `target`, or nothing.
 ///
 /// # Errors
 /// If the folder may not be written, a number is not finite, or the disk fails.
@@ -21,6 +22,7 @@ pub fn write_thresholds(target: &Path, found: &Thresholds, manifest: &Manifest) 
     folder.write(REPORT, |out| out.write_all(page(found, svg.clone(), manifest).to_html().as_bytes()))?;
     folder.write("points.csv", |out| found.table_of_points().write_csv(out))?;
     folder.write("threshold.svg", |out| out.write_all(svg.as_bytes()))?;
+    write_for_print(&mut folder, "threshold", |width| figure_for_print(found, width))?;
     folder.write_json("summary.json", found)?;
     folder.finish(manifest)
 }

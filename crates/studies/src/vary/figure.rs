@@ -3,27 +3,67 @@
 
 use super::Cell;
 use super::report::{Map, QUANTITIES, share, value_text};
-use crate::sweep::Axis;
 use cohaul::analysis::compare::InertiaAnswer;
-use cohaul::simulation::run_facts::split_unit;
 use cohaul_report::chart::axis::power_label;
-use cohaul_report::chart::cells::{CROSSED, CellAxis, CellMap, DOTTED, HATCHED, Key, Level, Size, cell_maps, viridis};
+use cohaul_report::chart::cells::{CROSSED, CellAxis, CellMap, DOTTED, GAP, HATCHED, Key, Level, Size, cell_drawing, viridis};
 use cohaul_report::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
-use cohaul_report::chart::{COLUMN_WIDTH, PANEL_HEIGHT, grid};
+use cohaul_report::chart::print::{Drawing, Width};
+use cohaul_report::chart::{COLUMN_WIDTH, PANEL_HEIGHT, drawing};
+use cohaul::simulation::run_facts::split_unit;
+use crate::sweep::Axis;
+
+/// How the panels of a figure are laid out.
+struct Layout {
+    /// Maps over two parameters, and panels of curves, side by side.
+    n_columns: [usize; 2],
+    map: Size,
+    /// Most labels at an axis of a map.
+    n_labels: usize,
+    /// Size of a panel of curves (px).
+    curves: [f64; 2],
+    /// Without a title, which a caption has on paper, and with short names of axes.
+    is_printed: bool,
+}
+
+const ON_SCREEN: Layout = Layout {
+    n_columns: [3, 2],
+    map: Size { width: 300.0, height: 220.0, left: 80.0, least_columns: 3 },
+    n_labels: 7,
+    curves: [COLUMN_WIDTH, PANEL_HEIGHT],
+    is_printed: false,
+};
 
 /// The map as SVG.
 pub fn figure(map: &Map) -> String {
+    drawn(map, &ON_SCREEN).svg()
+}
+
+/// The map for print.
+pub fn figure_for_print(map: &Map, width: Width) -> Drawing {
+    const LEFT: f64 = 82.0;
+    let (n_maps, n_curves, height) = match width {
+        Width::OneColumn => (2, 1, 130.0),
+        Width::TwoColumns => (3, 2, 180.0),
+    };
+    let of_panel = (width.px() - LEFT) / n_maps as f64 - GAP;
+    let map_size = Size { width: of_panel, height, left: LEFT, least_columns: n_maps };
+    let curves = [width.px() / n_curves as f64, 205.0];
+    drawn(map, &Layout { n_columns: [n_maps, n_curves], map: map_size, n_labels: 4, curves, is_printed: true })
+}
+
+fn drawn(map: &Map, layout: &Layout) -> Drawing {
     match &map.axes[..] {
-        [y, x] => cells(map, y, x),
-        _ => curves(map),
+        [y, x] => cells(map, y, x, layout),
+        _ => curves(map, layout),
     }
 }
 
 /// Inertia effect over the tolerance, a panel a quantity; the last parameter goes to the right.
-fn cells(map: &Map, y: &Axis, x: &Axis) -> String {
+fn cells(map: &Map, y: &Axis, x: &Axis, layout: &Layout) -> Drawing {
     let n_right = x.n_values().unwrap_or(1) as usize;
     let n_up = map.cells.len() / n_right;
-    let axes = [axis(x, (0..n_right).map(|at| &map.cells[at]), 1), axis(y, (0..n_up).map(|at| &map.cells[at * n_right]), 0)];
+    let axes =
+        [axis(x, (0..n_right).map(|at| &map.cells[at]), 1, layout), axis(y, (0..n_up).map(|at| &map.cells[at * n_right]), 0, layout)];
     let panel = |quantity: &usize| {
         let fills = map.cells.iter().map(|cell| fill(cell, *quantity)).collect();
         let decade = |cell: &Cell| share(cell, *quantity).map_or(f64::NAN, |share| share.max(10.0f64.powi(DECADES[0])).log10());
@@ -33,8 +73,9 @@ fn cells(map: &Map, y: &Axis, x: &Axis) -> String {
         CellMap { title: QUANTITIES[*quantity].0.to_owned(), x, y, fills, levels, ..CellMap::default() }
     };
     let panels: Vec<CellMap> = map.quantities().iter().map(panel).collect();
-    let rows: Vec<Vec<CellMap>> = panels.chunks(3).map(<[CellMap]>::to_vec).collect();
-    cell_maps(&map.scenario, &rows, &legend(map), Size { width: 300.0, height: 220.0, left: 80.0, least_columns: 3 })
+    let rows: Vec<Vec<CellMap>> = panels.chunks(layout.n_columns[0]).map(<[CellMap]>::to_vec).collect();
+    let title = if layout.is_printed { "" } else { &*map.scenario };
+    cell_drawing(title, &rows, &legend(map), layout.map)
 }
 
 /// Decades of the colours: effects beyond them have the colours of the ends.
@@ -85,19 +126,23 @@ fn legend(map: &Map) -> Vec<Vec<Key>> {
     vec![vec![scale], patterns.map(|(fill, name)| Key::Swatch(fill.to_owned(), name.to_owned())).collect()]
 }
 
-/// Labels at up to seven of the values.
-fn axis<'a>(axis: &Axis, cells: impl Iterator<Item = &'a Cell>, parameter: usize) -> CellAxis {
+/// Labels at some of the values.
+fn axis<'a>(axis: &Axis, cells: impl Iterator<Item = &'a Cell>, parameter: usize, layout: &Layout) -> CellAxis {
     let labels: Vec<String> = cells.map(|cell| value_text(&cell.values[parameter])).collect();
     let n = labels.len();
     let tick = |(at, label): (usize, String)| ((at as f64 + 0.5) / n as f64, label);
-    CellAxis { name: for_people(&axis.path), n, ticks: labels.into_iter().enumerate().step_by(n.div_ceil(7)).map(tick).collect() }
+    CellAxis {
+        name: for_people(&axis.path),
+        n,
+        ticks: labels.into_iter().enumerate().step_by(n.div_ceil(layout.n_labels)).map(tick).collect(),
+    }
 }
 
 /// Smallest share of the tolerance that has a place of its own (1).
 pub const LEAST: f64 = 1e-3;
 
 /// Differences over the tolerance, a panel a quantity, and the estimate with the path.
-fn curves(map: &Map) -> String {
+fn curves(map: &Map, layout: &Layout) -> Drawing {
     let numbers: Option<Vec<f64>> = map.cells.iter().map(|cell| cell.values[0].as_f64()).collect();
     // Words stand in their order.
     let places = numbers.unwrap_or_else(|| (0..map.cells.len()).map(|at| at as f64).collect());
@@ -111,8 +156,10 @@ fn curves(map: &Map) -> String {
     };
     let styles = [Style::of_pair(0), Style::of_pair(1), Style::of_trace(2).thin()];
     let panel = |quantity: usize| {
-        let mut panel =
-            Panel::new(&for_people(&map.axes[0].path), &format!("{}: difference / tolerance (1)", QUANTITIES[quantity].0), scale);
+        let (name, label) = (QUANTITIES[quantity].0, "difference / tolerance (1)");
+        let y_label = if layout.is_printed { label.to_owned() } else { format!("{name}: {label}") };
+        let mut panel = Panel::new(&for_people(&map.axes[0].path), &y_label, scale);
+        panel.note = layout.is_printed.then(|| name.to_owned());
         // A logarithmic axis has marks at logarithms.
         panel.marks.push(Mark { at: Across::Horizontal(0.0), style: Style::SLIP_LIMIT });
         panel.curves.push(Curve::new(vec![[low, 0.1], [high, 10.0]], styles[0], Shape::Unseen));
@@ -127,7 +174,7 @@ fn curves(map: &Map) -> String {
     let names = ["inertia effect", "engine error", "estimated inertia effect on the path"];
     let mut legend: Vec<Entry> = names.into_iter().zip(styles).map(|(name, style)| Entry::line(name, style)).collect();
     legend.push(Entry::line("tolerance", Style::SLIP_LIMIT));
-    grid(&panels, &[legend], 2, COLUMN_WIDTH, PANEL_HEIGHT)
+    drawing(&panels, &[legend], layout.n_columns[1], layout.curves)
 }
 
 /// Name of a parameter in words with its unit, such as `load mass (kg)`.

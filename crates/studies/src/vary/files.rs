@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
-use super::figure::{LEAST, figure};
+use super::figure::{LEAST, figure, figure_for_print};
 use super::report::{Map, NUMBERS, rule};
+use cohaul_report::chart::print::write_for_print;
 use cohaul_report::folder::{FolderError, OutputFolder};
 use cohaul_report::manifest::Manifest;
 use cohaul_report::page::{Answer, Block, Headline, Number, Page, REPORT};
 use cohaul_report::quantity::quantity;
 
-/// Writes `report.html`, `map.csv`, `map.svg`, `summary.json` and `manifest.json` to the folder
-/// `target`, or nothing.
+/// Writes `report.html`, `map.csv`, `map.svg`, figures for print, `summary.json` and
+/// `manifest.json` to the folder `target`, or nothing.
 ///
 /// # Errors
 /// If the folder may not be written, a number is not finite, or the disk fails.
@@ -20,6 +21,7 @@ pub fn write_map(target: &Path, map: &Map, manifest: &Manifest) -> Result<(), Fo
     folder.write(REPORT, |out| out.write_all(page(map, svg.clone(), manifest).to_html().as_bytes()))?;
     folder.write("map.csv", |out| map.table().write_csv(out))?;
     folder.write("map.svg", |out| out.write_all(svg.as_bytes()))?;
+    write_for_print(&mut folder, "map", |width| figure_for_print(map, width))?;
     folder.write_json("summary.json", map)?;
     folder.finish(manifest)
 }
