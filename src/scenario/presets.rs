@@ -11,9 +11,8 @@ use crate::model::paper::{self, PrintedParameter};
 
 /// Named set of the ants' parameters.
 ///
-/// Section VII of the paper prints eight of them ([`paper::ANTS`]). The preset "paper", which is
-/// the default, has all eight. The others say which they replace, and why
-/// ([`Preset::departures`]).
+/// Section VII of the paper prints eight of them. The preset "paper", which is the default, has all
+/// eight. The others say which they replace, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {

@@ -8,6 +8,8 @@
 //! links.rs     links, anchors and pictures
 //! numbers.rs   numbers that stand in `results/`; numbers.txt says where
 //! tables.rs    tables that follow from the program
+//! limits.rs    what the program is said not to do
+//! names.rs     names of code, and values of options in the words of the glossary
 //! ```
 //!
 //! `COHAUL_REWRITE=1` writes pages and outputs anew in place of comparing them.
@@ -19,7 +21,9 @@ mod console;
 mod gallery;
 #[path = "../../common/help.rs"]
 mod help;
+mod limits;
 mod links;
+mod names;
 mod numbers;
 #[path = "../../common/root.rs"]
 mod root;
@@ -139,6 +143,33 @@ fn numbers_shown_are_those_of_the_results() {
         left.extend(numbers::unchecked(&path, &text));
     }
     assert!(left.is_empty(), "numbers that nothing checks:\n{}", left.join("\n"));
+}
+
+/// What is said not to be modelled or possible is shown not to be.
+#[test]
+fn denials_are_true() {
+    let schema = serde_json::from_str(&printed(&["scenario", "schema"])).expect("the schema is JSON");
+    let wrong: Vec<String> = pages().iter().flat_map(|path| limits::false_denials(path, &read(path), &schema)).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn pages_for_users_show_no_paths_of_code() {
+    let schema = "docs/src/reference/scenario.schema.json".to_owned();
+    let found: Vec<String> = pages().into_iter().chain([schema]).flat_map(|path| names::code_paths(&path, &read(&path))).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn values_of_options_have_the_words_of_the_glossary() {
+    let wrong = names::badly_explained(&read("docs/src/reference/commands.md"));
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn sentences_of_the_gallery_name_what_the_scenes_have() {
+    let wrong = gallery::quantities_without_a_scene();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

@@ -9,15 +9,37 @@
 //! FILE.json :: /pointer                          a number, or a number in a text
 //! FILE.csv :: field; column=field :: column      of the only row with these fields
 //! FILE :: words :: #2                            third number in the only line with these words
+//! code :: FILE.rs :: words :: #2                 the same of the program's sources
 //! ```
 //!
 //! A last part changes the number: `*1e3` scales it, `inverse` is one over it, `size` is without
 //! sign, `count` is nothing where it is missing, `under` is any bound that is above it and at most
 //! twice as large. Two places with ` over ` between them are a ratio.
+//!
+//! Two rules find a number that nothing checks: on every page those beside which a file of
+//! `results/` is named, and on the pages about the program ([`OF_PROGRAM`]) those that have a unit
+//! or three significant digits.
 
 use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
 
-use super::read;
+use super::{read, root};
+
+/// Pages whose numbers are those of the program: bounds, defaults and times.
+const OF_PROGRAM: [&str; 6] = [
+    "README.md",
+    "docs/src/introduction.md",
+    "docs/src/runs.md",
+    "docs/src/live.md",
+    "docs/src/ensembles.md",
+    "docs/src/where-inertia-matters.md",
+];
+/// Units after which a number is a statement.
+const UNITS: [&str; 26] = [
+    "%", "s", "ms", "µs", "m", "mm", "µm", "nm", "kg", "g", "N", "mN", "rad", "mrad", "J", "MB", "MiB", "GiB", "m/s", "mm/s", "N/m",
+    "seconds", "minutes", "hours", "times", "threads",
+];
 
 /// Words of a page, and the places of their numbers; none where they are not measured.
 struct Stated {
@@ -112,9 +134,12 @@ fn of_results(place: &str) -> (f64, bool) {
     if let Some((above, below)) = place.split_once(" over ") {
         return (of_results(above).0 / of_results(below).0, false);
     }
-    let parts: Vec<&str> = place.split(" :: ").collect();
-    let file = format!("results/{}", parts[0]);
-    let text = read(&file);
+    let of_code = place.strip_prefix("code :: ");
+    let parts: Vec<&str> = of_code.unwrap_or(place).split(" :: ").collect();
+    let (file, text) = match of_code {
+        Some(_) => (parts[0].to_owned(), source(parts[0], parts[1])),
+        None => (format!("results/{}", parts[0]), read(&format!("results/{}", parts[0]))),
+    };
     let (found, rest) = match file.rsplit('.').next() {
         Some("json") => {
             let all: serde_json::Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{file}: {error}"));
@@ -124,7 +149,7 @@ fn of_results(place: &str) -> (f64, bool) {
         }
         Some("csv") => (of_table(&text, place, parts[1], parts[2]), &parts[3..]),
         _ => {
-            let lines: Vec<&str> = text.lines().filter(|line| line.contains(parts[1])).collect();
+            let lines: Vec<&str> = text.lines().filter(|line| of_code.is_some() || line.contains(parts[1])).collect();
             assert_eq!(lines.len(), 1, "{place}: not one line");
             let nth: usize = parts[2].trim_start_matches('#').parse().expect("the place of a number in its line");
             let all = numbers(lines[0]);
@@ -144,6 +169,28 @@ fn of_results(place: &str) -> (f64, bool) {
             (found * scale.trim_start_matches('*').parse::<f64>().unwrap_or_else(|_| panic!("{place}: {scale}")), is_bound)
         }
     }
+}
+
+/// The only line with these words in the sources of this name, wherever they stand, or the line of
+/// the manifest that begins with them. Digits are written without the lines between them.
+fn source(name: &str, words: &str) -> String {
+    let mut folders: Vec<PathBuf> = ["src", "crates", "tests"].map(|folder| root().join(folder)).to_vec();
+    let mut lines: Vec<String> = Vec::new();
+    if name == "Cargo.toml" {
+        return read(name).lines().find(|line| line.starts_with(words)).unwrap_or_else(|| panic!("{name} :: {words}")).to_owned();
+    }
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(&folder).into_iter().flatten().map(|entry| entry.expect("a folder can be read").path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name() == Path::new(name).file_name() {
+                let text = fs::read_to_string(&path).expect("a source");
+                lines.extend(text.lines().filter(|line| line.contains(words)).map(|line| line.replace('_', "")));
+            }
+        }
+    }
+    assert_eq!(lines.len(), 1, "{name} :: {words}: not one line");
+    lines.remove(0)
 }
 
 fn of_table(text: &str, place: &str, fields: &str, column: &str) -> f64 {
@@ -254,20 +301,63 @@ fn with_source(text: &str) -> Vec<(usize, &str)> {
     (0..parts.len()).filter(is_measured).map(|at| parts[at]).collect()
 }
 
-/// Numbers of a page beside which a file of `results/` is named, and which nothing checks.
+/// Numbers of a page beside which a file of `results/` is named, and of a page about the program
+/// all that have a unit or three digits, which nothing checks.
 pub fn unchecked(path: &str, text: &str) -> Vec<String> {
     let checked: Vec<Written> = stated(path).iter().filter_map(|stated| places(text, stated.words)).flatten().collect();
+    let is_of_program = OF_PROGRAM.contains(&path);
+    let measured = with_source(text);
     let mut left = Vec::new();
-    for (begin, part) in with_source(text) {
+    let among_code = measured.iter().filter(|(at, _)| prose(text).iter().all(|(begin, _)| begin != at));
+    for (begin, part) in prose(text).into_iter().chain(among_code.copied()) {
         let plain = without_code(part);
-        for number in numbers(&plain).into_iter().filter(|number| !is_label(&plain, number.from)) {
+        let is_measured = measured.iter().any(|(at, _)| *at == begin);
+        let is_wanted = |number: &Written| is_measured || is_of_program && !part.starts_with('|') && is_statement(&plain, number);
+        for number in numbers(&plain).into_iter().filter(|number| !is_label(&plain, number.from) && is_wanted(number)) {
             let (from, to) = (begin + number.from, begin + number.to);
             if !checked.iter().any(|one| one.from == from) {
-                left.push(format!("{path}: {} in: {}", &text[from..to], part.lines().next().unwrap_or_default()));
+                let line = text[..from].matches('\n').count() + 1;
+                left.push(format!("{path}:{line}: {} in: {}", &text[from..to], part.lines().next().unwrap_or_default()));
             }
         }
     }
     left
+}
+
+/// Whether a number has a unit or three digits. The numbers of a range share the unit of the last.
+fn is_statement(text: &str, number: &Written) -> bool {
+    let digits = &text[number.from..number.to];
+    if digits.matches('.').count() > 1 {
+        return !is_known_version(digits);
+    }
+    let mut words = text[number.to..].split_whitespace();
+    let after: Vec<&str> = words.by_ref().take(3).map(|word| word.trim_end_matches(['.', ',', ';', ':', ')'])).collect();
+    let is_year = ["19", "20"].iter().any(|century| digits.len() == 4 && digits.starts_with(century));
+    let has_unit = |at: usize| after.get(at).is_some_and(|word| UNITS.contains(word));
+    let is_range = ["to", "and", "or"].iter().any(|word| after.first() == Some(word)) && has_unit(2);
+    has_unit(0) || is_range || !is_year && digits.trim_start_matches(['0', '.']).bytes().filter(u8::is_ascii_digit).count() >= 3
+}
+
+/// Whether a number such as 1.2.3 is the version of something that the manifest names, or an
+/// address.
+fn is_known_version(digits: &str) -> bool {
+    digits.matches('.').count() > 2 || read("Cargo.toml").contains(&format!("{digits}\""))
+}
+
+/// Paragraphs of a page outside of code blocks, comments and pictures, with the places where they
+/// begin.
+fn prose(text: &str) -> Vec<(usize, &str)> {
+    let (mut at, mut is_code) = (0, false);
+    let mut found = Vec::new();
+    for part in text.split("\n\n") {
+        let begins_in_code = is_code;
+        is_code ^= part.lines().filter(|line| line.trim_start().starts_with("```")).count() % 2 == 1;
+        if !begins_in_code && !part.starts_with("![") && !part.starts_with("<!--") && !part.contains("```") {
+            found.push((at, part));
+        }
+        at += part.len() + 2;
+    }
+    found
 }
 
 /// Whether a place lies in the head of a table, or in the first cell of a row.

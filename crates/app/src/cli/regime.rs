@@ -39,7 +39,7 @@ pub fn regime(args: &RegimeArgs) -> Result<ExitCode, CliError> {
     let effort = Effort::of(args.quick);
     let scenes: Vec<Scene> = Scene::ALL.into_iter().filter(|scene| args.scene.is_empty() || args.scene.contains(scene)).collect();
     let maps: Vec<Grid> = scenes.iter().map(|scene| Grid::of(*scene, effort)).collect();
-    let grids: Vec<Grid> = maps.iter().cloned().chain(scenes.iter().map(|scene| Grid::paper(*scene))).collect();
+    let grids: Vec<Grid> = maps.iter().cloned().chain(scenes.iter().map(|scene| Grid::of_short_pulls(*scene))).collect();
     let asked = json!({ "scenes": scenes, "effort": effort });
     let started = SystemTime::now();
     let mut finished = resumable::run("regime", &asked, &regime::tasks(&grids), args.output.out.as_deref())?;

@@ -4,7 +4,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::regime::theory::{EPSILON_MAX, PHI_MIN, ZETA_MIN};
-use crate::regime::{Cell, Grid, Law, PAPER_PHIS, PAPER_SPEEDS, RELATIVE_TOLERANCE, Scene, epsilon_of, theory};
+use crate::regime::{Cell, Grid, Law, PAPER_SPEEDS, RELATIVE_TOLERANCE, SHORT_PHIS, Scene, epsilon_of, theory};
+use crate::verify::scenes::natural_rate;
 use cohaul_report::chart::cells::{CROSSED, CellAxis, CellMap, DOTTED, HATCHED, Key, Level, Size, cell_maps, place, viridis};
 use cohaul_report::chart::panel::Style;
 
@@ -146,8 +147,8 @@ fn displacement(grid: &Grid, zeta: f64, cells: &[&Cell]) -> CellMap {
     }
 }
 
-/// The axes of a panel, its rules and the place of the paper's ants: from their shortest to their
-/// longest attachment, a bar a speed.
+/// The axes of a panel, its rules and the place of short pulls at the speeds of the paper's ants, a
+/// bar a speed.
 fn plane(grid: &Grid, zeta: f64) -> CellMap {
     let last = grid.phis[grid.phis.len() - 1] * 2.0;
     let (lowest, highest) = (0.5 * grid.epsilons[0], 2.0 * grid.epsilons[grid.epsilons.len() - 1]);
@@ -156,7 +157,7 @@ fn plane(grid: &Grid, zeta: f64) -> CellMap {
     if zeta >= ZETA_MIN {
         lines.push((vec![at(PHI_MIN, lowest), at(PHI_MIN, EPSILON_MAX), at(last, EPSILON_MAX)], RULE));
     }
-    let bar = |speed| [PAPER_PHIS[0], PAPER_PHIS[PAPER_PHIS.len() - 1]].map(|phi| at(phi, epsilon_of(speed)));
+    let bar = |speed| ends_of_short_pulls().map(|phi| at(phi, epsilon_of(speed)));
     CellMap {
         x: CellAxis::decades("Phi = omega_n T_e", &grid.phis, 7),
         y: CellAxis::decades("epsilon = v √(k m) / f", &grid.epsilons, 8),
@@ -202,11 +203,18 @@ fn blank(cell: &Cell) -> String {
     .to_owned()
 }
 
-/// What stands for cells without a number, and for the paper's ants.
+fn ends_of_short_pulls() -> [f64; 2] {
+    [SHORT_PHIS[0], SHORT_PHIS[SHORT_PHIS.len() - 1]]
+}
+
+/// What stands for cells without a number, and for short pulls.
 fn without_number() -> Vec<Key> {
     let patterns = [(HATCHED, "inconclusive"), (DOTTED, "nothing moves"), (CROSSED, "no path found")];
     let patterns = patterns.map(|(fill, name)| Key::Swatch(fill.to_owned(), name.to_owned()));
-    patterns.into_iter().chain([Key::Bar("the paper's ants: 30, 40, 80 mm/s".to_owned())]).collect()
+    let [shortest, longest] = ends_of_short_pulls().map(|phi| phi / natural_rate());
+    let speeds = PAPER_SPEEDS.map(|speed| format!("{:.0}", 1e3 * speed)).join(", ");
+    let pulls = Key::Bar(format!("pulls of {shortest:.1} to {longest:.1} s at {speeds} mm/s"));
+    patterns.into_iter().chain([pulls]).collect()
 }
 
 const RULE_NAME: &str = "Phi = pi/2; rule of thumb: quasi-static is valid in the corner";

@@ -29,9 +29,9 @@ impl Grid {
         Self { scene, phis: by_factors(0.3, longest, n), epsilons: by_factors(slowest, 1.0, n), zetas }
     }
 
-    /// Where the paper's ants work: tips at 30, 40 and 80 mm/s, attached for 0.1 to 0.3 s.
-    pub fn paper(scene: Scene) -> Self {
-        Self { scene, phis: PAPER_PHIS.to_vec(), epsilons: PAPER_SPEEDS.map(epsilon_of).to_vec(), zetas: vec![0.0] }
+    /// The paper's load on tips with the speeds of its ants that are attached for 0.1 to 0.3 s.
+    pub fn of_short_pulls(scene: Scene) -> Self {
+        Self { scene, phis: SHORT_PHIS.to_vec(), epsilons: PAPER_SPEEDS.map(epsilon_of).to_vec(), zetas: vec![0.0] }
     }
 
     pub fn n_cells(&self) -> usize {
@@ -46,8 +46,8 @@ impl Grid {
 
 /// Speeds of the paper's tips (m/s).
 pub const PAPER_SPEEDS: [f64; 3] = [0.03, 0.04, 0.08];
-/// omega_n T_e of the paper's ants, from their shortest to their longest attachment.
-pub const PAPER_PHIS: [f64; 3] = [2.0, 4.0, 6.0];
+/// omega_n T_e of ants that pull for a short time. Those of the default preset pull longer.
+pub const SHORT_PHIS: [f64; 3] = [2.0, 4.0, 6.0];
 
 /// Epsilon of the paper's load with tips at this speed (m/s).
 pub fn epsilon_of(speed: f64) -> f64 {

@@ -36,7 +36,7 @@ pub mod theory;
 pub use crate::runner::Effort;
 pub use cell::Cell;
 pub use law::{Cause, Law, LawOutcome};
-pub use map::{Grid, PAPER_PHIS, PAPER_SPEEDS, cells, epsilon_of, tasks};
+pub use map::{Grid, PAPER_SPEEDS, SHORT_PHIS, cells, epsilon_of, tasks};
 pub use scene::{Scene, Setting, Staged};
 pub use script::{Act, Cue, Script};
 

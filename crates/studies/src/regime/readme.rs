@@ -118,5 +118,8 @@ fn paper(found: &Regime) -> String {
         let displacement = plain(cell.displacement_ratio()) + &expected(predicted);
         table.push([cell.scene.name().to_owned(), phi.to_string(), format!("{epsilon:.4}"), percent(distance), displacement]);
     }
-    format!("## Where the paper's ants work\n\nUndamped; displacement by theory in brackets.\n\n{}", table.markdown())
+    format!(
+        "## Short pulls at the speeds of the paper's ants\n\nThe springs are undamped. The displacement by theory stands in brackets.\n\n{}",
+        table.markdown()
+    )
 }

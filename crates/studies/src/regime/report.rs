@@ -20,7 +20,7 @@ pub struct Regime {
     pub maps: Vec<MapLine>,
     pub laws: Vec<LawOutcome>,
     pub rule: Vec<RuleLine>,
-    /// Where the paper's ants work.
+    /// Short pulls at the speeds of the paper's ants.
     #[serde(serialize_with = "as_table")]
     pub paper: Vec<Cell>,
     #[serde(skip)]

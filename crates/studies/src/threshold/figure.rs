@@ -2,10 +2,10 @@
 
 use super::point::Point;
 use super::report::Thresholds;
+use crate::vary::report::QUANTITIES;
 use cohaul_report::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use cohaul_report::chart::print::{Drawing, Width};
 use cohaul_report::chart::{TIME_HEIGHT, alone, drawing};
-use crate::vary::report::QUANTITIES;
 
 /// Smallest share of the tolerance that has a place of its own (1).
 pub const LEAST: f64 = 1e-3;

@@ -3,14 +3,14 @@
 
 use super::Cell;
 use super::report::{Map, QUANTITIES, share, value_text};
+use crate::sweep::Axis;
 use cohaul::analysis::compare::InertiaAnswer;
+use cohaul::simulation::run_facts::split_unit;
 use cohaul_report::chart::axis::power_label;
 use cohaul_report::chart::cells::{CROSSED, CellAxis, CellMap, DOTTED, GAP, HATCHED, Key, Level, Size, cell_drawing, viridis};
 use cohaul_report::chart::panel::{Across, Curve, Entry, Mark, Panel, Scale, Shape, Style};
 use cohaul_report::chart::print::{Drawing, Width};
 use cohaul_report::chart::{COLUMN_WIDTH, PANEL_HEIGHT, drawing};
-use cohaul::simulation::run_facts::split_unit;
-use crate::sweep::Axis;
 
 /// How the panels of a figure are laid out.
 struct Layout {
