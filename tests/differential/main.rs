@@ -12,12 +12,16 @@
 //! estimate.rs            the inertia estimate of random scenes against their inertia effect
 //! integrator.rs          an independent solution with inertia
 //! against_integrator.rs  random scenes against that solution
+//! cost.rs     a survey of the cost of error control
 //! ```
 //!
 //! `random_scene.rs` and `variant.rs` make the scenes of `pairs.rs` and their other poses. Where
 //! the variable `COHAUL_DUMP` names a folder, scenes that are unequal are written there.
 
 mod against_integrator;
+#[path = "../contact/random_scene.rs"]
+mod contact_scene;
+mod cost;
 mod draws;
 mod estimate;
 mod integrator;
